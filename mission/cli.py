@@ -1,0 +1,62 @@
+"""The command line: names and help only; each command's module is imported when it is called.
+
+A new command is one file in ``mission.commands`` with a click command named ``command``, and one
+row here.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+
+import click
+
+from mission import __version__
+
+# name -> module in mission.commands, in the order of the help page
+COMMANDS = {
+    "demo": "demo",
+    "simulate": "simulate",
+    "check": "check",
+    "convert": "convert",
+    "fmt": "fmt",
+    "schema": "schema",
+    "graph": "graph",
+    "diff": "diff",
+    "serve": "serve",
+    "upload": "operator",
+    "start": "operator",
+    "clear": "operator",
+    "status": "operator",
+    "stop": "operator",
+    "surface": "operator",
+    "replay": "replay",
+    "decode": "decode",
+    "encode": "encode",
+    "find-crc": "find_crc",
+    "report": "report",
+    "calibrate": "calibrate",
+    "doctor": "doctor",
+}
+
+
+class _Lazy(click.Group):
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return [name for name in COMMANDS if _exists(COMMANDS[name])]
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        if name not in COMMANDS or not _exists(COMMANDS[name]):
+            return None
+        module = importlib.import_module(f"mission.commands.{COMMANDS[name]}")
+        found: click.Command = getattr(module, name.replace("-", "_"))
+        return found
+
+
+def _exists(module: str) -> bool:
+    return importlib.util.find_spec(f"mission.commands.{module}") is not None
+
+
+@click.group(cls=_Lazy, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="auvmission")
+def main() -> None:
+    """Write, check, fly and replay missions of autonomous underwater vehicles."""

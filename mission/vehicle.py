@@ -1,0 +1,224 @@
+"""The vehicle file: limits, rates, calibration, dialect, and what the vehicle can tell and do.
+
+    VehicleError      (the author of the vehicle file must act; says key and what instead)
+
+What does not live here: frames and dialects themselves (protocol.vehicles).
+"""
+
+from __future__ import annotations
+
+import itertools
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from mission.units import UnitError, quantity
+
+
+class VehicleError(ValueError):
+    """A vehicle file cannot be used; the message names file, key and remedy."""
+
+
+@dataclass(frozen=True, slots=True)
+class HardLimits:
+    radius: float
+    time: float
+    depth: float
+    voltage: float
+    descent_rate: float
+    roll: float
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """A piecewise linear table, held at its ends; ``x`` rises strictly, ``y`` does not fall."""
+
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+
+    def at(self, x: float) -> float:
+        if x <= self.x[0]:
+            return self.y[0]
+        if x >= self.x[-1]:
+            return self.y[-1]
+        i = bisect_right(self.x, x)
+        share = (x - self.x[i - 1]) / (self.x[i] - self.x[i - 1])
+        return self.y[i - 1] + share * (self.y[i] - self.y[i - 1])
+
+    def inverse(self, y: float) -> float:
+        """The smallest x that reaches y (held at the ends)."""
+        for i in range(1, len(self.x)):
+            if self.y[i] >= y > self.y[i - 1]:
+                share = (y - self.y[i - 1]) / (self.y[i] - self.y[i - 1])
+                return self.x[i - 1] + share * (self.x[i] - self.x[i - 1])
+        return self.x[0] if y <= self.y[0] else self.x[-1]
+
+
+@dataclass(frozen=True, slots=True)
+class Battery:
+    usable: float  # J
+    hotel: float  # W
+    vertical: float  # W while diving or thrusting up
+
+
+@dataclass(frozen=True, slots=True)
+class Sensors:
+    """One sigma of each, and the period of the telemetry in s."""
+
+    depth: float
+    altitude: float
+    heading: float
+    heading_bias: float
+    fix: float
+    telemetry_period: float
+
+
+@dataclass(frozen=True, slots=True)
+class Vehicle:
+    name: str
+    codec: str
+    dialect: str
+    tolerances: Mapping[str, str]
+    limits: HardLimits
+    reports: frozenset[str]
+    follows: frozenset[str]
+    constant_batteries: bool
+    battery_scale: tuple[float, float]
+    one_speed: bool
+    speed_by_gear: Curve
+    dive_rate: float
+    ascent_buoyancy: float
+    ascent_thrust: float
+    turn_rate: float
+    current: float
+    battery: Battery
+    thruster_power: Curve
+    sensors: Sensors
+    declination: float | None  # rad; None: from the world magnetic model
+    compass_bias: float  # rad
+
+
+def missions_folder() -> Path:
+    """The shipped missions/: in the wheel inside this package, in a checkout beside it."""
+    here = Path(__file__).resolve().parent
+    shipped = here / "missions"
+    return shipped if shipped.is_dir() else here.parent / "missions"
+
+
+def load_vehicle(name: str | Path) -> Vehicle:
+    """A vehicle by the name of a shipped file or by path. Raises VehicleError."""
+    path = Path(name)
+    if path.suffix not in (".yaml", ".yml"):
+        path = missions_folder() / "vehicles" / f"{name}.yaml"
+    try:
+        data = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        known = ", ".join(sorted(p.stem for p in (missions_folder() / "vehicles").glob("*.yaml")))
+        raise VehicleError(f"no vehicle file {path}; shipped ones: {known}") from None
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise VehicleError(f"{path}: cannot be read: {error}") from error
+    if not isinstance(data, dict):
+        raise VehicleError(f"{path}: a vehicle file is a table of keys")
+    return _vehicle(_Keys(str(path), data))
+
+
+class _Keys:
+    """Typed access to one table of the file; every failure names file and key."""
+
+    def __init__(self, where: str, data: Mapping[Any, Any]) -> None:
+        self.where, self.data = where, data
+
+    def get(self, key: str) -> Any:
+        if key not in self.data:
+            raise VehicleError(f"{self.where}: the key {key} is missing")
+        return self.data[key]
+
+    def number(self, key: str, unit: str) -> float:
+        try:
+            return quantity(self.get(key), unit)
+        except UnitError as error:
+            raise VehicleError(f"{self.where}: {key}: {error}") from None
+
+    def flag(self, key: str) -> bool:
+        value = self.get(key)
+        if not isinstance(value, bool):
+            raise VehicleError(f"{self.where}: {key}: write true or false, not {value!r}")
+        return value
+
+    def text(self, key: str) -> str:
+        return str(self.get(key))
+
+    def table(self, key: str) -> _Keys:
+        value = self.get(key)
+        if not isinstance(value, dict):
+            raise VehicleError(f"{self.where}: {key}: a table is needed, not {value!r}")
+        return _Keys(f"{self.where}: {key}", value)
+
+    def true_keys(self, key: str) -> frozenset[str]:
+        table = self.table(key)
+        return frozenset(str(name) for name in table.data if table.flag(name))
+
+    def curve(self, key: str, unit: str) -> Curve:
+        table = self.table(key)
+        try:
+            rows = sorted((float(x), quantity(y, unit)) for x, y in table.data.items())
+        except (UnitError, TypeError, ValueError) as error:
+            raise VehicleError(f"{self.where}: {key}: {error}") from None
+        if len(rows) < 2 or _falls([y for _, y in rows]):
+            raise VehicleError(f"{self.where}: {key}: two or more rows that do not fall are needed")
+        return Curve(tuple(x for x, _ in rows), tuple(y for _, y in rows))
+
+
+def _falls(values: Sequence[float]) -> bool:
+    return any(b < a for a, b in itertools.pairwise(values))
+
+
+def _vehicle(keys: _Keys) -> Vehicle:
+    limits, sensors, compass = keys.table("limits"), keys.table("sensors"), keys.table("compass")
+    battery, scale = keys.table("battery"), keys.table("battery_scale")
+    declination = compass.get("declination")
+    return Vehicle(
+        name=keys.text("vehicle"),
+        codec=keys.text("codec"),
+        dialect=keys.text("dialect"),
+        tolerances={str(k): str(v) for k, v in keys.table("tolerances").data.items()},
+        limits=HardLimits(
+            radius=limits.number("radius", "m"),
+            time=limits.number("time", "min"),
+            depth=limits.number("depth", "m"),
+            voltage=limits.number("voltage", "V"),
+            descent_rate=limits.number("descent_rate", "m/s"),
+            roll=limits.number("roll", "deg"),
+        ),
+        reports=keys.true_keys("reports"),
+        follows=keys.true_keys("follows"),
+        constant_batteries=keys.flag("constant_batteries"),
+        battery_scale=(scale.number("control", ""), scale.number("power", "")),
+        one_speed=keys.flag("one_speed"),
+        speed_by_gear=keys.curve("speed_by_gear", "m/s"),
+        dive_rate=keys.number("dive_rate", "m/s"),
+        ascent_buoyancy=keys.number("ascent_buoyancy", "m/s"),
+        ascent_thrust=keys.number("ascent_thrust", "m/s"),
+        turn_rate=keys.number("turn_rate", "deg/s"),
+        current=keys.number("current", "m/s"),
+        battery=Battery(
+            usable=battery.number("usable", "Wh"),
+            hotel=battery.number("hotel", "W"),
+            vertical=battery.number("vertical", "W"),
+        ),
+        thruster_power=keys.curve("thruster_power", "W"),
+        sensors=Sensors(
+            depth=sensors.number("depth", "m"),
+            altitude=sensors.number("altitude", "m"),
+            heading=sensors.number("heading", "deg"),
+            heading_bias=sensors.number("heading_bias", "deg"),
+            fix=sensors.number("fix", "m"),
+            telemetry_period=sensors.number("telemetry_period", "s"),
+        ),
+        declination=None if declination == "auto" else compass.number("declination", "deg"),
+        compass_bias=compass.number("bias_deg", "deg"),
+    )

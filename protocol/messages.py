@@ -1,0 +1,220 @@
+"""The vocabulary: what every codec yields and accepts, whatever the bytes look like.
+
+Everything here is SI and radians; degrees, gears and counts end in the codecs. ``None`` means
+"not reported". Names are the field's: heading is where the bow points (clockwise from north,
+[0, 2 pi)), depth is below the surface, altitude above the bottom, heave is positive down (SNAME).
+
+What does not live here: layouts (the vehicle's file), framing, rules of retry.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class Telemetry:
+    """One report of the vehicle's own sensors.
+
+    ``t`` is the engine's time at the arrival of the frame's first byte (R10). ``heading`` is as
+    the compass gives it (magnetic, uncorrected). ``actuators`` are fractions -1..1 of full thrust
+    in the order of the vehicle's row, rudders in rad where the vehicle reports them so.
+    ``velocity`` is through the water, body axes (forward, starboard, down). ``faults`` names
+    fields that were kept but are doubtful (``field:reason``).
+    """
+
+    t: float
+    depth: float | None = None
+    altitude: float | None = None
+    heading: float | None = None
+    pitch: float | None = None  # nose up positive
+    roll: float | None = None  # starboard down positive
+    temperature_c: float | None = None
+    magnetic: tuple[float, ...] | None = None  # T, three axes per magnetometer
+    actuators: tuple[float, ...] | None = None
+    batteries: tuple[float | None, ...] | None = None  # V: control, power
+    position: tuple[float, float] | None = None  # latitude, longitude, rad
+    velocity: tuple[float, float, float] | None = None
+    leak: bool | None = None
+    faults: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """One valid position from a GPS receiver; an invalid one never becomes a Fix."""
+
+    t: float
+    latitude: float  # rad
+    longitude: float  # rad
+    accuracy: float  # m, horizontal, one sigma per axis
+    speed: float | None = None  # m/s over ground
+    course: float | None = None  # rad over ground
+    hdop: float | None = None
+    elevation: float | None = None  # m
+    satellites: int | None = None
+    utc: str | None = None  # YYYY-MM-DDThh:mm:ss, where the sentence carries a date
+
+
+@dataclass(frozen=True, slots=True)
+class Setpoint:
+    """A complete set of what the vehicle shall hold; an axis that is None is not controlled.
+
+    ``surge`` and ``turn`` (starboard positive) are fractions -1..1; of ``depth``, ``altitude`` and
+    ``heave`` (positive down, -1..1) at most one is set.
+    """
+
+    surge: float = 0.0
+    turn: float = 0.0
+    heave: float | None = None
+    heading: float | None = None  # rad
+    depth: float | None = None  # m
+    altitude: float | None = None  # m
+    pitch: float | None = None  # rad
+    roll: float | None = None  # rad
+
+
+class Order(enum.Enum):
+    """The two safety commands, which are no setpoints and overtake everything."""
+
+    STOP = "stop"  # all thrusters off (AUV: ZAX0)
+    SURFACE = "surface"  # emergency surfacing (AUV: ZAWF)
+
+
+@dataclass(frozen=True, slots=True)
+class Ack:
+    """An acknowledgement ``@ACK_`` class function result.
+
+    ``result`` is the raw byte: ``S``/``N`` for settings, ``Y``/``N`` for Z, a mask for NI and RI.
+    """
+
+    t: float
+    group: str  # N A S R Z
+    function: str  # second letter; for Z the code that is acknowledged (as-built: always A)
+    result: int
+
+    @property
+    def ok(self) -> bool:
+        return self.result != ord("N")
+
+
+@dataclass(frozen=True, slots=True)
+class FrameFault:
+    """Bytes that belong to no accepted frame. A value, never an exception."""
+
+    offset: int  # of the first byte, from the start of the stream
+    kind: str  # protocols.md section 7: truncated, bad_header, bad_checksum, ...
+    length: int  # bytes
+
+
+# --- what an operator says (seed 000, tables 1.1 and 1.2) ------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class NodeSwitch:  # @NS
+    switches: str  # six letters O/C: Pi, STM32, BDGPS, UACM, CAMERA, AUTO
+
+
+@dataclass(frozen=True, slots=True)
+class NodeQuery:  # @NI
+    pass
+
+
+@dataclass(frozen=True, slots=True)
+class StartMission:  # @AA
+    pass
+
+
+@dataclass(frozen=True, slots=True)
+class ClearMission:  # @AC
+    pass
+
+
+@dataclass(frozen=True, slots=True)
+class MissionLine:  # @AW
+    total: int
+    current: int  # from 1
+    payload: str
+
+
+@dataclass(frozen=True, slots=True)
+class StoreQuery:  # @AQ (R4)
+    pass
+
+
+@dataclass(frozen=True, slots=True)
+class StoreReport:  # @AR (R4)
+    state: str  # empty, staging, ready, running
+    total: int
+    have: int
+    missing: str  # "3-5.9" or ""
+    digest: str  # 16 hex digits or ""
+    refusal: str  # the last one, "" if none
+
+
+@dataclass(frozen=True, slots=True)
+class SetTime:  # @ST
+    time: str  # YYYY-MM-DDThh:mm:ss, local time of the topside
+
+
+@dataclass(frozen=True, slots=True)
+class SetSafety:  # @SP; None keeps the previous value
+    radius: float | None = None  # m
+    time: float | None = None  # s
+    depth: float | None = None  # m
+    voltage: float | None = None  # V
+
+
+@dataclass(frozen=True, slots=True)
+class DataQuery:  # @DU
+    pass
+
+
+@dataclass(frozen=True, slots=True)
+class Relay:
+    """A frame for the STM32 that the Pi passes on unchanged: R, rudder ``@DA``/``@DS``."""
+
+    kind: str  # RS, RI, D
+    frame: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Manual:
+    """Any M command: relayed unchanged, and it takes the vehicle into manual (R6)."""
+
+    kind: str  # MT MD MM MR MS MP
+    frame: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Emergency:
+    """``@ZAX0$`` or ``@ZAWF$`` from a topside connection (R7)."""
+
+    order: Order
+
+
+Command = (
+    NodeSwitch
+    | NodeQuery
+    | StartMission
+    | ClearMission
+    | MissionLine
+    | StoreQuery
+    | SetTime
+    | SetSafety
+    | DataQuery
+    | Relay
+    | Manual
+    | Emergency
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """What one ``@VS`` carries (seed 000, table 2.1.2), SI and radians; None is an empty field."""
+
+    time: str  # YYYY-MM-DDThh:mm:ss
+    fix: Fix | None = None
+    telemetry: Telemetry | None = None
+    heading: float | None = None
+    extras: tuple[str, ...] = field(default=())

@@ -1,0 +1,1 @@
+"""One file per vehicle: its frame table, Telemetry in, Setpoint out."""
