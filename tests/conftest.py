@@ -1,0 +1,19 @@
+"""Shared by all rooms: where the real recordings are, if they are here."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+@pytest.fixture(scope="session")
+def recordings() -> Path:
+    """The folder of real recordings; AUVMISSION_DATA, or ../shared/data beside the project."""
+    folder = Path(os.environ.get("AUVMISSION_DATA", ROOT.parent / "shared" / "data"))
+    if not folder.is_dir():
+        pytest.skip(f"no recordings at {folder}: set AUVMISSION_DATA to their folder")
+    return folder
