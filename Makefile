@@ -1,0 +1,37 @@
+# Every target sets itself up: its own virtual environment, nothing but python 3.11+ and pip.
+PYTHON ?= python3
+BIN := .venv/bin
+READY := .venv/.ready
+
+.PHONY: demo test check lint bench docs clean
+
+demo: $(READY)          ## a mission from a YAML file to the vehicle and home, over real bytes
+	$(BIN)/auvmission demo
+
+test: $(READY)          ## every test
+	$(BIN)/pytest --cov --cov-report=term:skip-covered
+
+check: lint test        ## what must be green before anything lands
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+bench: $(READY)         ## performance, as ratios within one run
+	$(BIN)/pip install -q -e '.[bench]'
+	$(BIN)/python tests/bench/run.py
+
+docs: $(READY)          ## regenerate what is generated in docs/
+	$(BIN)/python -m protocol.reference > docs/protocol.md
+
+clean:
+	rm -rf .venv out build dist
+
+$(READY): pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "auvmission needs Python 3.11 or newer; set PYTHON=/path/to/python3.11"; exit 1; }
+	$(PYTHON) -m venv .venv
+	$(BIN)/pip install -q -e '.[dev]'
+	@touch $@
