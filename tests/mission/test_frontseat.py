@@ -1,0 +1,253 @@
+"""The laws of the line to the STM32: R1, R6, R7, R8 and the as-built ACK."""
+
+from __future__ import annotations
+
+import pytest
+
+from mission.frontseat import ANSWER_S, GAP_S, RELAYS, TRIES, Frontseat
+from mission.model import Action, Outcome, Result, Tx
+from protocol.codec import CannotEncode
+from protocol.messages import Ack, Order, Setpoint
+
+LEG = Setpoint(surge=0.5, depth=10.0)
+NEXT = Setpoint(surge=0.0, depth=3.0)
+FRAMES: dict[Setpoint | Order, list[bytes]] = {
+    LEG: [b"@ZAF6$", b"@ZAS10$"],
+    NEXT: [b"@ZAF0$", b"@ZAS3$"],
+    Order.STOP: [b"@ZAX0$"],
+    Order.SURFACE: [b"@ZAWF$"],
+}
+ACCEPT, REFUSE = ord("Y"), ord("N")
+
+
+def encode(command: Setpoint | Order) -> list[bytes]:
+    if command not in FRAMES:
+        raise CannotEncode("heave 2: the vehicle follows -1..1")
+    return FRAMES[command]
+
+
+def ack(code: str = "A", result: int = ACCEPT, t: float = 0.0) -> Ack:
+    return Ack(t, "Z", code, result)
+
+
+class Line:
+    """Runs a Frontseat on its own timers and keeps what left and what became of it."""
+
+    def __init__(self) -> None:
+        self.seat = Frontseat(encode)
+        self.sent: list[Tx] = []
+        self.outcomes: list[Outcome] = []
+
+    def give(self, command: Setpoint | Order, now: float, reason: str = "leg dive") -> None:
+        outcome = self.seat.command(Action(command, reason))
+        self.outcomes += [outcome] if outcome else []
+        self.poll(now)
+
+    def relay(self, data: bytes, now: float, manual: bool = False) -> None:
+        self.seat.relay(data, "relay", manual)
+        self.poll(now)
+
+    def answer(self, now: float, code: str = "A", result: int = ACCEPT) -> None:
+        outcome = self.seat.answer(ack(code, result), now)
+        self.outcomes += [outcome] if outcome else []
+        self.poll(now)
+
+    def poll(self, now: float) -> None:
+        sent, outcomes = self.seat.poll(now)
+        self.sent += sent
+        self.outcomes += outcomes
+
+    def until(self, end: float) -> None:
+        for _ in range(1000):
+            due = self.seat.next_timer()
+            if due is None or due > end:
+                return
+            self.poll(due)
+        raise AssertionError("the timer never moves on")
+
+    @property
+    def frames(self) -> list[bytes]:
+        return [tx.data for tx in self.sent]
+
+
+@pytest.fixture
+def line() -> Line:
+    return Line()
+
+
+def test_second_frame_waits_for_the_answer_to_the_first(line: Line) -> None:
+    line.give(LEG, 0.0)
+    line.until(0.2)
+    assert line.frames == [b"@ZAF6$"]
+    line.answer(0.1)
+    line.until(0.2)
+    assert line.frames == [b"@ZAF6$", b"@ZAS10$"]
+    assert line.outcomes == [Outcome(Result.ACCEPTED, b"@ZAF6$", LEG)]
+
+
+def test_unanswered_frame_goes_three_times_at_300_ms_and_is_lost(line: Line) -> None:
+    line.give(LEG, 0.0)
+    line.until(0.899)
+    assert [round(tx.t, 6) for tx in line.sent] == [0.0, ANSWER_S, 2 * ANSWER_S]
+    assert line.outcomes == []
+    line.until(0.9 + 1e-9)
+    assert line.outcomes == [Outcome(Result.LOST, b"@ZAF6$", LEG)]
+    assert len([f for f in line.frames if f == b"@ZAF6$"]) == TRIES
+
+
+def test_a_lost_frame_does_not_keep_the_rest_of_the_set_from_going(line: Line) -> None:
+    line.give(LEG, 0.0)
+    line.until(1.0)
+    assert line.frames[-1] == b"@ZAS10$"
+
+
+def test_every_try_names_its_reason(line: Line) -> None:
+    line.give(LEG, 0.0, "enter rows/out")
+    line.until(0.3)
+    assert line.sent[0].reason == "enter rows/out"
+    assert line.sent[1].reason == "enter rows/out (try 2 of 3)"
+
+
+def test_refusal_is_reported_and_not_tried_again(line: Line) -> None:
+    line.give(NEXT, 0.0)
+    line.answer(0.01, result=REFUSE)
+    line.until(0.2)
+    assert line.outcomes == [Outcome(Result.REFUSED, b"@ZAF0$", NEXT)]
+    assert line.frames == [b"@ZAF0$", b"@ZAS3$"]
+
+
+def test_frames_are_apart_by_the_gap_after_the_last_byte(line: Line) -> None:
+    line.give(LEG, 0.0)
+    line.answer(0.001)
+    line.until(0.2)
+    on_the_wire = len(b"@ZAF6$") * 10 / 9600
+    assert line.sent[1].t == pytest.approx(on_the_wire + GAP_S)
+
+
+@pytest.mark.parametrize("code", ["A", "F"])
+def test_both_dialects_of_the_ack_answer(line: Line, code: str) -> None:
+    line.give(LEG, 0.0)
+    line.answer(0.05, code)
+    assert [o.result for o in line.outcomes] == [Result.ACCEPTED]
+
+
+def test_ack_of_another_code_answers_nothing(line: Line) -> None:
+    line.give(LEG, 0.0)
+    line.answer(0.05, "S")
+    assert line.outcomes == []
+
+
+def test_ack_while_nothing_is_outstanding_is_dropped(line: Line) -> None:
+    line.answer(0.0)
+    assert line.outcomes == []
+    assert line.seat.idle
+
+
+@pytest.mark.parametrize("order", list(Order))
+def test_orders_overtake_and_drop_everything(line: Line, order: Order) -> None:
+    line.give(LEG, 0.0)
+    line.seat.relay(b"@RI$", "relay")
+    line.give(order, 0.01, "operator")
+    line.until(0.1)
+    assert line.frames == [b"@ZAF6$", *FRAMES[order]]
+    assert line.sent[1].t <= 0.01 + 0.1  # known to sent, R7
+    line.answer(0.15)  # owed for F6
+    line.answer(0.16)
+    line.until(5.0)
+    assert line.frames == [b"@ZAF6$", *FRAMES[order]]
+    assert line.outcomes == [Outcome(Result.ACCEPTED, FRAMES[order][0], order)]
+
+
+def test_the_answer_owed_to_a_dropped_frame_is_never_taken_for_the_stops(line: Line) -> None:
+    line.give(LEG, 0.0)
+    line.give(Order.STOP, 0.01)
+    line.until(0.05)
+    line.answer(0.06)
+    assert line.outcomes == []
+    line.answer(0.07)
+    assert [o.frame for o in line.outcomes] == [b"@ZAX0$"]
+
+
+def test_a_named_ack_answers_the_stop_whatever_is_owed(line: Line) -> None:
+    line.give(LEG, 0.0)
+    line.give(Order.STOP, 0.01)
+    line.until(0.05)
+    line.answer(0.06, "X")
+    assert [o.frame for o in line.outcomes] == [b"@ZAX0$"]
+
+
+def test_late_answer_to_a_first_try_does_not_answer_the_next_frame(line: Line) -> None:
+    line.give(LEG, 0.0)
+    line.until(0.31)  # the second try is out
+    line.answer(0.32)  # ... and the first one's answer comes
+    line.until(0.35)
+    assert line.frames == [b"@ZAF6$", b"@ZAF6$"]  # S10 waits for the answer still owed
+    line.answer(0.36)
+    line.until(0.4)
+    assert line.frames[-1] == b"@ZAS10$"
+    assert len(line.outcomes) == 1
+
+
+def test_an_owed_answer_that_never_comes_holds_the_next_frame_300_ms_at_most(line: Line) -> None:
+    line.give(LEG, 0.0)
+    line.until(0.31)
+    line.answer(0.32)
+    line.until(0.61)
+    assert line.frames[-1] == b"@ZAS10$"
+    assert line.sent[-1].t == pytest.approx(0.6)
+
+
+def test_newer_set_replaces_what_is_unsent_of_the_older(line: Line) -> None:
+    line.give(LEG, 0.0)
+    line.give(NEXT, 0.01)
+    line.answer(0.05)
+    line.until(0.06)
+    line.answer(0.1)
+    line.until(0.12)
+    assert line.frames == [b"@ZAF6$", b"@ZAF0$", b"@ZAS3$"]
+
+
+def test_relay_goes_between_a_command_and_its_answer(line: Line) -> None:
+    line.give(LEG, 0.0)
+    line.relay(b"@RI$", 0.01)
+    line.until(0.1)
+    assert line.frames == [b"@ZAF6$", b"@RI$"]
+    line.answer(0.11)
+    assert len(line.outcomes) == 1
+
+
+def test_no_command_is_repeated_after_a_manual_relay(line: Line) -> None:
+    line.give(LEG, 0.0)
+    line.relay(b"@MMF5$", 0.1, manual=True)
+    line.until(5.0)
+    assert line.frames == [b"@ZAF6$", b"@MMF5$"]
+    assert line.outcomes == []
+
+
+def test_stop_is_tried_again_before_a_waiting_relay(line: Line) -> None:
+    line.give(Order.STOP, 0.0)
+    line.seat.relay(b"@RI$", "relay")
+    line.poll(ANSWER_S)
+    assert line.frames == [b"@ZAX0$"] * 2
+
+
+def test_flood_of_relays_is_bounded(line: Line) -> None:
+    line.poll(0.0)
+    for i in range(1000):
+        line.seat.relay(b"@MMF%d$" % (i % 12), "relay", manual=True)
+    line.until(100.0)
+    assert len(line.frames) == RELAYS
+
+
+def test_what_the_vehicle_has_no_word_for_is_an_outcome_not_an_exception(line: Line) -> None:
+    command = Setpoint(heave=2.0)
+    line.give(command, 0.0)
+    assert line.sent == []
+    assert [(o.result, o.command) for o in line.outcomes] == [(Result.REFUSED, command)]
+
+
+def test_idle_line_has_no_timer(line: Line) -> None:
+    assert line.seat.next_timer() is None
+    line.give(Order.STOP, 0.0)
+    line.answer(0.01)
+    assert line.seat.next_timer() is None
