@@ -29,6 +29,19 @@ class Where:
 
 NOWHERE = Where(0, 0, 0)
 
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """What the author must mend: which rule is broken, where, by which words, and what to write
+    instead. ``text`` is the offending text, "" where it is not at hand."""
+
+    rule: str  # short and stable: axis-conflict, unknown-target, no-timeout, ...
+    where: Where
+    text: str
+    message: str
+    hint: str = ""
+
+
 # --- guards -------------------------------------------------------------------------------
 
 
@@ -322,7 +335,12 @@ class Edge:
 
     ``guard`` None: due by its kind alone (timeout, for, end, else). ``loops`` are all tested;
     an edge that goes through the end of a repeated group stands several times, once per outcome.
-    ``source`` may be a group or ``autonomous`` (its ``on`` handlers).
+    Taking it, a loop with ``again`` counts one round more, one without starts anew at round 1;
+    a group that is entered starts at round 1, except by history.
+
+    ``source`` may be a group or ``autonomous`` (its ``on`` handlers, and ``on uncertain``). A
+    handler acts while any leg below its source is active, except in the leg it leads to and in the
+    implicit leg ``autonomous/surface``, which nothing of the mission leaves but its own end.
     """
 
     trigger: str  # unique
@@ -337,7 +355,9 @@ class Edge:
 @dataclass(frozen=True, slots=True)
 class Chart:
     """``states`` hold the mission's tree below ``autonomous``, the implicit leg
-    ``autonomous/surface`` last. ``initial`` is the first leg's path."""
+    ``autonomous/surface`` last. ``initial`` is the first leg's path. Targets are always legs, but
+    for the edge END of the implicit leg, which leads to ``idle/ready``. Edges of one source stand
+    in the order in which they are looked at: exits as written, end, for, timeout, else."""
 
     mission: Mission
     digest: str  # SHA-256 of the canonical text, hex
@@ -413,7 +433,7 @@ class Evaluation:
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One macrostep that decided something."""
+    """One transition, or one decision without a transition (``trigger`` is "")."""
 
     t: float
     event: str  # what came in: telemetry, fix, timer, operator X, ack N, ...
@@ -421,6 +441,8 @@ class Step:
     exited: tuple[str, ...]
     entered: tuple[str, ...]
     actions: tuple[str, ...]  # in words; every command that leaves has one
+    trigger: str = ""  # the edge that was taken
+    by: By | None = None  # why, where a leg was left
 
 
 @dataclass(frozen=True, slots=True)
@@ -454,6 +476,27 @@ class Verdict:
 
     accepted: bool
     why: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Loaded:
+    """The store holds this mission (None: none); told to the engine, which then can start it."""
+
+    chart: Chart | None
+
+
+@dataclass(frozen=True, slots=True)
+class AutoNode:
+    """The node AUTO was opened or closed (R13)."""
+
+    open: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Restarted:
+    """The program starts: ``during`` is what ``Engine.under_way`` said last ("" if nothing was)."""
+
+    during: str
 
 
 @dataclass(frozen=True, slots=True)
