@@ -1,0 +1,278 @@
+"""GPS sentences (NMEA 0183): GGA and RMC of one epoch in, one Fix out; and both encoded.
+
+    $GNGGA,hhmmss.ss,ddmm.mmmm,N,dddmm.mmmm,E,q,nn,hdop,alt,M,sep,M,age,ref*hh CR LF
+    $GNRMC,hhmmss.ss,A,ddmm.mmmm,N,dddmm.mmmm,E,knots,course,ddmmyy,var,E[,mode[,nav]]*hh CR LF
+
+Rules:
+  * Every sentence must carry its checksum. Without CR LF it still counts, if the checksum is right.
+    Receivers write more than the standard's 82 characters; ``MAX_SENTENCE`` is what we stand.
+  * Only GGA and RMC of satellite talkers are looked into, after the cheap checks; pynmea2 gives
+    their field tables and writes them, while nmea_fields checks every value: the library reads an
+    empty latitude as 0.0, lets 99 N pass, and hands out a bad number as text.
+  * GGA gives position, quality, HDOP, elevation; RMC speed, course, date. Either alone is enough,
+    and either saying "invalid" (quality 0, 6, 7, 8; status V; mode E, M, N, S) spoils the epoch.
+    The last field of RMC (NMEA 4.1) is no verdict on the fix: receivers fill it with V for ever.
+  * An epoch is complete with both, at the first sentence of another time, or after ``IDLE``.
+    Its Fix bears the arrival of its first sentence's first byte.
+  * An epoch whose time was already given is refused; one whose time runs back is refused and
+    becomes the new reference, so that a clock that was set costs one epoch, and late sentences
+    out of a buffer do not move the vehicle.
+  * Accuracy (one sigma per axis) = HDOP x UERE x share of the quality / sqrt 2.
+
+What does not live here: single fields (protocol.nmea_fields), which fix to believe
+(mission.navigation), the serial port (links).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from dataclasses import dataclass, field
+from datetime import date
+
+from protocol.messages import Fix, FrameFault
+from protocol.nmea_fields import (
+    TALKERS,
+    Gga,
+    Refusal,
+    Refused,
+    Rmc,
+    encode_gga,
+    encode_rmc,
+    read_gga,
+    read_rmc,
+)
+
+__all__ = ["Counters", "NmeaDecoder", "Refusal", "encode_gga", "encode_rmc"]
+
+MAX_SENTENCE = 128  # bytes from $ to the last of the checksum
+IDLE = 0.2  # s without a byte: the epoch is over, an unfinished sentence will not be finished
+UERE = 3.5  # m, one sigma in the plane at HDOP 1, single-frequency receiver without corrections
+UNKNOWN_HDOP = 5.0  # stands in where the receiver says nothing, or 0.0
+CONTRADICTION = 1e-5  # rad (64 m) between the GGA and the RMC of one epoch
+
+_HALF_DAY, _DAY = 43200.0, 86400.0
+
+_END = re.compile(rb"[^\x20-\x23\x25-\x7e]")  # a line end, another $, or what no sentence holds
+_HEX = {b"%02X" % n: n for n in range(256)} | {b"%02x" % n: n for n in range(256)}
+
+
+@dataclass(slots=True)
+class Counters:
+    """``sentences`` are those with a right checksum, of any type; ``used`` are GGA and RMC."""
+
+    sentences: int = 0
+    used: int = 0
+    fixes: int = 0
+    refusals: Counter[Refusal] = field(default_factory=Counter)
+
+
+@dataclass(slots=True)
+class _Epoch:
+    t: float
+    second: float
+    gga: Gga | None = None
+    rmc: Rmc | None = None
+    spoilt: bool = False
+
+
+@dataclass(slots=True)
+class _Run:
+    """Bytes that belong to no accepted sentence, as long as can be."""
+
+    offset: int
+    end: int
+    kind: str
+
+
+class NmeaDecoder:
+    """One receiver's stream. ``not_before`` undoes the 1024-week rollover of old receivers: a date
+    before it is moved on by whole rollovers; it concerns ``Fix.utc`` alone."""
+
+    def __init__(self, uere: float = UERE, not_before: date | None = None) -> None:
+        self.counters = Counters()
+        self._uere = uere
+        self._not_before = not_before
+        self._buffer = b""
+        self._begun = 0.0  # arrival of the first byte in the buffer
+        self._offset = 0  # of the buffer's first byte in the stream
+        self._run: _Run | None = None
+        self._epoch: _Epoch | None = None
+        self._last: float | None = None  # second of the day of the newest epoch with a position
+        self._deadline: float | None = None
+
+    def receive(self, data: bytes, now: float) -> list[Fix | FrameFault]:
+        out: list[Fix | FrameFault] = []
+        begun, held = self._begun, len(self._buffer)
+        buffer = self._buffer + data
+        pos = 0
+        while (start := buffer.find(b"$", pos)) >= 0:
+            self._outside(buffer[pos:start], pos)
+            end = _END.search(buffer, start + 1)
+            stop = end.start() if end else len(buffer)
+            if end is None and stop - start <= MAX_SENTENCE:
+                pos = start
+                break
+            first = begun if start < held else now
+            self._sentence(buffer[start:stop], start, buffer[stop : stop + 1], first, out)
+            pos = stop
+        else:
+            self._outside(buffer[pos:], pos)
+            pos = len(buffer)
+        self._begun = begun if pos < held else now
+        self._buffer = buffer[pos:]
+        self._offset += pos
+        if data:
+            waiting = self._buffer or self._epoch or self._run
+            self._deadline = now + IDLE if waiting else None
+        return out
+
+    def next_timer(self) -> float | None:
+        return self._deadline
+
+    def flush(self, now: float) -> list[Fix | FrameFault]:
+        """Nothing before the time that ``next_timer`` gave."""
+        out: list[Fix | FrameFault] = []
+        if self._deadline is None or now < self._deadline:
+            return out
+        self._deadline = None
+        if self._buffer:
+            self._sentence(self._buffer, 0, b"", self._begun, out)
+            self._offset += len(self._buffer)
+            self._buffer = b""
+        self._close_run(out)
+        self._close_epoch(out)
+        return out
+
+    # --- bytes to sentences ---------------------------------------------------------------
+
+    def _outside(self, skipped: bytes, at: int) -> None:
+        """Bytes between sentences; line ends belong there, all else is garbage."""
+        inner = skipped.strip(b"\r\n")
+        if not inner:
+            return
+        begin = at + skipped.index(inner)
+        if self._run is None:
+            self.counters.refusals[Refusal.GARBAGE] += 1
+        self._fault(begin, begin + len(inner), Refusal.GARBAGE)
+
+    def _fault(self, begin: int, end: int, reason: Refusal) -> None:
+        if self._run is None:
+            self._run = _Run(self._offset + begin, self._offset + end, reason.kind)
+        else:
+            self._run.end = self._offset + end
+
+    def _close_run(self, out: list[Fix | FrameFault]) -> None:
+        if (run := self._run) is not None:
+            out.append(FrameFault(run.offset, run.kind, run.end - run.offset))
+            self._run = None
+
+    def _sentence(
+        self, text: bytes, at: int, after: bytes, first: float, out: list[Fix | FrameFault]
+    ) -> None:
+        """``text`` from $ up to ``after``, the byte that ended it (none at a flush)."""
+        try:
+            found = self._parse(text, after)
+        except Refused as refused:
+            self.counters.refusals[refused.reason] += 1
+            self._fault(at, at + len(text), refused.reason)
+            return
+        self._close_run(out)
+        if found is not None:
+            self._admit(found, first, out)
+
+    def _parse(self, text: bytes, after: bytes) -> Gga | Rmc | None:
+        if len(text) > MAX_SENTENCE:
+            raise Refused(Refusal.OVERLONG)
+        if after not in (b"\r", b"\n", b"$", b""):
+            raise Refused(Refusal.CHARACTER)
+        stated = _HEX.get(text[-2:]) if text[-3:-2] == b"*" else None
+        if stated is None or stated != _xor(text[1:-3]):
+            cut = after in (b"$", b"")
+            missing = Refusal.NO_CHECKSUM if b"*" not in text else Refusal.CHECKSUM
+            raise Refused(Refusal.CUT if cut else missing)
+        self.counters.sentences += 1
+        kind, talker = text[3:7], text[1:3].decode("ascii")
+        if kind not in (b"GGA,", b"RMC,") or talker not in TALKERS:
+            return None
+        self.counters.used += 1
+        fields = text[7:-3].decode("ascii").split(",")
+        return read_gga(fields) if kind == b"GGA," else read_rmc(fields, self._not_before)
+
+    # --- sentences to fixes ---------------------------------------------------------------
+
+    def _admit(self, found: Gga | Rmc, first: float, out: list[Fix | FrameFault]) -> None:
+        if self._epoch is None or self._epoch.second != found.second:
+            self._close_epoch(out)
+            if found.position is not None and (reason := self._out_of_order(found.second)):
+                self.counters.refusals[reason] += 1
+                return
+            self._epoch = _Epoch(first, found.second)
+        epoch = self._epoch
+        if found.position is None:
+            self.counters.refusals[Refusal.NO_FIX] += 1
+            epoch.spoilt = True
+        elif isinstance(found, Gga):
+            epoch.gga = epoch.gga or found  # several talkers for one epoch: the first
+        else:
+            epoch.rmc = epoch.rmc or found
+        if epoch.gga and epoch.rmc:
+            self._close_epoch(out)
+
+    def _out_of_order(self, second: float) -> Refusal | None:
+        """Also moves the reference; a difference of half a day or more counts as midnight."""
+        last, self._last = self._last, second
+        if last is None:
+            return None
+        step = (second - last + _HALF_DAY) % _DAY - _HALF_DAY
+        if step == 0.0:
+            return Refusal.REPEATED
+        return Refusal.TIME_BACK if step < 0.0 else None
+
+    def _close_epoch(self, out: list[Fix | FrameFault]) -> None:
+        epoch, self._epoch = self._epoch, None
+        if epoch is None or not (epoch.gga or epoch.rmc):
+            return
+        if epoch.spoilt or _apart(epoch.gga, epoch.rmc):
+            self.counters.refusals[Refusal.CONTRADICTION] += 1
+            return
+        self.counters.fixes += 1
+        out.append(_fix(epoch, self._uere))
+
+
+def _fix(epoch: _Epoch, uere: float) -> Fix:
+    gga, rmc = epoch.gga, epoch.rmc
+    one = gga or rmc
+    assert one is not None
+    assert one.position is not None
+    hdop = gga.hdop if gga else None
+    share = gga.share if gga else 1.0
+    return Fix(
+        t=epoch.t,
+        latitude=one.position[0],
+        longitude=one.position[1],
+        accuracy=(hdop or UNKNOWN_HDOP) * uere * share / math.sqrt(2.0),
+        speed=rmc.speed if rmc else None,
+        course=rmc.course if rmc else None,
+        hdop=hdop,
+        elevation=gga.elevation if gga else None,
+        satellites=gga.satellites if gga else None,
+        utc=rmc.utc if rmc else None,
+    )
+
+
+def _apart(gga: Gga | None, rmc: Rmc | None) -> bool:
+    if gga is None or rmc is None or gga.position is None or rmc.position is None:
+        return False
+    east = (gga.position[1] - rmc.position[1] + math.pi) % math.tau - math.pi
+    east *= math.cos(gga.position[0])
+    return math.hypot(gga.position[0] - rmc.position[0], east) > CONTRADICTION
+
+
+def _xor(body: bytes) -> int:
+    """XOR of all bytes, by folding one big number: a tenth of the time of a loop."""
+    n = int.from_bytes(body, "little")
+    for shift in (512, 256, 128, 64, 32, 16, 8):
+        n = (n >> shift) ^ (n & ((1 << shift) - 1))
+    return n
