@@ -1,0 +1,181 @@
+"""What outlives the process: the mission's lines, the operator's limits, the active region.
+
+    <folder>/mission   the accepted lines        Each file: "sha256 <hex of the rest>\\n" and the
+    <folder>/limits    what @SP set              rest. Written beside, flushed, fsynced, renamed
+    <folder>/region    idle autonomous ...       into place, folder fsynced: after a power cut
+                                                 there is the old content or the new, whole.
+
+StoreError             (the operator must act: disk full, no permission, not a folder)
+
+A file that does not match its own sum was damaged from outside. It never raises: the mission or
+the limits in it count as absent, a damaged region as ``emergency`` (a vehicle that was under way
+must surface), and ``Stored.damage`` says so in words.
+
+What does not live here: staging, texts and their compilation (staging, language, compiler).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any, Protocol
+
+from protocol.messages import SetSafety
+
+IDLE, AUTONOMOUS, MANUAL, EMERGENCY = "idle", "autonomous", "manual", "emergency"
+REGIONS = (IDLE, AUTONOMOUS, MANUAL, EMERGENCY)
+NO_LIMITS = SetSafety()
+
+
+class StoreError(OSError):
+    """Something could not be made durable; the old content stands."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stored:
+    lines: tuple[str, ...] = ()  # of the accepted mission, as @AW brought them; () is none
+    limits: SetSafety = NO_LIMITS
+    region: str = IDLE
+    damage: tuple[str, ...] = ()  # what could not be read, in words
+
+    def to_json(self) -> str:
+        content = {"lines": self.lines, "limits": _limits(self.limits), "region": self.region}
+        return json.dumps(content, sort_keys=True)
+
+    @classmethod
+    def from_json(cls, text: str) -> Stored:
+        content = json.loads(text)
+        limits = SetSafety(**content["limits"])
+        return cls(tuple(content["lines"]), limits, str(content["region"]))
+
+
+class Store(Protocol):
+    """Every ``keep_`` returns when its content is durable, or raises StoreError."""
+
+    @property
+    def content(self) -> Stored: ...
+
+    def keep_lines(self, lines: tuple[str, ...]) -> None: ...
+
+    def keep_limits(self, limits: SetSafety) -> None: ...
+
+    def keep_region(self, region: str) -> None: ...
+
+
+class MemoryStore:
+    """The twin for tests, simulation and replay. ``failures``: number of the write (from 0) and
+    what it said, so that a replay meets the same full disk."""
+
+    def __init__(self, content: Stored | None = None, failures: Mapping[int, str] = {}) -> None:
+        self._content, self._failures, self._writes = content or Stored(), failures, 0
+
+    @property
+    def content(self) -> Stored:
+        return self._content
+
+    def keep_lines(self, lines: tuple[str, ...]) -> None:
+        self._write(replace(self._content, lines=lines))
+
+    def keep_limits(self, limits: SetSafety) -> None:
+        self._write(replace(self._content, limits=limits))
+
+    def keep_region(self, region: str) -> None:
+        self._write(replace(self._content, region=region))
+
+    def _write(self, content: Stored) -> None:
+        number, self._writes = self._writes, self._writes + 1
+        if number in self._failures:
+            raise StoreError(self._failures[number])
+        self._content = content
+
+
+class DiskStore:
+    """A folder, made if absent. Raises StoreError if it cannot be one."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            for left_over in folder.glob("*.new"):
+                left_over.unlink()
+        except OSError as error:
+            raise StoreError(f"the store {folder} cannot be used: {error}") from error
+        self._content = self._read()
+
+    @property
+    def content(self) -> Stored:
+        return self._content
+
+    def keep_lines(self, lines: tuple[str, ...]) -> None:
+        self._write("mission", "\n".join(lines))
+        self._content = replace(self._content, lines=lines)
+
+    def keep_limits(self, limits: SetSafety) -> None:
+        self._write("limits", json.dumps(_limits(limits), sort_keys=True))
+        self._content = replace(self._content, limits=limits)
+
+    def keep_region(self, region: str) -> None:
+        self._write("region", region)
+        self._content = replace(self._content, region=region)
+
+    def _read(self) -> Stored:
+        damage: list[str] = []
+        mission = self._body("mission", damage, "")
+        limits = self._body("limits", damage, "{}")
+        region = self._body("region", damage, EMERGENCY)
+        return Stored(
+            tuple(mission.split("\n")) if mission else (),
+            SetSafety(**json.loads(limits or "{}")),
+            region if region in REGIONS else IDLE,
+            tuple(damage),
+        )
+
+    def _body(self, name: str, damage: list[str], if_damaged: str) -> str:
+        path = self._folder / name
+        try:
+            data = path.read_bytes()
+        except FileNotFoundError:
+            return ""
+        except OSError as error:
+            raise StoreError(f"the store's file {path} cannot be read: {error}") from error
+        head, _, body = data.partition(b"\n")
+        if head == _sum(body):
+            return body.decode()
+        damage.append(f"{path} is damaged and was not used")
+        return if_damaged
+
+    def _write(self, name: str, text: str) -> None:
+        body = text.encode()
+        path, beside = self._folder / name, self._folder / f"{name}.new"
+        try:
+            with beside.open("wb") as file:
+                file.write(_sum(body) + b"\n" + body)
+                file.flush()
+                os.fsync(file.fileno())
+            beside.replace(path)
+            _sync_folder(self._folder)
+        except OSError as error:
+            with contextlib.suppress(OSError):
+                beside.unlink()
+            raise StoreError(f"{path} could not be written: {error}") from error
+
+
+def _sum(body: bytes) -> bytes:
+    return b"sha256 " + hashlib.sha256(body).hexdigest().encode()
+
+
+def _sync_folder(folder: Path) -> None:
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _limits(limits: SetSafety) -> dict[str, Any]:
+    return {field.name: getattr(limits, field.name) for field in fields(limits)}
