@@ -1,15 +1,15 @@
-"""What outlives the process: the mission's lines, the operator's limits, the active region.
+"""What outlives the process: the mission's lines, the operator's limits, what is under way.
 
     <folder>/mission   the accepted lines        Each file: "sha256 <hex of the rest>\\n" and the
     <folder>/limits    what @SP set              rest. Written beside, flushed, fsynced, renamed
-    <folder>/region    idle autonomous ...       into place, folder fsynced: after a power cut
-                                                 there is the old content or the new, whole.
+    <folder>/under-way what must end safely      into place, folder fsynced: after a power cut
+                       after a restart           there is the old content or the new, whole.
 
 StoreError             (the operator must act: disk full, no permission, not a folder)
 
 A file that does not match its own sum was damaged from outside. It never raises: the mission or
-the limits in it count as absent, a damaged region as ``emergency`` (a vehicle that was under way
-must surface), and ``Stored.damage`` says so in words.
+the limits in it count as absent, a damaged ``under-way`` as something under way (the vehicle then
+surfaces), and ``Stored.damage`` says so in words.
 
 What does not live here: staging, texts and their compilation (staging, language, compiler).
 """
@@ -27,8 +27,7 @@ from typing import Any, Protocol
 
 from protocol.messages import SetSafety
 
-IDLE, AUTONOMOUS, MANUAL, EMERGENCY = "idle", "autonomous", "manual", "emergency"
-REGIONS = (IDLE, AUTONOMOUS, MANUAL, EMERGENCY)
+UNKNOWN = "something that a damaged file does not tell"
 NO_LIMITS = SetSafety()
 
 
@@ -40,18 +39,18 @@ class StoreError(OSError):
 class Stored:
     lines: tuple[str, ...] = ()  # of the accepted mission, as @AW brought them; () is none
     limits: SetSafety = NO_LIMITS
-    region: str = IDLE
+    under_way: str = ""  # as Engine.under_way says it; "" is nothing
     damage: tuple[str, ...] = ()  # what could not be read, in words
 
     def to_json(self) -> str:
-        content = {"lines": self.lines, "limits": _limits(self.limits), "region": self.region}
+        content = {"lines": self.lines, "limits": _limits(self.limits), "under_way": self.under_way}
         return json.dumps(content, sort_keys=True)
 
     @classmethod
     def from_json(cls, text: str) -> Stored:
         content = json.loads(text)
         limits = SetSafety(**content["limits"])
-        return cls(tuple(content["lines"]), limits, str(content["region"]))
+        return cls(tuple(content["lines"]), limits, str(content["under_way"]))
 
 
 class Store(Protocol):
@@ -64,7 +63,7 @@ class Store(Protocol):
 
     def keep_limits(self, limits: SetSafety) -> None: ...
 
-    def keep_region(self, region: str) -> None: ...
+    def keep_under_way(self, what: str) -> None: ...
 
 
 class MemoryStore:
@@ -84,8 +83,8 @@ class MemoryStore:
     def keep_limits(self, limits: SetSafety) -> None:
         self._write(replace(self._content, limits=limits))
 
-    def keep_region(self, region: str) -> None:
-        self._write(replace(self._content, region=region))
+    def keep_under_way(self, what: str) -> None:
+        self._write(replace(self._content, under_way=what))
 
     def _write(self, content: Stored) -> None:
         number, self._writes = self._writes, self._writes + 1
@@ -119,19 +118,19 @@ class DiskStore:
         self._write("limits", json.dumps(_limits(limits), sort_keys=True))
         self._content = replace(self._content, limits=limits)
 
-    def keep_region(self, region: str) -> None:
-        self._write("region", region)
-        self._content = replace(self._content, region=region)
+    def keep_under_way(self, what: str) -> None:
+        self._write("under-way", what)
+        self._content = replace(self._content, under_way=what)
 
     def _read(self) -> Stored:
         damage: list[str] = []
         mission = self._body("mission", damage, "")
         limits = self._body("limits", damage, "{}")
-        region = self._body("region", damage, EMERGENCY)
+        under_way = self._body("under-way", damage, UNKNOWN)
         return Stored(
             tuple(mission.split("\n")) if mission else (),
             SetSafety(**json.loads(limits or "{}")),
-            region if region in REGIONS else IDLE,
+            under_way,
             tuple(damage),
         )
 
@@ -143,8 +142,8 @@ class DiskStore:
             return ""
         except OSError as error:
             raise StoreError(f"the store's file {path} cannot be read: {error}") from error
-        head, _, body = data.partition(b"\n")
-        if head == _sum(body):
+        head, newline, body = data.partition(b"\n")
+        if newline and head == _sum(body):
             return body.decode()
         damage.append(f"{path} is damaged and was not used")
         return if_damaged

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mission.store import REGIONS, DiskStore, MemoryStore, Store, Stored, StoreError
+from mission.store import UNKNOWN, DiskStore, MemoryStore, Store, Stored, StoreError
 from protocol.messages import SetSafety
 
 LINES = ("mission a vehicle auv", "dive: ZAS10 timeout 2min")
@@ -21,14 +21,14 @@ def store(request: pytest.FixtureRequest, tmp_path: Path) -> Store:
     return MemoryStore() if request.param == "memory" else DiskStore(tmp_path / "new" / "store")
 
 
-def test_new_store_is_empty_and_idle(store: Store) -> None:
+def test_new_store_is_empty(store: Store) -> None:
     assert store.content == Stored()
 
 
 def test_what_was_kept_is_there_at_once(store: Store) -> None:
     store.keep_lines(LINES)
     store.keep_limits(LIMITS)
-    store.keep_region("autonomous")
+    store.keep_under_way("autonomous")
     assert store.content == Stored(LINES, LIMITS, "autonomous")
     store.keep_lines(())
     assert store.content == Stored((), LIMITS, "autonomous")
@@ -38,7 +38,7 @@ def test_what_was_kept_is_there_after_a_restart(tmp_path: Path) -> None:
     first = DiskStore(tmp_path)
     first.keep_lines(LINES)
     first.keep_limits(LIMITS)
-    first.keep_region("emergency")
+    first.keep_under_way("emergency")
     assert DiskStore(tmp_path).content == Stored(LINES, LIMITS, "emergency")
 
 
@@ -70,19 +70,19 @@ def test_left_over_of_a_killed_write_is_not_read(tmp_path: Path) -> None:
     assert not (tmp_path / "mission.new").exists()
 
 
-@pytest.mark.parametrize("name", ["mission", "limits", "region"])
+@pytest.mark.parametrize("name", ["mission", "limits", "under-way"])
 def test_a_file_cut_at_any_byte_is_told_and_never_raises(tmp_path: Path, name: str) -> None:
     store = DiskStore(tmp_path)
     store.keep_lines(LINES)
     store.keep_limits(LIMITS)
-    store.keep_region("idle")
+    store.keep_under_way("")
     whole = (tmp_path / name).read_bytes()
     for length in range(len(whole)):
         (tmp_path / name).write_bytes(whole[:length])
         content = DiskStore(tmp_path).content
         assert [name in text for text in content.damage] == [True]
         assert content.lines == (() if name == "mission" else LINES)
-        assert content.region == ("emergency" if name == "region" else "idle")
+        assert content.under_way == (UNKNOWN if name == "under-way" else "")
 
 
 def test_a_path_that_cannot_be_a_folder_is_refused_with_its_name(tmp_path: Path) -> None:
@@ -95,9 +95,9 @@ def test_the_memory_twin_fails_where_the_disk_failed() -> None:
     twin = MemoryStore(failures={1: "no space left"})
     twin.keep_lines(LINES)
     with pytest.raises(StoreError, match="no space"):
-        twin.keep_region("autonomous")
-    twin.keep_region("emergency")
-    assert twin.content == Stored(LINES, region="emergency")
+        twin.keep_under_way("autonomous")
+    twin.keep_under_way("emergency")
+    assert twin.content == Stored(LINES, under_way="emergency")
 
 
 numbers = st.none() | st.floats(0.001, 65535.0)
@@ -107,11 +107,11 @@ texts = st.text(st.characters(min_codepoint=32, max_codepoint=126), min_size=1, 
 @given(
     lines=st.lists(texts, max_size=4).map(tuple),
     limits=st.builds(SetSafety, numbers, numbers, numbers, numbers),
-    region=st.sampled_from(REGIONS),
+    under_way=texts,
 )
 @settings(max_examples=30)
 def test_content_survives_the_start_record(
-    lines: tuple[str, ...], limits: SetSafety, region: str
+    lines: tuple[str, ...], limits: SetSafety, under_way: str
 ) -> None:
-    content = Stored(lines, limits, region)
+    content = Stored(lines, limits, under_way)
     assert Stored.from_json(content.to_json()) == content
