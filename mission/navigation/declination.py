@@ -1,0 +1,38 @@
+"""Magnetic declination: true heading = compass + declination - the compass's own error.
+
+The vehicle file may state it; otherwise the world magnetic model gives it from place and date
+(NOAA/BGS WMM 2010 to 2025, by pygeomag). It drifts by some 0.1 deg a year, so that a missing
+date costs less than the compass's own error.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+
+_FIRST, _LAST = 2010.0, 2030.0  # the years that the shipped coefficients cover
+_UNDATED = 2026.0
+
+
+@functools.lru_cache(maxsize=16)
+def declination(latitude: float, longitude: float, date: str | None = None) -> float:
+    """East positive, rad; ``date`` begins with YYYY-MM-DD (None or unreadable: 2026).
+
+    Near a magnetic pole the figure means little; the filter's bias has to carry the rest.
+    """
+    from pygeomag import GeoMag
+
+    year = min(max(decimal_year(date), _FIRST), _LAST - 0.01)
+    epoch = int(_FIRST + 5 * ((year - _FIRST) // 5))
+    result = GeoMag(coefficients_file=f"wmm/WMM_{epoch}.COF").calculate(
+        glat=math.degrees(latitude), glon=math.degrees(longitude), alt=0.0, time=year
+    )
+    return math.radians(result.d)
+
+
+def decimal_year(date: str | None) -> float:
+    try:
+        year, month, day = (int(part) for part in (date or "")[:10].split("-"))
+    except ValueError:
+        return _UNDATED
+    return year + (month - 1 + (day - 1) / 30.5) / 12.0

@@ -1,0 +1,148 @@
+"""Whether each sensor can be believed: missing, stale, frozen or absurd, else valid.
+
+    missing  never reported (or the vehicle file says that it is not there)
+    stale    the last report is older than the row's max age
+    frozen   identical to the last bit for 5 reports while the vehicle moves (some rows only:
+             batteries and temperature may well be constant)
+    absurd   not finite, out of the physical range, faster than the row's rate, or marked
+             doubtful by the codec. A value that is out of rate is believed again once three
+             reports in a row agree with each other: the sensor has come back elsewhere.
+
+Rows are the channels; a sensor is one or more channels and is as good as the worst of them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from mission.model import Health
+from protocol.messages import Fix, Telemetry
+
+_SAME = 5  # identical reports that make a sensor frozen (design: readings are three-valued)
+_AGREE = 3  # reports that agree with each other and win against the rate limit
+_NEUTRAL = 0.02  # thruster fraction below which nothing moves
+_TELEMETRY, _SLOW, _GPS = 6.0, 30.0, 5.0  # s: three reports missed; slow quantities; protocols R9
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """``rate`` is the greatest believable change per second; ``wraps`` marks a full circle."""
+
+    sensor: str
+    max_age: float
+    low: float = -math.inf
+    high: float = math.inf
+    rate: float = math.inf
+    freezes: bool = False
+    wraps: bool = False
+
+
+# fmt: off
+CHANNELS: Mapping[str, Channel] = MappingProxyType({
+    "depth": Channel("depth", _TELEMETRY, -3.0, 1000.0, 4.0, freezes=True),
+    "altitude": Channel("altitude", _TELEMETRY, 1e-6, 300.0, 15.0, freezes=True),  # 0: no echo
+    "heading": Channel("heading", _TELEMETRY, 0.0, 2.0 * math.pi, 1.6, freezes=True, wraps=True),
+    "pitch": Channel("attitude", _TELEMETRY, -1.6, 1.6, 1.6, freezes=True),
+    "roll": Channel("attitude", _TELEMETRY, -3.2, 3.2, 3.2, freezes=True, wraps=True),
+    "temperature": Channel("temperature", _SLOW, -5.0, 60.0),
+    "battery": Channel("battery", _SLOW, 0.0, 1000.0),
+    "leak": Channel("leak", _TELEMETRY),
+    "position": Channel("position", _GPS),
+})
+# fmt: on
+SENSORS = tuple(dict.fromkeys(row.sensor for row in CHANNELS.values()))
+
+
+@dataclass(slots=True)
+class _Monitor:
+    """What is remembered of one channel."""
+
+    t: float = -math.inf  # of the last report
+    value: float = math.nan
+    good_t: float = -math.inf  # of the last value that was believed
+    good: float = math.nan
+    same: int = 0  # repeats while moving
+    agreeing: int = 0
+    reason: str = ""
+
+    def observe(self, row: Channel, t: float, value: float, moving: bool, doubt: bool) -> bool:
+        """Takes one report in; whether it can be believed."""
+        self.same = 0 if value != self.value else self.same + moving
+        agrees = self._within(row, t, value, self.t, self.value)
+        self.agreeing = self.agreeing + 1 if agrees else 1
+        self.reason = self._judge(row, t, value, doubt)
+        self.t, self.value = t, value
+        if not self.reason:
+            self.good_t, self.good = t, value
+        return not self.reason
+
+    def _judge(self, row: Channel, t: float, value: float, doubt: bool) -> str:
+        if doubt or not row.low <= value <= row.high:  # also what is not a number
+            return "absurd"
+        if row.freezes and self.same >= _SAME - 1:
+            return "frozen"
+        near = self._within(row, t, value, self.good_t, self.good)
+        return "" if near or self.agreeing >= _AGREE else "absurd"
+
+    @staticmethod
+    def _within(row: Channel, t: float, value: float, since: float, other: float) -> bool:
+        if row.rate == math.inf or other != other:
+            return True
+        change = value - other
+        if row.wraps:
+            change = math.remainder(change, 2.0 * math.pi)
+        return abs(change) <= row.rate * max(t - since, 1.0)
+
+
+class SensorHealth:
+    """One monitor per channel. ``reports`` are the sensors that the vehicle file declares."""
+
+    def __init__(self, reports: frozenset[str]) -> None:
+        self._reports = reports
+        self.monitors = {name: _Monitor() for name in CHANNELS}
+
+    def telemetry(self, t: Telemetry) -> frozenset[str]:
+        """Takes a report in; the channels of it that can be believed."""
+        moving = t.actuators is None or any(abs(a) > _NEUTRAL for a in t.actuators[:5])
+        doubtful = {fault.partition(":")[0] for fault in t.faults}
+        values = {
+            "depth": t.depth,
+            "altitude": t.altitude,
+            "heading": t.heading,
+            "pitch": t.pitch,
+            "roll": t.roll,
+            "temperature": t.temperature_c,
+            "battery": t.batteries[0] if t.batteries else None,
+            "leak": None if t.leak is None else float(t.leak),
+        }
+        return frozenset(
+            name
+            for name, value in values.items()
+            if value is not None
+            and CHANNELS[name].sensor in self._reports
+            and self.monitors[name].observe(
+                CHANNELS[name], t.t, value, moving, name in doubtful or f"{name}_c" in doubtful
+            )
+        )
+
+    def fix(self, f: Fix) -> None:
+        self.monitors["position"].observe(CHANNELS["position"], f.t, 0.0, False, False)
+
+    def of(self, sensor: str, now: float) -> Health:
+        """The worst of the sensor's channels. KeyError for a name that is not in SENSORS."""
+        found = [self._channel(n, now) for n, row in CHANNELS.items() if row.sensor == sensor]
+        if not found:
+            raise KeyError(f"no sensor {sensor}; there are {', '.join(SENSORS)}")
+        return next((h for h in found if not h.valid), found[0])
+
+    def _channel(self, name: str, now: float) -> Health:
+        row, monitor = CHANNELS[name], self.monitors[name]
+        age = now - monitor.t
+        if monitor.t == -math.inf:
+            return Health(False, "missing", math.inf)
+        if age > row.max_age:
+            return Health(False, "stale", age)
+        return Health(not monitor.reason, monitor.reason, age)

@@ -1,0 +1,217 @@
+"""Navigation: Telemetry and Fix in, Estimate and Health out.
+
+Holds the frame (origin, declination), asks health what can be believed, and keeps the last
+seconds of input, so that what arrives late is put in its place: the filter goes back to before
+it, takes it in, and takes the rest in again.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from copy import copy
+from typing import TYPE_CHECKING, Any
+
+from mission.model import Estimate, Health, NavigationMode, Position
+from mission.navigation.declination import declination
+from mission.navigation.geodesy import LocalFrame
+from mission.navigation.health import SensorHealth
+from mission.vehicle import Vehicle
+from protocol.messages import Fix, Telemetry
+
+if TYPE_CHECKING:
+    from mission.navigation.model import Figures
+    from mission.navigation.reckoner import Item
+
+_LATEST = 15.0  # s: what is later than this is dropped
+_KEEP = 64  # items of input that can be gone back over
+_FRESH = 5.0  # s: a younger fix means that fixes are coming in (protocols R9)
+
+
+class Navigation:
+    """``date`` (YYYY-MM-DD) is for the magnetic model until a fix brings one."""
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        origin: Position | None = None,
+        *,
+        date: str | None = None,
+        figures: Figures | None = None,
+    ) -> None:
+        from mission.navigation.model import figures as believed
+        from mission.navigation.reckoner import Reckoner
+
+        self._vehicle = vehicle
+        self._date = date
+        self._health = SensorHealth(vehicle.reports)
+        self._core = Reckoner(vehicle, figures or believed(vehicle))
+        self._history: deque[tuple[Item, tuple[Any, ...]]] = deque(maxlen=_KEEP)
+        self.dropped = 0  # items that came too late to be of use
+        self.frame: LocalFrame | None = None
+        self._declination = vehicle.declination or 0.0
+        if origin is not None:
+            self._settle(LocalFrame(origin))
+
+    # --- frame -----------------------------------------------------------------------------------
+
+    def set_origin(self, position: Position, now: float) -> None:
+        """Home: what is known of the vehicle's own place is kept and said in the new frame."""
+        core, new = self._core, LocalFrame(position)
+        if core.located and self.frame is not None:
+            x = core.filter.x
+            here = self.frame.to_geodetic(float(x[0]), float(x[1]))
+            north, east = new.to_local(*here)
+            core.filter.shift(north - float(x[0]), east - float(x[1]))
+        self._settle(new)
+
+    def start_here(self, now: float, sigma: float = 0.1) -> None:
+        """Without any fix, the vehicle is at the origin: positions count from the start."""
+        self._core.place(now, 0.0, 0.0, sigma * sigma)
+        self._history.clear()
+
+    def _settle(self, frame: LocalFrame) -> None:
+        self.frame = frame
+        self._history.clear()
+        self._decline()
+
+    def _decline(self) -> None:
+        if self._vehicle.declination is None and self.frame is not None:
+            o = self.frame.origin
+            lat, lon = math.radians(o.latitude_deg), math.radians(o.longitude_deg)
+            self._declination = declination(lat, lon, self._date and self._date[:10])
+
+    @property
+    def declination(self) -> float:
+        return self._declination
+
+    # --- in --------------------------------------------------------------------------------------
+
+    def telemetry(self, t: Telemetry) -> None:
+        from mission.navigation.reckoner import Report
+
+        good = self._health.telemetry(t)
+        heading = t.heading if "heading" in good else None
+        self._take(
+            Report(
+                t.t,
+                None
+                if heading is None
+                else heading + self._declination - self._vehicle.compass_bias,
+                t.pitch if "pitch" in good else None,
+                t.actuators,
+                t.depth if "depth" in good else None,
+                t.altitude if "altitude" in good else None,
+            )
+        )
+
+    def fix(self, f: Fix) -> None:
+        from mission.navigation.reckoner import GroundFix
+
+        self._health.fix(f)
+        if self._date is None and f.utc is not None:
+            self._date = f.utc
+            self._decline()
+        if self.frame is None:
+            here = Position(math.degrees(f.latitude), math.degrees(f.longitude))
+            self._settle(LocalFrame(here))
+        assert self.frame is not None
+        north, east = self.frame.to_local(f.latitude, f.longitude)
+        sigma = f.accuracy if 0.0 < f.accuracy < math.inf else self._vehicle.sensors.fix
+        velocity = None
+        if f.speed is not None and f.course is not None:
+            velocity = f.speed * math.cos(f.course), f.speed * math.sin(f.course)
+        self._take(GroundFix(f.t, north, east, sigma * sigma, velocity))
+
+    def _take(self, item: Item) -> None:
+        """Into the filter at its own time, however late it comes."""
+        core, history = self._core, self._history
+        if core.t is None or item.t >= core.t:
+            history.append((item, core.save()))
+            core.take(item)
+            return
+        if core.t - item.t > _LATEST or not history or item.t < history[0][0].t:
+            self.dropped += 1
+            return
+        again: list[Item] = []
+        while history and history[-1][0].t > item.t:
+            later, before = history.pop()
+            core.load(before)
+            again.append(later)
+        for one in (item, *reversed(again)):
+            history.append((one, core.save()))
+            core.take(one)
+
+    # --- out -------------------------------------------------------------------------------------
+
+    def health(self, sensor: str, now: float) -> Health:
+        return self._health.of(sensor, now)
+
+    def estimate(self, now: float) -> Estimate | None:
+        """None before anything was heard. Looks ahead of the last input, changes nothing."""
+        core = self._core
+        if core.t is None:
+            return None
+        before = core.filter.save()
+        dt = max(now - core.t, 0.0)
+        if dt > 0.0:
+            core.filter.predict(dt, *core.motion(core.t, core.t + dt))
+        x, p = core.filter.save()
+        core.filter.load(before)
+        return self._estimate(now, x.tolist(), p)
+
+    def _estimate(self, now: float, x: list[float], p: Any) -> Estimate:
+        core = self._core
+        var = p.diagonal().tolist()
+        u = core.expected
+        speed_var = var[4] * u * u + 2.0 * u * float(p[4, 5]) + var[5]
+        heading_var = var[6] + core.figures.heading**2 + core.heading_loss(now) ** 2
+        heading = None if core.heading is None else (core.heading - x[6]) % (2.0 * math.pi)
+        deep, high = core.depth_seen, core.depth_seen and core.altitude_seen
+        return Estimate(
+            t=now,
+            north=x[0],
+            east=x[1],
+            depth=x[7] if deep else None,
+            depth_rate=x[8] if deep else None,
+            altitude=x[9] - x[7] if high else None,
+            heading=heading,
+            speed=x[4] * u + x[5],
+            current_north=x[2],
+            current_east=x[3],
+            covariance=(var[0], float(p[0, 1]), var[1]),
+            sigmas={
+                "depth": math.sqrt(var[7]),
+                "depth_rate": math.sqrt(var[8]),
+                "altitude": math.sqrt(max(var[7] + var[9] - 2.0 * float(p[7, 9]), 0.0)),
+                "heading": math.sqrt(heading_var),
+                "speed": math.sqrt(max(speed_var, 0.0)),
+                "current": math.sqrt(0.5 * (var[2] + var[3])),
+                "compass": math.sqrt(var[6]),
+            },
+            nis=core.nis,
+            fix_age=None if core.last_fix is None else now - core.last_fix,
+            mode=self._mode(now),
+        )
+
+    def _mode(self, now: float) -> NavigationMode:
+        if not self._core.located:
+            return NavigationMode.NONE
+        last = self._core.last_fix
+        fresh = last is not None and now - last <= _FRESH
+        return NavigationMode.FIX if fresh else NavigationMode.DEAD_RECKONING
+
+    # --- whole -----------------------------------------------------------------------------------
+
+    def snapshot(self) -> Any:
+        """Everything that ``restore`` needs to go on from here, to the last bit."""
+        monitors = {name: copy(m) for name, m in self._health.monitors.items()}
+        kept = (self.frame, self._date, self._declination, self.dropped)
+        return self._core.save(), monitors, tuple(self._history), kept
+
+    def restore(self, snapshot: Any) -> None:
+        core, monitors, history, kept = snapshot
+        self._core.load(core)
+        self._health.monitors = {name: copy(m) for name, m in monitors.items()}
+        self._history = deque(history, maxlen=_KEEP)
+        self.frame, self._date, self._declination, self.dropped = kept

@@ -1,0 +1,245 @@
+"""Dead reckoning between reports and fixes, in time order, with the gate for fixes.
+
+    Report  -> predict to its time along its own heading -> correct depth and altitude
+    GroundFix -> predict to its time -> gate -> correct position -> correct velocity
+
+A fix whose normalised innovation squared is beyond the gate is rejected. A wrong gate is undone:
+three rejected fixes in a row that agree with each other widen the covariance (of all that moves
+the position, so that the jump also teaches current, scale and compass) until the fix fits.
+
+What does not live here: sensors' health, frames, what arrives late.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from mission.navigation.filter import Filter
+from mission.navigation.model import Figures, Thrust
+from mission.vehicle import Vehicle
+
+GATE = 13.816  # chi-square, 2 degrees of freedom, 99.9 %
+_AGREEING = 3  # rejected fixes in a row that win against the gate
+_FASTEST = 4.0  # m/s, between two fixes that agree
+_WIDEST = 25.0  # factor on the covariance; what is missing then is given to the position alone
+_EXTRAPOLATE = 1.0  # s beyond a report for which its yaw rate is believed
+_LOST_TIME, _LOST_GROWTH, _LOST_MOST = 20.0, 0.05, 1.8  # s; rad per s; rad: no compass
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """What could be believed of one Telemetry. ``heading`` is compass + declination."""
+
+    t: float
+    heading: float | None
+    pitch: float | None
+    actuators: tuple[float, ...] | None
+    depth: float | None
+    altitude: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class GroundFix:
+    """A fix in the local frame; ``velocity`` over ground, north and east."""
+
+    t: float
+    north: float
+    east: float
+    variance: float
+    velocity: tuple[float, float] | None
+
+
+Item = Report | GroundFix
+
+
+@dataclass(frozen=True, slots=True)
+class _Motion:
+    """As of the last report: heading, turn, thrust."""
+
+    t: float
+    heading: float | None = None
+    heading_t: float = -math.inf
+    yaw_rate: float = 0.0
+    along: float = 1.0
+    actuators: tuple[float, ...] | None = None
+    expected: float = 0.0  # m/s, mean since the report before
+
+
+class Reckoner:
+    """``t`` is how far it has got; items must come in the order of their times."""
+
+    def __init__(self, vehicle: Vehicle, figures: Figures) -> None:
+        self.filter = Filter(figures)
+        self.figures = figures
+        self.t: float | None = None
+        self.located = False
+        self.last_fix: float | None = None
+        self.nis: tuple[float, int] | None = None
+        self.fix_nis: float | None = None  # of the last fix that was used
+        self.depth_seen = self.altitude_seen = False
+        self._thrust = Thrust(vehicle, figures.surge_length)
+        self._motion = _Motion(-math.inf)
+        self._rejected: tuple[GroundFix, ...] = ()
+        self._used: GroundFix | None = None
+
+    _KEPT = (
+        "t",
+        "located",
+        "last_fix",
+        "nis",
+        "fix_nis",
+        "depth_seen",
+        "altitude_seen",
+        "_motion",
+        "_rejected",
+        "_used",
+    )
+
+    def save(self) -> tuple[Any, ...]:
+        kept = tuple(getattr(self, name) for name in self._KEPT)
+        return self.filter.save(), self._thrust.speed, kept
+
+    def load(self, saved: tuple[Any, ...]) -> None:
+        arrays, self._thrust.speed, kept = saved
+        self.filter.load(arrays)
+        for name, value in zip(self._KEPT, kept, strict=True):
+            setattr(self, name, value)
+
+    def take(self, item: Item) -> None:
+        if isinstance(item, Report):
+            self._report(item)
+        else:
+            self._fix(item)
+
+    # --- reports -----------------------------------------------------------------------------
+
+    def _report(self, r: Report) -> None:
+        last = self._motion
+        since = r.t - last.t
+        expected = self._thrust.advance(r.actuators, since) if since < math.inf else 0.0
+        heading, heading_t, rate = self._turn(r)
+        along = math.cos(r.pitch) if r.pitch is not None else 1.0
+        self._motion = _Motion(r.t, heading, heading_t, rate, along, r.actuators, expected)
+        self._advance(r.t)
+        nis = self.filter.vertical(r.depth, r.altitude)
+        self.depth_seen = self.depth_seen or r.depth is not None
+        self.altitude_seen = self.altitude_seen or r.altitude is not None
+        self.nis = nis or self.nis
+
+    def _turn(self, r: Report) -> tuple[float | None, float, float]:
+        """Heading, when it was reported, and the yaw rate since the report before."""
+        last = self._motion
+        if r.heading is None:
+            return last.heading, last.heading_t, 0.0
+        since = r.t - last.heading_t
+        if last.heading is None or not 0.0 < since < 3.0 * self.figures.period:
+            return r.heading, r.t, 0.0
+        return r.heading, r.t, math.remainder(r.heading - last.heading, 2.0 * math.pi) / since
+
+    def _advance(self, t: float) -> None:
+        """Predicts to ``t`` along the straight line of headings through the last two reports."""
+        if self.t is None:
+            self.t = t
+            return
+        dt = t - self.t
+        if dt <= 0.0:
+            return
+        heading, expected, along, sway, lost = self.motion(self.t, t)
+        self.filter.predict(dt, heading, expected, along, sway, lost)
+        self.t = t
+
+    def motion(self, t0: float, t1: float) -> tuple[float, float, float, float, float]:
+        """Heading, expected speed, horizontal share, sway and lost compass between two times."""
+        m = self._motion
+        if m.heading is None:
+            return 0.0, m.expected, m.along, 0.0, _LOST_MOST**2 * _LOST_TIME
+        middle = 0.5 * (t0 + t1)
+        turned = m.yaw_rate * min(middle - m.heading_t, _EXTRAPOLATE)
+        arc = m.yaw_rate * (t1 - t0)
+        along = m.along * (1.0 - min(arc * arc, 4.0) / 24.0)  # the chord of the arc
+        return m.heading + turned, m.expected, along, 0.0, self._lost(t1)
+
+    def _lost(self, t: float) -> float:
+        return self.heading_loss(t) ** 2 * _LOST_TIME
+
+    def heading_loss(self, t: float) -> float:
+        """Extra sigma of the heading, rad, where the compass has not been believed for a while."""
+        over = t - self._motion.heading_t - 2.0 * self.figures.period
+        return min(max(over, 0.0) * _LOST_GROWTH, _LOST_MOST)
+
+    @property
+    def heading(self) -> float | None:
+        """Of the last report that was believed: compass + declination."""
+        return self._motion.heading
+
+    @property
+    def expected(self) -> float:
+        return self._thrust.speed
+
+    # --- fixes -------------------------------------------------------------------------------
+
+    def place(self, t: float, north: float, east: float, variance: float) -> None:
+        """The position is known at ``t``."""
+        self._advance(max(t, self.t if self.t is not None else t))
+        self.filter.place(north, east, variance)
+        self.located = True
+        self._rejected = ()
+
+    def _fix(self, f: GroundFix) -> None:
+        self._advance(f.t)
+        if self._repeats(f):
+            self._velocity(f)
+            return
+        if not self.located:
+            self.place(f.t, f.north, f.east, f.variance)
+        elif not self._admit(f):
+            return
+        self._used, self.last_fix, self._rejected = f, f.t, ()
+        self._velocity(f)
+
+    def _repeats(self, f: GroundFix) -> bool:
+        """The same position from a second sentence of the same second."""
+        u = self._used
+        return u is not None and f.t - u.t < 0.5 and (f.north, f.east) == (u.north, u.east)
+
+    def _admit(self, f: GroundFix) -> bool:
+        """Corrects the position, or keeps the fix among the rejected ones."""
+        if self.filter.innovation(f.north, f.east, f.variance)[2] > GATE:
+            self._rejected = (*self._rejected, f)[-_AGREEING:]
+            if len(self._rejected) < _AGREEING or not _agree(self._rejected):
+                return False
+            self._open_gate(f)
+        nis = self.filter.innovation(f.north, f.east, f.variance)[2]
+        self.filter.fix(f.north, f.east, f.variance)
+        self.nis, self.fix_nis = (nis, 2), nis
+        return True
+
+    def _open_gate(self, f: GroundFix) -> None:
+        factor = 1.0
+        while factor < _WIDEST:
+            self.filter.widen(1.5)
+            factor *= 1.5
+            if self.filter.innovation(f.north, f.east, f.variance)[2] < 3.0:
+                return
+        dn, de, _ = self.filter.innovation(f.north, f.east, f.variance)
+        self.filter.loosen(dn * dn + de * de)
+
+    def _velocity(self, f: GroundFix) -> None:
+        if f.velocity is None or self._motion.heading is None:
+            return
+        heading, expected, along, _, lost = self.motion(f.t, f.t)
+        if lost == 0.0:
+            self.filter.velocity(*f.velocity, heading, expected, along)
+
+
+def _agree(fixes: Sequence[GroundFix]) -> bool:
+    """Each near the one before, as far as receiver and vehicle can have moved."""
+    return all(
+        math.hypot(b.north - a.north, b.east - a.east)
+        < 4.0 * math.sqrt(a.variance + b.variance) + _FASTEST * (b.t - a.t)
+        for a, b in itertools.pairwise(fixes)
+    )

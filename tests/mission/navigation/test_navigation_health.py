@@ -1,0 +1,120 @@
+"""Each way in which a sensor can be disbelieved, and how it is believed again."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from mission.navigation.health import SENSORS, SensorHealth
+from protocol.messages import Fix, Telemetry
+
+_MOVING = (0.5, 0.5, 0.0, 0.0, 0.0)
+_ALL = frozenset(SENSORS)
+
+
+def report(i: int, **fields: object) -> Telemetry:
+    base = Telemetry(
+        2.0 * i,
+        depth=5.0 + 0.01 * i,
+        altitude=9.0 - 0.01 * i,
+        heading=(6.2 + 0.03 * i) % (2.0 * math.pi),
+        pitch=0.001 * i,
+        roll=-0.001 * i,
+        temperature_c=15.0,
+        batteries=(12.0, 48.0),
+        actuators=_MOVING,
+        leak=False,
+    )
+    return replace(base, **fields)  # type: ignore[arg-type]
+
+
+def after(*reports: Telemetry) -> SensorHealth:
+    health = SensorHealth(_ALL)
+    for r in reports:
+        health.telemetry(r)
+    return health
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+def test_a_sensor_that_never_reported_is_missing(sensor: str) -> None:
+    health = SensorHealth(_ALL).of(sensor, 1.0)
+    assert (health.valid, health.reason) == (False, "missing")
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+def test_what_was_heard_a_moment_ago_is_valid_and_grows_stale(sensor: str) -> None:
+    health = after(*(report(i) for i in range(8)))
+    health.fix(Fix(14.0, 0.5, 2.0, 2.5))
+    assert health.of(sensor, 14.5).valid
+    late = health.of(sensor, 14.0 + 31.0)
+    assert (late.valid, late.reason, late.age) == (False, "stale", 31.0)
+
+
+@pytest.mark.parametrize("name", ["depth", "altitude", "heading", "pitch", "roll"])
+def test_five_identical_reports_are_frozen_and_the_next_change_thaws(name: str) -> None:
+    sensor = "attitude" if name in ("pitch", "roll") else name
+    reports = [report(i, **{name: 1.25}) for i in range(5)]
+    assert after(*reports[:4]).of(sensor, 8.0).valid
+    health = after(*reports)
+    assert health.of(sensor, 8.0).reason == "frozen"
+    health.telemetry(report(5, **{name: 1.2500001}))
+    assert health.of(sensor, 10.0).valid
+
+
+def test_a_vehicle_at_rest_freezes_nothing() -> None:
+    still = (0.0, 0.0, 0.0, 0.0, 0.0)
+    health = after(*(report(i, depth=1.25, actuators=still) for i in range(9)))
+    assert health.of("depth", 16.0).valid
+
+
+def test_batteries_and_temperature_may_be_constant() -> None:
+    health = after(*(report(i) for i in range(20)))
+    assert health.of("battery", 38.0).valid
+    assert health.of("temperature", 38.0).valid
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("depth", 6553.5),
+        ("depth", math.nan),
+        ("depth", -10.0),
+        ("altitude", math.inf),
+        ("altitude", 0.0),
+        ("heading", 7.0),
+        ("pitch", 3.0),
+        ("temperature_c", 200.0),
+    ],
+)
+def test_what_cannot_be_is_absurd(name: str, value: float) -> None:
+    sensor = {"temperature_c": "temperature", "pitch": "attitude"}.get(name, name)
+    health = after(report(0), report(1, **{name: value}))
+    assert health.of(sensor, 2.0).reason == "absurd"
+    health.telemetry(report(2))
+    assert health.of(sensor, 4.0).valid
+
+
+def test_a_leap_is_absurd_until_three_reports_agree_on_it() -> None:
+    health = after(report(0), report(1))
+    for i, valid in [(2, False), (3, False), (4, True)]:
+        health.telemetry(report(i, depth=40.0 + 0.1 * i))
+        assert health.of("depth", 2.0 * i).valid is valid
+
+
+def test_a_heading_through_north_is_no_leap() -> None:
+    health = after(report(0, heading=6.28), report(1, heading=0.01))
+    assert health.of("heading", 2.0).valid
+
+
+def test_what_the_codec_doubts_is_absurd() -> None:
+    health = after(report(0), report(1, faults=("depth:range",)))
+    assert health.of("depth", 2.0).reason == "absurd"
+    assert health.of("heading", 2.0).valid
+
+
+def test_what_the_vehicle_file_says_is_absent_is_missing() -> None:
+    health = SensorHealth(_ALL - {"altitude"})
+    health.telemetry(report(0))
+    assert health.of("altitude", 0.0).reason == "missing"

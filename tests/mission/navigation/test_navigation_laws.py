@@ -1,0 +1,226 @@
+"""Single laws of the estimate: order, gates, restarts, silence."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from dataclasses import replace
+
+import pytest
+from kinematic_truth import HOME, Sea, Truth, sail
+
+from mission.model import NavigationMode, Position
+from mission.navigation import LocalFrame, Navigation
+from mission.vehicle import Vehicle, load_vehicle
+from protocol.messages import Fix, Telemetry
+
+Item = tuple[Truth, Telemetry | Fix]
+
+
+@pytest.fixture(scope="module")
+def vehicle() -> Vehicle:
+    return replace(load_vehicle("auv"), declination=0.0)
+
+
+@pytest.fixture(scope="module")
+def dive() -> list[Item]:
+    return list(sail(Sea(), 200.0, 300.0, 1))
+
+
+def feed(nav: Navigation, items: list[Item]) -> Navigation:
+    for _, item in items:
+        if isinstance(item, Telemetry):
+            nav.telemetry(item)
+        else:
+            nav.fix(item)
+    return nav
+
+
+def error(nav: Navigation, truth: Truth) -> float:
+    estimate = nav.estimate(truth.t)
+    assert estimate is not None
+    return math.hypot(estimate.north - truth.north, estimate.east - truth.east)
+
+
+def test_importing_the_room_does_not_import_the_filter() -> None:
+    code = "import mission.navigation, sys; sys.exit('filterpy' in sys.modules or 'numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_nothing_heard_nothing_said(vehicle: Vehicle) -> None:
+    assert Navigation(vehicle).estimate(10.0) is None
+
+
+def test_without_any_fix_there_is_depth_and_heading_but_no_position(vehicle: Vehicle) -> None:
+    nav = Navigation(vehicle, HOME)
+    nav.telemetry(Telemetry(1.0, depth=3.0, heading=0.5))
+    estimate = nav.estimate(1.0)
+    assert estimate is not None
+    assert estimate.mode is NavigationMode.NONE
+    assert estimate.depth == pytest.approx(3.0, abs=1e-3)
+    assert estimate.heading == pytest.approx(0.5)
+    assert estimate.covariance[0] > 1e6
+
+
+def test_the_current_and_the_scale_learned_at_the_surface_carry_the_dive(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    under = [i for i, (truth, _) in enumerate(dive) if truth.depth > 5.0]
+    learned = feed(Navigation(vehicle, HOME), dive[: under[-1]])
+    once = [item for item in dive[: under[-1]] if not isinstance(item[1], Fix)]
+    first = next(item for item in dive if isinstance(item[1], Fix))
+    naive = feed(Navigation(vehicle, HOME), [first, *once])
+    truth = dive[under[-1]][0]
+    assert error(learned, truth) < 0.5 * error(naive, truth)
+
+
+def test_late_fixes_leave_the_same_estimate_as_punctual_ones(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    punctual = feed(Navigation(vehicle, HOME), dive[:200])
+    late: list[Item] = []
+    held: list[tuple[int, Item]] = []
+    for i, item in enumerate(dive[:200]):
+        if isinstance(item[1], Fix) and i % 3 == 0 and i > 20:
+            held.append((i + 5, item))
+        else:
+            late.append(item)
+        while held and held[0][0] <= i:
+            late.append(held.pop(0)[1])
+    late += [item for _, item in held]
+    delayed = feed(Navigation(vehicle, HOME), late)
+    assert delayed.dropped == 0
+    assert delayed.estimate(500.0) == punctual.estimate(500.0)
+
+
+def test_what_comes_far_too_late_is_dropped_and_counted(vehicle: Vehicle, dive: list[Item]) -> None:
+    nav = feed(Navigation(vehicle, HOME), dive[:200])
+    before = nav.estimate(200.0)
+    nav.fix(Fix(1.0, 0.5, 2.0, 2.5))
+    assert nav.dropped == 1
+    assert nav.estimate(200.0) == before
+
+
+def test_one_wild_fix_does_not_move_the_estimate(vehicle: Vehicle, dive: list[Item]) -> None:
+    nav = feed(Navigation(vehicle, HOME), dive[:200])
+    truth = dive[199][0]
+    wild = LocalFrame(HOME).to_geodetic(truth.north + 500.0, truth.east)
+    nav.fix(Fix(truth.t + 0.5, *wild, 2.5))
+    assert error(nav, truth) < 6.0
+
+
+def test_fixes_that_agree_win_against_a_wrong_estimate(vehicle: Vehicle, dive: list[Item]) -> None:
+    """As if somebody had carried the vehicle 300 m: the gate must not hold for ever."""
+    nav = feed(Navigation(vehicle, HOME), dive[:200])
+    frame = LocalFrame(HOME)
+    shifted: list[Item] = []
+    for truth, item in dive[200:260]:
+        moved = replace(truth, north=truth.north + 300.0)
+        if isinstance(item, Fix):
+            n, e = frame.to_local(item.latitude, item.longitude)
+            lat, lon = frame.to_geodetic(n + 300.0, e)
+            item = replace(item, latitude=lat, longitude=lon)
+        shifted.append((moved, item))
+    feed(nav, shifted)
+    assert error(nav, shifted[-1][0]) < 10.0
+
+
+def test_a_jump_after_a_long_dive_does_not_collapse_the_filter(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    """A current of 1 m/s that set in under water: far beyond what was believed."""
+    nav = Navigation(vehicle, HOME)
+    frame = LocalFrame(HOME)
+    swept: list[Item] = []
+    for truth, item in dive:
+        away = 1.0 * min(max(truth.t - 200.0, 0.0), 300.0)
+        if isinstance(item, Fix):
+            n, e = frame.to_local(item.latitude, item.longitude)
+            lat, lon = frame.to_geodetic(n + away, e)
+            item = replace(item, latitude=lat, longitude=lon)
+        swept.append((replace(truth, north=truth.north + away), item))
+    feed(nav, swept)
+    estimate = nav.estimate(swept[-1][0].t)
+    assert estimate is not None
+    assert error(nav, swept[-1][0]) < 10.0
+    assert estimate.covariance[0] > 0.1  # not certain of itself after a surprise
+
+
+def test_a_restored_snapshot_goes_on_to_the_last_bit(vehicle: Vehicle, dive: list[Item]) -> None:
+    whole = feed(Navigation(vehicle, HOME), dive)
+    half = feed(Navigation(vehicle, HOME), dive[:300])
+    kept = half.snapshot()
+    feed(half, dive[300:350])
+    half.restore(kept)
+    assert feed(half, dive[300:]).estimate(560.0) == whole.estimate(560.0)
+    assert half.health("depth", 560.0) == whole.health("depth", 560.0)
+
+
+def test_asking_changes_nothing(vehicle: Vehicle, dive: list[Item]) -> None:
+    asked, silent = Navigation(vehicle, HOME), Navigation(vehicle, HOME)
+    for item in dive[:150]:
+        feed(asked, [item])
+        feed(silent, [item])
+        asked.estimate(item[0].t + 7.0)
+    assert asked.estimate(200.0) == silent.estimate(200.0)
+
+
+def test_another_home_moves_the_frame_and_not_the_vehicle(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    nav = feed(Navigation(vehicle), dive[:100])
+    assert nav.frame is not None
+    e = nav.estimate(60.0)
+    assert e is not None
+    before = nav.frame.to_geodetic(e.north, e.east)
+    nav.set_origin(Position(HOME.latitude_deg + 0.005, HOME.longitude_deg), 60.0)
+    e = nav.estimate(60.0)
+    assert e is not None
+    after = nav.frame.to_geodetic(e.north, e.east)
+    assert after == pytest.approx(before, abs=1e-12)
+    assert e.north < -400.0
+
+
+def test_without_the_compass_the_position_becomes_uncertain_soon(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    sound = feed(Navigation(vehicle, HOME), dive[:400]).estimate(280.0)
+    blind = [
+        (
+            truth,
+            replace(item, heading=None) if isinstance(item, Telemetry) and truth.t > 210 else item,
+        )
+        for truth, item in dive[:400]
+    ]
+    lost = feed(Navigation(vehicle, HOME), blind).estimate(280.0)
+    assert sound is not None
+    assert lost is not None
+    assert lost.covariance[0] > 4.0 * sound.covariance[0]
+    assert lost.sigmas["heading"] > 0.5
+
+
+def test_a_lost_depth_grows_uncertain_and_does_not_run_away(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    nav = feed(Navigation(vehicle, HOME), dive[:350])
+    estimate = nav.estimate(dive[349][0].t + 300.0)
+    assert estimate is not None
+    assert estimate.depth is not None
+    assert abs(estimate.depth - 10.0) < 20.0
+    assert estimate.sigmas["depth"] > 2.0
+
+
+def test_a_second_sentence_of_the_same_second_counts_once(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    doubled: list[Item] = []
+    for truth, item in dive[:120]:
+        doubled.append((truth, item))
+        if isinstance(item, Fix):
+            doubled.append((truth, replace(item, t=item.t + 0.2)))
+    once = feed(Navigation(vehicle, HOME), dive[:120]).estimate(90.0)
+    twice = feed(Navigation(vehicle, HOME), doubled).estimate(90.0)
+    assert once is not None
+    assert twice is not None
+    assert twice.covariance[0] == pytest.approx(once.covariance[0], rel=0.02)
