@@ -1,0 +1,193 @@
+"""What `serve` reads: one YAML file with a default for everything. An empty file is a valid one.
+
+    ConfigurationError      (the operator must act; names file, key and remedy, all at once)
+
+    vehicle: auv                         # a shipped vehicle file's name, or a path
+    links:
+      vehicle: serial:///dev/serial0     # 9600 8N1
+      gps: serial:///dev/ttyUSB0         # null: none
+      topside: tcp://127.0.0.1:4000      # listens; loopback unless told otherwise
+      modem: null
+    folder: ~/.local/state/auvmission    # store/ and log/ below it
+    time_zone: "+08:00"                  # of the topside's local time (E-V1)
+    answer_no: true                      # R2; false for a topside that cannot bear N
+    manual_for: 60 s                     # without an M command (R6)
+    topside_silence: null                # a limit on the topside's silence (R5)
+    set_system_clock: false              # @ST moves the system's clock too (R10)
+    camera: null                         # command line that the node CAMERA runs (R13)
+    tolerances: {}                       # of the topside codec, by the names of docs/protocol.md
+
+What does not live here: the vehicle's own figures (vehicle), what a URL may say (links).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from mission.units import UnitError, quantity
+
+
+class ConfigurationError(ValueError):
+    """The configuration cannot be used; the message lists every fault in it."""
+
+
+@dataclass(frozen=True, slots=True)
+class LinkUrls:
+    """Where each link's bytes come from; None: the link is not there."""
+
+    vehicle: str = "serial:///dev/serial0"
+    gps: str | None = "serial:///dev/ttyUSB0"
+    topside: str = "tcp://127.0.0.1:4000"
+    modem: str | None = None
+
+
+_NO_TOLERANCES: Mapping[str, str] = {}
+_LINKS = LinkUrls()
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    vehicle: str = "auv"
+    links: LinkUrls = _LINKS
+    folder: Path = field(default_factory=lambda: Path("~/.local/state/auvmission").expanduser())
+    time_zone: str = "+08:00"
+    answer_no: bool = True
+    manual_for: float = 60.0  # s
+    topside_silence: float | None = None  # s
+    set_system_clock: bool = False
+    camera: str | None = None
+    tolerances: Mapping[str, str] = field(default_factory=lambda: _NO_TOLERANCES)
+
+    @property
+    def utc_offset(self) -> float:
+        """s, of the topside's local time."""
+        sign = -1.0 if self.time_zone[0] == "-" else 1.0
+        hours, minutes = self.time_zone[1:].split(":")
+        return sign * (int(hours) * 3600.0 + int(minutes) * 60.0)
+
+    @property
+    def store(self) -> Path:
+        return self.folder / "store"
+
+    @property
+    def log(self) -> Path:
+        return self.folder / "log"
+
+
+def load_configuration(path: Path | None) -> Configuration:
+    """The file's configuration, or the defaults without one. Raises ConfigurationError."""
+    if path is None:
+        return Configuration()
+    try:
+        return parse_configuration(path.read_text(encoding="utf-8"), str(path))
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigurationError(f"{path}: cannot be read: {error}") from error
+
+
+def parse_configuration(text: str, where: str = "configuration") -> Configuration:
+    try:
+        data = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise ConfigurationError(f"{where}: not YAML: {error}") from error
+    data = {} if data is None else data
+    if not isinstance(data, dict):
+        raise ConfigurationError(f"{where}: a configuration is a table of keys, not {data!r}")
+    faults: list[str] = []
+    values = _table(data, _KEYS, where, faults)
+    if faults:
+        raise ConfigurationError("\n".join(faults))
+    return Configuration(**values)
+
+
+def _table(
+    data: Mapping[Any, Any], keys: Mapping[str, Any], where: str, faults: list[str]
+) -> dict[str, Any]:
+    values: dict[str, Any] = {}
+    for key, value in data.items():
+        if key not in keys:
+            faults.append(f"{where}: unknown key {key!r}; there are {', '.join(keys)}")
+            continue
+        try:
+            values[key] = keys[key](value)
+        except (_Wrong, UnitError) as error:
+            faults.append(f"{where}: {key}: {error}")
+    return values
+
+
+class _Wrong(ValueError):
+    pass
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, str) or not value:
+        raise _Wrong(f"a text is needed, not {value!r}")
+    return value
+
+
+def _text_or_none(value: Any) -> str | None:
+    return None if value is None else _text(value)
+
+
+def _flag(value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise _Wrong(f"write true or false, not {value!r}")
+    return value
+
+
+def _seconds(value: Any) -> float:
+    seconds = quantity(value, "s")
+    if not 0.0 < seconds < 1e6:
+        raise _Wrong(f"a time above zero is needed, not {value!r}")
+    return seconds
+
+
+def _seconds_or_none(value: Any) -> float | None:
+    return None if value is None else _seconds(value)
+
+
+def _zone(value: Any) -> str:
+    if not isinstance(value, str) or not re.fullmatch(r"[+-](0\d|1[0-4]):[0-5]\d", value):
+        raise _Wrong(f'write an offset such as "+08:00", in quotes, not {value!r}')
+    return value
+
+
+def _folder(value: Any) -> Path:
+    return Path(_text(value)).expanduser()
+
+
+def _tolerances(value: Any) -> Mapping[str, str]:
+    if not isinstance(value, dict):
+        raise _Wrong(f"a table of names is needed, not {value!r}")
+    return {str(k): {True: "on", False: "off"}.get(v, str(v)) for k, v in value.items()}
+
+
+def _links(value: Any) -> LinkUrls:
+    if not isinstance(value, dict):
+        raise _Wrong(f"a table is needed, not {value!r}")
+    faults: list[str] = []
+    required = {"vehicle", "topside"}
+    keys = {f.name: _text if f.name in required else _text_or_none for f in fields(LinkUrls)}
+    values = _table(value, keys, "a link", faults)
+    if faults:
+        raise _Wrong("; ".join(faults))
+    return LinkUrls(**values)
+
+
+_KEYS = {
+    "vehicle": _text,
+    "links": _links,
+    "folder": _folder,
+    "time_zone": _zone,
+    "answer_no": _flag,
+    "manual_for": _seconds,
+    "topside_silence": _seconds_or_none,
+    "set_system_clock": _flag,
+    "camera": _text_or_none,
+    "tolerances": _tolerances,
+}

@@ -1,0 +1,72 @@
+"""What the operator's side and the drive ask of each other. Types only.
+
+What does not live here: the rules between them (topside), the vehicle's behaviour (engine).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from mission.model import Verdict
+from protocol.messages import (
+    Ack,
+    Command,
+    FrameFault,
+    Status,
+    StoreReport,
+)
+
+MODEM = "modem"  # the link whose frames travel in envelopes under water
+
+Answer = Ack | Status | StoreReport
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Peer:
+    link: str
+    address: str
+
+
+class MissionRefused(ValueError):
+    """The mission's author must act; the message names the first line and its fault."""
+
+
+class Codec(Protocol):
+    """One connection's frames, with the modem's envelope where there is one."""
+
+    def receive(self, data: bytes, now: float) -> list[Command | FrameFault]: ...
+
+    def flush(self, now: float) -> list[Command | FrameFault]: ...
+
+    def next_timer(self) -> float | None: ...
+
+    def encode(self, answer: Answer) -> bytes: ...
+
+
+class Vessel(Protocol):
+    """What the operator's commands act upon; the drive is one."""
+
+    @property
+    def state(self) -> str:
+        """The active state's path."""
+        ...
+
+    @property
+    def digest(self) -> str:
+        """Of the stored mission, hex; "" if there is none."""
+        ...
+
+    def decide(self, command: Command, now: float) -> Verdict: ...
+
+    def switch_auto(self, is_open: bool, now: float) -> None: ...
+
+    def relay(self, frame: bytes, reason: str, manual: bool) -> None: ...
+
+    def accept(self, lines: tuple[str, ...], now: float) -> None:
+        """Compile, check, store and load a mission; raises MissionRefused or StoreError."""
+        ...
+
+    def status(self, now: float) -> Status: ...
+
+    def set_clock(self, time: str, now: float) -> None: ...

@@ -1,0 +1,68 @@
+"""One YAML file, defaults for everything, every fault told."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+
+from mission.configuration import (
+    _KEYS,
+    Configuration,
+    ConfigurationError,
+    load_configuration,
+    parse_configuration,
+)
+
+
+@pytest.mark.parametrize("text", ["", "# only a comment\n", "{}"])
+def test_everything_has_a_default(text: str) -> None:
+    assert parse_configuration(text) == Configuration() == load_configuration(None)
+
+
+def test_every_field_can_be_written() -> None:
+    assert list(_KEYS) == [f.name for f in fields(Configuration)]
+
+
+def test_loopback_unless_told() -> None:
+    assert Configuration().links.topside.startswith("tcp://127.0.0.1")
+
+
+def test_what_is_written_replaces_the_default_alone() -> None:
+    found = parse_configuration(
+        "links: {topside: 'tcp://0.0.0.0:4000', gps: null}\nmanual_for: 2 min\n"
+        "time_zone: '-03:30'\nfolder: /tmp/x\ntolerances: {st_commas: off, order_aw: high}\n"
+    )
+    assert found.links.topside == "tcp://0.0.0.0:4000"
+    assert found.links.gps is None
+    assert found.links.vehicle == Configuration().links.vehicle
+    assert found.manual_for == 120.0
+    assert found.utc_offset == -3.5 * 3600
+    assert found.store == Path("/tmp/x/store")
+    assert found.tolerances == {"st_commas": "off", "order_aw": "high"}
+    assert found.answer_no is True
+
+
+def test_all_faults_are_told_at_once_with_file_and_key() -> None:
+    with pytest.raises(ConfigurationError) as caught:
+        parse_configuration(
+            "vehicel: auv\nmanual_for: -1\nanswer_no: maybe\ntime_zone: 8\nlinks: {vehicle: 3, x: 1}",
+            "serve.yaml",
+        )
+    lines = str(caught.value).splitlines()
+    assert len(lines) == 5
+    assert all(line.startswith("serve.yaml: ") for line in lines)
+    for word in ("vehicel", "manual_for", "answer_no", "time_zone", "links"):
+        assert any(word in line for line in lines)
+
+
+@pytest.mark.parametrize("text", ["- a\n", "a: [", "3"])
+def test_what_is_no_table_is_refused(text: str) -> None:
+    with pytest.raises(ConfigurationError):
+        parse_configuration(text)
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(ConfigurationError, match=r"absent\.yaml"):
+        load_configuration(tmp_path / "absent.yaml")
