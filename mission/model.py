@@ -364,9 +364,22 @@ class Chart:
     states: tuple[State, ...]
     edges: tuple[Edge, ...]
     initial: str
+    _by_path: dict[str, State] = field(init=False, repr=False, compare=False)
+    _by_source: dict[str, tuple[Edge, ...]] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        leaving: dict[str, list[Edge]] = {}
+        for edge in self.edges:
+            leaving.setdefault(edge.source, []).append(edge)
+        object.__setattr__(self, "_by_path", {s.path: s for s in self.states})
+        object.__setattr__(self, "_by_source", {k: tuple(v) for k, v in leaving.items()})
 
     def state(self, path: str) -> State:
-        return next(s for s in self.states if s.path == path)
+        return self._by_path[path]
+
+    def leaving(self, source: str) -> tuple[Edge, ...]:
+        """The edges of one state, in the order in which they are looked at."""
+        return self._by_source.get(source, ())
 
 
 # The regions every mission shares (design: the states).

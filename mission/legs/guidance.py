@@ -1,0 +1,45 @@
+"""Line of sight: the heading that brings a vehicle onto a line and along it, in a current.
+
+    desired course = bearing of the line - atan(cross-track / lookahead)
+    heading        = course - asin(current across the course / speed through the water)
+
+Source: T. I. Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control (2011), section
+10.3, lookahead-based steering; the second line is the wind triangle.
+"""
+
+from __future__ import annotations
+
+import math
+
+from mission.legs.base import Point, Track, wrap
+from mission.model import Estimate
+
+LOOKAHEAD = 12.0  # m; some turning radii, well above the vehicle's 2 m
+_MOST_CRAB = math.radians(60.0)
+
+
+def along(start: Point, end: Point, here: Point) -> Track:
+    """Where ``here`` stands against the line; past its end the line is the way to the end."""
+    bearing = math.atan2(end[1] - start[1], end[0] - start[0])
+    to_end = (end[0] - here[0], end[1] - here[1])
+    distance = math.hypot(*to_end)
+    ahead = math.atan2(to_end[1], to_end[0])
+    left = to_end[0] * math.cos(bearing) + to_end[1] * math.sin(bearing)
+    cross = to_end[0] * math.sin(bearing) - to_end[1] * math.cos(bearing)
+    return Track(distance if left >= 0.0 else -distance, cross, bearing, ahead)
+
+
+def course_on(track: Track) -> float:
+    """The course over ground that leads back to the line, or to its end once it is passed."""
+    if track.distance < 0.0:
+        return track.ahead
+    return track.bearing - math.atan2(track.cross_track, min(LOOKAHEAD, track.distance + 1.0))
+
+
+def heading_for(course: float, estimate: Estimate) -> float:
+    """In [0, 2 pi). A current that cannot be overcome is met as well as can be."""
+    speed = max(estimate.speed, 0.1)
+    across = estimate.current_east * math.cos(course) - estimate.current_north * math.sin(course)
+    crab = math.asin(max(-1.0, min(1.0, across / speed)))
+    crab = max(-_MOST_CRAB, min(_MOST_CRAB, crab))
+    return wrap(course - crab) % (2.0 * math.pi)

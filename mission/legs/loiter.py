@@ -1,0 +1,81 @@
+"""A circle about a place: ends by its time or an exit, never by itself.
+
+course = bearing from the centre + side * (90 deg + atan((distance - radius) / lookahead))
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from dataclasses import replace
+from typing import Self
+
+from mission.legs import guidance
+from mission.legs.base import LegType, Point, Track, View
+from mission.legs.follow import GIVES, NEEDS, STEERS
+from mission.model import Loiter
+from protocol.messages import Setpoint
+
+LEAST_RADIUS = 4.0  # m; twice the turning radius as tried at sea
+
+
+class Circle:
+    __slots__ = ("_base", "_centre", "_heading", "_here", "_kind")
+
+    def __init__(self, kind: Loiter, base: Setpoint, view: View) -> None:
+        self._kind, self._base = kind, base
+        self._centre = view.place(kind.place) if kind.place is not None else None
+        self._here = kind.place is None
+        self._heading = view.estimate.heading if view.estimate else None
+
+    def setpoint(self, view: View) -> Setpoint:
+        if view.estimate is not None:
+            if self._here:
+                self._centre, self._here = (view.estimate.north, view.estimate.east), False
+            if self._centre is not None:
+                course = self._course(self._centre, (view.estimate.north, view.estimate.east))
+                self._heading = guidance.heading_for(course, view.estimate)
+        return replace(self._base, heading=self._heading)
+
+    def finished(self, view: View) -> bool:
+        return False
+
+    def track(self, view: View) -> Track | None:
+        """``distance`` to the centre, ``cross_track`` outside the circle."""
+        if view.estimate is None or self._centre is None:
+            return None
+        north = view.estimate.north - self._centre[0]
+        east = view.estimate.east - self._centre[1]
+        distance, bearing = math.hypot(north, east), math.atan2(east, north)
+        return Track(distance, distance - self._kind.radius, bearing, bearing + math.pi)
+
+    def clone(self) -> Self:
+        return copy.copy(self)
+
+    def _course(self, centre: Point, here: Point) -> float:
+        north, east = here[0] - centre[0], here[1] - centre[1]
+        off = math.hypot(north, east) - self._kind.radius
+        inward = math.pi / 2 + math.atan2(off, guidance.LOOKAHEAD / 2)
+        return math.atan2(east, north) + self._kind.side * inward
+
+
+def _begin(kind: Loiter, base: Setpoint, view: View) -> Circle:
+    return Circle(kind, base, view)
+
+
+def _fault(kind: Loiter) -> str:
+    if kind.radius < LEAST_RADIUS:
+        return f"the vehicle cannot circle tighter than {LEAST_RADIUS:g} m"
+    return ""
+
+
+TYPE = LegType(
+    name="loiter",
+    kind=Loiter,
+    begin=_begin,
+    steers=STEERS,
+    needs=NEEDS,
+    gives=GIVES,
+    makes_way=True,
+    fault=_fault,
+)
