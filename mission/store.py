@@ -42,16 +42,6 @@ class Stored:
     under_way: str = ""  # as Engine.under_way says it; "" is nothing
     damage: tuple[str, ...] = ()  # what could not be read, in words
 
-    def to_json(self) -> str:
-        content = {"lines": self.lines, "limits": _limits(self.limits), "under_way": self.under_way}
-        return json.dumps(content, sort_keys=True)
-
-    @classmethod
-    def from_json(cls, text: str) -> Stored:
-        content = json.loads(text)
-        limits = SetSafety(**content["limits"])
-        return cls(tuple(content["lines"]), limits, str(content["under_way"]))
-
 
 class Store(Protocol):
     """Every ``keep_`` returns when its content is durable, or raises StoreError."""

@@ -6,8 +6,6 @@ import os
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from mission.store import UNKNOWN, DiskStore, MemoryStore, Store, Stored, StoreError
 from protocol.messages import SetSafety
@@ -98,20 +96,3 @@ def test_the_memory_twin_fails_where_the_disk_failed() -> None:
         twin.keep_under_way("autonomous")
     twin.keep_under_way("emergency")
     assert twin.content == Stored(LINES, under_way="emergency")
-
-
-numbers = st.none() | st.floats(0.001, 65535.0)
-texts = st.text(st.characters(min_codepoint=32, max_codepoint=126), min_size=1, max_size=20)
-
-
-@given(
-    lines=st.lists(texts, max_size=4).map(tuple),
-    limits=st.builds(SetSafety, numbers, numbers, numbers, numbers),
-    under_way=texts,
-)
-@settings(max_examples=30)
-def test_content_survives_the_start_record(
-    lines: tuple[str, ...], limits: SetSafety, under_way: str
-) -> None:
-    content = Stored(lines, limits, under_way)
-    assert Stored.from_json(content.to_json()) == content

@@ -1,0 +1,69 @@
+"""What goes on record comes back to the last bit."""
+
+from __future__ import annotations
+
+import math
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from links.base import Rx
+from mission.configuration import Configuration, LinkUrls
+from mission.model import Tx
+from mission.records import (
+    CONNECTED,
+    Start,
+    input_record,
+    read_rx,
+    read_start,
+    read_texts,
+    read_time,
+    read_tx,
+    rx_record,
+    start_record,
+    tx_record,
+)
+from mission.store import Stored
+from mission.vehicle import load_vehicle
+from protocol.messages import SetSafety
+
+names = st.text(st.characters(min_codepoint=1, max_codepoint=0x2FF), max_size=12)
+times = st.floats(0.0, 1e9)
+
+
+@given(times, names, st.binary(max_size=60), names)
+@settings(max_examples=50)
+def test_an_input_comes_back_whatever_its_bytes(t: float, link: str, data: bytes, a: str) -> None:
+    rx = Rx(t, link, data, a)
+    assert read_rx(rx_record(rx)) == rx
+
+
+@given(times, names, st.binary(max_size=60), names, names)
+@settings(max_examples=50)
+def test_an_output_comes_back_with_its_reason(
+    t: float, link: str, data: bytes, reason: str, address: str
+) -> None:
+    tx = Tx(t, link, data, reason, address)
+    assert read_tx(tx_record(tx)) == tx
+
+
+@given(times, names, names)
+@settings(max_examples=20)
+def test_a_connection_comes_back(t: float, link: str, address: str) -> None:
+    record = input_record(t, CONNECTED, link, address)
+    assert (read_time(record), read_texts(record)) == (t, (link, address))
+
+
+def test_the_start_comes_back_whole() -> None:
+    start = Start(
+        "1.2.3",
+        Configuration(
+            links=LinkUrls(gps=None), tolerances={"st_commas": "off"}, manual_for=math.pi
+        ),
+        load_vehicle("auv"),
+        Stored(
+            ("mission a vehicle auv", "ZAF6"), SetSafety(radius=0.1), "autonomous", ("damaged",)
+        ),
+        1_700_000_000.123456,
+    )
+    assert read_start(start_record(start, 0.25)) == start
