@@ -10,7 +10,7 @@ What does not live here: layouts (the vehicle's file), framing, rules of retry.
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +107,7 @@ class FrameFault:
     length: int  # bytes
 
 
-# --- what an operator says (seed 000, tables 1.1 and 1.2) ------------------------------------
+# --- what an operator says (seed 000, tables 1.1 and 1.2) ---
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,10 +211,12 @@ Command = (
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """What one ``@VS`` carries (seed 000, table 2.1.2), SI and radians; None is an empty field."""
+    """What one ``@VS`` carries (seed 000, table 2.1.2): the last fix and the newest telemetry.
 
-    time: str  # YYYY-MM-DDThh:mm:ss
+    ``time`` is that of the telemetry (R10), None where the field is empty. A fix that came by
+    ``@VS`` has an infinite ``accuracy``: the frame does not tell it.
+    """
+
+    time: str | None  # YYYY-MM-DDThh:mm:ss
     fix: Fix | None = None
     telemetry: Telemetry | None = None
-    heading: float | None = None
-    extras: tuple[str, ...] = field(default=())

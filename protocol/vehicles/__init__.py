@@ -1,1 +1,55 @@
-"""One file per vehicle: its frame table, Telemetry in, Setpoint out."""
+"""The registry: one row per vehicle, one row per link. A new vehicle is one file and its rows here.
+
+``codec`` makes what the drive asks of a vehicle; ``LINKS`` is what ``decode --link`` knows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from protocol.codec import VehicleCodec
+from protocol.framing import LinkRow
+from protocol.tolerances import Tolerances
+from protocol.vehicles import auv
+
+BatteryScale = tuple[float, float]
+
+
+class UnknownVehicle(ValueError):
+    """Says which there are."""
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleRow:
+    """``make(dialect, tolerances, battery_scale)``; raises ValueError for an unknown dialect."""
+
+    name: str
+    make: Callable[[str, Tolerances, BatteryScale], VehicleCodec]
+    dialects: tuple[str, ...]
+
+
+VEHICLES = (VehicleRow("auv", auv.AuvCodec, tuple(auv.DIALECTS)),)
+
+LINKS: tuple[LinkRow, ...] = (*auv.LINKS,)
+
+
+def codec(
+    name: str,
+    dialect: str,
+    tolerances: Mapping[str, str],
+    battery_scale: BatteryScale = (1.0, 1.0),
+) -> VehicleCodec:
+    """A fresh codec. Raises UnknownVehicle, UnknownTolerance, or ValueError for the dialect."""
+    for row in VEHICLES:
+        if row.name == name:
+            return row.make(dialect, Tolerances.parse(tolerances), battery_scale)
+    raise UnknownVehicle(f"no vehicle {name!r}; there are: {', '.join(r.name for r in VEHICLES)}")
+
+
+def link(name: str) -> LinkRow:
+    """Raises UnknownVehicle, which names the links there are."""
+    for row in LINKS:
+        if row.name == name:
+            return row
+    raise UnknownVehicle(f"no link {name!r}; there are: {', '.join(r.name for r in LINKS)}")

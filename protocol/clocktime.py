@@ -1,0 +1,69 @@
+"""Calendar times as seed 000 writes them: ``YYYY/MM/DD hh:mm:ss`` (@ST) and with dashes (@VS).
+
+Outside the frames a time is ``YYYY-MM-DDThh:mm:ss``. What does not live here: time zones and
+clocks (R10).
+"""
+
+from __future__ import annotations
+
+import datetime
+import itertools
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from protocol.codec import CannotEncode
+from protocol.fields import FaultKind, required
+from protocol.text import Refused
+
+_CLOCK = "([0-9]{2}):([0-9]{2}):([0-9]{2})"
+SLASHES = re.compile(f"([0-9]{{4}})/([0-9]{{2}})/([0-9]{{2}}) {_CLOCK}")
+DASHES = re.compile(f"([0-9]{{4}})-([0-9]{{2}})-([0-9]{{2}})-{_CLOCK}")
+ISO = re.compile(f"([0-9]{{4}})-([0-9]{{2}})-([0-9]{{2}})T{_CLOCK}")
+
+Clock = tuple[int, ...]  # year, month, day, hour, minute, second
+
+
+def split(text: str, form: re.Pattern[str]) -> Clock:
+    """Raises Refused for another form."""
+    match = form.fullmatch(text)
+    if match is None:
+        raise Refused(FaultKind.NON_NUMERIC)
+    return tuple(map(int, match.groups()))
+
+
+def split_compact(text: str) -> Clock:
+    cuts = (0, 4, 6, 8, 10, 12, 14)
+    return tuple(int(text[a:b]) for a, b in itertools.pairwise(cuts))
+
+
+def real(clock: Clock) -> bool:
+    """A time of a real calendar day; second 60 is none."""
+    year, month, day, hour, minute, second = clock
+    try:
+        datetime.datetime(year, month, day, hour, minute, second)  # noqa: DTZ001  # no zone meant
+    except ValueError:
+        return False
+    return True
+
+
+def iso(clock: Clock) -> str:
+    year, month, day, hour, minute, second = clock
+    return f"{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}"
+
+
+def checked(clock: Clock) -> str:
+    """Raises Refused for a time that no calendar has."""
+    if not real(clock):
+        raise Refused(FaultKind.OUT_OF_RANGE)
+    return iso(clock)
+
+
+def encodable(values: Mapping[str, Any], frame: str) -> Clock:
+    """The value ``time``; raises CannotEncode."""
+    text = required(values, "time", frame)
+    match = ISO.fullmatch(text) if isinstance(text, str) else None
+    clock = tuple(map(int, match.groups())) if match else ()
+    if not clock or not real(clock):
+        raise CannotEncode(f"{frame}: time is YYYY-MM-DDThh:mm:ss of a real day, not {text!r}")
+    return clock

@@ -1,0 +1,352 @@
+"""What topside and the Pi say to each other, as messages (seed 000, chapters 1.1, 1.2, 2.1).
+
+    TopsideCodec   the Pi's side:        bytes -> Command | FrameFault
+    ConsoleCodec   the topside's side:   bytes -> Ack | StoreReport | Status | FrameFault
+    encode         any of these messages -> one frame
+
+R and rudder commands and every M are relayed to the STM32 unchanged (``Relay``, ``Manual`` keep
+the frame); ``@ZAX0$`` and ``@ZAWF$`` are taken from topside as well (R7).
+
+What does not live here: the frame tables (``protocol.topside_frames``, ``protocol.status_frame``),
+who may command, what is answered when (``mission.serve``), the modem's envelope.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+from protocol import topside_frames as tables
+from protocol.codec import CannotEncode
+from protocol.fields import FrameType, Values
+from protocol.framing import Frame, Framer
+from protocol.messages import (
+    Ack,
+    ClearMission,
+    Command,
+    DataQuery,
+    Emergency,
+    Fix,
+    FrameFault,
+    Manual,
+    MissionLine,
+    NodeQuery,
+    NodeSwitch,
+    Order,
+    Relay,
+    SetSafety,
+    SetTime,
+    StartMission,
+    Status,
+    StoreQuery,
+    StoreReport,
+    Telemetry,
+)
+from protocol.motion_frame import MotionFrame
+from protocol.status_frame import NAMES, StatusFrame
+from protocol.tolerances import Tolerances
+
+EMERGENCIES = {Order.STOP: b"@ZAX0$", Order.SURFACE: b"@ZAWF$"}
+IDLE = 0.05  # s; a network hands over whole frames
+
+
+def relayed_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
+    """Tables 1.2.1 and 1.2.2: for the STM32, through the Pi."""
+    sticks = (tables.stick("MS", "speed", tolerances), tables.stick("MP", "force", tolerances))
+    power = (tables.RS, tables.RI)
+    return (*power, tables.MT, tables.MD, tables.D, tables.MM, tables.MR, *sticks)
+
+
+def to_pi_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
+    nodes = (tables.NS, tables.NI)
+    mission = (tables.AA, tables.AC, tables.AQ, tables.MissionLineFrame(tolerances))
+    settings = (tables.TimeFrame(tolerances), tables.SafetyFrame())
+    own = (*nodes, *mission, *settings, tables.DU)
+    emergency = MotionFrame(tolerances, codes="XW")
+    return (*own, *relayed_frames(tolerances), emergency)
+
+
+def to_topside_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
+    acks = tables.AckFrame("NASR", tolerances)
+    status: tuple[FrameType, ...] = (StatusFrame(tolerances),)
+    if tolerances.on("vs_no_vs"):
+        status += (StatusFrame(tolerances, bare=True),)
+    return (acks, tables.StoreFrame(), *status)
+
+
+# --- the Pi's side ---
+
+
+def _safety(values: Values) -> Command:
+    minutes = values["minutes"]
+    return SetSafety(
+        radius=values["radius_m"],
+        time=None if minutes is None else minutes * 60.0,
+        depth=values["depth_m"],
+        voltage=values["low_voltage_v"],
+    )
+
+
+_COMMANDS: dict[str, Callable[[Values], Command]] = {
+    "auv.NS": lambda v: NodeSwitch(v["switches"]),
+    "auv.NI": lambda v: NodeQuery(),
+    "auv.AA": lambda v: StartMission(),
+    "auv.AC": lambda v: ClearMission(),
+    "auv.AQ": lambda v: StoreQuery(),
+    "auv.AW": lambda v: MissionLine(v["total"], v["current"], v["payload"]),
+    "auv.ST": lambda v: SetTime(v["time"]),
+    "auv.SP": _safety,
+    "auv.DU": lambda v: DataQuery(),
+    "auv.ZA": lambda v: Emergency(Order.STOP if v["code"] == "X" else Order.SURFACE),
+}
+_RELAYED = frozenset(("RS", "RI", "D"))
+
+
+def command_of(frame: Frame) -> Command:
+    """The message of a frame of ``to_pi_frames``."""
+    make = _COMMANDS.get(frame.type.name)
+    if make is not None:
+        return make(frame.values())
+    kind = frame.type.name.removeprefix("auv.")
+    return (Relay if kind in _RELAYED else Manual)(kind, frame.raw)
+
+
+class TopsideCodec:
+    """One per connection: each has a stream of its own."""
+
+    def __init__(self, tolerances: Tolerances | None = None) -> None:
+        self.framer = Framer(to_pi_frames(tolerances or Tolerances()), idle=IDLE)
+
+    def receive(self, data: bytes, now: float) -> list[Command | FrameFault]:
+        return _commands(self.framer.receive(data, now))
+
+    def next_timer(self) -> float | None:
+        return self.framer.next_timer()
+
+    def flush(self, now: float) -> list[Command | FrameFault]:
+        return _commands(self.framer.flush(now))
+
+
+def _commands(items: Sequence[Frame | FrameFault]) -> list[Command | FrameFault]:
+    return [i if isinstance(i, FrameFault) else command_of(i) for i in items]
+
+
+# --- encoding: every message that crosses this link ---
+
+_NORMATIVE = Tolerances()
+_LINE = tables.MissionLineFrame(_NORMATIVE)
+_TIME, _SAFETY = tables.TimeFrame(_NORMATIVE), tables.SafetyFrame()
+_ACK, _STORE, _STATUS = (
+    tables.AckFrame("NASRZ", _NORMATIVE),
+    tables.StoreFrame(),
+    StatusFrame(_NORMATIVE),
+)
+
+
+def encode(message: Command | Ack | StoreReport | Status) -> bytes:
+    """One frame under the N readings. Raises CannotEncode."""
+    match message:
+        case Relay(frame=frame) | Manual(frame=frame):
+            return frame
+        case Emergency(order=order):
+            return EMERGENCIES[order]
+        case Ack():
+            return encode_ack(message)
+        case Status():
+            return _STATUS.encode(status_values(message))
+        case _:
+            return _encode_plain(message)
+
+
+def _encode_plain(
+    message: NodeSwitch
+    | NodeQuery
+    | StartMission
+    | ClearMission
+    | MissionLine
+    | StoreQuery
+    | SetTime
+    | SetSafety
+    | DataQuery
+    | StoreReport,
+) -> bytes:
+    match message:
+        case NodeSwitch(switches=switches):
+            return tables.NS.encode({"switches": switches})
+        case NodeQuery():
+            return tables.NI.encode({})
+        case StartMission():
+            return tables.AA.encode({})
+        case ClearMission():
+            return tables.AC.encode({})
+        case MissionLine(total=total, current=current, payload=payload):
+            return _LINE.encode({"total": total, "current": current, "payload": payload})
+        case StoreQuery():
+            return tables.AQ.encode({})
+        case SetTime(time=time):
+            return _TIME.encode({"time": time})
+        case SetSafety():
+            return _SAFETY.encode(_safety_values(message))
+        case DataQuery():
+            return tables.DU.encode({})
+        case StoreReport(state=s, total=t, have=h, missing=m, digest=d, refusal=r):
+            texts = {"missing": m, "digest": d, "refusal": r}
+            return _STORE.encode({"state": s, "total": t, "have": h, **texts})
+
+
+def _safety_values(message: SetSafety) -> Values:
+    minutes = None if message.time is None else round(message.time / 60.0, 6)
+    return {
+        "radius_m": message.radius,
+        "minutes": minutes,
+        "depth_m": message.depth,
+        "low_voltage_v": message.voltage,
+    }
+
+
+def encode_ack(ack: Ack) -> bytes:
+    """The nine bytes, whatever the result byte is: masks are raw. Raises CannotEncode."""
+    raw = b"@ACK_%b%b%c$" % (ack.group.encode(), ack.function.encode(), ack.result)
+    if _ACK.check(raw) is not None:
+        raise CannotEncode(f"no acknowledgement reads {ack}")
+    return raw
+
+
+_POSITIVE = {"NS": "S", "AA": "A", "AC": "C", "AW": "W", "ST": "T", "SP": "P", "RS": "S"}
+
+
+def answer(code: str, ok: bool, now: float) -> Ack:
+    """The Ack to NS, AA, AC, AW, ST or SP; refused ones carry N (R2)."""
+    return Ack(now, code[0], code[1], ord(_POSITIVE[code] if ok else "N"))
+
+
+def status_values(status: Status) -> Values:
+    """The 30 values of ``@VS``; what is not known is None. Telemetry in SI becomes wire units."""
+    fix, telemetry = status.fix, status.telemetry or Telemetry(0.0)
+    values: Values = {"time": status.time}
+    values |= {
+        "lon_deg": _degrees(fix.longitude) if fix else None,
+        "lat_deg": _degrees(fix.latitude) if fix else None,
+        "elevation_m": _rounded(fix.elevation, 2) if fix else None,
+        "ground_speed": _scaled(fix.speed, 100) if fix else None,
+        "ground_course_deg": _degrees(fix.course, 2) if fix else None,
+        "heading_deg": _yaw(telemetry.heading),
+        "pitch_deg": _degrees(telemetry.pitch, 2),
+        "roll_deg": _degrees(telemetry.roll, 2),
+        "temperature_c": _rounded(telemetry.temperature_c, 2),
+        "depth_m": _rounded(telemetry.depth, 3),
+        "altitude_m": _rounded(telemetry.altitude, 3),
+    }
+    lists = (telemetry.batteries, telemetry.magnetic, telemetry.actuators)
+    batteries, magnetic, actuators = (x or () for x in lists)
+    tail = [_rounded(b, 3) for b in _filled(batteries, 2)]
+    tail += [_scaled(m, 1e9) for m in _filled(magnetic, 9)]
+    tail += [None if a is None else round(1500 + 500 * a) for a in _filled(actuators, 7)]
+    names = [item for item in NAMES if item not in values]
+    return values | dict(zip(names, tail, strict=True))
+
+
+def _filled(values: Sequence[float | None], count: int) -> list[float | None]:
+    return [*values[:count], *[None] * (count - len(values))]
+
+
+def _rounded(value: float | None, places: int) -> float | None:
+    return None if value is None or not math.isfinite(value) else round(value, places)
+
+
+def _scaled(value: float | None, factor: float) -> int | None:
+    return None if value is None or not math.isfinite(value) else round(value * factor)
+
+
+def _degrees(angle: float | None, places: int = 7) -> float | None:
+    return None if angle is None else _rounded(math.degrees(angle), places)
+
+
+def _yaw(heading: float | None) -> float | None:
+    """Compass heading to the yaw of ``@SD`` (E-V8, E-V10)."""
+    if heading is None:
+        return None
+    return _degrees(-math.remainder(heading, 2 * math.pi), 2)
+
+
+# --- the topside's side ---
+
+Answer = Ack | StoreReport | Status
+
+
+def answer_of(frame: Frame) -> Answer:
+    """The message of a frame of ``to_topside_frames``."""
+    if frame.type.name == "auv.ACK":
+        return ack_of(frame)
+    values = frame.values()
+    if frame.type.name == "auv.VS":
+        return status_of(values, frame.t)
+    return StoreReport(**values)
+
+
+def ack_of(frame: Frame) -> Ack:
+    raw = frame.raw
+    return Ack(frame.t, chr(raw[5]), chr(raw[6]), raw[7])
+
+
+def status_of(values: Values, now: float) -> Status:
+    """What the values of ``@VS`` say, in SI; ``now`` is when they came."""
+    radians = {k: None if v is None else math.radians(v) for k, v in values.items() if _is_angle(k)}
+    fix = None
+    if radians["lon_deg"] is not None and radians["lat_deg"] is not None:
+        speed = values["ground_speed"]
+        fix = Fix(
+            t=now,
+            latitude=radians["lat_deg"],
+            longitude=radians["lon_deg"],
+            accuracy=math.inf,
+            speed=None if speed is None else speed / 100,
+            course=radians["ground_course_deg"],
+            elevation=values["elevation_m"],
+        )
+    yaw = radians["heading_deg"]
+    magnetic = _known([values[name] for name in NAMES if name.startswith("mag_")], 1e9)
+    widths = _known([values[name] for name in NAMES if name.startswith("pwm_")], 1.0)
+    telemetry = Telemetry(
+        t=now,
+        depth=values["depth_m"],
+        altitude=values["altitude_m"],
+        heading=None if yaw is None else -yaw % (2 * math.pi),
+        pitch=radians["pitch_deg"],
+        roll=radians["roll_deg"],
+        temperature_c=values["temperature_c"],
+        magnetic=magnetic,
+        actuators=None if widths is None else tuple((w - 1500) / 500 for w in widths),
+        batteries=(values["battery_control"], values["battery_power"]),
+        faults=tuple(f for f in values["flags"] if not f.endswith(":empty")),
+    )
+    return Status(values["time"], fix, telemetry)
+
+
+def _is_angle(name: str) -> bool:
+    return name.endswith("_deg")
+
+
+def _known(values: Sequence[float | None], divisor: float) -> tuple[float, ...] | None:
+    known = [v / divisor for v in values if v is not None]
+    return tuple(known) if len(known) == len(values) else None
+
+
+class ConsoleCodec:
+    """One per connection to a vehicle."""
+
+    def __init__(self, tolerances: Tolerances | None = None) -> None:
+        self.framer = Framer(to_topside_frames(tolerances or Tolerances()), idle=IDLE)
+
+    def receive(self, data: bytes, now: float) -> list[Answer | FrameFault]:
+        return _answers(self.framer.receive(data, now))
+
+    def next_timer(self) -> float | None:
+        return self.framer.next_timer()
+
+    def flush(self, now: float) -> list[Answer | FrameFault]:
+        return _answers(self.framer.flush(now))
+
+
+def _answers(items: Sequence[Frame | FrameFault]) -> list[Answer | FrameFault]:
+    return [i if isinstance(i, FrameFault) else answer_of(i) for i in items]

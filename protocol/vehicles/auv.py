@@ -1,0 +1,281 @@
+"""The AUV of seed 000 as the Pi sees it on its serial line to the STM32 (9600 8N1).
+
+    STM32 -> Pi   @SD every 2 s (86 bytes), @ACK_
+    Pi -> STM32   @ZA.. (protocol.motion_frame), relayed R, M and rudder frames
+
+Units and signs are converted once, here: yaw is positive to port, so heading = -yaw; PWM 1000..
+2000 us become -1..1; magnetometers are uT on the wire. Actuators in order: left main, right main,
+rear, left and right vertical thruster, left and right servo.
+
+Two dialects of the Z class:
+
+    documented   every word sets its own axis
+    as-built     one horizontal mode (F B L R H), one vertical mode (U D S E), one speed for both;
+                 a heading is held under way by @ZAH-20,4$ only; A does nothing
+
+A setpoint is reached from any earlier state: what it does not control is cleared by @ZAX0$, the
+only word that clears, which therefore leads unless the words that follow overwrite everything.
+
+What does not live here: retries and gaps (the drive's outbox), frames to and from topside.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Sequence
+
+from protocol.checksum import sd_profile
+from protocol.codec import CannotEncode, Received
+from protocol.fields import F32LE, U16LE, BinaryFrame, Check, Const, FrameType
+from protocol.framing import Frame, LinkRow
+from protocol.messages import FrameFault, Order, Setpoint, Telemetry
+from protocol.modem import IDLE as MODEM_IDLE
+from protocol.modem import modem_frames
+from protocol.motion_frame import MotionFrame
+from protocol.tolerances import Tolerances
+from protocol.topside import (
+    EMERGENCIES,
+    ack_of,
+    relayed_frames,
+    to_pi_frames,
+    to_topside_frames,
+)
+from protocol.topside_frames import AckFrame
+
+MAGNETOMETERS = tuple(
+    f"mag_{place}_{axis}" for place in ("front", "left", "right") for axis in "xyz"
+)
+ACTUATORS = (
+    *("left_main", "right_main", "rear_vert", "left_vert", "right_vert"),
+    *("servo_left", "servo_right"),
+)
+
+
+def sd_frame(tolerances: Tolerances) -> BinaryFrame:
+    """``@SD``, 86 bytes (000 table 3.2; E-V17, E-V19, E-V20)."""
+    profile = sd_profile(tolerances["sd_crc"])
+    return BinaryFrame(
+        "auv.SD",
+        "000 table 3.2",
+        (
+            Const(b"@SD"),
+            F32LE("roll_deg", -90, 90),  # starboard down positive
+            F32LE("pitch_deg", -180, 180),  # nose up positive
+            F32LE("yaw_deg", -180, 180),  # 0 north, +90 west
+            F32LE("temperature_c"),
+            F32LE("depth_m"),
+            F32LE("altitude_m"),
+            *(F32LE(name, -100, 100) for name in MAGNETOMETERS),  # uT
+            *(U16LE(f"pwm_{name}", 500, 2500) for name in ACTUATORS),  # us
+            U16LE("battery_control"),
+            U16LE("battery_power"),
+            Check(profile.compute, "I", first=profile.first),
+            Const(b"$"),
+        ),
+    )
+
+
+SD = sd_frame(Tolerances())
+
+
+def from_stm32_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
+    return (sd_frame(tolerances), AckFrame("RZ", tolerances))
+
+
+def to_stm32_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
+    return (MotionFrame(tolerances), *relayed_frames(tolerances))
+
+
+def _any_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
+    to_pi = (frame for frame in to_pi_frames(tolerances) if frame.name != "auv.ZA")
+    to_topside = (frame for frame in to_topside_frames(tolerances) if frame.name != "auv.ACK")
+    up = (sd_frame(tolerances), AckFrame("NASRZ", tolerances), *to_topside)
+    return (*up, *to_pi, MotionFrame(tolerances), *modem_frames(tolerances))
+
+
+LINKS = (
+    LinkRow("auv.any", _any_frames, splice=("auv.SD", "auv.ACK")),
+    LinkRow("auv.from_stm32", from_stm32_frames, splice=("auv.SD", "auv.ACK")),
+    LinkRow("auv.modem", modem_frames, idle=MODEM_IDLE),
+    LinkRow("auv.to_pi", to_pi_frames),
+    LinkRow("auv.to_stm32", to_stm32_frames),
+    LinkRow("auv.to_topside", to_topside_frames),
+)
+_FROM_STM32 = LINKS[1]
+
+# --- Telemetry in ---
+
+_LAYOUT = struct.Struct("<3x15f9H5x")
+_TURN = 2 * math.pi
+_DEGREE = math.pi / 180
+
+
+def telemetry(raw: bytes, t: float, battery_scale: tuple[float, float]) -> Telemetry:
+    """An accepted ``@SD`` in SI; NaN and infinity become None, doubts are named in ``faults``."""
+    values = SD.decode(raw)
+    numbers = [values[name] for name in _NUMBERS]
+    roll, pitch, yaw, temperature, depth, altitude, *rest = numbers
+    magnetic = rest[:9]
+    known = all(m is not None for m in magnetic)
+    return Telemetry(
+        t=t,
+        depth=depth,
+        altitude=altitude,
+        heading=None if yaw is None else -yaw * _DEGREE % _TURN,
+        pitch=None if pitch is None else pitch * _DEGREE,
+        roll=None if roll is None else roll * _DEGREE,
+        temperature_c=temperature,
+        magnetic=tuple(m * 1e-6 for m in magnetic) if known else None,
+        actuators=tuple((values[f"pwm_{name}"] - 1500) / 500 for name in ACTUATORS),
+        batteries=(
+            values["battery_control"] * battery_scale[0],
+            values["battery_power"] * battery_scale[1],
+        ),
+        faults=tuple(values["flags"]),
+    )
+
+
+_NUMBERS = (
+    *("roll_deg", "pitch_deg", "yaw_deg", "temperature_c", "depth_m", "altitude_m"),
+    *MAGNETOMETERS,
+)
+
+# --- Setpoint out ---
+
+
+def _gear(axis: str, fraction: float) -> int:
+    if not -1 <= fraction <= 1:
+        raise CannotEncode(f"{axis}: {fraction} is outside -1..1")
+    return round(fraction * 12)
+
+
+def _integer(axis: str, value: float, high: int) -> int:
+    if not 0 <= value <= high:
+        raise CannotEncode(f"{axis}: {value} m is outside 0..{high} m")
+    return round(value)
+
+
+def _yaw_deg(heading: float) -> int:
+    if not math.isfinite(heading):
+        raise CannotEncode(f"heading: {heading} is no angle")
+    return -round(math.degrees(math.remainder(heading, _TURN)))
+
+
+def _pair(gear: int, positive: str, negative: str) -> str:
+    return f"{positive if gear >= 0 else negative}{abs(gear)}"
+
+
+def _vertical(setpoint: Setpoint) -> str | None:
+    """The word of the vertical axis, None where it is not controlled."""
+    given = [setpoint.depth, setpoint.altitude, setpoint.heave]
+    if sum(value is not None for value in given) > 1:
+        raise CannotEncode("depth, altitude and heave: at most one of them can be held")
+    if setpoint.depth is not None:
+        return f"S{_integer('depth', setpoint.depth, 9999)}"
+    if setpoint.altitude is not None:
+        return f"E{_integer('altitude', setpoint.altitude, 9999)}"
+    if setpoint.heave is not None:
+        return _pair(_gear("heave", setpoint.heave), "D", "U")
+    return None
+
+
+def _documented(setpoint: Setpoint) -> list[str]:
+    vertical, surge = _vertical(setpoint), _gear("surge", setpoint.surge)
+    turn = _gear("turn", setpoint.turn)
+    if setpoint.heading is not None and turn:
+        raise CannotEncode("turn: the heading is held, so nothing else can turn the vehicle")
+    words = [_pair(surge, "F", "B"), _pair(turn, "R", "L")]
+    if setpoint.heading is not None:
+        words.append(f"H{_yaw_deg(setpoint.heading)}")
+    if vertical is not None:
+        words.append(vertical)
+    attitude = (setpoint.pitch, setpoint.roll)
+    if attitude != (None, None):
+        words.append(_attitude(setpoint))
+    complete = setpoint.heading is not None and vertical is not None and attitude != (None, None)
+    if complete:
+        return words
+    return ["X0", *(word for word in words if word[1:] != "0" or word[0] not in "FBLRUD")]
+
+
+def _attitude(setpoint: Setpoint) -> str:
+    pitch, roll = (math.degrees(angle or 0.0) for angle in (setpoint.pitch, setpoint.roll))
+    if not (abs(pitch) <= 180 and abs(roll) <= 90):
+        raise CannotEncode(f"pitch {pitch:g} and roll {roll:g} deg: outside +-180 and +-90")
+    return f"A{round(pitch)};{round(roll)}"
+
+
+def _as_built(setpoint: Setpoint) -> list[str]:
+    if setpoint.pitch is not None or setpoint.roll is not None:
+        raise CannotEncode("pitch and roll: as built, this vehicle ignores @ZAA")
+    vertical, horizontal, speed = _vertical(setpoint), *_horizontal(setpoint)
+    if vertical is not None and vertical[0] in "UD":
+        gear = int(vertical[1:])
+        if gear == 0:
+            vertical = None
+        elif horizontal is not None and gear != speed:
+            raise CannotEncode(
+                f"heave: gear {gear} beside gear {speed} ahead; as built, both share one speed"
+            )
+    words = [word for word in (vertical, horizontal) if word is not None]
+    return words if len(words) == 2 else ["X0", *words]
+
+
+def _horizontal(setpoint: Setpoint) -> tuple[str | None, int]:
+    """The word of the one horizontal mode, None for none, and its speed."""
+    surge, turn = _gear("surge", setpoint.surge), _gear("turn", setpoint.turn)
+    if setpoint.heading is not None:
+        if turn:
+            raise CannotEncode("turn: the heading is held, so nothing else can turn the vehicle")
+        if surge < 0:
+            raise CannotEncode("surge: as built, a heading is held ahead only, not astern")
+        return f"H{_yaw_deg(setpoint.heading)},{surge}", surge
+    if surge and turn:
+        raise CannotEncode("surge and turn: as built, one horizontal mode at a time")
+    if surge:
+        return _pair(surge, "F", "B"), abs(surge)
+    if turn:
+        return _pair(turn, "R", "L"), abs(turn)
+    return None, 0
+
+
+DIALECTS = {"documented": _documented, "as-built": _as_built}
+
+
+class AuvCodec:
+    """A ``VehicleCodec``. ``battery_scale``: volts per count of control and power battery."""
+
+    def __init__(
+        self,
+        dialect: str = "as-built",
+        tolerances: Tolerances | None = None,
+        battery_scale: tuple[float, float] = (1.0, 1.0),
+    ) -> None:
+        if dialect not in DIALECTS:
+            raise ValueError(f"no dialect {dialect!r}; there are: {', '.join(DIALECTS)}")
+        self._words = DIALECTS[dialect]
+        self.framer = _FROM_STM32.framer(tolerances)
+        self._scale = battery_scale
+
+    def receive(self, data: bytes, now: float) -> list[Received]:
+        return self._messages(self.framer.receive(data, now))
+
+    def next_timer(self) -> float | None:
+        return self.framer.next_timer()
+
+    def flush(self, now: float) -> list[Received]:
+        return self._messages(self.framer.flush(now))
+
+    def _messages(self, items: Sequence[Frame | FrameFault]) -> list[Received]:
+        return [item if isinstance(item, FrameFault) else self._message(item) for item in items]
+
+    def _message(self, frame: Frame) -> Received:
+        if frame.type.name == "auv.SD":
+            return telemetry(frame.raw, frame.t, self._scale)
+        return ack_of(frame)
+
+    def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
+        if isinstance(setpoint, Order):
+            return [EMERGENCIES[setpoint]]
+        return [f"@ZA{word}$".encode("ascii") for word in self._words(setpoint)]
