@@ -1,1 +1,94 @@
-"""Moves bytes; knows nothing of what they mean."""
+"""Moves bytes; knows nothing of what they mean.
+
+    serial:///dev/ttyUSB0?baud=9600     tcp://host:port     tcp-listen://127.0.0.1:port
+    memory://name
+
+``open_link`` opens a link by its URL; LINKS is the table of schemes, one row each, whose module is
+imported when it is first needed.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from urllib.parse import parse_qsl, urlsplit
+
+from links.base import Link, LinkError
+
+__all__ = ["LINKS", "Address", "LinkAddressError", "LinkRow", "open_link", "parse_address"]
+
+
+class LinkAddressError(LinkError):
+    """The URL itself is wrong: says which part, and what to write instead."""
+
+
+@dataclass(frozen=True, slots=True)
+class Address:
+    """A link's URL, taken apart. ``options`` are those that the row's ``options`` allow."""
+
+    url: str
+    scheme: str
+    host: str
+    port: int | None
+    path: str
+    options: Mapping[str, str]
+
+    def number(self, option: str, default: float, low: float, high: float) -> float:
+        """An option as a number within bounds. Raises LinkAddressError."""
+        text = self.options.get(option)
+        if text is None:
+            return default
+        try:
+            value = float(text)
+        except ValueError:
+            value = low - 1.0
+        if not low <= value <= high:
+            raise LinkAddressError(
+                f"{self.url}: {option}={text}: a number from {low:g} to {high:g} is needed"
+            )
+        return value
+
+
+@dataclass(frozen=True, slots=True)
+class LinkRow:
+    """``module`` has a function ``open_url(name, address) -> Link``."""
+
+    module: str
+    example: str
+    options: tuple[str, ...] = ()
+
+
+LINKS: dict[str, LinkRow] = {
+    "serial": LinkRow("links.serial", "serial:///dev/ttyUSB0?baud=9600", ("baud",)),
+    "tcp": LinkRow("links.tcp", "tcp://192.168.1.10:9000"),
+    "tcp-listen": LinkRow("links.tcp", "tcp-listen://127.0.0.1:9000"),
+    "memory": LinkRow("links.memory", "memory://name?delay=0.1&baud=9600", ("delay", "baud")),
+}
+
+
+def parse_address(url: str) -> Address:
+    """Raises LinkAddressError."""
+    parts = urlsplit(url)
+    row = LINKS.get(parts.scheme)
+    if row is None:
+        known = ", ".join(row.example for row in LINKS.values())
+        raise LinkAddressError(f"{url!r} is no link's URL; possible are {known}")
+    try:
+        port = parts.port
+    except ValueError:
+        raise LinkAddressError(f"{url}: the port must be a number from 0 to 65535") from None
+    options = dict(parse_qsl(parts.query, keep_blank_values=True))
+    unknown = sorted(set(options) - set(row.options))
+    if unknown:
+        allowed = ", ".join(row.options) or "none"
+        raise LinkAddressError(f"{url}: unknown option {unknown[0]!r}; there are: {allowed}")
+    return Address(url, parts.scheme, parts.hostname or "", port, parts.path, options)
+
+
+def open_link(name: str, url: str) -> Link:
+    """Open a link under ``name``. Raises LinkAddressError, LinkBusy or LinkAbsent."""
+    address = parse_address(url)
+    module = importlib.import_module(LINKS[address.scheme].module)
+    open_url: Callable[[str, Address], Link] = module.open_url
+    return open_url(name, address)

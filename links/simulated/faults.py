@@ -1,0 +1,194 @@
+"""What can go wrong with the simulated vehicle: one table of rows, each switched on for a while.
+
+A row says what it does, its default value and duration, and how it begins and ends. Faults begin
+and end on control ticks (0.1 s). What does not live here: when (settings.FaultEvent), or that a
+``WF`` does not stick: that is how the board is built.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import cos, radians, sin
+from typing import TYPE_CHECKING
+
+from links.simulated.plant import LEFT_MAIN, RIGHT_MAIN
+from links.simulated.sensors import Health, Sensor
+
+if TYPE_CHECKING:
+    from links.simulated.link import SimulatedVehicle
+
+Act = Callable[["SimulatedVehicle", float], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    says: str
+    begin: Act
+    end: Act
+    value: float = 0.0
+    unit: str = ""  # of the value; empty: it has none
+    duration: float = 60.0  # s
+
+
+def _sensor(sensor: Sensor, health: Health) -> Fault:
+    def begin(vehicle: SimulatedVehicle, _: float) -> None:
+        vehicle.sensors.health[sensor] = health
+
+    def end(vehicle: SimulatedVehicle, _: float) -> None:
+        vehicle.sensors.health.pop(sensor, None)
+
+    return Fault(f"{sensor.name.lower()} is {health.value}", begin, end)
+
+
+def _line(name: str, says: str, value: float, unit: str) -> Fault:
+    def begin(vehicle: SimulatedVehicle, value: float) -> None:
+        setattr(vehicle.stm32.tx, name, value)
+
+    def end(vehicle: SimulatedVehicle, _: float) -> None:
+        setattr(vehicle.stm32.tx, name, 0.0)
+
+    return Fault(says, begin, end, value, unit)
+
+
+def _board(name: str, says: str, duration: float = 60.0) -> Fault:
+    def begin(vehicle: SimulatedVehicle, _: float) -> None:
+        setattr(vehicle.stm32, name, True)
+
+    def end(vehicle: SimulatedVehicle, _: float) -> None:
+        setattr(vehicle.stm32, name, False)
+
+    return Fault(says, begin, end, duration=duration)
+
+
+def _gps(name: str, says: str) -> Fault:
+    def begin(vehicle: SimulatedVehicle, _: float) -> None:
+        setattr(vehicle.gps, name, True)
+
+    def end(vehicle: SimulatedVehicle, _: float) -> None:
+        setattr(vehicle.gps, name, False)
+
+    return Fault(says, begin, end)
+
+
+def _weak(thrusters: tuple[int, ...], says: str) -> Fault:
+    def begin(vehicle: SimulatedVehicle, share: float) -> None:
+        for thruster in thrusters:
+            vehicle.plant.weaken(thruster, share)
+
+    def end(vehicle: SimulatedVehicle, _: float) -> None:
+        for thruster in thrusters:
+            vehicle.plant.weaken(thruster, 1.0)
+
+    return Fault(says, begin, end, 0.4, "share left")
+
+
+def _trim(sign: float, says: str) -> Fault:
+    def begin(vehicle: SimulatedVehicle, newtons: float) -> None:
+        vehicle.plant.buoyancy += sign * newtons
+
+    def end(vehicle: SimulatedVehicle, newtons: float) -> None:
+        vehicle.plant.buoyancy -= sign * newtons
+
+    return Fault(says, begin, end, 8.0, "N")
+
+
+def _silence(vehicle: SimulatedVehicle, _: float) -> None:
+    vehicle.stm32.tx.silent = True
+
+
+def _speak(vehicle: SimulatedVehicle, _: float) -> None:
+    vehicle.stm32.tx.silent = False
+
+
+def _hang(vehicle: SimulatedVehicle, _: float) -> None:
+    vehicle.stm32.hung = True
+
+
+def _watchdog(vehicle: SimulatedVehicle, _: float) -> None:
+    vehicle.stm32.restart()
+
+
+def _brown_out(vehicle: SimulatedVehicle, _: float) -> None:
+    vehicle.stm32.restart()
+    vehicle.stm32.booting = True
+
+
+def _booted(vehicle: SimulatedVehicle, _: float) -> None:
+    vehicle.stm32.booting = False
+
+
+def _splice_all(vehicle: SimulatedVehicle, _: float) -> None:
+    vehicle.stm32.splice = 1.0
+
+
+def _splice_usual(vehicle: SimulatedVehicle, _: float) -> None:
+    vehicle.stm32.splice = vehicle.usual_splice
+
+
+def _current_speed(vehicle: SimulatedVehicle, speed: float) -> None:
+    direction = vehicle.settings.sea.current[1]
+    vehicle.current = (speed * cos(direction), speed * sin(direction))
+
+
+def _current_turn(vehicle: SimulatedVehicle, degrees: float) -> None:
+    speed, direction = vehicle.settings.sea.current
+    turned = direction + radians(degrees)
+    vehicle.current = (speed * cos(turned), speed * sin(turned))
+
+
+def _current_usual(vehicle: SimulatedVehicle, _: float) -> None:
+    speed, direction = vehicle.settings.sea.current
+    vehicle.current = (speed * cos(direction), speed * sin(direction))
+
+
+def _gps_jump(vehicle: SimulatedVehicle, metres: float) -> None:
+    vehicle.gps.offset = (metres, 0.0)
+
+
+def _gps_true(vehicle: SimulatedVehicle, _: float) -> None:
+    vehicle.gps.offset = (0.0, 0.0)
+
+
+def _battery(vehicle: SimulatedVehicle, volts: float) -> None:
+    vehicle.sensors.battery_override = volts
+
+
+def _battery_usual(vehicle: SimulatedVehicle, _: float) -> None:
+    vehicle.sensors.battery_override = None
+
+
+FAULTS: dict[str, Fault] = {
+    **{
+        f"{sensor.name.lower()}_{health.value}": _sensor(sensor, health)
+        for sensor in Sensor
+        for health in Health
+        if health is not Health.HEALTHY
+    },
+    "stm32_silent": Fault("the board is heard no more, and goes on", _silence, _speak, duration=10),
+    "stm32_hang": Fault(
+        "the board hangs with its thrusters on, until the watchdog", _hang, _watchdog, duration=8
+    ),
+    "stm32_restart": Fault(
+        "brown-out: everything neutral and forgotten", _brown_out, _booted, duration=3
+    ),
+    "ack_lost": _board("loses_acks", "commands are obeyed, and not answered", 5.0),
+    "command_lost": _board("deaf", "commands do not arrive", 5.0),
+    "bytes_corrupted": _line("corrupt", "a bit turned over in a frame", 0.3, "share of frames"),
+    "line_noise": _line("noise", "garbage in front of a frame", 0.3, "share of frames"),
+    "splice": Fault("every answer that can, lands in an @SD", _splice_all, _splice_usual),
+    "gps_lost": _gps("blind", "the receiver has no fix"),
+    "gps_silent": _gps("silent", "the receiver sends nothing"),
+    "gps_jump": Fault("fixes are beside the truth, northward", _gps_jump, _gps_true, 200.0, "m"),
+    "left_main_weak": _weak((LEFT_MAIN,), "the left main thruster is weak"),
+    "right_main_weak": _weak((RIGHT_MAIN,), "the right main thruster is weak"),
+    "verticals_weak": _weak((2, 3, 4), "the vertical thrusters are weak"),
+    "heavy": _trim(-1.0, "less buoyancy"),
+    "light": _trim(1.0, "more buoyancy"),
+    "current_speed": Fault(
+        "another current, same direction", _current_speed, _current_usual, 0.5, "m/s"
+    ),
+    "current_turn": Fault("the current turns", _current_turn, _current_usual, 90.0, "deg"),
+    "battery_low": Fault("low control battery", _battery, _battery_usual, 9.0, "V"),
+    "unexplained_dive": _board("runaway", "it dives at full power, nobody said so", 20.0),
+}

@@ -1,0 +1,212 @@
+"""Profile `as-built`: the board that exists, with everything that is wrong with it.
+
+- One burst is one frame: it begins with ``@``, ends with ``$`` and has at most 99 bytes, or it is
+  lost. Two commands in one burst read as the first one.
+- Numbers are read as C's ``atoi`` does: what is no number is 0. Only upper bounds are checked.
+- Every answer says ``A`` for the code, and may land in the middle of an ``@SD``.
+- One horizontal mode (off, F, B, L, R, H), one vertical mode (off, U, D, S, E), one speed for
+  both. H carries the speed itself (``ZAH-20,4``); without it the speed becomes 0. S and E leave
+  the speed alone and only ever push down, with gear 0..10.
+- ``WF`` starts the verticals upward and leaves the mode as it was: the next control loop goes on
+  as before. ``U12`` does set the upward mode. A does nothing, V is refused.
+- Automatic mode has no dead man; manual mode ends after 600 ms, everything off. In manual mode
+  there is no ``@SD``. Batteries are constants. Rudders are servo 1 or 2.
+
+What does not live here: what both profiles share (stm32.py).
+"""
+
+from __future__ import annotations
+
+import enum
+import re
+from random import Random
+
+from links.simulated.firmware.controllers import dive_gear, turn_gear
+from links.simulated.firmware.manual import THRUSTERS, Manual
+from links.simulated.firmware.stm32 import GEAR_MAX, Mode, Stm32, heading_of, pwm_of
+from links.simulated.plant import NEUTRAL_PWM, SERVO_PWM, Plant
+from links.simulated.sensors import Sensors
+
+BURST_MAX = 99  # bytes, of the receive buffer
+PUSH_MAX = 10.0  # gears downward in depth and altitude hold
+SPLICE = 0.5  # chance that an answer due during an @SD lands inside it
+_RI_RADIO = 1 << 6  # in this build the radio is bit 6, and bit 4 a manipulator that is off
+
+_NUMBER = re.compile(r"\s*([+-]?\d+)")
+_PAIR = re.compile(r"\s*([+-]?\d+),\s*([+-]?\d+)")
+
+
+class Horizontal(enum.Enum):
+    OFF = ""
+    AHEAD = "F"
+    ASTERN = "B"
+    PORT = "L"
+    STARBOARD = "R"
+    HEADING = "H"
+
+
+class Vertical(enum.Enum):
+    OFF = ""
+    UP = "U"
+    DOWN = "D"
+    DEPTH = "S"
+    ALTITUDE = "E"
+
+
+_SIGNS = {  # of the left and the right main thruster
+    Horizontal.OFF: (0, 0),
+    Horizontal.AHEAD: (1, 1),
+    Horizontal.ASTERN: (-1, -1),
+    Horizontal.PORT: (-1, 1),
+    Horizontal.STARBOARD: (1, -1),
+    Horizontal.HEADING: (1, 1),
+}
+
+
+def atoi(text: str) -> int:
+    found = _NUMBER.match(text)
+    return int(found[1]) if found else 0
+
+
+class AsBuilt(Stm32):
+    reports_in_manual = False
+    dead_man = 0.6
+
+    def __init__(self, sensors: Sensors, rng: Random) -> None:
+        super().__init__(sensors, rng)
+        self.splice = SPLICE
+        self.horizontal, self.vertical = Horizontal.OFF, Vertical.OFF
+        self.speed = 0
+        self.heading = 0.0  # rad
+        self.level = 0  # m, of depth or altitude hold
+        self.stick = Manual()
+
+    def frames(self, burst: bytes) -> list[bytes]:
+        whole = burst[:1] == b"@" and burst[-1:] == b"$" and len(burst) <= BURST_MAX
+        return [burst] if whole else []
+
+    def halt(self) -> None:
+        self.horizontal, self.vertical, self.speed = Horizontal.OFF, Vertical.OFF, 0
+        self.stick.halt()
+
+    def automatic(self, code: str, parameter: str, now: float) -> None:
+        accepted = self._obey(code, parameter)
+        self.acknowledge(b"ZA" + (b"Y" if accepted else b"N"), now)
+
+    def _obey(self, code: str, parameter: str) -> bool:
+        value = atoi(parameter)
+        if code in "FBLR" and code:
+            if value > GEAR_MAX:
+                return False
+            self.horizontal, self.speed = Horizontal(code), value
+        elif code in "UD" and code:
+            if value > GEAR_MAX:
+                return False
+            self.vertical, self.speed = Vertical(code), value
+        elif code in "SE" and code:
+            self.vertical, self.level = Vertical(code), value
+        elif code == "H":
+            return self._hold_heading(parameter)
+        elif code == "A":
+            return _PAIR.match(parameter) is not None
+        elif code == "X":
+            return self._stop(parameter)
+        elif code == "W":
+            return self._surface(parameter)
+        else:
+            return False
+        return True
+
+    def _hold_heading(self, parameter: str) -> bool:
+        pair = _PAIR.match(parameter)
+        speed = int(pair[2]) if pair else 0
+        if speed > GEAR_MAX:
+            return False
+        self.horizontal, self.speed = Horizontal.HEADING, speed
+        self.heading = heading_of(atoi(parameter))
+        return True
+
+    def _stop(self, parameter: str) -> bool:
+        if parameter[:1] != "0":
+            return False
+        self.halt()
+        self.drive(0.0, 0.0, 0.0, 0.0, 0.0)
+        return True
+
+    def _surface(self, parameter: str) -> bool:
+        if parameter[:1] != "F":
+            return False
+        up = pwm_of(GEAR_MAX)  # until the control loop comes round again: the mode is what it was
+        left, right, _, _, _, servo_left, servo_right = self.pwm
+        self.pwm = (left, right, up, up, up, servo_left, servo_right)
+        return True
+
+    def steer(self, plant: Plant) -> None:
+        if self.mode is Mode.MANUAL:
+            self.stick.steer(self.sensors.heading(plant), plant)
+            self.drive(*self.stick.gears)
+            return
+        sign_left, sign_right = _SIGNS[self.horizontal]
+        left, right = self.speed * sign_left, self.speed * sign_right
+        if self.horizontal is Horizontal.HEADING:
+            turn = turn_gear(self.heading, self.sensors.heading(plant), plant.r)
+            pwm_left, pwm_right = pwm_of(left + turn), pwm_of(right - turn)
+        else:
+            pwm_left, pwm_right = pwm_of(left), pwm_of(right)
+        up = pwm_of(self._vertical_gear(plant))
+        servo_left, servo_right = self.servos
+        self.pwm = (
+            pwm_left,
+            pwm_right,
+            up,
+            up,
+            up,
+            int(NEUTRAL_PWM + servo_left * SERVO_PWM),
+            int(NEUTRAL_PWM + servo_right * SERVO_PWM),
+        )
+
+    def _vertical_gear(self, plant: Plant) -> float:
+        """Up positive."""
+        vertical = self.vertical
+        if vertical is Vertical.OFF:
+            return 0.0
+        if vertical is Vertical.DEPTH:
+            down = dive_gear(self.level - self.sensors.depth(plant), plant.depth_rate)
+        elif vertical is Vertical.ALTITUDE:
+            down = dive_gear(self.sensors.altitude(plant) - self.level, plant.depth_rate)
+        else:
+            return self.speed if vertical is Vertical.UP else -self.speed
+        return -min(max(down, 0.0), PUSH_MAX)
+
+    def manual(self, code: str, parameter: str) -> None:
+        way, numbers = parameter[:1], parameter[1:]
+        pair = _PAIR.match(parameter)
+        if code == "T" and pair and int(pair[1]) in THRUSTERS and int(pair[2]) <= GEAR_MAX:
+            self.stick.thruster(int(pair[1]), int(pair[2]))
+        elif code == "M" and way in ("F", "B", "U", "D") and atoi(numbers) <= GEAR_MAX:
+            self.stick.translate(way, atoi(numbers))
+        elif code == "R" and way in ("L", "R", "F", "B", "U", "D") and atoi(numbers) <= 5:
+            self.stick.rotate(way, atoi(numbers))
+        elif code == "S" and pair and int(pair[1]) <= 120:
+            self.stick.stick(int(pair[1]), int(pair[2]))
+        elif code == "P" and pair and int(pair[1]) <= 120:
+            self.stick.lean_stick(int(pair[1]), int(pair[2]))
+        elif code == "D":
+            self.rudder(parameter)
+
+    def rudder(self, parameter: str) -> None:
+        pair = _PAIR.match(parameter[1:])
+        if pair and int(pair[1]) in (1, 2) and parameter[:1] in ("A", "S"):
+            self.move_servo((int(pair[1]) - 1,), int(pair[2]), add=parameter[0] == "A")
+
+    def mask(self) -> int:
+        """The letters of the last ``@RS`` as they are, so that it can be ``$`` or 0."""
+        bits = (0, 1, 2, 3, None, 5, None)
+        mask = _RI_RADIO if self.power[4] else 0
+        for bit, on in zip(bits, self.power, strict=True):
+            if bit is not None and on:
+                mask |= 1 << bit
+        return mask
+
+    def batteries(self, values: list[float]) -> tuple[int, int]:
+        return 12, 48

@@ -1,0 +1,118 @@
+"""A GPS receiver on the Pi's own port: GGA and RMC, once a second, as NMEA 0183.
+
+    $GPGGA,hhmmss.00,ddmm.mmmmmm,N,dddmm.mmmmmm,E,1,09,1.0,h.h,M,0.0,M,,*hh
+    $GPRMC,hhmmss.00,A,ddmm.mmmmmm,N,dddmm.mmmmmm,E,knots,course,ddmmyy,,,A*hh
+
+A fix needs the antenna out of the water (``ANTENNA``) for some seconds; without one the sentences
+go on with the time alone (quality 0, status V). Noise is white, HDOP is 1.0. Both sentences leave
+as one piece, ``LATENCY`` after the second they belong to, and are through by ``COMPLETE``.
+
+Own formatter: the library's costs ten times as much. What does not live here: the decoder.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from datetime import UTC, datetime, timedelta
+from math import atan2, degrees, hypot
+from random import Random
+
+from links.simulated.firmware.uart import Chunk
+from links.simulated.geodesy import moved
+from links.simulated.sensors import SensorErrors
+
+ANTENNA = 0.3  # m, depth of the pressure sensor below which the antenna is under water
+LATENCY = 0.1  # s from the epoch to the first byte
+COMPLETE = 0.3  # s from the epoch until all has been sent (150 bytes at 9600 take 0.16)
+KNOT = 1852 / 3600
+_SCALE = 60_000_000  # counts of a millionth of a minute in a degree
+
+
+def checksum(body: str) -> int:
+    """XOR of all bytes, by folding one large number."""
+    n = int.from_bytes(body.encode("ascii"), "little")
+    for shift in (512, 256, 128, 64, 32, 16, 8):
+        n ^= n >> shift
+    return n & 0xFF
+
+
+def sentence(body: str) -> str:
+    return f"${body}*{checksum(body):02X}\r\n"
+
+
+def _angle(radians: float, width: int, letters: str) -> str:
+    whole, rest = divmod(round(abs(degrees(radians)) * _SCALE), _SCALE)
+    minutes, decimals = divmod(rest, 1_000_000)
+    letter = letters[0] if radians >= 0.0 else letters[1]
+    return f"{whole:0{width}d}{minutes:02d}.{decimals:06d},{letter}"
+
+
+class GpsReceiver:
+    def __init__(self, errors: SensorErrors, rng: Random, start: datetime) -> None:
+        self.errors, self.rng = errors, rng
+        self.start = start.astimezone(UTC)
+        self.queue: deque[Chunk] = deque()
+        self.powered = True
+        self.blind = False  # no fix, whatever the antenna sees
+        self.silent = False  # no byte
+        self.offset = (0.0, 0.0)  # m north and east that fixes are beside the truth
+        self._fix_at: float | None = errors.first_fix
+        self._day = -1
+        self._midnight = datetime(self.start.year, self.start.month, self.start.day, tzinfo=UTC)
+        self._seconds = (self.start - self._midnight).total_seconds()
+        self._date = ""
+
+    def has_fix(self, depth: float, now: float) -> bool:
+        """Keeps account of how long the sky has been in sight."""
+        if depth > ANTENNA or self.blind or not self.powered:
+            self._fix_at = None
+            return False
+        if self._fix_at is None:
+            self._fix_at = now + self.rng.uniform(*self.errors.fix_again)
+        return now >= self._fix_at
+
+    def report(
+        self, now: float, depth: float, position: tuple[float, float], velocity: tuple[float, float]
+    ) -> None:
+        """The epoch at ``now``: latitude and longitude, north and east over ground."""
+        fixed = self.has_fix(depth, now)
+        if self.silent or not self.powered:
+            return
+        clock = self._clock(now)
+        text = self._fixed(clock, position, velocity) if fixed else self._blank(clock)
+        self.queue.append(Chunk(now + LATENCY, now + COMPLETE, text.encode("ascii")))
+
+    def take(self, now: float) -> list[Chunk]:
+        queue, out = self.queue, []
+        while queue and queue[0].end <= now:
+            out.append(queue.popleft())
+        return out
+
+    def _clock(self, now: float) -> str:
+        day, second = divmod(round(self._seconds + now), 86400)
+        if day != self._day:
+            self._day = day
+            self._date = f"{self._midnight + timedelta(days=day):%d%m%y}"
+        return f"{second // 3600:02d}{second // 60 % 60:02d}{second % 60:02d}.00"
+
+    def _blank(self, clock: str) -> str:
+        return sentence(f"GPGGA,{clock},,,,,0,00,,,M,0.0,M,,") + sentence(
+            f"GPRMC,{clock},V,,,,,,,{self._date},,,N"
+        )
+
+    def _fixed(
+        self, clock: str, position: tuple[float, float], velocity: tuple[float, float]
+    ) -> str:
+        gauss, noise, slip = self.rng.gauss, self.errors.fix_noise, self.errors.speed_noise
+        beside_north, beside_east = self.offset
+        latitude, longitude = moved(
+            *position, beside_north + gauss(0.0, noise), beside_east + gauss(0.0, noise)
+        )
+        north, east = velocity[0] + gauss(0.0, slip), velocity[1] + gauss(0.0, slip)
+        place = f"{_angle(latitude, 2, 'NS')},{_angle(longitude, 3, 'EW')}"
+        knots = hypot(north, east) / KNOT
+        course = round(degrees(atan2(east, north)), 2) % 360.0
+        height = 0.3 + gauss(0.0, 2 * noise)
+        return sentence(f"GPGGA,{clock},{place},1,09,1.0,{height:.1f},M,0.0,M,,") + sentence(
+            f"GPRMC,{clock},A,{place},{knots:.3f},{course:.2f},{self._date},,,A"
+        )

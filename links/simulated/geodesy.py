@@ -1,0 +1,40 @@
+"""Where the simulated vehicle is on the globe: WGS84, independent of the engine's geodesy.
+
+Positions are carried as latitude and longitude and moved in small steps by the radii of curvature
+(meridian M, prime vertical N), so no plane and no origin is involved; ``local`` goes through
+earth-centred coordinates instead. What does not live here: the estimate's projection.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin, sqrt
+
+SEMI_MAJOR = 6378137.0  # m, WGS84
+FLATTENING = 1 / 298.257223563
+ECCENTRICITY_2 = FLATTENING * (2 - FLATTENING)
+
+
+def moved(latitude: float, longitude: float, north: float, east: float) -> tuple[float, float]:
+    """The position ``north`` and ``east`` metres further; exact for steps of some metres."""
+    w2 = 1 - ECCENTRICITY_2 * sin(latitude) ** 2
+    prime = SEMI_MAJOR / sqrt(w2)
+    meridian = prime * (1 - ECCENTRICITY_2) / w2
+    return latitude + north / meridian, longitude + east / (prime * cos(latitude))
+
+
+def _earth_centred(latitude: float, longitude: float) -> tuple[float, float, float]:
+    prime = SEMI_MAJOR / sqrt(1 - ECCENTRICITY_2 * sin(latitude) ** 2)
+    across = prime * cos(latitude)
+    z = prime * (1 - ECCENTRICITY_2) * sin(latitude)
+    return across * cos(longitude), across * sin(longitude), z
+
+
+def local(origin: tuple[float, float], latitude: float, longitude: float) -> tuple[float, float]:
+    """North and east in the tangent plane at ``origin`` (latitude, longitude), m."""
+    x0, y0, z0 = _earth_centred(*origin)
+    x1, y1, z1 = _earth_centred(latitude, longitude)
+    dx, dy, dz = x1 - x0, y1 - y0, z1 - z0
+    slat, clat, slon, clon = sin(origin[0]), cos(origin[0]), sin(origin[1]), cos(origin[1])
+    east = -slon * dx + clon * dy
+    north = -slat * (clon * dx + slon * dy) + clat * dz
+    return north, east

@@ -1,0 +1,294 @@
+"""The simulated vehicle: plant, sensors, board and GPS on one clock, and its two links.
+
+    send --> uart burst --> firmware --> PWMs --> plant (20 Hz) --> sensors --> @SD --> receive
+                            controls at 10 Hz                       2 s    \\--> GGA, RMC  1 s
+
+Time is what the caller says: ``advance`` brings everything to that time, and what comes out does
+not depend on how the way there was cut. ``receive`` gives a frame when its last byte is through,
+with the time of its first byte; ``next_event`` foretells that time, so that a loop in lock step
+can jump from frame to frame.
+
+What does not live here: real time (pty.py).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from math import atan2, ceil, cos, hypot, inf, pi, radians, sin
+from random import Random
+
+from links.base import LinkClosed, Rx
+from links.simulated.faults import FAULTS
+from links.simulated.firmware.as_built import AsBuilt
+from links.simulated.firmware.documented import Documented
+from links.simulated.firmware.gps import ANTENNA, COMPLETE, GpsReceiver
+from links.simulated.firmware.stm32 import Stm32
+from links.simulated.firmware.uart import BYTE_TIME, Chunk
+from links.simulated.geodesy import local, moved
+from links.simulated.plant import TICK, TICK_STEPS, Plant
+from links.simulated.sensors import Sensors
+from links.simulated.settings import Settings
+
+PROFILES: dict[str, type[Stm32]] = {"documented": Documented, "as-built": AsBuilt}
+HOME = (radians(30.2874595), radians(120.1535765))
+START = datetime(2025, 6, 1, 8, 0, tzinfo=UTC)
+
+REPORT_TICKS = 20  # 2 s
+FIRST_REPORT = 10  # tick of the first @SD
+SECOND_TICKS = 10
+REPORT_TIME = 86 * BYTE_TIME
+TWO_PI = 2 * pi
+_NEVER = 1 << 62
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """What is really so; angles in rad, ``north`` and ``east`` from the start."""
+
+    t: float
+    latitude: float
+    longitude: float
+    north: float
+    east: float
+    depth: float
+    altitude: float
+    heading: float
+    pitch: float
+    roll: float
+    speed: float  # m/s through the water, along the bow
+    depth_rate: float
+    ground_speed: float
+    course: float
+    current: tuple[float, float]  # north, east
+    at_surface: bool  # the antenna is out of the water
+    aground: bool
+
+
+class SimulatedVehicle:
+    def __init__(
+        self,
+        profile: str = "as-built",
+        seed: int = 0,
+        settings: Settings | None = None,
+        *,
+        position: tuple[float, float] = HOME,
+        heading: float = 0.0,
+        start: datetime = START,
+    ) -> None:
+        """``position`` is latitude and longitude (rad), ``start`` the wall clock at time 0."""
+        if profile not in PROFILES:
+            raise ValueError(f"no profile {profile!r}; known: {', '.join(PROFILES)}")
+        self.profile, self.seed, self.position = profile, seed, position
+        self.settings = settings or Settings()
+        rng = Random(seed)
+        as_built = profile == "as-built"
+        sea = self.settings.sea
+        self.plant = Plant(self.settings.body, floor=sea.floor)
+        self.plant.yaw = heading
+        self.sensors = Sensors(self.settings.errors, rng, repeats_when_silent=as_built)
+        self.stm32 = PROFILES[profile](self.sensors, rng)
+        if self.settings.splice is not None:
+            self.stm32.splice = self.settings.splice
+        self.usual_splice = self.stm32.splice
+        self.gps = GpsReceiver(self.settings.errors, rng, start)
+        speed, direction = sea.current
+        self.current = (speed * cos(direction), speed * sin(direction))
+        self.track: list[Truth] = []  # one a second
+        self.vehicle_link = VehicleLink(self)
+        self.gps_link = GpsLink(self)
+        self._tick = 0
+        self._next_report, self._next_second = FIRST_REPORT, SECOND_TICKS
+        self._anchor = (*position, 0.0, 0.0)  # latitude, longitude at plant north, east
+        self._edges = self._schedule()
+        self._next_edge = self._edges[-1][0] if self._edges else _NEVER
+        self._flow()
+        self.track.append(self.truth())
+
+    # --- time ------------------------------------------------------------------------------
+
+    @property
+    def now(self) -> float:
+        return self._tick * TICK
+
+    def advance(self, to_t: float) -> None:
+        """Everything that happens up to and with ``to_t``."""
+        stm32, last = self.stm32, int(to_t / TICK + 1e-6)
+        while True:
+            due = stm32.due
+            if due <= to_t and due < (self._tick + 1) * TICK:
+                stm32.process(due)
+                continue
+            if self._tick >= last:
+                return
+            stop = min(last, self._next_report, self._next_second, self._next_edge)
+            if due < inf:
+                stop = min(stop, max(int(due / TICK), self._tick + 1))
+            self._run(stop - self._tick)
+            self._tick = stop
+            self._at_tick(stop)
+
+    def _run(self, ticks: int) -> None:
+        plant, control = self.plant, self.stm32.control
+        drive, run = plant.drive, plant.run
+        sheared = self.settings.sea.deep_current is not None
+        for _ in range(ticks):
+            run(TICK_STEPS)
+            if sheared:
+                self._flow()
+            drive(control(plant))
+
+    def _at_tick(self, tick: int) -> None:
+        if tick == self._next_edge:
+            self._switch_faults(tick)
+        if tick == self._next_second:
+            self._next_second += SECOND_TICKS
+            self._second(tick * TICK)
+        if tick == self._next_report:
+            self._next_report += REPORT_TICKS
+            self.stm32.report(self.plant, tick * TICK)
+
+    def _second(self, now: float) -> None:
+        latitude, longitude = self._position()
+        self._anchor = (latitude, longitude, self.plant.north, self.plant.east)
+        self.gps.powered = self.stm32.power[2]
+        truth = self._truth(now, latitude, longitude)
+        self.track.append(truth)
+        ground = truth.ground_speed
+        velocity = (ground * cos(truth.course), ground * sin(truth.course))
+        self.gps.report(now, truth.depth, (latitude, longitude), velocity)
+
+    def _flow(self) -> None:
+        """The current where the vehicle is."""
+        plant, sea = self.plant, self.settings.sea
+        north, east = self.current
+        if sea.deep_current is not None:
+            speed, direction = sea.deep_current
+            share = min(max(plant.depth / sea.floor, 0.0), 1.0)
+            north += share * (speed * cos(direction) - north)
+            east += share * (speed * sin(direction) - east)
+        plant.current_north, plant.current_east = north, east
+
+    # --- faults ----------------------------------------------------------------------------
+
+    def _schedule(self) -> list[tuple[int, bool, str, float]]:
+        """Edges (tick, begins, fault, value), the next one last."""
+        edges = []
+        for event in self.settings.faults:
+            row = FAULTS[event.name]
+            value = row.value if event.value is None else event.value
+            duration = row.duration if event.duration is None else event.duration
+            begin = max(ceil(event.begin / TICK - 1e-6), 1)
+            end = max(ceil((event.begin + duration) / TICK - 1e-6), begin + 1)
+            edges += [(begin, True, event.name, value), (end, False, event.name, value)]
+        return sorted(edges, reverse=True)
+
+    def _switch_faults(self, tick: int) -> None:
+        while self._edges and self._edges[-1][0] <= tick:
+            _, begins, name, value = self._edges.pop()
+            row = FAULTS[name]
+            (row.begin if begins else row.end)(self, value)
+        self._next_edge = self._edges[-1][0] if self._edges else _NEVER
+        self._flow()
+
+    # --- truth -----------------------------------------------------------------------------
+
+    def truth(self) -> Truth:
+        return self._truth(self.now, *self._position())
+
+    def _position(self) -> tuple[float, float]:
+        latitude, longitude, north, east = self._anchor
+        return moved(latitude, longitude, self.plant.north - north, self.plant.east - east)
+
+    def _truth(self, now: float, latitude: float, longitude: float) -> Truth:
+        plant = self.plant
+        north, east = local(self.position, latitude, longitude)
+        over_north, over_east = plant.ground_velocity()
+        return Truth(
+            now,
+            latitude,
+            longitude,
+            north,
+            east,
+            plant.depth,
+            plant.floor - plant.depth,
+            plant.yaw % TWO_PI,
+            plant.pitch,
+            plant.roll,
+            plant.u,
+            plant.depth_rate,
+            hypot(over_north, over_east),
+            atan2(over_east, over_north) % TWO_PI,
+            (plant.current_north, plant.current_east),
+            plant.depth <= ANTENNA,
+            plant.aground,
+        )
+
+    # --- what the links foretell -----------------------------------------------------------
+
+    def next_vehicle_event(self) -> float | None:
+        stm32 = self.stm32
+        event = min(self._next_report * TICK + REPORT_TIME, stm32.due)
+        queue = stm32.tx.queue
+        return min(event, queue[0].end) if queue else event
+
+    def next_gps_event(self) -> float | None:
+        queue = self.gps.queue
+        return queue[0].end if queue else self._next_second * TICK + COMPLETE
+
+
+class _Side:
+    """What both links of the vehicle have in common: in memory, on its clock."""
+
+    name: str
+
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
+        self._vehicle = vehicle
+        self._closed = False
+
+    def fileno(self) -> int:
+        return -1
+
+    def close(self) -> None:
+        self._closed = True
+
+    def _received(self, chunks: list[Chunk]) -> list[Rx]:
+        return [Rx(chunk.start, self.name, chunk.data) for chunk in chunks]
+
+    def _reach(self, now: float) -> None:
+        if self._closed:
+            raise LinkClosed(f"{self.name}: the link was closed")
+        self._vehicle.advance(now)
+
+
+class VehicleLink(_Side):
+    """The serial line to the STM32."""
+
+    name = "vehicle"
+
+    def receive(self, now: float) -> list[Rx]:
+        self._reach(now)
+        return self._received(self._vehicle.stm32.tx.take(now))
+
+    def send(self, data: bytes, now: float, address: str = "") -> None:
+        self._reach(now)
+        self._vehicle.stm32.receive(data, now)
+
+    def next_event(self) -> float | None:
+        return self._vehicle.next_vehicle_event()
+
+
+class GpsLink(_Side):
+    """The line of the receiver; nothing is ever said to it."""
+
+    name = "gps"
+
+    def receive(self, now: float) -> list[Rx]:
+        self._reach(now)
+        return self._received(self._vehicle.gps.take(now))
+
+    def send(self, data: bytes, now: float, address: str = "") -> None:
+        self._reach(now)
+
+    def next_event(self) -> float | None:
+        return self._vehicle.next_gps_event()

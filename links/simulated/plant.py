@@ -1,0 +1,241 @@
+"""The body in the water: 6-DOF dynamics in Fossen's form (eta, nu), in plain floats.
+
+T. I. Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control, Wiley 2011:
+M nu' + C(nu) nu + D(nu) nu + g(eta) = tau (chapter 6), eta' = J(eta) nu + current (equation 8.x:
+nu is the velocity through the water, the current is irrotational and changes slowly). M is
+diagonal with the added mass in it, C is Kirchhoff's for that M, D is linear plus quadratic, g is
+a net buoyancy and a righting moment. eta = north, east, down of the pressure sensor, roll, pitch,
+yaw; nu = u forward, v starboard, w down, p, q, r. Semi-implicit Euler, fixed step of 0.05 s.
+
+Every figure of ``Body`` is tuned to the planning figures of the vehicle file (speed by gear, dive
+and ascent rates, turn rate, turning radius); masses and areas are those of a 2 m, 75 kg hull.
+
+What does not live here: sensors, firmware, positions on the globe (geodesy.py).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, radians, sin
+
+STEP = 0.05  # s
+TICK_STEPS = 2  # plant steps of one control tick
+TICK = STEP * TICK_STEPS  # s
+
+NEUTRAL_PWM = 1500
+GEAR_PWM = 500 / 12  # us of one gear: gear 12 is 2000 us
+FULL_PWM = 10 * GEAR_PWM  # us off neutral where the thrusters saturate: gear 10 is full speed
+DEAD_BAND_PWM = 20.0  # us off neutral below which a thruster does not turn
+SERVO_PWM = 10.0  # us of one degree of rudder
+
+# Order of the PWMs on the wire: left main, right main, rear, left, right vertical, two servos.
+LEFT_MAIN, RIGHT_MAIN, REAR, LEFT, RIGHT, SERVO_LEFT, SERVO_RIGHT = range(7)
+NEUTRAL = (NEUTRAL_PWM,) * 7
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """Parameters; SI. Masses and inertias include the added ones."""
+
+    mass_u: float = 90.0
+    mass_v: float = 155.0
+    mass_w: float = 185.0
+    inertia_p: float = 5.0
+    inertia_q: float = 40.0
+    inertia_r: float = 40.0
+    linear: tuple[float, ...] = (0.5, 10.0, 1.0, 6.0, 20.0, 5.0)  # N s/m, N m s
+    quadratic: tuple[float, ...] = (51.2, 200.0, 240.0, 5.0, 60.0, 70.0)
+    fin_pitch: float = 90.0  # N m per (m/s)^2 of u w: fins against Munk's moment
+    fin_yaw: float = 75.0  # the same for u v
+    fin_damping: float = 5.0  # N m per u r and u q
+    buoyancy: float = 15.0  # N, net, upward
+    righting: float = 30.0  # N m per sine of roll or pitch
+    draft: float = 0.2  # m, depth of the sensor at which the hull begins to emerge
+    waterplane: float = 1875.0  # N/m of emergence
+    surface_damping: float = 300.0  # N s/m in heave while emerged: radiated waves
+    main_thrust: float = 40.0  # N, one main thruster, saturated
+    main_power: float = 2.0  # thrust ~ (PWM beyond the dead band) ** power
+    vertical_thrust: float = 14.8  # N, one vertical thruster, saturated
+    vertical_power: float = 1.4
+    arm_main: float = 0.25  # m, each main thruster off the centre line
+    arm_front: float = 0.4  # m, front verticals before the centre
+    arm_rear: float = 0.8  # m, rear vertical behind the centre: equal gears do not pitch
+    arm_side: float = 0.2  # m, front verticals off the centre line
+    thrust_lag: float = 0.2  # s
+    rudder_pitch: float = 15.0  # N m per (m/s)^2 and rad, both rudders
+    rudder_roll: float = 3.0  # N m per (m/s)^2 and rad of difference
+    floor_clearance: float = 0.2  # m, sensor above the bottom when lying on it
+
+
+def _thrust_table(full: float, power: float) -> tuple[float, ...]:
+    """Thrust in N by PWM - 1000, positive above neutral; antisymmetric."""
+    values = []
+    for offset in range(-500, 501):
+        beyond = max(0.0, min(abs(offset), FULL_PWM) - DEAD_BAND_PWM)
+        thrust = full * (beyond / (FULL_PWM - DEAD_BAND_PWM)) ** power
+        values.append(thrust if offset > 0 else -thrust)
+    return tuple(values)
+
+
+class Plant:
+    """The state of the body; ``drive`` sets the actuators for a tick, ``run`` integrates."""
+
+    def __init__(self, body: Body | None = None, *, floor: float = 30.0) -> None:
+        self.body = body or Body()
+        self.floor = floor
+        self.north = self.east = 0.0
+        self.depth = self.body.draft - self.body.buoyancy / self.body.waterplane
+        self.roll = self.pitch = self.yaw = 0.0
+        self.u = self.v = self.w = self.p = self.q = self.r = 0.0
+        self.depth_rate = 0.0
+        self.current_north = self.current_east = 0.0
+        self.buoyancy = self.body.buoyancy
+        self.strength = [1.0] * 5  # share of its thrust that each thruster still has
+        self.aground = False
+        self._main = _thrust_table(self.body.main_thrust, self.body.main_power)
+        self._vertical = _thrust_table(self.body.vertical_thrust, self.body.vertical_power)
+        self._share = 1.0 - 2.718281828459045 ** (-TICK / self.body.thrust_lag)
+        self._thrust = [0.0] * 5
+        self._target = [0.0] * 5
+        self._rudders = (0.0, 0.0)  # pitch and roll moment per u |u|
+        self._pwm: tuple[int, ...] = NEUTRAL
+        self._settled = True
+        self._forces = (0.0, 0.0, 0.0, 0.0, 0.0)  # X, Z, K, M, N
+
+    @property
+    def thrust(self) -> tuple[float, ...]:
+        """N of each thruster in the order of the PWMs."""
+        return tuple(self._thrust)
+
+    def ground_velocity(self) -> tuple[float, float]:
+        """North and east over ground, m/s."""
+        if self.aground:
+            return 0.0, 0.0
+        below = self.v * sin(self.roll) + self.w * cos(self.roll)
+        ahead = self.u * cos(self.pitch) + below * sin(self.pitch)
+        across = self.v * cos(self.roll) - self.w * sin(self.roll)
+        sy, cy = sin(self.yaw), cos(self.yaw)
+        return (
+            ahead * cy - across * sy + self.current_north,
+            ahead * sy + across * cy + self.current_east,
+        )
+
+    def weaken(self, thruster: int, share: float) -> None:
+        self.strength[thruster] = share
+        self._pwm = ()  # so that the next ``drive`` looks at its targets again
+
+    def drive(self, pwm: tuple[int, ...]) -> None:
+        """Let the thrusters follow these seven PWMs for one tick (first order lag)."""
+        if pwm != self._pwm:
+            self._aim(pwm)
+        elif self._settled:
+            return
+        share, thrust, settled = self._share, self._thrust, True
+        for i, target in enumerate(self._target):
+            missing = target - thrust[i]
+            if -1e-3 < missing < 1e-3:
+                thrust[i] = target
+            else:
+                thrust[i] += share * missing
+                settled = False
+        self._settled = settled
+        body = self.body
+        left_main, right_main, rear, left, right = thrust
+        self._forces = (
+            left_main + right_main,
+            -(rear + left + right),
+            body.arm_side * (left - right),
+            body.arm_front * (left + right) - body.arm_rear * rear,
+            body.arm_main * (left_main - right_main),
+        )
+
+    def _aim(self, pwm: tuple[int, ...]) -> None:
+        self._pwm = pwm
+        self._settled = False
+        tables = (self._main, self._main, self._vertical, self._vertical, self._vertical)
+        self._target = [
+            table[min(max(value, 1000), 2000) - 1000] * strength
+            for table, value, strength in zip(tables, pwm, self.strength, strict=False)
+        ]
+        left = radians((pwm[SERVO_LEFT] - NEUTRAL_PWM) / SERVO_PWM)
+        right = radians((pwm[SERVO_RIGHT] - NEUTRAL_PWM) / SERVO_PWM)
+        body = self.body
+        self._rudders = (body.rudder_pitch * (left + right) / 2, body.rudder_roll * (right - left))
+
+    def run(self, steps: int) -> None:
+        """Integrate with constant forces. One function with local names: this is the hot loop."""
+        body, dt = self.body, STEP
+        mu, mv, mw = body.mass_u, body.mass_v, body.mass_w
+        du, dv, dw = dt / mu, dt / mv, dt / mw
+        dp, dq, dr = dt / body.inertia_p, dt / body.inertia_q, dt / body.inertia_r
+        cp = mv - mw
+        cq, cr = mw - mu - body.fin_pitch, mu - mv + body.fin_yaw
+        gp = body.inertia_q - body.inertia_r
+        gq, gr = body.inertia_r - body.inertia_p, body.inertia_p - body.inertia_q
+        fin, righting, draft = body.fin_damping, body.righting, body.draft
+        xu, yv, zw, kp, mq, nr = body.linear
+        xuu, yvv, zww, kpp, mqq, nrr = body.quadratic
+        surge, heave, roll_moment, pitch_moment, yaw_moment = self._forces
+        rudder_pitch, rudder_roll = self._rudders
+        current_north, current_east = self.current_north, self.current_east
+        net, bottom = self.buoyancy, self.floor - body.floor_clearance
+        north, east, depth = self.north, self.east, self.depth
+        roll, pitch, yaw = self.roll, self.pitch, self.yaw
+        u, v, w, p, q, r = self.u, self.v, self.w, self.p, self.q, self.r
+        down, aground = self.depth_rate, False
+        for _ in range(steps):
+            sr, cr_, sp, cp_ = sin(roll), cos(roll), sin(pitch), cos(pitch)
+            sy, cy = sin(yaw), cos(yaw)
+            if depth >= draft:
+                lift = net
+                z = heave
+            else:
+                lift = net - body.waterplane * (draft - depth)
+                z = heave - body.surface_damping * w
+            level = lift * cp_
+            au = u if u > 0.0 else -u
+            uu = u * au
+            un, vn, wn, pn, qn = u, v, w, p, q
+            u += du * (surge + mv * v * r - mw * w * q - u * xu - uu * xuu + lift * sp)
+            v += dv * (
+                mw * wn * p - mu * un * r - v * (yv + yvv * (v if v > 0.0 else -v)) - level * sr
+            )
+            w += dw * (
+                z
+                + mu * un * q
+                - mv * vn * p
+                - w * (zw + zww * (w if w > 0.0 else -w))
+                - level * cr_
+            )
+            p += dp * (
+                roll_moment + cp * vn * wn + gp * q * r + rudder_roll * uu
+                - p * (kp + kpp * (p if p > 0.0 else -p)) - righting * cp_ * sr
+            )  # fmt: skip
+            q += dq * (
+                pitch_moment + cq * un * wn + gq * pn * r + rudder_pitch * uu
+                - q * (mq + fin * au + mqq * (q if q > 0.0 else -q)) - righting * sp
+            )  # fmt: skip
+            r += dr * (
+                yaw_moment + cr * un * vn + gr * pn * qn
+                - r * (nr + fin * au + nrr * (r if r > 0.0 else -r))
+            )  # fmt: skip
+            across = v * cr_ - w * sr
+            below = v * sr + w * cr_
+            ahead = u * cp_ + below * sp
+            turning = (q * sr + r * cr_) / cp_
+            down = below * cp_ - u * sp
+            north += dt * (ahead * cy - across * sy + current_north)
+            east += dt * (ahead * sy + across * cy + current_east)
+            depth += dt * down
+            roll += dt * (p + turning * sp)
+            pitch += dt * (q * cr_ - r * sr)
+            yaw += dt * turning
+            if depth > bottom:  # lies on the ground: no further down, and no way over it
+                depth, down, aground = bottom, 0.0, True
+                north -= dt * (ahead * cy - across * sy + current_north)
+                east -= dt * (ahead * sy + across * cy + current_east)
+                u = v = w = 0.0
+        self.north, self.east, self.depth = north, east, depth
+        self.roll, self.pitch, self.yaw = roll, pitch, yaw
+        self.u, self.v, self.w, self.p, self.q, self.r = u, v, w, p, q, r
+        self.depth_rate, self.aground = down, aground

@@ -1,0 +1,184 @@
+"""What the simulated sensors say: noise, bias, slow errors, range, drop-outs, dead sensors.
+
+SI and radians; one seeded generator for everything. ``sample`` is called once for every ``@SD``;
+between two of them the control loops of the firmware read the truth with the errors of the last
+sample (white noise left out), so that they see what was reported without a draw per loop.
+
+    compass = true heading - declination + bias + slow error
+              + deviation * sin(heading) + deviation / 2 * cos(2 heading) + noise
+
+A sensor is healthy, frozen (repeats its last value), silent (nothing comes: the documented board
+reports NaN, the board as built repeats the last value) or absurd (full-scale garbage).
+
+What does not live here: the bytes (firmware), the GPS (firmware/gps.py), when a fault begins.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from math import cos, exp, nan, pi, radians, sin, sqrt
+from random import Random
+
+from links.simulated.plant import Plant
+
+PERIOD = 2.0  # s between samples, that of @SD
+TWO_PI = 2 * pi
+FIELD_NORTH, FIELD_DOWN = 33e-6, 35e-6  # T, magnetic north and down at 30 N
+
+
+class Sensor(enum.Enum):
+    """Value: slots in the list that ``sample`` returns, in the order of @SD."""
+
+    ATTITUDE = (0, 1)
+    HEADING = (2,)
+    TEMPERATURE = (3,)
+    DEPTH = (4,)
+    ALTITUDE = (5,)
+    MAGNETOMETER = (6, 7, 8, 9, 10, 11, 12, 13, 14)
+    BATTERY = (15, 16)
+
+
+class Health(enum.Enum):
+    HEALTHY = "healthy"
+    FROZEN = "frozen"
+    SILENT = "silent"
+    ABSURD = "absurd"
+
+
+FULL_SCALE = {  # largest garbage of each sensor, in its own unit
+    Sensor.ATTITUDE: 4 * pi,
+    Sensor.HEADING: 4 * pi,
+    Sensor.TEMPERATURE: 327.67,
+    Sensor.DEPTH: 6553.5,
+    Sensor.ALTITUDE: 6553.5,
+    Sensor.MAGNETOMETER: 1e-3,
+    Sensor.BATTERY: 65535.0,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class SensorErrors:
+    """One sigma where nothing else is said. ``None`` for a bias: drawn from the seed."""
+
+    declination: float = 0.0  # rad, east positive
+    compass_bias: float | None = None  # rad; drawn with sigma 4 deg
+    compass_noise: float = radians(1.0)
+    compass_slow: float = radians(1.0)  # Gauss-Markov error, time constant 300 s
+    deviation: float = radians(2.0)  # amplitude over the heading
+    attitude_noise: float = radians(0.5)
+    depth_bias: float | None = None  # m; drawn with sigma 0.05 m
+    depth_noise: float = 0.05
+    altitude_noise: float = 0.05
+    altitude_range: float = 50.0  # m, no echo beyond
+    altitude_drop: float = 0.1  # share of samples without an echo
+    temperature: float = 18.0  # deg C at the surface, 0.05 less per metre
+    temperature_noise: float = 0.02
+    magnetic_noise: float = 0.1e-6  # T
+    fix_noise: float = 2.5  # m per axis
+    speed_noise: float = 0.05  # m/s per axis, of the GPS
+    first_fix: float = 3.0  # s at the surface after power-on
+    fix_again: tuple[float, float] = (3.0, 8.0)  # s after surfacing, drawn between
+
+
+class Sensors:
+    """All sensors behind the STM32."""
+
+    def __init__(self, errors: SensorErrors, rng: Random, *, repeats_when_silent: bool) -> None:
+        self.errors, self.rng = errors, rng
+        bias, depth_bias = errors.compass_bias, errors.depth_bias
+        self.compass_bias = rng.gauss(0.0, radians(4.0)) if bias is None else bias
+        self.depth_bias = rng.gauss(0.0, 0.05) if depth_bias is None else depth_bias
+        self.health: dict[Sensor, Health] = {}  # only those that are not healthy
+        self.battery_override: float | None = None  # V of the control battery
+        self.last: list[float] = [0.0] * 15 + [12.0, 48.0]
+        self._silent = Health.FROZEN if repeats_when_silent else Health.SILENT
+        self._heading_error = -errors.declination + self.compass_bias
+        self._slow = rng.gauss(0.0, errors.compass_slow)
+        self._keep = exp(-PERIOD / 300.0)
+        self._renew = errors.compass_slow * sqrt(1 - self._keep**2)
+        self._echo = False
+        self._used = 0.0  # J out of the power battery
+        self._age = 0  # samples so far
+
+    # --- what the control loops read -------------------------------------------------------
+
+    def depth(self, plant: Plant) -> float:
+        if Sensor.DEPTH in self.health:
+            return self.last[4]
+        return plant.depth + self.depth_bias
+
+    def altitude(self, plant: Plant) -> float:
+        if not self._echo or Sensor.ALTITUDE in self.health:
+            return self.last[5]
+        return plant.floor - plant.depth
+
+    def heading(self, plant: Plant) -> float:
+        """Not wrapped."""
+        if Sensor.HEADING in self.health:
+            return self.last[2]
+        return plant.yaw + self._heading_error
+
+    # --- what is reported ------------------------------------------------------------------
+
+    def sample(self, plant: Plant) -> list[float]:
+        """Roll, pitch, heading, temperature (deg C), depth, altitude, 9 x T, 2 x V."""
+        errors, gauss = self.errors, self.rng.gauss
+        self._slow = self._keep * self._slow + gauss(0.0, self._renew)
+        yaw = plant.yaw
+        deviation = errors.deviation * (sin(yaw) + 0.5 * cos(2 * yaw))
+        error = -errors.declination + self.compass_bias + self._slow + deviation
+        self._heading_error = error
+        noise, height = errors.attitude_noise, plant.floor - plant.depth
+        self._echo = height < errors.altitude_range and self.rng.random() >= errors.altitude_drop
+        altitude = height + gauss(0.0, errors.altitude_noise)
+        values = [
+            plant.roll + gauss(0.0, noise),
+            plant.pitch + gauss(0.0, noise),
+            (yaw + error + gauss(0.0, errors.compass_noise)) % TWO_PI,
+            errors.temperature - 0.05 * plant.depth + gauss(0.0, errors.temperature_noise),
+            plant.depth + self.depth_bias + gauss(0.0, errors.depth_noise),
+            altitude if self._echo else self._without(5),
+            *self._magnetic(plant),
+            *self._batteries(plant),
+        ]
+        if self.health:
+            self._break(values)
+        self.last = values
+        return values
+
+    def _without(self, slot: int) -> float:
+        return self.last[slot] if self._silent is Health.FROZEN else nan
+
+    def _break(self, values: list[float]) -> None:
+        for sensor, health in self.health.items():
+            known = health if health is not Health.SILENT else self._silent
+            for slot in sensor.value:
+                if known is Health.FROZEN:
+                    values[slot] = self.last[slot]
+                elif known is Health.SILENT:
+                    values[slot] = nan
+                else:
+                    values[slot] = FULL_SCALE[sensor] * (2 * self.rng.random() - 1)
+
+    def _magnetic(self, plant: Plant) -> list[float]:
+        """Earth's field in body axes, three times, each with its noise."""
+        magnetic = plant.yaw - self.errors.declination
+        ahead, across = FIELD_NORTH * cos(magnetic), -FIELD_NORTH * sin(magnetic)
+        sp, cp, sr, cr = sin(plant.pitch), cos(plant.pitch), sin(plant.roll), cos(plant.roll)
+        lean = ahead * sp + FIELD_DOWN * cp
+        x, y, z = ahead * cp - FIELD_DOWN * sp, across * cr + lean * sr, lean * cr - across * sr
+        gauss, noise = self.rng.gauss, self.errors.magnetic_noise
+        return [value + gauss(0.0, noise) for value in (x, y, z, x, y, z, x, y, z)]
+
+    def _batteries(self, plant: Plant) -> tuple[float, float]:
+        """Volts of a 900 Wh thruster pack and of a 300 Wh control pack at 35 W."""
+        body, thrust = plant.body, plant.thrust
+        pair = (abs(thrust[0]) + abs(thrust[1])) / (2 * body.main_thrust)
+        three = sum(map(abs, thrust[2:])) / (3 * body.vertical_thrust)
+        self._used += PERIOD * (600.0 * pair * sqrt(pair) + 300.0 * three)
+        self._age += 1
+        control = 12.8 - 2.5 * self._age * PERIOD * 35.0 / (300.0 * 3600.0)
+        if self.battery_override is not None:
+            control = self.battery_override
+        return max(control, 0.0), max(50.0 - 9.0 * self._used / (900.0 * 3600.0), 0.0)

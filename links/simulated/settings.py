@@ -1,0 +1,172 @@
+"""The sea and what may be set for a flight: ``--set KEY=VALUE`` texts into a ``Settings``.
+
+    SettingError      (the operator must act: which text, what instead, which keys there are)
+
+    current=0.3@45        m/s towards 45 deg          deep_current=0.1@200   the same at the floor
+    floor=25              m                           declination=-6.1       deg, east positive
+    compass_bias=4        deg                         buoyancy=15            N, net
+    fault=depth_frozen@120+60                         a row of FAULTS from 120 s for 60 s
+    fault=left_main_weak=0.3@200+100                  the same with a value
+
+What does not live here: what a fault does (faults.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+from math import inf, isfinite, radians
+
+from links.simulated.plant import Body
+from links.simulated.sensors import SensorErrors
+
+
+class SettingError(ValueError):
+    pass
+
+
+@dataclass(frozen=True, slots=True)
+class Sea:
+    """``current`` is speed (m/s) and direction towards which it sets (rad)."""
+
+    current: tuple[float, float] = (0.0, 0.0)
+    deep_current: tuple[float, float] | None = None  # at the floor; linear in between
+    floor: float = 30.0  # m
+
+
+@dataclass(frozen=True, slots=True)
+class FaultEvent:
+    name: str
+    begin: float  # s
+    duration: float | None = None  # s; None: as the row says
+    value: float | None = None  # None: as the row says
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    sea: Sea = field(default_factory=Sea)
+    errors: SensorErrors = field(default_factory=SensorErrors)
+    body: Body = field(default_factory=Body)
+    faults: tuple[FaultEvent, ...] = ()
+    splice: float | None = None  # chance; None: as the profile says
+
+
+Apply = Callable[[Settings, str], Settings]
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """One row: how its value is written, and what it does."""
+
+    form: str
+    says: str
+    apply: Apply
+
+
+def _number(text: str, low: float = -inf, high: float = inf) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise SettingError(f"{text!r} is not a number") from None
+    if not isfinite(value) or not low <= value <= high:
+        raise SettingError(f"{text} is not between {low:g} and {high:g}")
+    return value
+
+
+def _current(text: str) -> tuple[float, float]:
+    speed, at, direction = text.partition("@")
+    if not at:
+        raise SettingError(f"write speed@direction, e.g. 0.3@45, not {text!r}")
+    return _number(speed, 0.0, 5.0), radians(_number(direction, -360.0, 360.0))
+
+
+def _sea(name: str, read: Callable[[str], object]) -> Apply:
+    return lambda s, text: replace(s, sea=replace(s.sea, **{name: read(text)}))  # type: ignore[arg-type]
+
+
+def _errors(name: str, scale: float, low: float = 0.0, high: float = inf) -> Apply:
+    def apply(settings: Settings, text: str) -> Settings:
+        value = scale * _number(text, low, high)
+        changed: SensorErrors = replace(settings.errors, **{name: value})  # type: ignore[arg-type]
+        return replace(settings, errors=changed)
+
+    return apply
+
+
+def _buoyancy(settings: Settings, text: str) -> Settings:
+    return replace(settings, body=replace(settings.body, buoyancy=_number(text, -50.0, 100.0)))
+
+
+def _splice(settings: Settings, text: str) -> Settings:
+    return replace(settings, splice=_number(text, 0.0, 1.0))
+
+
+def parse_fault(text: str) -> FaultEvent:
+    """``name[=value]@begin[+duration]``."""
+    from links.simulated.faults import FAULTS  # its rows act on the vehicle, which imports this
+
+    what, at, when = text.rpartition("@")
+    name, equals, value = what.partition("=")
+    if not at:
+        raise SettingError(f"write name@begin+duration, e.g. depth_frozen@120+60, not {text!r}")
+    if name not in FAULTS:
+        raise SettingError(f"no fault {name!r}; known: {', '.join(FAULTS)}")
+    begin, plus, duration = when.partition("+")
+    return FaultEvent(
+        name,
+        _number(begin, 0.0),
+        _number(duration, 0.0) if plus else None,
+        _number(value) if equals else None,
+    )
+
+
+def _fault(settings: Settings, text: str) -> Settings:
+    return replace(settings, faults=(*settings.faults, parse_fault(text)))
+
+
+_DEG = radians(1.0)
+
+SETTINGS: dict[str, Setting] = {
+    "current": Setting("SPEED@DIRECTION", "m/s towards deg", _sea("current", _current)),
+    "deep_current": Setting(
+        "SPEED@DIRECTION", "the current at the floor", _sea("deep_current", _current)
+    ),
+    "floor": Setting("DEPTH", "m", _sea("floor", lambda text: _number(text, 1.0, 11000.0))),
+    "declination": Setting("DEG", "east positive", _errors("declination", _DEG, -180.0, 180.0)),
+    "compass_bias": Setting("DEG", "", _errors("compass_bias", _DEG, -180.0, 180.0)),
+    "compass_noise": Setting("DEG", "one sigma", _errors("compass_noise", _DEG)),
+    "compass_slow": Setting("DEG", "one sigma, 300 s", _errors("compass_slow", _DEG)),
+    "deviation": Setting("DEG", "amplitude over the heading", _errors("deviation", _DEG)),
+    "depth_bias": Setting("M", "", _errors("depth_bias", 1.0, -100.0)),
+    "depth_noise": Setting("M", "one sigma", _errors("depth_noise", 1.0)),
+    "altitude_range": Setting("M", "no echo beyond", _errors("altitude_range", 1.0)),
+    "altitude_drop": Setting("SHARE", "without an echo", _errors("altitude_drop", 1.0, 0.0, 1.0)),
+    "fix_noise": Setting("M", "one sigma per axis", _errors("fix_noise", 1.0)),
+    "first_fix": Setting("S", "after power-on", _errors("first_fix", 1.0)),
+    "buoyancy": Setting("N", "net, upward", _buoyancy),
+    "splice": Setting("CHANCE", "of an answer inside an @SD", _splice),
+    "fault": Setting("NAME[=VALUE]@BEGIN[+DURATION]", "s; may be given again", _fault),
+}
+
+
+def parse_settings(texts: Iterable[str], settings: Settings | None = None) -> Settings:
+    """Raises SettingError, which names the text and what instead."""
+    result = settings or Settings()
+    for text in texts:
+        key, equals, value = text.partition("=")
+        row = SETTINGS.get(key.strip())
+        if row is None or not equals:
+            known = "\n".join(f"  {name}={row.form}  {row.says}" for name, row in SETTINGS.items())
+            raise SettingError(f"cannot set {text!r}; write KEY=VALUE with one of\n{known}")
+        try:
+            result = row.apply(result, value.strip())
+        except SettingError as error:
+            raise SettingError(f"{text}: {error}") from None
+    return result
+
+
+def setting_of(event: FaultEvent) -> str:
+    """The text that gives this event: what a failing flight is replayed with."""
+    value = "" if event.value is None else f"={event.value!r}"
+    duration = "" if event.duration is None else f"+{event.duration!r}"
+    return f"{event.name}{value}@{event.begin!r}{duration}"

@@ -1,0 +1,98 @@
+"""The simulated vehicle as a link: real bytes, foretold times, same seed same bytes."""
+
+from __future__ import annotations
+
+import math
+import random
+
+import pytest
+
+from links.base import LinkClosed, Rx
+from links.simulated.link import PROFILES, SimulatedVehicle
+from links.simulated.settings import Settings, parse_settings
+from protocol.checksum import crc32_stm32
+
+FLIGHT = [
+    (4.0, {"as-built": [b"@ZAH-90,6$"], "documented": [b"@ZAF6$", b"@ZAH-90$"]}),
+    (6.0, {"as-built": [b"@ZAS8$"], "documented": [b"@ZAS8$"]}),
+    (70.0, {"as-built": [b"@ZAX0$"], "documented": [b"@ZAX0$"]}),
+]
+
+
+def fly(vehicle: SimulatedVehicle, until: float, cut: random.Random | None = None) -> list[Rx]:
+    """Lock step: from foretold event to foretold event, or at the random times of ``cut``."""
+    sends = [(t + 0.1 * i, c) for t, by in FLIGHT for i, c in enumerate(by[vehicle.profile])]
+    out: list[Rx] = []
+    now = 0.0
+    while now < until:
+        if cut:
+            step = cut.choice((0.001, 0.01, 0.3, 1.0, 7.0))
+            upcoming = now + step
+        else:
+            events = vehicle.vehicle_link.next_event(), vehicle.gps_link.next_event()
+            upcoming = min(event for event in events if event is not None)
+        if sends:
+            upcoming = min(upcoming, sends[0][0])
+        now = min(upcoming, until)
+        out += vehicle.vehicle_link.receive(now) + vehicle.gps_link.receive(now)
+        while sends and sends[0][0] <= now:
+            vehicle.vehicle_link.send(sends.pop(0)[1], now)
+    return out
+
+
+def ordered(received: list[Rx]) -> list[tuple[str, float, bytes]]:
+    return sorted((rx.link, rx.t, rx.data) for rx in received)
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_same_seed_same_bytes_however_time_is_cut(profile: str) -> None:
+    settings = parse_settings(
+        ["current=0.2@45", "deep_current=0.1@90", "fault=heavy@30+10", "fault=line_noise@50+9"]
+    )
+    first = SimulatedVehicle(profile, 7, settings)
+    second = SimulatedVehicle(profile, 7, settings)
+    other = SimulatedVehicle(profile, 8, settings)
+    flown = ordered(fly(first, 90.0))
+    assert flown == ordered(fly(second, 90.0, random.Random(3)))
+    assert first.truth() == second.truth()
+    assert first.track == second.track
+    assert flown != ordered(fly(other, 90.0))
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_bytes_are_there_at_the_foretold_time_and_not_before(profile: str) -> None:
+    vehicle = SimulatedVehicle(profile, 1)
+    link = vehicle.vehicle_link
+    event = link.next_event()
+    assert event is not None
+    assert link.receive(math.nextafter(event, 0.0)) == []
+    (report,) = link.receive(event)
+    assert report.data[:3] == b"@SD"
+    assert event - report.t == pytest.approx(86 * 10 / 9600)
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_telemetry_every_two_seconds_with_the_right_checksum(profile: str) -> None:
+    vehicle = SimulatedVehicle(profile, 1, Settings(splice=0.0))
+    reports = [rx for rx in fly(vehicle, 60.0) if rx.data[:3] == b"@SD"]
+    assert [rx.t for rx in reports] == pytest.approx([1.0 + 2.0 * i for i in range(30)])
+    for rx in reports:
+        assert len(rx.data) == 86
+        assert rx.data[-1:] == b"$"
+        assert crc32_stm32(rx.data[3:81]) == int.from_bytes(rx.data[81:85], "little")
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_closed_link_says_so(profile: str) -> None:
+    vehicle = SimulatedVehicle(profile)
+    vehicle.vehicle_link.close()
+    with pytest.raises(LinkClosed, match="vehicle"):
+        vehicle.vehicle_link.receive(1.0)
+    with pytest.raises(LinkClosed):
+        vehicle.vehicle_link.send(b"@ZAX0$", 1.0)
+    assert vehicle.gps_link.receive(2.0)
+
+
+def test_an_unknown_profile_is_named_with_the_known_ones() -> None:
+    with pytest.raises(ValueError, match="as-built"):
+        SimulatedVehicle("as-buildt")
