@@ -8,9 +8,10 @@ What does not live here: frames and dialects themselves (protocol.vehicles).
 from __future__ import annotations
 
 import itertools
+import math
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -78,6 +79,57 @@ class Sensors:
 
 
 @dataclass(frozen=True, slots=True)
+class Deviation:
+    """The compass's error over the magnetic heading it shows: the first two harmonics, rad."""
+
+    sin1: float = 0.0
+    cos1: float = 0.0
+    sin2: float = 0.0
+    cos2: float = 0.0
+
+    def at(self, heading: float) -> float:
+        return (
+            self.sin1 * math.sin(heading)
+            + self.cos1 * math.cos(heading)
+            + self.sin2 * math.sin(2.0 * heading)
+            + self.cos2 * math.cos(2.0 * heading)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """How the vehicle moves and errs, beside the planning figures; what `calibrate` writes.
+
+    ``current`` is what earlier dives found in these waters (north, east), ``current_sigma`` how
+    far it is from that on another day; None: the vehicle's planning figure. ``turn_loss`` is the
+    share of the speed lost per rad/s of turn, ``sway_length`` the outward slip in m/s per rad/s.
+    """
+
+    speed_scale: float = 1.0  # on speed_by_gear
+    speed_scale_sigma: float = 0.1
+    speed_noise: float = 0.05  # m/s, slow
+    surge_length: float = 2.0  # m: mass over drag
+    sway_length: float = 0.0
+    turn_loss: float = 0.0  # s
+    deviation: Deviation = Deviation()
+    deviation_sigma: float = math.radians(2.0)  # of what the harmonics leave
+    current: tuple[float, float] = (0.0, 0.0)
+    current_sigma: float | None = None
+
+
+_CALIBRATION_UNITS = {
+    "speed_scale": "",
+    "speed_scale_sigma": "",
+    "speed_noise": "m/s",
+    "surge_length": "m",
+    "sway_length": "m",
+    "turn_loss": "s",
+    "deviation_sigma": "deg",
+    "current_sigma": "m/s",
+}
+
+
+@dataclass(frozen=True, slots=True)
 class Vehicle:
     name: str
     codec: str
@@ -100,6 +152,8 @@ class Vehicle:
     sensors: Sensors
     declination: float | None  # rad; None: from the world magnetic model
     compass_bias: float  # rad
+    calibration: Calibration = Calibration()
+    glides: bool = False  # no thruster: moves forward by sinking and rising
 
 
 def missions_folder() -> Path:
@@ -221,4 +275,35 @@ def _vehicle(keys: _Keys) -> Vehicle:
         ),
         declination=None if declination == "auto" else compass.number("declination", "deg"),
         compass_bias=compass.number("bias_deg", "deg"),
+        calibration=_calibration(keys),
+        glides=keys.flag("glides") if "glides" in keys.data else False,
     )
+
+
+def _calibration(keys: _Keys) -> Calibration:
+    """The optional section; what it leaves out keeps the default."""
+    if "calibration" not in keys.data:
+        return Calibration()
+    table = keys.table("calibration")
+    _known(table, {*_CALIBRATION_UNITS, "deviation", "current"})
+    given: dict[str, Any] = {
+        name: table.number(name, unit)
+        for name, unit in _CALIBRATION_UNITS.items()
+        if name in table.data
+    }
+    if "deviation" in table.data:
+        harmonics = table.table("deviation")
+        _known(harmonics, {f.name for f in fields(Deviation)})
+        given["deviation"] = Deviation(
+            **{str(k): harmonics.number(k, "deg") for k in harmonics.data}
+        )
+    if "current" in table.data:
+        current = table.table("current")
+        given["current"] = (current.number("north", "m/s"), current.number("east", "m/s"))
+    return Calibration(**given)
+
+
+def _known(table: _Keys, names: set[str]) -> None:
+    for key in table.data:
+        if key not in names:
+            raise VehicleError(f"{table.where}: no key {key}; there are {', '.join(sorted(names))}")
