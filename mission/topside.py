@@ -1,7 +1,7 @@
 """The Pi's side of the operator protocol: who said what, may he, and what is answered. Sans-IO.
 
-    bytes --codec of the connection--> command --duplicate? commander? idle?--> Vessel
-    answer --codec of the connection--> bytes, on the path of the request (R12)
+    bytes --path--> command --duplicate? commander? idle?--> Vessel
+    answer --path of the request (R12)--> bytes
 
 Rules of protocols.md that live here: R2 (answers N), R3 and R4 (with ``staging``), R6's relaying,
 R9-R11 as far as an answer shows them, R12 (duplicates over two paths, the commander), R13 (with
@@ -19,10 +19,11 @@ from dataclasses import dataclass, replace
 
 from mission.model import Outcome, Result, Tx, Verdict
 from mission.nodes import LINK as NODES
-from mission.nodes import OPEN, Nodes
+from mission.nodes import NAMES, OPEN, Nodes
+from mission.paths import Heard, Path
 from mission.staging import Held, OutOfPlace, Staging
 from mission.store import Store, StoreError
-from mission.vessel import MODEM, Answer, Codec, MissionRefused, Peer, Vessel
+from mission.vessel import MODEM, Answer, MissionRefused, Peer, Vessel
 from protocol.messages import (
     Ack,
     ClearMission,
@@ -42,6 +43,7 @@ from protocol.messages import (
     StoreQuery,
     StoreReport,
 )
+from protocol.topside import answer
 
 COMMANDER_SILENT_S = 10.0
 SAME_COMMAND_S = 5.0
@@ -77,15 +79,15 @@ class Topside:
         self,
         vessel: Vessel,
         store: Store,
-        codec: Callable[[str], Codec],
+        path: Callable[[str], Path],
         nodes: Nodes,
         answer_no: bool = True,
     ) -> None:
-        """``codec`` makes one for a connection over the link of that name."""
-        self._vessel, self._store, self._new_codec = vessel, store, codec
+        """``path`` makes one for a connection over the link of that name."""
+        self._vessel, self._store, self._new_path = vessel, store, path
         self._nodes, self._answer_no = nodes, answer_no
         self._staging = Staging()
-        self._codecs: dict[Peer, Codec] = {}
+        self._paths: dict[Peer, Path] = {}
         self._heard: dict[Peer, float] = {}
         self._commander: Peer | None = None
         self._done: list[_Done] = []
@@ -93,15 +95,16 @@ class Topside:
         self._switching: tuple[Peer, NodeSwitch] | None = None
         self._refusal = ""
         self._out: list[Tx] = []
+        self._faults: list[tuple[Peer, FrameFault]] = []
 
     # --- connections ---------------------------------------------------------------------
 
     def connected(self, peer: Peer) -> None:
-        if peer not in self._codecs:
-            self._codecs[peer] = self._new_codec(peer.link)
+        if peer not in self._paths:
+            self._paths[peer] = self._new_path(peer.link)
 
     def disconnected(self, peer: Peer) -> None:
-        self._codecs.pop(peer, None)
+        self._paths.pop(peer, None)
         self._heard.pop(peer, None)
         self._awaiting = [a for a in self._awaiting if a.peer != peer]
         if self._commander == peer:
@@ -109,7 +112,7 @@ class Topside:
 
     def receive(self, peer: Peer, data: bytes, now: float) -> None:
         self.connected(peer)
-        self._take(peer, self._codecs[peer].receive(data, now), now)
+        self._take(peer, self._paths[peer].receive(data, now), now)
 
     def changed(self, data: bytes, now: float) -> None:
         """Bytes of the link ``nodes``."""
@@ -117,21 +120,26 @@ class Topside:
         self._settle(now)
 
     def handle_timer(self, now: float) -> None:
-        for peer, codec in list(self._codecs.items()):
-            due = codec.next_timer()
-            if due is not None and due <= now:
-                self._take(peer, codec.flush(now), now)
+        for peer, path in list(self._paths.items()):
+            self._take(peer, path.handle_timer(now), now)
         self._settle(now)
 
     def next_timer(self) -> float | None:
-        timers = [codec.next_timer() for codec in self._codecs.values()]
+        timers = [path.next_timer() for path in self._paths.values()]
         timers.append(self._nodes.next_timer())
         return min((t for t in timers if t is not None), default=None)
 
-    def outgoing(self) -> list[Tx]:
-        """What was to be sent since the last call."""
+    def outgoing(self, now: float) -> list[Tx]:
+        """What leaves now."""
         out, self._out = self._out, []
+        for peer, path in self._paths.items():
+            out += [Tx(now, peer.link, d, why, peer.address) for d, why in path.outgoing(now)]
         return out
+
+    def faults(self) -> list[tuple[Peer, FrameFault]]:
+        """Bytes that were no frame, since the last call."""
+        faults, self._faults = self._faults, []
+        return faults
 
     # --- what others report ---------------------------------------------------------------
 
@@ -149,16 +157,18 @@ class Topside:
 
     def report_unasked(self, now: float, reason: str) -> None:
         """One @VS on every path (R11)."""
-        for peer in sorted(self._codecs):
-            self._send(peer, self._vessel.status(now), now, reason)
+        for peer in sorted(self._paths):
+            self._paths[peer].send(self._vessel.status(now), now, reason, unasked=True)
 
     # --- commands -------------------------------------------------------------------------
 
-    def _take(self, peer: Peer, commands: list[Command | FrameFault], now: float) -> None:
-        for command in commands:
-            if not isinstance(command, FrameFault):
+    def _take(self, peer: Peer, heard: list[Heard], now: float) -> None:
+        for item in heard:
+            if isinstance(item, FrameFault):
+                self._faults.append((peer, item))
+            else:
                 self._heard[peer] = now
-                self._command(peer, command, now)
+                self._command(peer, item, now)
 
     def _command(self, peer: Peer, command: Command, now: float) -> None:
         if isinstance(command, Emergency):
@@ -211,11 +221,11 @@ class Topside:
             self._commander = peer
         else:
             self._refusal = _one_line(f"{_NAMES[type(command)]}: {verdict.why}")
-        answer = _acknowledge(command, verdict.accepted, now)
+        ack = _acknowledge(command, verdict.accepted, now)
         if verdict.accepted and not isinstance(command, MissionLine | Manual):
-            self._done.append(_Done(command, peer, now, answer))
-        if answer is not None and (verdict.accepted or self._answer_no):
-            self._send(peer, answer, now, "accepted" if verdict.accepted else verdict.why)
+            self._done.append(_Done(command, peer, now, ack))
+        if ack is not None and (verdict.accepted or self._answer_no):
+            self._send(peer, ack, now, "accepted" if verdict.accepted else verdict.why)
 
     def _is_repeated(self, peer: Peer, command: Command, now: float) -> bool:
         """The same command came over the other path within 5 s: answered again, not executed."""
@@ -231,11 +241,9 @@ class Topside:
 
     def _not_commander(self, peer: Peer, now: float) -> str:
         other = self._commander
-        if other in (None, peer):
+        if other is None or other == peer:
             return ""
-        assert other is not None
-        silent = now - self._heard.get(other, now)
-        if silent > COMMANDER_SILENT_S:
+        if now - self._heard.get(other, now) > COMMANDER_SILENT_S:
             return ""
         return (
             f"{other.link} {other.address} commands; others read until it closes or is silent 10 s"
@@ -246,8 +254,8 @@ class Topside:
     def _switch(self, peer: Peer, command: NodeSwitch, now: float) -> Verdict | None:
         if self._switching == (peer, command):
             return None  # a retry: answered when all have changed
-        closes = {n for n, s in zip(_LETTERS, command.switches, strict=True) if s != OPEN}
-        if "UACM" in closes and not any(p.link != MODEM for p in self._codecs):
+        closes = {n for n, s in zip(NAMES, command.switches, strict=True) if s != OPEN}
+        if "UACM" in closes and not any(p.link != MODEM for p in self._paths):
             return Verdict(False, "the modem is the only live path")
         if "STM32" in closes and not self._is_idle:
             return Verdict(False, "the STM32 is needed until the vehicle is idle")
@@ -337,12 +345,9 @@ class Topside:
 
     def _report(self, now: float) -> StoreReport:
         staging, stored = self._is_staging(now), len(self._store.content.lines)
-        if not self._is_idle:
-            state = "running"
-        else:
-            state = "staging" if staging else "ready" if stored else "empty"
+        state = "staging" if staging else "ready" if stored else "empty"
         return StoreReport(
-            state,
+            state if self._is_idle else "running",
             self._staging.total if staging else stored,
             self._staging.have if staging else stored,
             self._staging.missing if staging else "",
@@ -364,12 +369,10 @@ class Topside:
         ]
 
     def _send(self, peer: Peer, answer: Answer, now: float, reason: str) -> None:
-        if peer in self._codecs:
-            data = self._codecs[peer].encode(answer)
-            self._out.append(Tx(now, peer.link, data, reason, peer.address))
+        if peer in self._paths:
+            self._paths[peer].send(answer, now, reason)
 
 
-_LETTERS = ("Pi", "STM32", "BDGPS", "UACM", "CAMERA", "AUTO")
 _NAMES: dict[type, str] = {
     NodeSwitch: "NS",
     StartMission: "AA",
@@ -383,11 +386,10 @@ _NAMES: dict[type, str] = {
 
 
 def _acknowledge(command: Command, accepted: bool, now: float) -> Ack | None:
-    """``@ACK_`` class, function, and the third letter: a repeat of the command's, or N (R2)."""
+    """R2; None for what only the STM32 may answer."""
     if isinstance(command, Relay | Manual):
         return None
-    name = _NAMES[type(command)]
-    return Ack(now, name[0], name[1], ord(name[1]) if accepted else NO)
+    return answer(_NAMES[type(command)], accepted, now)
 
 
 def _one_line(text: str) -> str:

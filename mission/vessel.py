@@ -12,7 +12,6 @@ from mission.model import Verdict
 from protocol.messages import (
     Ack,
     Command,
-    FrameFault,
     Status,
     StoreReport,
 )
@@ -30,18 +29,6 @@ class Peer:
 
 class MissionRefused(ValueError):
     """The mission's author must act; the message names the first line and its fault."""
-
-
-class Codec(Protocol):
-    """One connection's frames, with the modem's envelope where there is one."""
-
-    def receive(self, data: bytes, now: float) -> list[Command | FrameFault]: ...
-
-    def flush(self, now: float) -> list[Command | FrameFault]: ...
-
-    def next_timer(self) -> float | None: ...
-
-    def encode(self, answer: Answer) -> bytes: ...
 
 
 class Vessel(Protocol):
