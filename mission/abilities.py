@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from mission.axes import axis_where
+from mission.guards import comparisons
 from mission.legs import LEGS
-from mission.model import And, Comparison, Expression, Leg, Not, Problem, Surface, Where
+from mission.model import Expression, Leg, Problem, Surface, Where
 from mission.variables import CLOCK, VARIABLES
 from mission.vehicle import Vehicle
 from protocol.messages import Setpoint
@@ -156,20 +157,6 @@ def guard_problems(
                 f"{comparison.variable} is known only in legs that go to a place",
                 "use travelled, range or elapsed",
             )
-
-
-def comparisons(expression: Expression) -> Iterator[Comparison]:
-    stack = [expression]
-    while stack:
-        node = stack.pop()
-        if isinstance(node, Comparison):
-            yield node
-        elif isinstance(node, Not):
-            stack.append(node.operand)
-        elif isinstance(node, And):
-            stack.extend(reversed(node.operands))
-        else:
-            stack.extend(reversed(node.operands))
 
 
 _Check = Callable[[Leg, Setpoint, Vehicle], Iterator[Problem]]
