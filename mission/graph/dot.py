@@ -7,7 +7,7 @@ and are cut at its border (``compound``).
 from __future__ import annotations
 
 from mission.graph.outline import Node, Outline, Way
-from mission.graph.regions import REGIONS, SUBSTATES, region, shared
+from mission.graph.regions import REGIONS, SUBSTATES, region, shared, target
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By
 
 _COLOURS = {By.TIMEOUT: "#b45309", By.ELSE: "#b45309", By.ON: "#b91c1c", By.UNCERTAIN: "#b91c1c"}
@@ -36,8 +36,7 @@ def dot(outline: Outline, safety: bool = False) -> str:
     for way in outline.handlers:
         text.append(drawing.edge(AUTONOMOUS, way.target, way.text, way.by))
     for row in shared(safety):
-        if row.event != "end":
-            text.append(drawing.edge(row.source, row.target, row.text, None))
+        text.append(drawing.edge(row.source, target(row), row.meaning, None))
     return "\n".join([*text, "}", ""])
 
 
@@ -70,16 +69,15 @@ class _Drawing:
 
     def way(self, source: str, way: Way) -> list[str]:
         edges = [self.edge(source, way.target, way.text, way.by)]
-        if len(way.edges) > 1 and way.edges[0].loops:
-            again = way.edges[0].target
-            edges.insert(0, self.edge(source, again, f"{way.text}, again", way.by))
+        if way.again not in ("", source):
+            edges.insert(0, self.edge(source, way.again, f"{way.text}, again", way.by))
         return edges
 
     def edge(self, source: str, target: str, text: str, by: By | None) -> str:
         more = f', color="{_COLOURS[by]}", fontcolor="{_COLOURS[by]}"' if by in _COLOURS else ""
-        if source in self.first and self.first[source] != source:
+        if self.first.get(source, source) != source and not target.startswith(f"{source}/"):
             more += f", ltail={quoted('cluster_' + source)}"
-        if target in self.first and self.first[target] != target:
+        if self.first.get(target, target) != target and not source.startswith(f"{target}/"):
             more += f", lhead={quoted('cluster_' + target)}"
         ends = (
             f"{quoted(self.first.get(source, source))} -> {quoted(self.first.get(target, target))}"

@@ -9,7 +9,7 @@ read syntax.
 from __future__ import annotations
 
 from mission.graph.outline import Node, Outline, Way
-from mission.graph.regions import REGIONS, SUBSTATES, region, shared
+from mission.graph.regions import REGIONS, SUBSTATES, region, shared, target
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE
 
 _PLAIN = frozenset(" .,()/_+-=\u00b0\u2265\u2264\u00b7*?!'")
@@ -40,14 +40,14 @@ class _Diagram:
         title = quoted(self.outline.chart.mission.name)
         for node in self.outline.walk():
             for way in node.ways:
-                self._way(node.path, way)
+                if node.children:
+                    self._spread(node.path, way.target, way.text)
+                else:
+                    self._way(node.path, way)
         for way in self.outline.handlers:
-            for node in self.outline.nodes:
-                if node.path not in (way.target, IMPLICIT_SURFACE):
-                    self._link(node.path, way.target, way.text)
+            self._spread(AUTONOMOUS, way.target, way.text)
         for row in shared(safety):
-            if row.event != "end":
-                self._link(row.source, row.target, row.text)
+            self._spread(row.source, target(row), row.meaning)
         text = ["---", f"title: {title}", "---", "stateDiagram-v2", "    direction TB"]
         text += self._region("idle")
         text += [f"    state {AUTONOMOUS} {{"]
@@ -56,27 +56,40 @@ class _Diagram:
         return [*text, "    [*] --> idle", *self._drawn("", 1)]
 
     def _way(self, source: str, way: Way) -> None:
-        if len(way.edges) > 1 and way.edges[0].loops:
-            self._link(source, way.edges[0].target, f"{way.text}, again")
+        if way.again not in ("", source):
+            self._link(source, way.again, f"{way.text}, again")
         self._link(source, way.target, way.text)
+
+    def _spread(self, source: str, target: str, text: str) -> None:
+        """From a composite state; where it holds the target, from the others inside it."""
+        if not target.startswith(f"{source}/"):
+            self._link(source, target, text)
+            return
+        for path, parent in self.parents.items():
+            if parent == source and path not in (target, IMPLICIT_SURFACE):
+                self._spread(path, target, text)
 
     def _link(self, source: str, target: str, text: str) -> None:
         """Between the ancestors of both that share a parent; legs below them go into the text."""
         above_source, above_target = self._chain(source), self._chain(target)
-        common = next((path for path in above_source if path in above_target), "")
-        start = above_source[above_source.index(common) - 1] if common in above_source else ""
-        end = above_target[above_target.index(common) - 1] if common in above_target else ""
-        if source in above_target or target in above_source:  # one holds the other
-            start, end = source, target
-            common = self.parents.get(source if source in above_target else target, "")
+        common = next(path for path in above_source[1:] if path in above_target[1:])
+        start = above_source[above_source.index(common) - 1]
+        end = above_target[above_target.index(common) - 1]
         if start != source:
             text = f"{self.outline.label(source)}: {text}"
-        if end != target:
+        if end != target and self._first(end) != target:
             text = f"{text} -> {self.outline.label(target)}"
         link = f"{self.names[start]} --> {self.names[end]} : {quoted(text)}"
         links = self.links.setdefault(common, [])
         if link not in links:
             links.append(link)
+
+    def _first(self, path: str) -> str:
+        """The leg that entering a node enters."""
+        node = next((n for n in self.outline.walk() if n.path == path), None)
+        while node is not None and node.children:
+            node = node.children[0]
+        return node.path if node is not None else path
 
     def _chain(self, path: str) -> list[str]:
         chain = [path]

@@ -27,6 +27,7 @@ class Way:
     by: By
     target: str
     falls: bool
+    again: str  # where it leads while a repeated group has rounds left, or ""
     edges: tuple[Edge, ...]
 
 
@@ -154,7 +155,8 @@ class _Reader:
         state = self.states.get(leaving.source)
         text = words.edge(leaving, state.leg if state is not None else None)
         falls = leaving.by is not By.ON and self._falls(leaving)
-        return Way(text, leaving.by, self.shown(leaving.target), falls, edges)
+        again = self.shown(edges[0].target) if len(edges) > 1 else ""
+        return Way(text, leaving.by, self.shown(leaving.target), falls, again, edges)
 
     def _falls(self, edge: Edge) -> bool:
         if edge.source not in self.order or edge.target.split("/")[0] != AUTONOMOUS:
@@ -193,7 +195,8 @@ def _joined(ways: list[Way]) -> tuple[Way, ...]:
         if last is not None and last.target == way.target:
             timeout = last if last.by is By.TIMEOUT else way
             text = f"{timeout.text}, or else"
-            joined = Way(text, By.TIMEOUT, way.target, last.falls, last.edges + way.edges)
+            edges = last.edges + way.edges
+            joined = Way(text, By.TIMEOUT, way.target, last.falls, last.again, edges)
             result[result.index(last)] = joined
         else:
             result.append(way)

@@ -9,8 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mission.graph.canvas import LINE, NAME, Style, box, lead, leader, text, width
-from mission.graph.regions import REGIONS, SUBSTATES, Shared, region
+from mission.graph.regions import REGIONS, SUBSTATES, region, target
 from mission.model import AUTONOMOUS
+from mission.regions import RegionEdge
 
 GAP = 12.0
 SHARES = (0.22, 0.26, 0.23, 0.29)  # of the width, where all four stand in one row
@@ -33,7 +34,7 @@ class _Entry:
         return LINE * len(self.lines)
 
 
-def panel(rows: tuple[Shared, ...], x: float, y: float, room: float) -> tuple[list[str], float]:
+def panel(rows: tuple[RegionEdge, ...], x: float, y: float, room: float) -> tuple[list[str], float]:
     """The elements, and the height they take, in ``room`` px of width from (x, y)."""
     across = len(REGIONS) if room >= 900 else 2
     shares = SHARES if across == len(REGIONS) else (0.5, 0.5)
@@ -52,15 +53,15 @@ def panel(rows: tuple[Shared, ...], x: float, y: float, room: float) -> tuple[li
     return parts, top - GAP - y
 
 
-def _entries(name: str, rows: tuple[Shared, ...], wide: float) -> list[_Entry]:
+def _entries(name: str, rows: tuple[RegionEdge, ...], wide: float) -> list[_Entry]:
     found: list[_Entry] = []
     for row in rows:
         if region(row.source) != name:
             continue
         own = f"{row.source.partition('/')[2]}: " if "/" in row.source else ""
-        target = row.target.partition("/")[2] if region(row.target) == name else row.target
-        entry = _Entry(lead(own + row.text, target, wide - 20), target)
-        found.append(entry)
+        end = target(row)
+        end = end.partition("/")[2] if region(end) == name else end
+        found.append(_Entry(lead(own + row.meaning, end, wide - 20), end))
     return found
 
 

@@ -5,11 +5,12 @@ A guard is an event: ``events(chart)`` names the one that stands for each of the
 by the rounds of repeated groups share one event, and the engine that runs the file picks among
 them by its own counters: ``round1`` .. ``roundN`` in the datamodel count as Edge's docstring says,
 in expressions that mean the same in ECMAScript and in Python. Events that all missions share are
-named in regions.py (start, stop, surface, manual, ...).
+named by ``event_of`` (load, clear, start, stick, X, W, limit, ...); ``start`` begins with the first
+leg, ``resume`` leads from manual back into the interrupted one, by a deep history.
 
 A handler (``on``) leaves the active leg up to the group around it that also holds the target: so
 it stands once in every group between its own and the target's, the innermost active one wins; the
-leg it leads to, and the implicit leg, swallow its event. The return from manual is a deep history.
+leg it leads to, and the implicit leg, swallow its event.
 """
 
 from __future__ import annotations
@@ -19,10 +20,12 @@ from collections.abc import Mapping
 
 from mission.graph import words
 from mission.graph.canvas import element
-from mission.graph.regions import REGIONS, SUBSTATES, Shared, region, shared
+from mission.graph.regions import REGIONS, SUBSTATES, region
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, Chart, Edge, Loop, State
+from mission.regions import LEG, MANUAL, REGION_EDGES, RegionEdge
 
 HISTORY = "autonomous.history"
+RESUME = "resume"
 
 
 def events(chart: Chart) -> Mapping[str, str]:
@@ -40,6 +43,13 @@ def events(chart: Chart) -> Mapping[str, str]:
             names[edge.trigger] = f"{stem}{counts[stem]}"
         previous = edge
     return names
+
+
+def event_of(row: RegionEdge) -> str:
+    """The event of a row of the region table; where a name has several targets, with the target."""
+    several = {r.target for r in REGION_EDGES if (r.name, r.source) == (row.name, row.source)}
+    name = row.name.replace(" ", "_")
+    return name if len(several) == 1 else f"{name}.{row.target.rpartition('/')[2]}"
 
 
 def _alike(one: Edge, other: Edge) -> bool:
@@ -85,21 +95,24 @@ class _Writer:
     def _region(self, name: str) -> list[str]:
         states = [path for path in SUBSTATES if region(path) == name]
         body = [f'  <state id="{name}" initial="{identifier(states[0])}">']
-        body += [self._shared(row, 4) for row in shared(True) if row.source == name]
+        body += [self._shared(row, 4) for row in REGION_EDGES if row.source == name]
         for path in states:
             body.append(f'    <state id="{identifier(path)}">')
-            body += [self._shared(row, 6) for row in shared(True) if row.source == path]
+            body += [self._shared(row, 6) for row in REGION_EDGES if row.source == path]
             body.append("    </state>")
         return [*body, "  </state>"]
 
-    def _shared(self, row: Shared, pad: int) -> str:
-        if row.target == AUTONOMOUS and row.history:
-            return " " * pad + element("transition", event=row.event, target=HISTORY)
-        if row.target == AUTONOMOUS:
-            content = self._entering(AUTONOMOUS, self.chart.initial)
-            target = identifier(self.chart.initial)
-            return " " * pad + element("transition", content, event=row.event, target=target)
-        return " " * pad + element("transition", event=row.event, target=identifier(row.target))
+    def _shared(self, row: RegionEdge, pad: int) -> str:
+        event, space = event_of(row), " " * pad
+        if row.target != LEG:
+            return space + element("transition", event=event, target=identifier(row.target))
+        content = self._entering(AUTONOMOUS, self.chart.initial)
+        target = identifier(self.chart.initial)
+        start = space + element("transition", content, event=event, target=target)
+        if region(row.source) != MANUAL:
+            return start
+        resume = element("transition", event=RESUME, target=HISTORY)
+        return f"{start}\n{space}{resume}"
 
     def _autonomous(self) -> list[str]:
         initial = identifier(self.chart.initial)
@@ -107,8 +120,7 @@ class _Writer:
         body.append(
             f'    <history id="{HISTORY}" type="deep"><transition target="{initial}"/></history>'
         )
-        rows = [r for r in shared(True) if r.source == AUTONOMOUS and r.event != "end"]
-        body += [self._shared(row, 4) for row in rows]
+        body += [self._shared(row, 4) for row in REGION_EDGES if row.source == AUTONOMOUS]
         body += self._handlers(AUTONOMOUS, 4)
         for child in self.children.get(AUTONOMOUS, []):
             body += self._state(child, 4)

@@ -48,7 +48,7 @@ def chart(groups: int = 10, legs: int = 3, singles: int = 10, repeat: int = 2) -
             path = f"{AUTONOMOUS}/{name}"
             states.append(State(path, AUTONOMOUS, group=Group(name, repeat, ())))
             for n in range(size):
-                order.append((_leg(f"{'out back turn cross'.split()[n % 4]}{n}", n), path))
+                order.append((_leg(f"{['out', 'back', 'turn', 'cross'][n % 4]}{n}", n), path))
                 states.append(_state(*order[-1], n))
         else:
             order.append((_leg(name, len(order)), AUTONOMOUS))

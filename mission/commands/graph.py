@@ -1,0 +1,52 @@
+"""``auvmission graph``: the mission's state graph as a picture, a page, or a table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command()
+@click.argument("mission", type=click.Path(path_type=Path))
+@click.option("-o", "--output", required=True, type=click.Path(path_type=Path, dir_okay=False),
+              help="File to write; its suffix says what: "
+              ".svg .png .html .mmd .dot .scxml .json")  # fmt: skip
+@click.option("--depth", type=click.IntRange(min=1), help="Levels of groups to draw open.")
+@click.option("--safety", is_flag=True, help="Every transition that all missions share, too.")
+@click.option("--param", "parameters", multiple=True, metavar="NAME=VALUE",
+              help="Set a parameter of the mission.")  # fmt: skip
+@click.option("--vehicle", help="A vehicle file, or a shipped vehicle's name.")
+def graph(
+    mission: Path,
+    output: Path,
+    depth: int | None,
+    safety: bool,
+    parameters: tuple[str, ...],
+    vehicle: str | None,
+) -> None:
+    """Draw MISSION as a state graph: legs, guards, and what leads out of them.
+
+    .svg, .png and .html are for people, .mmd and .dot for other tools that draw, .scxml runs in
+    any SCXML engine, .json has the chart's tables.
+    """
+    from mission.graph.formats import FORMATS
+    from mission.graph.outline import outline
+    from mission.graph.raster import NoFont
+    from mission.prepare import Unreadable, parameters_of, prepare
+
+    row = FORMATS.get(output.suffix.lower())
+    if row is None:
+        known = ", ".join(f"{r.suffix} ({r.what})" for r in FORMATS.values())
+        raise click.UsageError(f"{output}: the suffix says what to write; there are {known}")
+    try:
+        prepared = prepare(mission, vehicle, parameters_of(parameters))
+        drawn = row.draw(outline(prepared.chart, depth), safety)
+    except (Unreadable, NoFont) as error:
+        click.echo(str(error), err=True)
+        raise SystemExit(2) from None
+    try:
+        output.write_bytes(drawn)
+    except OSError as error:
+        click.echo(f"{output}: cannot be written: {error.strerror or error}", err=True)
+        raise SystemExit(2) from None
