@@ -1,6 +1,7 @@
-"""Units a text may write, and the SI unit each stands for.
+"""Units a text may write, the SI unit each stands for, and numbers as texts write them.
 
-One table for missions and vehicle files.
+One table for missions and vehicle files. Conversions are exact to the last bit (0.57 is what 57 %
+reads as), so that a text made from a value reads back as the same value.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from types import MappingProxyType
 
 
@@ -42,6 +44,12 @@ _ROWS = (
 )
 UNITS: Mapping[str, Unit] = MappingProxyType({row.name: row for row in _ROWS})
 
+# Binary fractions are not what a text says: 0.01 is meant as 1/100. Angles have no such fraction.
+_EXACT = {
+    row.name: Fraction(row.factor).limit_denominator(10**6) for row in _ROWS if row.si != "rad"
+}
+_PLAIN = re.compile(r"-?\d{1,15}(?:\.\d{1,15})?")
+
 _QUANTITY = re.compile(r"\s*(-?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/%]*)\s*\Z")
 
 
@@ -64,7 +72,43 @@ def quantity(text: str | float, default: str) -> float:
     if unit is None or unit.si != wanted:
         fits = ", ".join(u.name for u in _ROWS if u.si == wanted) or "none"
         raise UnitError(f"{match[2]!r} does not fit here; units that do: {fits}")
-    value = float(match[1]) * unit.factor
+    value = _scaled(match[1], unit)
     if not math.isfinite(value):
         raise UnitError(f"{text!r} is not a finite number")
     return value
+
+
+def _scaled(number: str, unit: Unit) -> float:
+    exact = _EXACT.get(unit.name)
+    if exact is None or unit.factor == 1.0 or not _PLAIN.fullmatch(number):
+        return float(number) * unit.factor
+    return float(Fraction(number) * exact)
+
+
+def compass(degrees: float) -> float:
+    """A compass heading in rad, [0, 2 pi)."""
+    turned = math.radians(degrees % 360.0)
+    return turned if turned < math.tau else 0.0
+
+
+def number_text(value: float) -> str:
+    """The shortest decimal that reads back as ``value``; whole numbers without a point."""
+    text = repr(value + 0.0)
+    return text.removesuffix(".0")
+
+
+def degrees_text(radians: float) -> str:
+    """The shortest number of degrees that reads back (``math.radians``) as the same bits."""
+    guess = math.degrees(radians)
+    for digits in range(1, 18):
+        text = f"{guess:.{digits}g}"
+        if math.radians(float(text)) == radians:
+            return number_text(float(text))
+    near = [guess]
+    for way in (-math.inf, math.inf):
+        step = guess
+        for _ in range(4):
+            step = math.nextafter(step, way)
+            near.append(step)
+    fits = [n for n in near if math.radians(n) == radians]
+    return number_text(min(fits, key=lambda n: (len(repr(n)), n)) if fits else guess)

@@ -1,0 +1,91 @@
+"""Mission texts: two ways to write one Mission, and one canonical text of it.
+
+    lines --lines.py--+                                       +--canonical.py--> lines, digest,
+                      +--> statements --assembly.py--> Mission +                  @AW script
+    YAML --yaml_form--+                                       +--yaml_text.py--> YAML
+
+Everything that is wrong with a text is told at once (``MissionErrors``), each with line, column,
+and what to write instead. What does not live here: whether the mission is safe (mission.check).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+
+from mission.language.canonical import digest, script, to_lines
+from mission.language.problems import MissionErrors, Problem
+from mission.model import Mission
+
+__all__ = [
+    "MissionErrors",
+    "Problem",
+    "digest",
+    "load",
+    "parse",
+    "parse_script",
+    "script",
+    "to_lines",
+    "to_yaml",
+]
+
+_NONE: Mapping[str, str] = MappingProxyType({})
+_YAML_KEY = re.compile(r"""(?m)^(?:["']?(?:mission|legs)["']?\s*:(?:\s|$)|---|%YAML|\{)""")
+
+
+def is_yaml(text: str, source: str = "") -> bool:
+    """By content; the file's suffix decides only where the content does not."""
+    if _YAML_KEY.search(text):
+        return True
+    if re.search(r"(?m)^\s*(?:mission\s+\w|end\b|\w[\w-]*:.*\bZA)", text):
+        return False
+    return source.endswith((".yaml", ".yml")) or bool(re.search(r"(?m)^\s*- ", text))
+
+
+def parse(text: str, source: str = "", parameters: Mapping[str, str] = _NONE) -> Mission:
+    """Reads either form. Raises MissionErrors with everything that is wrong."""
+    from mission.language import assembly, canonical, lines, problems, yaml_form
+
+    text = text.removeprefix("\ufeff").replace("\r\n", "\n")
+    found = problems.Problems(text)
+    reader = yaml_form.statements if is_yaml(text, source) else lines.statements
+    statements = reader(text, found)
+    mission, claimed = assembly.Assembly(found, parameters).read(statements)
+    found.complain(source)
+    mission = canonical.numbered(mission)
+    if claimed is not None and claimed.text != canonical.total(mission):
+        hint = f"the lines make {canonical.total(mission)}: send them again, or drop the sum"
+        found.add("sum", claimed.where, "the sum does not fit the lines", hint)
+        found.complain(source)
+    return mission
+
+
+def load(path: str | Path, parameters: Mapping[str, str] = _NONE) -> Mission:
+    """Raises MissionErrors, also for a file that cannot be read."""
+    from mission.language.problems import Problems
+    from mission.model import NOWHERE
+
+    try:
+        data = Path(path).read_bytes()
+        text = data.decode("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        found = Problems("")
+        why = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
+        found.add("unreadable", NOWHERE, f"cannot be read: {why}", "give a mission file")
+        found.complain(str(path))
+        raise AssertionError from error
+    return parse(text, str(path), parameters)
+
+
+def parse_script(lines: Sequence[str], source: str = "script") -> Mission:
+    """What ``@AW`` brought, line by line; ``sum`` in line 1 must fit. Raises MissionErrors."""
+    return parse("\n".join(lines), source)
+
+
+def to_yaml(mission: Mission) -> str:
+    """The YAML form, with units; parameters are resolved and comments gone."""
+    from mission.language import yaml_text
+
+    return yaml_text.to_yaml(mission)
