@@ -44,13 +44,12 @@ _NEVER = 1 << 62
 
 @dataclass(frozen=True, slots=True)
 class Truth:
-    """What is really so; angles in rad, ``north`` and ``east`` from the start."""
+    """What is really so; angles in rad."""
 
     t: float
+    origin: tuple[float, float]  # latitude and longitude of the start
     latitude: float
     longitude: float
-    north: float
-    east: float
     depth: float
     altitude: float
     heading: float
@@ -61,8 +60,17 @@ class Truth:
     ground_speed: float
     course: float
     current: tuple[float, float]  # north, east
-    at_surface: bool  # the antenna is out of the water
     aground: bool
+
+    @property
+    def local(self) -> tuple[float, float]:
+        """North and east of the start, m."""
+        return local(self.origin, self.latitude, self.longitude)
+
+    @property
+    def at_surface(self) -> bool:
+        """The antenna is out of the water."""
+        return self.depth <= ANTENNA
 
 
 class SimulatedVehicle:
@@ -154,9 +162,7 @@ class SimulatedVehicle:
         self.gps.powered = self.stm32.power[2]
         truth = self._truth(now, latitude, longitude)
         self.track.append(truth)
-        ground = truth.ground_speed
-        velocity = (ground * cos(truth.course), ground * sin(truth.course))
-        self.gps.report(now, truth.depth, (latitude, longitude), velocity)
+        self.gps.report(now, truth.depth, (latitude, longitude), self.plant.ground_velocity())
 
     def _flow(self) -> None:
         """The current where the vehicle is."""
@@ -202,14 +208,12 @@ class SimulatedVehicle:
 
     def _truth(self, now: float, latitude: float, longitude: float) -> Truth:
         plant = self.plant
-        north, east = local(self.position, latitude, longitude)
         over_north, over_east = plant.ground_velocity()
         return Truth(
             now,
+            self.position,
             latitude,
             longitude,
-            north,
-            east,
             plant.depth,
             plant.floor - plant.depth,
             plant.yaw % TWO_PI,
@@ -220,11 +224,14 @@ class SimulatedVehicle:
             hypot(over_north, over_east),
             atan2(over_east, over_north) % TWO_PI,
             (plant.current_north, plant.current_east),
-            plant.depth <= ANTENNA,
             plant.aground,
         )
 
     # --- what the links foretell -----------------------------------------------------------
+
+    def next_start(self) -> float:
+        """The earliest time at which something new can begin to be sent."""
+        return min(self.stm32.due, min(self._next_report, self._next_second) * TICK)
 
     def next_vehicle_event(self) -> float | None:
         stm32 = self.stm32

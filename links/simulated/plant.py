@@ -16,7 +16,7 @@ What does not live here: sensors, firmware, positions on the globe (geodesy.py).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, radians, sin
+from math import cos, exp, radians, sin
 
 STEP = 0.05  # s
 TICK_STEPS = 2  # plant steps of one control tick
@@ -31,6 +31,8 @@ SERVO_PWM = 10.0  # us of one degree of rudder
 # Order of the PWMs on the wire: left main, right main, rear, left, right vertical, two servos.
 LEFT_MAIN, RIGHT_MAIN, REAR, LEFT, RIGHT, SERVO_LEFT, SERVO_RIGHT = range(7)
 NEUTRAL = (NEUTRAL_PWM,) * 7
+
+_NEAR = 1e-3  # N: a thruster this near to its target has arrived
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,18 +96,35 @@ class Plant:
         self.aground = False
         self._main = _thrust_table(self.body.main_thrust, self.body.main_power)
         self._vertical = _thrust_table(self.body.vertical_thrust, self.body.vertical_power)
-        self._share = 1.0 - 2.718281828459045 ** (-TICK / self.body.thrust_lag)
-        self._thrust = [0.0] * 5
-        self._target = [0.0] * 5
-        self._rudders = (0.0, 0.0)  # pitch and roll moment per u |u|
+        self._share = 1.0 - exp(-TICK / self.body.thrust_lag)
+        self._thrust = self._target = (0.0,) * 5
         self._pwm: tuple[int, ...] = NEUTRAL
         self._settled = True
-        self._forces = (0.0, 0.0, 0.0, 0.0, 0.0)  # X, Z, K, M, N
+        # X, Z, K, M, N of the thrusters; pitch and roll moment of the rudders per u |u|
+        self._forces = (0.0,) * 5
+        self._rudders = (0.0, 0.0)
+        self._constants = self._per_step()
+
+    def _per_step(self) -> tuple[float, ...]:
+        """What ``run`` needs of the body, in the order in which it unpacks it."""
+        b, dt = self.body, STEP
+        return (
+            *(b.mass_u, b.mass_v, b.mass_w),
+            *(dt / b.mass_u, dt / b.mass_v, dt / b.mass_w),
+            *(dt / b.inertia_p, dt / b.inertia_q, dt / b.inertia_r),
+            b.mass_v - b.mass_w,
+            b.mass_w - b.mass_u - b.fin_pitch,
+            b.mass_u - b.mass_v + b.fin_yaw,
+            *(b.inertia_q - b.inertia_r, b.inertia_r - b.inertia_p, b.inertia_p - b.inertia_q),
+            *(b.fin_damping, b.righting, b.draft, b.waterplane, b.surface_damping),
+            *b.linear,
+            *b.quadratic,
+        )
 
     @property
     def thrust(self) -> tuple[float, ...]:
         """N of each thruster in the order of the PWMs."""
-        return tuple(self._thrust)
+        return self._thrust
 
     def ground_velocity(self) -> tuple[float, float]:
         """North and east over ground, m/s."""
@@ -125,22 +144,30 @@ class Plant:
         self._pwm = ()  # so that the next ``drive`` looks at its targets again
 
     def drive(self, pwm: tuple[int, ...]) -> None:
-        """Let the thrusters follow these seven PWMs for one tick (first order lag)."""
+        """Let the thrusters follow these seven PWMs (1000..2000) for one tick: first order lag."""
         if pwm != self._pwm:
             self._aim(pwm)
         elif self._settled:
             return
-        share, thrust, settled = self._share, self._thrust, True
-        for i, target in enumerate(self._target):
-            missing = target - thrust[i]
-            if -1e-3 < missing < 1e-3:
-                thrust[i] = target
-            else:
-                thrust[i] += share * missing
-                settled = False
-        self._settled = settled
+        share = self._share
+        a, b, c, d, e = self._target
+        left_main, right_main, rear, left, right = self._thrust
+        a -= left_main
+        b -= right_main
+        c -= rear
+        d -= left
+        e -= right
+        near = _NEAR
+        mains = -near < a < near and -near < b < near
+        if mains and -near < c < near and -near < d < near and -near < e < near:
+            self._settled, share = True, 1.0
+        left_main += share * a
+        right_main += share * b
+        rear += share * c
+        left += share * d
+        right += share * e
+        self._thrust = (left_main, right_main, rear, left, right)
         body = self.body
-        left_main, right_main, rear, left, right = thrust
         self._forces = (
             left_main + right_main,
             -(rear + left + right),
@@ -152,33 +179,35 @@ class Plant:
     def _aim(self, pwm: tuple[int, ...]) -> None:
         self._pwm = pwm
         self._settled = False
-        tables = (self._main, self._main, self._vertical, self._vertical, self._vertical)
-        self._target = [
-            table[min(max(value, 1000), 2000) - 1000] * strength
-            for table, value, strength in zip(tables, pwm, self.strength, strict=False)
-        ]
-        left = radians((pwm[SERVO_LEFT] - NEUTRAL_PWM) / SERVO_PWM)
-        right = radians((pwm[SERVO_RIGHT] - NEUTRAL_PWM) / SERVO_PWM)
+        left_main, right_main, rear, left, right, servo_left, servo_right = pwm
+        main, vertical = self._main, self._vertical
+        strong_a, strong_b, strong_c, strong_d, strong_e = self.strength
+        self._target = (
+            main[left_main - 1000] * strong_a,
+            main[right_main - 1000] * strong_b,
+            vertical[rear - 1000] * strong_c,
+            vertical[left - 1000] * strong_d,
+            vertical[right - 1000] * strong_e,
+        )
+        port = radians((servo_left - NEUTRAL_PWM) / SERVO_PWM)
+        starboard = radians((servo_right - NEUTRAL_PWM) / SERVO_PWM)
         body = self.body
-        self._rudders = (body.rudder_pitch * (left + right) / 2, body.rudder_roll * (right - left))
+        self._rudders = (
+            body.rudder_pitch * (port + starboard) / 2,
+            body.rudder_roll * (starboard - port),
+        )
 
     def run(self, steps: int) -> None:
         """Integrate with constant forces. One function with local names: this is the hot loop."""
-        body, dt = self.body, STEP
-        mu, mv, mw = body.mass_u, body.mass_v, body.mass_w
-        du, dv, dw = dt / mu, dt / mv, dt / mw
-        dp, dq, dr = dt / body.inertia_p, dt / body.inertia_q, dt / body.inertia_r
-        cp = mv - mw
-        cq, cr = mw - mu - body.fin_pitch, mu - mv + body.fin_yaw
-        gp = body.inertia_q - body.inertia_r
-        gq, gr = body.inertia_r - body.inertia_p, body.inertia_p - body.inertia_q
-        fin, righting, draft = body.fin_damping, body.righting, body.draft
-        xu, yv, zw, kp, mq, nr = body.linear
-        xuu, yvv, zww, kpp, mqq, nrr = body.quadratic
+        dt = STEP
+        (
+            mu, mv, mw, du, dv, dw, dp, dq, dr, cp, cq, cr, gp, gq, gr, fin, righting, draft,
+            waterplane, radiation, xu, yv, zw, kp, mq, nr, xuu, yvv, zww, kpp, mqq, nrr,
+        ) = self._constants  # fmt: skip
         surge, heave, roll_moment, pitch_moment, yaw_moment = self._forces
         rudder_pitch, rudder_roll = self._rudders
         current_north, current_east = self.current_north, self.current_east
-        net, bottom = self.buoyancy, self.floor - body.floor_clearance
+        net, bottom = self.buoyancy, self.floor - self.body.floor_clearance
         north, east, depth = self.north, self.east, self.depth
         roll, pitch, yaw = self.roll, self.pitch, self.yaw
         u, v, w, p, q, r = self.u, self.v, self.w, self.p, self.q, self.r
@@ -190,8 +219,8 @@ class Plant:
                 lift = net
                 z = heave
             else:
-                lift = net - body.waterplane * (draft - depth)
-                z = heave - body.surface_damping * w
+                lift = net - waterplane * (draft - depth)
+                z = heave - radiation * w
             level = lift * cp_
             au = u if u > 0.0 else -u
             uu = u * au

@@ -104,18 +104,18 @@ class Sensors:
     # --- what the control loops read -------------------------------------------------------
 
     def depth(self, plant: Plant) -> float:
-        if Sensor.DEPTH in self.health:
+        if self.health and Sensor.DEPTH in self.health:
             return self.last[4]
         return plant.depth + self.depth_bias
 
     def altitude(self, plant: Plant) -> float:
-        if not self._echo or Sensor.ALTITUDE in self.health:
+        if not self._echo or (self.health and Sensor.ALTITUDE in self.health):
             return self.last[5]
         return plant.floor - plant.depth
 
     def heading(self, plant: Plant) -> float:
         """Not wrapped."""
-        if Sensor.HEADING in self.health:
+        if self.health and Sensor.HEADING in self.health:
             return self.last[2]
         return plant.yaw + self._heading_error
 

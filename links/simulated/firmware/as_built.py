@@ -24,7 +24,7 @@ from random import Random
 from links.simulated.firmware.controllers import dive_gear, turn_gear
 from links.simulated.firmware.manual import THRUSTERS, Manual
 from links.simulated.firmware.stm32 import GEAR_MAX, Mode, Stm32, heading_of, pwm_of
-from links.simulated.plant import NEUTRAL_PWM, SERVO_PWM, Plant
+from links.simulated.plant import Plant
 from links.simulated.sensors import Sensors
 
 BURST_MAX = 99  # bytes, of the receive buffer
@@ -59,7 +59,6 @@ _SIGNS = {  # of the left and the right main thruster
     Horizontal.ASTERN: (-1, -1),
     Horizontal.PORT: (-1, 1),
     Horizontal.STARBOARD: (1, -1),
-    Horizontal.HEADING: (1, 1),
 }
 
 
@@ -76,6 +75,7 @@ class AsBuilt(Stm32):
         super().__init__(sensors, rng)
         self.splice = SPLICE
         self.horizontal, self.vertical = Horizontal.OFF, Vertical.OFF
+        self._signs = _SIGNS[Horizontal.OFF]
         self.speed = 0
         self.heading = 0.0  # rad
         self.level = 0  # m, of depth or altitude hold
@@ -87,6 +87,7 @@ class AsBuilt(Stm32):
 
     def halt(self) -> None:
         self.horizontal, self.vertical, self.speed = Horizontal.OFF, Vertical.OFF, 0
+        self._signs = _SIGNS[Horizontal.OFF]
         self.stick.halt()
 
     def automatic(self, code: str, parameter: str, now: float) -> None:
@@ -99,6 +100,7 @@ class AsBuilt(Stm32):
             if value > GEAR_MAX:
                 return False
             self.horizontal, self.speed = Horizontal(code), value
+            self._signs = _SIGNS[self.horizontal]
         elif code in "UD" and code:
             if value > GEAR_MAX:
                 return False
@@ -146,24 +148,15 @@ class AsBuilt(Stm32):
             self.stick.steer(self.sensors.heading(plant), plant)
             self.drive(*self.stick.gears)
             return
-        sign_left, sign_right = _SIGNS[self.horizontal]
-        left, right = self.speed * sign_left, self.speed * sign_right
+        speed = self.speed
         if self.horizontal is Horizontal.HEADING:
             turn = turn_gear(self.heading, self.sensors.heading(plant), plant.r)
-            pwm_left, pwm_right = pwm_of(left + turn), pwm_of(right - turn)
+            left, right = pwm_of(speed + turn), pwm_of(speed - turn)
         else:
-            pwm_left, pwm_right = pwm_of(left), pwm_of(right)
+            sign_left, sign_right = self._signs
+            left, right = pwm_of(speed * sign_left), pwm_of(speed * sign_right)
         up = pwm_of(self._vertical_gear(plant))
-        servo_left, servo_right = self.servos
-        self.pwm = (
-            pwm_left,
-            pwm_right,
-            up,
-            up,
-            up,
-            int(NEUTRAL_PWM + servo_left * SERVO_PWM),
-            int(NEUTRAL_PWM + servo_right * SERVO_PWM),
-        )
+        self.pwm = (left, right, up, up, up, *self.servo_pwm)
 
     def _vertical_gear(self, plant: Plant) -> float:
         """Up positive."""
@@ -176,7 +169,9 @@ class AsBuilt(Stm32):
             down = dive_gear(self.sensors.altitude(plant) - self.level, plant.depth_rate)
         else:
             return self.speed if vertical is Vertical.UP else -self.speed
-        return -min(max(down, 0.0), PUSH_MAX)
+        if down <= 0.0:
+            return 0.0
+        return -PUSH_MAX if down > PUSH_MAX else -down
 
     def manual(self, code: str, parameter: str) -> None:
         way, numbers = parameter[:1], parameter[1:]

@@ -41,10 +41,8 @@ class Mode(enum.Enum):
 
 def pwm_of(gear: float) -> int:
     """us; gears beyond +-12 are cut off, fractions allowed."""
-    if gear > GEAR_MAX:
-        gear = GEAR_MAX
-    elif gear < -GEAR_MAX:
-        gear = -GEAR_MAX
+    if not -GEAR_MAX <= gear <= GEAR_MAX:
+        gear = GEAR_MAX if gear > 0 else -GEAR_MAX
     return int(NEUTRAL_PWM + gear * GEAR_PWM + 0.5)
 
 
@@ -60,6 +58,7 @@ class Stm32(ABC):
         self.mode = Mode.DEFAULT
         self.pwm: tuple[int, ...] = NEUTRAL
         self.servos = [0, 0]  # deg, left and right
+        self.servo_pwm = (NEUTRAL_PWM, NEUTRAL_PWM)
         self.power = [True, True, True, True, True, True, False]  # order of @RS
         self.hung = False
         self.booting = False
@@ -122,6 +121,7 @@ class Stm32(ABC):
         self.rx.clear()
         self.hung = False
         self.servos = [0, 0]
+        self._place_servos()
         self.change(Mode.DEFAULT)
 
     # --- frames ----------------------------------------------------------------------------
@@ -198,16 +198,19 @@ class Stm32(ABC):
             pwm_of(rear),
             pwm_of(front_l),
             pwm_of(front_r),
-            int(NEUTRAL_PWM + self.servos[0] * SERVO_PWM),
-            int(NEUTRAL_PWM + self.servos[1] * SERVO_PWM),
+            *self.servo_pwm,
         )
 
     def move_servo(self, which: tuple[int, ...], angle: int, *, add: bool) -> None:
         for i in which:
             wanted = self.servos[i] + angle if add else angle
             self.servos[i] = min(max(wanted, SERVO_LOW), SERVO_HIGH)
-        left, right = (int(NEUTRAL_PWM + angle * SERVO_PWM) for angle in self.servos)
-        self.pwm = (*self.pwm[:5], left, right)
+        self._place_servos()
+
+    def _place_servos(self) -> None:
+        left, right = self.servos
+        self.servo_pwm = int(NEUTRAL_PWM + left * SERVO_PWM), int(NEUTRAL_PWM + right * SERVO_PWM)
+        self.pwm = (*self.pwm[:5], *self.servo_pwm)
 
     # --- what a profile decides ------------------------------------------------------------
 
