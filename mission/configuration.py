@@ -6,7 +6,7 @@
     links:
       vehicle: serial:///dev/serial0     # 9600 8N1
       gps: serial:///dev/ttyUSB0         # null: none
-      topside: tcp://127.0.0.1:4000      # listens; loopback unless told otherwise
+      topside: tcp-listen://127.0.0.1:4000  # listens; loopback unless told otherwise
       modem: null
     folder: ~/.local/state/auvmission    # store/ and log/ below it
     time_zone: "+08:00"                  # of the topside's local time (E-V1)
@@ -43,7 +43,7 @@ class LinkUrls:
 
     vehicle: str = "serial:///dev/serial0"
     gps: str | None = "serial:///dev/ttyUSB0"
-    topside: str = "tcp://127.0.0.1:4000"
+    topside: str = "tcp-listen://127.0.0.1:4000"
     modem: str | None = None
 
 

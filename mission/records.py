@@ -3,7 +3,7 @@
     kind           payload                                     is
     start          JSON: version, configuration, vehicle,      what a replay begins with
                    store, wall clock at t = 0
-    rx             t | link NUL address NUL data               input
+    rx             t | first | link NUL address NUL data       input
     timer          t                                           input
     connected      t | link NUL address                        input
     disconnected   t | link NUL address                        input
@@ -12,10 +12,10 @@
     step           JSON of the Step                            output
     estimate       JSON of the Estimate                        output, one per telemetry
     tx             link NUL address NUL reason NUL data        output
-    decision       JSON: peer, command, accepted, why          output
     fault          link NUL kind NUL offset NUL length         output
 
-``t`` is an f64, low byte first: times come back to the last bit whatever keeps the records.
+``t`` is an f64, low byte first: times come back to the last bit whatever keeps the records;
+``first`` likewise, when the first of the bytes came.
 The inputs in their order are all that a drive ever sees: fed to a drive made from ``start`` they
 give the same outputs, byte for byte.
 
@@ -45,9 +45,9 @@ from protocol.messages import FrameFault
 START, RX, TIMER = "start", "rx", "timer"
 CONNECTED, DISCONNECTED = "connected", "disconnected"
 NAVIGATION, STORE = "navigation", "store"
-STEP, ESTIMATE, TX, DECISION, FAULT = "step", "estimate", "tx", "decision", "fault"
+STEP, ESTIMATE, TX, FAULT = "step", "estimate", "tx", "fault"
 INPUTS = frozenset({RX, TIMER, CONNECTED, DISCONNECTED, NAVIGATION, STORE})
-OUTPUTS = frozenset({STEP, ESTIMATE, TX, DECISION, FAULT})
+OUTPUTS = frozenset({STEP, ESTIMATE, TX, FAULT})
 
 _T = struct.Struct("<d")
 _dumps = json.JSONEncoder(separators=(",", ":")).encode
@@ -91,14 +91,16 @@ def read_start(record: Record) -> Start:
     return from_plain(Start, json.loads(record.payload))
 
 
-def rx_record(rx: Rx) -> Record:
+def rx_record(rx: Rx, now: float) -> Record:
     head = f"{rx.link}\0{rx.address}\0".encode()
-    return Record(rx.t, RX, _T.pack(rx.t) + head + rx.data)
+    return Record(now, RX, _T.pack(now) + _T.pack(rx.t) + head + rx.data)
 
 
 def read_rx(record: Record) -> Rx:
-    link, address, data = record.payload[_T.size :].split(b"\0", 2)
-    return Rx(read_time(record), link.decode(), data, address.decode())
+    """``read_time`` tells when the last of its bytes came."""
+    link, address, data = record.payload[2 * _T.size :].split(b"\0", 2)
+    (first,) = _T.unpack_from(record.payload, _T.size)
+    return Rx(first, link.decode(), data, address.decode())
 
 
 def input_record(t: float, kind: str, *texts: str) -> Record:
@@ -160,11 +162,6 @@ def estimate_record(estimate: Estimate) -> Record:
         "mode": estimate.mode.value,
     }
     return Record(estimate.t, ESTIMATE, _dumps(payload).encode())
-
-
-def decision_record(t: float, peer: str, command: object, accepted: bool, why: str) -> Record:
-    payload = {"t": t, "peer": peer, "command": repr(command), "accepted": accepted, "why": why}
-    return Record(t, DECISION, _dumps(payload).encode())
 
 
 def fault_record(t: float, link: str, fault: FrameFault) -> Record:

@@ -20,15 +20,16 @@ import contextlib
 import hashlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from protocol.messages import SetSafety
 
 UNKNOWN = "something that a damaged file does not tell"
 NO_LIMITS = SetSafety()
+_V = TypeVar("_V")
 
 
 class StoreError(OSError):
@@ -81,6 +82,34 @@ class MemoryStore:
         if number in self._failures:
             raise StoreError(self._failures[number])
         self._content = content
+
+
+class WatchedStore:
+    """Passes on to another store and tells every failure with the number of its write."""
+
+    def __init__(self, store: Store, failed: Callable[[int, str], None]) -> None:
+        self._store, self._failed, self._writes = store, failed, 0
+
+    @property
+    def content(self) -> Stored:
+        return self._store.content
+
+    def keep_lines(self, lines: tuple[str, ...]) -> None:
+        self._watch(self._store.keep_lines, lines)
+
+    def keep_limits(self, limits: SetSafety) -> None:
+        self._watch(self._store.keep_limits, limits)
+
+    def keep_under_way(self, what: str) -> None:
+        self._watch(self._store.keep_under_way, what)
+
+    def _watch(self, keep: Callable[[_V], None], value: _V) -> None:
+        number, self._writes = self._writes, self._writes + 1
+        try:
+            keep(value)
+        except StoreError as error:
+            self._failed(number, str(error))
+            raise
 
 
 class DiskStore:

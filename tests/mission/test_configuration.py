@@ -26,15 +26,15 @@ def test_every_field_can_be_written() -> None:
 
 
 def test_loopback_unless_told() -> None:
-    assert Configuration().links.topside.startswith("tcp://127.0.0.1")
+    assert Configuration().links.topside.startswith("tcp-listen://127.0.0.1")
 
 
 def test_what_is_written_replaces_the_default_alone() -> None:
     found = parse_configuration(
-        "links: {topside: 'tcp://0.0.0.0:4000', gps: null}\nmanual_for: 2 min\n"
+        "links: {topside: 'tcp-listen://0.0.0.0:4000', gps: null}\nmanual_for: 2 min\n"
         "time_zone: '-03:30'\nfolder: /tmp/x\ntolerances: {st_commas: off, order_aw: high}\n"
     )
-    assert found.links.topside == "tcp://0.0.0.0:4000"
+    assert found.links.topside == "tcp-listen://0.0.0.0:4000"
     assert found.links.gps is None
     assert found.links.vehicle == Configuration().links.vehicle
     assert found.manual_for == 120.0

@@ -31,11 +31,14 @@ names = st.text(st.characters(min_codepoint=1, max_codepoint=0x2FF), max_size=12
 times = st.floats(0.0, 1e9)
 
 
-@given(times, names, st.binary(max_size=60), names)
+@given(times, times, names, st.binary(max_size=60), names)
 @settings(max_examples=50)
-def test_an_input_comes_back_whatever_its_bytes(t: float, link: str, data: bytes, a: str) -> None:
-    rx = Rx(t, link, data, a)
-    assert read_rx(rx_record(rx)) == rx
+def test_an_input_comes_back_whatever_its_bytes(
+    first: float, now: float, link: str, data: bytes, address: str
+) -> None:
+    rx = Rx(first, link, data, address)
+    record = rx_record(rx, now)
+    assert (read_rx(record), read_time(record)) == (rx, now)
 
 
 @given(times, names, st.binary(max_size=60), names, names)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from mission.store import UNKNOWN, DiskStore, MemoryStore, Store, Stored, StoreError
+from mission.store import UNKNOWN, DiskStore, MemoryStore, Store, Stored, StoreError, WatchedStore
 from protocol.messages import SetSafety
 
 LINES = ("mission a vehicle auv", "dive: ZAS10 timeout 2min")
@@ -96,3 +96,14 @@ def test_the_memory_twin_fails_where_the_disk_failed() -> None:
         twin.keep_under_way("autonomous")
     twin.keep_under_way("emergency")
     assert twin.content == Stored(LINES, under_way="emergency")
+
+
+def test_a_watched_store_numbers_the_writes_that_failed() -> None:
+    told: list[tuple[int, str]] = []
+    store = WatchedStore(MemoryStore(failures={1: "full"}), lambda n, why: told.append((n, why)))
+    store.keep_lines(LINES)
+    with pytest.raises(StoreError):
+        store.keep_limits(LIMITS)
+    store.keep_under_way("x")
+    assert told == [(1, "full")]
+    assert store.content == Stored(LINES, under_way="x")
