@@ -1,0 +1,231 @@
+"""Stop and wait under water: one asks, the other answers, and nobody talks over anybody (R1, R15).
+
+    topside   Initiator  --- content (whole frames) --->  Responder   vehicle
+                         <-- one content of answers ----
+
+Rules:
+  * One request is outstanding. It is repeated when the answer has not come within
+        2 x slant range / 1500 m/s + airtime of request and of the longest answer + 2 s
+    and given up after ``tries``: then it is ``NoAnswer``, nothing is assumed. What is asked must
+    be harmless twice; the envelope has no number that would tell a repetition.
+  * The vehicle speaks when asked: what it has to say within ``FLOOR`` of a request goes out as one
+    content; what comes later waits for the next request. R11's status on surfacing is the one
+    exception (``unasked``), and it waits for a quiet moment.
+  * An ``@AR`` in an answer makes the ``@ACK_AW`` beside it superfluous: they are left out (R4).
+
+Time is a parameter: ``outgoing`` and ``receive`` are called when bytes come and at ``next_timer``.
+
+What does not live here: the envelope (protocol.modem), what is asked (protocol.batch, mission).
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from protocol.messages import FrameFault
+from protocol.modem import MOST, OVERHEAD, Envelope, ModemCodec, Sender, wrap
+from protocol.tolerances import Tolerances
+
+SOUND_SPEED = 1500.0  # m/s
+TURNAROUND = 2.0  # s: R1's allowance for modems and programs at both ends
+TRIES = 2
+FLOOR = 1.5  # s after a request in which it may be answered; less than TURNAROUND
+GATHER = 0.2  # s without a further answer: the answer is complete
+WAITING = 256  # frames of the vehicle that wait to be asked for; beyond, the oldest go
+
+
+@dataclass(frozen=True, slots=True)
+class Acoustics:
+    """What timeouts follow from. ``range_m`` is the greatest slant range that is expected;
+    ``preamble`` the seconds a modem needs before the data."""
+
+    range_m: float
+    bit_rate: float  # bit/s on the water
+    preamble: float = 0.0
+
+    def airtime(self, content: int) -> float:
+        """Seconds on the water of a content of so many bytes, with its envelope."""
+        return self.preamble + 8.0 * (content + OVERHEAD) / self.bit_rate
+
+    def patience(self, request: int, answer: int) -> float:
+        travel = 2.0 * self.range_m / SOUND_SPEED
+        return travel + self.airtime(request) + self.airtime(answer) + TURNAROUND
+
+
+# --- what an Initiator reports ---
+
+
+@dataclass(frozen=True, slots=True)
+class Answered:
+    request: bytes
+    content: bytes
+    t: float
+
+
+@dataclass(frozen=True, slots=True)
+class NoAnswer:
+    request: bytes
+    t: float
+
+
+@dataclass(frozen=True, slots=True)
+class Unasked:
+    """The other side spoke while nothing was outstanding, or too late."""
+
+    content: bytes
+    t: float
+
+
+Heard = Answered | NoAnswer | Unasked | FrameFault
+
+
+@dataclass(slots=True)
+class _Outstanding:
+    content: bytes
+    wait: float
+    matches: Callable[[bytes], bool]
+    tries: int  # left
+    deadline: float = 0.0
+    sent: bool = False
+
+
+class Initiator:
+    """The side that asks."""
+
+    def __init__(
+        self,
+        acoustics: Acoustics,
+        *,
+        address: Sender = Sender.TOPSIDE,
+        tolerances: Tolerances | None = None,
+    ) -> None:
+        self.acoustics = acoustics
+        self._address = address
+        self._codec = ModemCodec(tolerances)
+        self._request: _Outstanding | None = None
+
+    @property
+    def idle(self) -> bool:
+        return self._request is None
+
+    def ask(
+        self,
+        content: bytes,
+        longest_answer: int,
+        *,
+        tries: int = TRIES,
+        matches: Callable[[bytes], bool] = bool,
+    ) -> None:
+        """Only while ``idle``. A content for which ``matches`` is false is no answer to this."""
+        if self._request is not None:
+            raise ValueError("one request at a time: the one before is not answered yet")
+        wrap(content, self._address)  # refuses what no envelope can hold
+        wait = self.acoustics.patience(len(content), longest_answer)
+        self._request = _Outstanding(content, wait, matches, tries)
+
+    def outgoing(self, now: float) -> list[bytes]:
+        """What is to be sent now. A request that is out of tries is told by ``receive``."""
+        request = self._request
+        if request is None or request.tries == 0 or (request.sent and now < request.deadline):
+            return []
+        request.sent, request.tries = True, request.tries - 1
+        request.deadline = now + request.wait
+        return [wrap(request.content, self._address)]
+
+    def receive(self, data: bytes, now: float) -> list[Heard]:
+        out: list[Heard] = []
+        for item in self._codec.receive(data, now) + self._codec.flush(now):
+            if isinstance(item, FrameFault):
+                out.append(item)
+            elif item.address != self._address:  # not our own echo
+                out.append(self._heard(item))
+        request = self._request
+        if request is not None and request.sent and request.tries == 0 and now >= request.deadline:
+            self._request = None
+            out.append(NoAnswer(request.content, now))
+        return out
+
+    def next_timer(self) -> float | None:
+        """When ``receive`` (with nothing, if need be) and then ``outgoing`` are due."""
+        request = self._request
+        due = None if request is None or not request.sent else request.deadline
+        return _first(due, self._codec.next_timer())
+
+    def _heard(self, envelope: Envelope) -> Heard:
+        request = self._request
+        if request is None or not request.sent or not request.matches(envelope.content):
+            return Unasked(envelope.content, envelope.t)
+        self._request = None
+        return Answered(request.content, envelope.content, envelope.t)
+
+
+class Responder:
+    """The side that answers."""
+
+    def __init__(
+        self, *, address: Sender = Sender.VEHICLE, tolerances: Tolerances | None = None
+    ) -> None:
+        self._address = address
+        self._codec = ModemCodec(tolerances)
+        self._waiting: deque[bytes] = deque(maxlen=WAITING)
+        self._floor = -1.0  # until when we may speak
+        self._complete = 0.0  # when the answer is taken to be complete
+        self._unasked: bytes | None = None
+        self._quiet = 0.0  # when an unasked word may go out
+
+    def receive(self, data: bytes, now: float) -> list[Envelope | FrameFault]:
+        """Requests, whose content is for the owner to read and to ``answer`` frame by frame."""
+        if data:
+            self._quiet = now + FLOOR
+        out: list[Envelope | FrameFault] = []
+        for item in self._codec.receive(data, now) + self._codec.flush(now):
+            if isinstance(item, FrameFault):
+                out.append(item)
+            elif item.address != self._address:
+                self._floor, self._complete = now + FLOOR, now + GATHER
+                out.append(item)
+        return out
+
+    def answer(self, frame: bytes, now: float) -> None:
+        self._waiting.append(frame)
+        self._complete = max(self._complete, now + GATHER)
+
+    def unasked(self, frame: bytes, now: float) -> None:
+        """One frame that does not wait for a request (R11); a newer one replaces it."""
+        self._unasked = frame
+        self._quiet = max(self._quiet, now)
+
+    def outgoing(self, now: float) -> list[bytes]:
+        if now > self._floor:
+            self._floor = -1.0  # too late: the other side may be asking again
+        if self._waiting and self._complete <= now <= self._floor:
+            self._floor = -1.0
+            return [wrap(self._take(), self._address)]
+        if self._unasked is not None and now >= max(self._quiet, self._floor):
+            frame, self._unasked = self._unasked, None
+            return [wrap(frame, self._address)]
+        return []
+
+    def next_timer(self) -> float | None:
+        due = None
+        if self._waiting and self._complete <= self._floor:
+            due = self._complete
+        elif self._unasked is not None:
+            due = max(self._quiet, self._floor)
+        return _first(due, self._codec.next_timer())
+
+    def _take(self) -> bytes:
+        """As many whole frames as one content holds, the oldest first."""
+        if any(frame.startswith(b"@AR,") for frame in self._waiting):
+            kept = [frame for frame in self._waiting if not frame.startswith(b"@ACK_AW")]
+            self._waiting = deque(kept, maxlen=WAITING)
+        content = b""
+        while self._waiting and len(content) + len(self._waiting[0]) <= MOST:
+            content += self._waiting.popleft()
+        return content
+
+
+def _first(*times: float | None) -> float | None:
+    return min((t for t in times if t is not None), default=None)

@@ -1,0 +1,68 @@
+"""A mission of 60 lines over the simulated modem: batches against line by line, and the limit.
+
+    python tests/bench/bench_modem.py [flights per cell]
+
+The limit is what no protocol beats on this channel: the bytes of all lines once, in one burst, sent
+on average 1 / (1 - loss) times without waiting for any answer, and one way through the water. Where
+bits are wrong it is not reachable with whole frames; it stays as it is, for comparison.
+"""
+
+from __future__ import annotations
+
+import statistics
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "protocol")]
+
+from modem_rig import OneLineUpload, Vehicle, acoustics_of, digest, fly  # noqa: E402
+
+from links.acoustic import Water  # noqa: E402
+from protocol.batch import BatchUpload, Stored  # noqa: E402
+from protocol.modem import OVERHEAD  # noqa: E402
+
+LINES = [
+    "mission harbour-survey vehicle auv sum 01234567",
+    *(f"leg{n}: heading {n} ZAF6 until travelled >= {100 + n} timeout 4min" for n in range(59)),
+]
+CONTENT = sum(8 + len(line) for line in LINES)
+HEAD = "bit/s loss  errors |  limit s   batch s  lines s |  batch B  lines B | x sooner  x limit"
+
+
+def main(flights: int = 20) -> None:
+    sys.stdout.write(
+        f"{len(LINES)} lines, {CONTENT} bytes as frames; 1 km; medians of {flights} flights" + "\n"
+    )
+    sys.stdout.write(HEAD + "\n")
+    for bit_rate in (300.0, 1000.0, 5000.0):
+        for loss in (0.0, 0.1, 0.2, 0.4):
+            for errors in (0.0, 1e-5, 1e-4):
+                sys.stdout.write(row(Water(1000.0, bit_rate, loss, errors), flights) + "\n")
+
+
+def row(water: Water, flights: int) -> str:
+    acoustics = acoustics_of(water)
+    seconds: tuple[list[float], list[float]] = ([], [])
+    sizes: tuple[list[float], list[float]] = ([], [])
+    for seed in range(flights):
+        senders = (BatchUpload(LINES, digest(LINES), acoustics), OneLineUpload(LINES, acoustics))
+        for n, sender in enumerate(senders):
+            vehicle = Vehicle()
+            flight = fly(sender, vehicle, water, seed)
+            assert sender.outcome == Stored(), (water, seed, sender.outcome)
+            assert vehicle.stored == tuple(LINES)
+            seconds[n].append(flight.seconds)
+            sizes[n].append(flight.size)
+    limit = water.airtime(CONTENT + OVERHEAD) / (1.0 - water.loss) + water.delay
+    batch, single = map(statistics.median, seconds)
+    size, single_size = map(statistics.median, sizes)
+    return (
+        f"{water.bit_rate:5.0f} {water.loss:4.0%} {water.bit_error_rate:7.0e} |"
+        f" {limit:8.1f} {batch:9.1f} {single:8.1f} | {size:8.0f} {single_size:8.0f} |"
+        f" {single / batch:8.1f} {batch / limit:8.2f}"
+    )
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))

@@ -1,0 +1,170 @@
+"""A mission over the modem: few long frames, and only what is missing again."""
+
+from __future__ import annotations
+
+import pytest
+from modem_rig import Flight, OneLineUpload, Vehicle, acoustics_of, digest, fly
+
+from links.acoustic import Water
+from protocol.arq import Acoustics
+from protocol.batch import SILENCE, BatchUpload, Declined, Silent, Stored
+from protocol.modem import MOST, Sender, wrap
+from protocol.sizing import Channel
+
+LINES = [
+    "mission harbour-survey vehicle auv sum 01234567",
+    *(f"leg{n}: heading {n} ZAF6 until travelled >= {n} timeout 4min" for n in range(59)),
+]
+
+
+def batch(lines: list[str], water: Water) -> BatchUpload:
+    return BatchUpload(lines, digest(lines), acoustics_of(water))
+
+
+def uploaded(lines: list[str], water: Water, seed: int = 1) -> tuple[Vehicle, Flight]:
+    vehicle, sender = Vehicle(), batch(lines, water)
+    flight = fly(sender, vehicle, water, seed)
+    assert sender.outcome == Stored()
+    assert sender.missing == ()
+    assert vehicle.stored == tuple(lines)
+    return vehicle, flight
+
+
+def test_a_short_mission_is_one_frame_and_one_answer() -> None:
+    vehicle, flight = uploaded(LINES[:9], Water())
+    (request,) = vehicle.requests
+    assert request.count(b"@AW") == 9
+    assert request.endswith(b"@AQ$")
+    assert flight.vehicle.bursts == 1
+
+
+def test_what_the_vehicle_holds_already_costs_one_question() -> None:
+    water, vehicle = Water(), Vehicle()
+    vehicle.stored = tuple(LINES)
+    fly(batch(LINES, water), vehicle, water, 1)
+    assert len(vehicle.requests) == 1
+
+
+@pytest.mark.parametrize("loss", [0.1, 0.4])
+@pytest.mark.parametrize("errors", [0.0, 1e-4])
+@pytest.mark.parametrize("bit_rate", [300.0, 5000.0])
+def test_every_channel_brings_the_mission_over_sooner_than_line_by_line(
+    loss: float, errors: float, bit_rate: float
+) -> None:
+    water = Water(range_m=1000.0, bit_rate=bit_rate, loss=loss, bit_error_rate=errors)
+    seconds = single = 0.0
+    for seed in range(6):
+        seconds += uploaded(LINES, water, seed)[1].seconds
+        single += fly(OneLineUpload(LINES, acoustics_of(water)), Vehicle(), water, seed).seconds
+    assert seconds < single
+
+
+def test_only_what_is_missing_is_sent_again() -> None:
+    water = Water(range_m=100.0, bit_rate=5000.0)
+    vehicle, sender = Vehicle(), batch(LINES, water)
+    first = [f for f in sender._frames[:30] if f != sender._frames[7]]
+    vehicle._read(b"".join(first), 0.0)
+    fly(sender, vehicle, water, 1)
+    again = b"".join(vehicle.requests)
+    sent_twice = [f for f in sender._frames[1:30] if again.count(f) == 2]
+    assert sender.outcome == Stored()
+    assert again.count(sender._frames[59]) == 1
+    assert sent_twice == []
+
+
+def test_a_lost_answer_to_a_long_content_is_asked_for_and_not_sent_again() -> None:
+    acoustics = Acoustics(1000.0, 300.0)
+    sender = BatchUpload(LINES, digest(LINES), acoustics)
+    (content,) = sender.outgoing(0.0)
+    due = sender.next_timer()
+    assert due is not None
+    sender.receive(b"", due)
+    (question,) = sender.outgoing(due)
+    assert len(question) < 100 < len(content)
+    assert question[5:].startswith(sender._frames[0])
+
+
+def test_a_short_content_is_simply_sent_again() -> None:
+    sender = BatchUpload(LINES[:2], digest(LINES[:2]), Acoustics(1000.0, 5000.0))
+    content = sender.outgoing(0.0)
+    due = sender.next_timer()
+    assert due is not None
+    sender.receive(b"", due)
+    assert sender.outgoing(due) == content
+
+
+def test_a_mission_that_the_vehicle_refuses_is_declined_with_its_reason() -> None:
+    water, sender = Water(), batch(LINES[:5], Water())
+    fly(sender, Vehicle(refusal="line 3: no way to the surface"), water, 1)
+    assert sender.outcome == Declined("line 3: no way to the surface")
+
+
+def test_nobody_there_is_said_after_a_bounded_time_and_nothing_is_assumed() -> None:
+    water = Water(loss=1.0)
+    sender = batch(LINES, water)
+    flight = fly(sender, Vehicle(), water, 1, most=3600.0)
+    assert sender.outcome == Silent()
+    assert flight.topside.bursts == SILENCE
+
+
+def answered(report: bytes) -> BatchUpload:
+    sender = BatchUpload(LINES, digest(LINES), Acoustics(1000.0, 1000.0))
+    sender.outgoing(0.0)
+    assert sender.receive(wrap(report, Sender.VEHICLE), 1.0) == []
+    return sender
+
+
+def test_a_vehicle_under_way_declines() -> None:
+    sender = answered(b"@AR,running,9,9,,0123456789abcdef,,$")
+    assert sender.outcome == Declined("the vehicle is not idle")
+
+
+def test_a_set_of_somebody_else_is_not_taken_for_ours() -> None:
+    sender = answered(b"@AR,staging,9,3,4-9,,,$")
+    assert sender.outcome is None
+    assert len(sender.missing) == len(LINES)
+    (again,) = sender.outgoing(2.0)
+    assert again[5:].startswith(sender._frames[0])
+
+
+def test_a_set_that_the_vehicle_dropped_is_begun_again() -> None:
+    sender = answered(b"@AR,staging,60,30,31-60,,,$")
+    assert sender.missing == tuple(range(31, 61))
+    (content,) = sender.outgoing(2.0)
+    assert not content[5:].startswith(sender._frames[0])
+    sender.receive(wrap(b"@AR,empty,0,0,,,line 31 before its line 1,$", Sender.VEHICLE), 3.0)
+    assert sender.outcome is None
+    assert len(sender.missing) == 60
+
+
+def test_a_report_beyond_the_total_and_a_torn_answer_do_no_harm() -> None:
+    assert answered(b"@AR,staging,60,58,2.61-70,,,$").missing == (2,)
+    assert len(answered(b"@AR,sta").missing) == 60  # no report: not an answer
+    torn = answered(b"@AR,staging,$")
+    assert torn.outcome is None
+    assert len(torn.missing) == 60
+
+
+def test_a_clean_channel_earns_the_longest_content_and_one_with_errors_a_short_one() -> None:
+    water = Acoustics(1000.0, 1000.0)
+    clean, noisy = Channel(water), Channel(water)
+    for _ in range(6):
+        clean.learn(MOST, 60, came=True)
+        noisy.learn(1500, 60, came=False)
+        noisy.learn(100, 60, came=True)
+    assert clean.best_size(100_000, 50, 60, 400) == MOST
+    assert noisy.best_size(100_000, 50, 60, 400) <= 500
+
+
+def test_frames_lost_whatever_their_length_do_not_shorten_the_content_for_ever() -> None:
+    channel = Channel(Acoustics(1000.0, 1000.0))
+    for _ in range(10):
+        for size in (100, 2300):
+            channel.learn(size, 60, came=False)
+            channel.learn(size, 60, came=True)
+    assert channel.best_size(100_000, 50, 60, 400) >= 2300
+
+
+def test_other_words_beside_or_before_the_report_are_passed_over() -> None:
+    assert answered(b"@ACK_STT$@AR,running,9,9,,,,$").outcome == Declined("the vehicle is not idle")
+    assert answered(b"@ACK_STT$").outcome is None
