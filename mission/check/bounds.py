@@ -1,0 +1,447 @@
+"""What one leg can do at most: bounds on time, energy, place, depth and error.
+
+``Bounds`` holds of every flight that reaches a place in the mission. The vehicle means to be in
+the box ``north`` x ``east``; the truth is within ``error`` of that, and never farther than
+``range`` from home. A speed scale and a compass bias are constant, so they act on the way made
+good since the last fix, not on the path; the current acts on the time, the compass's deviation on
+the path. ``LegBounds`` turns the bounds on entering a leg into those on leaving it, by the way it
+is left. Where a clock, a depth that ends the leg (a vehicle that does not know its depth
+surfaces) or a place that is steered to bounds it, that is used; any other guard may open at any
+time.
+
+What the sea and the vehicle are taken to do at most stands in ``Assumptions``.
+
+What does not live here: which leg follows which (flow.py), what is refused (rules.py).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from mission.model import (
+    And,
+    By,
+    Comparison,
+    Expression,
+    Follow,
+    Goto,
+    Local,
+    Loiter,
+    Or,
+    Place,
+    Position,
+    Rows,
+    State,
+    Surface,
+    Yoyo,
+)
+from mission.navigation.geodesy import LocalFrame
+from mission.vehicle import Vehicle
+from protocol.messages import Setpoint
+
+Interval = tuple[float, float]
+
+TWO_SIGMA = 2.0
+SPEED_SHARE = 0.2  # two sigma of the thruster model, as a share of the speed
+OVERSHOOT = 1.0  # m beyond a depth that is held; R5 acts at 1 m beyond
+START = 25.0  # m from home at which a mission is started at most
+LATE = 8.0  # s until a change of depth is known: one report (2 s) after 6 s without
+ASCENT_TRIES = 20.0  # s: W and X0 with U12, 10 s each, until the better is known (R7)
+SURFACED = 8.0  # s: depth below 0.5 m for 6 s, and the report that says so (R7)
+GEARS = 12.0
+
+
+@dataclass(frozen=True, slots=True)
+class Assumptions:
+    """SI; from the mission's ``assume`` or the vehicle file."""
+
+    current: float
+    start: float
+    floor: float  # m, the deepest there is; where none is assumed, the depth allowed
+    heading: float  # rad, two sigma
+
+    @staticmethod
+    def of(assume: Iterable[tuple[str, float]], vehicle: Vehicle, allowed: float) -> Assumptions:
+        given = dict(assume)
+        sensors = vehicle.sensors
+        return Assumptions(
+            current=given.get("current", vehicle.current),
+            start=given.get("start", START),
+            floor=given.get("floor", allowed),
+            heading=TWO_SIGMA * math.hypot(sensors.heading, sensors.heading_bias),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Trail:
+    """How the worst time came about: the last leg, how it was left, and the trail before it."""
+
+    leg: str
+    by: By
+    time: float
+    before: Trail | None
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    time: float  # s since the start, at most
+    energy: float  # J used, at most
+    north: Interval  # m from home, where it means to be
+    east: Interval
+    depth: Interval
+    range: float  # m from home, the truth
+    error: float  # m, of what it means to be against the truth
+    fixed_north: Interval  # where it was at the last fix
+    fixed_east: Interval
+    made_north: Interval  # made good since then
+    made_east: Interval
+    since: float = 0.0  # s since then
+    path: float = 0.0  # m through the water since then
+    trail: Trail | None = None
+
+    @staticmethod
+    def start(within: float, fix: float) -> Bounds:
+        box, none = (-within, within), (0.0, 0.0)
+        reach = within + fix
+        return Bounds(0.0, 0.0, box, box, (0.0, 0.5), reach, fix, box, box, none, none)
+
+    def join(self, other: Bounds) -> Bounds:
+        later = self if self.time >= other.time else other
+        return Bounds(
+            time=later.time,
+            energy=max(self.energy, other.energy),
+            north=_hull(self.north, other.north),
+            east=_hull(self.east, other.east),
+            depth=_hull(self.depth, other.depth),
+            range=max(self.range, other.range),
+            error=max(self.error, other.error),
+            fixed_north=_hull(self.fixed_north, other.fixed_north),
+            fixed_east=_hull(self.fixed_east, other.fixed_east),
+            made_north=_hull(self.made_north, other.made_north),
+            made_east=_hull(self.made_east, other.made_east),
+            since=max(self.since, other.since),
+            path=max(self.path, other.path),
+            trail=later.trail,
+        )
+
+
+def _hull(a: Interval, b: Interval) -> Interval:
+    return min(a[0], b[0]), max(a[1], b[1])
+
+
+def _grown(a: Interval, by: float) -> Interval:
+    return a[0] - by, a[1] + by
+
+
+def _sum(a: Interval, b: Interval) -> Interval:
+    return a[0] + b[0], a[1] + b[1]
+
+
+def _less(a: Interval, b: Interval) -> Interval:
+    return a[0] - b[1], a[1] - b[0]
+
+
+def _reach(north: Interval, east: Interval) -> float:
+    return math.hypot(max(map(abs, north)), max(map(abs, east)))
+
+
+def _scaled(a: Interval, k: float) -> Interval:
+    return (a[0] * k, a[1] * k) if k >= 0 else (a[1] * k, a[0] * k)
+
+
+def _opens_at(expression: Expression, variable: str) -> float | None:
+    """The least bound at which ``variable`` rising above it alone opens the guard, or None."""
+    match expression:
+        case Comparison(name, operator, bound, None) if name == variable and operator in (
+            ">",
+            ">=",
+        ):
+            return bound
+        case Or(operands):
+            opens = [b for b in (_opens_at(o, variable) for o in operands) if b is not None]
+            return min(opens) if opens else None
+        case And(operands):
+            needs = [_opens_at(o, variable) for o in operands]
+            if any(b is None for b in needs):
+                return None
+            return max(b for b in needs if b is not None)
+        case _:
+            return None
+
+
+def _needs(expression: Expression, variable: str) -> float:
+    """What ``variable`` has reached at least when the guard opens (0 if that is not said)."""
+    match expression:
+        case Comparison(name, operator, bound, _) if name == variable and operator in (">", ">="):
+            return bound
+        case And(operands):
+            return max(_needs(o, variable) for o in operands)
+        case Or(operands):
+            return min(_needs(o, variable) for o in operands)
+        case _:
+            return 0.0
+
+
+class LegBounds:
+    """One leg of the chart on one vehicle; made once, applied to every way it is entered."""
+
+    def __init__(
+        self, state: State, vehicle: Vehicle, assume: Assumptions, frame: LocalFrame | None
+    ):
+        assert state.leg is not None
+        self.path, self.leg = state.path, state.leg
+        self.setpoint = state.setpoint or Setpoint()
+        self.vehicle, self.assume, self.frame = vehicle, assume, frame
+        gear = GEARS * max(abs(self.setpoint.surge), abs(self.setpoint.turn))
+        self.speed = vehicle.speed_by_gear.at(gear) if self.setpoint.surge else 0.0
+        self.power = vehicle.battery.hotel + vehicle.thruster_power.at(gear) + self._vertical()
+        self.places = self._places()
+
+    # --- what it takes -----------------------------------------------------------------
+
+    def duration(self, entry: Bounds) -> float:
+        """s at most in this leg, entered with these bounds."""
+        leg = self.leg
+        limits = [t for t in (leg.duration, leg.timeout) if t is not None]
+        for way in leg.exits:
+            clock = _opens_at(way.guard.expression, "elapsed")
+            if clock is not None:
+                limits.append(clock + way.guard.held)
+        if isinstance(leg.kind, Surface):
+            limits.append(ascent_time(entry.depth[1], self.vehicle))
+        return min(limits)
+
+    @property
+    def timed(self) -> bool:
+        """Whether a clock that needs no position ends it."""
+        return isinstance(self.leg.kind, Surface) or not (
+            self.leg.duration is None and self.leg.timeout is None
+        )
+
+    def _vertical(self) -> float:
+        s = self.setpoint
+        held = s.depth is not None or s.altitude is not None or bool(s.heave)
+        active = held or isinstance(self.leg.kind, Surface | Yoyo)
+        return self.vehicle.battery.vertical if active else 0.0
+
+    # --- from entry to exit ----------------------------------------------------------------
+
+    def sweep(self, entry: Bounds) -> Bounds:
+        """Everywhere it may be while the leg is active, and at any moment of it."""
+        after = self.leave(entry, By.ON)
+        return replace(
+            after,
+            north=_hull(entry.north, after.north),
+            east=_hull(entry.east, after.east),
+            made_north=_hull(entry.made_north, after.made_north),
+            made_east=_hull(entry.made_east, after.made_east),
+            depth=_hull(entry.depth, after.depth),
+            range=max(entry.range, after.range),
+        )
+
+    def leave(self, entry: Bounds, by: By, *, guard: Expression | None = None) -> Bounds:
+        time = self.duration(entry)
+        after = replace(
+            entry,
+            time=entry.time + time,
+            energy=entry.energy + time * self.power,
+            depth=self._depth(entry, time),
+            since=entry.since + time,
+            path=entry.path + self.speed * time,
+            trail=Trail(self.path, by, time, entry.trail),
+        )
+        if isinstance(self.leg.kind, Surface):
+            return self._surfaced(after, time, by)
+        if self.places:
+            return self._steered(entry, after, time, by)
+        return self._held(after, time, by, guard)
+
+    def _error(self, at: Bounds) -> float:
+        """Two sigma; the speed scale acts along the way made good, the bias across it."""
+        sensors = self.vehicle.sensors
+        made = _reach(at.made_north, at.made_east)
+        constant = math.hypot(SPEED_SHARE, TWO_SIGMA * sensors.heading_bias)
+        drift = self.assume.current * at.since
+        return TWO_SIGMA * sensors.fix + made * constant + at.path * sensors.heading + drift
+
+    def _surfaced(self, after: Bounds, time: float, by: By) -> Bounds:
+        reach = after.range + self.assume.current * time
+        assert isinstance(self.leg.kind, Surface)
+        if by is not By.END:
+            return replace(after, error=self._error(after), range=reach)
+        if not self.leg.kind.until_fix:
+            return replace(after, error=self._error(after), range=reach, depth=(0.0, 0.5))
+        error = self._error(after)
+        north, east = _grown(after.north, error), _grown(after.east, error)
+        fresh = Bounds.start(0.0, TWO_SIGMA * self.vehicle.sensors.fix)
+        return replace(
+            fresh,
+            time=after.time,
+            energy=after.energy,
+            trail=after.trail,
+            north=north,
+            east=east,
+            fixed_north=north,
+            fixed_east=east,
+            range=min(reach, _reach(north, east) + fresh.error),
+        )
+
+    def _depth(self, entry: Bounds, time: float) -> Interval:
+        s, kind = self.setpoint, self.leg.kind
+        low, high = entry.depth
+        deepest = high + self.vehicle.dive_rate * time
+        if isinstance(kind, Surface):
+            return 0.0, high
+        if isinstance(kind, Yoyo):
+            return min(low, kind.shallow) - OVERSHOOT, max(high, kind.deep) + OVERSHOOT
+        if s.depth is not None:
+            return min(low, s.depth), max(high, min(deepest, s.depth) + OVERSHOOT)
+        if s.altitude is None and not (s.heave is not None and s.heave > 0):
+            return 0.0, high
+        for way in self.leg.exits:
+            bound = _opens_at(way.guard.expression, "depth")
+            if bound is not None:
+                late = self.vehicle.dive_rate * (LATE + way.guard.held)
+                deepest = min(deepest, max(high, bound) + late)
+        if s.altitude is not None:
+            deepest = min(deepest, max(high, self.assume.floor - s.altitude) + OVERSHOOT)
+        return 0.0, max(high, deepest)
+
+    def _held(self, after: Bounds, time: float, by: By, guard: Expression | None) -> Bounds:
+        """Along a heading, or about where it was entered."""
+        around, heading = self._reach_around(), self.setpoint.heading
+        if around or (self.speed and heading is None):
+            reach = around or self.speed * time
+            north = east = (-reach, reach)
+        elif not self.speed or heading is None:
+            north = east = (0.0, 0.0)
+        else:
+            bow = heading if self.setpoint.surge > 0 else heading + math.pi
+            along = self._along(time, by, guard)
+            # until the bow has come round it may go any way, for half a turn at most
+            turning = self.speed * min(time, math.pi / 2.0 / self.vehicle.turn_rate)
+            north = _grown(_scaled(along, math.cos(bow)), turning)
+            east = _grown(_scaled(along, math.sin(bow)), turning)
+        moved = replace(
+            after,
+            north=_sum(after.north, north),
+            east=_sum(after.east, east),
+            made_north=_sum(after.made_north, north),
+            made_east=_sum(after.made_east, east),
+        )
+        error = self._error(moved)
+        swum = around or self.speed * (1.0 + SPEED_SHARE) * time
+        farthest = min(
+            after.range + swum + self.assume.current * time,
+            _reach(moved.north, moved.east) + error,
+        )
+        return replace(moved, error=error, range=farthest)
+
+    def _along(self, time: float, by: By, guard: Expression | None) -> Interval:
+        """How far through the water along its heading, when the leg is left in this way."""
+        most = self.speed * time
+        if by in (By.TIMEOUT, By.FOR):
+            return most, most
+        travelled = _needs(guard, "travelled") if by is By.UNTIL and guard is not None else 0.0
+        # travelled counts over ground: a following current makes it of less water
+        return min(most, travelled * self.speed / (self.speed + self.assume.current)), most
+
+    def _steered(self, entry: Bounds, after: Bounds, time: float, by: By) -> Bounds:
+        """To places, by the estimate: the truth is where it means to be, within the error.
+
+        On a straight way the distance from home is greatest at one of its ends.
+        """
+        within = getattr(self.leg.kind, "within", 0.0)
+        ends = self.places[-1:] if isinstance(self.leg.kind, Goto | Follow) else self.places
+        north = _grown((min(n for n, _ in ends), max(n for n, _ in ends)), within)
+        east = _grown((min(e for _, e in ends), max(e for _, e in ends)), within)
+        arrived = self._at(after, north, east)
+        share = self._share_of_way(entry, time)
+        reach = max(math.hypot(n, e) for n, e in self.places) + within + arrived.error
+        stopped = (1.0 - share) * entry.range + share * reach + (1.0 - share) * arrived.error
+        turning = self.speed * math.pi / self.vehicle.turn_rate / 2.0
+        if by is By.END:
+            return replace(arrived, range=reach)
+        between = self._at(
+            after,
+            _hull(entry.north, _spread(self.places, 0)),
+            _hull(entry.east, _spread(self.places, 1)),
+        )
+        if by in (By.TIMEOUT, By.FOR) and share < 1.0:
+            return replace(between, range=max(stopped, reach if share else 0.0))
+        return replace(between, range=max(entry.range + turning, stopped, reach))
+
+    def _at(self, after: Bounds, north: Interval, east: Interval) -> Bounds:
+        there = replace(
+            after,
+            north=north,
+            east=east,
+            made_north=_less(north, after.fixed_north),
+            made_east=_less(east, after.fixed_east),
+        )
+        return replace(there, error=self._error(there))
+
+    def _share_of_way(self, entry: Bounds, time: float) -> float:
+        """Of the straight way to the only place, how much is made for sure by ``time``."""
+        if len(self.places) != 1:
+            return 1.0
+        north, east = self.places[0]
+        far = _reach(_less(entry.north, (north, north)), _less(entry.east, (east, east)))
+        made = max(0.0, self.speed - self.assume.current) * time
+        return 1.0 if far <= made else made / far
+
+    # --- places ---------------------------------------------------------------------------
+
+    def _places(self) -> tuple[tuple[float, float], ...]:
+        match self.leg.kind:
+            case Goto(place):
+                return (self._local(place),)
+            case Follow(places):
+                return tuple(self._local(p) for p in places)
+            case Rows(start) as rows if start is not None:
+                return _corners(rows, *self._local(start))
+            case Loiter(place, radius) if place is not None:
+                n, e = self._local(place)
+                return ((n - radius, e - radius), (n + radius, e + radius))
+            case _:
+                return ()
+
+    def _local(self, place: Place) -> tuple[float, float]:
+        if isinstance(place, Local):
+            return place.north, place.east
+        if isinstance(place, Position) and self.frame is not None:
+            return self.frame.to_local(
+                math.radians(place.latitude_deg), math.radians(place.longitude_deg)
+            )
+        return 0.0, 0.0
+
+    def _reach_around(self) -> float:
+        """m about where it is entered that rows or a loiter without a place may need."""
+        match self.leg.kind:
+            case Rows(None) as rows:
+                return math.hypot(rows.length, rows.spacing * (rows.count - 1))
+            case Loiter(None, radius):
+                return 2.0 * radius
+            case _:
+                return 0.0
+
+
+def _spread(places: tuple[tuple[float, float], ...], axis: int) -> Interval:
+    return min(p[axis] for p in places), max(p[axis] for p in places)
+
+
+def _corners(rows: Rows, north: float, east: float) -> tuple[tuple[float, float], ...]:
+    c, s = math.cos(rows.bearing), math.sin(rows.bearing)
+    wide = rows.spacing * (rows.count - 1) * rows.side
+    return tuple(
+        (north + a * c - b * s, east + a * s + b * c)
+        for a in (0.0, rows.length)
+        for b in (0.0, wide)
+    )
+
+
+def ascent_time(depth: float, vehicle: Vehicle) -> float:
+    """s to the surface and to know it, by buoyancy alone, after both tries of R7."""
+    return ASCENT_TRIES + max(0.0, depth) / vehicle.ascent_buoyancy + SURFACED

@@ -1,0 +1,284 @@
+"""The refusals of the check, one function a rule, and the report that comes of them.
+
+    no-bound       a leg that no clock ends
+    endless        a way that leads back and may be taken without end
+    no-way-up      a state from which clocks alone do not lead to the surface
+    unreachable    a leg that no way leads to
+    unknowable     a guard on what this vehicle never reports
+    time           the worst case, with the ascent, exceeds the safety time
+    radius         the swept path, widened by current and uncertainty, leaves the radius
+    depth          the same for the depth
+    energy         the worst case exceeds the battery
+    too-long       more rounds than can be walked
+
+What does not live here: the bounds (bounds.py) and the walk (flow.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from mission.check.bounds import SPEED_SHARE, Assumptions, Bounds, LegBounds
+from mission.check.flow import Flow, Proof, TooLongError, trail
+from mission.model import (
+    AUTONOMOUS,
+    IMPLICIT_SURFACE,
+    And,
+    By,
+    Chart,
+    Comparison,
+    Expression,
+    Guard,
+    Not,
+    Or,
+    State,
+    Where,
+)
+from mission.navigation.geodesy import LocalFrame
+from mission.variables import CLOCK, VARIABLES
+from mission.vehicle import Vehicle
+
+DEPTH_MARGIN = 1.0  # m: R5 breaches 1 m beyond the limit
+PATH_STEPS = 12  # of a counterexample; what lies between is told by its number
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """``path`` is the counterexample where one matters: leg, how it was left, after how long."""
+
+    rule: str
+    where: Where
+    message: str
+    path: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Proved:
+    states: int
+    transitions: int
+    worst_time: float  # s, with the ascent
+    worst_energy: float  # J
+    max_range: float  # m from home, the truth
+    max_depth: float  # m
+    uncertainty: float  # m, of the estimate at the end, that was added
+    path: tuple[str, ...]  # of the worst time
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    refusals: tuple[Refusal, ...]
+    proved: Proved | None
+    assumed: tuple[str, ...]
+
+    @property
+    def ok(self) -> bool:
+        return not self.refusals
+
+
+@dataclass(frozen=True, slots=True)
+class _Limits:
+    radius: float
+    time: float
+    depth: float
+
+
+def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
+    """Everything that refuses this chart on this vehicle; linear in legs times rounds."""
+    mission, limits = chart.mission, _limits(chart, vehicle)
+    assume = Assumptions.of(mission.assume, vehicle, limits.depth)
+    frame = LocalFrame(mission.home) if mission.home else None
+    early = [*_no_bound(chart), *_unknowable(chart, vehicle)]
+    assumed = tuple(_assumed(chart, vehicle, assume))
+    if any(r.rule == "no-bound" for r in early):
+        return Report(tuple(early), None, assumed)
+    flow = Flow(chart, vehicle, assume, lambda state: LegBounds(state, vehicle, assume, frame))
+    try:
+        proof = flow.walk(Bounds.start(assume.start, 2.0 * vehicle.sensors.fix))
+    except TooLongError:
+        message = f"more than {flow.proof.walked - 1} legs are flown in the worst case; repeat less"
+        return Report((*early, Refusal("too-long", mission.where, message)), None, assumed)
+    found = [*early, *_ways(chart, proof), *_bounds(chart, vehicle, proof, limits)]
+    return Report(tuple(found), _proved(proof, chart), assumed)
+
+
+def _limits(chart: Chart, vehicle: Vehicle) -> _Limits:
+    safety, hard = chart.mission.safety, vehicle.limits
+    return _Limits(
+        radius=min(safety.radius or hard.radius, hard.radius),
+        time=min(safety.time or hard.time, hard.time),
+        depth=min(safety.depth or hard.depth, hard.depth),
+    )
+
+
+# --- rules ------------------------------------------------------------------------------
+
+
+def _legs(chart: Chart) -> Iterator[State]:
+    return (s for s in chart.states if s.leg is not None and s.path != IMPLICIT_SURFACE)
+
+
+def _name(path: str) -> str:
+    return path.removeprefix(AUTONOMOUS + "/")
+
+
+def _no_bound(chart: Chart) -> Iterator[Refusal]:
+    for state in _legs(chart):
+        leg = state.leg
+        assert leg is not None
+        bound = leg.duration is not None or leg.timeout is not None
+        if not bound and type(leg.kind).__name__ != "Surface":
+            message = f"{_name(state.path)} is ended by no clock; add for or timeout"
+            yield Refusal("no-bound", leg.where, message)
+
+
+def _variables(expression: Expression) -> Iterator[Comparison]:
+    match expression:
+        case Comparison():
+            yield expression
+        case Not(operand):
+            yield from _variables(operand)
+        case And(operands) | Or(operands):
+            for operand in operands:
+                yield from _variables(operand)
+
+
+def _known(guard: Guard | Expression, vehicle: Vehicle) -> bool:
+    """Whether some reading could decide it on this vehicle (of an or, one side is enough)."""
+    match guard:
+        case Guard(expression):
+            return _known(expression, vehicle)
+        case Comparison(name):
+            sources = VARIABLES[name].source
+            return all(s == CLOCK or s in vehicle.reports for s in sources)
+        case Not(operand):
+            return _known(operand, vehicle)
+        case And(operands):
+            return all(_known(o, vehicle) for o in operands)
+        case Or(operands):
+            return any(_known(o, vehicle) for o in operands)
+
+
+def _unknowable(chart: Chart, vehicle: Vehicle) -> Iterator[Refusal]:
+    seen = set()
+    for edge in chart.edges:
+        if edge.guard is None or edge.where in seen or _known(edge.guard, vehicle):
+            continue
+        seen.add(edge.where)
+        names = sorted({c.variable for c in _variables(edge.guard.expression)})
+        message = f"{vehicle.name} never reports what this guard needs ({', '.join(names)})"
+        yield Refusal("unknowable", edge.where, message)
+
+
+def _ways(chart: Chart, proof: Proof) -> Iterator[Refusal]:
+    for child, edge in proof.backward.items():
+        way = (f"{_name(edge.source)} ({edge.by.value})", _name(edge.target))
+        where = edge.where if edge.where.line else _where(chart, edge.source)
+        clocked = edge.by in (By.TIMEOUT, By.FOR, By.ELSE)
+        rule = "no-way-up" if clocked else "endless"
+        message = (
+            f"{_name(child)} leads back to {_name(edge.target)}, without end"
+            + (": clocks alone never lead to the surface" if clocked else "")
+            + "; use repeat for rounds, and lead on with the exit"
+        )
+        yield Refusal(rule, where, message, way)
+    for state in _legs(chart):
+        if state.path not in proof.reached:
+            assert state.leg is not None
+            message = f"no way leads to {_name(state.path)}"
+            yield Refusal("unreachable", state.leg.where, message)
+
+
+def _bounds(chart: Chart, vehicle: Vehicle, proof: Proof, limits: _Limits) -> Iterator[Refusal]:
+    end = proof.end
+    mission = chart.mission
+    if end is None:
+        if not proof.backward:
+            yield Refusal("no-way-up", mission.where, "no way leads to the end of the mission")
+        return
+    if end.time > limits.time:
+        message = (
+            f"the worst case takes {_minutes(end.time)}, the ascent included; "
+            f"the safety time is {_minutes(limits.time)}"
+        )
+        yield Refusal("time", mission.where, message, _path(end))
+    reach, path, bounds = proof.widest
+    if reach > limits.radius:
+        message = (
+            f"{_name(path)} may be {reach:.0f} m from home, with current and uncertainty; "
+            f"the radius is {limits.radius:.0f} m"
+        )
+        yield Refusal("radius", _where(chart, path), message, _path(bounds))
+    deep, path, bounds = proof.deepest
+    if deep > limits.depth + DEPTH_MARGIN:
+        message = (
+            f"{_name(path)} may reach {deep:.1f} m; the depth allowed is {limits.depth:.0f} m"
+            + _floor_hint(chart, path)
+        )
+        yield Refusal("depth", _where(chart, path), message, _path(bounds))
+    if end.energy > vehicle.battery.usable:
+        message = (
+            f"the worst case takes {end.energy / 3600:.0f} Wh, the ascent included; "
+            f"usable are {vehicle.battery.usable / 3600:.0f} Wh"
+        )
+        yield Refusal("energy", mission.where, message, _path(end))
+
+
+def _floor_hint(chart: Chart, path: str) -> str:
+    setpoint = chart.state(path).setpoint
+    holds = setpoint is not None and setpoint.altitude is not None
+    return "; end it sooner, or state the sea floor with assume floor" if holds else ""
+
+
+def _where(chart: Chart, path: str) -> Where:
+    state = next((s for s in chart.states if s.path == path), None)
+    if state and state.leg and state.leg.where.line:
+        return state.leg.where
+    return chart.mission.where
+
+
+def _minutes(seconds: float) -> str:
+    return f"{seconds / 60:.1f} min"
+
+
+def _path(bounds: Bounds | None) -> tuple[str, ...]:
+    steps = [f"{_name(s.leg)} ({s.by.value}) {s.time:.0f} s" for s in trail(bounds)]
+    if len(steps) <= PATH_STEPS:
+        return tuple(steps)
+    half = PATH_STEPS // 2
+    return (*steps[:half], f"... {len(steps) - 2 * half} more ...", *steps[-half:])
+
+
+# --- the report --------------------------------------------------------------------------
+
+
+def _proved(proof: Proof, chart: Chart) -> Proved | None:
+    if proof.end is None:
+        return None
+    return Proved(
+        states=len(proof.reached),
+        transitions=len(proof.taken),
+        worst_time=proof.end.time,
+        worst_energy=proof.end.energy,
+        max_range=proof.widest[0],
+        max_depth=proof.deepest[0],
+        uncertainty=proof.end.error,
+        path=_path(proof.end),
+    )
+
+
+def _assumed(chart: Chart, vehicle: Vehicle, assume: Assumptions) -> Iterator[str]:
+    given = dict(chart.mission.assume)
+    source = "the mission" if "current" in given else "the vehicle file"
+    yield f"current at most {assume.current:g} m/s ({source})"
+    yield f"started within {assume.start:g} m of home"
+    yield f"speed by gear as in the vehicle file, within {SPEED_SHARE:.0%} (two sigma)"
+    yield f"heading within {assume.heading * 57.29578:.0f} deg (two sigma of sensor and bias)"
+    yield f"ascent by buoyancy alone at {vehicle.ascent_buoyancy:g} m/s"
+    yield f"battery {vehicle.battery.usable / 3600:.0f} Wh usable, powers as in the vehicle file"
+    if any(s.setpoint and s.setpoint.altitude is not None for s in chart.states):
+        why = "" if "floor" in given else ", the depth allowed; state assume floor where it is"
+        yield f"sea floor nowhere deeper than {assume.floor:g} m{why}"
+    if vehicle.constant_batteries:
+        yield "the battery is watched from outside: this vehicle reports constants"
+    yield "a dead Pi, or an STM32 that hangs with its thrusters on, does not happen"

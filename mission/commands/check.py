@@ -1,0 +1,33 @@
+"""``auvmission check``: what is proved of a mission, and what refuses it. Exit 0, 1, 2."""
+
+from __future__ import annotations
+
+import click
+
+
+@click.command()
+@click.argument("mission", type=click.Path(dir_okay=False))
+@click.option("--vehicle", help="Vehicle file or name; default: the one the mission names.")
+@click.option("--param", "parameters", multiple=True, metavar="NAME=VALUE", help="Set a parameter.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+def check(mission: str, vehicle: str | None, parameters: tuple[str, ...], as_json: bool) -> None:
+    """Prove what MISSION can do at most, and refuse it where that could lose the vehicle."""
+    import json
+    import sys
+
+    from mission.check.show import as_object, as_text, unreadable_object
+    from mission.model import Where
+    from mission.prepare import Unreadable, check_prepared, parameters_of, prepare
+
+    try:
+        report = check_prepared(prepare(mission, vehicle, parameters_of(parameters)))
+    except Unreadable as error:
+        click.echo(str(error), err=True)
+        if as_json:
+            problems = [
+                (p.rule, Where(p.line, p.column, p.length), p.message) for p in error.problems
+            ]
+            click.echo(json.dumps(unreadable_object(problems)))
+        sys.exit(2)
+    click.echo(json.dumps(as_object(report)) if as_json else as_text(mission, report))
+    sys.exit(0 if report.ok else 1)

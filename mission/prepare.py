@@ -1,0 +1,86 @@
+"""From a mission file to a chart on a vehicle, and to what the check says of it.
+
+    Unreadable        (the author must act; ``problems`` has every place, str shows them all)
+
+The one way in for every program that takes a mission file; the Pi, which takes lines, has its own
+in ``topside``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from mission.check import Report, check_mission
+from mission.compiler import CompileErrors, compile_mission
+from mission.language import MissionErrors, digest, parse
+from mission.language.problems import Problem, Problems
+from mission.model import Chart, Mission
+from mission.vehicle import Vehicle, VehicleError, load_vehicle
+
+
+class Unreadable(ValueError):
+    """There is no chart: the file cannot be read, parsed or compiled."""
+
+    def __init__(self, message: str, problems: tuple[Problem, ...] = ()) -> None:
+        super().__init__(message)
+        self.problems = problems
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    source: str
+    mission: Mission
+    vehicle: Vehicle
+    chart: Chart
+
+
+def prepare(
+    path: str | Path, vehicle: str | None = None, parameters: Mapping[str, str] | None = None
+) -> Prepared:
+    """``vehicle``: a file or a shipped name; None: the one that the mission names."""
+    source = str(path)
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise Unreadable(f"{source}: cannot be read: {error}") from None
+    try:
+        mission = parse(text, source, parameters or {})
+        chosen = load_vehicle(vehicle or mission.vehicle)
+        chart = compile_mission(mission, chosen, digest(mission))
+    except MissionErrors as error:
+        raise Unreadable(str(error), error.problems) from None
+    except VehicleError as error:
+        raise Unreadable(str(error)) from None
+    except CompileErrors as error:
+        placed = _placed(text, source, error)
+        raise Unreadable(str(placed), placed.problems) from None
+    return Prepared(source, mission, chosen, chart)
+
+
+def check_prepared(prepared: Prepared) -> Report:
+    return check_mission(prepared.chart, prepared.vehicle)
+
+
+def parameters_of(pairs: Iterable[str]) -> dict[str, str]:
+    """``name=value`` from a command line. Raises Unreadable."""
+    found = {}
+    for pair in pairs:
+        name, sign, value = pair.partition("=")
+        if not sign or not name.strip():
+            raise Unreadable(f"--param {pair!r}: write NAME=VALUE, for instance row_length=150")
+        found[name.strip()] = value.strip()
+    return found
+
+
+def _placed(text: str, source: str, errors: CompileErrors) -> MissionErrors:
+    """The compiler's problems with the lines they stand in."""
+    problems = Problems(text)
+    for p in errors.problems:
+        problems.add(p.rule, p.where, p.message, p.hint)
+    try:
+        problems.complain(source)
+    except MissionErrors as placed:
+        return placed
+    raise AssertionError("compile errors without a problem")
