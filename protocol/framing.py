@@ -21,10 +21,9 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from protocol.fields import FaultKind, FrameType, Values
 from protocol.messages import FrameFault
@@ -52,7 +51,7 @@ class Counters:
 
     good: int = 0
     skipped: int = 0  # bytes
-    bad: Counter[str] = field(default_factory=Counter)
+    bad: dict[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +60,19 @@ class Splice:
 
     host: FrameType
     guest: FrameType
+
+
+@dataclass(frozen=True, slots=True)
+class Shortcut:
+    """The frame that a link mostly carries, read in one go where it stands whole and flawless.
+
+    ``read(data, at, t)`` gives the message itself, which then stands in place of the Frame, or
+    None: the ordinary way decides.
+    """
+
+    lead: bytes
+    length: int
+    read: Callable[[bytes, int, float], object | None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,13 +89,15 @@ class LinkRow:
     splice: tuple[str, str] | None = None  # names of host and guest
     line: Callable[[str], bytes] | None = None
 
-    def framer(self, tolerances: Tolerances | None = None) -> Framer:
+    def framer(
+        self, tolerances: Tolerances | None = None, shortcut: Shortcut | None = None
+    ) -> Framer:
         types = tuple(self.frames(tolerances or Tolerances()))
         splice = None
         if self.splice is not None:
             named = {frame.name: frame for frame in types}
             splice = Splice(*(named[name] for name in self.splice))
-        return Framer(types, idle=self.idle, splice=splice)
+        return Framer(types, idle=self.idle, splice=splice, shortcut=shortcut)
 
 
 class Framer:
@@ -95,23 +109,24 @@ class Framer:
         *,
         idle: float = SERIAL_IDLE,
         splice: Splice | None = None,
+        shortcut: Shortcut | None = None,
     ) -> None:
         self.types = tuple(sorted(types, key=lambda t: -len(t.lead)))  # longest lead first
         self.idle, self.splice, self.counters = idle, splice, Counters()
+        self._shortcut = shortcut or Shortcut(b"", 0, _no_shortcut)
         self._by_start: dict[bytes, tuple[FrameType, ...]] = {}
         for size in (1, 2):
             for start in {t.lead[:size] for t in self.types}:
                 near = (t for t in self.types if t.lead[:size] == start[: len(t.lead)])
                 self._by_start[start] = tuple(near)
-        firsts = b"".join(sorted({re.escape(t.lead[:1]) for t in self.types}))
-        self._start = re.compile(b"[" + firsts + b"]")
+        self._next_start = _finder({t.lead[:1] for t in self.types})
         self._buffer = b""
         self._base = 0  # offset of the buffer's first byte in the stream
         self._starts: list[int] = []  # offsets at which chunks began ...
         self._times: list[float] = []  # ... and when they came
         self._run_offset = self._run_length = 0
         self._run_kind: FaultKind | None = None
-        self._out: list[Frame | FrameFault] = []
+        self._out: list[Any] = []
 
     def receive(self, data: bytes, now: float) -> list[Frame | FrameFault]:
         if not data:
@@ -134,39 +149,46 @@ class Framer:
 
     # --- the scan ---
 
-    def _parse(self, *, final: bool) -> list[Frame | FrameFault]:
-        data, at = self._buffer, 0
+    def _parse(self, *, final: bool) -> list[Any]:
+        data, at, base = self._buffer, 0, self._base
         end = len(data)
-        search = self._start.search
+        out, next_start = self._out, self._next_start
+        lead, length, read = self._shortcut.lead, self._shortcut.length, self._shortcut.read
+        last = end - length if length else -1  # where the shortcut's frame can begin at most
+        newest, now = self._starts[-1] - base, self._times[-1]
+        direct = 0  # frames that took the shortcut
         while at < end:
-            found = search(data, at)
-            start = end if found is None else found.start()
-            if start > at:
-                self._skip(at, start - at, None)
-                at = start
+            if at <= last and data.startswith(lead, at):
+                message = read(data, at, now if at >= newest else self._time(base + at))
+                if message is not None:
+                    if self._run_length:
+                        self._close_run()
+                    out.append(message)
+                    direct += 1
+                    at += length
+                    continue
+            start = next_start(data, at)
+            if start != at:
+                stop = end if start < 0 else start
+                self._skip(at, stop - at, None)
+                at = stop
                 continue
-            outcome = self._candidate(data, at, end, final)
-            if outcome is None:
+            used = self._candidate(data, at, end, final)
+            if used is None:
                 break
-            if isinstance(outcome, FaultKind):
-                self._skip(at, 1, outcome)
-                at += 1
-            elif outcome == 0:
-                self._skip(at, 1, None)
-                at += 1
-            else:
-                at += outcome
-        self._base += at
+            at += used
+        self.counters.good += direct
+        self._base = base + at
         self._buffer = data[at:]
         if final:
             self._close_run()
         if len(self._times) > 1:
             self._forget()
-        out, self._out = self._out, []
+        self._out = []
         return out
 
-    def _candidate(self, data: bytes, at: int, end: int, final: bool) -> int | FaultKind | None:
-        """Bytes used by an accepted frame, 0 for no candidate, its fault, or None to wait."""
+    def _candidate(self, data: bytes, at: int, end: int, final: bool) -> int | None:
+        """Bytes used: an accepted frame's, or one that is skipped; None to wait for more."""
         near = self._by_start.get(data[at : at + 2]) or self._by_start.get(data[at : at + 1], ())
         kinds: list[FaultKind] = []  # in the order of the types: the first one counts
         complete: list[tuple[int, int, FrameType]] = []
@@ -199,7 +221,8 @@ class Framer:
             used = self._unsplice(data, at, end, final)
             if used != 0:
                 return used
-        return kinds[0] if kinds else 0
+        self._skip(at, 1, kinds[0] if kinds else None)
+        return 1
 
     def _emit(self, frame: FrameType, raw: bytes, at: int) -> None:
         self._close_run()
@@ -250,15 +273,17 @@ class Framer:
         if not self._run_length:
             self._run_offset = self._base + at
         self._run_length += count
-        self._run_kind = self._run_kind or kind
+        if self._run_kind is None:
+            self._run_kind = kind
         self.counters.skipped += count
 
     def _close_run(self) -> None:
         if not self._run_length:
             return
-        kind = self._run_kind or FaultKind.BAD_HEADER
-        self._out.append(FrameFault(self._run_offset, kind.value, self._run_length))
-        self.counters.bad[kind.value] += 1
+        kind = "bad_header" if self._run_kind is None else self._run_kind.value
+        self._out.append(FrameFault(self._run_offset, kind, self._run_length))
+        bad = self.counters.bad
+        bad[kind] = bad.get(kind, 0) + 1
         self._run_length, self._run_kind = 0, None
 
     # --- when a byte came ---
@@ -273,6 +298,24 @@ class Framer:
         gone = min(bisect_right(self._starts, self._base) - 1, len(self._starts) - 1)
         if gone > 0:
             del self._starts[:gone], self._times[:gone]
+
+
+def _finder(firsts: set[bytes]) -> Callable[[bytes, int], int]:
+    """Where the next frame can begin, -1 for nowhere."""
+    if len(firsts) == 1:
+        (first,) = firsts
+        return lambda data, at: data.find(first, at)
+    search = re.compile(b"[" + b"".join(map(re.escape, sorted(firsts))) + b"]").search
+
+    def find(data: bytes, at: int) -> int:
+        found = search(data, at)
+        return -1 if found is None else found.start()
+
+    return find
+
+
+def _no_shortcut(data: bytes, at: int, t: float) -> object | None:
+    raise AssertionError  # no length, so never asked
 
 
 def _by_length(candidate: tuple[int, int, FrameType]) -> tuple[int, int]:

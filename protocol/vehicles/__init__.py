@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from protocol.codec import VehicleCodec
+from protocol.fields import FrameType
 from protocol.framing import LinkRow
 from protocol.tolerances import Tolerances
 from protocol.vehicles import auv
@@ -53,3 +54,12 @@ def link(name: str) -> LinkRow:
         if row.name == name:
             return row
     raise UnknownVehicle(f"no link {name!r}; there are: {', '.join(r.name for r in LINKS)}")
+
+
+def frame_types(tolerances: Tolerances | None = None) -> dict[str, FrameType]:
+    """Every type of every link by its name; where links differ in scope, the widest one."""
+    found: dict[str, FrameType] = {}
+    for row in LINKS:
+        for frame in row.frames(tolerances or Tolerances()):
+            found.setdefault(frame.name, frame)
+    return found
