@@ -1,0 +1,47 @@
+"""``auvmission convert``: the same mission in the other text."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+_BY_SUFFIX = {".yaml": "yaml", ".yml": "yaml", ".mission": "lines", ".txt": "lines"}
+
+
+@click.command()
+@click.argument("mission", type=click.Path(path_type=Path))
+@click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False),
+              help="File to write; without it, standard output.")  # fmt: skip
+@click.option("--to", "form", type=click.Choice(["yaml", "lines"]),
+              help="By default as the output's suffix says, else what MISSION is not.")  # fmt: skip
+@click.option("--param", "parameters", multiple=True, metavar="NAME=VALUE",
+              help="Set a parameter of the mission.")  # fmt: skip
+def convert(
+    mission: Path, output: Path | None, form: str | None, parameters: tuple[str, ...]
+) -> None:
+    """Write MISSION as YAML or as lines: the same mission, with the same digest.
+
+    Parameters are resolved and comments stay behind; lines are the canonical text that travels
+    to the vehicle.
+    """
+    from mission.language import MissionErrors, is_yaml, load, to_lines, to_yaml
+    from mission.prepare import Unreadable, parameters_of
+
+    try:
+        model = load(mission, parameters_of(parameters))
+    except (MissionErrors, Unreadable) as error:
+        click.echo(str(error), err=True)
+        raise SystemExit(2) from None
+    if form is None:
+        other = "lines" if is_yaml(mission.read_text(encoding="utf-8"), str(mission)) else "yaml"
+        form = _BY_SUFFIX.get(output.suffix, other) if output else other
+    text = to_yaml(model) if form == "yaml" else to_lines(model)
+    if output is None:
+        click.echo(text, nl=False)
+        return
+    try:
+        output.write_bytes(text.encode("utf-8"))
+    except OSError as error:
+        click.echo(f"{output}: cannot be written: {error.strerror or error}", err=True)
+        raise SystemExit(2) from None

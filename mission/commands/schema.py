@@ -1,0 +1,17 @@
+"""``auvmission schema``: the JSON Schema of the YAML form, for editors."""
+
+from __future__ import annotations
+
+import click
+
+
+@click.command()
+def schema() -> None:
+    """Print the JSON Schema of missions in YAML.
+
+    Save it, and begin a mission with
+    "# yaml-language-server: $schema=mission.schema.json" to have completion and hover in VS Code.
+    """
+    from mission.language.schema import schema_text
+
+    click.echo(schema_text(), nl=False)
