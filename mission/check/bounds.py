@@ -20,16 +20,24 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+from mission.check.intervals import (
+    Interval,
+    grown,
+    hull,
+    least,
+    minus,
+    opens_at,
+    plus,
+    reach,
+    scaled,
+)
 from mission.model import (
-    And,
     By,
-    Comparison,
     Expression,
     Follow,
     Goto,
     Local,
     Loiter,
-    Or,
     Place,
     Position,
     Rows,
@@ -40,8 +48,6 @@ from mission.model import (
 from mission.navigation.geodesy import LocalFrame
 from mission.vehicle import Vehicle
 from protocol.messages import Setpoint
-
-Interval = tuple[float, float]
 
 TWO_SIGMA = 2.0
 SPEED_SHARE = 0.2  # two sigma of the thruster model, as a share of the speed
@@ -104,84 +110,26 @@ class Bounds:
     @staticmethod
     def start(within: float, fix: float) -> Bounds:
         box, none = (-within, within), (0.0, 0.0)
-        reach = within + fix
-        return Bounds(0.0, 0.0, box, box, (0.0, 0.5), reach, fix, box, box, none, none)
+        return Bounds(0.0, 0.0, box, box, (0.0, 0.5), within + fix, fix, box, box, none, none)
 
     def join(self, other: Bounds) -> Bounds:
         later = self if self.time >= other.time else other
         return Bounds(
             time=later.time,
             energy=max(self.energy, other.energy),
-            north=_hull(self.north, other.north),
-            east=_hull(self.east, other.east),
-            depth=_hull(self.depth, other.depth),
+            north=hull(self.north, other.north),
+            east=hull(self.east, other.east),
+            depth=hull(self.depth, other.depth),
             range=max(self.range, other.range),
             error=max(self.error, other.error),
-            fixed_north=_hull(self.fixed_north, other.fixed_north),
-            fixed_east=_hull(self.fixed_east, other.fixed_east),
-            made_north=_hull(self.made_north, other.made_north),
-            made_east=_hull(self.made_east, other.made_east),
+            fixed_north=hull(self.fixed_north, other.fixed_north),
+            fixed_east=hull(self.fixed_east, other.fixed_east),
+            made_north=hull(self.made_north, other.made_north),
+            made_east=hull(self.made_east, other.made_east),
             since=max(self.since, other.since),
             path=max(self.path, other.path),
             trail=later.trail,
         )
-
-
-def _hull(a: Interval, b: Interval) -> Interval:
-    return min(a[0], b[0]), max(a[1], b[1])
-
-
-def _grown(a: Interval, by: float) -> Interval:
-    return a[0] - by, a[1] + by
-
-
-def _sum(a: Interval, b: Interval) -> Interval:
-    return a[0] + b[0], a[1] + b[1]
-
-
-def _less(a: Interval, b: Interval) -> Interval:
-    return a[0] - b[1], a[1] - b[0]
-
-
-def _reach(north: Interval, east: Interval) -> float:
-    return math.hypot(max(map(abs, north)), max(map(abs, east)))
-
-
-def _scaled(a: Interval, k: float) -> Interval:
-    return (a[0] * k, a[1] * k) if k >= 0 else (a[1] * k, a[0] * k)
-
-
-def _opens_at(expression: Expression, variable: str) -> float | None:
-    """The least bound at which ``variable`` rising above it alone opens the guard, or None."""
-    match expression:
-        case Comparison(name, operator, bound, None) if name == variable and operator in (
-            ">",
-            ">=",
-        ):
-            return bound
-        case Or(operands):
-            opens = [b for b in (_opens_at(o, variable) for o in operands) if b is not None]
-            return min(opens) if opens else None
-        case And(operands):
-            needs = [_opens_at(o, variable) for o in operands]
-            if any(b is None for b in needs):
-                return None
-            return max(b for b in needs if b is not None)
-        case _:
-            return None
-
-
-def _needs(expression: Expression, variable: str) -> float:
-    """What ``variable`` has reached at least when the guard opens (0 if that is not said)."""
-    match expression:
-        case Comparison(name, operator, bound, _) if name == variable and operator in (">", ">="):
-            return bound
-        case And(operands):
-            return max(_needs(o, variable) for o in operands)
-        case Or(operands):
-            return min(_needs(o, variable) for o in operands)
-        case _:
-            return 0.0
 
 
 class LegBounds:
@@ -206,7 +154,7 @@ class LegBounds:
         leg = self.leg
         limits = [t for t in (leg.duration, leg.timeout) if t is not None]
         for way in leg.exits:
-            clock = _opens_at(way.guard.expression, "elapsed")
+            clock = opens_at(way.guard.expression, "elapsed")
             if clock is not None:
                 limits.append(clock + way.guard.held)
         if isinstance(leg.kind, Surface):
@@ -233,11 +181,11 @@ class LegBounds:
         after = self.leave(entry, By.ON)
         return replace(
             after,
-            north=_hull(entry.north, after.north),
-            east=_hull(entry.east, after.east),
-            made_north=_hull(entry.made_north, after.made_north),
-            made_east=_hull(entry.made_east, after.made_east),
-            depth=_hull(entry.depth, after.depth),
+            north=hull(entry.north, after.north),
+            east=hull(entry.east, after.east),
+            made_north=hull(entry.made_north, after.made_north),
+            made_east=hull(entry.made_east, after.made_east),
+            depth=hull(entry.depth, after.depth),
             range=max(entry.range, after.range),
         )
 
@@ -261,20 +209,20 @@ class LegBounds:
     def _error(self, at: Bounds) -> float:
         """Two sigma; the speed scale acts along the way made good, the bias across it."""
         sensors = self.vehicle.sensors
-        made = _reach(at.made_north, at.made_east)
+        made = reach(at.made_north, at.made_east)
         constant = math.hypot(SPEED_SHARE, TWO_SIGMA * sensors.heading_bias)
         drift = self.assume.current * at.since
         return TWO_SIGMA * sensors.fix + made * constant + at.path * sensors.heading + drift
 
     def _surfaced(self, after: Bounds, time: float, by: By) -> Bounds:
-        reach = after.range + self.assume.current * time
+        farthest = after.range + self.assume.current * time
         assert isinstance(self.leg.kind, Surface)
         if by is not By.END:
-            return replace(after, error=self._error(after), range=reach)
+            return replace(after, error=self._error(after), range=farthest)
         if not self.leg.kind.until_fix:
-            return replace(after, error=self._error(after), range=reach, depth=(0.0, 0.5))
+            return replace(after, error=self._error(after), range=farthest, depth=(0.0, 0.5))
         error = self._error(after)
-        north, east = _grown(after.north, error), _grown(after.east, error)
+        north, east = grown(after.north, error), grown(after.east, error)
         fresh = Bounds.start(0.0, TWO_SIGMA * self.vehicle.sensors.fix)
         return replace(
             fresh,
@@ -285,7 +233,7 @@ class LegBounds:
             east=east,
             fixed_north=north,
             fixed_east=east,
-            range=min(reach, _reach(north, east) + fresh.error),
+            range=min(farthest, reach(north, east) + fresh.error),
         )
 
     def _depth(self, entry: Bounds, time: float) -> Interval:
@@ -301,7 +249,7 @@ class LegBounds:
         if s.altitude is None and not (s.heave is not None and s.heave > 0):
             return 0.0, high
         for way in self.leg.exits:
-            bound = _opens_at(way.guard.expression, "depth")
+            bound = opens_at(way.guard.expression, "depth")
             if bound is not None:
                 late = self.vehicle.dive_rate * (LATE + way.guard.held)
                 deepest = min(deepest, max(high, bound) + late)
@@ -313,8 +261,8 @@ class LegBounds:
         """Along a heading, or about where it was entered."""
         around, heading = self._reach_around(), self.setpoint.heading
         if around or (self.speed and heading is None):
-            reach = around or self.speed * time
-            north = east = (-reach, reach)
+            free = around or self.speed * time
+            north = east = (-free, free)
         elif not self.speed or heading is None:
             north = east = (0.0, 0.0)
         else:
@@ -322,20 +270,20 @@ class LegBounds:
             along = self._along(time, by, guard)
             # until the bow has come round it may go any way, for half a turn at most
             turning = self.speed * min(time, math.pi / 2.0 / self.vehicle.turn_rate)
-            north = _grown(_scaled(along, math.cos(bow)), turning)
-            east = _grown(_scaled(along, math.sin(bow)), turning)
+            north = grown(scaled(along, math.cos(bow)), turning)
+            east = grown(scaled(along, math.sin(bow)), turning)
         moved = replace(
             after,
-            north=_sum(after.north, north),
-            east=_sum(after.east, east),
-            made_north=_sum(after.made_north, north),
-            made_east=_sum(after.made_east, east),
+            north=plus(after.north, north),
+            east=plus(after.east, east),
+            made_north=plus(after.made_north, north),
+            made_east=plus(after.made_east, east),
         )
         error = self._error(moved)
         swum = around or self.speed * (1.0 + SPEED_SHARE) * time
         farthest = min(
             after.range + swum + self.assume.current * time,
-            _reach(moved.north, moved.east) + error,
+            reach(moved.north, moved.east) + error,
         )
         return replace(moved, error=error, range=farthest)
 
@@ -344,7 +292,7 @@ class LegBounds:
         most = self.speed * time
         if by in (By.TIMEOUT, By.FOR):
             return most, most
-        travelled = _needs(guard, "travelled") if by is By.UNTIL and guard is not None else 0.0
+        travelled = least(guard, "travelled") if by is By.UNTIL and guard is not None else 0.0
         # travelled counts over ground: a following current makes it of less water
         return min(most, travelled * self.speed / (self.speed + self.assume.current)), most
 
@@ -355,31 +303,31 @@ class LegBounds:
         """
         within = getattr(self.leg.kind, "within", 0.0)
         ends = self.places[-1:] if isinstance(self.leg.kind, Goto | Follow) else self.places
-        north = _grown((min(n for n, _ in ends), max(n for n, _ in ends)), within)
-        east = _grown((min(e for _, e in ends), max(e for _, e in ends)), within)
+        north = grown((min(n for n, _ in ends), max(n for n, _ in ends)), within)
+        east = grown((min(e for _, e in ends), max(e for _, e in ends)), within)
         arrived = self._at(after, north, east)
         share = self._share_of_way(entry, time)
-        reach = max(math.hypot(n, e) for n, e in self.places) + within + arrived.error
-        stopped = (1.0 - share) * entry.range + share * reach + (1.0 - share) * arrived.error
+        far = max(math.hypot(n, e) for n, e in self.places) + within + arrived.error
+        stopped = (1.0 - share) * entry.range + share * far + (1.0 - share) * arrived.error
         turning = self.speed * math.pi / self.vehicle.turn_rate / 2.0
         if by is By.END:
-            return replace(arrived, range=reach)
+            return replace(arrived, range=far)
         between = self._at(
             after,
-            _hull(entry.north, _spread(self.places, 0)),
-            _hull(entry.east, _spread(self.places, 1)),
+            hull(entry.north, _spread(self.places, 0)),
+            hull(entry.east, _spread(self.places, 1)),
         )
         if by in (By.TIMEOUT, By.FOR) and share < 1.0:
-            return replace(between, range=max(stopped, reach if share else 0.0))
-        return replace(between, range=max(entry.range + turning, stopped, reach))
+            return replace(between, range=max(stopped, far if share else 0.0))
+        return replace(between, range=max(entry.range + turning, stopped, far))
 
     def _at(self, after: Bounds, north: Interval, east: Interval) -> Bounds:
         there = replace(
             after,
             north=north,
             east=east,
-            made_north=_less(north, after.fixed_north),
-            made_east=_less(east, after.fixed_east),
+            made_north=minus(north, after.fixed_north),
+            made_east=minus(east, after.fixed_east),
         )
         return replace(there, error=self._error(there))
 
@@ -388,7 +336,7 @@ class LegBounds:
         if len(self.places) != 1:
             return 1.0
         north, east = self.places[0]
-        far = _reach(_less(entry.north, (north, north)), _less(entry.east, (east, east)))
+        far = reach(minus(entry.north, (north, north)), minus(entry.east, (east, east)))
         made = max(0.0, self.speed - self.assume.current) * time
         return 1.0 if far <= made else made / far
 
