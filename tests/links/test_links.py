@@ -1,0 +1,389 @@
+"""Links that are opened by URL: the same laws for each row, and what is special about each."""
+
+from __future__ import annotations
+
+import os
+import select
+import socket
+import subprocess
+import sys
+import time
+import tty
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+
+from links import LINKS, LinkAddressError, open_link, parse_address
+from links.base import Link, LinkAbsent, LinkBusy, LinkClosed, LinkError
+from links.memory import EXCHANGE, memory_pair
+from links.serial import BACKLOG, SerialLink
+from links.tcp import TcpClient, TcpServer
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+
+
+def until(true: Callable[[], bool], seconds: float = 3.0) -> None:
+    end = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < end, "it did not happen in time"
+        time.sleep(0.002)
+
+
+def again(act: Callable[[], object], times: int = 1000) -> None:
+    for _ in range(times):
+        act()
+
+
+def read(link: Link, wanted: int, seconds: float = 3.0) -> bytes:
+    """At least so many bytes, from whoever."""
+    data = bytearray()
+
+    def enough() -> bool:
+        data.extend(b"".join(rx.data for rx in link.receive(1.0)))
+        return len(data) >= wanted
+
+    until(enough, seconds)
+    return bytes(data)
+
+
+class Pair:
+    """A link and its far end, however that has to be made."""
+
+    def __init__(self, scheme: str, stack: ExitStack) -> None:
+        self.far: Link
+        self.near: Link
+        if scheme == "memory":
+            self.near = open_link("near", "memory://test-pair")
+            self.far = open_link("far", "memory://test-pair")
+        elif scheme == "serial":
+            master, slave = os.openpty()
+            tty.setraw(slave)
+            stack.callback(os.close, slave)
+            self.near = open_link("near", f"serial://{os.ttyname(slave)}?baud=9600")
+            self.far = _Fd(master)
+        else:
+            server = open_link("server", "tcp-listen://127.0.0.1:0")
+            assert isinstance(server, TcpServer)
+            client = open_link("client", f"tcp://127.0.0.1:{server.port}")
+            assert isinstance(client, TcpClient)
+            until(lambda: bool(server.receive(0.0)) or bool(server.peers))
+            self.near, self.far = (server, client) if scheme == "tcp-listen" else (client, server)
+        stack.callback(self.far.close)
+        stack.callback(self.near.close)
+
+
+class _Fd:
+    """The master side of a pseudo-terminal, as a link."""
+
+    def __init__(self, fd: int) -> None:
+        self.name, self._fd = "master", fd
+        os.set_blocking(fd, False)
+
+    def fileno(self) -> int:
+        return self._fd
+
+    def receive(self, now: float) -> list:  # type: ignore[type-arg]
+        from links.base import Rx
+
+        try:
+            return [Rx(now, self.name, os.read(self._fd, 65536))]
+        except BlockingIOError:
+            return []
+
+    def send(self, data: bytes, now: float, address: str = "") -> None:
+        os.write(self._fd, data)
+
+    def next_event(self) -> float | None:
+        return None
+
+    def close(self) -> None:
+        if self._fd >= 0:
+            os.close(self._fd)
+        self._fd = -1
+
+
+@pytest.fixture(params=["serial", "tcp", "tcp-listen", "memory"])
+def pair(request: pytest.FixtureRequest) -> Iterator[Pair]:
+    with ExitStack() as stack:
+        yield Pair(request.param, stack)
+
+
+def test_bytes_of_every_value_pass_both_ways(pair: Pair) -> None:
+    everything = bytes(range(256)) * 4
+    pair.near.send(everything, 0.0)
+    assert read(pair.far, len(everything)) == everything
+    pair.far.send(everything, 0.0)
+    assert read(pair.near, len(everything)) == everything
+
+
+def test_receiving_never_waits(pair: Pair) -> None:
+    begin = time.monotonic()
+    assert pair.near.receive(0.0) == []
+    assert time.monotonic() - begin < 0.05
+
+
+def test_what_arrives_bears_the_name_and_the_time_of_the_asking(pair: Pair) -> None:
+    pair.far.send(b"@NI$", 7.0)
+    found: list[object] = []
+    until(lambda: bool(found.extend(pair.near.receive(7.0)) or found))
+    assert [(rx.t, rx.link, rx.data) for rx in found] == [(7.0, pair.near.name, b"@NI$")]  # type: ignore[attr-defined]
+
+
+def test_a_real_link_has_a_number_that_the_event_loop_can_watch(pair: Pair) -> None:
+    if pair.near.fileno() == -1:
+        assert pair.near.name == "near"  # in memory: next_event tells
+        pair.far.send(b"x", 3.0)
+        assert pair.near.next_event() == 3.0
+        return
+    assert not select.select([pair.near.fileno()], [], [], 0.0)[0]
+    pair.far.send(b"x", 0.0)
+    assert select.select([pair.near.fileno()], [], [], 2.0)[0] == [pair.near.fileno()]
+
+
+def test_a_closed_link_says_so_and_may_be_closed_twice(pair: Pair) -> None:
+    pair.near.close()
+    pair.near.close()
+    assert pair.near.fileno() == -1
+    with pytest.raises(LinkClosed):
+        pair.near.receive(0.0)
+    with pytest.raises(LinkClosed):
+        pair.near.send(b"x", 0.0)
+
+
+# --- URLs -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("scheme", LINKS)
+def test_every_row_takes_its_own_example_and_no_unknown_option(scheme: str) -> None:
+    example = LINKS[scheme].example
+    assert parse_address(example).scheme == scheme
+    glue = "&" if "?" in example else "?"
+    with pytest.raises(LinkAddressError, match="speed"):
+        parse_address(f"{example}{glue}speed=1")
+
+
+@pytest.mark.parametrize(
+    ("url", "says"),
+    [
+        ("usb://x", "serial:///dev/ttyUSB0"),
+        ("/dev/ttyUSB0", "serial:///dev/ttyUSB0"),
+        ("tcp://localhost", "tcp://host:port"),
+        ("tcp://localhost:99999", "65535"),
+        ("tcp-listen://:9000", "127.0.0.1:9000"),
+        ("serial://dev/ttyUSB0", "three slashes"),
+        ("serial:///dev/ttyUSB0?baud=fast", "baud=fast"),
+        ("memory://", "memory://topside"),
+    ],
+)
+def test_a_wrong_url_is_answered_with_what_to_write(url: str, says: str) -> None:
+    with pytest.raises(LinkAddressError, match=says):
+        open_link("vehicle", url)
+
+
+# --- serial -----------------------------------------------------------------------------------
+
+
+def test_an_absent_port_is_named() -> None:
+    with pytest.raises(LinkAbsent, match=r"vehicle: no device /dev/ttyNONE7: is it plugged in"):
+        open_link("vehicle", "serial:///dev/ttyNONE7")
+
+
+def test_a_port_that_another_process_holds_is_busy() -> None:
+    master, slave = os.openpty()
+    path = os.ttyname(slave)
+    code = (
+        "import sys; from links import open_link\n"
+        "from links.base import LinkBusy\n"
+        f"try: open_link('vehicle', 'serial://{path}')\n"
+        "except LinkBusy as error: print(error)\n"
+    )
+    link = SerialLink("vehicle", path)
+    try:
+        said = subprocess.run(
+            [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
+        )
+        assert f"vehicle: {path} is in use by another program" in said.stdout
+        with pytest.raises(LinkBusy):
+            SerialLink("again", path)
+    finally:
+        link.close()
+    SerialLink("vehicle", path).close()  # free again
+    os.close(master)
+    os.close(slave)
+
+
+def test_a_port_that_goes_away_is_told_and_never_hangs() -> None:
+    master, slave = os.openpty()
+    link = SerialLink("vehicle", os.ttyname(slave))
+    os.close(slave)
+    os.close(master)
+    with pytest.raises(LinkClosed, match="went away"):
+        again(lambda: link.receive(0.0))
+
+
+def test_a_port_that_takes_nothing_is_closed_before_memory_fills() -> None:
+    master, slave = os.openpty()
+    tty.setraw(slave)
+    link = SerialLink("vehicle", os.ttyname(slave))
+    with pytest.raises(LinkClosed, match="takes no bytes"):
+        again(lambda: link.send(b"x" * (BACKLOG // 8), 0.0))
+    os.close(master)
+    os.close(slave)
+
+
+# --- TCP --------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def server() -> Iterator[TcpServer]:
+    made = TcpServer("topside", "127.0.0.1", 0, peers=3)
+    yield made
+    made.close()
+
+
+def connect(server: TcpServer) -> socket.socket:
+    client = socket.create_connection(("127.0.0.1", server.port), timeout=2.0)
+    address = f"127.0.0.1:{client.getsockname()[1]}"
+    until(lambda: bool(server.receive(0.0)) or address in server.peers)
+    return client
+
+
+def test_several_peers_are_told_apart_by_address(server: TcpServer) -> None:
+    clients = [connect(server) for _ in range(3)]
+    for i, client in enumerate(clients):
+        client.sendall(b"@NI$" * (i + 1))
+    heard: dict[str, bytes] = {}
+
+    def complete() -> bool:
+        for rx in server.receive(0.0):
+            heard[rx.address] = heard.get(rx.address, b"") + rx.data
+        return sum(map(len, heard.values())) == 24
+
+    until(complete)
+    for i, client in enumerate(clients):
+        address = f"127.0.0.1:{client.getsockname()[1]}"
+        assert heard[address] == b"@NI$" * (i + 1)
+        server.send(b"only %d" % i, 0.0, address)
+    for i, client in enumerate(clients):
+        assert client.recv(100) == b"only %d" % i
+    server.send(b"all", 0.0)
+    for client in clients:
+        assert client.recv(100) == b"all"
+        client.close()
+
+
+def test_a_peer_that_leaves_does_not_disturb_the_others(server: TcpServer) -> None:
+    gone, stays = connect(server), connect(server)
+    address = server.peers[0]
+    gone.sendall(b"last words")
+    gone.close()
+    heard = b""
+
+    def left() -> bool:
+        nonlocal heard
+        heard += b"".join(rx.data for rx in server.receive(0.0))
+        return address not in server.peers
+
+    until(left)
+    assert heard == b"last words"
+    with pytest.raises(LinkClosed, match="not connected"):
+        server.send(b"x", 0.0, address)
+    stays.sendall(b"here")
+    assert read(server, 4) == b"here"
+    stays.close()
+
+
+def test_more_peers_than_allowed_are_turned_away(server: TcpServer) -> None:
+    clients = [connect(server) for _ in range(3)]
+    with socket.create_connection(("127.0.0.1", server.port), timeout=2.0) as fourth:
+        for _ in range(20):
+            server.receive(0.0)
+            time.sleep(0.002)
+        assert fourth.recv(10) == b""
+    assert len(server.peers) == 3
+    for client in clients:
+        client.close()
+
+
+def test_a_peer_that_reads_nothing_is_dropped_and_the_server_goes_on(server: TcpServer) -> None:
+    deaf, good = connect(server), connect(server)
+    address = server.peers[0]
+    with pytest.raises(LinkClosed):
+        again(lambda: server.send(b"x" * 65536, 0.0, address))
+    good.sendall(b"still here")
+    assert read(server, 10) == b"still here"
+    deaf.close()
+    good.close()
+
+
+def test_a_slow_peer_gets_everything_in_order(server: TcpServer) -> None:
+    client = connect(server)
+    data = os.urandom(700_000)
+    server.send(data, 0.0, server.peers[0])
+    got = bytearray()
+    client.settimeout(0.05)
+
+    def complete() -> bool:
+        server.receive(0.0)
+        try:
+            got.extend(client.recv(65536))
+        except TimeoutError:
+            return False
+        return len(got) == len(data)
+
+    until(complete, 10.0)
+    assert bytes(got) == data
+    client.close()
+
+
+def test_a_port_in_use_is_busy_and_nobody_listening_is_absent(server: TcpServer) -> None:
+    with pytest.raises(LinkBusy, match=f"port {server.port} on 127.0.0.1 is in use"):
+        open_link("topside", f"tcp-listen://127.0.0.1:{server.port}")
+    port = server.port
+    server.close()
+    with pytest.raises(LinkAbsent, match="nobody answers"):
+        open_link("vehicle", f"tcp://127.0.0.1:{port}")
+    with pytest.raises(LinkError, match="cannot listen"):
+        open_link("topside", "tcp-listen://192.0.2.1:9000")
+
+
+def test_what_the_server_said_before_it_left_is_not_lost() -> None:
+    server = TcpServer("topside", "127.0.0.1", 0)
+    client = TcpClient("pi", "127.0.0.1", server.port)
+    until(lambda: bool(server.receive(0.0)) or bool(server.peers))
+    server.send(b"@ACK_AAA$", 0.0)
+    server.close()
+    assert read(client, 9) == b"@ACK_AAA$"
+    with pytest.raises(LinkClosed, match="closed the connection"):
+        until(lambda: bool(client.receive(0.0)))
+
+
+# --- memory -----------------------------------------------------------------------------------
+
+
+def test_memory_takes_the_time_of_its_delay_and_of_its_wire() -> None:
+    one, two = memory_pair("one", "two", delay=0.5, baud=9600)
+    one.send(b"0123456789", 1.0)
+    one.send(b"ab", 1.0)
+    byte = 10 / 9600
+    assert two.next_event() == pytest.approx(1.5 + 10 * byte)
+    assert two.receive(1.5) == []
+    first, second = two.receive(2.0)
+    assert (first.t, first.data) == (1.5, b"0123456789")
+    assert second.t == pytest.approx(1.5 + 10 * byte)
+    assert two.next_event() is None
+
+
+def test_a_third_end_is_busy_until_one_is_closed() -> None:
+    first, second = EXCHANGE.open("wire", "a"), EXCHANGE.open("wire", "b")
+    with pytest.raises(LinkBusy, match="memory://wire"):
+        EXCHANGE.open("wire", "c")
+    first.send(b"bye", 0.0)
+    first.close()
+    assert [rx.data for rx in second.receive(0.0)] == [b"bye"]
+    with pytest.raises(LinkClosed, match="other end"):
+        second.receive(0.0)
+    EXCHANGE.open("wire", "c").close()
+    second.close()
