@@ -1,0 +1,243 @@
+"""What came of a flight: legs, outcome, errors, track. Listens while it flies, adds up at the end.
+
+    outcome    completed   the mission's end was reached, timeouts included
+               emergency   one was ever entered
+               failed      neither: refused, or not at its end in time
+
+Times of legs count from the mission's start. True figures come from the simulated vehicle, which
+has its own geodesy; the estimate is put beside them at every telemetry.
+
+What does not live here: the loop (flight), the pictures (plot).
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from mission.model import (
+    AUTONOMOUS,
+    IDLE_EMPTY,
+    IDLE_READY,
+    IMPLICIT_SURFACE,
+    SURFACED,
+    By,
+    Estimate,
+    Group,
+    Leg,
+    Mission,
+    Node,
+    Step,
+    Tx,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class LegFlown:
+    """``by`` is what it was left by, "" while it was active at the end; s from the start."""
+
+    name: str
+    entered: float
+    left: float
+    by: str
+
+
+@dataclass(frozen=True, slots=True)
+class TruePlace:
+    """m north and east of home, m below the surface, of the true vehicle."""
+
+    t: float
+    north: float
+    east: float
+    depth: float
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """Estimate and truth at one telemetry of the mission."""
+
+    t: float  # s from the start
+    estimate: Estimate
+    true: TruePlace
+
+    @property
+    def error(self) -> float:
+        """m in the plane."""
+        e = self.estimate
+        return math.hypot(e.north - self.true.north, e.east - self.true.east)
+
+
+@dataclass(frozen=True, slots=True)
+class Flight:
+    outcome: str
+    reason: str
+    digest: str
+    mission_time: float  # s
+    wall: float  # s
+    final_state: str
+    legs: tuple[LegFlown, ...]
+    max_depth: float  # m, true
+    max_range: float  # m from home, true
+    samples: tuple[Sample, ...]
+    track: tuple[TruePlace, ...]  # one a second, t from the flight's beginning
+    steps: tuple[Step, ...]
+    sent: tuple[Tx, ...]
+    at_surface: bool  # truly, at the end
+
+    @property
+    def error_end(self) -> float | None:
+        return self.samples[-1].error if self.samples else None
+
+    @property
+    def error_p95(self) -> float | None:
+        if not self.samples:
+            return None
+        errors = sorted(sample.error for sample in self.samples)
+        return errors[math.ceil(0.95 * len(errors)) - 1]
+
+    def as_json(self) -> dict[str, Any]:
+        """The object of design.md, section 5."""
+        errors = {"end": _rounded(self.error_end), "p95": _rounded(self.error_p95)}
+        return {
+            "outcome": self.outcome,
+            "reason": self.reason,
+            "digest": self.digest,
+            "mission_time_s": round(self.mission_time, 3),
+            "wall_s": round(self.wall, 3),
+            "real_time_factor": round(self.mission_time / self.wall, 1) if self.wall else None,
+            "final_state": self.final_state,
+            "legs": [
+                {
+                    "name": leg.name,
+                    "entered_s": round(leg.entered, 3),
+                    "left_s": round(leg.left, 3),
+                    "by": leg.by,
+                }
+                for leg in self.legs
+            ],
+            "max_depth_m": round(self.max_depth, 3),
+            "max_range_m": round(self.max_range, 3),
+            "navigation_error_m": errors,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class FlightEnd:
+    """How things stood when the loop ended, at ``t``."""
+
+    t: float
+    digest: str
+    wall: float
+    state: str
+    track: tuple[TruePlace, ...]
+    at_surface: bool
+
+
+class FlightLog:
+    """An Observer of the drive. ``truth`` tells the true place now."""
+
+    def __init__(self, mission: Mission, truth: Callable[[], TruePlace]) -> None:
+        self._leg_paths, self._truth = leg_paths(mission), truth
+        self._visits: Counter[str] = Counter()
+        self._open: tuple[str, float] | None = None
+        self.legs: list[LegFlown] = []
+        self.steps: list[Step] = []
+        self.samples: list[Sample] = []
+        self.sent: list[Tx] = []
+        self.started: float | None = None
+        self.ended: float | None = None
+        self.emergency = ""
+        self.completed = False
+
+    @property
+    def over(self) -> bool:
+        return self.ended is not None
+
+    def step(self, step: Step) -> None:
+        self.steps.append(step)
+        if self.started is None and any(path in self._leg_paths for path in step.entered):
+            self.started = step.t
+        if self.started is None:
+            return
+        by = step.by.value if step.by else ""
+        for path in step.exited:
+            if self._open and path == self._open[0]:
+                self._close(step.t, by)
+        for path in step.entered:
+            self._enter(path, step)
+
+    def estimate(self, estimate: Estimate) -> None:
+        if self.started is not None and self.ended is None:
+            self.samples.append(Sample(estimate.t - self.started, estimate, self._truth()))
+
+    def flight(self, operator_failure: str, report: FlightEnd) -> Flight:
+        start = self.started or 0.0
+        last = self.ended if self.ended is not None else report.t
+        if self._open:
+            self._close(last, "")
+        outcome, reason = self._outcome(operator_failure, report)
+        mission_track = [p for p in report.track if self.started is not None and p.t >= start]
+        return Flight(
+            outcome=outcome,
+            reason=reason,
+            digest=report.digest,
+            mission_time=last - start if self.started is not None else 0.0,
+            wall=report.wall,
+            final_state=report.state,
+            legs=tuple(self.legs),
+            max_depth=max((p.depth for p in mission_track), default=0.0),
+            max_range=max((math.hypot(p.north, p.east) for p in mission_track), default=0.0),
+            samples=tuple(self.samples),
+            track=report.track,
+            steps=tuple(self.steps),
+            sent=tuple(self.sent),
+            at_surface=report.at_surface,
+        )
+
+    def _outcome(self, operator_failure: str, report: FlightEnd) -> tuple[str, str]:
+        if self.emergency:
+            return "emergency", self.emergency
+        if self.completed:
+            return "completed", "the mission's end was reached"
+        if operator_failure:
+            return "failed", operator_failure
+        return "failed", f"not at its end after {report.t:.0f} s, in {report.state}"
+
+    def _enter(self, path: str, step: Step) -> None:
+        if path in self._leg_paths:
+            self._visits[path] += 1
+            self._open, self.ended = (path, step.t), None
+        elif path.startswith("emergency/"):
+            self.emergency = self.emergency or "; ".join((step.event, *step.actions[:1]))
+        if path in (SURFACED, IDLE_READY, IDLE_EMPTY):
+            self.ended = step.t
+            self.completed = self.completed or step.by is By.END
+
+    def _close(self, t: float, by: str) -> None:
+        assert self._open is not None
+        path, entered = self._open
+        start = self.started or 0.0
+        name, visit = path.removeprefix(f"{AUTONOMOUS}/"), self._visits[path]
+        numbered = name if visit == 1 else f"{name}#{visit}"
+        self.legs.append(LegFlown(numbered, entered - start, t - start, by))
+        self._open = None
+
+
+def leg_paths(mission: Mission) -> frozenset[str]:
+    """Every leg's path in the chart, the implicit one included."""
+    return frozenset(_leg_paths(mission.body, AUTONOMOUS)) | {IMPLICIT_SURFACE}
+
+
+def _leg_paths(body: Iterable[Node], parent: str) -> Iterator[str]:
+    for node in body:
+        if isinstance(node, Group):
+            yield from _leg_paths(node.body, f"{parent}/{node.name}")
+        elif isinstance(node, Leg):
+            yield f"{parent}/{node.name}"
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else round(value, 3)
