@@ -1,0 +1,200 @@
+"""What the engine knows of the vehicle at an instant: the last reports, and what to believe.
+
+Before navigation is loaded (importing filterpy takes a second) a reported finite value is believed
+while it is fresh: enough for the limits of an idle vehicle and for an ascent after a restart.
+
+What does not live here: the filter and the health rules (navigation), what follows from them
+(engine, envelope).
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+import statistics
+from typing import Any, Protocol, Self
+
+from mission.legs.base import Point, wrap
+from mission.model import Estimate, Health, Local, NavigationMode, Place, Position
+from protocol.messages import Fix, Telemetry
+
+SURFACE_DEPTH = 0.5  # m (R7)
+SURFACE_TIME = 6.0  # s (R7)
+_FRESH = 6.0  # s, without navigation
+_ESTIMATE_AGE = 2.5  # s: older, and it is reckoned on to now
+_MEDIAN_OF = 5  # fixes (R9)
+_SCATTER = 10.0  # m (R9)
+_HDOP = 3.0  # (R9)
+_EARTH = 6371008.8  # m, mean radius
+
+
+class Frame(Protocol):
+    def to_local(self, latitude: float, longitude: float) -> tuple[float, float]: ...
+
+
+class Navigator(Protocol):
+    """What the engine asks of mission.navigation.Navigation."""
+
+    @property
+    def frame(self) -> Frame | None: ...
+
+    def set_origin(self, position: Position, now: float) -> None: ...
+
+    def start_here(self, now: float) -> None: ...
+
+    def telemetry(self, t: Telemetry) -> None: ...
+
+    def fix(self, f: Fix) -> None: ...
+
+    def estimate(self, now: float) -> Estimate | None: ...
+
+    def health(self, sensor: str, now: float) -> Health: ...
+
+    def snapshot(self) -> Any: ...
+
+    def restore(self, snapshot: Any) -> None: ...
+
+
+class Senses:
+    def __init__(self, navigation: Navigator | None = None) -> None:
+        self.navigation = navigation
+        self.now = 0.0
+        self.telemetry: Telemetry | None = None
+        self.fixes: tuple[Fix, ...] = ()  # the last five, oldest first
+        self.estimate: Estimate | None = None
+        self.believed_depth: float | None = None  # the last one that could be believed
+        self._believed_at = -math.inf
+        self._shallow_since: float | None = None
+        self._offset: float | None = None  # compass minus true heading
+        self._healths: dict[str, Health] = {}
+
+    def clone(self) -> Self:
+        """Without the navigation, which has a snapshot of its own."""
+        other = copy.copy(self)
+        other._healths = {}
+        return other
+
+    # --- in ----------------------------------------------------------------------------------
+
+    def at(self, now: float) -> None:
+        self.now = now
+        self._healths = {}
+        old = self.estimate
+        if self.navigation and old is not None and now - old.t > _ESTIMATE_AGE:
+            self.estimate = self.navigation.estimate(now)
+
+    def take_telemetry(self, report: Telemetry) -> None:
+        self.telemetry = report
+        if self.navigation:
+            self.navigation.telemetry(report)
+            self.estimate = self.navigation.estimate(report.t)
+        self._healths = {}
+        depth = self.depth
+        if depth is not None:
+            self.believed_depth, self._believed_at = depth, report.t
+        if depth is None or depth >= SURFACE_DEPTH:
+            self._shallow_since = None
+        elif self._shallow_since is None:
+            self._shallow_since = report.t
+        if report.heading is not None and self.estimate and self.estimate.heading is not None:
+            self._offset = wrap(report.heading - self.estimate.heading)
+
+    def take_fix(self, fix: Fix) -> None:
+        self.fixes = (*self.fixes[1 - _MEDIAN_OF :], fix)
+        if self.navigation:
+            self.navigation.fix(fix)
+            self.estimate = self.navigation.estimate(fix.t)
+
+    # --- out ---------------------------------------------------------------------------------
+
+    @property
+    def fix(self) -> Fix | None:
+        return self.fixes[-1] if self.fixes else None
+
+    def health(self, sensor: str) -> Health:
+        known = self._healths.get(sensor)
+        if known is None:
+            known = self._healths[sensor] = self._ask(sensor)
+        return known
+
+    def _ask(self, sensor: str) -> Health:
+        if self.navigation:
+            return self.navigation.health(sensor, self.now)
+        value = getattr(self.telemetry, sensor, None)
+        if self.telemetry is None or not isinstance(value, float):
+            return Health(False, "missing", math.inf)
+        age = self.now - self.telemetry.t
+        if age > _FRESH:
+            return Health(False, "stale", age)
+        return Health(math.isfinite(value), "" if math.isfinite(value) else "absurd", age)
+
+    @property
+    def depth(self) -> float | None:
+        """As reported; None while it is not to be believed."""
+        if self.telemetry is None or self.telemetry.depth is None:
+            return None
+        return self.telemetry.depth if self.health("depth").valid else None
+
+    @property
+    def submerged(self) -> bool:
+        """As far as is known: the last depth that could be believed, and no fix since."""
+        if self.believed_depth is None or self.believed_depth < SURFACE_DEPTH:
+            return False
+        return self.fix is None or self.fix.t <= self._believed_at
+
+    def believable(self, need: str) -> bool:
+        """A sensor, or ``position``: estimated from anything at all, fixes or dead reckoning."""
+        if need == "position":
+            return self.estimate is not None and self.estimate.mode is not NavigationMode.NONE
+        return self.health(need).valid
+
+    def surfaced(self, since: float) -> bool:
+        """R7: 6 s of shallow depth, or a fix; either observed after ``since``."""
+        if self.fixed(since):
+            return True
+        due = self.surface_due(since)
+        return due is not None and self.now >= due and self.depth is not None
+
+    def fixed(self, since: float) -> bool:
+        return self.fix is not None and self.fix.t > since
+
+    def surface_due(self, since: float) -> float | None:
+        if self._shallow_since is None:
+            return None
+        return max(self._shallow_since, since) + SURFACE_TIME
+
+    def place(self, place: Place) -> Point | None:
+        """Metres from home; None where the position of home is not known."""
+        if isinstance(place, Local):
+            return place.north, place.east
+        if isinstance(place, str):
+            return 0.0, 0.0
+        frame = self.navigation.frame if self.navigation else None
+        if frame is None:
+            return None
+        return frame.to_local(math.radians(place.latitude_deg), math.radians(place.longitude_deg))
+
+    def compass(self, heading: float) -> float | None:
+        """The heading as this vehicle's compass says it: it holds headings by its compass."""
+        return None if self._offset is None else (heading + self._offset) % (2.0 * math.pi)
+
+    def home_from_fixes(self) -> Position | None:
+        """R9: the median of five consecutive good fixes within 10 m, else None."""
+        if len(self.fixes) < _MEDIAN_OF or not all(_good(f) for f in self.fixes):
+            return None
+        latitude = statistics.median(f.latitude for f in self.fixes)
+        longitude = statistics.median(f.longitude for f in self.fixes)
+        if any(metres(latitude, longitude, f.latitude, f.longitude) > _SCATTER for f in self.fixes):
+            return None
+        return Position(math.degrees(latitude), math.degrees(longitude))
+
+
+def _good(fix: Fix) -> bool:
+    return fix.hdop is not None and fix.hdop <= _HDOP
+
+
+def metres(lat_a: float, lon_a: float, lat_b: float, lon_b: float) -> float:
+    """Between two near points, in rad, on a sphere: good to 0.5 %, for plausibility only."""
+    north = lat_b - lat_a
+    east = wrap(lon_b - lon_a) * math.cos(0.5 * (lat_a + lat_b))
+    return _EARTH * math.hypot(north, east)
