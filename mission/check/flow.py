@@ -35,8 +35,10 @@ class Proof:
     """What the walk found: the worst of each figure with its bounds, and what it came upon."""
 
     end: Bounds | None = None
-    widest: tuple[float, str, Bounds | None] = (0.0, "", None)
-    deepest: tuple[float, str, Bounds | None] = (0.0, "", None)
+    widest: float = 0.0
+    deepest: float = 0.0
+    out_of_radius: tuple[str, Bounds] | None = None  # the first leg in which it may be
+    out_of_depth: tuple[str, Bounds] | None = None
     reached: set[str] = field(default_factory=set)
     taken: set[str] = field(default_factory=set)
     backward: dict[str, Edge] = field(default_factory=dict)
@@ -50,8 +52,13 @@ class Flow:
         vehicle: Vehicle,
         assume: Assumptions,
         bounds_of: Callable[[State], LegBounds],
+        *,
+        radius: float,
+        depth: float,
     ) -> None:
+        """``radius`` and ``depth`` in m: the first leg that may be beyond them is kept."""
         self.chart, self.vehicle, self.assume = chart, vehicle, assume
+        self.radius, self.depth = radius, depth
         self.proof = Proof()
         self.legs = {
             s.path: bounds_of(s) for s in chart.states if s.leg and s.path != IMPLICIT_SURFACE
@@ -126,7 +133,7 @@ class Flow:
             # a group that was entered by a handler may be in any of its rounds
             if loop.again is last and not (self._interrupted and not loop.again):
                 return
-        if not self._inside(path, target):
+        if not self._inside(path, target) or any(loop.again for loop in rest):
             _merge(out, (target, rest), bounds)
         elif mine and mine[0].again:
             _merge(again, target, bounds)
@@ -194,10 +201,13 @@ class Flow:
         self.proof.end = end if self.proof.end is None else self.proof.end.join(end)
 
     def _note(self, path: str, bounds: Bounds) -> None:
-        if bounds.range > self.proof.widest[0]:
-            self.proof.widest = (bounds.range, path, bounds)
-        if bounds.depth[1] > self.proof.deepest[0]:
-            self.proof.deepest = (bounds.depth[1], path, bounds)
+        proof = self.proof
+        proof.widest = max(proof.widest, bounds.range)
+        proof.deepest = max(proof.deepest, bounds.depth[1])
+        if proof.out_of_radius is None and bounds.range > self.radius:
+            proof.out_of_radius = (path, bounds)
+        if proof.out_of_depth is None and bounds.depth[1] > self.depth:
+            proof.out_of_depth = (path, bounds)
 
 
 def _merge(table: dict[K, Bounds], key: K, bounds: Bounds) -> None:

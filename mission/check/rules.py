@@ -92,7 +92,14 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     assumed = tuple(_assumed(chart, vehicle, assume))
     if any(r.rule == "no-bound" for r in early):
         return Report(tuple(early), None, assumed)
-    flow = Flow(chart, vehicle, assume, lambda state: LegBounds(state, vehicle, assume, frame))
+    flow = Flow(
+        chart,
+        vehicle,
+        assume,
+        lambda state: LegBounds(state, vehicle, assume, frame),
+        radius=limits.radius,
+        depth=limits.depth + DEPTH_MARGIN,
+    )
     try:
         proof = flow.walk(Bounds.start(assume.start, 2.0 * vehicle.sensors.fix))
     except TooLongError:
@@ -202,18 +209,18 @@ def _bounds(chart: Chart, vehicle: Vehicle, proof: Proof, limits: _Limits) -> It
             f"the safety time is {_minutes(limits.time)}"
         )
         yield Refusal("time", mission.where, message, _path(end))
-    reach, path, bounds = proof.widest
-    if reach > limits.radius:
+    if proof.out_of_radius is not None:
+        path, bounds = proof.out_of_radius
         message = (
-            f"{_name(path)} may be {reach:.0f} m from home, with current and uncertainty; "
+            f"{_name(path)} may be {bounds.range:.0f} m from home, with current and uncertainty; "
             f"the radius is {limits.radius:.0f} m"
         )
         yield Refusal("radius", _where(chart, path), message, _path(bounds))
-    deep, path, bounds = proof.deepest
-    if deep > limits.depth + DEPTH_MARGIN:
+    if proof.out_of_depth is not None:
+        path, bounds = proof.out_of_depth
         message = (
-            f"{_name(path)} may reach {deep:.1f} m; the depth allowed is {limits.depth:.0f} m"
-            + _floor_hint(chart, path)
+            f"{_name(path)} may reach {bounds.depth[1]:.1f} m; "
+            f"the depth allowed is {limits.depth:.0f} m" + _floor_hint(chart, path)
         )
         yield Refusal("depth", _where(chart, path), message, _path(bounds))
     if end.energy > vehicle.battery.usable:
@@ -260,8 +267,8 @@ def _proved(proof: Proof, chart: Chart) -> Proved | None:
         transitions=len(proof.taken),
         worst_time=proof.end.time,
         worst_energy=proof.end.energy,
-        max_range=proof.widest[0],
-        max_depth=proof.deepest[0],
+        max_range=proof.widest,
+        max_depth=proof.deepest,
         uncertainty=proof.end.error,
         path=_path(proof.end),
     )

@@ -1,0 +1,201 @@
+"""Laws of the check: what it refuses, what it bounds, and that the bounds are those of the text."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from mission.check import Report, check_mission
+from mission.cli import main
+from mission.compiler import compile_mission
+from mission.language import digest, parse
+from mission.vehicle import load_vehicle
+
+ROOT = Path(__file__).resolve().parents[3]
+VEHICLE = load_vehicle("auv")
+
+HEAD = (
+    "mission m vehicle auv\nhome 30.2874595 120.1535765\nsafety radius 1000 time 60min depth 30\n"
+)
+
+
+def report(body: str, head: str = HEAD) -> Report:
+    mission = parse(head + body)
+    return check_mission(compile_mission(mission, VEHICLE, digest(mission)), VEHICLE)
+
+
+def rules(found: Report) -> list[str]:
+    return [r.rule for r in found.refusals]
+
+
+def test_a_plain_mission_is_proved() -> None:
+    found = report(
+        "down: ZAS10 ZAH0 ZAF4 until depth >= 9 timeout 2min\nalong: heading 90 ZAF6 for 60s\n"
+    )
+    assert found.ok
+    assert found.proved is not None
+    # 120 s, 60 s, and the ascent from 10 m and 1 m of overshoot: 20 s of tries, 11 / 0.25, 8 s
+    assert found.proved.worst_time == pytest.approx(120 + 60 + 20 + 44 + 8)
+    assert found.proved.max_depth == pytest.approx(11.0)
+
+
+def test_the_worst_time_takes_every_round_and_every_timeout() -> None:
+    body = "repeat 3 box:\n a: heading 0 ZAF2 until travelled >= 5 timeout 40s\n b: heading 180 ZAF2 for 10s\nend\n"
+    one = report(body.replace("repeat 3", "repeat 1")).proved
+    three = report(body).proved
+    assert one is not None
+    assert three is not None
+    assert three.worst_time - one.worst_time == pytest.approx(2 * 50)
+
+
+def test_a_guard_on_the_clock_shortens_the_worst_case() -> None:
+    slow = report("a: ZAF2 heading 0 until altitude < 3 timeout 5min\n").proved
+    fast = report("a: ZAF2 heading 0 until altitude < 3 or elapsed > 30s timeout 5min\n").proved
+    assert slow is not None
+    assert fast is not None
+    assert slow.worst_time - fast.worst_time == pytest.approx(270)
+
+
+def test_a_mission_longer_than_its_safety_time_is_refused_with_its_path() -> None:
+    found = report("repeat 40 r:\n a: heading 0 ZAF2 for 60s\n b: heading 180 ZAF2 for 60s\nend\n")
+    assert "time" in rules(found)
+    refusal = next(r for r in found.refusals if r.rule == "time")
+    assert any("r/a" in step for step in refusal.path)
+    assert any("more" in step for step in refusal.path)
+
+
+def test_a_swept_path_beyond_the_radius_is_refused_at_the_leg_that_leaves_it() -> None:
+    found = report("near: heading 0 ZAF6 for 60s\nfar: heading 0 ZAF8 for 20min\n")
+    refusal = next(r for r in found.refusals if r.rule == "radius")
+    assert refusal.where.line in (5, 4)
+    assert "1000 m" in refusal.message
+
+
+def test_out_and_back_is_nearer_than_out_and_out() -> None:
+    out = "a: heading 0 ZAF6 for 5min\n"
+    back = report(out + "b: heading 180 ZAF6 for 5min\nc: stop for 1min\n").proved
+    on = report(out + "b: heading 0 ZAF6 for 5min\nc: stop for 1min\n").proved
+    assert back is not None
+    assert on is not None
+    assert on.max_range > back.max_range + 100
+
+
+def test_more_current_widens_the_range_and_is_said() -> None:
+    body = "a: heading 0 ZAF4 for 5min\n"
+    calm = report(body, HEAD + "assume current 0\n")
+    strong = report(body, HEAD + "assume current 0.5\n")
+    assert calm.proved is not None
+    assert strong.proved is not None
+    assert strong.proved.max_range - calm.proved.max_range == pytest.approx(
+        0.5 * (300 + 28), rel=0.1
+    )
+    assert any("0.5 m/s (the mission)" in line for line in strong.assumed)
+
+
+def test_a_depth_beyond_the_safety_depth_is_refused() -> None:
+    found = report("a: ZAS40 ZAF4 heading 0 for 4min\n")
+    assert rules(found) == ["depth"]
+    assert "30 m" in found.refusals[0].message
+
+
+def test_a_dive_by_gear_is_bounded_by_the_depth_that_ends_it() -> None:
+    ended = report("a: ZAD8 until depth >= 20 timeout 5min\n")
+    open_ended = report("a: ZAD8 until elapsed > 5min timeout 6min\n")
+    assert ended.ok
+    assert "depth" in rules(open_ended)
+
+
+def test_an_altitude_hold_assumes_a_floor_and_says_so() -> None:
+    found = report("a: ZAE3 ZAF4 heading 0 for 10min\n")
+    assert any("sea floor" in line for line in found.assumed)
+    shallow = report("a: ZAE3 ZAF4 heading 0 for 10min\n", HEAD + "assume floor 12\n")
+    assert shallow.proved is not None
+    assert shallow.proved.max_depth == pytest.approx(10.0)
+
+
+def test_a_way_back_without_end_is_refused_with_the_way() -> None:
+    found = report(
+        "a: heading 0 ZAF4 until travelled > 10 timeout 1min\n"
+        "b: heading 180 ZAF4 until travelled > 10 -> a timeout 1min\n"
+    )
+    assert "endless" in rules(found)
+    refusal = next(r for r in found.refusals if r.rule == "endless")
+    assert refusal.where.line == 5
+    assert refusal.path[0].startswith("b")
+
+
+def test_clocks_that_only_lead_back_have_no_way_up() -> None:
+    found = report(
+        "a: heading 0 ZAF4 for 10s\nb: heading 180 ZAF4 until depth > 5 timeout 1min else a\n"
+    )
+    assert "no-way-up" in rules(found)
+
+
+def test_a_leg_that_no_way_leads_to_is_refused() -> None:
+    found = report(
+        "a: heading 0 ZAF4 until depth > 5 -> c timeout 1min else c\n"
+        "b: heading 90 ZAF4 for 10s\nc: heading 180 ZAF4 for 10s\n"
+    )
+    assert rules(found) == ["unreachable"]
+    assert found.refusals[0].where.line == 5
+
+
+def test_a_handler_adds_its_leg_to_the_worst_case_once() -> None:
+    body = "a: heading 0 ZAF4 for 60s\nb: heading 180 ZAF4 for 60s\nout: surface timeout 3min\n"
+    plain = report(body).proved
+    handled = report(body + "on battery < 11 held 10s -> b\n").proved
+    assert plain is not None
+    assert handled is not None
+    assert plain.worst_time < handled.worst_time <= plain.worst_time + 60 + 180 + 1e-6
+
+
+def test_energy_beyond_the_battery_is_refused() -> None:
+    found = report(
+        "repeat 4 r:\n a: heading 0 ZAF10 for 20min\n b: heading 180 ZAF10 for 20min\nend\n",
+        HEAD.replace("60min", "230min").replace("1000", "2000"),
+    )
+    assert "energy" in rules(found)
+
+
+def test_a_fix_at_the_surface_forgets_the_error() -> None:
+    body = "a: heading 0 ZAF6 ZAS5 for 5min\nup: surface until fix timeout 3min\nb: heading 180 ZAF6 ZAS5 for 5min\n"
+    without = report(body.replace(" until fix", "")).proved
+    with_fix = report(body).proved
+    assert with_fix is not None
+    assert without is not None
+    assert with_fix.uncertainty <= without.uncertainty
+
+
+def test_rounds_beyond_what_can_be_walked_are_refused_not_walked_for_ever() -> None:
+    body = (
+        "".join(f"repeat 9999 r{i}:\n" for i in range(3))
+        + "a: heading 0 ZAF2 for 1s\n"
+        + "end\n" * 3
+    )
+    assert rules(report(body)) == ["too-long"]
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "missions").glob("*.*")), ids=lambda p: p.name)
+def test_every_shipped_mission_is_clean(path: Path) -> None:
+    result = CliRunner().invoke(main, ["check", str(path), "--json"])
+    assert result.exit_code == 0, result.output
+    shown = json.loads(result.stdout)
+    assert shown["ok"]
+    assert shown["refusals"] == []
+    assert shown["proved"]["worst_time_s"] > 0
+
+
+def test_a_refused_mission_exits_1_and_an_unreadable_one_2(tmp_path: Path) -> None:
+    deep, broken = tmp_path / "deep.mission", tmp_path / "broken.mission"
+    deep.write_text(HEAD + "a: ZAS40 ZAF4 heading 0 for 4min\n")
+    broken.write_text(HEAD + "a: ZAF130 for 4min\n")
+    refused = CliRunner().invoke(main, ["check", str(deep), "--json"])
+    assert refused.exit_code == 1
+    assert json.loads(refused.stdout)["refusals"][0]["line"] == 4
+    unreadable = CliRunner().invoke(main, ["check", str(broken), "--json"])
+    assert unreadable.exit_code == 2
+    assert "gear and seconds" in unreadable.stderr
+    assert json.loads(unreadable.stdout)["refusals"][0]["line"] == 4
