@@ -20,7 +20,7 @@ from mission.check.bounds import Assumptions, Bounds, LegBounds, Trail, ascent_t
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, Loop, State
 from mission.vehicle import Vehicle
 
-ROUNDS = 100_000  # legs walked at most; a mission beyond that is refused as too long to prove
+ROUNDS = 20_000  # legs walked at most; a mission beyond that is refused as too long to prove
 
 K = TypeVar("K")
 Exits = dict[tuple[str, tuple[Loop, ...]], Bounds]
