@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -140,24 +141,28 @@ class _LockStep:
                 self._send(self.drive.receive(rx, now))
         due = self.operator.next_timer()
         if due is not None and due <= now:
-            self._say(self.operator.handle_timer(now))
+            for data in self.operator.handle_timer(now):
+                self._send(self._say(data))
         due = self.drive.next_timer()
         if due is not None and due <= now:
             self._send(self.drive.handle_timer(now))
 
     def _send(self, sent: list[Tx]) -> None:
-        for tx in sent:
+        """Answers to the operator are answered in turn, until nobody has anything to say."""
+        waiting = deque(sent)
+        while waiting:
+            tx = waiting.popleft()
             self.log.sent.append(tx)
             if tx.link == VEHICLE:
                 self.sea.vehicle_link.send(tx.data, self.now)
             elif tx.link == TOPSIDE:
-                self._say(self.operator.receive(tx.data, self.now))
+                for data in self.operator.receive(tx.data, self.now):
+                    waiting += self._say(data)
             elif tx.link == NODES:
-                self._send(self.drive.receive(Rx(self.now, NODES, tx.data + b"\n")))
+                waiting += self.drive.receive(Rx(self.now, NODES, tx.data + b"\n"))
 
-    def _say(self, frames: list[bytes]) -> None:
-        for data in frames:
-            self._send(self.drive.receive(Rx(self.now, TOPSIDE, data, BOAT)))
+    def _say(self, data: bytes) -> list[Tx]:
+        return self.drive.receive(Rx(self.now, TOPSIDE, data, BOAT))
 
     # --- truth -----------------------------------------------------------------------------------
 
