@@ -159,6 +159,9 @@ def _by_shape(text: str, offset: int, part: str, before: str, expected: frozense
 
 def _by_context(text: str, offset: int, part: str, before: str, expected: frozenset[str]) -> _Found:
     word = re.match(r"[A-Za-z_%/][\w/%-]*", part)
+    if part in ("and", "or") and re.search(r"\bheld\b", text[:offset]):
+        hint = "put held behind the last comparison, before ->"
+        return "held-last", "held is for the whole guard", hint
     glued = offset > 0 and text[offset - 1].isdigit() and not text[offset - 1].isspace()
     if word and (glued or _NUMBER_WORD.fullmatch(before)):
         found = _after_number(part, glued, expected)

@@ -1,6 +1,7 @@
 """A leg's clauses -> a Leg or a Set: kinds, settings, axes, what belongs to which kind.
 
-What does not live here: names and groups (assembly.py), bounds in time (mission.check).
+What does not live here: names and groups (assembly.py), what this vehicle can follow
+(mission.abilities), bounds in time (mission.check).
 """
 
 from __future__ import annotations
@@ -273,9 +274,7 @@ class Legs:
                     )
                     message = f"one leg sets the same axis twice ({pair})"
                     self._problems.add("axis-twice", setting.where, message, "keep one of them")
-            self._follows(setting)
             seen.setdefault(setting.word, setting)
-        self._one_speed(seen)
         surge = seen.get("surge")
         if row.word in ("goto", "follow", "rows", "loiter") and surge and surge.value <= 0:
             message = f"{row.word} never arrives without going ahead"
@@ -290,30 +289,6 @@ class Legs:
         else:
             message, hint = f"{row.word} sets {setting.word} itself", "leave it out"
         self._problems.add("steered", setting.where, message, hint)
-
-    def _follows(self, setting: Setting) -> None:
-        vehicle = self._values.vehicle
-        axis = "attitude" if setting.word in ("pitch", "roll") else setting.word
-        if vehicle is not None and axis not in vehicle.follows:
-            hint = "it follows " + ", ".join(sorted(vehicle.follows))
-            message = f"{vehicle.name} does not follow {axis}"
-            self._problems.add("cannot-follow", setting.where, message, hint)
-
-    def _one_speed(self, seen: dict[str, Setting]) -> None:
-        vehicle = self._values.vehicle
-        gears = [seen[w] for w in ("surge", "turn", "heave") if w in seen and seen[w].value]
-        if vehicle is None or not vehicle.one_speed or len(gears) < 2:
-            return
-        turning = next((s for s in gears if s.word == "turn"), None)
-        if turning and gears[0].word == "surge":
-            hint = "go with a heading instead, or turn first"
-            message = f"{vehicle.name} goes ahead or turns, not both"
-        elif len({abs(s.value) for s in gears}) > 1:
-            hint = "use the same gear for both, or hold a depth"
-            message = f"{vehicle.name} has one speed for all thrusters"
-        else:
-            return
-        self._problems.add("one-speed", gears[-1].where, message, hint)
 
     # --- the kind ---------------------------------------------------------------------------
 

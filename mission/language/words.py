@@ -177,7 +177,11 @@ _LIMITS = (
     NamedValue("voltage", "V", 0, 65535, "lowest control battery"),
 )
 LIMITS: Mapping[str, NamedValue] = MappingProxyType({row.name: row for row in _LIMITS})
-_ASSUMPTIONS = (NamedValue("current", "m/s", -1e-9, 5, "greatest current of the water"),)
+_ASSUMPTIONS = (
+    NamedValue("current", "m/s", -1e-9, 5, "greatest current of the water"),
+    NamedValue("floor", "m", 0, 11000, "deepest sea floor; the depth allowed unless said"),
+    NamedValue("start", "m", -1e-9, 20000, "farthest from home that the mission is started"),
+)
 ASSUMPTIONS: Mapping[str, NamedValue] = MappingProxyType({row.name: row for row in _ASSUMPTIONS})
 
 # Words that hold a leg's clauses together, with what they say.
