@@ -241,7 +241,7 @@ class Framer:
         parts: list[bytes] = []
         guests: list[tuple[int, bytes]] = []
         missing, position = host.length, at  # missing: bytes of the host still to be found
-        while len(guests) <= MOST_GUESTS:
+        while len(guests) < MOST_GUESTS:
             stop = position + missing + len(guest.lead) - 1
             found = data.find(guest.lead, max(position, at + 1), min(stop, end))
             if found < 0:
