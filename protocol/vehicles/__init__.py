@@ -12,7 +12,7 @@ from protocol.codec import VehicleCodec
 from protocol.fields import FrameType
 from protocol.framing import LinkRow
 from protocol.tolerances import Tolerances
-from protocol.vehicles import auv
+from protocol.vehicles import auv, coreboard, motorcan, robot, rov
 
 BatteryScale = tuple[float, float]
 
@@ -30,9 +30,22 @@ class VehicleRow:
     dialects: tuple[str, ...]
 
 
-VEHICLES = (VehicleRow("auv", auv.AuvCodec, tuple(auv.DIALECTS)),)
+_TO_THE_LETTER = ("documented",)
+VEHICLES = (
+    VehicleRow("auv", auv.AuvCodec, tuple(auv.DIALECTS)),
+    VehicleRow("coreboard", coreboard.CoreboardCodec, _TO_THE_LETTER),
+    VehicleRow("motorcan", motorcan.MotorCodec, _TO_THE_LETTER),
+    VehicleRow("rov", rov.RovCodec, _TO_THE_LETTER),
+    VehicleRow("robot", robot.RobotCodec, _TO_THE_LETTER),
+)
 
-LINKS: tuple[LinkRow, ...] = (*auv.LINKS,)
+LINKS: tuple[LinkRow, ...] = (
+    *auv.LINKS,
+    *coreboard.LINKS,
+    *motorcan.LINKS,
+    *rov.LINKS,
+    *robot.LINKS,
+)
 
 
 def codec(

@@ -1,0 +1,158 @@
+"""The motor boards of document 002, chapter 5: two CAN frames, broadcast to both boards.
+
+    ID 001  DLC 7   FF  Fx Fy Fz   i16, high byte first, gram-force
+    ID 002  DLC 7   FE  Mx My Mz   i16, high byte first, N m
+
+Identifier and first byte must agree; identifiers are the standard 11-bit ones, 500 kbit/s assumed
+(E-B14, R16). A frame's table is its data; on a link a CAN frame is a record
+
+    identifier u16, high byte first | DLC u8 | data
+
+which ``links.can`` hands out and takes, and which a line ``001#FF001000200030`` (as candump writes
+it) becomes. ``can_id``: the identifier that is expected instead of the table's two.
+
+The adapter turns a setpoint into one force and one torque frame, to be repeated every 50 ms; the
+boards stop after 200 ms of silence. They report nothing, and hold nothing.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from protocol.fields import I16BE, BinaryFrame, Const, FaultKind, FrameType, Values
+from protocol.framing import Frame, LinkRow
+from protocol.messages import Order, Setpoint
+from protocol.tolerances import Tolerances
+from protocol.vehicles.adapter import StreamReader, fraction, refuse
+
+PERIOD = 0.05  # s (R16)
+SILENCE = 0.2
+FORCE_ID, TORQUE_ID = 0x01, 0x02
+_HEAD, _DLC = 3, 7
+MOST_ID, MOST_DATA = 0x7FF, 8
+_LINE = re.compile(r"(?:.*\s)?([0-9A-Fa-f]{1,8})#((?:[0-9A-Fa-f]{2})*)\s*\Z")
+
+FORCE = BinaryFrame(
+    "coreboard.CAN_FORCE",
+    "002 table 5-1",
+    (Const(b"\xff"), *(I16BE(f"f{axis}_g") for axis in "xyz")),
+    command=True,
+)
+TORQUE = BinaryFrame(
+    "coreboard.CAN_TORQUE",
+    "002 table 5-2",
+    (Const(b"\xfe"), *(I16BE(f"m{axis}_nm") for axis in "xyz")),
+    command=True,
+)
+
+
+def record(identifier: int, data: bytes) -> bytes:
+    """A CAN frame as links and recordings carry it."""
+    return identifier.to_bytes(2, "big") + bytes([len(data)]) + data
+
+
+def from_line(line: str) -> bytes:
+    """``ID#DATA`` as a record; raises ValueError for anything else."""
+    match = _LINE.match(line)
+    if match is None:
+        raise ValueError("write the identifier and the data in hexadecimal: 001#FF001000200030")
+    if int(match[1], 16) > MOST_ID or len(match[2]) > 2 * MOST_DATA:
+        raise ValueError(f"a standard frame has an identifier up to 7FF and {MOST_DATA} bytes")
+    return record(int(match[1], 16), bytes.fromhex(match[2]))
+
+
+class CanFrame(FrameType):
+    """A table with its identifier. In a stream it is a record; alone, also its bare data."""
+
+    def __init__(self, table: BinaryFrame, identifier: int) -> None:
+        self.table, self.identifier = table, identifier
+        self.name, self.title = table.name, table.title
+        self.lead = identifier.to_bytes(2, "big")
+        self.length = _HEAD + table.length
+
+    def measure(self, data: bytes, at: int, end: int) -> int | FaultKind:
+        if end - at < _HEAD:
+            return 0
+        if data[at + 2] != _DLC:
+            return FaultKind.BAD_LENGTH
+        return self.length if end - at >= self.length else 0
+
+    def check(self, raw: bytes) -> FaultKind | None:
+        return self.table.check(self._data(raw))
+
+    def decode(self, raw: bytes) -> Values:
+        return self.table.decode(self._data(raw))
+
+    def encode(self, values: Mapping[str, Any]) -> bytes:
+        """The data alone, as the document prints it."""
+        return self.table.encode(values)
+
+    def record(self, values: Mapping[str, Any]) -> bytes:
+        return record(self.identifier, self.encode(values))
+
+    def _data(self, raw: bytes) -> bytes:
+        return raw[_HEAD:] if len(raw) == self.length else raw
+
+
+def can_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
+    return _force_and_torque(tolerances)
+
+
+def _force_and_torque(tolerances: Tolerances) -> tuple[CanFrame, CanFrame]:
+    expected = tolerances["can_id"]
+    force, torque = (int(expected, 0),) * 2 if expected else (FORCE_ID, TORQUE_ID)
+    return CanFrame(FORCE, force), CanFrame(TORQUE, torque)
+
+
+LINKS = (LinkRow("coreboard.can", can_frames, line=from_line),)
+
+
+@dataclass(frozen=True, slots=True)
+class Thrust:
+    """What the full effort of a setpoint is on this vehicle (assumed)."""
+
+    surge_g: int = 5000
+    heave_g: int = 5000
+    turn_nm: int = 20
+
+
+class MotorCodec(StreamReader):
+    """A ``VehicleCodec`` that reports nothing. x is ahead, z down: starboard turns are positive."""
+
+    period, silence = PERIOD, SILENCE
+
+    def __init__(
+        self,
+        dialect: str = "documented",
+        tolerances: Tolerances | None = None,
+        battery_scale: tuple[float, float] = (1.0, 1.0),
+        thrust: Thrust | None = None,
+    ) -> None:
+        chosen = tolerances or Tolerances()
+        super().__init__(LINKS[0].framer(chosen), _silent)
+        self._force, self._torque = _force_and_torque(chosen)
+        self._thrust = thrust or Thrust()
+
+    def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
+        """Records: force, then torque. Raises CannotEncode."""
+        full = self._thrust
+        surge, turn, heave = _efforts(setpoint)
+        force = {"fx_g": surge * full.surge_g, "fy_g": 0, "fz_g": heave * full.heave_g}
+        torque = {"mx_nm": 0, "my_nm": 0, "mz_nm": turn * full.turn_nm}
+        return [self._force.record(force), self._torque.record(torque)]
+
+
+def _silent(frame: Frame) -> None:
+    """Other masters' frames are heard on the bus; they report nothing."""
+
+
+def _efforts(setpoint: Setpoint | Order) -> tuple[float, float, float]:
+    if isinstance(setpoint, Order):
+        return (0.0, 0.0, -1.0 if setpoint is Order.SURFACE else 0.0)
+    why = "the motor boards hold nothing: they take forces and torques"
+    refuse(setpoint, heading=why, depth=why, altitude=why, pitch=why, roll=why)
+    heave = fraction("heave", setpoint.heave or 0.0)
+    return fraction("surge", setpoint.surge), fraction("turn", setpoint.turn), heave

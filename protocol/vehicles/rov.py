@@ -1,0 +1,201 @@
+"""The ROV of document 003 (20 September 2022), serial 115200 or TCP.
+
+    55 AA | CmdType | DateLen | Command Function Reserved ... | sum | 0D 0A
+    01 board -> PC, unsolicited, 71 bytes   (003 3.2.1)
+    11 PC -> board, no answer,   30 bytes   (003 3.3.1)
+
+DateLen counts Command and Date, so a frame has DateLen + 7 bytes (E-R1); the sum is over Command
+and Date, mod 256. Numbers are low byte first (E-R3, tolerance ``float_order``). ``len003 = loose``
+ignores DateLen and trusts the length of the type.
+
+Signs, from the document's own sample: at rest az = -0.981 g, so z points down; roll -6.4 deg goes
+with ay = +0.11 g = -sin(roll), pitch -0.33 deg with ax = -0.007 g = sin(pitch). So Euler X is roll
+starboard down, Euler Y pitch nose up, and Euler Z by the right hand a yaw that grows clockwise.
+
+Setpoints: X ahead, Z turn to starboard, F up ("float"), each -1..1 of full effort (E-R8). The two
+hold flags hold what is there when they are set; they take no heading and no depth, so neither can
+be asked for. Sent at 20 Hz; the board goes neutral after 500 ms of silence (R17).
+
+What does not live here: framing and checks (protocol.framing, protocol.fields).
+"""
+
+from __future__ import annotations
+
+from protocol.checksum import sum256
+from protocol.codec import Received
+from protocol.fields import (
+    F32LE,
+    I8,
+    I32LE,
+    U8,
+    BinaryFrame,
+    Check,
+    Const,
+    FaultKind,
+    FrameType,
+    Number,
+    Pad,
+    Values,
+)
+from protocol.framing import Frame, LinkRow
+from protocol.messages import Order, Setpoint, Telemetry
+from protocol.tolerances import Tolerances
+from protocol.vehicles.adapter import StreamReader, fraction, heading_of, radians_of, refuse
+
+PERIOD = 0.05  # s (R17)
+SILENCE = 0.5
+
+_DATE_LEN_AT, _COMMAND_AT = 3, 4
+_FULL_SPEED = 1000.0  # r/min
+THRUSTERS = ("left_front", "right_front", "left_up", "right_up")
+SUM, TAIL = Check(sum256, "B", first=_COMMAND_AT), Const(b"\r\n")
+
+
+class RovFrame(BinaryFrame):
+    """``loose``: DateLen may be any (E-R1)."""
+
+    loose = False
+
+    def check(self, raw: bytes) -> FaultKind | None:
+        if self.loose:
+            right = (self.length - 7).to_bytes(1, "big")
+            raw = raw[:_DATE_LEN_AT] + right + raw[_COMMAND_AT:]
+        return super().check(raw)
+
+
+def _floats(tolerances: Tolerances, *names: str, bound: float | None = None) -> tuple[Number, ...]:
+    order = "<" if tolerances["float_order"] == "low" else ">"
+    low = None if bound is None else -bound
+    return tuple(F32LE(name, low, bound, order=order) for name in names)
+
+
+def up(tolerances: Tolerances) -> RovFrame:
+    """CmdType 01, 71 bytes (003 3.2.1; E-R2)."""
+    frame = RovFrame(
+        "rov.UP",
+        "003 3.2.1",
+        (
+            Const(b"\x55\xaa\x01"),
+            Const(b"\x40", FaultKind.BAD_LENGTH),
+            Const(b"\x01\x01", FaultKind.BAD_ENUM),  # command, function
+            Pad(1),
+            *_floats(tolerances, "ax_g", "ay_g", "az_g"),
+            *_floats(tolerances, "gx_dps", "gy_dps", "gz_dps"),
+            *_floats(tolerances, "ex_deg", "ey_deg", "ez_deg", bound=360),
+            *_floats(tolerances, "depth_m"),
+            *(I32LE(f"rpm_{name}", -1000, 1000) for name in THRUSTERS),
+            I32LE("temperature_c", 0, 100),
+            U8("metal_pct", 0, 100),
+            SUM,
+            TAIL,
+        ),
+    )
+    frame.loose = tolerances["len003"] == "loose"
+    return frame
+
+
+def down(tolerances: Tolerances) -> RovFrame:
+    """CmdType 11, 30 bytes (003 3.3.1; E-R7, E-R8)."""
+    frame = RovFrame(
+        "rov.DOWN",
+        "003 3.3.1",
+        (
+            Const(b"\x55\xaa\x11"),
+            Const(b"\x17", FaultKind.BAD_LENGTH),
+            Const(b"\x01\x01", FaultKind.BAD_ENUM),
+            Pad(1),
+            U8("hold_heading", choices=(0, 1)),
+            U8("hold_depth", choices=(0, 1)),
+            U8("led_pct", 0, 100),
+            I8("servo_deg", -30, 30),
+            *_floats(tolerances, "x", "z", "f", bound=1),
+            I32LE("reserved"),
+            SUM,
+            TAIL,
+        ),
+        command=True,
+    )
+    frame.loose = tolerances["len003"] == "loose"
+    return frame
+
+
+def _up(tolerances: Tolerances) -> tuple[FrameType, ...]:
+    return (up(tolerances),)
+
+
+def _down(tolerances: Tolerances) -> tuple[FrameType, ...]:
+    return (down(tolerances),)
+
+
+LINKS = (LinkRow("rov.down", _down), LinkRow("rov.up", _up))
+
+# --- Telemetry in, Setpoint out ------------------------------------------------------------------
+
+
+def telemetry(values: Values, t: float) -> Telemetry:
+    return Telemetry(
+        t=t,
+        depth=values["depth_m"],
+        heading=heading_of(values, "ez_deg"),
+        pitch=radians_of(values, "ey_deg"),
+        roll=radians_of(values, "ex_deg"),
+        temperature_c=float(values["temperature_c"]),
+        actuators=tuple(values[f"rpm_{name}"] / _FULL_SPEED for name in THRUSTERS),
+        faults=tuple(values["flags"]),
+    )
+
+
+NEUTRAL: Values = {
+    "hold_heading": 0,
+    "hold_depth": 0,
+    "led_pct": 0,
+    "servo_deg": 0,
+    "x": 0.0,
+    "z": 0.0,
+    "f": 0.0,
+    "reserved": 0,
+}
+
+
+def command(setpoint: Setpoint | Order) -> Values:
+    """Values of CmdType 11. Raises CannotEncode."""
+    if setpoint is Order.STOP:
+        return NEUTRAL
+    if setpoint is Order.SURFACE:
+        return NEUTRAL | {"f": 1.0}
+    refuse(
+        setpoint,
+        heading="the board can only hold the heading it has",
+        depth="the board can only hold the depth it has",
+        altitude="the board measures no altitude",
+        pitch="the board controls no pitch",
+        roll="the board controls no roll",
+    )
+    return NEUTRAL | {
+        "x": fraction("surge", setpoint.surge),
+        "z": fraction("turn", setpoint.turn),
+        "f": -fraction("heave", setpoint.heave or 0.0),
+    }
+
+
+class RovCodec(StreamReader):
+    """A ``VehicleCodec``."""
+
+    period, silence = PERIOD, SILENCE
+
+    def __init__(
+        self,
+        dialect: str = "documented",
+        tolerances: Tolerances | None = None,
+        battery_scale: tuple[float, float] = (1.0, 1.0),
+    ) -> None:
+        chosen = tolerances or Tolerances()
+        super().__init__(LINKS[1].framer(chosen), _telemetry)
+        self._frame = down(chosen)
+
+    def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
+        return [self._frame.encode(command(setpoint))]
+
+
+def _telemetry(frame: Frame) -> Received:
+    return telemetry(frame.values(), frame.t)
