@@ -6,23 +6,27 @@ does not live here: the proofs over time, place and energy (mission.check).
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 from mission.axes import axis_where
 from mission.guards import comparisons
 from mission.legs import LEGS
-from mission.model import Expression, Leg, Problem, Surface, Where
+from mission.model import Axis, Expression, Leg, Problem, Surface, Where
 from mission.variables import CLOCK, VARIABLES
 from mission.vehicle import Vehicle
+from protocol.codec import CannotEncode, VehicleCodec
 from protocol.messages import Setpoint
+from protocol.vehicles import codec
 
 GEARS = 12
 _POSITION_VARIABLES = frozenset({"distance", "cross_track"})
 
 
 def leg_problems(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
-    for check in _CHECKS:
-        yield from check(leg, setpoint, vehicle)
+    found = [problem for check in _CHECKS for problem in check(leg, setpoint, vehicle)]
+    yield from found or _encodes(leg, setpoint, vehicle)
 
 
 def _follows(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
@@ -76,6 +80,30 @@ def _one_speed(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Probl
             f"gear {vertical} up or down cannot be held together",
             "write the same gear for both, or hold a depth",
         )
+
+
+def _encodes(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
+    """The codec has the last word on what the vehicle's language can say."""
+    row = LEGS[type(leg.kind)]
+    if Axis.HEADING in row.steers and not row.ascends:
+        setpoint = replace(setpoint, heading=0.0)
+    depths = row.depths(leg.kind) or (setpoint.depth,)
+    try:
+        for depth in depths:
+            _codec(vehicle.codec, vehicle.dialect).encode(replace(setpoint, depth=depth))
+    except CannotEncode as error:
+        yield Problem(
+            "vehicle-has-no-word",
+            leg.where,
+            leg.name,
+            f"{vehicle.name} has no command for this leg: {error}",
+            "set what the message names in another way",
+        )
+
+
+@functools.lru_cache(maxsize=16)
+def _codec(name: str, dialect: str) -> VehicleCodec:
+    return codec(name, dialect, {})
 
 
 def _figures(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:

@@ -18,7 +18,7 @@ from protocol.messages import Order, Setpoint
 
 TURN = 10.0  # s each way is given (R7)
 FALL = 0.3  # m in that time: 0.03 m/s, twice the noise of the difference of two depths
-UPWARD = Setpoint(heave=-1.0)
+UPWARD = Setpoint(heave=-1.0)  # a whole set: what it does not control is cleared by X0
 
 
 class Ascent:
@@ -42,9 +42,7 @@ class Ascent:
         seen = "is not known" if depth is None or before is None else f"is {depth:.1f} m, no less"
         why = f"{self._why}: after {TURN:g} s the depth {seen}"
         self._thrust = not self._thrust
-        if self._thrust:
-            return Action(Order.STOP, why), Action(UPWARD, why)
-        return (Action(Order.SURFACE, why),)
+        return (Action(UPWARD if self._thrust else Order.SURFACE, why),)
 
     def next_timer(self) -> float:
         return self._since + TURN

@@ -255,12 +255,15 @@ class Core:
     def surface(
         self, name: str, why: str, by: By, evaluations: tuple[Evaluation, ...] = ()
     ) -> None:
-        """emergency/surfacing, from anywhere; ``name`` is the row of the region table."""
+        """emergency/surfacing, from anywhere; ``name`` is the row of the region table. An ascent
+        that a leg has begun goes on: to begin it anew would undo what it has found out."""
+        run = self.flying
+        begun = run.ascent if run is not None and run.climbing and by is By.LIMIT else None
         self._to_emergency()
         self.stop_at = None
         self.watch.set_sent(None)
-        self.ascent = Ascent(self.now, self.senses.depth, why)
-        self._move(name, SURFACING, why, self.ascent.first(), by, evaluations)
+        self.ascent = begun or Ascent(self.now, self.senses.depth, why)
+        self._move(name, SURFACING, why, () if begun else self.ascent.first(), by, evaluations)
 
     def _to_emergency(self) -> None:
         """The mission is over, the operator has to clear or to take the stick."""

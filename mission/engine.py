@@ -122,6 +122,8 @@ class Engine:
         for one in inputs:
             if isinstance(one, Telemetry):
                 core.senses.take_telemetry(one)
+                run = core.flying
+                core.watch.ascending = run is not None and run.climbing
                 core.watch.take_report()
                 reported = True
             elif isinstance(one, Fix):

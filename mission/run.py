@@ -130,6 +130,11 @@ class Run:
     def round(self) -> int:
         return self.rounds.get(self._plan.repeated, 1)
 
+    @property
+    def climbing(self) -> bool:
+        """On its way up, and not there yet."""
+        return self.ascent is not None and not self.at_surface
+
     # --- entering ------------------------------------------------------------------------------
 
     def enter(
@@ -312,7 +317,7 @@ class Run:
 
     def next_timer(self, senses: Senses) -> list[float | None]:
         due = [self.wake]
-        if self.ascent is not None and not self.at_surface:
+        if self.ascent is not None and self.climbing:
             due += [self.ascent.next_timer(), senses.surface_due(self.ascent.began)]
         return due
 

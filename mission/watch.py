@@ -109,6 +109,7 @@ class Watch:
         self.heard = -math.inf  # the last report, or when its age began anew
         self.lost = 0
         self.blind_since: float | None = None
+        self.ascending = False  # a leg proves its ascent: sinking is answered there already
         self.repeated = False  # after a brown-out the set was sent again
         self.descent, self.steering = Descent(), Steering()
         self.breaches: tuple[Limit, ...] = ()
@@ -139,7 +140,8 @@ class Watch:
         report = self.senses.telemetry
         assert report is not None
         self.heard = report.t
-        self.descent.take(self.senses, self._dive_asked(), self.vehicle.limits.descent_rate)
+        asked = self.ascending or self._dive_asked()
+        self.descent.take(self.senses, asked, self.vehicle.limits.descent_rate)
         heading = report.heading if self.senses.health("heading").valid else None
         self.steering.take(report.t, heading, self.sent.heading if self.sent else None)
 
