@@ -36,6 +36,7 @@ COMMANDS = {
     "find-crc": "find_crc",
     "report": "report",
     "calibrate": "calibrate",
+    "score": "score",
     "doctor": "doctor",
 }
 

@@ -102,30 +102,36 @@ class Calibration:
 
     ``current`` is what earlier dives found in these waters (north, east), ``current_sigma`` how
     far it is from that on another day; None: the vehicle's planning figure. ``turn_loss`` is the
-    share of the speed lost per rad/s of turn, ``sway_length`` the outward slip in m/s per rad/s.
+    share of the speed lost, ``turn_slip`` the share of it that goes outward, per rad/s of turn.
     """
 
     speed_scale: float = 1.0  # on speed_by_gear
     speed_scale_sigma: float = 0.1
     speed_noise: float = 0.05  # m/s, slow
+    speed_time: float = 30.0  # s, how slow
     surge_length: float = 2.0  # m: mass over drag
-    sway_length: float = 0.0
+    turn_slip: float = 0.0  # s
+    sway_noise: float = 0.03  # share of the speed, quick, to either side
     turn_loss: float = 0.0  # s
     deviation: Deviation = Deviation()
     deviation_sigma: float = math.radians(2.0)  # of what the harmonics leave
     current: tuple[float, float] = (0.0, 0.0)
     current_sigma: float | None = None
+    surface_drift: float = 0.03  # m/s per axis, by wind and waves
 
 
 _CALIBRATION_UNITS = {
     "speed_scale": "",
     "speed_scale_sigma": "",
     "speed_noise": "m/s",
+    "speed_time": "s",
     "surge_length": "m",
-    "sway_length": "m",
+    "turn_slip": "s",
+    "sway_noise": "",
     "turn_loss": "s",
     "deviation_sigma": "deg",
     "current_sigma": "m/s",
+    "surface_drift": "m/s",
 }
 
 

@@ -12,6 +12,7 @@ What does not live here: which readings are believed, gates, lateness, frames.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -23,11 +24,15 @@ from mission.navigation.model import (
     CE,
     CN,
     COMPASS,
+    COS,
     DEPTH,
     DEVIATION,
     RATE,
     SCALE,
+    SIN,
     STATES,
+    WE,
+    WN,
     E,
     Figures,
     N,
@@ -35,7 +40,7 @@ from mission.navigation.model import (
 
 Array = NDArray[np.float64]
 
-_UNKNOWN = 1e8  # m^2: no position, no depth yet
+_UNKNOWN = 1e4  # m: no position, no depth yet
 _STEP = 5.0  # s, the longest piece of a prediction
 _POSITION = np.eye(2, STATES)
 _DEPTH = np.zeros((1, STATES))
@@ -53,22 +58,38 @@ def _inverse(s: Array) -> Array:
     return np.array(((d * k, -b * k), (-c * k, a * k)))
 
 
-class Filter:
-    """``heading`` arguments are compass + declination, rad; the compass error is a state."""
+@dataclass(frozen=True, slots=True)
+class Run:
+    """How the vehicle moves over a stretch of time, as far as it knows.
 
+    ``heading`` is compass + declination (the compass's error is a state), ``expected`` the
+    thrusters' speed, ``along`` the share of the speed that makes way horizontally, ``sway`` the
+    slip to starboard as a share of the speed, ``lost`` the extra heading variance times its
+    correlation time (rad^2 s) while the compass cannot be believed.
+    """
+
+    heading: float = 0.0
+    expected: float = 0.0
+    along: float = 1.0
+    sway: float = 0.0
+    lost: float = 0.0
+    surfaced: bool = False
+
+
+class Filter:
     def __init__(self, figures: Figures) -> None:
-        self.figures = figures
+        self.figures = fig = figures
         self._kf: Any = KalmanFilter(dim_x=STATES, dim_z=2)
         self._kf.inv = _inverse
-        x = np.zeros(STATES)
-        x[SCALE] = 1.0
-        p = np.full(STATES, _UNKNOWN)
-        p[CN] = p[CE] = figures.current.sigma**2
-        p[SCALE] = figures.scale**2
-        p[DEVIATION] = figures.deviation.sigma**2
-        p[COMPASS] = figures.compass.sigma**2
-        p[RATE] = figures.rate.sigma**2
-        self._kf.x, self._kf.P = x, np.diag(p)
+        x, sigma = np.zeros(STATES), np.full(STATES, _UNKNOWN)
+        x[SCALE], (x[CN], x[CE]) = 1.0, fig.current_mean
+        sigma[CN], sigma[CE], sigma[WN], sigma[WE] = (fig.current.sigma,) * 2 + (
+            fig.drift.sigma,
+        ) * 2
+        sigma[SCALE], sigma[DEVIATION] = fig.scale, fig.deviation.sigma
+        sigma[COMPASS], sigma[SIN], sigma[COS] = fig.compass.sigma, fig.harmonic, fig.harmonic
+        sigma[RATE] = fig.rate.sigma
+        self._kf.x, self._kf.P = x, np.diag(sigma * sigma)
         self._kf.F, self._kf.Q = np.eye(STATES), np.zeros((STATES, STATES))
         self._f, self._q = self._kf.F.reshape(-1), self._kf.Q.reshape(-1)
 
@@ -91,60 +112,67 @@ class Filter:
 
     # --- time ------------------------------------------------------------------------------
 
-    def predict(
-        self, dt: float, heading: float, expected: float, along: float, sway: float, lost: float
-    ) -> None:
-        """Moves on by ``dt``; see ``transition`` for the arguments."""
+    def predict(self, dt: float, run: Run) -> None:
         pieces = max(1, math.ceil(dt / _STEP))
         for _ in range(pieces):
-            moved = self.transition(dt / pieces, heading, expected, along, sway, lost)
+            moved = self.transition(dt / pieces, run)
             self._kf.predict()
             x = self._kf.x
-            x[N], x[E] = moved
+            x[N], x[E], x[CN], x[CE] = moved
 
-    def transition(
-        self, dt: float, heading: float, expected: float, along: float, sway: float, lost: float
-    ) -> tuple[float, float]:
-        """Writes F and Q for ``dt``; the position after it.
-
-        ``expected`` is the thrusters' speed, ``along`` the share of the speed that is horizontal,
-        ``sway`` the speed to starboard, ``lost`` the extra heading variance times its correlation
-        time (rad^2 s) while the compass cannot be believed.
-        """
+    def transition(self, dt: float, run: Run) -> tuple[float, float, float, float]:
+        """Writes F and Q for ``dt``; position and current after it."""
         fig, f, q = self.figures, self._f, self._q
-        n, e, cn, ce, scale, deviation, error, _, _, _ = self._kf.x.tolist()
-        true = heading - error
+        n, e, cn, ce, wn, we, scale, deviation, error, a, b, _, _, _ = self._kf.x.tolist()
+        sm, cm = math.sin(run.heading), math.cos(run.heading)
+        true = run.heading - error - a * sm - b * cm
         c, s = math.cos(true), math.sin(true)
-        speed = scale * expected + deviation
-        forward = speed * along
-        wn, we = (forward * c - sway * s) * dt, (forward * s + sway * c) * dt
-        d_current, d_dev = fig.current.decay(dt), fig.deviation.decay(dt)
-        d_compass, d_rate = fig.compass.decay(dt), fig.rate.decay(dt)
+        speed = scale * run.expected + deviation
+        forward = speed * run.along
+        sway = run.sway * speed
+        dn, de = (forward * c - sway * s) * dt, (forward * s + sway * c) * dt
+        d_current, d_drift = fig.current.decay(dt), fig.drift.decay(dt)
+        d_dev, d_compass, d_rate = (
+            fig.deviation.decay(dt),
+            fig.compass.decay(dt),
+            fig.rate.decay(dt),
+        )
         t_current = 0.5 * dt * (1.0 + d_current)
-        t_dev = fig.deviation.time * (1.0 - d_dev) * along
-        t_scale = expected * along * dt
+        t_drift = 0.5 * dt * (1.0 + d_drift) if run.surfaced else 0.0
+        t_dev = fig.deviation.time * (1.0 - d_dev) * run.along
+        t_scale = run.expected * run.along * dt
         f[N * STATES + CN] = f[E * STATES + CE] = t_current
+        f[N * STATES + WN] = f[E * STATES + WE] = t_drift
         f[N * STATES + SCALE], f[E * STATES + SCALE] = t_scale * c, t_scale * s
         f[N * STATES + DEVIATION], f[E * STATES + DEVIATION] = t_dev * c, t_dev * s
-        f[N * STATES + COMPASS], f[E * STATES + COMPASS] = we, -wn
+        f[N * STATES + COMPASS], f[E * STATES + COMPASS] = de, -dn
+        f[N * STATES + SIN], f[E * STATES + SIN] = de * sm, -dn * sm
+        f[N * STATES + COS], f[E * STATES + COS] = de * cm, -dn * cm
         f[CN * STATES + CN] = f[CE * STATES + CE] = d_current
+        f[WN * STATES + WN] = f[WE * STATES + WE] = d_drift
         f[DEVIATION * STATES + DEVIATION] = d_dev
         f[COMPASS * STATES + COMPASS] = d_compass
         f[DEPTH * STATES + RATE] = fig.rate.time * (1.0 - d_rate)
         f[RATE * STATES + RATE] = d_rate
-        # the compass's white noise pushes across the track, once per report
-        across = forward * forward * dt * (fig.heading**2 * fig.period + 2.0 * lost)
+        # pushed across the track by the compass's white noise, once per report, and by sway
+        wander = fig.heading**2 * fig.period + 2.0 * (fig.sway.sigma**2 * fig.sway.time + run.lost)
+        across = forward * forward * dt * wander
         q[N * STATES + N], q[E * STATES + E] = across * s * s, across * c * c
         q[N * STATES + E] = q[E * STATES + N] = -across * s * c
         q[CN * STATES + CN] = q[CE * STATES + CE] = _noise(fig.current.sigma, d_current)
+        q[WN * STATES + WN] = q[WE * STATES + WE] = _noise(fig.drift.sigma, d_drift)
         q[DEVIATION * STATES + DEVIATION] = _noise(fig.deviation.sigma, d_dev)
         q[COMPASS * STATES + COMPASS] = _noise(fig.compass.sigma, d_compass)
         q[RATE * STATES + RATE] = _noise(fig.rate.sigma, d_rate)
         q[SCALE * STATES + SCALE] = (0.1 * fig.scale) ** 2 * dt / 3600.0
         q[BOTTOM * STATES + BOTTOM] = fig.slope**2 * fig.slope_length * (abs(speed) + 0.02) * dt
+        mn, me = fig.current_mean
+        late = t_dev - run.along * dt  # the deviation fades within the step
         return (
-            n + wn + (t_dev - along * dt) * deviation * c + t_current * cn,
-            e + we + (t_dev - along * dt) * deviation * s + t_current * ce,
+            n + dn + late * deviation * c + t_current * cn + t_drift * wn,
+            e + de + late * deviation * s + t_current * ce + t_drift * we,
+            mn + d_current * (cn - mn),
+            me + d_current * (ce - me),
         )
 
     # --- measurements ------------------------------------------------------------------------
@@ -203,25 +231,33 @@ class Filter:
         y, si = kf.y, kf.SI
         return float(y @ si @ y), len(y)
 
-    def velocity(
-        self, north: float, east: float, heading: float, expected: float, along: float
-    ) -> None:
+    def velocity(self, north: float, east: float, run: Run) -> None:
         """Over ground, from a receiver's speed and course (rejected beyond 4 sigma)."""
         fig, x, p = self.figures, self._kf.x, self._kf.P
-        true = heading - float(x[COMPASS])
+        sm, cm = math.sin(run.heading), math.cos(run.heading)
+        true = run.heading - float(x[COMPASS]) - float(x[SIN]) * sm - float(x[COS]) * cm
         c, s = math.cos(true), math.sin(true)
-        forward = (float(x[SCALE]) * expected + float(x[DEVIATION])) * along
+        speed = float(x[SCALE]) * run.expected + float(x[DEVIATION])
+        forward, sway = speed * run.along, speed * run.sway
+        vn, ve = forward * c - sway * s, forward * s + sway * c
         h = np.zeros((2, STATES))
-        h[0, CN] = h[1, CE] = 1.0
-        h[0, SCALE], h[1, SCALE] = expected * along * c, expected * along * s
-        h[0, DEVIATION], h[1, DEVIATION] = along * c, along * s
-        h[0, COMPASS], h[1, COMPASS] = forward * s, -forward * c
+        for column, n, e in (
+            (CN, 1.0, 0.0),
+            (CE, 0.0, 1.0),
+            (WN, float(run.surfaced), 0.0),
+            (WE, 0.0, float(run.surfaced)),
+            (SCALE, run.expected * run.along * c, run.expected * run.along * s),
+            (DEVIATION, run.along * c, run.along * s),
+            (COMPASS, ve, -vn),
+            (SIN, ve * sm, -vn * sm),
+            (COS, ve * cm, -vn * cm),
+        ):
+            h[0, column], h[1, column] = n, e
         across = (forward * fig.heading) ** 2
-        r0 = fig.ground_velocity**2
-        r = np.array(
-            ((r0 + across * s * s, -across * s * c), (-across * s * c, r0 + across * c * c))
-        )
-        y = np.array((north - forward * c - float(x[CN]), east - forward * s - float(x[CE])))
+        r0, rc = fig.ground_velocity**2, -across * s * c
+        r = np.array(((r0 + across * s * s, rc), (rc, r0 + across * c * c)))
+        drift = x[WN:SCALE] if run.surfaced else np.zeros(2)
+        y = np.array((north - vn, east - ve)) - x[CN:WN] - drift
         if float(y @ _inverse(h @ p @ h.T + r) @ y) < 16.0:
             self._kf.update(y + h @ x, r, h)
 

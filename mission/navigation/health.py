@@ -107,7 +107,7 @@ class SensorHealth:
     def telemetry(self, t: Telemetry) -> frozenset[str]:
         """Takes a report in; the channels of it that can be believed."""
         moving = t.actuators is None or any(abs(a) > _NEUTRAL for a in t.actuators[:5])
-        doubtful = {fault.partition(":")[0] for fault in t.faults}
+        doubtful = {_channel_of(fault) for fault in t.faults}
         values = {
             "depth": t.depth,
             "altitude": t.altitude,
@@ -123,9 +123,7 @@ class SensorHealth:
             for name, value in values.items()
             if value is not None
             and CHANNELS[name].sensor in self._reports
-            and self.monitors[name].observe(
-                CHANNELS[name], t.t, value, moving, name in doubtful or f"{name}_c" in doubtful
-            )
+            and self.monitors[name].observe(CHANNELS[name], t.t, value, moving, name in doubtful)
         )
 
     def fix(self, f: Fix) -> None:
@@ -146,3 +144,9 @@ class SensorHealth:
         if age > row.max_age:
             return Health(False, "stale", age)
         return Health(not monitor.reason, monitor.reason, age)
+
+
+def _channel_of(fault: str) -> str:
+    """``yaw_deg:range`` doubts the heading; codecs name fields as their documents do."""
+    name = fault.partition(":")[0].rpartition("_")[0] or fault.partition(":")[0]
+    return "heading" if name == "yaw" else name

@@ -1,24 +1,29 @@
 """The figures that the filter believes, and how the vehicle moves between two reports.
 
-    x = north, east | current north, east | speed scale, speed deviation | compass error
+    x = north, east | current north, east | surface drift north, east
+        | speed scale, speed deviation | compass error, its deviation over the heading (sin, cos)
         | depth, depth rate | bottom depth
 
     forward speed through the water  = scale * expected(thrusters) + deviation
-    true heading                     = compass + declination - compass error
+    true heading                     = compass + declination - error - a sin(m) - b cos(m)
+    velocity over ground             = water + current (+ surface drift while at the surface)
 
-Currents, deviation, compass error and depth rate are first-order Gauss-Markov processes (Gelb,
-Applied Optimal Estimation, 1974, ch. 3.8): steady sigma, correlation time.
+The surface drift (wind, waves, Stokes) is what a current learned at the surface is not, below.
+Current, drift, deviation, compass error and depth rate are first-order Gauss-Markov processes
+(Gelb, Applied Optimal Estimation, 1974, ch. 3.8): steady sigma, correlation time. The deviation
+over the heading is a random function of the heading with covariance sigma^2 cos(difference).
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 from mission.vehicle import Vehicle
 
-N, E, CN, CE, SCALE, DEVIATION, COMPASS, DEPTH, RATE, BOTTOM = range(10)
-STATES = 10
+N, E, CN, CE, WN, WE, SCALE, DEVIATION, COMPASS, SIN, COS, DEPTH, RATE, BOTTOM = range(14)
+STATES = 14
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,51 +42,83 @@ class Figures:
     """One sigma of everything, SI. Those that the vehicle file has come from it."""
 
     current: Markov
-    scale: float  # relative
+    current_mean: tuple[float, float]
+    drift: Markov  # m/s
+    scale: float  # relative, one sigma at the start
     deviation: Markov  # m/s
     compass: Markov  # rad
+    harmonic: float  # rad
     heading: float  # rad, white, per report
     period: float  # s, of the reports
+    sway: Markov  # share of the speed
     rate: Markov  # m/s, of the depth
     depth: float
     altitude: float
     slope: float = 0.15  # of the bottom, rise over run
     slope_length: float = 20.0  # m over which the slope persists
-    surge_length: float = 4.0  # m: mass over drag; v' = (v_end^2 - v^2) / surge_length
     ground_velocity: float = 0.15  # m/s, of a receiver's speed and course
 
 
 def figures(vehicle: Vehicle) -> Figures:
-    sensors = vehicle.sensors
+    sensors, known = vehicle.sensors, vehicle.calibration
+    current = vehicle.current if known.current_sigma is None else known.current_sigma
     return Figures(
-        current=Markov(max(vehicle.current, 0.02), 4.0 * 3600.0),
-        scale=0.1,
-        deviation=Markov(0.04, 30.0),
+        current=Markov(max(current, 1e-4), 12.0 * 3600.0),
+        current_mean=known.current,
+        drift=Markov(known.surface_drift, 1800.0),
+        scale=known.speed_scale_sigma,
+        deviation=Markov(known.speed_noise, known.speed_time),
         compass=Markov(max(sensors.heading_bias, 1e-3), 6.0 * 3600.0),
+        harmonic=known.deviation_sigma,
         heading=sensors.heading,
         period=sensors.telemetry_period,
+        sway=Markov(known.sway_noise, 10.0),
         rate=Markov(0.3, 15.0),
         depth=sensors.depth,
         altitude=sensors.altitude,
     )
 
 
+class Propulsion(Protocol):
+    """Forward speed through still water, as the vehicle's own data lets expect it."""
+
+    speed: float
+
+    def advance(
+        self, actuators: tuple[float, ...] | None, dt: float, pitch: float, rate: float
+    ) -> float:
+        """The mean over the last ``dt`` (inf: it has been going on like this for long)."""
+        ...
+
+
+def propulsion(vehicle: Vehicle) -> Propulsion:
+    return Glide(vehicle) if vehicle.glides else Thrust(vehicle)
+
+
 class Thrust:
-    """Forward speed through still water that the two main thrusters are expected to give."""
+    """By the main thrusters; v' = (drive - v |v|) / surge length, the drive being v^2 at the end.
 
-    __slots__ = ("_curve", "_length", "speed")
+    Fractions of thrust come with left and right main first.
+    """
 
-    def __init__(self, vehicle: Vehicle, length: float) -> None:
-        self._curve, self._length = vehicle.speed_by_gear, length
+    __slots__ = ("_curve", "_length", "_scale", "speed")
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self._curve, self._length = vehicle.speed_by_gear, vehicle.calibration.surge_length
+        self._scale = vehicle.calibration.speed_scale
         self.speed = 0.0
 
-    def advance(self, actuators: tuple[float, ...] | None, dt: float) -> float:
-        """The mean speed over ``dt`` under these fractions of thrust (left, right main first)."""
+    def advance(
+        self, actuators: tuple[float, ...] | None, dt: float, pitch: float, rate: float
+    ) -> float:
         if not actuators:
             return self.speed
-        end = self._drive(actuators[0]) + self._drive(actuators[min(1, len(actuators) - 1)])
-        drive, v, total = 0.5 * end, self.speed, 0.0
-        steps = min(max(1, math.ceil(dt / 0.5)), 40)
+        port, starboard = actuators[0], actuators[min(1, len(actuators) - 1)]
+        drive = 0.5 * (self._drive(port) + self._drive(starboard))
+        if dt == math.inf:
+            self.speed = math.copysign(math.sqrt(abs(drive)), drive)
+            return self.speed
+        v, total, steps = self.speed, 0.0, min(max(1, math.ceil(2.0 * dt)), 40)
         h = min(dt, 20.0) / steps
         for _ in range(steps):
             before = v
@@ -92,5 +129,33 @@ class Thrust:
 
     def _drive(self, fraction: float) -> float:
         """Thrust, as the signed square of the speed that it keeps up."""
-        v = self._curve.at(12.0 * abs(fraction))
+        v = self._scale * self._curve.at(12.0 * abs(fraction))
         return math.copysign(v * v, fraction)
+
+
+class Glide:
+    """By sinking and rising along the glide path: horizontal speed = rate / tan(path angle).
+
+    The path is steeper than the pitch by the angle of attack, about 3 deg near the pitches flown
+    (Merckelbach, Smeed, Griffiths, J. Atmos. Oceanic Technol. 27, 2010, 547-563).
+    """
+
+    _ATTACK = math.radians(3.0)
+    _LEAST = math.radians(8.0)  # flatter is no glide: inflecting, or at the surface
+    _SLOWEST, _FASTEST = 0.03, 0.6  # m/s of depth rate; forward
+
+    __slots__ = ("_scale", "speed")
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self._scale = vehicle.calibration.speed_scale
+        self.speed = 0.0
+
+    def advance(
+        self, actuators: tuple[float, ...] | None, dt: float, pitch: float, rate: float
+    ) -> float:
+        if abs(rate) < self._SLOWEST or abs(pitch) < self._LEAST:
+            self.speed = 0.0
+        else:
+            path = math.sin(abs(pitch) + self._ATTACK)
+            self.speed = self._scale * min(abs(rate) / path, self._FASTEST)
+        return self.speed

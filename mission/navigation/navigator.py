@@ -95,15 +95,19 @@ class Navigation:
         self._take(
             Report(
                 t.t,
-                None
-                if heading is None
-                else heading + self._declination - self._vehicle.compass_bias,
+                None if heading is None else self._straighten(heading),
                 t.pitch if "pitch" in good else None,
                 t.actuators,
                 t.depth if "depth" in good else None,
                 t.altitude if "altitude" in good else None,
             )
         )
+
+    def _straighten(self, compass: float) -> float:
+        """What is known of the compass's error taken off, and the declination put on."""
+        vehicle = self._vehicle
+        known = vehicle.compass_bias + vehicle.calibration.deviation.at(compass)
+        return compass + self._declination - known
 
     def fix(self, f: Fix) -> None:
         from mission.navigation.reckoner import GroundFix
@@ -155,7 +159,7 @@ class Navigation:
         before = core.filter.save()
         dt = max(now - core.t, 0.0)
         if dt > 0.0:
-            core.filter.predict(dt, *core.motion(core.t, core.t + dt))
+            core.filter.predict(dt, core.run(core.t, core.t + dt))
         x, p = core.filter.save()
         core.filter.load(before)
         return self._estimate(now, x.tolist(), p)
@@ -163,36 +167,44 @@ class Navigation:
     def _estimate(self, now: float, x: list[float], p: Any) -> Estimate:
         core = self._core
         var = p.diagonal().tolist()
-        u = core.expected
-        speed_var = var[4] * u * u + 2.0 * u * float(p[4, 5]) + var[5]
-        heading_var = var[6] + core.figures.heading**2 + core.heading_loss(now) ** 2
-        heading = None if core.heading is None else (core.heading - x[6]) % (2.0 * math.pi)
+        u, shown = core.expected, core.heading
         deep, high = core.depth_seen, core.depth_seen and core.altitude_seen
+        heading, heading_var = None, math.pi**2
+        if shown is not None:
+            s, c = math.sin(shown), math.cos(shown)
+            heading = (shown - x[8] - x[9] * s - x[10] * c) % (2.0 * math.pi)
+            heading_var = self._heading_variance(p, s, c) + core.heading_loss(now) ** 2
+        speed_var = var[6] * u * u + 2.0 * u * float(p[6, 7]) + var[7]
         return Estimate(
             t=now,
             north=x[0],
             east=x[1],
-            depth=x[7] if deep else None,
-            depth_rate=x[8] if deep else None,
-            altitude=x[9] - x[7] if high else None,
+            depth=x[11] if deep else None,
+            depth_rate=x[12] if deep else None,
+            altitude=x[13] - x[11] if high else None,
             heading=heading,
-            speed=x[4] * u + x[5],
+            speed=x[6] * u + x[7],
             current_north=x[2],
             current_east=x[3],
             covariance=(var[0], float(p[0, 1]), var[1]),
             sigmas={
-                "depth": math.sqrt(var[7]),
-                "depth_rate": math.sqrt(var[8]),
-                "altitude": math.sqrt(max(var[7] + var[9] - 2.0 * float(p[7, 9]), 0.0)),
+                "depth": math.sqrt(var[11]),
+                "depth_rate": math.sqrt(var[12]),
+                "altitude": math.sqrt(max(var[11] + var[13] - 2.0 * float(p[11, 13]), 0.0)),
                 "heading": math.sqrt(heading_var),
                 "speed": math.sqrt(max(speed_var, 0.0)),
                 "current": math.sqrt(0.5 * (var[2] + var[3])),
-                "compass": math.sqrt(var[6]),
             },
             nis=core.nis,
             fix_age=None if core.last_fix is None else now - core.last_fix,
             mode=self._mode(now),
         )
+
+    def _heading_variance(self, p: Any, s: float, c: float) -> float:
+        """Of one report: the compass's error over the heading, and its noise."""
+        (bb, bs, bc), (_, ss, sc), (_, _, cc) = p[8:11, 8:11].tolist()
+        error = bb + ss * s * s + cc * c * c + 2.0 * (bs * s + bc * c + sc * s * c)
+        return float(max(error, 0.0) + self._core.figures.heading**2)
 
     def _mode(self, now: float) -> NavigationMode:
         if not self._core.located:

@@ -18,8 +18,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from mission.navigation.filter import Filter
-from mission.navigation.model import Figures, Thrust
+from mission.navigation.filter import Filter, Run
+from mission.navigation.model import RATE, Figures, propulsion
 from mission.vehicle import Vehicle
 
 GATE = 13.816  # chi-square, 2 degrees of freedom, 99.9 %
@@ -27,6 +27,7 @@ _AGREEING = 3  # rejected fixes in a row that win against the gate
 _FASTEST = 4.0  # m/s, between two fixes that agree
 _WIDEST = 25.0  # factor on the covariance; what is missing then is given to the position alone
 _EXTRAPOLATE = 1.0  # s beyond a report for which its yaw rate is believed
+_SURFACE = 0.7  # m of depth: shallower is moved by wind and waves
 _LOST_TIME, _LOST_GROWTH, _LOST_MOST = 20.0, 0.05, 1.8  # s; rad per s; rad: no compass
 
 
@@ -65,8 +66,8 @@ class _Motion:
     heading_t: float = -math.inf
     yaw_rate: float = 0.0
     along: float = 1.0
-    actuators: tuple[float, ...] | None = None
     expected: float = 0.0  # m/s, mean since the report before
+    surfaced: bool = False
 
 
 class Reckoner:
@@ -81,7 +82,8 @@ class Reckoner:
         self.nis: tuple[float, int] | None = None
         self.fix_nis: float | None = None  # of the last fix that was used
         self.depth_seen = self.altitude_seen = False
-        self._thrust = Thrust(vehicle, figures.surge_length)
+        self._propulsion = propulsion(vehicle)
+        self._calibration = vehicle.calibration
         self._motion = _Motion(-math.inf)
         self._rejected: tuple[GroundFix, ...] = ()
         self._used: GroundFix | None = None
@@ -101,10 +103,10 @@ class Reckoner:
 
     def save(self) -> tuple[Any, ...]:
         kept = tuple(getattr(self, name) for name in self._KEPT)
-        return self.filter.save(), self._thrust.speed, kept
+        return self.filter.save(), self._propulsion.speed, kept
 
     def load(self, saved: tuple[Any, ...]) -> None:
-        arrays, self._thrust.speed, kept = saved
+        arrays, self._propulsion.speed, kept = saved
         self.filter.load(arrays)
         for name, value in zip(self._KEPT, kept, strict=True):
             setattr(self, name, value)
@@ -120,10 +122,15 @@ class Reckoner:
     def _report(self, r: Report) -> None:
         last = self._motion
         since = r.t - last.t
-        expected = self._thrust.advance(r.actuators, since) if since < math.inf else 0.0
+        pitch = r.pitch or 0.0
+        sinking = float(self.filter.x[RATE])
+        expected = self._propulsion.advance(r.actuators, since, pitch, sinking)
         heading, heading_t, rate = self._turn(r)
-        along = math.cos(r.pitch) if r.pitch is not None else 1.0
-        self._motion = _Motion(r.t, heading, heading_t, rate, along, r.actuators, expected)
+        kept = 1.0 / (1.0 + self._calibration.turn_loss * abs(rate))
+        surfaced = last.surfaced if r.depth is None else r.depth < _SURFACE
+        self._motion = _Motion(
+            r.t, heading, heading_t, rate, math.cos(pitch) * kept, expected, surfaced
+        )
         self._advance(r.t)
         nis = self.filter.vertical(r.depth, r.altitude)
         self.depth_seen = self.depth_seen or r.depth is not None
@@ -148,20 +155,19 @@ class Reckoner:
         dt = t - self.t
         if dt <= 0.0:
             return
-        heading, expected, along, sway, lost = self.motion(self.t, t)
-        self.filter.predict(dt, heading, expected, along, sway, lost)
+        self.filter.predict(dt, self.run(self.t, t))
         self.t = t
 
-    def motion(self, t0: float, t1: float) -> tuple[float, float, float, float, float]:
-        """Heading, expected speed, horizontal share, sway and lost compass between two times."""
+    def run(self, t0: float, t1: float) -> Run:
+        """How it moves between two times."""
         m = self._motion
         if m.heading is None:
-            return 0.0, m.expected, m.along, 0.0, _LOST_MOST**2 * _LOST_TIME
-        middle = 0.5 * (t0 + t1)
-        turned = m.yaw_rate * min(middle - m.heading_t, _EXTRAPOLATE)
+            return Run(0.0, m.expected, m.along, 0.0, _LOST_MOST**2 * _LOST_TIME, m.surfaced)
+        turned = m.yaw_rate * min(0.5 * (t0 + t1) - m.heading_t, _EXTRAPOLATE)
         arc = m.yaw_rate * (t1 - t0)
         along = m.along * (1.0 - min(arc * arc, 4.0) / 24.0)  # the chord of the arc
-        return m.heading + turned, m.expected, along, 0.0, self._lost(t1)
+        sway = -self._calibration.turn_slip * m.yaw_rate
+        return Run(m.heading + turned, m.expected, along, sway, self._lost(t1), m.surfaced)
 
     def _lost(self, t: float) -> float:
         return self.heading_loss(t) ** 2 * _LOST_TIME
@@ -178,7 +184,7 @@ class Reckoner:
 
     @property
     def expected(self) -> float:
-        return self._thrust.speed
+        return self._propulsion.speed
 
     # --- fixes -------------------------------------------------------------------------------
 
@@ -231,9 +237,9 @@ class Reckoner:
     def _velocity(self, f: GroundFix) -> None:
         if f.velocity is None or self._motion.heading is None:
             return
-        heading, expected, along, _, lost = self.motion(f.t, f.t)
-        if lost == 0.0:
-            self.filter.velocity(*f.velocity, heading, expected, along)
+        run = self.run(f.t, f.t)
+        if run.lost == 0.0:
+            self.filter.velocity(*f.velocity, run)
 
 
 def _agree(fixes: Sequence[GroundFix]) -> bool:

@@ -109,7 +109,7 @@ def test_a_heading_through_north_is_no_leap() -> None:
 
 
 def test_what_the_codec_doubts_is_absurd() -> None:
-    health = after(report(0), report(1, faults=("depth:range",)))
+    health = after(report(0), report(1, faults=("depth_m:out_of_range",)))
     assert health.of("depth", 2.0).reason == "absurd"
     assert health.of("heading", 2.0).valid
 

@@ -1,0 +1,47 @@
+"""``auvmission score``: the estimate on recordings of real vehicles, beside the references."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command()
+@click.argument("folder", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.option("--vehicle", default="auv", show_default=True,
+              help="Vehicle file or name whose compass the runs are given.")  # fmt: skip
+@click.option("--without", multiple=True, metavar="STATE",
+              help="Take a state away, to see what it earns; may be given again.")  # fmt: skip
+def score(folder: Path, vehicle: str, without: tuple[str, ...]) -> None:
+    """Score the estimate on every recording (CSV) below FOLDER.
+
+    The last line is one JSON object; a table for the eye goes to stderr. Exit 2 where there is
+    nothing to score.
+    """
+    import json
+    import sys
+
+    from mission.navigation.scoring import WITHOUT, as_object, score_folder
+    from mission.vehicle import VehicleError, load_vehicle
+
+    unknown = [name for name in without if name not in WITHOUT]
+    if unknown:
+        raise click.UsageError(f"no state {unknown[0]!r}; there are: {', '.join(WITHOUT)}")
+    try:
+        known = load_vehicle(vehicle)
+    except VehicleError as error:
+        raise click.UsageError(str(error)) from None
+    scores, refused = score_folder(folder, known, without)
+    for reason in refused:
+        click.echo(f"left out: {reason}", err=True)
+    click.echo("file, scoring: end %, reference %, coverage, ellipse %", err=True)
+    for s in scores:
+        reference = "-" if s.reference_pct is None else f"{s.reference_pct:.1f}"
+        click.echo(
+            f"{s.file}, {s.scoring}: {s.end_pct:.1f}, {reference}, "
+            f"{s.coverage:.2f}, {s.ellipse_pct:.0f}",
+            err=True,
+        )
+    click.echo(json.dumps(as_object(scores)))
+    sys.exit(0 if scores else 2)

@@ -1,0 +1,186 @@
+"""Recordings of real vehicles as CSV, and the bytes that this vehicle would have sent instead.
+
+    runs      t, lat, lon, depth, roll_deg, pitch_deg, heading_deg, ...   truth in every row
+    gliders   unix_s, depth_m, heading_mag_deg, pitch_deg, roll_deg, ..., gps_lat, gps_lon
+              truth at the surface only, where there was a fix
+
+A row becomes an @SD frame every 2 s (or as often as there are rows), a fix becomes GGA + RMC
+without speed and course; both go through the decoders that the vehicle uses.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mission.model import Position
+from mission.navigation.geodesy import LocalFrame
+from protocol.messages import Fix, Telemetry
+from protocol.nmea import NmeaDecoder, encode_gga, encode_rmc
+from protocol.vehicles.auv import ACTUATORS, MAGNETOMETERS, SD, AuvCodec
+
+Array = NDArray[np.float64]
+
+_RUN = ("t", "lat", "lon", "depth", "roll_deg", "pitch_deg", "heading_deg")
+_GLIDER = ("unix_s", "depth_m", "heading_mag_deg", "pitch_deg", "roll_deg", "gps_lat", "gps_lon")
+_EXTRA = ("altitude_m", "veh_temp_c", "speed_est_mps")
+_EVERY = 2.0  # s, of @SD
+_SURFACE = 0.5  # m: the antenna is out of the water
+_UNDATED = datetime(2024, 1, 1, tzinfo=UTC)  # runs count from 0
+CRUISE_PWM, NEUTRAL_PWM = 1500 + round(500 * 8 / 12), 1500  # gear 8, and none
+
+
+class RecordingError(ValueError):
+    """A file that is not a recording; says what is missing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """Columns over the rows, angles in rad, NaN where nothing was recorded.
+
+    ``north`` and ``east`` are of the first fix; for a glider they are there only with a fix.
+    """
+
+    name: str
+    glider: bool
+    start: datetime
+    origin: Position
+    t: Array  # s from the first row
+    north: Array
+    east: Array
+    depth: Array
+    heading: Array
+    pitch: Array
+    roll: Array
+    altitude: Array
+    temperature: Array
+    own_speed: Array  # what the vehicle itself believed, m/s
+
+    @property
+    def path(self) -> Array:
+        """Length of the true path up to each row (runs only)."""
+        steps = np.hypot(np.diff(self.north), np.diff(self.east))
+        return np.concatenate(([0.0], np.cumsum(steps)))
+
+
+def read(file: Path) -> Recording:
+    """Raises RecordingError for another format, or a file with nothing to score."""
+    with file.open(newline="", encoding="utf-8") as stream:
+        rows = csv.DictReader(stream)
+        names = tuple(rows.fieldnames or ())
+        glider = set(_GLIDER) <= set(names)
+        if not glider and not set(_RUN) <= set(names):
+            missing = ", ".join(n for n in _RUN if n not in names)
+            raise RecordingError(f"{file}: no recording: the columns {missing} are missing")
+        wanted = (*(_GLIDER if glider else _RUN), *(n for n in _EXTRA if n in names))
+        table: dict[str, list[float]] = {name: [] for name in wanted}
+        for row in rows:
+            for name in wanted:
+                table[name].append(_number(row[name]))
+    return _recording(file.name, glider, {name: np.array(v) for name, v in table.items()})
+
+
+def _number(text: str | None) -> float:
+    try:
+        return float(text or "nan")
+    except ValueError:
+        return math.nan
+
+
+def _recording(name: str, glider: bool, table: dict[str, Array]) -> Recording:
+    time, lat, lon = ("unix_s", "gps_lat", "gps_lon") if glider else ("t", "lat", "lon")
+    whole = [time] if glider else list(_RUN)
+    good = np.all([np.isfinite(table[n]) for n in whole], axis=0)
+    good[good] &= np.concatenate(([True], np.diff(np.maximum.accumulate(table[time][good])) > 0.0))
+    table = {n: v[good] for n, v in table.items()}
+    at = np.flatnonzero(np.isfinite(table[lat]) & np.isfinite(table[lon]))
+    if len(at) < 2:
+        raise RecordingError(f"{name}: fewer than two positions")
+    t = table[time]
+    start = datetime.fromtimestamp(t[0], UTC) if glider else _UNDATED
+    origin = Position(float(table[lat][at[0]]), float(table[lon][at[0]]))
+    frame, north, east = LocalFrame(origin), np.full(len(t), np.nan), np.full(len(t), np.nan)
+    for i in at:
+        north[i], east[i] = frame.to_local(
+            math.radians(float(table[lat][i])), math.radians(float(table[lon][i]))
+        )
+    unknown = np.full(len(t), np.nan)
+    return Recording(
+        name=name,
+        glider=glider,
+        start=start,
+        origin=origin,
+        t=t - t[0],
+        north=north,
+        east=east,
+        depth=table["depth_m" if glider else "depth"],
+        heading=np.radians(table["heading_mag_deg" if glider else "heading_deg"]),
+        pitch=np.radians(table["pitch_deg"]),
+        roll=np.radians(table["roll_deg"]),
+        altitude=table.get("altitude_m", unknown),
+        temperature=table.get("veh_temp_c", unknown),
+        own_speed=table.get("speed_est_mps", unknown),
+    )
+
+
+def surfaced(recording: Recording) -> list[int]:
+    """Rows with a fix while the antenna is out of the water (depth below 0.5 m)."""
+    known = held(recording.depth)
+    at = np.flatnonzero(np.isfinite(recording.north) & (known < _SURFACE))
+    return [int(i) for i in at]
+
+
+def held(values: Array) -> Array:
+    """Gaps filled with the last value before them."""
+    last = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(len(values)), 0))
+    return values[last]
+
+
+def wire(
+    recording: Recording, fixes: Iterable[int], heading: Array, pwm: int
+) -> list[Telemetry | Fix]:
+    """What the decoders make of it: @SD every 2 s, and GGA + RMC for the rows ``fixes``."""
+    codec, gps, frame = AuvCodec(), NmeaDecoder(), LocalFrame(recording.origin)
+    out: list[Telemetry | Fix] = []
+    wanted, due = set(fixes), -math.inf
+    for i, t in enumerate(recording.t.tolist()):
+        if i in wanted:
+            here = frame.to_geodetic(float(recording.north[i]), float(recording.east[i]))
+            utc = recording.start + timedelta(seconds=t)
+            said = encode_gga(utc, *here) + encode_rmc(utc, *here, speed=None)
+            found = [*gps.receive(said, t), *gps.flush(t + 1.0)]
+            out += [f for f in found if isinstance(f, Fix)]
+        if t >= due and _reported(recording, i):
+            due = max(due + _EVERY, t + 0.5 * _EVERY)
+            messages = codec.receive(_sd(recording, i, float(heading[i]), pwm), t)
+            out += [m for m in messages if isinstance(m, Telemetry)]
+    return out
+
+
+def _reported(recording: Recording, i: int) -> bool:
+    return bool(np.isfinite(recording.depth[i]) or np.isfinite(recording.heading[i]))
+
+
+def _sd(recording: Recording, i: int, heading: float, pwm: int) -> bytes:
+    values = {
+        "roll_deg": math.degrees(recording.roll[i]),
+        "pitch_deg": math.degrees(recording.pitch[i]),
+        "yaw_deg": -math.degrees(math.remainder(heading, 2.0 * math.pi)),
+        "temperature_c": float(recording.temperature[i]),
+        "depth_m": float(recording.depth[i]),
+        "altitude_m": float(recording.altitude[i]),
+        **dict.fromkeys(MAGNETOMETERS, 0.0),
+        **{f"pwm_{name}": NEUTRAL_PWM for name in ACTUATORS},
+        "pwm_left_main": pwm,
+        "pwm_right_main": pwm,
+        "battery_control": 12,
+        "battery_power": 48,
+    }
+    return SD.pack(values)
