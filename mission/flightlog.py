@@ -211,7 +211,7 @@ class FlightLog:
             self._visits[path] += 1
             self._open, self.ended = (path, step.t), None
         elif path.startswith("emergency/"):
-            self.emergency = self.emergency or "; ".join((step.event, *step.actions[:1]))
+            self.emergency = self.emergency or _why(step)
         if path in (SURFACED, IDLE_READY, IDLE_EMPTY):
             self.ended = step.t
             self.completed = self.completed or step.by is By.END
@@ -237,6 +237,11 @@ def _leg_paths(body: Iterable[Node], parent: str) -> Iterator[str]:
             yield from _leg_paths(node.body, f"{parent}/{node.name}")
         elif isinstance(node, Leg):
             yield f"{parent}/{node.name}"
+
+
+def _why(step: Step) -> str:
+    """The reason of the first command, which stands behind its words."""
+    return step.actions[0].partition(": ")[2] if step.actions else step.event
 
 
 def _rounded(value: float | None) -> float | None:

@@ -116,6 +116,7 @@ def _draw_ellipse(axes: Axes, sample: Sample) -> None:
         fill=False,
         edgecolor=_ESTIMATE,
         linewidth=0.7,
+        alpha=0.6,
     )
     axes.add_patch(patch)
 
@@ -146,7 +147,8 @@ def _draw_profile(axes: Axes, flight: Flight, colours: dict[str, str]) -> None:
     axes.set_ylabel("depth, m")
     axes.grid(alpha=0.3)
     if named:
-        axes.legend(loc="lower right", fontsize=8, ncols=min(len(named), 4))
+        below = (0.5, -0.2)  # beside the curves it would hide one of them
+        axes.legend(loc="upper center", bbox_to_anchor=below, fontsize=8, ncols=min(len(named), 6))
 
 
 def _spread(samples: Sequence[Sample], count: int) -> Sequence[Sample]:

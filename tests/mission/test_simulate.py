@@ -1,0 +1,256 @@
+"""A flight in simulation: real bytes, both profiles, the same seed gives the same bytes."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+
+from links.simulated.settings import parse_settings
+from mission.commands.simulate import simulate
+from mission.flight import fly
+from mission.flightlog import Flight
+from mission.language import digest, parse
+from mission.model import STOPPED, SURFACED
+from mission.plot import ellipse
+from mission.records import INPUTS, OUTPUTS, STEP, TX, ListRecorder, read_start
+from mission.rehearsal import Said
+from mission.rerun import drive_from, failed_writes, feed
+from mission.vehicle import load_vehicle
+
+ROOT = Path(__file__).resolve().parents[2]
+PROFILES = ("as-built", "documented")
+SHORT = """\
+mission short vehicle auv
+home 30.2874595 120.1535765
+safety radius 500 time 15min depth 10 voltage 10
+dive: depth 4 heading 0 gear 6 until depth >= 3.5 timeout 90
+repeat 2 there:
+out: heading 45 gear 6 for 20
+end
+up: surface timeout 3min
+"""
+COLUMNS = ["name", "entered_s", "left_s", "by"]
+KEYS = [
+    "outcome",
+    "reason",
+    "digest",
+    "mission_time_s",
+    "wall_s",
+    "real_time_factor",
+    "final_state",
+    "legs",
+    "max_depth_m",
+    "max_range_m",
+    "navigation_error_m",
+]
+
+
+def flown(profile: str = "as-built", seed: int = 0, **more: Any) -> Flight:
+    return fly(parse(SHORT), load_vehicle("auv"), profile, seed, **more)
+
+
+def said(after: float, data: bytes) -> list[Said]:
+    return [Said(after, data)]
+
+
+@pytest.fixture
+def short(tmp_path: Path) -> Path:
+    path = tmp_path / "short.mission"
+    path.write_text(SHORT)
+    return path
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(simulate, [str(a) for a in arguments])
+
+
+# --- flights ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize("name", ["first-dive", "harbour-survey"])
+def test_a_shipped_mission_comes_home_on_both_profiles(name: str, profile: str) -> None:
+    from mission.prepare import prepare
+
+    prepared = prepare(ROOT / "missions" / f"{name}.yaml")
+    flight = fly(prepared.mission, prepared.vehicle, profile, 1)
+    assert (flight.outcome, flight.final_state) == ("completed", "idle/ready")
+    assert flight.at_surface
+    assert {leg.by for leg in flight.legs} <= {"until", "for", "end"}
+    assert flight.digest == digest(prepared.mission)
+
+
+def test_legs_are_named_by_group_and_round_and_follow_each_other() -> None:
+    flight = flown()
+    names = [leg.name for leg in flight.legs]
+    assert names == ["dive", "there/out", "there/out#2", "up", "surface"]
+    assert flight.legs[0].entered == 0.0
+    for before, after in zip(flight.legs, flight.legs[1:], strict=False):
+        assert before.left == after.entered
+    assert flight.legs[1].left - flight.legs[1].entered == pytest.approx(20.0)
+    assert flight.mission_time == flight.legs[-1].left
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_the_same_seed_gives_the_same_bytes(profile: str) -> None:
+    sea = parse_settings(["current=0.3@45", "fault=depth_frozen@20+10"])
+    first, second = (flown(profile, 7, settings=sea) for _ in range(2))
+    assert first.sent == second.sent
+    assert first.steps == second.steps
+    assert first.samples == second.samples
+    other = flown(profile, 8, settings=sea)
+    assert [s.true for s in other.samples] != [s.true for s in first.samples]
+
+
+def test_every_byte_to_the_vehicle_has_a_reason() -> None:
+    assert all(tx.reason for tx in flown().sent)
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_stop_by_the_operator_stops_at_once_and_stays(profile: str) -> None:
+    flight = flown(profile, said=said(30.0, b"@ZAX0$"))
+    assert (flight.outcome, flight.final_state) == ("emergency", STOPPED)
+    assert flight.legs[-1].by == "operator"
+    assert flight.at_surface  # buoyancy brings it up
+    after = [
+        tx for tx in flight.sent if tx.link == "vehicle" and tx.t >= flight.legs[-1].left + 5.0
+    ]
+    assert {tx.data for tx in after} <= {b"@ZAX0$"}
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_an_emergency_surfacing_ends_proved_at_the_surface(profile: str) -> None:
+    flight = flown(profile, said=said(30.0, b"@ZAWF$"))
+    assert (flight.outcome, flight.final_state) == ("emergency", SURFACED)
+    assert flight.at_surface
+    reported = [tx for tx in flight.sent if tx.link == "topside" and tx.data.startswith(b"@VS")]
+    assert len(reported) == 1  # R11, unasked
+
+
+def test_a_stick_interrupts_and_the_mission_goes_on_with_the_same_leg() -> None:
+    start = 12.0
+    script = [Said(start + 0.2 * i, b"@MMF3$") for i in range(10)]
+    script += [Said(start + 5.0, b"@AA$")]
+    flight = flown(said=script)
+    assert flight.outcome == "completed"
+    interrupted = [leg for leg in flight.legs if leg.by == "operator"]
+    assert len(interrupted) == 1
+    again = flight.legs[flight.legs.index(interrupted[0]) + 1]
+    assert again.name.partition("#")[0] == interrupted[0].name.partition("#")[0]
+
+
+def test_a_vehicle_that_falls_silent_is_an_emergency_and_comes_up() -> None:
+    flight = flown(settings=parse_settings(["fault=stm32_silent@40+1000"]))
+    assert flight.outcome == "emergency"
+    assert "telemetry" in flight.reason or "silen" in flight.reason or "answer" in flight.reason
+
+
+def test_a_mission_that_the_pi_refuses_is_not_flown() -> None:
+    lines = ["mission short vehicle auv", "a: depth 500 timeout 10"]
+    flight = flown(lines=lines)
+    assert (flight.outcome, flight.final_state) == ("failed", "idle/empty")
+    assert "refused" in flight.reason
+    assert flight.legs == ()
+    assert not [tx for tx in flight.sent if tx.link == "vehicle"]
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_what_is_recorded_replays_to_the_last_bit(profile: str) -> None:
+    first, again = ListRecorder(), ListRecorder()
+    flown(profile, 3, recorder=first, said=said(40.0, b"@ZAWF$"))
+    start, records = read_start(first.records[0]), first.records[1:]
+    drive = drive_from(start, failed_writes(records), again)
+    for record in records:
+        if record.kind in INPUTS:
+            feed(drive, record)
+    assert again.records == first.records
+    assert {record.kind for record in first.records} >= {STEP, TX} <= OUTPUTS
+
+
+# --- the command ------------------------------------------------------------------------------------
+
+
+def test_json_is_exactly_the_object_of_the_design(short: Path) -> None:
+    result = run(short, "--json")
+    assert result.exit_code == 0
+    found = json.loads(result.stdout)
+    assert list(found) == KEYS
+    assert [list(leg) for leg in found["legs"]] == [COLUMNS] * 5
+    assert list(found["navigation_error_m"]) == ["end", "p95"]
+    assert found["outcome"] == "completed"
+    assert found["max_depth_m"] == pytest.approx(4.0, abs=0.5)
+    assert result.stdout.count("\n") == 1
+
+
+def test_people_get_a_table(short: Path) -> None:
+    result = run(short, "--profile", "documented", "--seed", "4")
+    assert result.exit_code == 0
+    assert "there/out#2" in result.stdout
+    assert "completed: the mission's end was reached" in result.stdout
+
+
+def test_an_emergency_is_exit_1(short: Path) -> None:
+    result = run(short, "--json", "--set", "fault=stm32_silent@40+1000")
+    assert result.exit_code == 1
+    assert json.loads(result.stdout)["outcome"] == "emergency"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["absent.mission"], "absent.mission"),
+        (["{short}", "--set", "curent=1"], "curent"),
+        (["{short}", "--param", "x"], "NAME=VALUE"),
+        (["{short}", "--vehicle", "nessie"], "nessie"),
+    ],
+)
+def test_what_cannot_be_read_is_exit_2_and_told_on_stderr(
+    short: Path, arguments: list[str], words: str
+) -> None:
+    result = run(*(a.replace("{short}", str(short)) for a in arguments))
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert words in result.stderr
+
+
+def test_a_mission_with_errors_is_told_with_lines_and_not_flown(tmp_path: Path) -> None:
+    path = tmp_path / "bad.mission"
+    path.write_text(
+        SHORT.replace("gear 6 for 20", "gear 60 for 20").replace("timeout 90", "tmeout 90")
+    )
+    result = run(path, "--json")
+    assert result.exit_code == 2
+    assert f"{path}:4:" in result.stderr
+    assert f"{path}:6:" in result.stderr
+    assert result.stdout == ""
+
+
+def test_the_report_holds_the_track(short: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "a" / "report"
+    assert run(short, "--report", folder).exit_code == 0
+    assert (folder / "track.png").read_bytes().startswith(b"\x89PNG")
+
+
+# --- the ellipse ------------------------------------------------------------------------------------
+
+
+def test_the_ellipse_of_equal_sigmas_is_a_circle_of_the_95_percent_radius() -> None:
+    along, across, _ = ellipse((4.0, 0.0, 4.0))
+    assert along == across == pytest.approx(2 * 2.0 * 2.4477, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("covariance", "bearing"),
+    [((9.0, 0.0, 1.0), 0.0), ((1.0, 0.0, 9.0), 90.0), ((5.0, 4.0, 5.0), 45.0)],
+)
+def test_the_ellipse_points_where_the_doubt_is(
+    covariance: tuple[float, float, float], bearing: float
+) -> None:
+    along, across, found = ellipse(covariance)
+    assert along == pytest.approx(3.0 * across)
+    assert math.degrees(found) == pytest.approx(bearing)
