@@ -1,7 +1,8 @@
 """Moves bytes; knows nothing of what they mean.
 
     serial:///dev/ttyUSB0?baud=9600     tcp://host:port     tcp-listen://127.0.0.1:port
-    memory://name
+    memory://name                       acoustic://name?range=1000&rate=1000&loss=0.1
+    can://can0?interface=socketcan
 
 ``open_link`` opens a link by its URL; LINKS is the table of schemes, one row each, whose module is
 imported when it is first needed.
@@ -64,6 +65,12 @@ LINKS: dict[str, LinkRow] = {
     "tcp": LinkRow("links.tcp", "tcp://192.168.1.10:9000"),
     "tcp-listen": LinkRow("links.tcp", "tcp-listen://127.0.0.1:9000"),
     "memory": LinkRow("links.memory", "memory://name?delay=0.1&baud=9600", ("delay", "baud")),
+    "acoustic": LinkRow(
+        "links.acoustic",
+        "acoustic://bay?range=1000&rate=1000&loss=0.1",
+        ("range", "rate", "loss", "errors", "seed"),
+    ),
+    "can": LinkRow("links.can", "can://can0?bitrate=500000", ("interface", "bitrate")),
 }
 
 

@@ -1,6 +1,8 @@
 """A simulated acoustic channel between two modems, in virtual time.
 
     a ))) |<------- range / sound speed ------->| ((( b
+    acoustic://name?range=1000&rate=1000&loss=0.1&errors=1e-5&seed=1    (the first and the second
+                                                                        to open a name meet)
     one send = one burst on the water: [preamble + 8 n / bit rate]; delivered whole, at its end
 
 Rules:
@@ -18,7 +20,8 @@ import math
 import random
 from dataclasses import dataclass, field
 
-from links.base import LinkClosed, LinkError, Rx
+from links import Address, LinkAddressError
+from links.base import LinkBusy, LinkClosed, LinkError, Rx
 
 SOUND_SPEED = 1500.0  # m/s
 MTU = 3207  # bytes: one full modem frame (seed 000, table 1.3)
@@ -86,9 +89,9 @@ class AcousticLink:
         return -1
 
     def send(self, data: bytes, now: float, address: str = "") -> None:
+        if self._closed:
+            raise LinkClosed(f"{self.name}: the link was closed")
         peer = self._peer
-        if self._closed or peer is None or peer._closed:
-            raise LinkClosed(f"{self.name}: the other modem is gone")
         if len(data) > MTU:
             raise LinkError(f"{self.name}: {len(data)} bytes; one burst carries at most {MTU}")
         begin = max(now, self._free)
@@ -103,11 +106,12 @@ class AcousticLink:
         self.tally.lost += lost
         delay = self.water.delay
         heard = data if lost else self._damage(data)
-        peer._coming.append(_Burst(begin + delay, self._free + delay, heard, lost))
+        if peer is not None and not peer._closed:  # else nobody hears it, and nobody says so
+            peer._coming.append(_Burst(begin + delay, self._free + delay, heard, lost))
 
     def receive(self, now: float) -> list[Rx]:
         if self._closed:
-            raise LinkClosed(f"{self.name} is closed")
+            raise LinkClosed(f"{self.name}: the link was closed")
         out = []
         while self._coming and self._coming[0].end <= now:
             burst = self._coming.pop(0)
@@ -158,3 +162,31 @@ def acoustic_pair(
     )
     one._peer, other._peer = other, one
     return one, other
+
+
+_WATERS: dict[str, list[AcousticLink]] = {}
+
+
+def open_url(name: str, address: Address) -> AcousticLink:
+    """Raises LinkBusy where two modems are there already. The second one's options do not count."""
+    place = address.host + address.path
+    if not place:
+        raise LinkAddressError(f"{address.url}: give the water a name, e.g. acoustic://bay")
+    ends = [end for end in _WATERS.get(place, []) if not end._closed]
+    if len(ends) == 2:
+        raise LinkBusy(f"{name}: acoustic://{place} has its two modems")
+    if ends:
+        (one,) = ends
+        link = AcousticLink(name, one.water, _random=random.Random(one._random.random()))
+        link._peer, one._peer = one, link
+    else:
+        water = Water(
+            range_m=address.number("range", 1000.0, 0.0, 1e5),
+            bit_rate=address.number("rate", 1000.0, 1.0, 1e6),
+            loss=address.number("loss", 0.0, 0.0, 1.0),
+            bit_error_rate=address.number("errors", 0.0, 0.0, 1.0),
+        )
+        seed = int(address.number("seed", 0.0, 0.0, 2.0**31))
+        link = AcousticLink(name, water, _random=random.Random(f"{seed}/1"))
+    _WATERS[place] = [*ends, link]
+    return link

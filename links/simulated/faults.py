@@ -1,7 +1,7 @@
 """What can go wrong with the simulated vehicle: one table of rows, each switched on for a while.
 
 A row says what it does, its default value and duration, and how it begins and ends. Faults begin
-and end on control ticks (0.1 s). What does not live here: when (settings.FaultEvent), or that a
+and end on control ticks (0.2 s). What does not live here: when (settings.FaultEvent), or that a
 ``WF`` does not stick: that is how the board is built.
 """
 

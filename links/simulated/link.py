@@ -1,7 +1,7 @@
 """The simulated vehicle: plant, sensors, board and GPS on one clock, and its two links.
 
     send --> uart burst --> firmware --> PWMs --> plant (20 Hz) --> sensors --> @SD --> receive
-                            controls at 10 Hz                       2 s    \\--> GGA, RMC  1 s
+                            controls at 5 Hz                        2 s    \\--> GGA, RMC  1 s
 
 Time is what the caller says: ``advance`` brings everything to that time, and what comes out does
 not depend on how the way there was cut. ``receive`` gives a frame when its last byte is through,
@@ -34,9 +34,9 @@ PROFILES: dict[str, type[Stm32]] = {"documented": Documented, "as-built": AsBuil
 HOME = (radians(30.2874595), radians(120.1535765))
 START = datetime(2025, 6, 1, 8, 0, tzinfo=UTC)
 
-REPORT_TICKS = 20  # 2 s
-FIRST_REPORT = 10  # tick of the first @SD
-SECOND_TICKS = 10
+REPORT_TICKS = 10  # 2 s
+FIRST_REPORT = 5  # tick of the first @SD
+SECOND_TICKS = 5
 REPORT_TIME = 86 * BYTE_TIME
 TWO_PI = 2 * pi
 _NEVER = 1 << 62

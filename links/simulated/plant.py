@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from math import cos, exp, radians, sin
 
 STEP = 0.05  # s
-TICK_STEPS = 2  # plant steps of one control tick
+TICK_STEPS = 4  # plant steps of one control tick
 TICK = STEP * TICK_STEPS  # s
 
 NEUTRAL_PWM = 1500
@@ -207,14 +207,13 @@ class Plant:
         surge, heave, roll_moment, pitch_moment, yaw_moment = self._forces
         rudder_pitch, rudder_roll = self._rudders
         current_north, current_east = self.current_north, self.current_east
-        net, bottom = self.buoyancy, self.floor - self.body.floor_clearance
-        north, east, depth = self.north, self.east, self.depth
+        net = self.buoyancy
+        north, east, depth = before = self.north, self.east, self.depth
         roll, pitch, yaw = self.roll, self.pitch, self.yaw
         u, v, w, p, q, r = self.u, self.v, self.w, self.p, self.q, self.r
-        down, aground = self.depth_rate, False
+        down = self.depth_rate
         for _ in range(steps):
             sr, cr_, sp, cp_ = sin(roll), cos(roll), sin(pitch), cos(pitch)
-            sy, cy = sin(yaw), cos(yaw)
             if depth >= draft:
                 lift = net
                 z = heave
@@ -222,20 +221,18 @@ class Plant:
                 lift = net - waterplane * (draft - depth)
                 z = heave - radiation * w
             level = lift * cp_
+            un, vn, wn, pn, qn = u, v, w, p, q
             au = u if u > 0.0 else -u
             uu = u * au
-            un, vn, wn, pn, qn = u, v, w, p, q
             u += du * (surge + mv * v * r - mw * w * q - u * xu - uu * xuu + lift * sp)
             v += dv * (
-                mw * wn * p - mu * un * r - v * (yv + yvv * (v if v > 0.0 else -v)) - level * sr
-            )
+                mw * wn * p - mu * un * r
+                - v * (yv + yvv * (v if v > 0.0 else -v)) - level * sr
+            )  # fmt: skip
             w += dw * (
-                z
-                + mu * un * q
-                - mv * vn * p
-                - w * (zw + zww * (w if w > 0.0 else -w))
-                - level * cr_
-            )
+                z + mu * un * q - mv * vn * p
+                - w * (zw + zww * (w if w > 0.0 else -w)) - level * cr_
+            )  # fmt: skip
             p += dp * (
                 roll_moment + cp * vn * wn + gp * q * r + rudder_roll * uu
                 - p * (kp + kpp * (p if p > 0.0 else -p)) - righting * cp_ * sr
@@ -253,18 +250,23 @@ class Plant:
             ahead = u * cp_ + below * sp
             turning = (q * sr + r * cr_) / cp_
             down = below * cp_ - u * sp
+            sy, cy = sin(yaw), cos(yaw)
             north += dt * (ahead * cy - across * sy + current_north)
             east += dt * (ahead * sy + across * cy + current_east)
             depth += dt * down
             roll += dt * (p + turning * sp)
             pitch += dt * (q * cr_ - r * sr)
             yaw += dt * turning
-            if depth > bottom:  # lies on the ground: no further down, and no way over it
-                depth, down, aground = bottom, 0.0, True
-                north -= dt * (ahead * cy - across * sy + current_north)
-                east -= dt * (ahead * sy + across * cy + current_east)
-                u = v = w = 0.0
         self.north, self.east, self.depth = north, east, depth
         self.roll, self.pitch, self.yaw = roll, pitch, yaw
         self.u, self.v, self.w, self.p, self.q, self.r = u, v, w, p, q, r
-        self.depth_rate, self.aground = down, aground
+        self.depth_rate = down
+        self.aground = depth > self.floor - self.body.floor_clearance
+        if self.aground:
+            self._lie(before)
+
+    def _lie(self, before: tuple[float, float, float]) -> None:
+        """On the ground: no further down, and no way over it. Looked at once a ``run``."""
+        self.north, self.east, _ = before
+        self.depth = self.floor - self.body.floor_clearance
+        self.u = self.v = self.w = self.depth_rate = 0.0

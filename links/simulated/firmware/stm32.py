@@ -3,7 +3,7 @@
     boot -> DEFAULT --any ZA--> AUTO --any M--> MANUAL --any ZA--> AUTO
     every change of mode stops all thrusters first; a hang ends in a restart (watchdog)
 
-``control`` is called every 0.1 s and gives the seven PWMs; ``due`` says when ``process`` has to be
+``control`` is called every 0.2 s and gives the seven PWMs; ``due`` says when ``process`` has to be
 called (a burst is closed, a dead man runs out); ``report`` sends the ``@SD`` that is due every 2 s.
 
 What does not live here: how a profile reads a burst, moves and answers (documented.py,

@@ -1,0 +1,121 @@
+"""A CAN bus by python-can: ``can://can0?interface=socketcan&bitrate=500000``.
+
+Bytes in and out are records, one per frame:
+
+    identifier u16, high byte first | DLC u8 | data
+
+Only standard data frames (11-bit identifier, at most 8 bytes) are carried: remote, error, extended
+and FD frames are counted in ``skipped``. python-can is an extra (auvmission[can]) and is imported
+when a bus is opened; its ``virtual`` interface connects programs' links within one process.
+
+What does not live here: what identifiers mean (protocol).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from links import Address, LinkAddressError
+from links.base import LinkAbsent, LinkClosed, LinkError, Rx
+
+BITRATE = 500_000  # bit/s (R16)
+MOST_AT_ONCE = 4096  # frames per receive: a flooded bus must not hold up the loop
+_HEAD = 3
+_STANDARD = 0x7FF
+
+
+class CanLink:
+    def __init__(
+        self, name: str, channel: str, *, interface: str = "socketcan", bitrate: int = BITRATE
+    ) -> None:
+        """Raises LinkAbsent."""
+        try:
+            import can
+        except ImportError:
+            raise LinkAbsent(f"{name}: python-can is missing: install auvmission[can]") from None
+        self.name, self.skipped = name, 0
+        self._message, self._error = can.Message, can.CanError
+        self._bus: Any = None
+        try:
+            self._bus = can.Bus(channel=channel, interface=interface, bitrate=bitrate)
+        except (can.CanError, OSError, ValueError, ImportError) as error:
+            raise LinkAbsent(
+                f"{name}: no CAN bus {channel} by {interface}: {error}; is it up "
+                f"(ip link set {channel} up type can bitrate {bitrate})?"
+            ) from error
+
+    def fileno(self) -> int:
+        if self._bus is None:
+            return -1
+        try:
+            return int(self._bus.fileno())
+        except NotImplementedError:  # the virtual bus
+            return -1
+
+    def receive(self, now: float) -> list[Rx]:
+        bus = self._open()
+        out: list[Rx] = []
+        for _ in range(MOST_AT_ONCE):
+            try:
+                frame = bus.recv(0.0)
+            except (self._error, OSError) as error:
+                raise LinkClosed(f"{self.name}: {error}") from error
+            if frame is None:
+                break
+            if _carried(frame):
+                head = frame.arbitration_id.to_bytes(2, "big") + bytes([frame.dlc])
+                out.append(Rx(now, self.name, head + bytes(frame.data)))
+            else:
+                self.skipped += 1
+        return out
+
+    def send(self, data: bytes, now: float, address: str = "") -> None:
+        bus = self._open()
+        for identifier, payload in _records(self.name, data):
+            frame = self._message(arbitration_id=identifier, data=payload, is_extended_id=False)
+            try:
+                bus.send(frame)
+            except (self._error, OSError) as error:
+                raise LinkClosed(f"{self.name}: {error}") from error
+
+    def next_event(self) -> float | None:
+        return None
+
+    def close(self) -> None:
+        if self._bus is not None:
+            self._bus.shutdown()
+            self._bus = None
+
+    def _open(self) -> Any:
+        if self._bus is None:
+            raise LinkClosed(f"{self.name}: the link was closed")
+        return self._bus
+
+
+def _carried(frame: Any) -> bool:
+    special = frame.is_extended_id or frame.is_remote_frame or frame.is_error_frame or frame.is_fd
+    return not special
+
+
+def _records(name: str, data: bytes) -> list[tuple[int, bytes]]:
+    out = []
+    at = 0
+    while at < len(data):
+        head = data[at : at + _HEAD]
+        size = head[2] if len(head) == _HEAD else 0
+        payload = data[at + _HEAD : at + _HEAD + size]
+        identifier = int.from_bytes(head[:2], "big")
+        if len(head) < _HEAD or len(payload) < size or size > 8 or identifier > _STANDARD:
+            raise LinkError(f"{name}: {data.hex()} is no sequence of CAN records")
+        out.append((identifier, payload))
+        at += _HEAD + size
+    return out
+
+
+def open_url(name: str, address: Address) -> CanLink:
+    channel = address.host + address.path
+    if not channel:
+        raise LinkAddressError(f"{address.url}: name the bus, e.g. can://can0")
+    interface = address.options.get("interface", "socketcan")
+    bitrate = int(address.number("bitrate", BITRATE, 10_000, 1_000_000))
+    return CanLink(name, channel, interface=interface, bitrate=bitrate)
