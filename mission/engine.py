@@ -92,6 +92,7 @@ class Engine:
     ) -> None:
         self._core = Core(vehicle, navigation)
         self._forgotten_after = forgotten_after
+        self._timer: float | None = None
 
     def attach(self, navigation: Navigator) -> None:
         self._core.senses.navigation = navigation
@@ -112,6 +113,7 @@ class Engine:
         core.climb()
         core.fly_on()
         core.stop_again()
+        self._timer = self._next_timer()
         return Outputs(tuple(core.actions), tuple(core.steps), tuple(verdicts))
 
     # --- the parts of a step, in their order ---------------------------------------------------
@@ -212,6 +214,9 @@ class Engine:
 
     def next_timer(self) -> float | None:
         """When ``step`` is due though nothing came in; always later than the last step."""
+        return self._timer
+
+    def _next_timer(self) -> float | None:
         core = self._core
         due: list[float | None] = [core.stop_at]
         if core.region == MANUAL:
@@ -240,6 +245,7 @@ class Engine:
         self._core.senses.navigation = navigation
         if navigation and snapshot.navigation is not None:
             navigation.restore(snapshot.navigation)
+        self._timer = self._next_timer()
 
     # --- what people and the drive want to know ------------------------------------------------
 

@@ -88,7 +88,11 @@ class On(enum.Enum):
     CLOCK = "any time"
 
 
-@dataclass(frozen=True, slots=True)
+def never(watch: Watch) -> float | None:
+    return None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Limit:
     """``breached`` gives True, False, or None for unknown (which counts neither way).
 
@@ -105,7 +109,7 @@ class Limit:
     seconds: float = 0.0
     acts: frozenset[str] = frozenset({AUTONOMOUS})
     response: Response = Response.SURFACING
-    due: Callable[[Watch], float | None] = lambda watch: None
+    due: Callable[[Watch], float | None] = never
     needs: frozenset[str] = frozenset()
 
     def disarmed(self, vehicle: Vehicle) -> str:

@@ -16,7 +16,7 @@ from typing import Any
 from transitions.extensions.nesting import HierarchicalMachine, NestedState
 
 from mission.model import AUTONOMOUS, IDLE_EMPTY, Chart
-from mission.regions import LEG, REGION_EDGES, REGIONS
+from mission.regions import IDLE, LEG, REGION_EDGES, REGIONS
 
 
 class _State(NestedState):
@@ -55,6 +55,7 @@ class Machine:
 
     def __init__(self, chart: Chart | None = None) -> None:
         self._at = _Configuration()
+        self.active, self.region = IDLE_EMPTY, IDLE
         self._machine = _Machine(
             [],
             states=_states(chart),
@@ -71,20 +72,13 @@ class Machine:
             if row.target != LEG:
                 self._add(f"{row.name}:{row.source}>{row.target}", row.source, row.target)
 
-    @property
-    def active(self) -> str:
-        return str(self._at.state)
-
-    @property
-    def region(self) -> str:
-        return self.active.partition("/")[0]
-
     def fire(self, trigger: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """What was left and what was entered, in order. Raises NoSuchEdge."""
         if trigger not in self._triggers:
             raise NoSuchEdge(f"{trigger} from {self.active}")
         self._at.exited, self._at.entered = [], []
         self._machine.trigger_event(self._at, trigger)
+        self._settle()
         return tuple(self._at.exited), tuple(self._at.entered)
 
     def move(self, name: str, target: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -106,6 +100,11 @@ class Machine:
     def restore(self, snapshot: str) -> None:
         self._machine.get_state(snapshot)  # raises for a state that is not there
         self._at.state = snapshot
+        self._settle()
+
+    def _settle(self) -> None:
+        self.active = self._at.state
+        self.region = self.active.partition("/")[0]
 
     def _within(self, source: str) -> bool:
         return self.active == source or self.active.startswith(source + "/")

@@ -28,6 +28,7 @@ from mission.model import (
     By,
     Chart,
     Edge,
+    Estimate,
     Evaluation,
     Leg,
     Surface,
@@ -106,6 +107,7 @@ class Run:
         self._plans: dict[str, Plan] = {}
         self._plan = self._planned(chart.initial)
         self._pilot: Pilot | None = None
+        self._steered_by: Estimate | None = None
         self._held: dict[str, float] = {}
         self._blind: dict[str, float] = {}
         self._reckoned = now
@@ -288,8 +290,9 @@ class Run:
         """What the leg sends while it is active; nothing most of the time."""
         if self.ascent is not None:
             return self._climb(senses, self.ascent)
-        if self._pilot is None:
+        if self._pilot is None or senses.estimate is self._steered_by:
             return ()
+        self._steered_by = senses.estimate
         wanted = self._wanted(senses)
         if self.sent is not None and not _differs(wanted, self.sent):
             return ()
@@ -366,11 +369,11 @@ class Run:
 
 
 def _differs(wanted: Setpoint, sent: Setpoint) -> bool:
-    if wanted.heading is not None and sent.heading is not None:
-        if abs(wrap(wanted.heading - sent.heading)) >= NEW_HEADING:
-            return True
-        wanted = replace(wanted, heading=sent.heading)
-    return wanted != sent
+    a, b = wanted.heading, sent.heading
+    if a is None or b is None:
+        return wanted != sent
+    turned = abs(wrap(a - b)) >= NEW_HEADING
+    return turned or wanted.depth != sent.depth or wanted.surge != sent.surge
 
 
 def short(path: str) -> str:

@@ -13,7 +13,7 @@ import copy
 import math
 from typing import Self
 
-from mission.envelope import LIMITS, Bounds, Limit, On
+from mission.envelope import LIMITS, Bounds, Limit, On, never
 from mission.legs.base import wrap
 from mission.senses import SURFACE_DEPTH, Senses
 from mission.vehicle import Vehicle
@@ -103,6 +103,8 @@ class Watch:
     def __init__(self, vehicle: Vehicle, senses: Senses, bounds: Bounds) -> None:
         self.vehicle, self.senses, self.bounds = vehicle, senses, bounds
         self.rows = tuple(row for row in LIMITS if not row.disarmed(vehicle))
+        self._clocked = tuple(row for row in self.rows if row.on is On.CLOCK)
+        self._timed = tuple(row for row in self._clocked if row.due is not never)
         self.sent: Setpoint | None = None
         self.accepted_at: float | None = None  # of the set in force
         self.started: float | None = None  # the mission's clock
@@ -149,14 +151,14 @@ class Watch:
         """The rows that are breached for as long as they must be."""
         self._look_for_depth()
         due = {On.CLOCK: True, On.REPORT: reported, On.FIX: fixed}
-        was = set(map(id, self.breaches))
-        self.breaches = tuple(
-            row for row in self.rows if (self._lasts(row) if due[row.on] else id(row) in was)
-        )
+        was = self.breaches
+        rows = self.rows if reported or fixed or was else self._clocked
+        now = [row for row in rows if (self._lasts(row) if due[row.on] else row in was)]
+        self.breaches = tuple(now)
         return self.breaches
 
     def next_timer(self) -> float | None:
-        return min((at for row in self.rows if (at := row.due(self)) is not None), default=None)
+        return min((at for row in self._timed if (at := row.due(self)) is not None), default=None)
 
     def _look_for_depth(self) -> None:
         senses = self.senses
