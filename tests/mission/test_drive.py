@@ -1,0 +1,329 @@
+"""The laws of the drive: what is durable when, what a restart does, what no input can break."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from links.base import Rx
+from links.simulated.link import START, SimulatedVehicle
+from mission.configuration import Configuration, LinkUrls
+from mission.drive import CLOCK, Drive
+from mission.language import parse, script
+from mission.model import SURFACING, Tx
+from mission.navigation import Navigation
+from mission.records import ESTIMATE, FAULT, RX, STEP, STORE, TIMER, ListRecorder, read_texts
+from mission.store import MemoryStore, Stored
+from mission.vehicle import load_vehicle
+from protocol.messages import MissionLine, SetSafety
+from protocol.topside import encode
+
+TEXT = """\
+mission pool vehicle auv
+safety radius 200 time 5min depth 5
+start without fix
+a: depth 2 heading 0 gear 4 for 20
+"""
+LINES = tuple(script(parse(TEXT)))
+VEHICLE = replace(load_vehicle("auv"), dialect="documented")
+
+
+class Boat:
+    """A drive with a simulated vehicle on its serial line, and what it sent."""
+
+    def __init__(
+        self,
+        store: MemoryStore | None = None,
+        navigation: bool = True,
+        configuration: Configuration | None = None,
+    ) -> None:
+        self.store = store or MemoryStore()
+        self.recorder = ListRecorder()
+        self.sea = SimulatedVehicle("documented", 1)
+        self.now = 0.0
+        self.sent: list[Tx] = []
+        self.drive = Drive(
+            configuration or Configuration(),
+            VEHICLE,
+            self.store,
+            self.recorder,
+            wall=START.timestamp(),
+        )
+        if navigation:
+            self._leave(self.drive.set_navigation(self.drive.make_navigation(), 0.0))
+        self._leave(self.drive.connected("topside", "boat", 0.0))
+
+    def say(self, data: bytes) -> list[bytes]:
+        before = len(self.sent)
+        self._leave(self.drive.receive(Rx(self.now, "topside", data, "boat")))
+        return [tx.data for tx in self.sent[before:] if tx.link == "topside"]
+
+    def upload(self) -> list[bytes]:
+        total = len(LINES)
+        return [self.say(encode(MissionLine(total, i + 1, t)))[0] for i, t in enumerate(LINES)]
+
+    def until(self, end: float) -> None:
+        link = self.sea.vehicle_link
+        for _ in range(100_000):
+            events = (link.next_event(), self.drive.next_timer())
+            due = max(self.now, min(t for t in events if t is not None))
+            if due > end:
+                self.now = end
+                return
+            self.now = due
+            for rx in link.receive(due):
+                self._leave(self.drive.receive(rx, due))
+            timer = self.drive.next_timer()
+            if timer is not None and timer <= due:
+                self._leave(self.drive.handle_timer(due))
+        raise AssertionError("the drive asks for a timer again and again")
+
+    def _leave(self, sent: list[Tx]) -> None:
+        self.sent += sent
+        for tx in sent:
+            if tx.link == "vehicle":
+                self.sea.vehicle_link.send(tx.data, self.now)
+
+    def to_vehicle(self) -> list[bytes]:
+        return [tx.data for tx in self.sent if tx.link == "vehicle"]
+
+    def records(self, kind: str) -> list[dict[str, object]]:
+        return [json.loads(record.payload) for record in self.recorder.of(kind)]
+
+
+# --- durable ------------------------------------------------------------------------------------
+
+
+def test_a_start_is_durable_before_its_first_command_leaves() -> None:
+    boat = Boat()
+    boat.upload()
+    boat.until(4.0)
+    assert boat.store.content.under_way == ""
+    assert boat.say(b"@AA$") == [b"@ACK_AAA$"]
+    assert boat.store.content.under_way.startswith("autonomous")
+
+
+def test_a_stop_leaves_before_any_disk_is_asked() -> None:
+    class SlowStore(MemoryStore):
+        def keep_under_way(self, what: str) -> None:
+            written.append(len(boat.to_vehicle()))
+            super().keep_under_way(what)
+
+    written: list[int] = []
+    boat = Boat(SlowStore())
+    boat.say(b"@ZAX0$")
+    assert boat.to_vehicle() == [b"@ZAX0$"]
+    assert written == []
+    assert boat.drive.next_timer() == boat.now
+    boat.until(0.01)
+    assert written == [1]
+    assert boat.store.content.under_way == "emergency/stopped"
+
+
+def test_the_latch_is_lifted_when_the_mission_is_over() -> None:
+    boat = Boat()
+    boat.upload()
+    boat.until(4.0)
+    boat.say(b"@AA$")
+    boat.until(120.0)
+    assert boat.drive.state == "idle/ready"
+    assert boat.store.content.under_way == ""
+
+
+@pytest.mark.parametrize("during", ["autonomous/a", "emergency/stopped", "manual/driving", "?"])
+def test_a_restart_under_way_surfaces_at_once(during: str) -> None:
+    boat = Boat(MemoryStore(Stored(LINES, under_way=during)), navigation=False)
+    assert boat.drive.state == SURFACING
+    boat.until(0.1)
+    assert boat.to_vehicle()[0] == b"@ZAWF$"
+
+
+def test_a_restart_out_of_idle_has_the_stored_mission_ready() -> None:
+    boat = Boat(MemoryStore(Stored(LINES)))
+    assert boat.drive.state == "idle/ready"
+    boat.until(4.0)
+    assert boat.to_vehicle() == []  # nothing is sent that nothing asked for
+    assert boat.say(b"@AA$") == [b"@ACK_AAA$"]
+
+
+def test_a_stored_mission_that_no_longer_compiles_is_not_ready() -> None:
+    boat = Boat(MemoryStore(Stored(("mission x vehicle auv", "ZAF130"))))
+    assert boat.drive.state == "idle/empty"
+    assert boat.say(b"@AA$") == [b"@ACK_AAN$"]
+
+
+def test_limits_of_an_earlier_session_are_in_force_again() -> None:
+    boat = Boat(MemoryStore(Stored(LINES, SetSafety(time=8.0))))
+    boat.until(4.0)
+    boat.say(b"@AA$")
+    boat.until(60.0)
+    assert boat.drive.state.startswith("emergency")
+
+
+def test_a_disk_that_fails_does_not_stop_the_vehicle_and_is_on_record() -> None:
+    boat = Boat(MemoryStore(failures={1: "no space left"}))
+    boat.upload()
+    boat.until(4.0)
+    assert boat.say(b"@AA$") == [b"@ACK_AAA$"]
+    boat.until(10.0)
+    assert boat.drive.state.startswith("autonomous")
+    assert [read_texts(r) for r in boat.recorder.of(STORE)] == [("1", "no space left")]
+
+
+def test_clearing_empties_the_store() -> None:
+    boat = Boat()
+    assert boat.upload()[-1] == b"@ACK_AWW$"
+    assert boat.store.content.lines == LINES
+    assert boat.say(b"@AC$") == [b"@ACK_ACC$"]
+    assert boat.store.content.lines == ()
+    assert boat.say(b"@AQ$")[0].startswith(b"@AR,empty,0,0,,,")
+
+
+# --- navigation ----------------------------------------------------------------------------------
+
+
+def test_a_start_waits_for_the_navigation() -> None:
+    boat = Boat(navigation=False)
+    boat.upload()
+    boat.until(4.0)
+    assert boat.say(b"@AA$") == [b"@ACK_AAN$"]
+    navigation = boat.drive.make_navigation()
+    assert isinstance(navigation, Navigation)
+    boat.drive.set_navigation(navigation, boat.now)
+    boat.until(8.0)
+    assert boat.say(b"@AA$") == [b"@ACK_AAA$"]
+
+
+def test_one_estimate_is_on_record_for_every_telemetry() -> None:
+    boat = Boat()
+    boat.until(20.0)
+    reports = [r for r in boat.recorder.of(RX) if b"@SD" in r.payload]
+    assert len(boat.records(ESTIMATE)) == len(reports) > 5
+
+
+# --- time ------------------------------------------------------------------------------------------
+
+
+def test_status_bears_the_time_of_the_newest_telemetry_in_local_time() -> None:
+    boat = Boat()
+    boat.until(1.5)
+    assert boat.say(b"@DU$")[0].startswith(
+        b"@VS2025-06-01-16:00:01,"
+    )  # 08:00 UTC, first @SD at 1 s
+
+
+def test_setting_the_time_moves_stamps_alone() -> None:
+    boat = Boat()
+    boat.until(3.5)
+    assert boat.say(b"@ST,2030/02/03 04:05:06,$") == [b"@ACK_STT$"]
+    boat.until(5.9)
+    assert boat.say(b"@DU$")[0].startswith(b"@VS2030-02-03-04:05:07,")
+    assert boat.now == 5.9
+    assert [tx for tx in boat.sent if tx.link == CLOCK] == []
+
+
+def test_the_systems_clock_is_set_where_configured() -> None:
+    boat = Boat(configuration=Configuration(set_system_clock=True))
+    boat.say(b"@ST,2030/02/03 04:05:06,$")
+    assert [tx.data for tx in boat.sent if tx.link == CLOCK] == [b"2030-02-03T04:05:06"]
+
+
+def test_time_that_goes_back_is_held() -> None:
+    boat = Boat()
+    boat.until(3.0)
+    boat.drive.handle_timer(1.0)
+    boat.drive.receive(Rx(0.5, "topside", b"@NI$", "boat"))
+    times = [record.t for record in boat.recorder.records if record.kind in (TIMER, RX)]
+    assert times == sorted(times)
+    assert len(boat.recorder.of(TIMER)) > 0
+
+
+# --- the vehicle's line -----------------------------------------------------------------------------
+
+
+def test_power_is_relayed_and_its_answer_comes_back() -> None:
+    boat = Boat()
+    boat.until(0.5)
+    boat.say(b"@RI$")
+    boat.until(0.6)
+    answers = [tx.data for tx in boat.sent if tx.link == "topside"]
+    assert len(answers) == 1
+    assert answers[0].startswith(b"@ACK_RI")
+    assert len(answers[0]) == 9
+
+
+def test_an_open_node_is_what_has_a_link() -> None:
+    links = LinkUrls(gps=None, modem="serial:///dev/ttyUSB1")
+    boat = Boat(configuration=Configuration(links=links))
+    (answer,) = boat.say(b"@NI$")
+    assert answer == b"@ACK_NI" + bytes([0b101011]) + b"$"
+
+
+def test_closing_auto_ends_the_mission_and_holds_the_next_start() -> None:
+    boat = Boat()
+    boat.upload()
+    boat.until(4.0)
+    boat.say(b"@AA$")
+    boat.until(10.0)
+    boat.say(b"@NSOOOOCC$")
+    assert boat.drive.state.startswith("idle")
+    boat.until(10.1)
+    assert boat.to_vehicle()[-1] == b"@ZAX0$"
+    assert boat.say(b"@AA$") == [b"@ACK_AAN$"]
+
+
+# --- any bytes ----------------------------------------------------------------------------------------
+
+FRAMES = [
+    *(b"@AA$", b"@AC$", b"@AQ$", b"@DU$", b"@NI$", b"@ZAX0$", b"@ZAWF$", b"@RI$", b"@MMF5$"),
+    *(b"@NSOOOOOC$", b"@NSOOOOOO$", b"@SP,100,5,3,10,$", b"@DS3,20$", b"@ST,2025/01/11 16:56:06,$"),
+    *(encode(MissionLine(len(LINES), i + 1, text)) for i, text in enumerate(LINES)),
+    *(b"@ACK_ZAY$", b"@ACK_ZAN$", b"@ACK_RI\x24$", b"@ACK_RSS$"),
+]
+LINKS = ("vehicle", "gps", "topside", "modem", "nodes")
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.sampled_from(LINKS),
+            st.one_of(st.sampled_from(FRAMES), st.binary(max_size=40)),
+            st.sampled_from(["boat", "other"]),
+            st.floats(0.0, 4.0),
+        ),
+        max_size=25,
+    )
+)
+@settings(max_examples=60, deadline=None)
+def test_no_input_on_any_link_breaks_the_drive(
+    inputs: list[tuple[str, bytes, str, float]],
+) -> None:
+    boat = Boat()
+    boat.upload()
+    for link, data, address, wait in inputs:
+        boat._leave(boat.drive.receive(Rx(boat.now, link, data, address)))
+        boat.until(boat.now + wait)
+    assert all(tx.reason for tx in boat.sent)
+    assert boat.drive.state.split("/")[0] in ("idle", "autonomous", "manual", "emergency")
+
+
+def test_garbage_is_on_record_as_faults() -> None:
+    boat = Boat()
+    boat.say(b"@XX$garbage")
+    boat.until(1.0)
+    assert boat.recorder.of(FAULT)
+
+
+def test_every_step_on_record_says_what_came_in() -> None:
+    boat = Boat()
+    boat.upload()
+    boat.until(4.0)
+    boat.say(b"@AA$")
+    boat.until(60.0)
+    steps = boat.records(STEP)
+    assert len(steps) > 3
+    assert all(step["event"] for step in steps)
