@@ -52,7 +52,7 @@ TABLE = (
         for axis in "xyz"
     ),
     *(
-        Item(f"pwm_{place}", 500, 2500)
+        Item(f"pwm_{place}", 0, 65535)
         for place in (
             *("left_main", "right_main", "rear_vert", "left_vert", "right_vert"),
             *("servo_left", "servo_right"),
