@@ -1,0 +1,114 @@
+"""One hour of mission in lock step on one core, against the same loop made of naive parts.
+
+    python tests/bench/bench_hour.py [runs]
+
+1800 @SD, 3600 GPS sentences, some 20 changes of state, dynamics at 20 Hz; transitions and filterpy
+in both loops, bytes through the real decoders of each. Then the shares of the rooms in ours, and
+what the black box adds.
+"""
+
+from __future__ import annotations
+
+import cProfile
+import pstats
+import statistics
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "bench")]
+
+from naive import NaiveFlight  # noqa: E402
+
+from mission.compiler import compile_mission  # noqa: E402
+from mission.flight import fly  # noqa: E402
+from mission.language import digest, parse  # noqa: E402
+from mission.vehicle import load_vehicle  # noqa: E402
+from protocol.vehicles import codec  # noqa: E402
+
+HOUR = 3600.0
+MISSION = """mission hour vehicle auv
+home 30.2874595 120.1535765
+safety radius 2000 time 120min depth 30
+dive: ZAS8 heading 90 ZAF4 until depth >= 7.5 timeout 2min
+repeat 9 rows:
+  out: heading 90 ZAF4 until elapsed >= 190s or altitude < 1.5 timeout 200s
+  back: heading 270 ZAF4 until elapsed >= 190s or altitude < 1.5 timeout 200s
+end
+up: surface timeout 2min
+"""
+ROOMS = {
+    "plant and boards": ("links/simulated",),
+    "wire": ("protocol/", "pynmea2", "crcmod"),
+    "navigation": ("mission/navigation", "filterpy", "numpy"),
+    "machine and guards": (
+        "transitions", "mission/machine", "mission/engine", "mission/run", "mission/guards",
+        "mission/core", "mission/senses", "mission/watch", "mission/variables", "mission/envelope",
+        "mission/legs", "mission/ascent", "mission/distribution",
+    ),
+    "black box": ("mission/records", "mission/blackbox", "mcap"),
+}  # fmt: skip
+
+
+def main(runs: int = 3) -> dict[str, float]:
+    say = sys.stdout.write
+    mission, vehicle = parse(MISSION), load_vehicle("auv")
+    chart = compile_mission(mission, vehicle, digest(mission))
+    words = codec("auv", "documented", {}).encode
+    ours, theirs, boxed = [], [], []
+    fly(parse(MISSION.replace("repeat 9", "repeat 1")), vehicle, "documented")  # imports
+    for _ in range(runs):
+        begun = time.process_time()
+        flight = fly(mission, vehicle, "documented", said=())
+        ours.append((time.process_time() - begun) / flight.mission_time)
+        assert flight.outcome == "completed", flight.reason
+        begun = time.process_time()
+        naive = NaiveFlight(chart, vehicle, words)
+        naive.fly(2 * HOUR)
+        assert naive.state == "over", naive.state
+        theirs.append((time.process_time() - begun) / naive.now)
+        boxed.append(ours[-1])
+    one, other, box = map(statistics.median, (ours, theirs, boxed))
+    say(f"one hour of mission: {len(flight.legs)} legs flown, {naive.left} by the naive loop\n")
+    say(f"  naive parts      {other * HOUR:6.2f} s   {1 / other:7.0f} times real time\n")
+    say(f"  this engine      {one * HOUR:6.2f} s   {1 / one:7.0f} times real time\n")
+    say(f"  ratio            {other / one:6.1f}     (15 or more wanted)\n")
+    say(f"  with black box   {box / one:6.2f}     times that (1.5 at most wanted)\n")
+    _shares(mission, vehicle)
+    return {"hour_ratio": other / one, "black_box_ratio": box / one}
+
+
+def _boxed(mission: object, vehicle: object) -> float:
+    from mission.blackbox import BlackBox
+
+    with tempfile.TemporaryDirectory() as folder:
+        begun = time.process_time()
+        with BlackBox(Path(folder) / "hour.mcap", sync=False) as recorder:
+            flight = fly(mission, vehicle, "documented", recorder=recorder)
+        return (time.process_time() - begun) / flight.mission_time
+
+
+def _shares(mission: object, vehicle: object) -> None:
+    profile = cProfile.Profile()
+    profile.runcall(fly, mission, vehicle, "documented")
+    times = dict.fromkeys([*ROOMS, "the rest"], 0.0)
+    for (file, _, _), (_, _, own, _, callers) in pstats.Stats(profile).stats.items():
+        if file == "~":  # a builtin's time belongs to who called it
+            for (caller, _, _), entry in callers.items():
+                times[_room(caller)] += entry[2]
+        else:
+            times[_room(file)] += own
+    total = sum(times.values())
+    for name, own in times.items():
+        sys.stdout.write(f"    {name:20} {100 * own / total:5.1f} %\n")
+
+
+def _room(file: str) -> str:
+    path = file.replace("\\", "/")
+    return next((n for n, parts in ROOMS.items() if any(p in path for p in parts)), "the rest")
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))
