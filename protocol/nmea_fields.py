@@ -194,7 +194,7 @@ def _utc(clock: str, ddmmyy: str, not_before: date | None) -> str | None:
     return f"{day.isoformat()}T{clock[:2]}:{clock[2:4]}:{clock[4:6]}"
 
 
-# --- encoding, for the simulated receiver -----------------------------------------------------
+# --- encoding, for the simulated receiver ---
 
 
 def encode_gga(

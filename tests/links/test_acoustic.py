@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from links import LinkAddressError, open_link
 from links.acoustic import MTU, AcousticLink, Water, acoustic_pair
-from links.base import LinkClosed, LinkError
+from links.base import LinkBusy, LinkClosed, LinkError
 
 
 def heard(link: AcousticLink, until: float = 1e6) -> list[bytes]:
@@ -84,14 +85,32 @@ def test_a_burst_beyond_one_frame_is_an_error_of_the_sender() -> None:
         a.send(bytes(MTU + 1), 0.0)
 
 
-def test_a_closed_end_says_so_on_both_sides() -> None:
+def test_a_closed_end_says_so_and_the_other_talks_into_empty_water() -> None:
     a, b = acoustic_pair(Water(), 1)
     assert a.fileno() == -1
     b.close()
-    with pytest.raises(LinkClosed):
-        a.send(b"x", 0.0)
-    with pytest.raises(LinkClosed):
-        b.receive(0.0)
+    for use in (lambda: b.receive(0.0), lambda: b.send(b"x", 0.0)):
+        with pytest.raises(LinkClosed):
+            use()
+    a.send(b"x", 0.0)
+    assert a.receive(1e6) == []
+
+
+def test_two_modems_meet_in_the_water_they_name() -> None:
+    url = "acoustic://bay-one?range=1500&rate=800&loss=0&errors=0&seed=3"
+    alone = open_link("boat", url)
+    alone.send(b"anybody?", 0.0)
+    diver = open_link("diver", "acoustic://bay-one")
+    alone.send(b"x" * 92, 10.0)
+    assert [(rx.t, rx.link) for rx in diver.receive(20.0)] == [(pytest.approx(11.92), "diver")]
+    with pytest.raises(LinkBusy, match="two modems"):
+        open_link("third", "acoustic://bay-one")
+    diver.close()
+    again = open_link("diver", "acoustic://bay-one")
+    alone.send(b"y", 30.0)
+    assert [rx.data for rx in again.receive(40.0)] == [b"y"]
+    with pytest.raises(LinkAddressError, match="acoustic://bay"):
+        open_link("x", "acoustic://")
 
 
 @pytest.mark.parametrize(
