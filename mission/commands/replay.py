@@ -1,0 +1,50 @@
+"""``auvmission replay``: the recorded inputs again, and whether the same comes out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="One object on stdout.")
+def replay(file: Path, as_json: bool) -> None:
+    """Re-run the black box FILE and compare every step, estimate and sent byte.
+
+    Exit 0 if all is identical, 1 with the first divergence if not, 2 if FILE cannot be used.
+    A file that was cut is replayed to its last whole record; of a recording in parts name any.
+    """
+    import json
+
+    from mission.blackbox import BlackBoxError, read_parts
+    from mission.replay import ReplayError, describe, summary
+    from mission.replay import replay as again
+
+    try:
+        result = again(list(read_parts(file)))
+    except (BlackBoxError, ReplayError) as error:
+        click.echo(f"{file}: {error}" if isinstance(error, ReplayError) else str(error), err=True)
+        raise SystemExit(2) from None
+    if as_json:
+        found = result.divergence
+        first = found and {
+            "t": found.t,
+            "record": found.number,
+            "after": describe(found.cause),
+            "recorded": describe(found.expected),
+            "now": describe(found.actual),
+        }
+        data = {
+            "identical": result.identical,
+            "records": result.records,
+            "inputs": result.inputs,
+            "until_s": result.until,
+            "version": result.version,
+            "divergence": first,
+        }
+        click.echo(json.dumps(data))
+    else:
+        click.echo(summary(result))
+    raise SystemExit(0 if result.identical else 1)
