@@ -165,15 +165,17 @@ class Drive:
         return self._leave(now)
 
     def next_timer(self) -> float | None:
-        timers = (
+        first = self._latch_due
+        for due in (
             self._codec.next_timer(),
             self._gps.next_timer(),
             self._topside.next_timer(),
             self._frontseat.next_timer(),
             self._engine.next_timer(),
-            self._latch_due,
-        )
-        return min((t for t in timers if t is not None), default=None)
+        ):
+            if due is not None and (first is None or due < first):
+                first = due
+        return first
 
     def make_navigation(self) -> Navigation:
         """About a second of imports: for a thread of the pump, whose result goes to
@@ -254,7 +256,8 @@ class Drive:
             for outcome in outcomes:
                 self._topside.order_outcome(outcome, now)
             self._step(now, outcomes)
-        self._report_at_surface(now)
+        if self._owes_report:
+            self._report_at_surface(now)
         out, self._out = self._out + self._topside.outgoing(now), []
         for peer, fault in self._topside.faults():
             self._record(rec.fault_record, now, peer.link, fault)
@@ -268,7 +271,7 @@ class Drive:
             self._owes_report = True
 
     def _report_at_surface(self, now: float) -> None:
-        if not self._owes_report or self.state.startswith((AUTONOMOUS, "manual")):
+        if self.state.startswith((AUTONOMOUS, "manual")):
             return
         depth = self._telemetry.depth if self._telemetry else None
         fixed = self._fix is not None and now - self._fix.t <= FRESH_FIX_S

@@ -95,6 +95,7 @@ class _LockStep:
         self._navigation = self.drive.make_navigation()
         self._send(self.drive.set_navigation(self._navigation, 0.0))
         self._send(self.drive.connected(TOPSIDE, BOAT, 0.0))
+        self._drive_due = self.drive.next_timer()
 
     def run(self) -> None:
         while not self._is_over():
@@ -130,7 +131,7 @@ class _LockStep:
 
     def _next_event(self) -> float:
         links = (self.sea.vehicle_link.next_event(), self.sea.gps_link.next_event())
-        timers = (*links, self.drive.next_timer(), self.operator.next_timer())
+        timers = (*links, self._drive_due, self.operator.next_timer())
         return max(self.now, min(t for t in timers if t is not None))
 
     def _to_next_event(self) -> None:
@@ -146,6 +147,8 @@ class _LockStep:
         due = self.drive.next_timer()
         if due is not None and due <= now:
             self._send(self.drive.handle_timer(now))
+            due = self.drive.next_timer()
+        self._drive_due = due
 
     def _send(self, sent: list[Tx]) -> None:
         """Answers to the operator are answered in turn, until nobody has anything to say."""

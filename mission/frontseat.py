@@ -131,6 +131,8 @@ class Frontseat:
     def poll(self, now: float) -> tuple[list[Tx], list[Outcome]]:
         """Send what is due (at most one frame: the gap follows it), give up what was lost."""
         outcomes: list[Outcome] = []
+        if self.idle:
+            return [], outcomes
         waiting = self._outstanding
         if waiting and now >= waiting.deadline and waiting.tries >= TRIES:
             self._outstanding = None
@@ -153,6 +155,8 @@ class Frontseat:
     def next_timer(self) -> float | None:
         """When ``poll`` has something to do."""
         waiting = self._outstanding
+        if self.idle:
+            return None
         if waiting is None and self._urgent:
             return self._free
         due = [self._free] if self._relays else []

@@ -125,9 +125,12 @@ class Topside:
         self._settle(now)
 
     def next_timer(self) -> float | None:
-        timers = [path.next_timer() for path in self._paths.values()]
-        timers.append(self._nodes.next_timer())
-        return min((t for t in timers if t is not None), default=None)
+        first = self._nodes.next_timer()
+        for path in self._paths.values():
+            due = path.next_timer()
+            if due is not None and (first is None or due < first):
+                first = due
+        return first
 
     def outgoing(self, now: float) -> list[Tx]:
         """What leaves now."""
@@ -329,8 +332,7 @@ class Topside:
     def _manual(self, peer: Peer, command: Manual, now: float) -> Verdict:
         if peer.link == MODEM:
             return Verdict(False, "manual control does not go over the modem")
-        verdict = self._vessel.decide(command, now)
-        if verdict.accepted:
+        if (verdict := self._vessel.decide(command, now)).accepted:
             self._vessel.relay(command.frame, f"relay of @{command.kind}", True)
         return verdict
 
