@@ -285,4 +285,5 @@ def _setpoint(values: Mapping[Axis, Value]) -> Setpoint:
 
 def axis_where(leg: Leg, word: str) -> Where:
     """Where the leg states a word, else the leg itself."""
-    return next((s.where for s in leg.settings if s.word == word), leg.where)
+    places = (s.where for s in leg.settings if s.word == word and s.where.line)
+    return next(places, leg.where)
