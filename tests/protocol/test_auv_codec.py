@@ -1,0 +1,356 @@
+"""The AUV's adapter: units and signs in, and complete sets out from whatever went before."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import random
+
+import pytest
+from canonical_auv import SD as CANONICAL
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from protocol.checksum import crc32_stm32
+from protocol.codec import CannotEncode
+from protocol.messages import Ack, FrameFault, Order, Setpoint, Telemetry
+from protocol.tolerances import Tolerances
+from protocol.vehicles import auv, codec
+from protocol.vehicles.auv import SD, AuvCodec, shortcut, telemetry
+
+
+def values(**changes: float | None) -> dict[str, object]:
+    return SD.decode(CANONICAL) | changes
+
+
+def one(**changes: float | None) -> Telemetry:
+    (message,) = AuvCodec().receive(SD.pack(values(**changes)), 3.0)
+    assert isinstance(message, Telemetry)
+    return message
+
+
+# --- Telemetry in ---
+
+
+@pytest.mark.parametrize(
+    ("yaw", "heading"), [(0, 0), (-90, 90), (90, 270), (180, 180), (-180, 180), (-45, 45)]
+)
+def test_yaw_is_positive_to_port_and_heading_to_starboard(yaw: float, heading: float) -> None:
+    assert one(yaw_deg=yaw).heading == pytest.approx(math.radians(heading))
+
+
+def test_units_become_si() -> None:
+    message = one(
+        roll_deg=30, pitch_deg=-45, temperature_c=12.5, depth_m=7.25, altitude_m=3.5,
+        mag_front_x=50, mag_right_z=-100, pwm_left_main=2000, pwm_servo_right=1250,
+        battery_control=12, battery_power=48,
+    )  # fmt: skip
+    assert message.roll == pytest.approx(math.pi / 6)
+    assert message.pitch == pytest.approx(-math.pi / 4)
+    assert (message.t, message.temperature_c, message.depth, message.altitude) == (
+        3,
+        12.5,
+        7.25,
+        3.5,
+    )
+    assert message.magnetic is not None
+    assert (message.magnetic[0], message.magnetic[8]) == pytest.approx((50e-6, -100e-6))
+    assert message.actuators == (1, 0, 0, 0, 0, 0, -0.5)
+    assert message.batteries == (12, 48)
+    assert message.faults == ()
+
+
+def test_batteries_are_volts_by_the_vehicles_own_factor() -> None:
+    made = codec("auv", "as-built", {}, (0.1, 0.2))
+    (message,) = made.receive(SD.encode(values(battery_control=120, battery_power=240)), 0.0)
+    assert isinstance(message, Telemetry)
+    assert message.batteries == pytest.approx((12, 48))
+
+
+@pytest.mark.parametrize(
+    ("field", "wire", "fault"),
+    [
+        ("depth", "depth_m", "nan"),
+        ("altitude", "altitude_m", "inf"),
+        ("heading", "yaw_deg", "nan"),
+        ("pitch", "pitch_deg", "inf"),
+        ("roll", "roll_deg", "nan"),
+        ("temperature_c", "temperature_c", "nan"),
+        ("magnetic", "mag_left_y", "nan"),
+    ],
+)
+def test_what_is_no_number_is_not_reported_and_named(field: str, wire: str, fault: str) -> None:
+    message = one(**{wire: math.nan if fault == "nan" else -math.inf})
+    assert getattr(message, field) is None
+    assert message.faults == (f"{wire}:{fault}",)
+    others = {"depth", "heading", "roll"} - {field}
+    assert all(getattr(message, other) is not None for other in others)
+
+
+@pytest.mark.parametrize(
+    ("wire", "value"),
+    [
+        ("roll_deg", 91),
+        ("pitch_deg", -181),
+        ("yaw_deg", 200),
+        ("mag_front_z", 101),
+        ("mag_left_x", -300),
+    ],
+)
+def test_what_is_out_of_range_is_kept_and_named(wire: str, value: float) -> None:
+    message = one(**{wire: value})
+    assert message.faults == (f"{wire}:out_of_range",)
+    assert message.depth == 0
+
+
+def test_a_wide_pulse_is_a_fraction_beyond_one() -> None:
+    assert one(pwm_rear_vert=65535).actuators == (0, 0, pytest.approx(128.07), 0, 0, 0, 0)
+
+
+finite = st.floats(-400, 400, width=32)
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    st.lists(st.one_of(finite, st.floats(width=32)), min_size=15, max_size=15),
+    st.lists(st.integers(0, 65535), min_size=9, max_size=9),
+)
+def test_the_shortcut_says_what_the_table_says_or_nothing(
+    floats: list[float], words: list[int]
+) -> None:
+    names = [name for name in SD.decode(CANONICAL) if name != "flags"]
+    raw = SD.pack(dict(zip(names, [*floats, *words], strict=True)))
+    scale = (0.5, 2.0)
+    quick = shortcut(Tolerances(), scale).read(raw, 0, 1.0)
+    slow = telemetry(raw, 1.0, scale)
+    assert quick is None or quick == slow
+    if slow.faults:
+        assert quick is None
+    elif max(words[:7]) < 2500 and max(map(abs, floats[6:])) < 57:
+        assert type(quick) is Telemetry
+
+
+def test_the_shortcuts_telemetry_is_frozen_like_any_other() -> None:
+    message = one()
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        message.depth = 1.0  # type: ignore[misc]
+    assert dataclasses.replace(message, depth=1.0).depth == 1.0
+    assert hash(message) == hash(dataclasses.replace(message))
+
+
+def test_acknowledgements_and_faults_come_in_order() -> None:
+    made = AuvCodec()
+    items = made.receive(b"..@ACK_ZAN$" + CANONICAL[:30] + b"@ACK_RI\x11$" + CANONICAL[30:], 2.0)
+    assert [type(i) for i in items] == [FrameFault, Ack, Telemetry, Ack]
+    refused, mask = items[1], items[3]
+    assert isinstance(refused, Ack)
+    assert isinstance(mask, Ack)
+    assert (refused.group, refused.function, refused.ok, refused.t) == ("Z", "A", False, 2.0)
+    assert (mask.group, mask.function, mask.result) == ("R", "I", 0x11)
+
+
+def test_a_cut_frame_is_given_up_by_the_timer() -> None:
+    made = AuvCodec()
+    assert made.receive(CANONICAL[:9] + b"@ACK_ZFY$", 5.0) == []
+    due = made.next_timer()
+    assert due == pytest.approx(5.05)
+    assert [type(i) for i in made.flush(5.1)] == [FrameFault, Ack]
+    assert made.next_timer() is None
+
+
+def test_another_crc_profile_is_a_tolerance() -> None:
+    raw = bytearray(CANONICAL)
+    raw[81:85] = crc32_stm32(bytes(raw[:81])).to_bytes(4, "little")
+    assert isinstance(AuvCodec().receive(bytes(raw), 0.0), list)
+    (message,) = codec("auv", "as-built", {"sd_crc": "words/frame"}).receive(bytes(raw), 0.0)
+    assert isinstance(message, Telemetry)
+    assert not any(isinstance(i, Telemetry) for i in AuvCodec().receive(bytes(raw), 0.0))
+
+
+# --- Setpoint out: the STM32 as the vehicle facts describe it, in its own words ---
+
+
+class AsBuilt:
+    """One horizontal mode, one vertical mode, one speed; X0 clears both modes."""
+
+    def __init__(self) -> None:
+        self.horizontal, self.vertical, self.speed = "", "", 0
+        self.heading = self.target = 0
+
+    def hear(self, frame: bytes) -> None:
+        code, text = chr(frame[3]), frame[4:-1].decode()
+        if code == "X":
+            self.horizontal, self.vertical, self.speed = "", "", 0
+        elif code in "FBLR":
+            self.horizontal, self.speed = code, int(text)
+        elif code in "UD":
+            self.vertical, self.speed = code, int(text)
+        elif code in "SE":
+            self.vertical, self.target = code, int(text)
+        elif code == "H":
+            heading, _, speed = text.partition(",")
+            self.horizontal, self.heading, self.speed = "H", int(heading), int(speed or 0)
+        assert code in "XFBLRUDSEH"
+
+    def acts(self) -> tuple[object, ...]:
+        across = (self.horizontal, self.heading if self.horizontal == "H" else 0)
+        moving = self.speed if self.horizontal or self.vertical in ("U", "D") else 0
+        deep = (self.vertical, self.target if self.vertical in ("S", "E") else 0)
+        return (*across, *deep, moving)
+
+
+class Documented:
+    """Every word its own axis; X0 clears them all."""
+
+    def __init__(self) -> None:
+        self.axes: dict[str, str] = {}
+
+    def hear(self, frame: bytes) -> None:
+        code, text = chr(frame[3]), frame[4:-1].decode()
+        axis = {"F": "x", "B": "x", "L": "n", "R": "n", "H": "h", "A": "a"}.get(code, "z")
+        if code == "X":
+            self.axes = {}
+        elif code in "FBLRUD" and text == "0":
+            self.axes.pop(axis, None)
+        else:
+            self.axes[axis] = code + text
+
+    def acts(self) -> tuple[object, ...]:
+        return tuple(sorted(self.axes.items()))
+
+
+gear = st.integers(-12, 12).map(lambda g: g / 12)
+SETPOINTS = st.builds(
+    Setpoint,
+    surge=gear,
+    turn=st.just(0.0) | gear,
+    heave=st.none() | gear,
+    heading=st.none() | st.floats(0, 6.28),
+    depth=st.none() | st.floats(0, 90),
+    altitude=st.none() | st.floats(0, 90),
+    pitch=st.none() | st.floats(-1, 1),
+    roll=st.none() | st.floats(-1, 1),
+)
+
+
+def encodable(dialect: str, setpoint: Setpoint) -> list[bytes] | None:
+    try:
+        return AuvCodec(dialect).encode(setpoint)
+    except CannotEncode:
+        return None
+
+
+@pytest.mark.parametrize(("dialect", "stm32"), [("as-built", AsBuilt), ("documented", Documented)])
+@settings(max_examples=150, deadline=None)
+@given(st.lists(SETPOINTS, max_size=6), st.randoms(use_true_random=False))
+def test_a_setpoint_is_reached_from_any_earlier_state(
+    dialect: str,
+    stm32: type[AsBuilt] | type[Documented],
+    before: list[Setpoint],
+    rng: random.Random,
+) -> None:
+    """Leftovers, and sets that were cut short by a lost word, change nothing."""
+    used, last = stm32(), None
+    for setpoint in before:
+        frames = encodable(dialect, setpoint)
+        if frames is None:
+            continue
+        for frame in frames[: rng.randint(0, len(frames))]:
+            used.hear(frame)
+        last = frames
+    if last is None:
+        return
+    fresh = stm32()
+    for frame in last:
+        used.hear(frame)
+        fresh.hear(frame)
+    assert used.acts() == fresh.acts()
+
+
+@pytest.mark.parametrize(
+    ("setpoint", "words"),
+    [
+        (Setpoint(), ["X0"]),
+        (Setpoint(surge=0.5), ["X0", "F6"]),
+        (Setpoint(surge=-0.5), ["X0", "B6"]),
+        (Setpoint(turn=0.25), ["X0", "R3"]),
+        (Setpoint(turn=-0.25), ["X0", "L3"]),
+        (Setpoint(heave=-1.0), ["X0", "U12"]),
+        (Setpoint(heave=1.0), ["X0", "D12"]),
+        (Setpoint(heave=0.0), ["X0"]),
+        (Setpoint(surge=0.5, heave=0.5), ["D6", "F6"]),
+        (Setpoint(surge=0.5, heave=-0.5, heading=0.0), ["U6", "H0,6"]),
+        (Setpoint(depth=10.4), ["X0", "S10"]),
+        (Setpoint(surge=0.5, depth=10.0, heading=math.pi / 2), ["S10", "H-90,6"]),
+        (Setpoint(surge=1 / 3, altitude=3.0), ["E3", "F4"]),
+        (Setpoint(depth=3.0, heading=math.radians(270)), ["S3", "H90,0"]),
+        (Setpoint(heading=math.pi), ["X0", "H-180,0"]),
+        (Setpoint(surge=0.03), ["X0"]),
+    ],
+)
+def test_as_built_words(setpoint: Setpoint, words: list[str]) -> None:
+    sent = [f[3:-1].decode() for f in AuvCodec("as-built").encode(setpoint)]
+    assert sent == words
+
+
+@pytest.mark.parametrize(
+    ("setpoint", "words"),
+    [
+        (Setpoint(), ["X0"]),
+        (Setpoint(surge=0.5, turn=-0.25, heave=0.75), ["X0", "F6", "L3", "D9"]),
+        (Setpoint(surge=0.5, depth=10.0, heading=math.pi / 2), ["X0", "F6", "H-90", "S10"]),
+        (
+            Setpoint(surge=0.5, depth=0.0, heading=0.0, pitch=0.1, roll=-0.1),
+            ["F6", "R0", "H0", "S0", "A6;-6"],
+        ),
+        (Setpoint(roll=math.radians(5)), ["X0", "A0;5"]),
+        (Setpoint(altitude=3.0), ["X0", "E3"]),
+    ],
+)
+def test_documented_words(setpoint: Setpoint, words: list[str]) -> None:
+    sent = AuvCodec("documented").encode(setpoint)
+    assert [frame[3:-1].decode() for frame in sent] == words
+
+
+@pytest.mark.parametrize("dialect", auv.DIALECTS)
+def test_the_two_orders_are_one_word_each(dialect: str) -> None:
+    made = AuvCodec(dialect)
+    assert made.encode(Order.STOP) == [b"@ZAX0$"]
+    assert made.encode(Order.SURFACE) == [b"@ZAWF$"]
+
+
+@pytest.mark.parametrize(
+    ("dialect", "setpoint", "message"),
+    [
+        ("as-built", Setpoint(pitch=0.1), "pitch and roll"),
+        ("as-built", Setpoint(surge=0.5, turn=0.5), "one horizontal mode"),
+        ("as-built", Setpoint(heading=1.0, turn=0.5), "turn: the heading"),
+        ("as-built", Setpoint(heading=1.0, surge=-0.5), "astern"),
+        ("as-built", Setpoint(surge=0.5, heave=1.0), "share one speed"),
+        ("as-built", Setpoint(heading=0.0, heave=-1.0), "share one speed"),
+        ("documented", Setpoint(heading=1.0, turn=0.5), "turn: the heading"),
+        ("documented", Setpoint(roll=2.0), "outside"),
+        ("documented", Setpoint(pitch=math.nan), "outside"),
+        ("as-built", Setpoint(surge=1.1), "outside -1..1"),
+        ("as-built", Setpoint(surge=math.nan), "outside -1..1"),
+        ("as-built", Setpoint(depth=-1.0), "outside 0..9999"),
+        ("as-built", Setpoint(altitude=math.nan), "outside 0..9999"),
+        ("as-built", Setpoint(heading=math.inf), "no angle"),
+        ("as-built", Setpoint(depth=1.0, altitude=1.0), "at most one"),
+    ],
+)
+def test_what_the_vehicle_cannot_follow_is_said(
+    dialect: str, setpoint: Setpoint, message: str
+) -> None:
+    with pytest.raises(CannotEncode, match=message):
+        AuvCodec(dialect).encode(setpoint)
+
+
+def test_every_word_is_a_frame_of_its_own_that_fits_one_burst() -> None:
+    frames = AuvCodec().encode(Setpoint(surge=0.5, depth=9999.0, heading=math.pi - 0.01))
+    assert all(f.startswith(b"@ZA") and f.endswith(b"$") and len(f) < 99 for f in frames)
+
+
+def test_an_unknown_dialect_says_which_there_are() -> None:
+    with pytest.raises(ValueError, match="as-built"):
+        AuvCodec("nothing")

@@ -1,0 +1,77 @@
+"""The registry's contract: a new row is tested by being there."""
+
+from __future__ import annotations
+
+import pytest
+
+from protocol.fields import FrameType
+from protocol.framing import LinkRow
+from protocol.messages import FrameFault, Order, Setpoint
+from protocol.tolerances import TOLERANCES, Tolerances, UnknownTolerance
+from protocol.vehicles import (
+    LINKS,
+    VEHICLES,
+    UnknownVehicle,
+    VehicleRow,
+    codec,
+    frame_types,
+    link,
+)
+
+NAMES = {
+    "auv.any",
+    "auv.from_stm32",
+    "auv.modem",
+    "auv.to_pi",
+    "auv.to_stm32",
+    "auv.to_topside",
+}
+
+
+def test_links_and_types_have_the_names_of_the_document() -> None:
+    assert {row.name for row in LINKS} >= NAMES
+    assert len({row.name for row in LINKS}) == len(LINKS)
+    for name, frame in frame_types().items():
+        assert name == frame.name
+        assert name.partition(".")[0] in {row.name for row in VEHICLES}
+
+
+@pytest.mark.parametrize("row", LINKS, ids=lambda r: r.name)
+@pytest.mark.parametrize("tolerance", TOLERANCES, ids=lambda t: t.name)
+def test_every_link_takes_every_value_of_every_tolerance(row: LinkRow, tolerance: object) -> None:
+    from protocol.tolerances import Tolerance
+
+    assert isinstance(tolerance, Tolerance)
+    for value in tolerance.values[:4] or ("0x1",):
+        framer = row.framer(Tolerances.parse({tolerance.name: value}))
+        assert framer.receive(b"\x00", 0.0) == []
+        assert framer.flush(1e9) == [FrameFault(0, "bad_header", 1)] or row.line is not None
+
+
+@pytest.mark.parametrize("row", LINKS, ids=lambda r: r.name)
+def test_every_type_names_its_table(row: LinkRow) -> None:
+    for frame in row.frames(Tolerances()):
+        assert isinstance(frame, FrameType)
+        assert frame.title
+        assert frame.lead
+        assert frame.length >= 0
+
+
+@pytest.mark.parametrize("row", VEHICLES, ids=lambda r: r.name)
+def test_every_vehicle_stops_and_says_nothing_by_itself(row: VehicleRow) -> None:
+    for dialect in row.dialects:
+        made = codec(row.name, dialect, {})
+        assert made.next_timer() is None
+        assert made.receive(b"", 0.0) == []
+        assert made.flush(1.0) == []
+        assert all(isinstance(f, bytes) and f for f in made.encode(Order.STOP))
+        assert made.encode(Setpoint())
+
+
+def test_an_unknown_name_says_which_there_are() -> None:
+    with pytest.raises(UnknownVehicle, match="auv"):
+        codec("submarine", "as-built", {})
+    with pytest.raises(UnknownVehicle, match=r"auv\.any"):
+        link("auv.nowhere")
+    with pytest.raises(UnknownTolerance):
+        codec("auv", "as-built", {"nothing": "on"})
