@@ -66,7 +66,7 @@ def changed(recorded: list[Record], kind: str, at: int = 20) -> tuple[int, list[
 
 @pytest.mark.parametrize("kind", [TX, STEP, ESTIMATE])
 def test_the_first_difference_is_found_and_shown(recorded: list[Record], kind: str) -> None:
-    number, records = changed(recorded, kind, 12 if kind != ESTIMATE else 40)
+    number, records = changed(recorded, kind, 5 if kind != ESTIMATE else 40)
     result = replay(records)
     assert result.divergence is not None
     assert result.divergence.number == number
