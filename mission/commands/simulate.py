@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
+    from mission.blackbox import BlackBox
     from mission.flightlog import Flight
 
 UNREADABLE = 2
+BLACK_BOX = "flight.mcap"
 
 
 @click.command()
@@ -35,7 +37,7 @@ UNREADABLE = 2
 @click.option(
     "--report",
     type=click.Path(path_type=Path, file_okay=False),
-    help="Folder for track.png and the black box.",
+    help="Folder for track.png and the black box, flight.mcap.",
 )
 @click.option("--json", "as_json", is_flag=True, help="One object on stdout.")
 def simulate(
@@ -65,17 +67,30 @@ def simulate(
     except (Unreadable, SettingError) as error:
         click.echo(str(error), err=True)
         sys.exit(UNREADABLE)
-    flight = fly(prepared.mission, prepared.vehicle, profile, seed, sea)
-    if report is not None:
-        _write_report(flight, report, prepared.mission.name)
+    try:
+        box = None if report is None else _black_box(report)
+        flight = fly(prepared.mission, prepared.vehicle, profile, seed, sea, box)
+        if box is not None and report is not None:
+            box.close()
+            _draw(flight, report, prepared.mission.name)
+    except OSError as error:
+        click.echo(f"the report cannot be written: {error}", err=True)
+        sys.exit(UNREADABLE)
     click.echo(json.dumps(flight.as_json()) if as_json else table(flight))
     sys.exit(0 if flight.outcome == "completed" else 1)
 
 
-def _write_report(flight: Flight, folder: Path, name: str) -> None:
+def _black_box(folder: Path) -> BlackBox:
+    from mission.blackbox import BlackBox
+
+    path = folder / BLACK_BOX
+    path.unlink(missing_ok=True)
+    return BlackBox(path)
+
+
+def _draw(flight: Flight, folder: Path, name: str) -> None:
     from mission.plot import draw_flight
 
-    folder.mkdir(parents=True, exist_ok=True)
     draw_flight(flight, folder / "track.png", name)
 
 

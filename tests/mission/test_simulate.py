@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from links.simulated.settings import parse_settings
+from mission.blackbox import read_records
 from mission.commands.simulate import simulate
 from mission.flight import fly
 from mission.flightlog import Flight
@@ -19,6 +20,7 @@ from mission.model import STOPPED, SURFACED
 from mission.plot import ellipse
 from mission.records import INPUTS, OUTPUTS, STEP, TX, ListRecorder, read_start
 from mission.rehearsal import Said
+from mission.replay import replay
 from mission.rerun import drive_from, failed_writes, feed
 from mission.vehicle import load_vehicle
 
@@ -230,10 +232,21 @@ def test_a_mission_with_errors_is_told_with_lines_and_not_flown(tmp_path: Path) 
     assert result.stdout == ""
 
 
-def test_the_report_holds_the_track(short: Path, tmp_path: Path) -> None:
+def test_the_report_holds_the_track_and_a_black_box_that_replays(
+    short: Path, tmp_path: Path
+) -> None:
     folder = tmp_path / "a" / "report"
-    assert run(short, "--report", folder).exit_code == 0
+    for _ in range(2):  # a second one replaces the first
+        assert run(short, "--report", folder).exit_code == 0
     assert (folder / "track.png").read_bytes().startswith(b"\x89PNG")
+    assert replay(list(read_records(folder / "flight.mcap"))).identical
+
+
+def test_a_report_that_cannot_be_written_is_told(short: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    result = run(short, "--report", tmp_path / "file" / "report")
+    assert result.exit_code == 2
+    assert "file/report" in result.stderr
 
 
 # --- the ellipse ------------------------------------------------------------------------------------
