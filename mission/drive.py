@@ -45,6 +45,7 @@ from mission.model import (
 from mission.nodes import LINK as NODES
 from mission.nodes import Nodes
 from mission.paths import path_over
+from mission.repeater import Repeater
 from mission.store import Store, StoreError, WatchedStore
 from mission.topside import Topside
 from mission.vehicle import Vehicle
@@ -99,7 +100,12 @@ class Drive:
             vehicle.codec, vehicle.dialect, vehicle.tolerances, vehicle.battery_scale
         )
         self._gps = NmeaDecoder()
-        self._frontseat = Frontseat(self._codec.encode, VEHICLE)
+        period: float | None = getattr(self._codec, "period", None)  # boards that answer nothing
+        self._frontseat: Frontseat | Repeater = (
+            Frontseat(self._codec.encode, VEHICLE)
+            if period is None
+            else Repeater(self._codec.encode, period, VEHICLE)
+        )
         tolerances = Tolerances.parse(configuration.tolerances)
         self._topside = Topside(
             self,

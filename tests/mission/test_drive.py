@@ -327,3 +327,17 @@ def test_every_step_on_record_says_what_came_in() -> None:
     steps = boat.records(STEP)
     assert len(steps) > 3
     assert all(step["event"] for step in steps)
+
+
+@pytest.mark.parametrize("name", ["rov", "coreboard", "robot"])
+def test_a_board_that_answers_nothing_hears_the_stop_again_and_again(name: str) -> None:
+    drive = Drive(Configuration(), load_vehicle(name), MemoryStore())
+    sent = drive.receive(Rx(1.0, "topside", b"@ZAX0$", "boat"))
+    for _ in range(20):
+        due = drive.next_timer()
+        assert due is not None
+        sent += drive.handle_timer(max(due, 1.0))
+    to_vehicle = [tx for tx in sent if tx.link == "vehicle"]
+    assert len({tx.data for tx in to_vehicle}) <= 2
+    assert len(to_vehicle) > 10
+    assert drive.state == "emergency/stopped"
