@@ -65,7 +65,8 @@ class Run:
     ``heading`` is compass + declination (the compass's error is a state), ``expected`` the
     thrusters' speed, ``along`` the share of the speed that makes way horizontally, ``sway`` the
     slip to starboard as a share of the speed, ``lost`` the extra heading variance times its
-    correlation time (rad^2 s) while the compass cannot be believed.
+    correlation time (rad^2 s) while the compass cannot be believed, ``driven`` how much of the
+    speed's deviation there is (none at rest).
     """
 
     heading: float = 0.0
@@ -73,6 +74,7 @@ class Run:
     along: float = 1.0
     sway: float = 0.0
     lost: float = 0.0
+    driven: float = 1.0
     surfaced: bool = False
 
 
@@ -127,7 +129,7 @@ class Filter:
         sm, cm = math.sin(run.heading), math.cos(run.heading)
         true = run.heading - error - a * sm - b * cm
         c, s = math.cos(true), math.sin(true)
-        speed = scale * run.expected + deviation
+        speed = scale * run.expected + deviation * run.driven
         forward = speed * run.along
         sway = run.sway * speed
         dn, de = (forward * c - sway * s) * dt, (forward * s + sway * c) * dt
@@ -139,7 +141,8 @@ class Filter:
         )
         t_current = 0.5 * dt * (1.0 + d_current)
         t_drift = 0.5 * dt * (1.0 + d_drift) if run.surfaced else 0.0
-        t_dev = fig.deviation.time * (1.0 - d_dev) * run.along
+        driven = run.along * run.driven
+        t_dev = fig.deviation.time * (1.0 - d_dev) * driven
         t_scale = run.expected * run.along * dt
         f[N * STATES + CN] = f[E * STATES + CE] = t_current
         f[N * STATES + WN] = f[E * STATES + WE] = t_drift
@@ -167,7 +170,7 @@ class Filter:
         q[SCALE * STATES + SCALE] = (0.1 * fig.scale) ** 2 * dt / 3600.0
         q[BOTTOM * STATES + BOTTOM] = fig.slope**2 * fig.slope_length * (abs(speed) + 0.02) * dt
         mn, me = fig.current_mean
-        late = t_dev - run.along * dt  # the deviation fades within the step
+        late = t_dev - driven * dt  # the deviation fades within the step
         return (
             n + dn + late * deviation * c + t_current * cn + t_drift * wn,
             e + de + late * deviation * s + t_current * ce + t_drift * we,
@@ -219,7 +222,7 @@ class Filter:
     def vertical(self, depth: float | None, altitude: float | None) -> tuple[float, int] | None:
         """Takes in what is there; the normalised innovation squared and its degrees of freedom."""
         fig, kf = self.figures, self._kf
-        rd, ra = fig.depth**2, fig.altitude**2
+        rd, ra = 0.5 * fig.depth**2, fig.altitude**2
         if depth is not None and altitude is not None:
             kf.update(np.array((depth, altitude)), np.array(((rd, 0.0), (0.0, ra))), _BOTH)
         elif depth is not None:
@@ -237,7 +240,7 @@ class Filter:
         sm, cm = math.sin(run.heading), math.cos(run.heading)
         true = run.heading - float(x[COMPASS]) - float(x[SIN]) * sm - float(x[COS]) * cm
         c, s = math.cos(true), math.sin(true)
-        speed = float(x[SCALE]) * run.expected + float(x[DEVIATION])
+        speed = float(x[SCALE]) * run.expected + float(x[DEVIATION]) * run.driven
         forward, sway = speed * run.along, speed * run.sway
         vn, ve = forward * c - sway * s, forward * s + sway * c
         h = np.zeros((2, STATES))
@@ -247,7 +250,7 @@ class Filter:
             (WN, float(run.surfaced), 0.0),
             (WE, 0.0, float(run.surfaced)),
             (SCALE, run.expected * run.along * c, run.expected * run.along * s),
-            (DEVIATION, run.along * c, run.along * s),
+            (DEVIATION, run.along * run.driven * c, run.along * run.driven * s),
             (COMPASS, ve, -vn),
             (SIN, ve * sm, -vn * sm),
             (COS, ve * cm, -vn * cm),

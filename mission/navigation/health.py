@@ -65,11 +65,13 @@ class _Monitor:
     good_t: float = -math.inf  # of the last value that was believed
     good: float = math.nan
     same: int = 0  # repeats while moving
+    repeated: bool = False  # the last report said the same as the one before
     agreeing: int = 0
     reason: str = ""
 
     def observe(self, row: Channel, t: float, value: float, moving: bool, doubt: bool) -> bool:
         """Takes one report in; whether it can be believed."""
+        self.repeated = value == self.value
         self.same = 0 if value != self.value else self.same + moving
         agrees = self._within(row, t, value, self.t, self.value)
         self.agreeing = self.agreeing + 1 if agrees else 1
@@ -128,6 +130,10 @@ class SensorHealth:
 
     def fix(self, f: Fix) -> None:
         self.monitors["position"].observe(CHANNELS["position"], f.t, 0.0, False, False)
+
+    def repeated(self, channel: str) -> bool:
+        """The last report says nothing new: an altimeter without an echo repeats its last one."""
+        return self.monitors[channel].repeated
 
     def of(self, sensor: str, now: float) -> Health:
         """The worst of the sensor's channels. KeyError for a name that is not in SENSORS."""

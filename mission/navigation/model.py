@@ -52,11 +52,11 @@ class Figures:
     period: float  # s, of the reports
     sway: Markov  # share of the speed
     rate: Markov  # m/s, of the depth
-    depth: float
+    depth: float  # m, half of its variance white, half lasting
     altitude: float
     slope: float = 0.15  # of the bottom, rise over run
     slope_length: float = 20.0  # m over which the slope persists
-    ground_velocity: float = 0.15  # m/s, of a receiver's speed and course
+    ground_velocity: float = 0.1  # m/s, of a receiver's speed and course
 
 
 def figures(vehicle: Vehicle) -> Figures:
@@ -73,7 +73,7 @@ def figures(vehicle: Vehicle) -> Figures:
         heading=sensors.heading,
         period=sensors.telemetry_period,
         sway=Markov(known.sway_noise, 10.0),
-        rate=Markov(0.3, 15.0),
+        rate=Markov(0.12, 200.0),
         depth=sensors.depth,
         altitude=sensors.altitude,
     )

@@ -99,7 +99,9 @@ class Navigation:
                 t.pitch if "pitch" in good else None,
                 t.actuators,
                 t.depth if "depth" in good else None,
-                t.altitude if "altitude" in good else None,
+                t.altitude
+                if "altitude" in good and not self._health.repeated("altitude")
+                else None,
             )
         )
 
@@ -174,7 +176,8 @@ class Navigation:
             s, c = math.sin(shown), math.cos(shown)
             heading = (shown - x[8] - x[9] * s - x[10] * c) % (2.0 * math.pi)
             heading_var = self._heading_variance(p, s, c) + core.heading_loss(now) ** 2
-        speed_var = var[6] * u * u + 2.0 * u * float(p[6, 7]) + var[7]
+        w = core.driven
+        speed_var = var[6] * u * u + 2.0 * u * w * float(p[6, 7]) + var[7] * w * w
         return Estimate(
             t=now,
             north=x[0],
@@ -183,12 +186,12 @@ class Navigation:
             depth_rate=x[12] if deep else None,
             altitude=x[13] - x[11] if high else None,
             heading=heading,
-            speed=x[6] * u + x[7],
+            speed=x[6] * u + x[7] * w,
             current_north=x[2],
             current_east=x[3],
             covariance=(var[0], float(p[0, 1]), var[1]),
             sigmas={
-                "depth": math.sqrt(var[11]),
+                "depth": math.sqrt(var[11] + 0.5 * core.figures.depth**2),
                 "depth_rate": math.sqrt(var[12]),
                 "altitude": math.sqrt(max(var[11] + var[13] - 2.0 * float(p[11, 13]), 0.0)),
                 "heading": math.sqrt(heading_var),

@@ -28,6 +28,7 @@ _FASTEST = 4.0  # m/s, between two fixes that agree
 _WIDEST = 25.0  # factor on the covariance; what is missing then is given to the position alone
 _EXTRAPOLATE = 1.0  # s beyond a report for which its yaw rate is believed
 _SURFACE = 0.7  # m of depth: shallower is moved by wind and waves
+_UNDER_WAY = 0.3  # m/s: slower, the speed's deviation fades with the speed
 _LOST_TIME, _LOST_GROWTH, _LOST_MOST = 20.0, 0.05, 1.8  # s; rad per s; rad: no compass
 
 
@@ -161,13 +162,16 @@ class Reckoner:
     def run(self, t0: float, t1: float) -> Run:
         """How it moves between two times."""
         m = self._motion
+        driven = min(abs(m.expected) / _UNDER_WAY, 1.0)
         if m.heading is None:
-            return Run(0.0, m.expected, m.along, 0.0, _LOST_MOST**2 * _LOST_TIME, m.surfaced)
+            lost = _LOST_MOST**2 * _LOST_TIME
+            return Run(0.0, m.expected, m.along, 0.0, lost, driven, m.surfaced)
         turned = m.yaw_rate * min(0.5 * (t0 + t1) - m.heading_t, _EXTRAPOLATE)
         arc = m.yaw_rate * (t1 - t0)
         along = m.along * (1.0 - min(arc * arc, 4.0) / 24.0)  # the chord of the arc
         sway = -self._calibration.turn_slip * m.yaw_rate
-        return Run(m.heading + turned, m.expected, along, sway, self._lost(t1), m.surfaced)
+        lost = self._lost(t1)
+        return Run(m.heading + turned, m.expected, along, sway, lost, driven, m.surfaced)
 
     def _lost(self, t: float) -> float:
         return self.heading_loss(t) ** 2 * _LOST_TIME
@@ -185,6 +189,10 @@ class Reckoner:
     @property
     def expected(self) -> float:
         return self._propulsion.speed
+
+    @property
+    def driven(self) -> float:
+        return min(abs(self._propulsion.speed) / _UNDER_WAY, 1.0)
 
     # --- fixes -------------------------------------------------------------------------------
 
