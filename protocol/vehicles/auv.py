@@ -103,7 +103,7 @@ LINKS = (
     LinkRow("auv.to_stm32", to_stm32_frames),
     LinkRow("auv.to_topside", to_topside_frames),
 )
-_FROM_STM32 = LINKS[1]
+FROM_STM32 = LINKS[1]
 
 # --- Telemetry in ---
 
@@ -307,7 +307,7 @@ class AuvCodec:
             raise ValueError(f"no dialect {dialect!r}; there are: {', '.join(DIALECTS)}")
         self._words = DIALECTS[dialect]
         chosen = tolerances or Tolerances()
-        self.framer = _FROM_STM32.framer(chosen, shortcut(chosen, battery_scale))
+        self.framer = FROM_STM32.framer(chosen, shortcut(chosen, battery_scale))
         self._scale = battery_scale
 
     def receive(self, data: bytes, now: float) -> list[Received]:
