@@ -20,10 +20,10 @@ from dataclasses import dataclass, replace
 from mission.model import Outcome, Result, Tx, Verdict
 from mission.nodes import LINK as NODES
 from mission.nodes import NAMES, OPEN, Nodes
-from mission.paths import Heard, Path
+from mission.paths import Heard, Path, Unfit
 from mission.staging import Held, OutOfPlace, Staging
 from mission.store import Store, StoreError
-from mission.vessel import MODEM, Answer, MissionRefused, Peer, Vessel
+from mission.vessel import MODEM, Answer, MissionRefused, Peer, Vessel, one_line
 from protocol.messages import (
     Ack,
     ClearMission,
@@ -49,7 +49,6 @@ COMMANDER_SILENT_S = 10.0
 SAME_COMMAND_S = 5.0
 RELAY_ANSWER_S = 5.0
 ORDER_ANSWER_S = 10.0
-REFUSAL_CHARACTERS = 200
 
 YES, NO = ord("Y"), ord("N")
 REMEMBERED = 64  # commands, for R12; more than that within 5 s is a flood
@@ -85,7 +84,7 @@ class Topside:
     ) -> None:
         """``path`` makes one for a connection over the link of that name."""
         self._vessel, self._store, self._new_path = vessel, store, path
-        self._nodes, self._answer_no = nodes, answer_no
+        self._nodes, self._answer_no = nodes, answer_no  # R2
         self._staging = Staging()
         self._paths: dict[Peer, Path] = {}
         self._heard: dict[Peer, float] = {}
@@ -169,9 +168,17 @@ class Topside:
         for item in heard:
             if isinstance(item, FrameFault):
                 self._faults.append((peer, item))
+            elif isinstance(item, Unfit):
+                self._refuse_unfit(peer, item, now)
             else:
                 self._heard[peer] = now
                 self._command(peer, item, now)
+
+    def _refuse_unfit(self, peer: Peer, unfit: Unfit, now: float) -> None:
+        self._faults.append((peer, unfit.fault))
+        self._refusal = f"{unfit.code}: {unfit.fault.kind}"
+        if self._answer_no:
+            self._send(peer, answer(unfit.code, False, now), now, unfit.fault.kind)
 
     def _command(self, peer: Peer, command: Command, now: float) -> None:
         if isinstance(command, Emergency):
@@ -223,7 +230,7 @@ class Topside:
         if verdict.accepted:
             self._commander = peer
         else:
-            self._refusal = _one_line(f"{_NAMES[type(command)]}: {verdict.why}")
+            self._refusal = one_line(f"{_NAMES[type(command)]}: {verdict.why}")
         ack = _acknowledge(command, verdict.accepted, now)
         if verdict.accepted and not isinstance(command, MissionLine | Manual):
             self._done.append(_Done(command, peer, now, ack))
@@ -244,13 +251,14 @@ class Topside:
 
     def _not_commander(self, peer: Peer, now: float) -> str:
         other = self._commander
-        if other is None or other == peer:
-            return ""
-        if now - self._heard.get(other, now) > COMMANDER_SILENT_S:
+        if other is None or other == peer or self._is_silent(other, now):
             return ""
         return (
             f"{other.link} {other.address} commands; others read until it closes or is silent 10 s"
         )
+
+    def _is_silent(self, peer: Peer, now: float) -> bool:
+        return now - self._heard.get(peer, now) > COMMANDER_SILENT_S
 
     # --- single commands -------------------------------------------------------------------
 
@@ -274,8 +282,7 @@ class Topside:
         return None
 
     def _settle(self, now: float) -> None:
-        done = self._nodes.settle(now)
-        if done is None or self._switching is None:
+        if (done := self._nodes.settle(now)) is None or self._switching is None:
             return
         (peer, command), self._switching = self._switching, None
         self._conclude(peer, command, Verdict(done, "" if done else "not all nodes changed"), now)
@@ -392,9 +399,3 @@ def _acknowledge(command: Command, accepted: bool, now: float) -> Ack | None:
     if isinstance(command, Relay | Manual):
         return None
     return answer(_NAMES[type(command)], accepted, now)
-
-
-def _one_line(text: str) -> str:
-    """ASCII without comma, ``@`` and ``$``, at most 200 characters (R4)."""
-    kept = (c if " " <= c <= "~" and c not in ",@$" else " " for c in text)
-    return " ".join("".join(kept).split())[:REFUSAL_CHARACTERS]

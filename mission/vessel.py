@@ -1,4 +1,4 @@
-"""What the operator's side and the drive ask of each other. Types only.
+"""What the operator's side and the drive ask of each other: types, and how a refusal is written.
 
 What does not live here: the rules between them (topside), the vehicle's behaviour (engine).
 """
@@ -17,6 +17,8 @@ from protocol.messages import (
 )
 
 MODEM = "modem"  # the link whose frames travel in envelopes under water
+
+REFUSAL_CHARACTERS = 200
 
 Answer = Ack | Status | StoreReport
 
@@ -57,3 +59,9 @@ class Vessel(Protocol):
     def status(self, now: float) -> Status: ...
 
     def set_clock(self, time: str, now: float) -> None: ...
+
+
+def one_line(text: str) -> str:
+    """ASCII without comma, ``@`` and ``$``, at most 200 characters (R4)."""
+    kept = (c if " " <= c <= "~" and c not in ",@$" else " " for c in text)
+    return " ".join("".join(kept).split())[:REFUSAL_CHARACTERS]

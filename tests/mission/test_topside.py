@@ -396,6 +396,28 @@ def test_garbage_is_told_and_costs_no_good_frame(pi: Pi) -> None:
     assert {peer for peer, _ in faults} == {BOAT}
 
 
+@pytest.mark.parametrize(
+    ("frame", "refusal"),
+    [
+        (b"@ST,2025/13/01 00:00:00,$", b"@ACK_STN$"),
+        (b"@NSXOOOOO$", b"@ACK_NSN$"),
+        (b"@AW\x02\x00\x03\x00ZAF6$", b"@ACK_AWN$"),
+    ],
+)
+@pytest.mark.parametrize("peer", [BOAT, WATER])
+def test_a_command_with_a_value_out_of_range_is_refused_whole(
+    pi: Pi, frame: bytes, refusal: bytes, peer: Peer
+) -> None:
+    answers = pi.hear(b"@DA1,2$" * 100 + frame + b"@NI$", 0.0, peer)
+    assert (opened(answers) if peer is WATER else b"".join(answers)) == refusal + b"@ACK_NI\x2f$"
+    assert pi.topside.faults()
+    assert pi.vessel.decided == []
+
+
+def test_a_safety_set_with_the_wrong_count_is_not_answered(pi: Pi) -> None:
+    assert pi.hear(b"@SP,1,2$@NI$") == [b"@ACK_NI\x2f$"]
+
+
 def test_a_flood_of_commands_is_remembered_in_bounds(pi: Pi) -> None:
     for i in range(2000):
         pi.hear(SetSafety(radius=float(i + 1)), i * 1e-4)
