@@ -59,6 +59,7 @@ class Core:
         self.stick = -math.inf  # the last M
         self.auto = True  # node AUTO
         self.emergency_since_idle = False
+        self.emergency_at = -math.inf  # when the last one began
         self.uncertain = False  # answered; again only after it was certain in between
         self.reason = ""  # of the state that is active
         self.event = ""
@@ -269,7 +270,7 @@ class Core:
         """The mission is over, the operator has to clear or to take the stick."""
         self.ascent = None
         self.halt_run()
-        self.emergency_since_idle = True
+        self.emergency_since_idle, self.emergency_at = True, self.now
 
     def climb(self) -> None:
         """The emergency's ascent goes on, or has reached the surface."""

@@ -171,13 +171,14 @@ class Engine:
 
     def _guard_limits(self, reported: bool, fixed: bool) -> None:
         core = self._core
-        breached = core.watch.look(reported, fixed)
-        if core.uncertain and not any(r.response is Response.UNCERTAIN for r in breached):
-            core.uncertain = not reported
-        acting = [row for row in breached if core.region in row.acts]
-        for row in sorted(acting, key=lambda r: r.response is not Response.SURFACING):
+        found = core.watch.look(reported, fixed)
+        if reported and not any(row.response is Response.UNCERTAIN for row in found):
+            core.uncertain = False
+        if not found:
+            return
+        for row in sorted(found, key=lambda r: r.response is not Response.SURFACING):
             if core.region not in row.acts:
-                return
+                continue
             if row.response is Response.UNCERTAIN:
                 core.take_uncertain(row)
             elif row.response is Response.REPEAT and not core.watch.repeated:

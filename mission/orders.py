@@ -62,7 +62,8 @@ def set_safety(core: Core, command: SetSafety) -> Verdict:
 def manual(core: Core, command: Manual) -> Verdict:
     quiet = core.now - core.stick
     core.stick = core.now
-    if core.region == EMERGENCY and quiet < STICK_QUIET:
+    same_step = core.emergency_at == core.now  # X and W overtake what came with them
+    if core.region == EMERGENCY and (quiet < STICK_QUIET or same_step):
         return Verdict(False, "an emergency: let the stick go for 2 s before taking over")
     if core.active != MANUAL_DRIVING:
         core.take_stick()

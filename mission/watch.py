@@ -128,7 +128,7 @@ class Watch:
     def begin(self, now: float) -> None:
         """A mission starts, or goes on: ages and counts begin anew."""
         self.heard, self.lost, self.blind_since = now, 0, None
-        self._count, self._since, self.repeated = {}, {}, False
+        self._count, self._since, self.repeated, self.breaches = {}, {}, False, ()
         self.descent, self.steering = Descent(), Steering()
 
     def set_sent(self, setpoint: Setpoint | None) -> None:
@@ -147,15 +147,16 @@ class Watch:
         heading = report.heading if self.senses.health("heading").valid else None
         self.steering.take(report.t, heading, self.sent.heading if self.sent else None)
 
-    def look(self, reported: bool, fixed: bool) -> tuple[Limit, ...]:
-        """The rows that are breached for as long as they must be."""
+    def look(self, reported: bool, fixed: bool) -> list[Limit]:
+        """The rows that are found breached now, for as long as they must be. ``breaches`` keeps
+        those that were at their last look."""
         self._look_for_depth()
         due = {On.CLOCK: True, On.REPORT: reported, On.FIX: fixed}
-        was = self.breaches
-        rows = self.rows if reported or fixed or was else self._clocked
-        now = [row for row in rows if (self._lasts(row) if due[row.on] else row in was)]
-        self.breaches = tuple(now)
-        return self.breaches
+        rows = self.rows if reported or fixed else self._clocked
+        found = [row for row in rows if due[row.on] and self._lasts(row)]
+        kept = [row for row in self.breaches if not due[row.on]]
+        self.breaches = (*kept, *found)
+        return found
 
     def next_timer(self) -> float | None:
         return min((at for row in self._timed if (at := row.due(self)) is not None), default=None)

@@ -1,0 +1,201 @@
+"""R7: surfacing is proved by the depth, in the leg as in the emergency, and never given up."""
+
+from __future__ import annotations
+
+import pytest
+from engine_world import World, leg, mission, when
+
+from mission.ascent import UPWARD
+from mission.model import IDLE_READY, SURFACED, SURFACING, Surface
+from protocol.messages import Emergency, Order, Setpoint
+
+W = Emergency(Order.SURFACE)
+LONG = 20000.0
+
+
+def surfacing(depth: float | None = 20.0) -> World:
+    world = World(mission(leg("a", timeout=LONG)))
+    assert world.start()
+    world.depth = depth
+    world.until(110.0)
+    world.tell(W)
+    world.actions.clear()
+    return world
+
+
+def climb(world: World, rate: float, seconds: float) -> None:
+    for _ in range(round(seconds / 2.0)):
+        world.depth = max(world.depth - 2.0 * rate, 0.0)
+        world.wait(2.0)
+
+
+def sent(world: World) -> list[tuple[float, Setpoint | Order]]:
+    return [(round(t - 110.0, 3), a.command) for t, a in world.actions]
+
+
+def test_while_the_depth_does_not_fall_both_ways_are_tried_in_turn_for_ever():
+    world = surfacing()
+    world.wait(50.5)
+    assert sent(world) == [
+        (10.0, UPWARD),
+        (20.0, Order.SURFACE),
+        (30.0, UPWARD),
+        (40.0, Order.SURFACE),
+        (50.0, UPWARD),
+    ]
+    world.wait(3600.0)
+    assert len(world.actions) == 5 + 360
+    assert world.state == SURFACING
+
+
+def test_what_makes_the_depth_fall_is_kept():
+    world = surfacing()
+    climb(world, 0.25, 60.0)
+    assert sent(world) == []
+    world = surfacing()
+    world.wait(10.0)
+    climb(world, 0.25, 60.0)
+    assert sent(world) == [(10.0, UPWARD)]
+
+
+def test_a_way_that_stops_working_is_changed_again():
+    world = surfacing()
+    climb(world, 0.25, 30.0)
+    world.wait(20.0)
+    assert [c for _, c in sent(world)] == [UPWARD, Order.SURFACE]
+
+
+@pytest.mark.parametrize("doubt", ["frozen", "absurd", "missing"])
+def test_an_unknown_depth_counts_as_not_falling(doubt: str):
+    world = surfacing()
+    world.nav.doubt["depth"] = doubt
+    climb(world, 0.25, 40.0)
+    assert [c for _, c in sent(world)] == [UPWARD, Order.SURFACE] * 2
+
+
+def test_it_goes_on_without_any_report():
+    world = surfacing()
+    world.wait(40.5, reports=False)
+    assert len(sent(world)) == 4
+
+
+def test_the_surface_is_six_seconds_of_shallow_depth():
+    world = surfacing()
+    climb(world, 0.5, 38.0)
+    world.depth = 0.4
+    world.wait(7.9)
+    assert world.state == SURFACING
+    world.wait(0.2)
+    assert world.state == SURFACED
+    assert world.commands()[-1] is Order.STOP
+
+
+def test_a_wave_over_the_hull_begins_the_six_seconds_anew():
+    world = surfacing()
+    for _ in range(10):
+        world.depth = 0.3
+        world.wait(4.0)
+        world.depth = 0.8
+        world.wait(2.0)
+    assert world.state == SURFACING
+
+
+def test_a_fix_is_the_surface_too_even_without_a_depth():
+    world = surfacing()
+    world.nav.doubt["depth"] = "frozen"
+    world.wait(5.0)
+    world.tell(world.fix())
+    assert world.state == SURFACED
+    assert world.commands()[-1] is Order.STOP
+
+
+def test_a_fix_from_before_is_not():
+    world = World(mission(leg("a", timeout=LONG)))
+    assert world.start()
+    world.depth = 5.0
+    world.wait(4.0)
+    world.tell(world.fix())
+    world.tell(W)
+    world.wait(8.0)
+    assert world.state == SURFACING
+
+
+def test_w_at_the_surface_is_proved_there_too():
+    world = surfacing(depth=0.2)
+    assert world.state == SURFACING
+    world.wait(6.1)
+    assert world.state == SURFACED
+
+
+def test_surfaced_is_latched():
+    world = surfacing(depth=0.2)
+    world.wait(10.0)
+    begun = len(world.actions)
+    world.depth = 3.0
+    world.wait(100.0)
+    assert world.state == SURFACED
+    assert len(world.actions) == begun
+
+
+# --- the same ascent as a leg --------------------------------------------------------------
+
+
+def test_the_end_of_a_mission_is_an_ascent_and_then_idle():
+    world = World(mission(leg("a", timeout=None, duration=10.0)))
+    assert world.start()
+    world.depth = 6.0
+    world.wait(12.0)
+    assert world.state == "autonomous/surface"
+    climb(world, 0.5, 20.0)
+    assert world.state == IDLE_READY
+    assert world.commands()[-2:] == [Order.SURFACE, Order.STOP]
+
+
+def test_a_surface_leg_ends_at_the_surface_and_the_next_leg_begins_with_a_stop():
+    up = leg("up", kind=Surface(), settings=(), timeout=300.0)
+    world = World(mission(leg("a", when("elapsed", ">", 5.0)), up, leg("b", timeout=LONG)))
+    assert world.start()
+    world.depth = 4.0
+    world.wait(8.0)
+    assert world.state == "autonomous/up"
+    climb(world, 0.5, 16.0)
+    assert world.state == "autonomous/b"
+    stop, back = world.commands()[-2:]
+    assert stop is Order.STOP
+    assert isinstance(back, Setpoint)
+
+
+def test_until_fix_waits_at_the_surface_with_everything_stopped():
+    up = leg("up", kind=Surface(until_fix=True), settings=(), timeout=300.0)
+    world = World(mission(leg("a", when("elapsed", ">", 5.0)), up, leg("b", timeout=LONG)))
+    assert world.start()
+    world.depth = 0.2
+    world.wait(60.0)
+    assert world.state == "autonomous/up"
+    assert [c for c in world.commands() if c is Order.STOP] == [Order.STOP]
+    world.tell(world.fix())
+    assert world.state == "autonomous/b"
+
+
+def test_a_surface_leg_for_a_time_stays_up_for_it():
+    up = leg("up", kind=Surface(), settings=(), timeout=None, duration=90.0)
+    world = World(mission(leg("a", when("elapsed", ">", 5.0)), up, leg("b", timeout=LONG)))
+    assert world.start()
+    world.depth = 0.2
+    world.wait(90.0)
+    assert world.state == "autonomous/up"
+    assert world.commands()[-1] is Order.STOP
+    world.wait(6.0)
+    assert world.state == "autonomous/b"
+
+
+def test_up_and_then_the_missions_end_climbs_once():
+    up = leg("up", kind=Surface(), settings=(), timeout=300.0)
+    world = World(mission(leg("a", when("elapsed", ">", 5.0)), up))
+    assert world.start()
+    world.depth = 4.0
+    world.wait(8.0)
+    climb(world, 0.5, 20.0)
+    assert world.state == IDLE_READY
+    assert world.commands().count(Order.SURFACE) == 1
+    assert world.commands()[-1] is Order.STOP

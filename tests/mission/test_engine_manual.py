@@ -1,0 +1,208 @@
+"""R6: the stick takes over at once, lets go by time, and the mission goes on where it was."""
+
+from __future__ import annotations
+
+import pytest
+from engine_world import World, leg, mission, when
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mission.model import (
+    IDLE_EMPTY,
+    IDLE_READY,
+    MANUAL_DRIVING,
+    MANUAL_WAITING,
+    SURFACING,
+    Group,
+)
+from protocol.messages import Emergency, Manual, Order, Setpoint, StartMission
+
+M = Manual("MM", b"@MMF5$")
+X, W = Emergency(Order.STOP), Emergency(Order.SURFACE)
+
+
+def flying() -> World:
+    group = Group(
+        "g", 3, (leg("a", timeout=None, duration=10.0), leg("b", timeout=None, duration=10.0))
+    )
+    world = World(mission(group, leg("c", when("elapsed", ">", 30.0), timeout=400.0)))
+    assert world.start()
+    world.depth = 5.0
+    return world
+
+
+def drive(world: World, seconds: float, period: float = 0.3) -> None:
+    """M every ``period``; as built there is no report meanwhile."""
+    for _ in range(round(seconds / period)):
+        assert world.tell(M).verdicts[0].accepted
+        world.wait(period, reports=False)
+
+
+def test_any_m_takes_over_at_once_and_nothing_is_sent():
+    world = flying()
+    out = world.tell(M)
+    assert world.state == MANUAL_DRIVING
+    assert out.verdicts[0].accepted
+    assert not out.actions
+
+
+def test_while_m_arrives_every_z_is_held_back():
+    world = flying()
+    begun = len(world.actions)
+    drive(world, 100.0)
+    assert len(world.actions) == begun
+    assert world.state == MANUAL_DRIVING
+
+
+def test_two_seconds_of_silence_stop_everything_and_bring_reports_back():
+    world = flying()
+    drive(world, 3.0)
+    begun = len(world.actions)
+    world.tell(M)
+    world.wait(1.99, reports=False)
+    assert len(world.actions) == begun
+    world.wait(0.02, reports=False)
+    assert world.state == MANUAL_WAITING
+    assert [a.command for _, a in world.actions[begun:]] == [Order.STOP]
+
+
+def test_the_stick_takes_over_again_from_waiting():
+    world = flying()
+    world.tell(M)
+    world.wait(3.0)
+    world.tell(M)
+    assert world.state == MANUAL_DRIVING
+
+
+@pytest.mark.parametrize(
+    ("depth", "target"), [(0.3, IDLE_READY), (0.5, SURFACING), (8.0, SURFACING), (None, SURFACING)]
+)
+def test_a_minute_of_silence_ends_manual_by_the_depth(depth: float | None, target: str):
+    world = flying()
+    world.tell(M)
+    world.depth = depth
+    world.wait(59.9)
+    assert world.state == MANUAL_WAITING
+    world.wait(0.2)
+    assert world.state == target
+
+
+def test_a_minute_of_silence_without_any_mission_is_idle_and_empty():
+    world = World()
+    world.tell(world.report(), M)
+    world.wait(60.1)
+    assert world.state == IDLE_EMPTY
+
+
+def test_how_long_is_configurable():
+    from mission.engine import Engine
+
+    world = World()
+    world.engine = Engine(world.vehicle, world.nav, forgotten_after=20.0)
+    world.tell(world.report(), M)
+    world.wait(20.1)
+    assert world.state == IDLE_EMPTY
+
+
+def test_the_mission_goes_on_only_by_a_new_start_two_seconds_after_the_stick():
+    world = flying()
+    world.tell(M)
+    world.wait(1.9)
+    assert not world.tell(StartMission()).verdicts[0].accepted
+    world.wait(0.2)
+    assert world.tell(StartMission()).verdicts[0].accepted
+    assert world.state == "autonomous/g/a"
+
+
+def test_the_interrupted_leg_is_entered_anew_with_its_whole_set():
+    world = flying()
+    world.wait(6.0)
+    world.tell(M)
+    world.wait(20.0)
+    out = world.tell(StartMission())
+    assert [a.command for a in out.actions] == [Setpoint(surge=0.5, heading=0.0, depth=5.0)]
+    world.wait(9.9)
+    assert world.state == "autonomous/g/a"
+    world.wait(0.2)
+    assert world.state == "autonomous/g/b"
+
+
+def test_rounds_go_on_after_an_interruption():
+    world = flying()
+    world.wait(25.0)  # the second round, leg a
+    assert world.engine.round == 2
+    drive(world, 6.0)
+    world.wait(3.0)
+    assert world.tell(StartMission()).verdicts[0].accepted
+    assert world.engine.round == 2
+    world.wait(10.1 + 10.0 + 10.0 + 10.0)
+    assert world.state == "autonomous/c"
+
+
+def test_the_missions_clock_goes_on_in_manual():
+    world = flying()
+    world.tell(M)
+    world.wait(50.0)
+    assert world.tell(StartMission()).verdicts[0].accepted
+    assert world.engine.mission_time == pytest.approx(50.0)
+
+
+def test_the_age_of_the_reports_starts_again():
+    world = flying()
+    drive(world, 30.0)
+    world.wait(2.5, reports=False)
+    assert world.tell(StartMission()).verdicts[0].accepted
+    world.wait(4.9, reports=False)
+    assert world.state == "autonomous/g/a"
+    world.wait(0.2, reports=False)
+    assert world.state == SURFACING
+
+
+def test_a_held_stick_does_not_cancel_a_surfacing():
+    world = flying()
+    drive(world, 3.0)
+    world.tell(W)
+    for _ in range(20):
+        assert not world.tell(M).verdicts[0].accepted
+        world.wait(0.3)
+    assert world.state == SURFACING
+    world.wait(2.0)
+    assert world.tell(M).verdicts[0].accepted
+    assert world.state == MANUAL_DRIVING
+
+
+@pytest.mark.parametrize("order", [X, W])
+def test_after_an_emergency_the_stick_does_not_lead_back_into_the_mission(order: Emergency):
+    world = flying()
+    world.tell(order)
+    world.wait(3.0)
+    assert world.tell(M).verdicts[0].accepted
+    world.wait(3.0)
+    assert not world.tell(StartMission()).verdicts[0].accepted
+    assert "emergency" in world.verdicts[-1].why
+    world.depth = 0.2
+    world.wait(60.0)
+    assert world.state == IDLE_READY
+    assert world.start()
+    assert world.state == "autonomous/g/a"
+
+
+def test_from_idle_the_stick_and_then_a_start_begin_the_mission():
+    world = World(mission(leg("a")))
+    world.tell(M)
+    world.wait(4.0)
+    assert world.start()
+    assert world.state == "autonomous/a"
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.lists(st.floats(0.05, 4.0), min_size=1, max_size=12))
+def test_whatever_the_stick_does_nothing_but_stop_is_ever_sent(pauses: list[float]):
+    world = flying()
+    begun = len(world.actions)
+    for pause in pauses:
+        world.tell(M)
+        world.wait(pause, reports=False)
+    sent = [a for _, a in world.actions[begun:]]
+    assert {a.command for a in sent} <= {Order.STOP}
+    assert len(sent) == sum(p >= 2.0 for p in pauses)

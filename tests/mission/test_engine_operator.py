@@ -1,0 +1,318 @@
+"""Laws of the operator's commands: X and W from everywhere, @AA, @AC, @SP, the node AUTO."""
+
+from __future__ import annotations
+
+import pytest
+from engine_world import HOME, World, compiled, leg, mission, sets, when
+
+from mission.engine import Engine
+from mission.model import (
+    IDLE_EMPTY,
+    IDLE_READY,
+    STOPPED,
+    SURFACED,
+    SURFACING,
+    AutoNode,
+    By,
+    Loaded,
+    Outcome,
+    Position,
+    Restarted,
+    Result,
+)
+from protocol.messages import (
+    ClearMission,
+    DataQuery,
+    Emergency,
+    Manual,
+    Order,
+    Setpoint,
+    SetSafety,
+    StartMission,
+)
+
+X, W = Emergency(Order.STOP), Emergency(Order.SURFACE)
+M = Manual("MM", b"@MMF5$")
+MISSION = mission(leg("a", timeout=600.0), leg("b"))
+
+
+def world_in(state: str) -> World:
+    """A world that has come to ``state`` by the ways there are."""
+    if state == IDLE_EMPTY:
+        return World()
+    world = World(MISSION)
+    if state == IDLE_READY:
+        return world
+    assert world.start()
+    world.depth = 5.0
+    world.wait(4.0)
+    if state.startswith("manual"):
+        world.tell(M)
+        if state == "manual/waiting":
+            world.wait(3.0)
+    elif state.startswith("emergency"):
+        world.tell(X if state == STOPPED else W)
+        if state == SURFACED:
+            world.depth = 0.2
+            world.wait(9.0)
+    assert world.state == state
+    return world
+
+
+STATES = (
+    IDLE_EMPTY,
+    IDLE_READY,
+    "autonomous/a",
+    "manual/driving",
+    "manual/waiting",
+    STOPPED,
+    SURFACING,
+    SURFACED,
+)
+
+
+@pytest.mark.parametrize("state", STATES)
+@pytest.mark.parametrize(("order", "target"), [(X, STOPPED), (W, SURFACING)])
+def test_x_and_w_act_from_every_state_within_the_step(state: str, order: Emergency, target: str):
+    world = world_in(state)
+    out = world.tell(order)
+    assert world.state == target
+    assert [a.command for a in out.actions] == [order.order]
+    assert out.verdicts[0].accepted
+    assert all(a.reason for a in out.actions)
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_x_overtakes_everything_that_came_with_it(state: str):
+    world = world_in(state)
+    out = world.tell(StartMission(), world.report(), M, X, StartMission())
+    assert world.state == STOPPED
+    assert out.actions[0].command is Order.STOP
+    assert len(out.verdicts) == 4
+
+
+def test_x_and_w_are_never_the_same_command_again():
+    world = world_in("autonomous/a")
+    for _ in range(3):
+        assert [a.command for a in world.tell(X).actions] == [Order.STOP]
+    for _ in range(3):
+        assert [a.command for a in world.tell(W).actions] == [Order.SURFACE]
+
+
+def test_a_stop_goes_out_every_half_second_until_it_is_acknowledged():
+    world = world_in("autonomous/a")
+    world.answer = None
+    world.tell(X)
+    begun = len(world.actions)
+    world.wait(2.1)
+    times = [round(t - world.t + 2.1, 6) for t, a in world.actions[begun:]]
+    assert times == [0.5, 1.0, 1.5, 2.0]
+    world.tell(Outcome(Result.REFUSED, b"@ZAX0$", Order.STOP))
+    world.wait(1.0)
+    assert len(world.actions) == begun + 6
+    world.tell(Outcome(Result.ACCEPTED, b"@ZAX0$", Order.STOP))
+    world.wait(5.0)
+    assert len(world.actions) == begun + 6
+
+
+def test_after_stopped_nothing_is_sent_but_the_stop():
+    world = world_in("autonomous/a")
+    world.tell(X)
+    begun = len(world.actions)
+    world.depth, world.nav.north = 90.0, 1e5
+    world.nav.doubt["depth"] = "frozen"
+    world.wait(120.0)
+    world.wait(20.0, reports=False)
+    assert len(world.actions) == begun
+    assert world.state == STOPPED
+
+
+# --- @AA ----------------------------------------------------------------------------------
+
+
+def test_start_flies_the_first_leg_and_sends_its_whole_set():
+    world = World(MISSION)
+    assert world.start()
+    assert world.state == "autonomous/a"
+    assert world.commands() == [Setpoint(surge=0.5, heading=0.0, depth=5.0)]
+
+
+def test_a_second_start_while_it_runs_is_acknowledged_and_changes_nothing():
+    world = world_in("autonomous/a")
+    out = world.tell(StartMission())
+    assert out.verdicts[0].accepted
+    assert not out.actions
+    assert not out.steps
+
+
+@pytest.mark.parametrize("state", [IDLE_EMPTY, STOPPED, SURFACING, SURFACED, "manual/driving"])
+def test_start_is_refused_where_there_is_nothing_to_start(state: str):
+    world = world_in(state)
+    out = world.tell(StartMission())
+    assert not out.verdicts[0].accepted
+    assert out.verdicts[0].why
+    assert world.state == state
+
+
+def test_start_waits_for_navigation_and_says_so():
+    world = World(MISSION, navigation=False)
+    assert not world.start()
+    assert "navigation" in world.verdicts[-1].why
+    world.engine.attach(world.nav)
+    assert world.start()
+
+
+def test_start_needs_a_vehicle_that_was_heard():
+    world = World(MISSION)
+    world.tell(world.fix())
+    world.tell(StartMission())
+    assert "not heard" in world.verdicts[-1].why
+
+
+def test_home_is_the_median_of_five_good_fixes():
+    world = World(mission(leg("a"), home=None))
+    world.tell(world.report())
+    for north in (0.0, 1.0, 2.0, 3.0, 9.0):
+        world.tell(StartMission())
+        assert not world.verdicts[-1].accepted
+        world.t += 0.2
+        world.tell(world.fix(north=north))
+    world.tell(StartMission())
+    assert world.verdicts[-1].accepted
+    assert world.nav.frame.to_local(*_rad(HOME))[0] == pytest.approx(-2.0, abs=1e-3)
+
+
+def _rad(p: Position) -> tuple[float, float]:
+    import math
+
+    return math.radians(p.latitude_deg), math.radians(p.longitude_deg)
+
+
+@pytest.mark.parametrize("bad", [{"hdop": 4.0}, {"hdop": None}, {"north": 25.0}])
+def test_one_bad_fix_among_the_five_is_no_home(bad: dict[str, float]):
+    world = World(mission(leg("a"), home=None))
+    world.tell(world.report())
+    for i in range(5):
+        world.t += 0.2
+        world.tell(world.fix(**(bad if i == 2 else {})))
+    world.tell(StartMission())
+    assert not world.verdicts[-1].accepted
+    assert "five fixes" in world.verdicts[-1].why
+
+
+def test_a_pool_mission_starts_without_any_fix():
+    world = World(mission(leg("a"), home=None, start_without_fix=True))
+    world.tell(world.report())
+    world.tell(StartMission())
+    assert world.verdicts[-1].accepted
+
+
+def test_home_beyond_the_radius_is_refused():
+    world = World(MISSION)
+    world.tell(SetSafety(radius=200.0))
+    world.tell(world.report(), world.fix(north=250.0))
+    world.tell(StartMission())
+    assert not world.verdicts[-1].accepted
+    assert "250" in world.verdicts[-1].why
+
+
+# --- @AC, @SP, AUTO -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_clear_leaves_idle_stopped_and_surfaced_alone(state: str):
+    world = world_in(state)
+    accepted = world.tell(ClearMission()).verdicts[0].accepted
+    assert accepted == (state in (IDLE_EMPTY, IDLE_READY, STOPPED, SURFACED))
+    assert world.state == (IDLE_EMPTY if accepted else state)
+    if accepted:
+        world.tell(StartMission())
+        assert not world.verdicts[-1].accepted
+
+
+def test_safety_keeps_what_is_left_out_and_refuses_nonsense():
+    world = World(MISSION)
+    world.tell(SetSafety(radius=300.0, depth=20.0))
+    world.tell(SetSafety(radius=400.0))
+    assert world.engine.safety == SetSafety(radius=400.0, depth=20.0)
+    assert not world.tell(SetSafety(time=-1.0)).verdicts[0].accepted
+    assert world.engine.safety == SetSafety(radius=400.0, depth=20.0)
+
+
+def test_what_is_not_the_engines_is_answered_and_changes_nothing():
+    world = world_in("autonomous/a")
+    out = world.tell(DataQuery())
+    assert not out.verdicts[0].accepted
+    assert world.state == "autonomous/a"
+
+
+def test_closing_auto_ends_the_mission_and_none_starts_until_it_is_open():
+    world = world_in("autonomous/a")
+    out = world.tell(AutoNode(False))
+    assert world.state == IDLE_READY
+    assert [a.command for a in out.actions] == [Order.STOP]
+    world.depth = 0.2
+    assert not world.start()
+    assert "AUTO" in world.verdicts[-1].why
+    world.tell(AutoNode(True))
+    assert world.start()
+
+
+def test_closing_auto_in_an_emergency_changes_nothing():
+    world = world_in(SURFACING)
+    assert not world.tell(AutoNode(False)).actions
+    assert world.state == SURFACING
+
+
+# --- restart ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_a_restart_during_a_mission_or_an_emergency_surfaces(state: str):
+    during = world_in(state).engine.under_way
+    assert bool(during) == (not state.startswith("idle"))
+    fresh = World(navigation=False)
+    fresh.tell(Loaded(compiled(MISSION)), Restarted(during))
+    assert fresh.state == (SURFACING if during else IDLE_READY)
+    if during:
+        assert fresh.commands() == [Order.SURFACE]
+        assert not fresh.tell(ClearMission()).verdicts[0].accepted
+
+
+def test_manual_without_a_mission_is_nothing_under_way():
+    world = World()
+    world.tell(M)
+    assert world.engine.under_way == ""
+
+
+# --- the engine itself --------------------------------------------------------------------
+
+
+def test_time_never_goes_back():
+    world = World()
+    world.tell(world.report())
+    with pytest.raises(ValueError, match="back"):
+        world.engine.step(world.t - 1.0)
+
+
+def test_every_leg_that_is_left_says_why():
+    world = World(mission(leg("a", when("elapsed", ">", 5.0)), leg("b", timeout=30.0)))
+    assert world.start()
+    world.depth = 5.0
+    world.wait(10.0)
+    world.tell(X)
+    left = [s for s in world.steps if any(p.startswith("autonomous/") for p in s.exited)]
+    assert [s.by for s in left] == [By.UNTIL, By.OPERATOR]
+
+
+def test_an_unreadable_state_never_comes_from_garbage():
+    engine = Engine(World().vehicle)
+    out = engine.step(1.0, [object(), DataQuery()])
+    assert engine.state == IDLE_EMPTY
+    assert len(out.verdicts) == 2
+
+
+def test_a_leg_with_a_heading_sends_what_was_written():
+    world = World(mission(leg("a", settings=sets(surge=0.25, heading=1.5))))
+    assert world.start()
+    assert world.commands()[-1] == Setpoint(surge=0.25, heading=1.5)
