@@ -1,0 +1,115 @@
+"""``auvmission serve``: the Pi's program."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from mission.configuration import LinkUrls
+    from mission.model import Estimate, Step
+    from mission.serve import Ready
+
+
+@click.command()
+@click.option(
+    "-c", "--config", type=click.Path(path_type=Path), help="YAML file; all has defaults."
+)
+@click.option("--vehicle", metavar="URL", help="Link to the STM32, e.g. serial:///dev/ttyUSB0.")
+@click.option("--gps", metavar="URL", help="Link to the GPS receiver; 'none' for none.")
+@click.option("--topside", metavar="URL", help="Where to listen, e.g. tcp://127.0.0.1:4000.")
+@click.option("--folder", type=click.Path(path_type=Path), help="For store/ and log/.")
+@click.option("--speed", type=click.FloatRange(min=0.01), default=1.0, show_default=True,
+              help="Time factor of a demonstration; the same for all its processes.")  # fmt: skip
+@click.option("--ready-file", type=click.Path(path_type=Path),
+              help="Written as JSON once operators can connect.")  # fmt: skip
+@click.option("--events", is_flag=True, help="Every step and estimate as a JSON line on stdout.")
+def serve(
+    config: Path | None,
+    vehicle: str | None,
+    gps: str | None,
+    topside: str | None,
+    folder: Path | None,
+    speed: float,
+    ready_file: Path | None,
+    events: bool,
+) -> None:
+    """Receive missions, fly them, answer the boat: the program that runs on the Pi.
+
+    Ends with SIGINT or SIGTERM. Links given here overrule the configuration's.
+    """
+    import json
+    from dataclasses import replace
+
+    from links.base import LinkError
+    from mission.configuration import ConfigurationError, load_configuration
+    from mission.serve import Server, run
+    from mission.store import DiskStore, StoreError
+    from mission.vehicle import VehicleError, load_vehicle
+
+    def tell(text: str) -> None:
+        click.echo(text.rstrip(), err=True)
+
+    def ready(what: Ready) -> None:
+        said = json.dumps({"topside": what.topside, "black_box": what.black_box})
+        click.echo(said if events else f"listening for the topside on {what.topside}")
+        if ready_file is not None:
+            beside = ready_file.with_name(ready_file.name + ".new")
+            beside.write_text(said + "\n", encoding="utf-8")
+            beside.replace(ready_file)
+
+    given = {"vehicle": vehicle, "gps": gps, "topside": topside}
+    urls = {n: None if n == "gps" and u == "none" else u for n, u in given.items() if u}
+    try:
+        configuration = load_configuration(config)
+        configuration = replace(
+            configuration,
+            links=replace(configuration.links, **urls),  # type: ignore[arg-type]
+            folder=folder or configuration.folder,
+        )
+        _check(configuration.links)
+        flown = load_vehicle(configuration.vehicle)
+        store = DiskStore(configuration.store)
+    except (ConfigurationError, LinkError, VehicleError, StoreError) as error:
+        tell(str(error))
+        raise SystemExit(2) from None
+    for damage in store.content.damage:
+        tell(damage)
+    observer = _Events() if events else None
+    run(Server(configuration, flown, store, tell, ready, speed, observer))
+
+
+def _check(links: LinkUrls) -> None:
+    """Raises LinkAddressError for what is no URL of a link; whether it opens is seen later."""
+    from links import parse_address
+    from mission.serve import listening
+
+    for url in (links.vehicle, links.gps, listening(links.topside), links.modem):
+        if url is not None:
+            parse_address(url)
+
+
+class _Events:
+    """What the drive decides, as JSON lines."""
+
+    def __init__(self) -> None:
+        self._heard = True
+
+    def step(self, step: Step) -> None:
+        from mission.records import step_record
+
+        self._say("step", step_record(step).payload)
+
+    def estimate(self, estimate: Estimate) -> None:
+        from mission.records import estimate_record
+
+        self._say("estimate", estimate_record(estimate).payload)
+
+    def _say(self, kind: str, payload: bytes) -> None:
+        if self._heard:
+            try:
+                click.echo(f'{{"{kind}":{payload.decode()}}}')
+            except OSError:  # nobody reads any more: no reason to stop
+                self._heard = False

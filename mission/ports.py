@@ -1,0 +1,141 @@
+"""The configured links of `serve`, each kept open: opened in a thread, watched, opened again.
+
+    closed --open_link--> open --LinkClosed--> closed --RETRY_S--> ...
+    switched off (@NS) --> closed, until switched on
+
+A port that is busy or absent is told once, in the link's own words, and tried again for ever; a
+link's error never leaves here. What does not live here: what the bytes mean (drive), the links.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Callable
+
+from links import open_link
+from links.base import Link, LinkError, Rx
+from links.tcp import TcpServer
+
+RETRY_S = 1.0  # real time
+
+
+class Port:
+    """``readable`` is called when the link has something, ``changed`` when it opened or closed."""
+
+    def __init__(
+        self,
+        name: str,
+        url: str,
+        readable: Callable[[Port], None],
+        changed: Callable[[Port], None],
+        tell: Callable[[str], None],
+    ) -> None:
+        self.name, self.url = name, url
+        self._readable, self._changed, self._tell = readable, changed, tell
+        self.link: Link | None = None
+        self._told = ""
+        self._closed = asyncio.Event()
+        self._on = asyncio.Event()
+        self._on.set()
+
+    @property
+    def peers(self) -> tuple[str, ...]:
+        """Who is connected, where the link has several peers."""
+        return self.link.peers if isinstance(self.link, TcpServer) else ()
+
+    async def keep_open(self) -> None:
+        """Runs until it is cancelled."""
+        try:
+            while True:
+                await self._on.wait()
+                await self._open()
+        finally:
+            self.close()
+
+    async def _open(self) -> None:
+        loop = asyncio.get_running_loop()
+        self._closed.clear()
+        try:
+            link = await loop.run_in_executor(None, open_link, self.name, self.url)
+        except (LinkError, OSError) as error:
+            self._complain(f"{error} - trying again")
+            await asyncio.sleep(RETRY_S)
+            return
+        if not self._on.is_set():
+            link.close()
+            return
+        self._adopt(link)
+        await self._closed.wait()
+        if self._on.is_set():
+            await asyncio.sleep(RETRY_S)
+
+    def _adopt(self, link: Link) -> None:
+        self.link = link
+        if isinstance(link, TcpServer) and self.url.endswith(":0"):
+            self.url = f"{self.url[:-2]}:{link.port}"  # the same one when opened again
+        if self._told:
+            self._told = ""
+            self._tell(f"{self.name}: {self.url} is open")
+        if link.fileno() >= 0:
+            asyncio.get_running_loop().add_reader(link.fileno(), self._readable, self)
+        self._changed(self)
+
+    def receive(self, now: float) -> list[Rx]:
+        if self.link is None:
+            return []
+        watched = self.link.fileno()
+        try:
+            return self.link.receive(now)
+        except (LinkError, OSError) as error:
+            self._lose(watched, error)
+            return []
+
+    def send(self, data: bytes, now: float, address: str) -> None:
+        """What cannot leave is lost, as on a line that nobody listens to."""
+        if self.link is None:
+            return
+        watched = self.link.fileno()
+        try:
+            self.link.send(data, now, address)
+        except (LinkError, OSError) as error:
+            if not isinstance(self.link, TcpServer):  # else one peer is gone, not the link
+                self._lose(watched, error)
+
+    def next_event(self) -> float | None:
+        """Of a link that has no descriptor to watch."""
+        link = self.link
+        if link is None or link.fileno() >= 0:
+            return None
+        return link.next_event()
+
+    def switch(self, on: bool) -> None:
+        if on:
+            self._on.set()
+        else:
+            self._on.clear()
+            self.close()
+
+    def close(self) -> None:
+        if self.link is not None:
+            self._drop(self.link.fileno())
+
+    def _lose(self, watched: int, error: OSError) -> None:
+        self._complain(f"{error} - trying again")
+        self._drop(watched)
+
+    def _drop(self, watched: int) -> None:
+        """``watched``: the descriptor; a link that lost its device has forgotten it."""
+        link, self.link = self.link, None
+        if watched >= 0:
+            asyncio.get_running_loop().remove_reader(watched)
+        if link is not None:
+            with contextlib.suppress(OSError):
+                link.close()
+            self._closed.set()
+            self._changed(self)
+
+    def _complain(self, text: str) -> None:
+        if text != self._told:
+            self._told = text
+            self._tell(text)
