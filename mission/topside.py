@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from mission.awaited import Awaited
 from mission.model import Outcome, Result, Tx, Verdict
 from mission.nodes import LINK as NODES
 from mission.nodes import NAMES, OPEN, Nodes
@@ -64,15 +65,6 @@ class _Done:
     answer: Answer | None
 
 
-@dataclass(frozen=True, slots=True)
-class _Awaiting:
-    """Somebody is owed the STM32's answer."""
-
-    peer: Peer
-    key: str  # the function of an R acknowledge, or the name of an Order
-    until: float
-
-
 class Topside:
     def __init__(
         self,
@@ -90,7 +82,7 @@ class Topside:
         self._heard: dict[Peer, float] = {}
         self._commander: Peer | None = None
         self._done: list[_Done] = []
-        self._awaiting: list[_Awaiting] = []
+        self._awaited = Awaited()
         self._switching: tuple[Peer, NodeSwitch] | None = None
         self._refusal = ""
         self._out: list[Tx] = []
@@ -105,7 +97,7 @@ class Topside:
     def disconnected(self, peer: Peer) -> None:
         self._paths.pop(peer, None)
         self._heard.pop(peer, None)
-        self._awaiting = [a for a in self._awaiting if a.peer != peer]
+        self._awaited.forget(peer)
         if self._commander == peer:
             self._commander = None
 
@@ -192,7 +184,7 @@ class Topside:
                 self._conclude(peer, command, verdict, now)
 
     def _emergency(self, peer: Peer, command: Emergency, now: float) -> None:
-        self._await(peer, command.order.name, now, ORDER_ANSWER_S)
+        self._awaited.add(peer, command.order.name, now, ORDER_ANSWER_S)
         self._commander = peer
         self._vessel.decide(command, now)
 
@@ -334,7 +326,7 @@ class Topside:
 
     def _await_relay(self, peer: Peer, command: Relay, now: float) -> None:
         if command.kind.startswith("R"):
-            self._await(peer, command.kind[1], now, RELAY_ANSWER_S)
+            self._awaited.add(peer, command.kind[1], now, RELAY_ANSWER_S)
 
     def _manual(self, peer: Peer, command: Manual, now: float) -> Verdict:
         if peer.link == MODEM:
@@ -364,18 +356,10 @@ class Topside:
             self._refusal,
         )
 
-    def _await(self, peer: Peer, key: str, now: float, seconds: float) -> None:
-        others = [a for a in self._awaiting if a.until > now and (a.peer, a.key) != (peer, key)]
-        self._awaiting = [*others, _Awaiting(peer, key, now + seconds)]
-
     def _answer_awaiting(self, key: str, ack: Ack, now: float) -> None:
-        """An accepted answer ends the waiting; a refusal may be followed by another try."""
-        for awaiting in [a for a in self._awaiting if a.key == key and a.until > now]:
-            self._send(awaiting.peer, replace(ack, t=now), now, "answer of the STM32")
-        final = ack.group != "Z" or ack.ok
-        self._awaiting = [
-            a for a in self._awaiting if a.until > now and not (final and a.key == key)
-        ]
+        """A refusal of X or W may be followed by another try; anything else is final."""
+        for peer in self._awaited.answered(key, now, final=ack.group != "Z" or ack.ok):
+            self._send(peer, replace(ack, t=now), now, "answer of the STM32")
 
     def _send(self, peer: Peer, answer: Answer, now: float, reason: str) -> None:
         if peer in self._paths:
