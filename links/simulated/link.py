@@ -32,6 +32,7 @@ from links.simulated.settings import Settings
 
 PROFILES: dict[str, type[Stm32]] = {"documented": Documented, "as-built": AsBuilt}
 HOME = (radians(30.2874595), radians(120.1535765))
+HOME_DECLINATION = radians(-6.05)  # World Magnetic Model 2025, June 2025
 START = datetime(2025, 6, 1, 8, 0, tzinfo=UTC)
 
 REPORT_TICKS = 10  # 2 s
@@ -82,9 +83,11 @@ class SimulatedVehicle:
         *,
         position: tuple[float, float] = HOME,
         heading: float = 0.0,
+        declination: float = HOME_DECLINATION,
         start: datetime = START,
     ) -> None:
-        """``position`` is latitude and longitude (rad), ``start`` the wall clock at time 0."""
+        """``position`` is latitude and longitude, ``declination`` that of the place (east positive)
+        unless ``settings`` say otherwise, all in rad; ``start`` is the wall clock at time 0."""
         if profile not in PROFILES:
             raise ValueError(f"no profile {profile!r}; known: {', '.join(PROFILES)}")
         self.profile, self.seed, self.position = profile, seed, position
@@ -94,7 +97,9 @@ class SimulatedVehicle:
         sea = self.settings.sea
         self.plant = Plant(self.settings.body, floor=sea.floor)
         self.plant.yaw = heading
-        self.sensors = Sensors(self.settings.errors, rng, repeats_when_silent=as_built)
+        self.sensors = Sensors(
+            self.settings.errors, rng, repeats_when_silent=as_built, declination=declination
+        )
         self.stm32 = PROFILES[profile](self.sensors, rng)
         if self.settings.splice is not None:
             self.stm32.splice = self.settings.splice

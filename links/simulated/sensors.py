@@ -61,7 +61,7 @@ FULL_SCALE = {  # largest garbage of each sensor, in its own unit
 class SensorErrors:
     """One sigma where nothing else is said. ``None`` for a bias: drawn from the seed."""
 
-    declination: float = 0.0  # rad, east positive
+    declination: float | None = None  # rad, east positive; None: that of the place
     compass_bias: float | None = None  # rad; drawn with sigma 4 deg
     compass_noise: float = radians(1.0)
     compass_slow: float = radians(1.0)  # Gauss-Markov error, time constant 300 s
@@ -84,8 +84,17 @@ class SensorErrors:
 class Sensors:
     """All sensors behind the STM32."""
 
-    def __init__(self, errors: SensorErrors, rng: Random, *, repeats_when_silent: bool) -> None:
+    def __init__(
+        self,
+        errors: SensorErrors,
+        rng: Random,
+        *,
+        repeats_when_silent: bool,
+        declination: float = 0.0,  # of the place; ``errors`` may say otherwise
+    ) -> None:
         self.errors, self.rng = errors, rng
+        stated = errors.declination
+        self.declination = declination if stated is None else stated
         bias, depth_bias = errors.compass_bias, errors.depth_bias
         self.compass_bias = rng.gauss(0.0, radians(4.0)) if bias is None else bias
         self.depth_bias = rng.gauss(0.0, 0.05) if depth_bias is None else depth_bias
@@ -93,7 +102,7 @@ class Sensors:
         self.battery_override: float | None = None  # V of the control battery
         self.last: list[float] = [0.0] * 15 + [12.0, 48.0]
         self._silent = Health.FROZEN if repeats_when_silent else Health.SILENT
-        self._heading_error = -errors.declination + self.compass_bias
+        self._heading_error = -self.declination + self.compass_bias
         self._slow = rng.gauss(0.0, errors.compass_slow)
         self._keep = exp(-PERIOD / 300.0)
         self._renew = errors.compass_slow * sqrt(1 - self._keep**2)
@@ -127,7 +136,7 @@ class Sensors:
         self._slow = self._keep * self._slow + gauss(0.0, self._renew)
         yaw = plant.yaw
         deviation = errors.deviation * (sin(yaw) + 0.5 * cos(2 * yaw))
-        error = -errors.declination + self.compass_bias + self._slow + deviation
+        error = -self.declination + self.compass_bias + self._slow + deviation
         self._heading_error = error
         noise, height = errors.attitude_noise, plant.floor - plant.depth
         self._echo = height < errors.altitude_range and self.rng.random() >= errors.altitude_drop
@@ -163,7 +172,7 @@ class Sensors:
 
     def _magnetic(self, plant: Plant) -> list[float]:
         """Earth's field in body axes, three times, each with its noise."""
-        magnetic = plant.yaw - self.errors.declination
+        magnetic = plant.yaw - self.declination
         ahead, across = FIELD_NORTH * cos(magnetic), -FIELD_NORTH * sin(magnetic)
         sp, cp, sr, cr = sin(plant.pitch), cos(plant.pitch), sin(plant.roll), cos(plant.roll)
         lean = ahead * sp + FIELD_DOWN * cp

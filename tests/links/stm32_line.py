@@ -11,7 +11,7 @@ from links.simulated.settings import Sea, Settings
 
 EXACT = replace(
     SensorErrors(),
-    compass_bias=0.0, compass_noise=0.0, compass_slow=0.0, deviation=0.0, depth_bias=0.0,
+    declination=0.0, compass_bias=0.0, compass_noise=0.0, compass_slow=0.0, deviation=0.0, depth_bias=0.0,
     depth_noise=0.0,
 )  # fmt: skip
 

@@ -321,7 +321,11 @@ def test_a_peer_that_reads_nothing_is_dropped_and_the_server_goes_on(server: Tcp
 def test_a_slow_peer_gets_everything_in_order(server: TcpServer) -> None:
     client = connect(server)
     data = os.urandom(700_000)
+    (peer,) = server._peers.values()
+    peer.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 8192)
     server.send(data, 0.0, server.peers[0])
+    assert len(peer.waiting) > 100_000
+    assert select.select([server.fileno()], [], [], 2.0)[0], "the loop is told when there is room"
     got = bytearray()
     client.settimeout(0.05)
 

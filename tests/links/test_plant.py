@@ -170,7 +170,7 @@ def test_coriolis_forces_do_no_work() -> None:
     """One explicit step then gains the kinetic energy of the change, and not a bit more."""
     free = Body(
         linear=(0.0,) * 6, quadratic=(0.0,) * 6, fin_pitch=0.0, fin_yaw=0.0, fin_damping=0.0,
-        buoyancy=0.0, righting=0.0,
+        buoyancy=0.0, righting=0.0, inertia_r=55.0,
     )  # fmt: skip
     plant = tumbling(free)
     before = velocities(plant)

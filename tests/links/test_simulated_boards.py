@@ -217,6 +217,17 @@ def test_documented_words_are_independent_axes() -> None:
     assert pi.truth.speed == pytest.approx(0.98, abs=0.06)
 
 
+@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize("hold", ["S40", "E1"])
+def test_up_ends_a_depth_or_altitude_hold(profile: str, hold: str) -> None:
+    pi = Pi(profile, depth=30.0)
+    pi.say(f"@ZA{hold}$".encode())
+    pi.wait(10)
+    pi.say(b"@ZAU12$")
+    pi.wait(10)
+    assert pi.truth.depth_rate < -0.4
+
+
 def test_attitude_is_held_where_documented_and_does_nothing_as_built() -> None:
     pi = Pi("documented", depth=20.0)
     pi.say(b"@ZAS20$")

@@ -101,6 +101,9 @@ def test_the_stick_steers_by_its_own_frame(profile: str) -> None:
         pi.say(b"@MS60,0$", 0.3)
     assert degrees(pi.truth.heading) == pytest.approx(90.0, abs=3.0)
     assert pi.truth.speed > 0.5
+    for _ in range(100):
+        pi.say(b"@MS60,180$", 0.3)
+    assert degrees(pi.truth.heading) == pytest.approx(270.0, abs=3.0)
 
 
 @pytest.mark.parametrize("profile", PROFILES)

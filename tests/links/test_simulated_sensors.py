@@ -8,7 +8,7 @@ import statistics
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import reduce
-from math import cos, degrees, hypot, nan, radians, sin
+from math import cos, degrees, hypot, nan, pi, radians, sin
 from random import Random
 
 import pytest
@@ -50,6 +50,14 @@ def test_depth_noise_and_bias_are_those_that_were_set() -> None:
 def test_the_compass_reads_magnetic_north_plus_its_bias() -> None:
     errors = replace(QUIET, declination=radians(-6.0), compass_bias=radians(2.0))
     assert degrees(samples(errors, 1, yaw=1.0)[0][2]) == pytest.approx(degrees(1.0) + 6.0 + 2.0)
+
+
+def test_the_place_gives_the_declination_unless_the_settings_do() -> None:
+    for stated, expected in ((None, radians(4.0)), (radians(-9.0), radians(-9.0))):
+        errors = replace(QUIET, declination=stated)
+        vehicle = SimulatedVehicle(settings=Settings(errors=errors), declination=radians(4.0))
+        read = vehicle.sensors.sample(vehicle.plant)[2]
+        assert (-read) % (2 * pi) == pytest.approx(expected % (2 * pi))
 
 
 def test_the_deviation_depends_on_the_heading() -> None:
