@@ -43,7 +43,7 @@ from protocol.messages import (
     Telemetry,
 )
 from protocol.motion_frame import MotionFrame
-from protocol.status_frame import NAMES, StatusFrame
+from protocol.status_frame import NAMES, TABLE, StatusFrame
 from protocol.tolerances import Tolerances
 
 EMERGENCIES = {Order.STOP: b"@ZAX0$", Order.SURFACE: b"@ZAWF$"}
@@ -221,7 +221,8 @@ def answer(code: str, ok: bool, now: float) -> Ack:
 
 
 def status_values(status: Status) -> Values:
-    """The 30 values of ``@VS``; what is not known is None. Telemetry in SI becomes wire units."""
+    """The 30 values of ``@VS`` in wire units. What is not known is None, and so is what is out of
+    the table's range: one broken sensor must not hide the other fields (G4)."""
     fix, telemetry = status.fix, status.telemetry or Telemetry(0.0)
     values: Values = {"time": status.time}
     values |= {
@@ -241,9 +242,19 @@ def status_values(status: Status) -> Values:
     batteries, magnetic, actuators = (x or () for x in lists)
     tail = [_rounded(b, 3) for b in _filled(batteries, 2)]
     tail += [_scaled(m, 1e9) for m in _filled(magnetic, 9)]
-    tail += [None if a is None else round(1500 + 500 * a) for a in _filled(actuators, 7)]
+    tail += [None if a is None else _scaled(3 + a, 500) for a in _filled(actuators, 7)]
     names = [item for item in NAMES if item not in values]
-    return values | dict(zip(names, tail, strict=True))
+    values |= dict(zip(names, tail, strict=True))
+    for item in TABLE:
+        value = values[item.name]
+        if isinstance(value, int | float) and not (
+            item.low <= value <= item.high and abs(value) < _ABSURD
+        ):
+            values[item.name] = None
+    return values
+
+
+_ABSURD = 1e8  # no reading of this vehicle comes near
 
 
 def _filled(values: Sequence[float | None], count: int) -> list[float | None]:

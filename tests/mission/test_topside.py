@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import pytest
@@ -18,6 +19,7 @@ from protocol.messages import (
     ClearMission,
     Command,
     Emergency,
+    Fix,
     Manual,
     MissionLine,
     NodeSwitch,
@@ -27,6 +29,7 @@ from protocol.messages import (
     StartMission,
     Status,
     StoreQuery,
+    Telemetry,
 )
 from protocol.modem import ModemCodec, Sender, wrap
 from protocol.tolerances import Tolerances
@@ -428,3 +431,15 @@ def test_the_store_given_to_topside_is_read_not_copied(pi: Pi) -> None:
     pi.vessel.store._content = Stored(lines=LINES)
     assert pi.hear(MissionLine(3, 2, LINES[1])) == [b"@ACK_AWW$"]
     assert pi.hear(Manual("MMF", b"@MMF0$")) == []
+
+
+@pytest.mark.parametrize("value", [1e30, -1e30, 3.4e38, math.inf, math.nan, 1e9, -0.05])
+def test_an_absurd_reading_never_keeps_the_status_from_leaving(value: float) -> None:
+    angle = value if math.isfinite(value) else None
+    telemetry = Telemetry(
+        1.0, value, value, angle, angle, angle, value, (value,) * 9, (value,) * 7, (value, value)
+    )
+    fix = Fix(1.0, 0.5, 2.0, 1.0, speed=value, course=angle, elevation=value)
+    frame = encode(Status("2025-01-19T23:26:25", fix, telemetry))
+    assert frame.startswith(b"@VS2025-01-19-23:26:25,114.5915590,28.6478898,")
+    assert len(frame) <= 400
