@@ -187,6 +187,8 @@ class Core:
             stop = self._stop("the mission is over")
             self.step(stop, moved, trigger=edge.trigger, by=edge.by, evaluations=evaluations)
             return
+        if edge.by is By.TIMEOUT and (missed := self.run.missed_depth(self.senses)):
+            self.event = f"{self.event}: {missed}"
         self.run.count(edge)
         moved = self.machine.fire(edge.trigger)
         self._enter(edge.target, moved, edge.trigger, edge.by, evaluations)

@@ -39,6 +39,7 @@ from protocol.messages import Order, Setpoint
 
 BLIND_TIME = 6.0  # s that a reading which a setpoint needs may be invalid
 NEW_HEADING = math.radians(2.5)  # a steered heading is sent again when it changed by more
+MISSED = 1.0  # m short of the depth that was asked for, at a timeout
 _AFTER = 1e-3  # s beyond a reading's greatest age
 
 
@@ -262,6 +263,13 @@ class Run:
         if edge.by is By.ELSE:
             return (elapsed, *((need, None) for need in self._blind))
         return (elapsed, ("depth", senses.depth))
+
+    def missed_depth(self, senses: Senses) -> str:
+        """What a dive that makes no progress has to say at its timeout, or ""."""
+        wanted, depth = self.sent.depth if self.sent else None, senses.depth
+        if wanted is None or depth is None or wanted - depth <= MISSED:
+            return ""
+        return f"no progress, depth {depth:.1f} m of {wanted:g} m"
 
     def _notice_blindness(self, senses: Senses) -> None:
         for need in self._needs():

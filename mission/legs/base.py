@@ -3,8 +3,8 @@
     LegType --begin(kind, set, view)--> Pilot --setpoint(view)--> Setpoint
                                               --finished(view)--> the edge END
 
-A pilot sees a View and nothing else: no engine, no clock. It changes only by being asked for the
-setpoint, once per step, and can be cloned, so that the engine's snapshot holds it.
+A pilot sees a View and nothing else: no engine, no clock. It changes only by being asked, with the
+view of that instant, and can be cloned, so that the engine's snapshot holds it.
 
 What does not live here: when a new setpoint is worth a frame (engine), R7's ascent (ascent).
 """

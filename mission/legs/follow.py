@@ -41,6 +41,7 @@ class Waypoints:
         return replace(self._base, heading=self._heading)
 
     def finished(self, view: View) -> bool:
+        self._advance(view)
         return self._index >= len(self._points)
 
     def track(self, view: View) -> Track | None:

@@ -25,17 +25,21 @@ class Profile:
         self._down, self._done = True, 0
 
     def setpoint(self, view: View) -> Setpoint:
+        self._turn(view)
+        deep = self._down and self._done < self._kind.cycles
+        return replace(self._base, depth=self._kind.deep if deep else self._kind.shallow)
+
+    def finished(self, view: View) -> bool:
+        self._turn(view)
+        return self._done >= self._kind.cycles
+
+    def _turn(self, view: View) -> None:
         if view.depth is not None and self._done < self._kind.cycles:
             if self._down and view.depth >= self._kind.deep - TOLERANCE:
                 self._down = False
             elif not self._down and view.depth <= self._kind.shallow + TOLERANCE:
                 self._down = True
                 self._done += 1
-        deep = self._down and self._done < self._kind.cycles
-        return replace(self._base, depth=self._kind.deep if deep else self._kind.shallow)
-
-    def finished(self, view: View) -> bool:
-        return self._done >= self._kind.cycles
 
     def track(self, view: View) -> Track | None:
         return None
