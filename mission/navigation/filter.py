@@ -41,6 +41,7 @@ from mission.navigation.model import (
 Array = NDArray[np.float64]
 
 _UNKNOWN = 1e4  # m: no position, no depth yet
+_TURN = 0.15  # rad between two reports: less is noise
 _STEP = 5.0  # s, the longest piece of a prediction
 _POSITION = np.eye(2, STATES)
 _DEPTH = np.zeros((1, STATES))
@@ -66,7 +67,7 @@ class Run:
     thrusters' speed, ``along`` the share of the speed that makes way horizontally, ``sway`` the
     slip to starboard as a share of the speed, ``lost`` the extra heading variance times its
     correlation time (rad^2 s) while the compass cannot be believed, ``driven`` how much of the
-    speed's deviation there is (none at rest).
+    speed's deviation there is (none at rest), ``turned`` the angle since the report before.
     """
 
     heading: float = 0.0
@@ -75,6 +76,7 @@ class Run:
     sway: float = 0.0
     lost: float = 0.0
     driven: float = 1.0
+    turned: float = 0.0
     surfaced: bool = False
 
 
@@ -165,7 +167,7 @@ class Filter:
         q[CN * STATES + CN] = q[CE * STATES + CE] = _noise(fig.current.sigma, d_current)
         q[WN * STATES + WN] = q[WE * STATES + WE] = _noise(fig.drift.sigma, d_drift)
         q[DEVIATION * STATES + DEVIATION] = _noise(fig.deviation.sigma, d_dev)
-        q[COMPASS * STATES + COMPASS] = _noise(fig.compass.sigma, d_compass)
+        q[COMPASS * STATES + COMPASS] = _noise(fig.compass.sigma, d_compass) + self._harmonics(run)
         q[RATE * STATES + RATE] = _noise(fig.rate.sigma, d_rate)
         q[SCALE * STATES + SCALE] = (0.1 * fig.scale) ** 2 * dt / 3600.0
         q[BOTTOM * STATES + BOTTOM] = fig.slope**2 * fig.slope_length * (abs(speed) + 0.02) * dt
@@ -177,6 +179,12 @@ class Filter:
             mn + d_current * (cn - mn),
             me + d_current * (ce - me),
         )
+
+    def _harmonics(self, run: Run) -> float:
+        """What a turn makes of the deviation's second harmonic, half as large as the first."""
+        if abs(run.turned) < _TURN:
+            return 0.0
+        return 0.5 * self.figures.harmonic**2 * (1.0 - math.cos(2.0 * run.turned))
 
     # --- measurements ------------------------------------------------------------------------
 
@@ -256,7 +264,7 @@ class Filter:
             (COS, ve * cm, -vn * cm),
         ):
             h[0, column], h[1, column] = n, e
-        across = (forward * fig.heading) ** 2
+        across = (forward * fig.heading) ** 2 * max(fig.period, 1.0)  # fixes share a report's error
         r0, rc = fig.ground_velocity**2, -across * s * c
         r = np.array(((r0 + across * s * s, rc), (rc, r0 + across * c * c)))
         drift = x[WN:SCALE] if run.surfaced else np.zeros(2)

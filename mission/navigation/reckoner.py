@@ -165,13 +165,13 @@ class Reckoner:
         driven = min(abs(m.expected) / _UNDER_WAY, 1.0)
         if m.heading is None:
             lost = _LOST_MOST**2 * _LOST_TIME
-            return Run(0.0, m.expected, m.along, 0.0, lost, driven, m.surfaced)
+            return Run(0.0, m.expected, m.along, 0.0, lost, driven, 0.0, m.surfaced)
         turned = m.yaw_rate * min(0.5 * (t0 + t1) - m.heading_t, _EXTRAPOLATE)
         arc = m.yaw_rate * (t1 - t0)
         along = m.along * (1.0 - min(arc * arc, 4.0) / 24.0)  # the chord of the arc
         sway = -self._calibration.turn_slip * m.yaw_rate
         lost = self._lost(t1)
-        return Run(m.heading + turned, m.expected, along, sway, lost, driven, m.surfaced)
+        return Run(m.heading + turned, m.expected, along, sway, lost, driven, arc, m.surfaced)
 
     def _lost(self, t: float) -> float:
         return self.heading_loss(t) ** 2 * _LOST_TIME

@@ -13,11 +13,12 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from random import Random
 
 import numpy as np
+
 from links.simulated.link import SimulatedVehicle, Truth
 from links.simulated.sensors import SensorErrors
 from links.simulated.settings import Sea, Settings
@@ -75,14 +76,13 @@ def plan(rng: Random, *, learning: bool) -> list[Leg]:
 def calibrated(vehicle: Vehicle, scale: float) -> Vehicle:
     """With the noise that the simulated sensors have, and a speed table that is off by ``scale``."""
     e = SensorErrors()
-    noise = math.hypot(e.compass_noise, e.compass_slow)
     return replace(
         vehicle,
         sensors=replace(
             vehicle.sensors,
             depth=math.hypot(e.depth_noise, 0.05),
             altitude=e.altitude_noise,
-            heading=noise,
+            heading=e.compass_noise,
             heading_bias=math.radians(10.0 / math.sqrt(3.0)),
         ),
         calibration=replace(
@@ -91,6 +91,7 @@ def calibrated(vehicle: Vehicle, scale: float) -> Vehicle:
             speed_noise=0.03,
             speed_time=150.0,
             turn_slip=1.3,
+            turn_loss=0.9,
             surge_length=1.8,
             surface_drift=0.005,
             sway_noise=0.06,
@@ -102,7 +103,12 @@ def calibrated(vehicle: Vehicle, scale: float) -> Vehicle:
 def truthful(vehicle: Vehicle) -> Figures:
     """The simulated sea has a steady current and a flat floor."""
     known = figures(vehicle)
-    return replace(known, current=Markov(known.current.sigma, 1e6), slope=0.005)
+    return replace(
+        known,
+        current=Markov(known.current.sigma, 1e6),
+        slope=0.005,
+        ground_velocity=SensorErrors().speed_noise,
+    )
 
 
 def fly(seed: int, profile: str, *, learning: bool) -> Flight:
@@ -115,17 +121,20 @@ def fly(seed: int, profile: str, *, learning: bool) -> Flight:
     legs, flight = plan(rng, learning=learning), Flight()
     vehicle = calibrated(load_vehicle("auv"), math.exp(rng.gauss(0.0, 0.1)))
     nav, frame = Navigation(vehicle, HOME, figures=truthful(vehicle)), LocalFrame(HOME)
+    surfaced = math.inf
     dive = next(leg.begin for leg in legs if _depth(leg) is not None)
     end = legs[-1].begin
-    stop, was = end + 240.0, (0.0, 0.0)
-    for item in _bytes(ship, legs, profile, lambda: stop):
+    was = (0.0, 0.0)
+    for item in _bytes(ship, legs, profile, end + 240.0):
+        if not math.isnan(flight.error) and item.t > surfaced + 20.0:
+            break
         if isinstance(item, Fix):
             core = nav._core
             if item.t > end and math.isnan(flight.error):
                 estimate, truth = nav.estimate(item.t), ship.track[round(item.t)]
                 assert estimate is not None
                 flight.error = math.dist((estimate.north, estimate.east), _place(truth, frame))
-                stop = item.t + 20.0
+                surfaced = item.t
             before = core.fix_nis
             nav.fix(item)
             if core.fix_nis is not None and core.fix_nis != before:
@@ -152,11 +161,11 @@ def _place(truth: Truth, frame: LocalFrame) -> tuple[float, float]:
 
 
 def _bytes(
-    ship: SimulatedVehicle, legs: Sequence[Leg], profile: str, stop: Callable[[], float]
+    ship: SimulatedVehicle, legs: Sequence[Leg], profile: str, stop: float
 ) -> Iterator[Telemetry | Fix]:
     """Commands out at their times, everything else in, through the real decoders."""
     codec, gps, second, waiting = AuvCodec(profile), NmeaDecoder(), 0, list(legs)
-    while second < stop():
+    while second < stop:
         while waiting and waiting[0].begin <= second:
             for frame in codec.encode(waiting.pop(0).setpoint):
                 ship.vehicle_link.send(frame, ship.now)
@@ -234,10 +243,10 @@ def main(seeds: int) -> None:
                 f"{g} {v:.2f} ({s.bounds[g][0]:.2f}..{s.bounds[g][1]:.2f})"
                 for g, v in s.nees.items()
             )
-            print(
+            sys.stdout.write(
                 f"{profile}, {'fixes before' if learning else 'one fix'}: {s.flights} flights; "
                 f"ellipse {s.coverage:.3f}; NIS/dof {s.nis:.2f}; error {s.error_pct[0]:.1f} % "
-                f"median, {s.error_pct[1]:.1f} % 95th; NEES/dof {groups}"
+                f"median, {s.error_pct[1]:.1f} % 95th; NEES/dof {groups}\n"
             )
 
 
