@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from math import inf, isfinite, radians
 
+from links.simulated.faults import FAULTS
 from links.simulated.plant import Body
 from links.simulated.sensors import SensorErrors
 
@@ -103,8 +104,6 @@ def _splice(settings: Settings, text: str) -> Settings:
 
 def parse_fault(text: str) -> FaultEvent:
     """``name[=value]@begin[+duration]``."""
-    from links.simulated.faults import FAULTS  # its rows act on the vehicle, which imports this
-
     what, at, when = text.rpartition("@")
     name, equals, value = what.partition("=")
     if not at:

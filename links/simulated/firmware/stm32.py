@@ -66,7 +66,6 @@ class Stm32(ABC):
         self.loses_acks = False
         self.runaway = False  # dives at full power whatever is asked
         self.splice = 0.0  # chance that an answer lands inside the @SD being sent
-        self.heard = 0  # frames understood
         self._dead_man_at = inf
 
     # --- the vehicle's clockwork -----------------------------------------------------------
@@ -154,7 +153,6 @@ class Stm32(ABC):
             self.tx.send(frame, at)
 
     def _execute(self, frame: bytes, now: float) -> None:
-        self.heard += 1
         text = frame[1:-1].decode("ascii", "replace")
         if text.startswith("ZA"):
             if self.mode is not Mode.AUTO:
