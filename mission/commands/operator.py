@@ -1,0 +1,177 @@
+"""``auvmission upload | start | clear | status | stop | surface`` towards a Pi."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from mission.prepare import Prepared
+    from mission.upload import Script
+    from protocol.messages import Status, StoreReport
+
+TO = click.option(
+    "--to",
+    default="tcp://127.0.0.1:4000",
+    show_default=True,
+    metavar="URL",
+    help="Where the vehicle's Pi listens.",
+)
+
+
+@click.command()
+@click.argument("mission", type=click.Path(path_type=Path))
+@TO
+@click.option("--force", is_flag=True, help="Although the check refuses it (the Pi decides).")
+@click.option("--param", "parameters", multiple=True, metavar="NAME=VALUE", help="Set a parameter.")
+@click.option("--vehicle", help="Vehicle file or name; default: the one the mission names.")
+def upload(
+    mission: Path, to: str, force: bool, parameters: tuple[str, ...], vehicle: str | None
+) -> None:
+    """Check MISSION and store it in the vehicle, line by line; an upload that was cut goes on.
+
+    Exit 0 when the vehicle holds it, by its digest; 1 if not; 2 if it cannot be read.
+    """
+    from mission.language import script
+    from mission.prepare import Unreadable, parameters_of, prepare
+    from mission.upload import upload as talk
+
+    try:
+        prepared = prepare(mission, vehicle, parameters_of(parameters))
+    except Unreadable as error:
+        click.echo(str(error), err=True)
+        raise SystemExit(2) from None
+    _refuse_unchecked(prepared, force)
+    lines = script(prepared.mission)
+    _say(to, talk(lines, prepared.chart.digest, _Progress(lines).show))
+
+
+def _refuse_unchecked(prepared: Prepared, force: bool) -> None:
+    from mission.check.show import as_text
+    from mission.prepare import check_prepared
+
+    report = check_prepared(prepared)
+    if report.ok:
+        return
+    click.echo(as_text(prepared.source, report), err=True)
+    if not force:
+        click.echo("not uploaded: mend it, or take --force if you know better", err=True)
+        raise SystemExit(1)
+    click.echo("uploaded in spite of the check (--force)", err=True)
+
+
+class _Progress:
+    """A line per mission line that the vehicle has."""
+
+    def __init__(self, lines: list[str]) -> None:
+        self._lines, self._shown = lines, 0
+
+    def show(self, have: int, total: int) -> None:
+        if have > self._shown:
+            width = len(str(total))
+            click.echo(f"{have:{width}}/{total}  {self._lines[have - 1]}", err=True)
+            self._shown = have
+
+
+@click.command()
+@TO
+@click.option("--wait", default=0, metavar="SECONDS", help="Ask again so long while it refuses.")
+def start(to: str, wait: int) -> None:
+    """Start the stored mission, or go on with the interrupted one (@AA)."""
+    from mission.upload import start as talk
+
+    _say(to, talk(wait))
+
+
+@click.command()
+@TO
+def clear(to: str) -> None:
+    """Clear the stored mission, and a latched emergency at the surface (@AC)."""
+    from mission.upload import clear as talk
+
+    _say(to, talk())
+
+
+@click.command()
+@TO
+def stop(to: str) -> None:
+    """Stop all thrusters, at once and from any state (@ZAX0)."""
+    from mission.upload import order
+    from protocol.messages import Order
+
+    _say(to, order(Order.STOP))
+
+
+@click.command()
+@TO
+def surface(to: str) -> None:
+    """Surface, at once and from any state (@ZAWF)."""
+    from mission.upload import order
+    from protocol.messages import Order
+
+    _say(to, order(Order.SURFACE))
+
+
+@click.command()
+@TO
+@click.option("--json", "as_json", is_flag=True, help="One object on stdout.")
+def status(to: str, as_json: bool) -> None:
+    """What the vehicle tells of itself (@DU) and of its store (@AQ)."""
+    import json
+
+    from mission.upload import status as talk
+
+    found: dict[str, Any] = {}
+
+    def took(told: Status, store: StoreReport | None) -> None:
+        found.update(_values(told, store))
+
+    _say(to, talk(took))
+    if as_json:
+        click.echo(json.dumps(found))
+        return
+    for name, value in found.items():
+        if value not in (None, ""):
+            click.echo(f"{name:12} {value}")
+
+
+def _values(told: Status, store: StoreReport | None) -> dict[str, Any]:
+    from mission.console import degrees
+
+    fix, own = told.fix, told.telemetry
+    batteries = own.batteries if own is not None and own.batteries else (None, None)
+    return {
+        "time": told.time,
+        "latitude": degrees(fix.latitude, 7) if fix else None,
+        "longitude": degrees(fix.longitude, 7) if fix else None,
+        "depth_m": own.depth if own else None,
+        "altitude_m": own.altitude if own else None,
+        "heading_deg": degrees(own.heading, 1) if own else None,
+        "pitch_deg": degrees(own.pitch, 1) if own else None,
+        "roll_deg": degrees(own.roll, 1) if own else None,
+        "battery_v": batteries[0],
+        "power_v": batteries[1],
+        "store": store.state if store else None,
+        "lines": f"{store.have} of {store.total}" if store and store.total else None,
+        "missing": store.missing if store else None,
+        "digest": store.digest if store else None,
+        "refusal": store.refusal if store else None,
+    }
+
+
+def _say(to: str, script: Script, tell: Callable[[str], None] = click.echo) -> None:
+    """Hold the conversation; what failed goes to stderr with exit 1."""
+    from mission.console import converse
+    from mission.upload import OperatorError, Refused
+
+    try:
+        achieved = converse(to, script)
+    except OperatorError as error:
+        prefix = "refused: " if isinstance(error, Refused) else ""
+        click.echo(f"{prefix}{error}", err=True)
+        raise SystemExit(1) from None
+    if achieved:
+        tell(achieved)

@@ -1,0 +1,53 @@
+"""The socket shell around a conversation with a Pi: connects, waits, gives up in words.
+
+    Unreachable        (the operator must act: nobody listens, the connection broke)
+
+What does not live here: what is said (upload). Reads the monotonic clock, for its own waiting.
+"""
+
+from __future__ import annotations
+
+import math
+import select
+import time
+
+from links import open_link
+from links.base import LinkError
+from mission.upload import Conversation, OperatorError, Script
+
+NAME = "vehicle"
+
+
+class Unreachable(OperatorError):
+    pass
+
+
+def converse(url: str, script: Script) -> str:
+    """What the script achieved. Raises OperatorError."""
+    try:
+        link = open_link(NAME, url)
+    except LinkError as error:
+        raise Unreachable(str(error)) from error
+    talk = Conversation(script)
+    try:
+        out = talk.begin(time.monotonic())
+        while not talk.over:
+            for frame in out:
+                link.send(frame, time.monotonic())
+            due = talk.next_timer()
+            wait = 0.05 if due is None else max(0.0, due - time.monotonic())
+            select.select([link.fileno()], [], [], wait)
+            now = time.monotonic()
+            out = [f for rx in link.receive(now) for f in talk.receive(rx.data, now)]
+            out = out or talk.handle_timer(now)
+    except LinkError as error:
+        raise Unreachable(f"{error}; what was asked last may or may not have been done") from error
+    finally:
+        link.close()
+    if talk.failure is not None:
+        raise talk.failure
+    return talk.result or ""
+
+
+def degrees(angle: float | None, places: int) -> float | None:
+    return None if angle is None else round(math.degrees(angle), places)

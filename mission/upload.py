@@ -1,0 +1,251 @@
+"""What an operator's program says to a Pi: upload, start, clear, status, stop, surface. Sans-IO.
+
+A conversation is a script (a generator) that yields one ``Ask`` at a time and gets its answer;
+``Conversation`` sends it, tries again (R1: 1 s, 3 tries), and drops whatever nobody waits for.
+
+    upload:  @AQ  there already? --> line 1 --> @AQ: which are missing? --> those, one by one
+             --> @AQ: none missing, and the digest is ours
+
+An acknowledgement does not say which line it means (R3), so the Pi's own list of missing lines
+decides, not the count of answers: an upload that was cut goes on where it stopped.
+
+    OperatorError      (the operator must act)
+    +-- NoAnswer       after all tries; nothing is assumed of what it did
+    +-- Refused        by the Pi, with its reason
+
+What does not live here: sockets and clocks (console), the Pi's side (topside), frames (protocol).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Sequence
+from dataclasses import dataclass
+
+from protocol.messages import (
+    Ack,
+    ClearMission,
+    Command,
+    DataQuery,
+    Emergency,
+    FrameFault,
+    MissionLine,
+    Order,
+    StartMission,
+    Status,
+    StoreQuery,
+    StoreReport,
+)
+from protocol.topside import Answer, ConsoleCodec, encode
+
+ANSWER_S = 1.0
+TRIES = 3
+ROUNDS = 4  # of asking what is missing, before the line is called unusable
+ORDER_TRIES = 10  # an order is sent until the vehicle itself has answered
+
+
+class OperatorError(Exception):
+    pass
+
+
+class NoAnswer(OperatorError):
+    pass
+
+
+class Refused(OperatorError):
+    pass
+
+
+@dataclass(frozen=True, slots=True)
+class Ask:
+    """One request; ``fits`` tells its answer from everything else that arrives."""
+
+    what: str
+    command: Command
+    fits: Callable[[Answer], bool]
+    tries: int = TRIES
+
+
+Script = Generator[Ask, Answer | None, str]
+"""Gets None where no answer came; returns what is told to the operator."""
+
+
+class Conversation:
+    """``result`` is what was achieved, ``failure`` why not; one of them is set at the end."""
+
+    def __init__(self, script: Script) -> None:
+        self._script, self._codec = script, ConsoleCodec()
+        self._ask: Ask | None = None
+        self._tries, self._due = 0, 0.0
+        self.result: str | None = None
+        self.failure: OperatorError | None = None
+
+    @property
+    def over(self) -> bool:
+        return self.result is not None or self.failure is not None
+
+    def begin(self, now: float) -> list[bytes]:
+        return self._go(None, now)
+
+    def next_timer(self) -> float | None:
+        return None if self.over else self._due
+
+    def handle_timer(self, now: float) -> list[bytes]:
+        """Once more, or no answer."""
+        if self.over or self._ask is None or now < self._due:
+            return []
+        if self._tries < self._ask.tries:
+            return self._send(now)
+        return self._go(None, now)
+
+    def receive(self, data: bytes, now: float) -> list[bytes]:
+        out: list[bytes] = []
+        for answer in self._codec.receive(data, now):
+            waiting = self._ask if not self.over else None
+            if waiting is not None and not isinstance(answer, FrameFault) and waiting.fits(answer):
+                out += self._go(answer, now)
+        return out
+
+    def _go(self, answer: Answer | None, now: float) -> list[bytes]:
+        try:
+            self._ask = next(self._script) if self._ask is None else self._script.send(answer)
+        except StopIteration as end:
+            self.result = end.value
+            return []
+        except OperatorError as error:
+            self.failure = error
+            return []
+        self._tries = 0
+        return self._send(now)
+
+    def _send(self, now: float) -> list[bytes]:
+        assert self._ask is not None
+        self._tries, self._due = self._tries + 1, now + ANSWER_S
+        return [encode(self._ask.command)]
+
+
+# --- scripts -----------------------------------------------------------------------------------
+
+
+def upload(lines: Sequence[str], digest: str, progress: Callable[[int, int], None]) -> Script:
+    """``lines`` as ``language.script`` gives them. ``progress``: lines that the Pi has, and all."""
+    report = yield from _store()
+    if report.state == "running":
+        raise Refused("the vehicle is under way: a mission can be uploaded in idle only")
+    if report.state == "ready" and report.digest == digest[:16]:
+        return f"the vehicle holds it already, digest {report.digest}"
+    total, failed = len(lines), 0
+    yield from _line(lines, 1)
+    while failed < ROUNDS:
+        report = yield from _store()
+        if report.digest == digest[:16] and report.state == "ready":
+            progress(total, total)
+            return f"{total} lines stored, digest {report.digest}"
+        missing = _numbers(report, total)
+        progress(total - len(missing) if report.state == "staging" else 0, total)
+        before = report.have
+        for number in missing:
+            yield from _line(lines, number)
+            progress(_have(number, missing, total), total)
+        if not missing:  # whole, and yet not ours: its last line was refused, or it is another
+            yield from _line(lines, total)
+        failed = failed + 1 if report.have <= before else 0
+    why = f": {report.refusal}" if report.refusal else ""
+    raise NoAnswer(f"the upload does not get on at {report.have} of {report.total} lines{why}")
+
+
+def _line(lines: Sequence[str], number: int) -> Generator[Ask, Answer | None, None]:
+    """Raises Refused if the Pi says why; a lost acknowledgement is no failure (see ``_store``)."""
+    command = MissionLine(len(lines), number, lines[number - 1])
+    answer = yield Ask(f"line {number}", command, _is_ack("A", "W"))
+    if isinstance(answer, Ack) and not answer.ok:
+        report = yield from _store()
+        if report.refusal.startswith("AW"):
+            raise Refused(report.refusal)
+
+
+def _have(number: int, missing: Sequence[int], total: int) -> int:
+    return total - len(missing) + missing.index(number) + 1
+
+
+def _numbers(report: StoreReport, total: int) -> list[int]:
+    """What ``missing`` names ("3-5.9"); every line where nothing is staged."""
+    if report.state != "staging":
+        return list(range(1, total + 1))
+    numbers: list[int] = []
+    for part in filter(None, report.missing.split(".")):
+        first, _, last = part.partition("-")
+        numbers += range(int(first), int(last or first) + 1)
+    return [number for number in numbers if 1 <= number <= total]
+
+
+def start(patience: int = 0) -> Script:
+    """``patience``: how often a refusal is met by asking again, a second apart."""
+    for left in range(patience, -1, -1):
+        answer = yield Ask("start", StartMission(), _is_ack("A", "A"))
+        if answer is None:
+            raise NoAnswer("no answer to @AA: whether the mission started is not known; see status")
+        if isinstance(answer, Ack) and answer.ok:
+            return "started"
+        report = yield from _store()
+        if not left:
+            raise Refused(report.refusal or "the vehicle does not say why")
+        yield Ask("wait", StoreQuery(), lambda _: False, tries=1)
+    raise AssertionError
+
+
+def clear() -> Script:
+    answer = yield Ask("clear", ClearMission(), _is_ack("A", "C"))
+    if answer is None:
+        raise NoAnswer("no answer to @AC: whether the mission is cleared is not known; see status")
+    if isinstance(answer, Ack) and not answer.ok:
+        report = yield from _store()
+        raise Refused(report.refusal or "the vehicle does not say why")
+    return "cleared"
+
+
+def order(which: Order) -> Script:
+    """STOP or SURFACE. Asked for until the STM32 has acknowledged, which alone proves nothing."""
+    what = "stop" if which is Order.STOP else "surface"
+    answer = yield Ask(what, Emergency(which), _is_order_taken, tries=ORDER_TRIES)
+    if answer is not None:
+        return f"{what}: acknowledged by the vehicle; watch its depth"
+    report = yield Ask("store", StoreQuery(), _is_report)
+    if report is None:
+        raise NoAnswer(f"no answer to {what}: it is not known whether it arrived")
+    raise NoAnswer(
+        f"the Pi has {what} and goes on sending it, but the STM32 has not acknowledged it"
+    )
+
+
+def status(took: Callable[[Status, StoreReport | None], None]) -> Script:
+    answer = yield Ask("status", DataQuery(), lambda a: isinstance(a, Status))
+    if not isinstance(answer, Status):
+        raise NoAnswer("no answer to @DU")
+    report = yield Ask("store", StoreQuery(), _is_report)
+    took(answer, report if isinstance(report, StoreReport) else None)
+    return ""
+
+
+def _store() -> Generator[Ask, Answer | None, StoreReport]:
+    report = yield Ask("store", StoreQuery(), _is_report)
+    if not isinstance(report, StoreReport):
+        raise NoAnswer(
+            f"no answer after {TRIES} tries; is this a vehicle running auvmission serve?"
+        )
+    return report
+
+
+def _is_report(answer: Answer) -> bool:
+    return isinstance(answer, StoreReport)
+
+
+def _is_ack(group: str, function: str) -> Callable[[Answer], bool]:
+    def fits(answer: Answer) -> bool:
+        return isinstance(answer, Ack) and (answer.group, answer.function) == (group, function)
+
+    return fits
+
+
+def _is_order_taken(answer: Answer) -> bool:
+    """As built, the STM32 answers every Z with the code A."""
+    return isinstance(answer, Ack) and answer.group == "Z" and answer.ok
