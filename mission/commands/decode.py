@@ -19,34 +19,6 @@ if TYPE_CHECKING:
     from protocol.tolerances import Tolerances
 
 CHUNK = 1 << 16
-_UNITS = {
-    "deg": "deg",
-    "m": "m",
-    "c": "deg C",
-    "v": "V",
-    "mps": "m/s",
-    "g": "g",
-    "nm": "N m",
-    "dps": "deg/s",
-    "pct": "%",
-    "khz": "kHz",
-    "cdeg": "0.01 deg",
-    "mv": "mV",
-    "a": "A",
-    "s": "mm/s",
-}
-_BY_FRAME = {
-    "auv.SD.pwm_": "us",
-    "auv.VS.pwm_": "us",
-    "auv.SD.mag_": "uT",
-    "auv.VS.mag_": "nT",
-    "auv.SD.battery_": "counts",
-    "auv.VS.battery_": "V",
-    "auv.VS.ground_speed": "cm/s",
-    "auv.SP.minutes": "min",
-    "auv.MD.angle": "deg",
-    "auv.D.angle": "deg",
-}
 
 
 def parse_options(pairs: tuple[str, ...]) -> Tolerances:
@@ -147,6 +119,7 @@ def as_object(item: Frame | FrameFault) -> dict[str, object]:
 
 def as_block(item: Frame | FrameFault) -> str:
     from protocol.messages import FrameFault
+    from protocol.units import unit
 
     if isinstance(item, FrameFault):
         return f"{item.offset:>8}  FAULT {item.kind}, {item.length} bytes"
@@ -176,14 +149,6 @@ def _shown(value: object) -> str:
     if value is None:
         return "-"
     return f"{value:.9g}" if isinstance(value, float) else str(value)
-
-
-def unit(frame: str, name: str) -> str:
-    """What docs/protocol.md states: by the name's suffix, else by the frame."""
-    suffix = name.rpartition("_")[2]
-    if "_" in name and suffix in _UNITS:
-        return _UNITS[suffix]
-    return next((u for key, u in _BY_FRAME.items() if f"{frame}.{name}".startswith(key)), "")
 
 
 def summary(framer: Framer) -> str:

@@ -1,47 +1,24 @@
-"""One good frame of every type of documents 002, 003 and 004 (docs/protocol.md)."""
+"""The examples of documents 002, 003 and 004, each with the link that carries it."""
 
 from __future__ import annotations
 
+from protocol.examples import EXAMPLES
 from protocol.vehicles.motorcan import from_line
 
-_ANGLES = "A8 02 93 C1 81 24 6E 41 DC 0D 18 C2"
-_PLACE = "AD 6C 1F F2 96 49 3E 40 C9 3B 87 32 D4 09 5E 40"
-_PHASES = "00 7D FF 83 00 01 FF FF 07 07 F8 F8"
-
-MAIN_TO_PC = bytes.fromhex(
-    f"FE EF {_ANGLES} {_PLACE} 00 00 48 41 00 00 50 C0 00 00 20 41 00 00 20 40 00 00 F8 40"
-    f"{'00' * 12} 01 0E D8 04 D2 12 B6 00 {_PHASES} 01 00 00 00 00 E5 FA AF"
-)
-PC_TO_MAIN = bytes.fromhex(
-    f"FE EF {_PLACE} 00 00 A0 40 00 00 A0 C0 00 00 28 41 00 00 B4 42 01 96 32 64 64 64 6E"
-    "01 01 01 01 00 1E FD 01 02 03 04 05 06 07 08 09 0A 0B 4B FA AF"
-)
-MAIN_TO_SENSOR = bytes.fromhex(f"FE EF 00 01 {'00' * 30} 10 FD DF")
-SENSOR_TO_MAIN = bytes.fromhex(
-    f"FE EF 0E D8 00 01 00 02 00 03 FF FF 00 00 00 00 48 41 00 00 00 00 00 01 {_ANGLES}"
-    "94 48 9C 3E 1B 31 D6 3D 2F 65 A1 3C 00 00 00 3F 00 00 E0 3F 00 00 40 40"
-    "00 00 88 40 00 00 B0 40 00 00 D8 40 00 00 00 41 00 00 14 41 00 00 28 41"
-    f"{_PLACE} 00 00 00 3F 00 00 C0 3F 00 00 20 40 00 00 60 40 00 00 90 40 00 00 B0 40"
-    "00 00 00 0E D8 04 D2 12 B6 00 00 0F FF F1 00 00 03 84 FC 7C 00 01 01 01 02 03 04 1F F3 FA AF"
-)
-ROV_UP = bytes.fromhex(
-    "55 AA 01 40 01 01 00 8E AC DA BB 6D C6 E2 3D 6B 41 7B BF 70 30 BB BB B4 61 07 BC 40 93 68 BA"
-    f"E8 44 CE C0 B4 4E A9 BE 12 9A 95 3C 56 55 D5 40 {'00' * 21} 4C 0D 0A"
-)
-ROV_DOWN = bytes.fromhex(f"55 AA 11 17 01 01 {'00' * 21} 02 0D 0A")
+_LINKS = {
+    "coreboard.MAIN_TO_PC": "coreboard.main_to_pc",
+    "coreboard.PC_TO_MAIN": "coreboard.pc_to_main",
+    "coreboard.MAIN_TO_SENSOR": "coreboard.main_to_sensor",
+    "coreboard.SENSOR_TO_MAIN": "coreboard.sensor_to_main",
+    "rov.UP": "rov.up",
+    "rov.DOWN": "rov.down",
+    "robot.DOWN": "robot.down",
+    "robot.UP": "robot.up",
+}
 
 # type, the link that carries it, the frame
 OTHERS = [
-    ("coreboard.MAIN_TO_PC", "coreboard.main_to_pc", MAIN_TO_PC),
-    ("coreboard.PC_TO_MAIN", "coreboard.pc_to_main", PC_TO_MAIN),
-    ("coreboard.MAIN_TO_SENSOR", "coreboard.main_to_sensor", MAIN_TO_SENSOR),
-    ("coreboard.SENSOR_TO_MAIN", "coreboard.sensor_to_main", SENSOR_TO_MAIN),
+    *((e.type, _LINKS[e.type], e.raw) for e in EXAMPLES if e.type in _LINKS),
     ("coreboard.CAN_FORCE", "coreboard.can", from_line("001#FF001000200030")),
     ("coreboard.CAN_TORQUE", "coreboard.can", from_line("002#FE001000200030")),
-    ("rov.UP", "rov.up", ROV_UP),
-    ("rov.DOWN", "rov.down", ROV_DOWN),
-    ("robot.DOWN", "robot.down", bytes.fromhex("AA 01 00 00 00 00 00 00 00 00 AB DD")),
-    ("robot.DOWN", "robot.down", bytes.fromhex("AA 02 00 00 00 00 00 00 00 00 AC DD")),
-    ("robot.DOWN", "robot.down", bytes.fromhex("AA 04 00 00 00 00 00 00 00 00 AE DD")),
-    ("robot.UP", "robot.up", bytes.fromhex("AA 00 00 00 00 AA DD")),
 ]

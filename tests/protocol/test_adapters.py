@@ -7,10 +7,10 @@ import struct
 from dataclasses import replace
 
 import pytest
-from canonical_others import MAIN_TO_PC, PC_TO_MAIN, ROV_UP
 
 from mission.vehicle import load_vehicle, missions_folder
 from protocol.codec import CannotEncode, VehicleCodec
+from protocol.examples import MAIN_TO_PC, PC_TO_MAIN, ROV_UP
 from protocol.messages import FrameFault, Order, Setpoint, Telemetry
 from protocol.tolerances import Tolerances
 from protocol.vehicles import VEHICLES, codec, coreboard, link, motorcan, robot, rov

@@ -8,19 +8,19 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from canonical_others import (
+from canonical_others import OTHERS
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from protocol.codec import CannotEncode
+from protocol.examples import (
     MAIN_TO_PC,
     MAIN_TO_SENSOR,
-    OTHERS,
     PC_TO_MAIN,
     ROV_DOWN,
     ROV_UP,
     SENSOR_TO_MAIN,
 )
-from hypothesis import given, settings
-from hypothesis import strategies as st
-
-from protocol.codec import CannotEncode
 from protocol.fields import BinaryFrame, Number, Pad, Raw, Values
 from protocol.framing import Frame
 from protocol.messages import FrameFault
