@@ -327,14 +327,13 @@ class Core:
         if run is None or self.uncertain or run.leaf == IMPLICIT_SURFACE:
             return
         self.uncertain = True
-        for edge in run.chart.leaving(AUTONOMOUS):
-            if edge.by is By.UNCERTAIN and edge.target != run.leaf and run.open(edge):
-                why = Evaluation(
-                    f"limit {row.name}", True, (("range", run.value("range", self.senses)),)
-                )
-                self.reason = f"limit {row.name}: {row.why(self.watch)}"
-                self.follow(edge, (why,))
-                return
+        edge = run.uncertain()
+        if edge is not None:
+            seen = Evaluation(
+                f"limit {row.name}", True, (("range", run.value("range", self.senses)),)
+            )
+            self.reason = f"limit {row.name}: {row.why(self.watch)}"
+            self.follow(edge, (seen,))
 
     def take_outcome(self, outcome: Outcome) -> None:
         """What became of a frame: counts, acknowledged stops, refused and lost sets."""

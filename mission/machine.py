@@ -15,8 +15,8 @@ from typing import Any
 
 from transitions.extensions.nesting import HierarchicalMachine, NestedState
 
-from mission.model import AUTONOMOUS, IDLE_EMPTY, Chart
-from mission.regions import IDLE, LEG, REGION_EDGES, REGIONS
+from mission.model import AUTONOMOUS, IDLE_EMPTY, IMPLICIT_SURFACE, Chart
+from mission.regions import AGAIN, IDLE, LEG, REGION_EDGES, REGIONS
 
 
 class _State(NestedState):
@@ -68,6 +68,8 @@ class Machine:
         self._legs = {s.path for s in chart.states if s.leg} if chart else set()
         for edge in chart.edges if chart else ():
             self._add(edge.trigger, edge.source, edge.target)
+        if chart is not None:
+            self._add(AGAIN, AUTONOMOUS, IMPLICIT_SURFACE)
         for row in REGION_EDGES:
             if row.target != LEG:
                 self._add(f"{row.name}:{row.source}>{row.target}", row.source, row.target)

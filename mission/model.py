@@ -339,8 +339,10 @@ class Edge:
     a group that is entered starts at round 1, except by history.
 
     ``source`` may be a group or ``autonomous`` (its ``on`` handlers, and ``on uncertain``). A
-    handler acts while any leg below its source is active, except in the leg it leads to and in the
-    implicit leg ``autonomous/surface``, which nothing of the mission leaves but its own end.
+    handler acts when its guard becomes true while a leg below its source is active, except in the
+    leg it leads to; when that happens a second time, the implicit leg is entered instead of its
+    target. A group that is entered arms its handlers anew. Nothing of the mission leaves the
+    implicit leg ``autonomous/surface`` but its own end.
     """
 
     trigger: str  # unique

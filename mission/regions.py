@@ -34,6 +34,7 @@ REGIONS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         EMERGENCY: (STOPPED, SURFACING, SURFACED),
     }
 )
+AGAIN = "autonomous:again"  # to the implicit leg: a handler's condition arose a second time
 LEG = ""  # as a target: whichever leg the mission starts with, or was interrupted in
 
 

@@ -13,12 +13,11 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Self
 
 from mission.ascent import Ascent
-from mission.guards import Compiled, Sheet
-from mission.legs import LEGS, LegType, Pilot, Track, View
+from mission.legs import Pilot, Track, View
 from mission.legs.base import wrap
 from mission.model import (
     AUTONOMOUS,
@@ -33,6 +32,8 @@ from mission.model import (
     Leg,
     Surface,
 )
+from mission.plan import Plan, name_of, plan_of, repeat_of
+from mission.regions import AGAIN
 from mission.senses import Senses
 from mission.variables import VARIABLES, Scope, Value, value_of
 from protocol.messages import Order, Setpoint
@@ -41,56 +42,6 @@ BLIND_TIME = 6.0  # s that a reading which a setpoint needs may be invalid
 NEW_HEADING = math.radians(2.5)  # a steered heading is sent again when it changed by more
 MISSED = 1.0  # m short of the depth that was asked for, at a timeout
 _AFTER = 1e-3  # s beyond a reading's greatest age
-
-
-@dataclass(frozen=True, slots=True)
-class Plan:
-    """Everything about one leg that does not change; compiled when it is first entered."""
-
-    path: str
-    leg: Leg
-    base: Setpoint
-    kind: LegType
-    guarded: tuple[tuple[Edge, Compiled], ...]  # handlers and exits, in the order of looking
-    plain: tuple[Edge, ...]  # end, for, timeout, else
-    sheet: Sheet
-    groups: tuple[str, ...]  # around it, innermost first
-    repeated: str  # the innermost that repeats, or ""
-
-    def __deepcopy__(self, memo: object) -> Plan:
-        return self
-
-
-def plan_of(chart: Chart, path: str) -> Plan:
-    state = chart.state(path)
-    assert state.leg is not None
-    groups = []
-    parent = state.parent
-    while parent != AUTONOMOUS:
-        groups.append(parent)
-        parent = chart.state(parent).parent
-    edges = list(chart.leaving(path))
-    if path != IMPLICIT_SURFACE:
-        handlers = [e for g in (*groups, AUTONOMOUS) for e in chart.leaving(g)]
-        edges = [e for e in handlers if e.by is By.ON and e.target != path] + edges
-    sheet = Sheet()
-    guarded = tuple((e, sheet.add(e.guard)) for e in edges if e.guard is not None)
-    return Plan(
-        path,
-        state.leg,
-        state.setpoint or Setpoint(),
-        LEGS[type(state.leg.kind)],
-        guarded,
-        tuple(e for e in edges if e.guard is None),
-        sheet,
-        tuple(groups),
-        next((g for g in groups if _repeat(chart, g) > 1), ""),
-    )
-
-
-def _repeat(chart: Chart, path: str) -> int:
-    group = chart.state(path).group
-    return group.repeat if group else 1
 
 
 class Run:
@@ -110,13 +61,15 @@ class Run:
         self._pilot: Pilot | None = None
         self._steered_by: Estimate | None = None
         self._held: dict[str, float] = {}
+        self._spent: dict[str, str] = {}  # handlers that acted and were not seen false since
+        self._taken: set[str] = set()  # handlers that acted at all
         self._blind: dict[str, float] = {}
         self._reckoned = now
 
     def clone(self) -> Self:
         other = copy.copy(self)
-        for name in ("rounds", "_held", "_blind"):
-            setattr(other, name, dict(getattr(self, name)))
+        for name in ("rounds", "_held", "_blind", "_spent", "_taken"):
+            setattr(other, name, copy.copy(getattr(self, name)))
         other._pilot = self._pilot.clone() if self._pilot else None
         other.ascent = self.ascent.clone() if self.ascent else None
         return other
@@ -153,6 +106,7 @@ class Run:
         self._blind = {}
         if not history:
             self.rounds.update(dict.fromkeys((g for g in self._plan.groups if g in entered), 1))
+            self._spent = {h: source for h, source in self._spent.items() if source not in entered}
         handlers = {e.trigger for e, _ in self._plan.guarded if e.source not in (path, *entered)}
         self._held = {t: since for t, since in self._held.items() if t in handlers}
         why = f"entry of {short(path)}"
@@ -212,11 +166,14 @@ class Run:
         waiting = False
         for edge, guard in plan.guarded:
             result = guard.test(values, scope)
-            if result and self.open(edge):
+            if edge.by is By.ON and not self._arises(edge, result):
+                self._held.pop(edge.trigger, None)
+            elif result and self.open(edge):
                 since = self._held.setdefault(edge.trigger, now) if guard.held else now
                 if now >= since + guard.held:
                     seen = plan.sheet.named(guard, values)
-                    return edge, (Evaluation(edge.trigger, True, seen),)
+                    taken = self._act(edge) if edge.by is By.ON else edge
+                    return taken, (Evaluation(edge.trigger, True, seen),)
                 waiting = True
                 self._wake_at(since + guard.held)
             elif guard.held:
@@ -228,10 +185,32 @@ class Run:
                 self._wake_at(senses.telemetry.t + age + _AFTER)
         return None
 
+    def _arises(self, handler: Edge, result: bool | None) -> bool:
+        """Whether a handler's condition is new: it was seen false since it acted."""
+        if result is False:
+            self._spent.pop(name_of(handler), None)
+        return handler.target != self.leaf and name_of(handler) not in self._spent
+
+    def _act(self, handler: Edge) -> Edge:
+        """The handler's edge; the second time the way to the implicit leg."""
+        name = name_of(handler)
+        self._spent[name] = handler.source
+        if name in self._taken:
+            return Edge(AGAIN, handler.source, IMPLICIT_SURFACE, handler.by)
+        self._taken.add(name)
+        return handler
+
+    def uncertain(self) -> Edge | None:
+        """The way of ``on uncertain`` from here; the second time to the implicit leg."""
+        for edge in self.chart.leaving(AUTONOMOUS):
+            if edge.by is By.UNCERTAIN and edge.target != self.leaf and self.open(edge):
+                return self._act(edge)
+        return None
+
     def open(self, edge: Edge) -> bool:
         """Whether the rounds say so."""
         return all(
-            (self.rounds.get(loop.group, 1) < _repeat(self.chart, loop.group)) is loop.again
+            (self.rounds.get(loop.group, 1) < repeat_of(self.chart, loop.group)) is loop.again
             for loop in edge.loops
         )
 

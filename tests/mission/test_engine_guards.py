@@ -67,11 +67,59 @@ def test_the_innermost_handler_wins_and_any_handler_goes_before_an_exit():
 
 
 def test_a_handler_does_not_act_in_the_leg_it_leads_to():
-    world = flying(
-        leg("a"), leg("away", timeout=LONG), handlers=(Handler(guard("depth", ">", 3), "away"),)
-    )
+    near = Handler(guard("depth", ">", 3), "away")
+    world = flying(leg("a"), leg("away", timeout=LONG), handlers=(near,))
     world.wait(100.0)
     assert legs_of(world) == ["a", "away"]
+
+
+def near_the_bottom(*, held: float = 0.0) -> World:
+    """a, and on altitude < 3: climb for 10 s, then back to a."""
+    climb = leg("climb", timeout=10.0, otherwise="a")
+    near = Handler(guard("altitude", "<", 3.0, held=held), "climb")
+    return flying(leg("a", timeout=LONG), climb, handlers=(near,))
+
+
+def test_a_handler_acts_when_its_condition_arises_and_not_while_it_lasts():
+    world = near_the_bottom()
+    world.altitude = 1.0
+    world.wait(60.0)
+    assert legs_of(world) == ["a", "climb", "a"]
+
+
+@pytest.mark.parametrize("where", ["climb", "a"])
+def test_a_condition_that_arises_a_second_time_surfaces(where: str):
+    world = near_the_bottom(held=1.0)
+    world.altitude = 1.0
+    world.wait(6.0 if where == "climb" else 20.0)
+    assert world.state == f"autonomous/{where}"
+    world.altitude = 9.0
+    world.wait(14.0)
+    assert world.state == "autonomous/a"
+    world.altitude = 1.0
+    world.wait(4.0)
+    assert legs_of(world) == ["a", "climb", "a", "surface"]
+    assert [s.by for s in world.steps if s.entered][-1] is By.ON
+
+
+def test_an_unknown_reading_does_not_arm_a_handler_again():
+    world = near_the_bottom()
+    world.altitude = 1.0
+    world.wait(14.0)
+    world.nav.doubt["altitude"] = "frozen"
+    world.wait(4.0)
+    world.nav.doubt.clear()
+    world.wait(20.0)
+    assert legs_of(world) == ["a", "climb", "a"]
+
+
+def test_a_group_that_is_entered_arms_its_handlers_anew():
+    near = Handler(guard("altitude", "<", 3.0), "away")
+    group = Group("g", 1, (leg("x", timeout=LONG),), handlers=(near,))
+    world = flying(group, leg("away", timeout=4.0, otherwise="g"))
+    world.altitude = 1.0
+    world.wait(20.0)
+    assert legs_of(world) == ["g/x", "away", "g/x", "surface"]
 
 
 def test_no_handler_leaves_the_implicit_leg():
