@@ -23,7 +23,7 @@ import re
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from protocol.fields import FaultKind, FrameType, Values
 from protocol.messages import FrameFault
@@ -50,7 +50,7 @@ class Counters:
     """What a link has carried so far; ``bad`` counts faults by kind."""
 
     good: int = 0
-    skipped: int = 0  # bytes
+    skipped: int = 0  # bytes of these faults
     bad: dict[str, int] = field(default_factory=dict)
 
 
@@ -64,15 +64,17 @@ class Splice:
 
 @dataclass(frozen=True, slots=True)
 class Shortcut:
-    """The frame that a link mostly carries, read in one go where it stands whole and flawless.
+    """Messages in place of Frames, and the frame that a link mostly carries read in one go.
 
-    ``read(data, at, t)`` gives the message itself, which then stands in place of the Frame, or
-    None: the ordinary way decides.
+    ``read(data, at, t)`` is asked where at least ``length`` bytes stand and the first one is the
+    lead's. It gives the message of a whole and flawless frame, or None: the ordinary way decides,
+    whose frames ``message`` turns into messages.
     """
 
     lead: bytes
     length: int
     read: Callable[[bytes, int, float], object | None]
+    message: Callable[[Frame], object]
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +115,8 @@ class Framer:
     ) -> None:
         self.types = tuple(sorted(types, key=lambda t: -len(t.lead)))  # longest lead first
         self.idle, self.splice, self.counters = idle, splice, Counters()
-        self._shortcut = shortcut or Shortcut(b"", 0, _no_shortcut)
+        self._shortcut = shortcut or _NO_SHORTCUT
+        self._message = shortcut.message if shortcut is not None else None
         self._by_start: dict[bytes, tuple[FrameType, ...]] = {}
         for size in (1, 2):
             for start in {t.lead[:size] for t in self.types}:
@@ -153,12 +156,12 @@ class Framer:
         data, at, base = self._buffer, 0, self._base
         end = len(data)
         out, next_start = self._out, self._next_start
-        lead, length, read = self._shortcut.lead, self._shortcut.length, self._shortcut.read
-        last = end - length if length else -1  # where the shortcut's frame can begin at most
+        read, length, lead = self._shortcut.read, self._shortcut.length, self._shortcut.lead[0]
+        last = end - length  # where the shortcut's frame can begin at most
         newest, now = self._starts[-1] - base, self._times[-1]
         direct = 0  # frames that took the shortcut
         while at < end:
-            if at <= last and data.startswith(lead, at):
+            if at <= last and data[at] == lead:
                 message = read(data, at, now if at >= newest else self._time(base + at))
                 if message is not None:
                     if self._run_length:
@@ -170,7 +173,9 @@ class Framer:
             start = next_start(data, at)
             if start != at:
                 stop = end if start < 0 else start
-                self._skip(at, stop - at, None)
+                if not self._run_length:
+                    self._run_offset = base + at
+                self._run_length += stop - at
                 at = stop
                 continue
             used = self._candidate(data, at, end, final)
@@ -221,13 +226,14 @@ class Framer:
             used = self._unsplice(data, at, end, final)
             if used != 0:
                 return used
-        self._skip(at, 1, kinds[0] if kinds else None)
+        self._skip(at, kinds[0] if kinds else None)
         return 1
 
     def _emit(self, frame: FrameType, raw: bytes, at: int) -> None:
         self._close_run()
         offset = self._base + at
-        self._out.append(Frame(frame, raw, offset, self._time(offset)))
+        found = Frame(frame, raw, offset, self._time(offset))
+        self._out.append(found if self._message is None else self._message(found))
         self.counters.good += 1
 
     # --- guests inside a host ---
@@ -269,21 +275,21 @@ class Framer:
 
     # --- runs of bytes that are no frame ---
 
-    def _skip(self, at: int, count: int, kind: FaultKind | None) -> None:
+    def _skip(self, at: int, kind: FaultKind | None) -> None:
         if not self._run_length:
             self._run_offset = self._base + at
-        self._run_length += count
+        self._run_length += 1
         if self._run_kind is None:
             self._run_kind = kind
-        self.counters.skipped += count
 
     def _close_run(self) -> None:
         if not self._run_length:
             return
         kind = "bad_header" if self._run_kind is None else self._run_kind.value
-        self._out.append(FrameFault(self._run_offset, kind, self._run_length))
-        bad = self.counters.bad
-        bad[kind] = bad.get(kind, 0) + 1
+        self._out.append(_fault(self._run_offset, kind, self._run_length))
+        counters = self.counters
+        counters.skipped += self._run_length
+        counters.bad[kind] = counters.bad.get(kind, 0) + 1
         self._run_length, self._run_kind = 0, None
 
     # --- when a byte came ---
@@ -314,8 +320,21 @@ def _finder(firsts: set[bytes]) -> Callable[[bytes, int], int]:
     return find
 
 
-def _no_shortcut(data: bytes, at: int, t: float) -> object | None:
-    raise AssertionError  # no length, so never asked
+# Longer than any buffer: nothing is read by it.
+_NO_SHORTCUT = Shortcut(b"\0", 1 << 62, lambda data, at, t: None, lambda frame: frame)
+
+
+class _Draft:
+    """A FrameFault while it is filled: setting slots of a frozen class costs thrice as much."""
+
+    __slots__ = FrameFault.__slots__
+
+
+def _fault(offset: int, kind: str, length: int) -> FrameFault:
+    draft: Any = _Draft()
+    draft.offset, draft.kind, draft.length = offset, kind, length
+    draft.__class__ = FrameFault
+    return cast("FrameFault", draft)
 
 
 def _by_length(candidate: tuple[int, int, FrameType]) -> tuple[int, int]:

@@ -23,14 +23,13 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Sequence
 from typing import Any, cast
 
 from protocol.checksum import sd_profile
 from protocol.codec import CannotEncode, Received
 from protocol.fields import F32LE, U16LE, BinaryFrame, Check, Const, FrameType
 from protocol.framing import Frame, LinkRow, Shortcut
-from protocol.messages import Order, Setpoint, Telemetry
+from protocol.messages import Ack, Order, Setpoint, Telemetry
 from protocol.modem import IDLE as MODEM_IDLE
 from protocol.modem import modem_frames
 from protocol.motion_frame import MotionFrame
@@ -147,49 +146,65 @@ class _Draft:
 
 def shortcut(tolerances: Tolerances, battery_scale: BatteryScale) -> Shortcut:
     """``telemetry`` again, at the speed of a log: for a frame without any doubt, else None."""
-    layout, profile = struct.Struct("<3x15f9HIc"), sd_profile(tolerances["sd_crc"])
+    layout, profile = struct.Struct("<3s15f9HIc"), sd_profile(tolerances["sd_crc"])
     unpack, compute, first = layout.unpack_from, profile.compute, profile.first
-    fractions, widest = _FRACTIONS, len(_FRACTIONS) - 1
+    draft_of, telemetry_class, fractions = _Draft, Telemetry, _FRACTIONS
     control_scale, power_scale = battery_scale
-    hypot = math.hypot
 
-    def read(data: bytes, at: int, t: float) -> object | None:
+    def read(
+        data: bytes, at: int, t: float, turn: float = _TURN, degree: float = _DEGREE
+    ) -> object | None:
         # fmt: off
-        (roll, pitch, yaw, temperature, depth, altitude, fx, fy, fz, lx, ly, lz, rx, ry, rz,
+        (head, roll, pitch, yaw, temperature, depth, altitude,
+         fx, fy, fz, lx, ly, lz, rx, ry, rz,
          p1, p2, p3, p4, p5, p6, p7, control, power, crc, tail) = unpack(data, at)
         # fmt: on
-        if tail != b"$" or compute(data[at + first : at + 81]) != crc:
+        if head != b"@SD" or tail != b"$" or compute(data[at + first : at + 81]) != crc:
             return None
         finite = temperature + depth + altitude
-        if not (
-            -90 <= roll <= 90
-            and -180 <= pitch <= 180
-            and -180 <= yaw <= 180
-            and hypot(fx, fy, fz) <= 100  # then each axis is
-            and hypot(lx, ly, lz) <= 100
-            and hypot(rx, ry, rz) <= 100
+        if not (  # float constants: comparing with integers takes twice as long
+            -90.0 <= roll <= 90.0
+            and -180.0 <= pitch <= 180.0
+            and -180.0 <= yaw <= 180.0
+            and fx * fx + fy * fy + fz * fz <= 1e4  # then each axis is within 100 uT
+            and lx * lx + ly * ly + lz * lz <= 1e4
+            and rx * rx + ry * ry + rz * rz <= 1e4
             and finite - finite == 0.0
-            and max(p1, p2, p3, p4, p5, p6, p7) <= widest
         ):
             return None
-        draft: Any = _Draft()
-        draft.t, draft.depth, draft.altitude = t, depth, altitude
-        draft.roll, draft.pitch = roll * _DEGREE, pitch * _DEGREE
-        draft.heading = -(yaw * _DEGREE) % _TURN
+        draft: Any = draft_of()
+        try:
+            # fmt: off
+            draft.actuators = (fractions[p1], fractions[p2], fractions[p3], fractions[p4],
+                               fractions[p5], fractions[p6], fractions[p7])
+            # fmt: on
+        except IndexError:
+            return None
+        draft.t = t
+        draft.depth = depth
+        draft.altitude = altitude
+        draft.heading = -(yaw * degree) % turn
+        draft.pitch = pitch * degree
+        draft.roll = roll * degree
         draft.temperature_c = temperature
         # fmt: off
         draft.magnetic = (fx * 1e-6, fy * 1e-6, fz * 1e-6, lx * 1e-6, ly * 1e-6, lz * 1e-6,
                           rx * 1e-6, ry * 1e-6, rz * 1e-6)
-        draft.actuators = (fractions[p1], fractions[p2], fractions[p3], fractions[p4],
-                           fractions[p5], fractions[p6], fractions[p7])
         # fmt: on
         draft.batteries = (control * control_scale, power * power_scale)
-        draft.position = draft.velocity = draft.leak = None
+        draft.position = None
+        draft.velocity = None
+        draft.leak = None
         draft.faults = ()
-        draft.__class__ = Telemetry
+        draft.__class__ = telemetry_class
         return cast("Telemetry", draft)
 
-    return Shortcut(SD.lead, SD.length, read)
+    def message(frame: Frame) -> Telemetry | Ack:
+        if frame.type.name == SD.name:
+            return telemetry(frame.raw, frame.t, battery_scale)
+        return ack_of(frame)
+
+    return Shortcut(SD.lead, SD.length, read, message)
 
 
 # --- Setpoint out ---
@@ -308,24 +323,15 @@ class AuvCodec:
         self._words = DIALECTS[dialect]
         chosen = tolerances or Tolerances()
         self.framer = FROM_STM32.framer(chosen, shortcut(chosen, battery_scale))
-        self._scale = battery_scale
 
     def receive(self, data: bytes, now: float) -> list[Received]:
-        return self._messages(self.framer.receive(data, now))
+        return cast("list[Received]", self.framer.receive(data, now))
 
     def next_timer(self) -> float | None:
         return self.framer.next_timer()
 
     def flush(self, now: float) -> list[Received]:
-        return self._messages(self.framer.flush(now))
-
-    def _messages(self, items: Sequence[Any]) -> list[Received]:
-        return [self._message(item) if isinstance(item, Frame) else item for item in items]
-
-    def _message(self, frame: Frame) -> Received:
-        if frame.type.name == "auv.SD":
-            return telemetry(frame.raw, frame.t, self._scale)
-        return ack_of(frame)
+        return cast("list[Received]", self.framer.flush(now))
 
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
         if isinstance(setpoint, Order):
