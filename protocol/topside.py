@@ -347,7 +347,9 @@ class ConsoleCodec:
     """One per connection to a vehicle."""
 
     def __init__(self, tolerances: Tolerances | None = None) -> None:
-        self.framer = Framer(to_topside_frames(tolerances or Tolerances()), idle=IDLE)
+        chosen = tolerances or Tolerances()
+        acks = tables.AckFrame("NASRZ", chosen)  # Z: the STM32's own answer to X and W (R7)
+        self.framer = Framer((acks, *to_topside_frames(chosen)[1:]), idle=IDLE)
 
     def receive(self, data: bytes, now: float) -> list[Answer | FrameFault]:
         return _answers(self.framer.receive(data, now))
