@@ -115,6 +115,7 @@ class Drive:
             configuration.answer_no,
         )
         self._engine = Engine(vehicle, forgotten_after=configuration.manual_for)
+        self._engine.limit_topside_silence(configuration.topside_silence)
         self._chart: Chart | None = None
         self._telemetry: Telemetry | None = None
         self._fix: Fix | None = None
@@ -142,6 +143,7 @@ class Drive:
             self._topside.changed(rx.data, now)
         else:
             self._topside.receive(Peer(rx.link, rx.address), rx.data, now)
+            self._engine.hear_topside(self._topside.heard_at)
         return self._leave(now)
 
     def connected(self, link: str, address: str, now: float) -> list[Tx]:

@@ -97,6 +97,14 @@ class Engine:
     def attach(self, navigation: Navigator) -> None:
         self._core.senses.navigation = navigation
 
+    def limit_topside_silence(self, seconds: float | None) -> None:
+        """R5: off unless configured."""
+        self._core.watch.topside_silence = seconds
+
+    def hear_topside(self, now: float) -> None:
+        """Some operator said something that is a frame."""
+        self._core.watch.topside_heard = now
+
     def step(self, now: float, inputs: Sequence[Input] = ()) -> Outputs:
         """``now`` never goes back; ValueError if it does. Any input may come in any state."""
         core = self._core

@@ -183,6 +183,12 @@ def _silence_due(watch: Watch) -> float | None:
     return watch.heard + SILENCE
 
 
+def _topside_due(watch: Watch) -> float | None:
+    if watch.topside_silence is None:
+        return None
+    return watch.topside_heard + watch.topside_silence
+
+
 def _blind_due(watch: Watch) -> float | None:
     return None if watch.blind_since is None else watch.blind_since + BLIND_TIME
 
@@ -251,6 +257,14 @@ LIMITS: tuple[Limit, ...] = (
         lambda w: f"no good report for {SILENCE:g} s",
         on=On.CLOCK,
         due=_silence_due,
+    ),
+    Limit(
+        "topside",
+        "the operator",
+        _passed(_topside_due),
+        lambda w: f"nothing heard from topside for {w.topside_silence or 0.0:g} s",
+        on=On.CLOCK,
+        due=_topside_due,
     ),
     Limit(
         "no answer",

@@ -40,6 +40,7 @@ BOAT = "boat"
 TOPSIDE = "topside"
 LONGEST_S = 12 * 3600.0  # of a flight whose mission names no safety time
 AFTER_S = 2.0  # what the last commands need to arrive
+AFLOAT_S = 600.0  # what buoyancy alone may need
 
 
 def fly(
@@ -100,8 +101,10 @@ class _LockStep:
     def run(self) -> None:
         while not self._is_over():
             self._to_next_event()
-        end = self.now + AFTER_S
-        while self._next_event() <= end:
+        end = self.now
+        while self._next_event() <= end + AFTER_S:
+            self._to_next_event()
+        while self.log.started is not None and self._is_under_way_up(end):
             self._to_next_event()
 
     def flight(self, wall: float) -> Flight:
@@ -128,6 +131,10 @@ class _LockStep:
             return False
         stopped = self.drive.state == STOPPED and self.sea.truth().at_surface
         return self.log.over or stopped or self.now - self.log.started > self._longest
+
+    def _is_under_way_up(self, end: float) -> bool:
+        """A mission that was ended below leaves buoyancy to bring the vehicle up."""
+        return self.now < end + AFLOAT_S and not self.sea.truth().at_surface
 
     def _next_event(self) -> float:
         links = (self.sea.vehicle_link.next_event(), self.sea.gps_link.next_event())

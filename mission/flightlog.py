@@ -151,6 +151,7 @@ class FlightLog:
         self.ended: float | None = None
         self.emergency = ""
         self.completed = False
+        self._ending = ""
 
     @property
     def over(self) -> bool:
@@ -204,6 +205,8 @@ class FlightLog:
             return "completed", "the mission's end was reached"
         if operator_failure:
             return "failed", operator_failure
+        if self.started is not None and self.ended is not None:
+            return "failed", f"ended before its end: {self._ending}"
         return "failed", f"not at its end after {report.t:.0f} s, in {report.state}"
 
     def _enter(self, path: str, step: Step) -> None:
@@ -213,7 +216,7 @@ class FlightLog:
         elif path.startswith("emergency/"):
             self.emergency = self.emergency or _why(step)
         if path in (SURFACED, IDLE_READY, IDLE_EMPTY):
-            self.ended = step.t
+            self.ended, self._ending = step.t, _why(step)
             self.completed = self.completed or step.by is By.END
 
     def _close(self, t: float, by: str) -> None:

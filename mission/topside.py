@@ -14,6 +14,7 @@ What does not live here: what a command does to the vehicle (engine, behind ``Ve
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -80,6 +81,7 @@ class Topside:
         self._staging = Staging()
         self._paths: dict[Peer, Path] = {}
         self._heard: dict[Peer, float] = {}
+        self.heard_at = -math.inf  # when some operator last said something that is a frame
         self._commander: Peer | None = None
         self._done: list[_Done] = []
         self._awaited = Awaited()
@@ -163,7 +165,7 @@ class Topside:
             elif isinstance(item, Unfit):
                 self._refuse_unfit(peer, item, now)
             else:
-                self._heard[peer] = now
+                self._heard[peer] = self.heard_at = now
                 self._command(peer, item, now)
 
     def _refuse_unfit(self, peer: Peer, unfit: Unfit, now: float) -> None:

@@ -109,6 +109,8 @@ class Watch:
         self.accepted_at: float | None = None  # of the set in force
         self.started: float | None = None  # the mission's clock
         self.heard = -math.inf  # the last report, or when its age began anew
+        self.topside_silence: float | None = None  # s that may pass; None: as long as it likes
+        self.topside_heard = -math.inf
         self.lost = 0
         self.blind_since: float | None = None
         self.ascending = False  # a leg proves its ascent: sinking is answered there already
@@ -128,6 +130,7 @@ class Watch:
     def begin(self, now: float) -> None:
         """A mission starts, or goes on: ages and counts begin anew."""
         self.heard, self.lost, self.blind_since = now, 0, None
+        self.topside_heard = now
         self._count, self._since, self.repeated, self.breaches = {}, {}, False, ()
         self.descent, self.steering = Descent(), Steering()
 

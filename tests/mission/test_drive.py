@@ -276,6 +276,19 @@ def test_closing_auto_ends_the_mission_and_holds_the_next_start() -> None:
     assert boat.say(b"@AA$") == [b"@ACK_AAN$"]
 
 
+@pytest.mark.parametrize("asks", [True, False])
+def test_a_silent_topside_is_a_limit_where_configured(asks: bool) -> None:
+    boat = Boat(configuration=Configuration(topside_silence=8.0))
+    boat.upload()
+    boat.until(4.0)
+    boat.say(b"@AA$")
+    for i in range(5, 15):
+        boat.until(float(i))
+        if asks:
+            boat.say(b"@DU$")
+    assert boat.drive.state == ("autonomous/a" if asks else SURFACING)
+
+
 # --- any bytes ----------------------------------------------------------------------------------------
 
 FRAMES = [

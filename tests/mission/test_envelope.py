@@ -147,12 +147,19 @@ def dead_thrusters(world: World, reports: int) -> None:
 
 
 # name of the row -> what trips it, and what is near it and must not
+def unheard(world: World, seconds: float) -> None:
+    world.engine.limit_topside_silence(30.0)
+    world.engine.hear_topside(world.t)
+    world.until(world.t + seconds)
+
+
 CASES: dict[str, tuple[Callable[[World], None], Callable[[World], None]]] = {
     "depth": (lambda w: depth(w, 1.2), lambda w: depth(w, 0.8)),
     "hard depth": (lambda w: hard_depth(w, 0.5), lambda w: hard_depth(w, -0.5)),
     "unexplained descent": (lambda w: unasked_descent(w, 0.3), lambda w: unasked_descent(w, 0.05)),
     "depth unknown": (lambda w: blind(w, 9.0), lambda w: blind(w, 5.0)),
     "telemetry": (lambda w: silence(w, 5.1), lambda w: silence(w, 4.8)),
+    "topside": (lambda w: unheard(w, 30.5), lambda w: unheard(w, 29.5)),
     "no answer": (lambda w: unanswered(w, 3), lambda w: unanswered(w, 2)),
     "leak": (lambda w: leaking(w, 3), lambda w: leaking(w, 2)),
     "roll-over": (lambda w: rolled(w, 2), lambda w: rolled(w, 1)),
@@ -236,6 +243,12 @@ def test_a_descent_that_nobody_asked_for_acts_also_in_idle():
     assert world.state == IDLE_EMPTY
     sink(world, 0.2, 40.0)
     assert world.state == SURFACING
+
+
+def test_the_topside_may_be_silent_for_ever_unless_told_otherwise():
+    world = flying()
+    world.wait(250.0)
+    assert not tripped(world, "topside")
 
 
 def test_an_absurd_single_sample_trips_nothing():
