@@ -277,7 +277,9 @@ def test_rtk_is_more_accurate_than_differential_than_autonomous() -> None:
 def test_quirks_of_receivers_are_no_refusals() -> None:
     (fix,) = fixes(sentence(GGA.replace("1.2", "0.0")))  # HDOP unknown
     assert fix.hdop is None
-    assert len(fixes(sentence(GGA + "0000,1.8"[4:]))) == 1  # SiRF: one field more
+    (fix,) = fixes(sentence(GGA.replace(",09,", ",,").replace("4.5", "")))  # not counted
+    assert (fix.satellites, fix.elevation) == (None, None)
+    assert len(fixes(sentence(GGA + "0000,1.8"))) == 1  # SiRF: one field more
     assert len(fixes(sentence(RMC + ",V"))) == 1  # NMEA 4.1: no navigational status
     assert len(fixes(sentence(RMC[:-2]))) == 1  # before NMEA 2.3: no mode
     (fix,) = fixes(sentence(RMC.replace("2.0,90.0", ",")))  # no course while lying still
