@@ -208,6 +208,12 @@ class Core:
         actions = self._gate(actions)
         self.step(actions, moved, trigger=trigger, by=by, evaluations=evaluations)
 
+    def enter_quietly(self, leaf: str) -> None:
+        """The leg as after its entry, its set as sent and acknowledged; nothing leaves."""
+        assert self.run is not None
+        self._gate(self.run.enter(leaf, (), self.senses, history=True))
+        self.watch.accepted_at = self.now
+
     def _gate(self, actions: tuple[Action, ...]) -> tuple[Action, ...]:
         """What may leave; a set that may not counts as refused by the vehicle."""
         passed = []
