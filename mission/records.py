@@ -143,6 +143,20 @@ def step_record(step: Step) -> Record:
     return Record(step.t, STEP, _dumps(payload).encode())
 
 
+def step_of(payload: bytes | str) -> Step:
+    """The Step of a record's payload, or of the same JSON from elsewhere."""
+    plain = json.loads(payload)
+    seen = [
+        {"trigger": trigger, "result": result, "values": values}
+        for trigger, result, values in plain["evaluations"]
+    ]
+    return from_plain(Step, plain | {"evaluations": seen})
+
+
+def estimate_of(payload: bytes | str) -> Estimate:
+    return from_plain(Estimate, json.loads(payload))
+
+
 def estimate_record(estimate: Estimate) -> Record:
     payload = {
         "t": estimate.t,

@@ -4,7 +4,9 @@
                                         pty --> serial:///dev/pts/M  (GPS)
 
 With ``speed`` 8 everything, the bytes included, is eight times as fast. Bytes go out in slices
-(``SLICE``), each when the real line would have brought it; the loop sleeps in between. What the
+(``SLICE``), each when the real line would have brought it; the loop sleeps in between. Faster than
+real time a chunk goes out whole, when its last byte would be through: the 50 ms after which a
+decoder gives up on an unfinished frame (G3) would be shorter than a scheduler's whim. What the
 other side writes is timed when it is read here, and then takes its time on the simulated line.
 
 What does not live here: the vehicle itself (link.py).
@@ -25,7 +27,7 @@ from types import TracebackType
 from links.simulated.firmware.uart import BYTE_TIME, Chunk
 from links.simulated.link import SimulatedVehicle
 
-SLICE = 8  # bytes that go out in one write
+SLICE = 8  # bytes
 READ = 4096
 SHORTEST_SLEEP, LONGEST_SLEEP = 0.0005, 0.2  # s, real
 
@@ -39,6 +41,7 @@ class _Out:
 
     fd: int
     queue: deque[Chunk]
+    slice: float = SLICE  # bytes that go out in one write
     sent: int = 0  # bytes of the first chunk
 
     @property
@@ -47,7 +50,7 @@ class _Out:
         if not self.queue:
             return inf
         chunk = self.queue[0]
-        return chunk.start + min(self.sent + SLICE, len(chunk.data)) * BYTE_TIME
+        return chunk.start + min(self.sent + self.slice, len(chunk.data)) * BYTE_TIME
 
     def write(self, now: float) -> None:
         while self.queue and self.due <= now:
@@ -72,9 +75,10 @@ class PtyVehicle:
             raise ValueError(f"speed must be above 0, not {speed}")
         self.vehicle, self.speed = vehicle, speed
         self._fds = [*_open_pty(), *_open_pty()]  # master, slave of each
+        piece = SLICE if speed <= 1.0 else inf
         self._outs = (
-            _Out(self._fds[0], vehicle.stm32.tx.queue),
-            _Out(self._fds[2], vehicle.gps.queue),
+            _Out(self._fds[0], vehicle.stm32.tx.queue, piece),
+            _Out(self._fds[2], vehicle.gps.queue, piece),
         )
         self.paths = (os.ttyname(self._fds[1]), os.ttyname(self._fds[3]))
         self._zero: float | None = None

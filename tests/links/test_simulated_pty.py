@@ -67,11 +67,29 @@ def test_a_command_is_answered_and_obeyed(served: Served) -> None:
     assert reports[-2][63:67] == b"\xd6\x06\xd6\x06"  # 1750 us, both mains
 
 
-def test_a_frame_comes_at_the_pace_of_the_wire_times_the_speed(served: Served) -> None:
-    pieces = served.listen(0.5)
+def test_faster_than_real_time_frames_come_whole_at_the_pace_times_the_speed(
+    served: Served,
+) -> None:
+    pieces = served.listen(0.9)
     gaps = [b - a for (a, _), (b, _) in pairwise(pieces)]
-    assert len(pieces) > 8  # not one write a frame
-    assert max(gaps) == pytest.approx((2.0 - 0.0896) / SPEED, abs=0.03)
+    assert {len(data) for _, data in pieces} == {86}
+    assert sorted(gaps)[len(gaps) // 2] == pytest.approx(2.0 / SPEED, abs=0.03)
+
+
+def test_in_real_time_a_frame_comes_piece_by_piece() -> None:
+    stop = threading.Event()
+    with PtyVehicle(SimulatedVehicle("as-built", 1, Settings(splice=0.0)), 1.0) as on_ptys:
+        thread = threading.Thread(target=on_ptys.run, kwargs={"stop": stop.is_set})
+        thread.start()
+        line = Served(on_ptys)
+        pieces = line.listen(1.5)  # the first report begins after 1 s
+        stop.set()
+        thread.join(5.0)
+        line.stm32.close()
+        line.gps.close()
+    assert len(pieces) >= 4
+    assert sum(len(data) for _, data in pieces) == 86
+    assert pieces[-1][0] - pieces[0][0] > 0.03  # of the 90 ms that a frame takes
 
 
 def test_it_runs_to_its_end_with_nobody_listening_and_says_its_paths() -> None:

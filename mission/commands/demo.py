@@ -1,0 +1,104 @@
+"""``auvmission demo``: three processes, one mission, and what came of it in out/demo/."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from mission.demo import Progress
+
+
+@click.command()
+@click.argument("mission", type=click.Path(path_type=Path), required=False)
+@click.option("--speed", type=click.FloatRange(0.1, 20.0), default=8.0, show_default=True,
+              help="Times real time; more than about 10 makes 300 ms too short.")  # fmt: skip
+@click.option("--profile", type=click.Choice(["as-built", "documented"]), default="as-built",
+              show_default=True, help="The vehicle as it is, or as the documents say.")  # fmt: skip
+@click.option("--seed", type=int, default=0, show_default=True)
+@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True,
+              help="The sea and its faults, as in simulate.")  # fmt: skip
+@click.option("--out", type=click.Path(path_type=Path, file_okay=False),
+              default=Path("out/demo"), show_default=True)  # fmt: skip
+def demo(
+    mission: Path | None,
+    speed: float,
+    profile: str,
+    seed: int,
+    settings: tuple[str, ...],
+    out: Path,
+) -> None:
+    """Fly MISSION (default: first-dive) through serve and a simulated vehicle, over real bytes.
+
+    Exit 0 only if the vehicle surfaced, the mission completed and every leg was left as planned.
+    """
+    import shutil
+
+    from mission.commands.simulate import table
+    from mission.demo import Demo, DemoError, as_planned
+    from mission.graph.outline import outline
+    from mission.graph.svg import svg
+    from mission.plot import draw_flight
+    from mission.prepare import Unreadable, check_prepared, prepare
+    from mission.upload import OperatorError
+    from mission.vehicle import missions_folder
+
+    path = mission or missions_folder() / "first-dive.yaml"
+    try:
+        prepared = prepare(path)
+    except Unreadable as error:
+        click.echo(str(error), err=True)
+        raise SystemExit(2) from None
+    report = check_prepared(prepared)
+    if not report.ok or report.proved is None:
+        click.echo(f"{path}: refused by the check; see auvmission check {path}", err=True)
+        raise SystemExit(1)
+    if out.exists():
+        shutil.rmtree(out)
+    worst = report.proved.worst_time
+    click.echo(f"{path}: at most {worst / 60:.1f} min of mission, {speed:g} times real time")
+    shown = _Shown()
+    flown = Demo(prepared, out, speed, profile, seed, settings, worst, click.echo, shown.show)
+    try:
+        flight = flown.fly()
+    except (DemoError, OperatorError) as error:
+        shown.end()
+        click.echo(str(error), err=True)
+        raise SystemExit(1) from None
+    shown.end()
+    draw_flight(flight, out / "track.png", prepared.mission.name)
+    (out / "graph.svg").write_text(svg(outline(prepared.chart, None), False))
+    click.echo(table(flight))
+    click.echo(f"pictures and black box in {out}")
+    raise SystemExit(0 if as_planned(flight) else 1)
+
+
+class _Shown:
+    """One line that is written over in a terminal; a line per leg elsewhere."""
+
+    def __init__(self) -> None:
+        self._terminal = sys.stdout.isatty()
+        self._last = ""
+
+    def show(self, progress: Progress) -> None:
+        place = (
+            "no fix yet"
+            if progress.position is None
+            else f"fix {progress.position[0]:+.0f} m north {progress.position[1]:+.0f} m east"
+        )
+        depth = "depth unknown" if progress.depth is None else f"{progress.depth:4.1f} m deep"
+        left = "" if progress.left is None else f"at most {progress.left / 60:.1f} min left"
+        where = f"{progress.state}/{progress.leg}".rstrip("/")
+        text = f"{where:28} {depth:14} {place:34} {left}"
+        if self._terminal:
+            click.echo(f"\r\x1b[2K{text}", nl=False)
+        elif where != self._last:
+            click.echo(text)
+        self._last = where
+
+    def end(self) -> None:
+        if self._terminal:
+            click.echo()
