@@ -113,8 +113,8 @@ class Engine:
         core.actions, core.steps = [], []
         core.senses.at(now)
         core.event = _event(inputs)
-        reported, fixed = self._hear(inputs)
-        verdicts = self._obey(inputs)
+        reported, fixed, told = self._hear(inputs)
+        verdicts = self._obey(inputs) if told else ()
         self._guard_limits(reported, fixed)
         self._run_mission()
         self._mind_stick()
@@ -126,9 +126,10 @@ class Engine:
 
     # --- the parts of a step, in their order ---------------------------------------------------
 
-    def _hear(self, inputs: Sequence[Input]) -> tuple[bool, bool]:
+    def _hear(self, inputs: Sequence[Input]) -> tuple[bool, bool, bool]:
+        """Whether there were reports, fixes, and anything else to obey."""
         core = self._core
-        reported = fixed = False
+        reported = fixed = told = False
         for one in inputs:
             if isinstance(one, Telemetry):
                 core.senses.take_telemetry(one)
@@ -141,9 +142,11 @@ class Engine:
                 fixed = True
             elif isinstance(one, Outcome):
                 core.take_outcome(one)
+            else:
+                told = True
         if (reported or fixed) and (run := core.flying) is not None:
             run.reckon(core.senses)
-        return reported, fixed
+        return reported, fixed, told
 
     def _obey(self, inputs: Sequence[Input]) -> list[Verdict]:
         """X and W before all others; verdicts in the order of the inputs."""

@@ -66,19 +66,25 @@ class Senses:
         self._believed_at = -math.inf
         self._shallow_since: float | None = None
         self._offset: float | None = None  # compass minus true heading
-        self._healths: dict[str, Health] = {}
+        self._healths: dict[str, Health] = {}  # asked for at this instant
+        self._depth: float | None = None
+        self._depth_known = False
 
     def clone(self) -> Self:
         """Without the navigation, which has a snapshot of its own."""
         other = copy.copy(self)
-        other._healths = {}
+        other._forget()
         return other
+
+    def _forget(self) -> None:
+        """What was worked out for an instant that has passed."""
+        self._healths, self._depth_known = {}, False
 
     # --- in ----------------------------------------------------------------------------------
 
     def at(self, now: float) -> None:
         self.now = now
-        self._healths = {}
+        self._forget()
         old = self.estimate
         if self.navigation and old is not None and now - old.t > _ESTIMATE_AGE:
             self.estimate = self.navigation.estimate(now)
@@ -88,7 +94,7 @@ class Senses:
         if self.navigation:
             self.navigation.telemetry(report)
             self.estimate = self.navigation.estimate(report.t)
-        self._healths = {}
+        self._forget()
         depth = self.depth
         if depth is not None:
             self.believed_depth, self._believed_at = depth, report.t
@@ -131,9 +137,11 @@ class Senses:
     @property
     def depth(self) -> float | None:
         """As reported; None while it is not to be believed."""
-        if self.telemetry is None or self.telemetry.depth is None:
-            return None
-        return self.telemetry.depth if self.health("depth").valid else None
+        if not self._depth_known:
+            self._depth_known, report = True, self.telemetry
+            seen = None if report is None else report.depth
+            self._depth = seen if seen is not None and self.health("depth").valid else None
+        return self._depth
 
     @property
     def submerged(self) -> bool:

@@ -103,8 +103,16 @@ class Watch:
     def __init__(self, vehicle: Vehicle, senses: Senses, bounds: Bounds) -> None:
         self.vehicle, self.senses, self.bounds = vehicle, senses, bounds
         self.rows = tuple(row for row in LIMITS if not row.disarmed(vehicle))
-        self._clocked = tuple(row for row in self.rows if row.on is On.CLOCK)
-        self._timed = tuple(row for row in self._clocked if row.due is not never)
+        self._looked = {
+            (reported, fixed): tuple(
+                row
+                for row in self.rows
+                if {On.CLOCK: True, On.REPORT: reported, On.FIX: fixed}[row.on]
+            )
+            for reported in (False, True)
+            for fixed in (False, True)
+        }
+        self._timed = tuple(row for row in self.rows if row.due is not never)
         self.sent: Setpoint | None = None
         self.accepted_at: float | None = None  # of the set in force
         self.started: float | None = None  # the mission's clock
@@ -117,21 +125,20 @@ class Watch:
         self.repeated = False  # after a brown-out the set was sent again
         self.descent, self.steering = Descent(), Steering()
         self.breaches: tuple[Limit, ...] = ()
-        self._count: dict[str, int] = {}
-        self._since: dict[str, float] = {}
+        self._running: dict[str, float] = {}  # samples in a row, or since when
 
     def clone(self, senses: Senses) -> Self:
         other = copy.copy(self)
         other.senses = senses
         other.descent, other.steering = copy.copy(self.descent), copy.copy(self.steering)
-        other._count, other._since = dict(self._count), dict(self._since)
+        other._running = dict(self._running)
         return other
 
     def begin(self, now: float) -> None:
         """A mission starts, or goes on: ages and counts begin anew."""
         self.heard, self.lost, self.blind_since = now, 0, None
         self.topside_heard = now
-        self._count, self._since, self.repeated, self.breaches = {}, {}, False, ()
+        self._running, self.repeated, self.breaches = {}, False, ()
         self.descent, self.steering = Descent(), Steering()
 
     def set_sent(self, setpoint: Setpoint | None) -> None:
@@ -139,7 +146,7 @@ class Watch:
 
     def forgive(self, row: Limit) -> None:
         """A response was given that may mend it: count anew."""
-        self._count.pop(row.name, None)
+        self._running.pop(row.name, None)
 
     def take_report(self) -> None:
         report = self.senses.telemetry
@@ -154,11 +161,11 @@ class Watch:
         """The rows that are found breached now, for as long as they must be. ``breaches`` keeps
         those that were at their last look."""
         self._look_for_depth()
-        due = {On.CLOCK: True, On.REPORT: reported, On.FIX: fixed}
-        rows = self.rows if reported or fixed else self._clocked
-        found = [row for row in rows if due[row.on] and self._lasts(row)]
-        kept = [row for row in self.breaches if not due[row.on]]
-        self.breaches = (*kept, *found)
+        rows = self._looked[reported, fixed]
+        found = [row for row in rows if self._lasts(row)]
+        if found or self.breaches:
+            kept = [row for row in self.breaches if row not in rows]
+            self.breaches = (*kept, *found)
         return found
 
     def next_timer(self) -> float | None:
@@ -173,18 +180,15 @@ class Watch:
 
     def _lasts(self, row: Limit) -> bool:
         breached = row.breached(self)
-        if breached is None:
-            return False
         if not breached:
-            self._count.pop(row.name, None)
-            self._since.pop(row.name, None)
+            if breached is not None and row.name in self._running:
+                del self._running[row.name]
             return False
         if row.seconds:
-            return (
-                self.senses.now - self._since.setdefault(row.name, self.senses.now) >= row.seconds
-            )
-        self._count[row.name] = self._count.get(row.name, 0) + 1
-        return self._count[row.name] >= row.samples
+            since = self._running.setdefault(row.name, self.senses.now)
+            return self.senses.now - since >= row.seconds
+        count = self._running[row.name] = self._running.get(row.name, 0) + 1
+        return count >= row.samples
 
     def _dive_asked(self) -> bool:
         sent, depth, report = self.sent, self.senses.depth, self.senses.telemetry
