@@ -215,8 +215,10 @@ class FlightLog:
             self._open, self.ended = (path, step.t), None
         elif path.startswith("emergency/"):
             self.emergency = self.emergency or _why(step)
+        elif path.startswith("manual/"):
+            self.ended = None
         if path in (SURFACED, IDLE_READY, IDLE_EMPTY):
-            self.ended, self._ending = step.t, _why(step)
+            self.ended, self._ending = step.t, f"to {path} by {_why(step)}"
             self.completed = self.completed or step.by is By.END
 
     def _close(self, t: float, by: str) -> None:
