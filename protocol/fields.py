@@ -323,9 +323,14 @@ class BinaryFrame(FrameType):
 
     def encode(self, values: Mapping[str, Any]) -> bytes:
         for item in self.fields:
-            if isinstance(item, Number) and values.get(item.name) is not None:
-                item.raw(values[item.name])
-                item.refuse(values[item.name])
+            if not isinstance(item, Number) or item.name not in values:
+                continue
+            value = values[item.name]
+            if value is not None:
+                item.raw(value)
+                item.refuse(value)
+            elif self.command:
+                raise CannotEncode(f"{self.name}: {item.name}: a command needs a number")
         return self.pack(values)
 
     def pack(self, values: Mapping[str, Any]) -> bytes:
