@@ -341,6 +341,18 @@ def test_a_loop_without_a_wait_is_refused():
     assert rules(loop, leg("a")) == ["loop-without-wait"]
 
 
+def test_groups_stand_inside_each_other_at_most_sixteen_deep():
+    def nested(depth: int):
+        node = leg("a")
+        for i in range(depth):
+            node = Group(f"g{i}", 2, (node,))
+        return node
+
+    compiled(mission(nested(16)))
+    assert "too-deep-nesting" in rules(nested(17))
+    assert "too-deep-nesting" in rules(nested(300))
+
+
 def test_a_mission_that_never_lasts_is_refused():
     assert rules(Set("l1", sets(depth=5.0))) == ["no-leg"]
 

@@ -276,6 +276,14 @@ def test_a_deadline_is_always_later_than_the_step_that_gave_it():
         world.wait(0.31)
 
 
+def test_a_timer_between_late_reports_sees_the_estimate_reckoned_on():
+    world = flying(leg("a", when("elapsed", ">", 8.0), timeout=LONG), leg("b", timeout=LONG))
+    heard = world.engine.estimate.t
+    world.wait(4.0, reports=False)
+    world.tell()
+    assert world.engine.estimate.t == pytest.approx(heard + 4.0)
+
+
 def test_without_anything_to_wait_for_there_is_no_timer():
     assert World().engine.next_timer() is None
 

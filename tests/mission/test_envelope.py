@@ -278,6 +278,20 @@ def test_on_uncertain_leads_where_the_mission_says_and_only_once():
     assert len(taken) == 1
 
 
+def test_a_second_uncertainty_surfaces():
+    home = leg("away", settings=sets(depth=20.0), timeout=10.0, otherwise="out")
+    out = leg("out", settings=sets(surge=0.5, heading=0.0, depth=20.0), timeout=LONG)
+    world = World(mission(out, home, on_uncertain="away"))
+    assert world.start()
+    world.depth = 10.0
+    world.wait(4.0)
+    for state in ("autonomous/away", "autonomous/surface"):
+        unsure(world, 40.0)
+        assert world.state == state
+        world.nav.covariance = (0.01, 0.0, 0.01)
+        world.wait(14.0)
+
+
 def test_a_position_that_is_not_known_breaches_no_radius():
     world = flying()
     world.nav.mode = NavigationMode.NONE
