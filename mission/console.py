@@ -10,10 +10,14 @@ from __future__ import annotations
 import math
 import select
 import time
+from collections.abc import Callable, Sequence
+from typing import Protocol
 
 from links import open_link
 from links.base import LinkError
+from mission.underwater import BatchTalk, Submerged, modem_address
 from mission.upload import Conversation, OperatorError, Script
+from mission.upload import upload as upload_script
 
 NAME = "vehicle"
 
@@ -22,13 +26,46 @@ class Unreachable(OperatorError):
     pass
 
 
+class Talk(Protocol):
+    """What ``hold`` needs of a conversation, over whatever medium."""
+
+    @property
+    def over(self) -> bool: ...
+    @property
+    def result(self) -> str | None: ...
+    @property
+    def failure(self) -> OperatorError | None: ...
+
+    def begin(self, now: float) -> list[bytes]: ...
+    def next_timer(self) -> float | None: ...
+    def handle_timer(self, now: float) -> list[bytes]: ...
+    def receive(self, data: bytes, now: float) -> list[bytes]: ...
+
+
 def converse(url: str, script: Script) -> str:
     """What the script achieved. Raises OperatorError."""
+    modem = modem_address(url)
+    if modem is not None:
+        return hold(modem.link, Submerged(script, modem.acoustics))
+    return hold(url, Conversation(script))
+
+
+def upload(
+    url: str, lines: Sequence[str], digest: str, progress: Callable[[int, int], None]
+) -> str:
+    """Line by line, or in batches where a modem is between. Raises OperatorError."""
+    modem = modem_address(url)
+    if modem is not None:
+        return hold(modem.link, BatchTalk(lines, digest, modem.acoustics, progress))
+    return hold(url, Conversation(upload_script(lines, digest, progress)))
+
+
+def hold(url: str, talk: Talk) -> str:
+    """The conversation over the link of this URL. Raises OperatorError."""
     try:
         link = open_link(NAME, url)
     except LinkError as error:
         raise Unreachable(str(error)) from error
-    talk = Conversation(script)
     try:
         out = talk.begin(time.monotonic())
         while not talk.over:

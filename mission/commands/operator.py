@@ -33,11 +33,14 @@ def upload(
 ) -> None:
     """Check MISSION and store it in the vehicle, line by line; an upload that was cut goes on.
 
+    Over an acoustic modem (modem+serial:///dev/ttyUSB0?range=800&rate=600: m, bit/s) it goes in
+    batches, and only what is missing goes again.
+
     Exit 0 when the vehicle holds it, by its digest; 1 if not; 2 if it cannot be read.
     """
+    from mission import console
     from mission.language import script
     from mission.prepare import Unreadable, parameters_of, prepare
-    from mission.upload import upload as talk
 
     try:
         prepared = prepare(mission, vehicle, parameters_of(parameters))
@@ -46,7 +49,7 @@ def upload(
         raise SystemExit(2) from None
     _refuse_unchecked(prepared, force)
     lines = script(prepared.mission)
-    _say(to, talk(lines, prepared.chart.digest, _Progress(lines).show))
+    _say(lambda: console.upload(to, lines, prepared.chart.digest, _Progress(lines).show))
 
 
 def _refuse_unchecked(prepared: Prepared, force: bool) -> None:
@@ -83,7 +86,7 @@ def start(to: str, wait: int) -> None:
     """Start the stored mission, or go on with the interrupted one (@AA)."""
     from mission.upload import start as talk
 
-    _say(to, talk(wait))
+    _converse(to, talk(wait))
 
 
 @click.command()
@@ -92,7 +95,7 @@ def clear(to: str) -> None:
     """Clear the stored mission, and a latched emergency at the surface (@AC)."""
     from mission.upload import clear as talk
 
-    _say(to, talk())
+    _converse(to, talk())
 
 
 @click.command()
@@ -102,7 +105,7 @@ def stop(to: str) -> None:
     from mission.upload import order
     from protocol.messages import Order
 
-    _say(to, order(Order.STOP))
+    _converse(to, order(Order.STOP))
 
 
 @click.command()
@@ -112,7 +115,7 @@ def surface(to: str) -> None:
     from mission.upload import order
     from protocol.messages import Order
 
-    _say(to, order(Order.SURFACE))
+    _converse(to, order(Order.SURFACE))
 
 
 @click.command()
@@ -129,7 +132,7 @@ def status(to: str, as_json: bool) -> None:
     def took(told: Status, store: StoreReport | None) -> None:
         found.update(_values(told, store))
 
-    _say(to, talk(took))
+    _converse(to, talk(took))
     if as_json:
         click.echo(json.dumps(found))
         return
@@ -162,16 +165,21 @@ def _values(told: Status, store: StoreReport | None) -> dict[str, Any]:
     }
 
 
-def _say(to: str, script: Script, tell: Callable[[str], None] = click.echo) -> None:
-    """Hold the conversation; what failed goes to stderr with exit 1."""
+def _converse(to: str, script: Script) -> None:
     from mission.console import converse
+
+    _say(lambda: converse(to, script))
+
+
+def _say(talk: Callable[[], str]) -> None:
+    """What a conversation achieved; what failed goes to stderr with exit 1."""
     from mission.upload import OperatorError, Refused
 
     try:
-        achieved = converse(to, script)
+        achieved = talk()
     except OperatorError as error:
         prefix = "refused: " if isinstance(error, Refused) else ""
         click.echo(f"{prefix}{error}", err=True)
         raise SystemExit(1) from None
     if achieved:
-        tell(achieved)
+        click.echo(achieved)
