@@ -14,7 +14,7 @@ from graph_charts import chart
 
 from mission.graph.scxml import RESUME, event_of, events, identifier, scxml
 from mission.machine import Machine
-from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, Chart, Edge
+from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge
 from mission.prepare import prepare
 from mission.regions import LEG, REGION_EDGES
 from mission.vehicle import missions_folder
@@ -122,6 +122,8 @@ def walk(which: Chart, folder: Path, steps: int, seed: int) -> int:
         own = [offer for offer in offers if isinstance(offer[1], Edge)]
         if own and chance.random() < 0.9:
             offers = [o for o in own if o[1].target != IMPLICIT_SURFACE] or own
+            onward = [o for o in offers if o[1].by is not By.ON]
+            offers = onward if onward and chance.random() < 0.8 else offers
             taken += 1
         elif ours.machine.active == "idle/ready":
             offers = [offer for offer in offers if offer[0] == "start"]
