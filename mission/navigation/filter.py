@@ -119,10 +119,13 @@ class Filter:
     def predict(self, dt: float, run: Run) -> None:
         pieces = max(1, math.ceil(dt / _STEP))
         for _ in range(pieces):
-            moved = self.transition(dt / pieces, run)
-            self._kf.predict()
-            x = self._kf.x
-            x[N], x[E], x[CN], x[CE] = moved
+            self._piece(dt / pieces, run)
+
+    def _piece(self, dt: float, run: Run) -> None:
+        moved = self.transition(dt, run)
+        self._kf.predict()
+        x = self._kf.x
+        x[N], x[E], x[CN], x[CE] = moved
 
     def transition(self, dt: float, run: Run) -> tuple[float, float, float, float]:
         """Writes F and Q for ``dt``; position and current after it."""

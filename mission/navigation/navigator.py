@@ -45,7 +45,7 @@ class Navigation:
         self._vehicle = vehicle
         self._date = date
         self._health = SensorHealth(vehicle.reports)
-        self._core = Reckoner(vehicle, figures or believed(vehicle))
+        self.core = Reckoner(vehicle, figures or believed(vehicle))
         self._history: deque[tuple[Item, tuple[Any, ...]]] = deque(maxlen=_KEEP)
         self.dropped = 0  # items that came too late to be of use
         self.frame: LocalFrame | None = None
@@ -57,7 +57,7 @@ class Navigation:
 
     def set_origin(self, position: Position, now: float) -> None:
         """Home: what is known of the vehicle's own place is kept and said in the new frame."""
-        core, new = self._core, LocalFrame(position)
+        core, new = self.core, LocalFrame(position)
         if core.located and self.frame is not None:
             x = core.filter.x
             here = self.frame.to_geodetic(float(x[0]), float(x[1]))
@@ -67,7 +67,7 @@ class Navigation:
 
     def start_here(self, now: float, sigma: float = 0.1) -> None:
         """Without any fix, the vehicle is at the origin: positions count from the start."""
-        self._core.place(now, 0.0, 0.0, sigma * sigma)
+        self.core.place(now, 0.0, 0.0, sigma * sigma)
         self._history.clear()
 
     def _settle(self, frame: LocalFrame) -> None:
@@ -131,7 +131,7 @@ class Navigation:
 
     def _take(self, item: Item) -> None:
         """Into the filter at its own time, however late it comes."""
-        core, history = self._core, self._history
+        core, history = self.core, self._history
         if core.t is None or item.t >= core.t:
             history.append((item, core.save()))
             core.take(item)
@@ -155,7 +155,7 @@ class Navigation:
 
     def estimate(self, now: float) -> Estimate | None:
         """None before anything was heard. Looks ahead of the last input, changes nothing."""
-        core = self._core
+        core = self.core
         if core.t is None:
             return None
         before = core.filter.save()
@@ -167,7 +167,7 @@ class Navigation:
         return self._estimate(now, x.tolist(), p)
 
     def _estimate(self, now: float, x: list[float], p: Any) -> Estimate:
-        core = self._core
+        core = self.core
         var = p.diagonal().tolist()
         u, shown = core.expected, core.heading
         deep, high = core.depth_seen, core.depth_seen and core.altitude_seen
@@ -207,12 +207,12 @@ class Navigation:
         """Of one report: the compass's error over the heading, and its noise."""
         (bb, bs, bc), (_, ss, sc), (_, _, cc) = p[8:11, 8:11].tolist()
         error = bb + ss * s * s + cc * c * c + 2.0 * (bs * s + bc * c + sc * s * c)
-        return float(max(error, 0.0) + self._core.figures.heading**2)
+        return float(max(error, 0.0) + self.core.figures.heading**2)
 
     def _mode(self, now: float) -> NavigationMode:
-        if not self._core.located:
+        if not self.core.located:
             return NavigationMode.NONE
-        last = self._core.last_fix
+        last = self.core.last_fix
         fresh = last is not None and now - last <= _FRESH
         return NavigationMode.FIX if fresh else NavigationMode.DEAD_RECKONING
 
@@ -222,11 +222,11 @@ class Navigation:
         """Everything that ``restore`` needs to go on from here, to the last bit."""
         monitors = {name: copy(m) for name, m in self._health.monitors.items()}
         kept = (self.frame, self._date, self._declination, self.dropped)
-        return self._core.save(), monitors, tuple(self._history), kept
+        return self.core.save(), monitors, tuple(self._history), kept
 
     def restore(self, snapshot: Any) -> None:
         core, monitors, history, kept = snapshot
-        self._core.load(core)
+        self.core.load(core)
         self._health.monitors = {name: copy(m) for name, m in monitors.items()}
         self._history = deque(history, maxlen=_KEEP)
         self.frame, self._date, self._declination, self.dropped = kept

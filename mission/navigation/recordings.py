@@ -149,7 +149,7 @@ def wire(
     """What the decoders make of it: @SD every 2 s, and GGA + RMC for the rows ``fixes``."""
     codec, gps, frame = AuvCodec(), NmeaDecoder(), LocalFrame(recording.origin)
     out: list[Telemetry | Fix] = []
-    wanted, due = set(fixes), -math.inf
+    wanted, due = set(fixes), float(recording.t[0])
     for i, t in enumerate(recording.t.tolist()):
         if i in wanted:
             here = frame.to_geodetic(float(recording.north[i]), float(recording.east[i]))

@@ -83,7 +83,7 @@ def calibrated(vehicle: Vehicle, scale: float) -> Vehicle:
             depth=math.hypot(e.depth_noise, 0.05),
             altitude=e.altitude_noise,
             heading=e.compass_noise,
-            heading_bias=math.radians(10.0 / math.sqrt(3.0)),
+            heading_bias=math.hypot(math.radians(10.0) / math.sqrt(3.0), e.compass_slow),
         ),
         calibration=replace(
             vehicle.calibration,
@@ -94,8 +94,8 @@ def calibrated(vehicle: Vehicle, scale: float) -> Vehicle:
             turn_loss=0.9,
             surge_length=1.8,
             surface_drift=0.005,
-            sway_noise=0.06,
-            deviation_sigma=e.deviation / math.sqrt(2.0),
+            sway_noise=0.08,
+            deviation_sigma=e.deviation,
         ),
     )
 
@@ -129,7 +129,7 @@ def fly(seed: int, profile: str, *, learning: bool) -> Flight:
         if not math.isnan(flight.error) and item.t > surfaced + 20.0:
             break
         if isinstance(item, Fix):
-            core = nav._core
+            core = nav.core
             if item.t > end and math.isnan(flight.error):
                 estimate, truth = nav.estimate(item.t), ship.track[round(item.t)]
                 assert estimate is not None
@@ -150,6 +150,23 @@ def fly(seed: int, profile: str, *, learning: bool) -> Flight:
             _judge(flight, estimate, truth, here)
         was = here
     return flight
+
+
+@dataclass(frozen=True, slots=True)
+class Flown:
+    items: tuple[Telemetry | Fix, ...]
+    truth: tuple[Truth, ...]  # one a second
+
+
+def fly_plan(seed: int, bias_deg: float, *, learning: bool) -> Flown:
+    """What came in, for those who look at it afterwards."""
+    rng = Random(seed)
+    sea = Sea(current=(rng.uniform(0.0, 0.3), rng.uniform(0.0, 2.0 * math.pi)))
+    errors = SensorErrors(declination=math.radians(-6.2), compass_bias=math.radians(bias_deg))
+    ship = SimulatedVehicle("as-built", seed, Settings(sea=sea, errors=errors))
+    legs = plan(rng, learning=learning)
+    items = tuple(_bytes(ship, legs, "as-built", legs[-1].begin + 120.0))
+    return Flown(items, tuple(ship.track))
 
 
 def _depth(leg: Leg) -> float | None:

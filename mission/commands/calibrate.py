@@ -1,0 +1,55 @@
+"""``auvmission calibrate``: what dives with fixes teach about speed, compass and noise."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command()
+@click.argument("logs", nargs=-1, required=True, type=click.Path(path_type=Path, dir_okay=False))
+@click.option("--vehicle", help="Vehicle file or name; default: the one in the first black box.")
+@click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False),
+              help="File for the section; without it, standard output.")  # fmt: skip
+@click.option("--plot", type=click.Path(path_type=Path, dir_okay=False),
+              help="PNG with the errors before and after, and the compass's error.")  # fmt: skip
+def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
+              plot: Path | None) -> None:  # fmt: skip
+    """Fit speed scale, compass and noise from black boxes LOGS that hold fixes.
+
+    Prints the sections of a vehicle file that replace sensors, compass and calibration. How good
+    they are goes to stderr: the error at the end of each dive, before and after; with two logs or
+    more, after calibration on the others. Exit 2 where the logs cannot be used.
+    """
+    from mission.blackbox import BlackBoxError
+    from mission.heard import LogError, read_log
+    from mission.navigation.calibration import CalibrationError, section
+    from mission.navigation.calibration import calibrate as fit
+    from mission.vehicle import VehicleError, load_vehicle
+
+    try:
+        heard = [read_log(path) for path in logs]
+        known = load_vehicle(vehicle) if vehicle else heard[0].vehicle
+        done = fit([log.inputs for log in heard], known)
+    except (BlackBoxError, LogError, CalibrationError, VehicleError) as error:
+        click.echo(str(error), err=True)
+        raise SystemExit(2) from None
+    click.echo("dive            distance   before    after", err=True)
+    for s in done.stretches:
+        click.echo(
+            f"{logs[s.log].name} {s.begin:.0f}-{s.end:.0f} s: {s.distance:.0f} m, "
+            f"{s.before:.1f} m, {s.after:.1f} m",
+            err=True,
+        )
+    before, after = done.percent()
+    how = "calibrated on the other logs" if done.held_out else "on the log it was fitted to"
+    click.echo(f"median of distance: {before:.1f} % before, {after:.1f} % after ({how})", err=True)
+    if output is None:
+        click.echo(section(done.vehicle), nl=False)
+    else:
+        output.write_text(section(done.vehicle), encoding="utf-8")
+    if plot is not None:
+        from mission.navigation.drawing import draw_calibration
+
+        draw_calibration(done, plot)
