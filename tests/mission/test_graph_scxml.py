@@ -27,10 +27,10 @@ safety radius 900 time 40min depth 10 voltage 10
 assume current 0.1
 dive: depth 3 heading 0 gear 4 until depth >= 2.5 timeout 30
 repeat 2 outer:
-one: depth 3 heading 0 gear 4 until travelled >= 5 -> inner timeout 20 else one
+one: depth 3 heading 0 gear 4 until travelled >= 5 timeout 20 else one
 repeat 3 inner:
 two: depth 3 heading 90 gear 4 for 5s
-three: depth 3 heading 180 gear 4 until travelled >= 5 -> one timeout 20
+three: depth 3 heading 180 gear 4 until travelled >= 5 or altitude < 1 timeout 20
 on depth > 6 -> two
 end
 on altitude < 2 -> one
@@ -142,7 +142,7 @@ def test_shipped_missions_run_alike_in_both_engines(path: Path, tmp_path: Path) 
 def test_rounds_in_rounds_and_handlers_run_alike_in_both_engines(seed: int, tmp_path: Path) -> None:
     source = tmp_path / "nested.mission"
     source.write_text(NESTED)
-    assert walk(prepare(source).chart, tmp_path, 250, seed) > 100
+    assert walk(prepare(source).chart, tmp_path, 250, seed) > 60
 
 
 def test_charts_made_by_hand_run_alike_in_both_engines(tmp_path: Path) -> None:
