@@ -191,8 +191,7 @@ def _struct_code(item: Field) -> str:
             return f"{item.size}s"
         case Pad():
             return f"{item.size}x"
-        case Const():
-            return f"{len(item.data)}s"
+    return f"{len(item.data)}s"
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ who may command, what is answered when (``mission.serve``), the modem's envelope
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable, Sequence
 
@@ -189,9 +190,7 @@ def _encode_plain(
             return _SAFETY.encode(_safety_values(message))
         case DataQuery():
             return tables.DU.encode({})
-        case StoreReport(state=s, total=t, have=h, missing=m, digest=d, refusal=r):
-            texts = {"missing": m, "digest": d, "refusal": r}
-            return _STORE.encode({"state": s, "total": t, "have": h, **texts})
+    return _STORE.encode(dataclasses.asdict(message))
 
 
 def _safety_values(message: SetSafety) -> Values:

@@ -74,6 +74,15 @@ def test_what_is_no_number_is_null_and_flagged_in_json() -> None:
     assert "depth_m                             - m" in shown
 
 
+def test_can_frames_are_lines_of_their_own() -> None:
+    lines = b"001#FF001000200030\n\n002#FE001000200030\n"
+    output = run("decode", "--link", "coreboard.can", "--json", data=lines)
+    assert [json.loads(line)["type"] for line in output.splitlines()] == [
+        "coreboard.CAN_FORCE",
+        "coreboard.CAN_TORQUE",
+    ]
+
+
 def test_a_tolerance_is_an_option() -> None:
     arguments = ("decode", "--link", "auv.to_stm32", "--json")
     assert json.loads(run(*arguments, data=b"@ZAA1,2$"))["fault"] == "field_count"

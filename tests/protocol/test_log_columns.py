@@ -11,22 +11,24 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from protocol.checksum import sd_profile
+from protocol.framing import Frame
 from protocol.log_columns import SdColumns, decode_log
 from protocol.messages import Telemetry
 from protocol.tolerances import Tolerances
-from protocol.vehicles.auv import SD, AuvCodec
+from protocol.vehicles.auv import FROM_STM32, SD, AuvCodec, shortcut
 
 
 def frame(seed: int) -> bytes:
     rng = random.Random(seed)
     values = SD.decode(CANONICAL)
+    widest = rng.choice([2500, 2500, 65535])
     numbers = [math.nan, math.inf, rng.uniform(-400, 400), rng.uniform(-60, 60)]
-    weights = [1, 1, 4, 200]
+    weights = [1, 1, 4, 400]
     for name, value in values.items():
         if isinstance(value, float):
             values[name] = rng.choices(numbers, weights)[0]
         elif isinstance(value, int):
-            values[name] = rng.randrange(65536)
+            values[name] = rng.randint(0, widest)
     return SD.pack(values)
 
 
@@ -78,6 +80,23 @@ def test_columns_are_the_streams_telemetry_to_the_last_bit(data: bytes) -> None:
     for i, message in enumerate(telemetry):
         assert list(map(repr, row(log, i))) == list(map(repr, expected(message)))
     assert log.offset.tolist() == sorted(log.offset.tolist())
+
+
+@settings(max_examples=100, deadline=None)
+@given(PARTS, st.integers(1, 200))
+def test_the_shortcut_and_the_ordinary_way_yield_the_same(data: bytes, size: int) -> None:
+    """Frames, faults, order and times of arrival, however the bytes were cut."""
+    codec, plain = AuvCodec(), FROM_STM32.framer()
+    quick: list[object] = []
+    slow: list[object] = []
+    for i in range(0, len(data), size):
+        quick += codec.receive(data[i : i + size], i / 1000)
+        slow += plain.receive(data[i : i + size], i / 1000)
+    quick += codec.flush(1e9)
+    slow += plain.flush(1e9)
+    message = shortcut(Tolerances(), (1.0, 1.0)).message
+    assert quick == [message(item) if isinstance(item, Frame) else item for item in slow]
+    assert codec.framer.counters == plain.counters
 
 
 def test_offsets_lead_back_to_the_frames() -> None:

@@ -176,3 +176,11 @@ def test_a_fix_without_speed_or_course_is_a_fix() -> None:
     assert isinstance(received, Status)
     assert received.fix is not None
     assert received.fix.speed is received.fix.course is received.fix.elevation is None
+
+
+def test_an_absurd_reading_is_an_empty_field() -> None:
+    values = status_values(
+        Status("2025-01-19T23:26:25", FIX, Telemetry(0.0, depth=1e12, heading=1.0))
+    )
+    assert values["depth_m"] is None
+    assert values["heading_deg"] is not None
