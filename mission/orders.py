@@ -117,6 +117,9 @@ def _why_not_fly(core: Core, chart: Chart) -> str:
     report = core.senses.telemetry
     if report is None or core.now - report.t > SILENCE:
         return f"the vehicle was not heard for {SILENCE:g} s"
+    if "depth" in core.vehicle.reports and core.senses.depth is None:
+        why = core.senses.health("depth").reason or "missing"
+        return f"the depth is not to be believed ({why}): no limit of depth could act"
     bounds = core.bounds_for(chart)
     for state in chart.states:
         if state.leg is None or state.setpoint is None or state.path == IMPLICIT_SURFACE:

@@ -5,7 +5,8 @@ A row is a name of the mission texts. ``unit`` is what a bare number means (miss
 the age in s beyond which its reading is stale, and comparisons with it unknown (inf: it is
 estimated on, and its sigma grows). ``read`` gives the SI value or None, ``sigma`` one standard
 deviation, ``share`` the share of the distribution that fulfils a comparison where that is not one
-normal variable.
+normal variable. ``heading`` is the vehicle's own compass, as a leg's ``heading`` is; ``course``
+and ``bearing`` count from true north.
 
 What does not live here: comparisons and Kleene's logic (guards), how a text is read
 (mission.language), whether a sensor is to be believed (navigation).
@@ -269,7 +270,7 @@ _ROWS = (
     Variable("altitude", "m", ("altitude",), _TELEMETRY, "above the bottom",
              read=_estimated("altitude"), sigma=_sigma("altitude")),
     Variable("heading", "deg", ("heading",), _TELEMETRY, "where the bow points, 0 to 360", True,
-             read=_estimated("heading"), sigma=_sigma("heading")),
+             read=_reported("heading"), sigma=_sigma("heading")),
     Variable("course", "deg", _TRACK, math.inf, "where it goes over ground, 0 to 360", True,
              read=_course, sigma=_course_sigma),
     Variable("pitch", "deg", ("attitude",), _TELEMETRY, "positive nose up",

@@ -169,6 +169,13 @@ def test_start_needs_a_vehicle_that_was_heard():
     assert "not heard" in world.verdicts[-1].why
 
 
+def test_start_needs_a_depth_to_believe():
+    world = World(MISSION)
+    world.nav.doubt["depth"] = "frozen"
+    assert not world.start()
+    assert "frozen" in world.verdicts[-1].why
+
+
 def test_home_is_the_median_of_five_good_fixes():
     world = World(mission(leg("a"), home=None))
     world.tell(world.report())

@@ -102,7 +102,8 @@ def test_comparisons_mean_what_they_say():
 
 
 def test_a_heading_is_compared_the_short_way_round():
-    north = scope(heading=math.radians(5.0))
+    north = scope()
+    north.telemetry = replace(REPORT, heading=math.radians(5.0))
     assert ask(Comparison("heading", ">", math.radians(355.0)), north) is True
     assert ask(Comparison("heading", "<", math.radians(10.0)), north) is True
 
