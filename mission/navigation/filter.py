@@ -80,6 +80,19 @@ class Run:
     surfaced: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class _Steady:
+    """Of one length of step: how much of a current is kept, and for how long (s) what it began
+    with moves the vehicle; the compass's share of Q."""
+
+    dt: float = -1.0
+    kept: float = 1.0
+    current: float = 0.0
+    drift: float = 0.0
+    deviation: float = 0.0
+    compass: float = 0.0
+
+
 class Filter:
     def __init__(self, figures: Figures) -> None:
         self.figures = fig = figures
@@ -96,6 +109,8 @@ class Filter:
         self._kf.x, self._kf.P = x, np.diag(sigma * sigma)
         self._kf.F, self._kf.Q = np.eye(STATES), np.zeros((STATES, STATES))
         self._f, self._q = self._kf.F.reshape(-1), self._kf.Q.reshape(-1)
+        self._steady = _Steady()
+        self._wander = fig.heading**2 * fig.period + 2.0 * fig.sway.sigma**2 * fig.sway.time
 
     @property
     def x(self) -> Array:
@@ -138,49 +153,60 @@ class Filter:
         forward = speed * run.along
         sway = run.sway * speed
         dn, de = (forward * c - sway * s) * dt, (forward * s + sway * c) * dt
-        d_current, d_drift = fig.current.decay(dt), fig.drift.decay(dt)
-        d_dev, d_compass, d_rate = (
-            fig.deviation.decay(dt),
-            fig.compass.decay(dt),
-            fig.rate.decay(dt),
-        )
-        t_current = 0.5 * dt * (1.0 + d_current)
-        t_drift = 0.5 * dt * (1.0 + d_drift) if run.surfaced else 0.0
+        if dt != self._steady.dt:
+            self._steady = self._write_steady(dt)
+        steady = self._steady
+        t_drift = steady.drift if run.surfaced else 0.0
         driven = run.along * run.driven
-        t_dev = fig.deviation.time * (1.0 - d_dev) * driven
+        t_dev = steady.deviation * driven
         t_scale = run.expected * run.along * dt
-        f[N * STATES + CN] = f[E * STATES + CE] = t_current
         f[N * STATES + WN] = f[E * STATES + WE] = t_drift
         f[N * STATES + SCALE], f[E * STATES + SCALE] = t_scale * c, t_scale * s
         f[N * STATES + DEVIATION], f[E * STATES + DEVIATION] = t_dev * c, t_dev * s
         f[N * STATES + COMPASS], f[E * STATES + COMPASS] = de, -dn
         f[N * STATES + SIN], f[E * STATES + SIN] = de * sm, -dn * sm
         f[N * STATES + COS], f[E * STATES + COS] = de * cm, -dn * cm
-        f[CN * STATES + CN] = f[CE * STATES + CE] = d_current
-        f[WN * STATES + WN] = f[WE * STATES + WE] = d_drift
-        f[DEVIATION * STATES + DEVIATION] = d_dev
-        f[COMPASS * STATES + COMPASS] = d_compass
-        f[DEPTH * STATES + RATE] = fig.rate.time * (1.0 - d_rate)
-        f[RATE * STATES + RATE] = d_rate
         # pushed across the track by the compass's white noise, once per report, and by sway
-        wander = fig.heading**2 * fig.period + 2.0 * (fig.sway.sigma**2 * fig.sway.time + run.lost)
-        across = forward * forward * dt * wander
+        across = forward * forward * dt * (self._wander + 2.0 * run.lost)
         q[N * STATES + N], q[E * STATES + E] = across * s * s, across * c * c
         q[N * STATES + E] = q[E * STATES + N] = -across * s * c
-        q[CN * STATES + CN] = q[CE * STATES + CE] = _noise(fig.current.sigma, d_current)
-        q[WN * STATES + WN] = q[WE * STATES + WE] = _noise(fig.drift.sigma, d_drift)
-        q[DEVIATION * STATES + DEVIATION] = _noise(fig.deviation.sigma, d_dev)
-        q[COMPASS * STATES + COMPASS] = _noise(fig.compass.sigma, d_compass) + self._harmonics(run)
-        q[RATE * STATES + RATE] = _noise(fig.rate.sigma, d_rate)
-        q[SCALE * STATES + SCALE] = (0.1 * fig.scale) ** 2 * dt / 3600.0
+        q[COMPASS * STATES + COMPASS] = steady.compass + self._harmonics(run)
         q[BOTTOM * STATES + BOTTOM] = fig.slope**2 * fig.slope_length * (abs(speed) + 0.02) * dt
         mn, me = fig.current_mean
         late = t_dev - driven * dt  # the deviation fades within the step
         return (
-            n + dn + late * deviation * c + t_current * cn + t_drift * wn,
-            e + de + late * deviation * s + t_current * ce + t_drift * we,
-            mn + d_current * (cn - mn),
-            me + d_current * (ce - me),
+            n + dn + late * deviation * c + steady.current * cn + t_drift * wn,
+            e + de + late * deviation * s + steady.current * ce + t_drift * we,
+            mn + steady.kept * (cn - mn),
+            me + steady.kept * (ce - me),
+        )
+
+    def _write_steady(self, dt: float) -> _Steady:
+        """What in F and Q depends on ``dt`` alone."""
+        fig, f, q = self.figures, self._f, self._q
+        for process, states in (
+            (fig.current, (CN, CE)),
+            (fig.drift, (WN, WE)),
+            (fig.deviation, (DEVIATION,)),
+            (fig.compass, (COMPASS,)),
+            (fig.rate, (RATE,)),
+        ):
+            kept = process.decay(dt)
+            for i in states:
+                f[i * STATES + i] = kept
+                q[i * STATES + i] = process.sigma**2 * (1.0 - kept * kept)
+        q[SCALE * STATES + SCALE] = (0.1 * fig.scale) ** 2 * dt / 3600.0
+        kept, drift = fig.current.decay(dt), fig.drift.decay(dt)
+        current = 0.5 * dt * (1.0 + kept)
+        f[N * STATES + CN] = f[E * STATES + CE] = current
+        f[DEPTH * STATES + RATE] = fig.rate.time * (1.0 - fig.rate.decay(dt))
+        return _Steady(
+            dt=dt,
+            kept=kept,
+            current=current,
+            drift=0.5 * dt * (1.0 + drift),
+            deviation=fig.deviation.time * (1.0 - fig.deviation.decay(dt)),
+            compass=float(q[COMPASS * STATES + COMPASS]),
         )
 
     def _harmonics(self, run: Run) -> float:
@@ -274,7 +300,3 @@ class Filter:
         y = np.array((north - vn, east - ve)) - x[CN:WN] - drift
         if float(y @ _inverse(h @ p @ h.T + r) @ y) < 16.0:
             self._kf.update(y + h @ x, r, h)
-
-
-def _noise(sigma: float, decay: float) -> float:
-    return sigma * sigma * (1.0 - decay * decay)

@@ -119,8 +119,7 @@ class Navigation:
             self._date = f.utc
             self._decline()
         if self.frame is None:
-            here = Position(math.degrees(f.latitude), math.degrees(f.longitude))
-            self._settle(LocalFrame(here))
+            self._settle(self._frame_through(f))
         assert self.frame is not None
         north, east = self.frame.to_local(f.latitude, f.longitude)
         sigma = f.accuracy if 0.0 < f.accuracy < math.inf else self._vehicle.sensors.fix
@@ -128,6 +127,15 @@ class Navigation:
         if f.speed is not None and f.course is not None:
             velocity = f.speed * math.cos(f.course), f.speed * math.sin(f.course)
         self._take(GroundFix(f.t, north, east, sigma * sigma, velocity))
+
+    def _frame_through(self, f: Fix) -> LocalFrame:
+        """In which the vehicle, started without a fix, is where it believes to be."""
+        here = LocalFrame(Position(math.degrees(f.latitude), math.degrees(f.longitude)))
+        if not self.core.located:
+            return here
+        x = self.core.filter.x
+        lat, lon = here.to_geodetic(-float(x[0]), -float(x[1]))
+        return LocalFrame(Position(math.degrees(lat), math.degrees(lon)))
 
     def _take(self, item: Item) -> None:
         """Into the filter at its own time, however late it comes."""

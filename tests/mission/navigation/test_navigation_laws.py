@@ -182,6 +182,24 @@ def test_another_home_moves_the_frame_and_not_the_vehicle(
     assert e.north < -400.0
 
 
+def test_a_start_without_a_fix_counts_from_the_start_and_a_fix_does_not_move_it(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    nav = Navigation(vehicle)
+    reports = [item for item in dive[:150] if isinstance(item[1], Telemetry)]
+    feed(nav, reports[:2])
+    nav.start_here(reports[1][0].t)
+    feed(nav, reports[2:])
+    before = nav.estimate(80.0)
+    assert before is not None
+    assert before.mode is NavigationMode.DEAD_RECKONING
+    assert math.hypot(before.north, before.east) > 20.0
+    nav.fix(Fix(80.0, 0.5, 2.0, 2.5))
+    after = nav.estimate(80.0)
+    assert after is not None
+    assert (after.north, after.east) == pytest.approx((before.north, before.east), abs=0.01)
+
+
 def test_without_the_compass_the_position_becomes_uncertain_soon(
     vehicle: Vehicle, dive: list[Item]
 ) -> None:
