@@ -19,6 +19,7 @@ STEM = 13.0  # of the arrow to the next leg from the card's left edge
 BRANCH = 11.0  # length of a jump's arrow
 MIN_COLUMN, MAX_COLUMN = 210.0, 330.0
 GAP = 22.0  # between columns
+CUT = 7.0  # above the first row of a column, for each group that goes on in it
 A4 = 210 / 297
 NARROWEST = 560.0  # px: a small mission need not fill its page
 
@@ -82,7 +83,7 @@ def arrange(outline: Outline, above: float) -> Layout:
 def _cost(layout: Layout, above: float) -> float:
     """Width in px of the A4 page that holds it, and something for every group that is cut."""
     page = max(layout.width, (layout.height + above) * A4, NARROWEST)
-    return page * (1 + 0.04 * layout.cuts)
+    return page * (1 + 0.1 * layout.cuts)
 
 
 def _wanted_width(outline: Outline) -> float:
@@ -153,13 +154,13 @@ def _columns(rows: list[Row], column: float, count: int) -> Layout:
     placed: list[Placed] = []
     tallest = 0.0
     for index, (start, end) in enumerate(pairwise([0, *breaks, len(rows)])):
-        x0, y = index * (column + GAP), 0.0
+        x0, y = index * (column + GAP), CUT * depth_at(rows[start])
         for row in rows[start:end]:
             inset = INSET * row.level
             placed.append(Placed(row, index, x0 + inset, y, column - 2 * inset))
             y += row.height
         tallest = max(tallest, y)
-    cuts = sum(_depth_at(rows[index]) for index in breaks)
+    cuts = sum(depth_at(rows[index]) for index in breaks)
     return Layout(tuple(placed), column, len(breaks) + 1, tallest, cuts)
 
 
@@ -185,13 +186,13 @@ def _best_cut(rows: list[Row], start: int, full: int) -> int:
     for index in range(full, start, -1):
         if height > 0.4 * filled:
             break
-        if _depth_at(rows[index]) < _depth_at(rows[best]) or not _may_cut(rows, best):
+        if depth_at(rows[index]) < depth_at(rows[best]) or not _may_cut(rows, best):
             best = index
         height += rows[index - 1].height
     return best
 
 
-def _depth_at(row: Row) -> int:
+def depth_at(row: Row) -> int:
     return row.level + (1 if row.kind == "close" else 0)
 
 

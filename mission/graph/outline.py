@@ -16,7 +16,9 @@ from dataclasses import dataclass
 from itertools import groupby
 
 from mission.graph import words
-from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, State
+from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, State, Surface
+
+ONE_LINE = 44  # characters of a leg's details that stand together
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,8 +185,11 @@ def _lines(state: State) -> tuple[str, ...]:
         return ()
     if state.path == IMPLICIT_SURFACE:
         return ("ascend, proved by the depth; then idle",)
-    lines = (words.kind(state.leg), words.setpoint(state.setpoint))
-    return tuple(line for line in lines if line)
+    does, holds = words.kind(state.leg), words.setpoint(state.setpoint)
+    if isinstance(state.leg.kind, Surface):  # what is held while it ascends is all at rest
+        return (does,)
+    whole = " \u00b7 ".join(part for part in (does, holds) if part)
+    return (whole,) if len(whole) <= ONE_LINE else (does, holds)
 
 
 def _joined(ways: list[Way]) -> tuple[Way, ...]:

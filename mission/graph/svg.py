@@ -28,6 +28,7 @@ from mission.graph.canvas import (
 )
 from mission.graph.layout import (
     BRANCH,
+    CUT,
     GAP,
     NARROWEST,
     STEM,
@@ -37,6 +38,7 @@ from mission.graph.layout import (
     arrange,
     badge_width,
     beside,
+    depth_at,
 )
 from mission.graph.outline import Outline
 from mission.graph.panel import panel
@@ -126,6 +128,8 @@ def _frame(group: Placed, piece: list[Placed], x: float) -> str:
     first, last = piece[0], piece[-1]
     opened, closed = first is group, last.row.kind == "close" and last.row.node is node
     top, end = first.y, last.y + last.row.height
+    if not opened:
+        top -= CUT * (depth_at(first.row) - level)
     bottom = last.y + 6 if closed else end
     dash = {} if opened and closed else {"stroke_dasharray": "4 3"}
     tint = TINTS[min(level, len(TINTS) - 1)]

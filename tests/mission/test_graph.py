@@ -56,7 +56,7 @@ def test_forty_legs_in_ten_groups_stay_readable_on_one_a4_page() -> None:
 
 
 def test_nothing_of_the_picture_lies_outside_it_and_no_card_overlaps_another() -> None:
-    for which in (chart(), chart(3, 4, 2), chart(30, 5, 20)):
+    for which in (chart(), chart(3, 4, 2), chart(30, 5, 20), chart(1, 60, 1)):
         root = ET.fromstring(svg(outline(which), safety=True))
         width, height = float(root.get("width", 0)), float(root.get("height", 0))
         shift = next(root.iter(f"{SVG}g")).get("transform", "")
