@@ -246,6 +246,10 @@ def test_of_two_complete_candidates_the_shorter_one_counts() -> None:
         (0, "short", b"\xaa\x01\xdd"),
         (3, "long", b"\xaa\x01\x02\xdd"),
     ]
+    assert read(Framer((long, short)), b"\xaa\x01\xdd\xdd") == [
+        (0, "short", b"\xaa\x01\xdd"),
+        (3, "bad_header", 1),
+    ]
 
 
 def test_leads_of_one_and_two_bytes_live_side_by_side() -> None:

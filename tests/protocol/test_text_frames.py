@@ -11,7 +11,7 @@ from protocol.codec import CannotEncode
 from protocol.framing import Frame
 from protocol.messages import FrameFault
 from protocol.motion_frame import AS_BUILT, parse_z
-from protocol.text import Refused, format_decimal
+from protocol.text import Refused, format_decimal, text_length
 from protocol.tolerances import Tolerances, UnknownTolerance
 from protocol.vehicles import frame_types, link
 
@@ -208,6 +208,13 @@ def test_tolerances_take_the_words_of_yaml() -> None:
     chosen = Tolerances.parse({"aw_decimal": "False", "order_aw": "BE", "can_id": "0x12"})
     assert (chosen["aw_decimal"], chosen["order_aw"], chosen["can_id"]) == ("off", "high", "0x12")
     assert Tolerances()["can_id"] == ""
+
+
+def test_a_text_frame_has_at_most_its_limit_and_is_not_waited_for_beyond_it() -> None:
+    text = b"@" + b"x" * 62
+    assert text_length(text, 0, 1, 63, 64) == 0
+    assert text_length(text + b"$", 0, 1, 64, 64) == 64
+    assert text_length(text + b"x", 0, 1, 64, 64) == "bad_length"
 
 
 # --- encoding ---
