@@ -94,7 +94,7 @@ class Run:
     # --- entering ------------------------------------------------------------------------------
 
     def enter(
-        self, path: str, entered: tuple[str, ...], senses: Senses, *, history: bool = False
+        self, path: str, entered: tuple[str, ...], senses: Senses, *, history: bool
     ) -> tuple[Action, ...]:
         """What is sent on entry: the whole set, or the first of the ascent."""
         now, ascended = senses.now, self._surfaced(senses)

@@ -276,6 +276,16 @@ def test_a_deadline_is_always_later_than_the_step_that_gave_it():
         world.wait(0.31)
 
 
+def test_a_fix_opens_what_waits_for_one():
+    under = leg("under", timeout=None, duration=10.0)
+    seek = leg("a", when("fix_age", "<", 2.0), timeout=LONG)
+    world = flying(under, seek, leg("b", timeout=LONG))
+    world.wait(30.0)
+    assert world.state == "autonomous/a"
+    world.tell(world.fix())
+    assert world.state == "autonomous/b"
+
+
 def test_a_timer_between_late_reports_sees_the_estimate_reckoned_on():
     world = flying(leg("a", when("elapsed", ">", 8.0), timeout=LONG), leg("b", timeout=LONG))
     heard = world.engine.estimate.t

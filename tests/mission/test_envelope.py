@@ -20,7 +20,7 @@ from mission.model import (
     Safety,
     Surface,
 )
-from protocol.messages import Manual, Setpoint, SetSafety, StartMission
+from protocol.messages import ClearMission, Manual, Setpoint, SetSafety, StartMission
 
 LEAKY = replace(VEHICLE, reports=VEHICLE.reports | {"leak"}, constant_batteries=False)
 LONG = 20000.0
@@ -306,6 +306,13 @@ def test_in_force_is_the_tightest_of_vehicle_mission_and_operator():
     hard = VEHICLE.limits
     alone = in_force(VEHICLE, None, SetSafety())
     assert alone == Bounds(hard.radius, hard.time, hard.depth, hard.voltage)
+
+
+def test_a_missions_own_limits_are_in_force_from_its_loading_to_its_clearing():
+    world = World(mission(leg("a"), safety=Safety(radius=123.0)))
+    assert world.engine.bounds.radius == 123.0
+    world.tell(ClearMission())
+    assert world.engine.bounds.radius == VEHICLE.limits.radius
 
 
 def test_what_the_vehicle_does_not_report_disarms_its_limit_and_says_why():
