@@ -87,18 +87,26 @@ def _encodes(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem
     row = LEGS[type(leg.kind)]
     if Axis.HEADING in row.steers and not row.ascends:
         setpoint = replace(setpoint, heading=0.0)
-    depths = row.depths(leg.kind) or (setpoint.depth,)
+    for depth in row.depths(leg.kind) or (setpoint.depth,):
+        fault = _cannot_say(vehicle.codec, vehicle.dialect, replace(setpoint, depth=depth))
+        if fault:
+            yield Problem(
+                "vehicle-has-no-word",
+                leg.where,
+                leg.name,
+                f"{vehicle.name} has no command for this leg: {fault}",
+                "set what the message names in another way",
+            )
+            return
+
+
+@functools.lru_cache(maxsize=1024)  # legs of one mission often hold the same
+def _cannot_say(name: str, dialect: str, setpoint: Setpoint) -> str:
     try:
-        for depth in depths:
-            _codec(vehicle.codec, vehicle.dialect).encode(replace(setpoint, depth=depth))
+        _codec(name, dialect).encode(setpoint)
     except CannotEncode as error:
-        yield Problem(
-            "vehicle-has-no-word",
-            leg.where,
-            leg.name,
-            f"{vehicle.name} has no command for this leg: {error}",
-            "set what the message names in another way",
-        )
+        return str(error)
+    return ""
 
 
 @functools.lru_cache(maxsize=16)
