@@ -6,15 +6,19 @@ and are cut at its border (``compound``).
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from mission.graph.outline import Node, Outline, Way
 from mission.graph.regions import REGIONS, SUBSTATES, region, shared, target
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By
+from mission.regions import RegionEdge
 
 _COLOURS = {By.TIMEOUT: "#b45309", By.ELSE: "#b45309", By.ON: "#b91c1c", By.UNCERTAIN: "#b91c1c"}
 
 
 def dot(outline: Outline, safety: bool = False) -> str:
-    drawing = _Drawing(outline)
+    rows = shared(safety)
+    drawing = _Drawing(outline, rows)
     text = [
         f"digraph {quoted(outline.chart.mission.name)} {{",
         '  graph [compound=true, rankdir=TB, fontname="Helvetica", fontsize=11];',
@@ -26,6 +30,7 @@ def dot(outline: Outline, safety: bool = False) -> str:
         states = [path for path in SUBSTATES if region(path) == name]
         text.append(f"  subgraph {quoted('cluster_' + name)} {{ label={quoted(name)};")
         text += [f"    {quoted(p)} [label={quoted(p.partition('/')[2])}];" for p in states]
+        text += drawing.any_of(name, 2)
         if name == AUTONOMOUS:
             for node in outline.nodes:
                 text += drawing.node(node, 2)
@@ -35,7 +40,7 @@ def dot(outline: Outline, safety: bool = False) -> str:
             text += drawing.way(node.path, way)
     for way in outline.handlers:
         text.append(drawing.edge(AUTONOMOUS, way.target, way.text, way.by))
-    for row in shared(safety):
+    for row in rows:
         text.append(drawing.edge(row.source, target(row), row.meaning, None))
     return "\n".join([*text, "}", ""])
 
@@ -46,8 +51,12 @@ def quoted(text: str) -> str:
 
 
 class _Drawing:
-    def __init__(self, outline: Outline) -> None:
+    def __init__(self, outline: Outline, rows: Iterable[RegionEdge]) -> None:
         self.outline = outline
+        ways = [(AUTONOMOUS, way.target) for way in outline.handlers]
+        ways += [(node.path, way.target) for node in outline.walk() for way in node.ways]
+        ways += [(row.source, target(row)) for row in rows]
+        self.inward = {source for source, end in ways if end.startswith(f"{source}/")}
         self.first = {node.path: _first(node) for node in outline.walk()}
         self.first[AUTONOMOUS] = _first(outline.nodes[0])
         for name in REGIONS:
@@ -65,7 +74,13 @@ class _Drawing:
         text = [f"{pad}subgraph {quoted('cluster_' + node.path)} {{ label={quoted(title)};"]
         for child in node.children:
             text += self.node(child, level + 1)
-        return [*text, f"{pad}}}"]
+        return [*text, *self.any_of(node.path, level + 1), f"{pad}}}"]
+
+    def any_of(self, path: str, level: int) -> list[str]:
+        """Where ways begin that leave any state of a cluster for one inside it."""
+        if path not in self.inward:
+            return []
+        return [f'{"  " * level}{quoted(path + "/*")} [label="in any", shape=plain];']
 
     def way(self, source: str, way: Way) -> list[str]:
         edges = [self.edge(source, way.target, way.text, way.by)]
@@ -79,9 +94,9 @@ class _Drawing:
             more += f", ltail={quoted('cluster_' + source)}"
         if self.first.get(target, target) != target and not source.startswith(f"{target}/"):
             more += f", lhead={quoted('cluster_' + target)}"
-        ends = (
-            f"{quoted(self.first.get(source, source))} -> {quoted(self.first.get(target, target))}"
-        )
+        inward = target.startswith(f"{source}/")
+        start = f"{source}/*" if inward else self.first.get(source, source)
+        ends = f"{quoted(start)} -> {quoted(self.first.get(target, target))}"
         return f"  {ends} [label={quoted(text)}{more}];"
 
 

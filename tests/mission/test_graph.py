@@ -12,6 +12,7 @@ import pytest
 from graph_charts import chart
 
 from mission.graph import canvas
+from mission.graph.dot import dot
 from mission.graph.formats import FORMATS
 from mission.graph.mermaid import mermaid
 from mission.graph.outline import outline
@@ -176,3 +177,15 @@ def test_every_state_of_a_picture_is_one_of_the_machine() -> None:
     machine = Machine(which)
     for node in outline(which).walk():
         machine.restore(node.path)
+
+
+def test_every_end_of_a_dot_edge_is_a_node_that_is_drawn() -> None:
+    for which, depth in ((chart(3, 3, 3), None), (chart(3, 3, 3), 1)):
+        drawn = dot(outline(which, depth), safety=True)
+        nodes = set(re.findall(r'^\s*"([^"]+)" \[', drawn, re.MULTILINE))
+        ends = re.findall(r'^\s*"([^"]+)" -> "([^"]+)" \[', drawn, re.MULTILINE)
+        assert len(ends) > 20
+        assert {end for pair in ends for end in pair} <= nodes
+        clusters = set(re.findall(r'subgraph "([^"]+)"', drawn))
+        assert set(re.findall(r'l(?:head|tail)="([^"]+)"', drawn)) <= clusters
+        assert any(start == "autonomous/*" for start, _ in ends)
