@@ -24,6 +24,7 @@ from mission.check.intervals import (
     Interval,
     grown,
     hull,
+    hull_of,
     least,
     minus,
     opens_at,
@@ -54,6 +55,7 @@ SPEED_SHARE = 0.2  # two sigma of the thruster model, as a share of the speed
 OVERSHOOT = 1.0  # m beyond a depth that is held; R5 acts at 1 m beyond
 START = 25.0  # m from home at which a mission is started at most
 LATE = 8.0  # s until a change of depth is known: one report (2 s) after 6 s without
+STICKS = 10.0  # s that a descent may go on after it was ended: as built, W does not stick (R7)
 ASCENT_TRIES = 20.0  # s: W and X0 with U12, 10 s each, until the better is known (R7)
 SURFACED = 8.0  # s: depth below 0.5 m for 6 s, and the report that says so (R7)
 GEARS = 12.0
@@ -66,6 +68,7 @@ class Assumptions:
     current: float
     start: float
     floor: float  # m, the deepest there is; where none is assumed, the depth allowed
+    depth_without_floor: float  # m, up to which an altitude hold is bounded by clocks alone
     heading: float  # rad, two sigma
 
     @staticmethod
@@ -76,6 +79,7 @@ class Assumptions:
             current=given.get("current", vehicle.current),
             start=given.get("start", START),
             floor=given.get("floor", allowed),
+            depth_without_floor=0.0 if "floor" in given else allowed,
             heading=TWO_SIGMA * math.hypot(sensors.heading, sensors.heading_bias),
         )
 
@@ -146,6 +150,7 @@ class LegBounds:
         self.speed = vehicle.speed_by_gear.at(gear) if self.setpoint.surge else 0.0
         self.power = vehicle.battery.hotel + vehicle.thruster_power.at(gear) + self._vertical()
         self.places = self._places()
+        self.leans_on_floor = False  # some bound of it rests on the floor that is assumed
 
     # --- what it takes -----------------------------------------------------------------
 
@@ -239,7 +244,8 @@ class LegBounds:
     def _depth(self, entry: Bounds, time: float) -> Interval:
         s, kind = self.setpoint, self.leg.kind
         low, high = entry.depth
-        deepest = high + self.vehicle.dive_rate * time
+        rate = self.vehicle.dive_rate
+        deepest = high + rate * (time + STICKS)
         if isinstance(kind, Surface):
             return 0.0, high
         if isinstance(kind, Yoyo):
@@ -251,9 +257,10 @@ class LegBounds:
         for way in self.leg.exits:
             bound = opens_at(way.guard.expression, "depth")
             if bound is not None:
-                late = self.vehicle.dive_rate * (LATE + way.guard.held)
+                late = rate * (LATE + way.guard.held + STICKS)
                 deepest = min(deepest, max(high, bound) + late)
-        if s.altitude is not None:
+        if s.altitude is not None and deepest > self.assume.depth_without_floor:
+            self.leans_on_floor = True
             deepest = min(deepest, max(high, self.assume.floor - s.altitude) + OVERSHOOT)
         return 0.0, max(high, deepest)
 
@@ -303,8 +310,8 @@ class LegBounds:
         """
         within = getattr(self.leg.kind, "within", 0.0)
         ends = self.places[-1:] if isinstance(self.leg.kind, Goto | Follow) else self.places
-        north = grown((min(n for n, _ in ends), max(n for n, _ in ends)), within)
-        east = grown((min(e for _, e in ends), max(e for _, e in ends)), within)
+        north = grown(hull_of(n for n, _ in ends), within)
+        east = grown(hull_of(e for _, e in ends), within)
         arrived = self._at(after, north, east)
         share = self._share_of_way(entry, time)
         far = max(math.hypot(n, e) for n, e in self.places) + within + arrived.error
@@ -314,8 +321,8 @@ class LegBounds:
             return replace(arrived, range=far)
         between = self._at(
             after,
-            hull(entry.north, _spread(self.places, 0)),
-            hull(entry.east, _spread(self.places, 1)),
+            hull(entry.north, hull_of(n for n, _ in self.places)),
+            hull(entry.east, hull_of(e for _, e in self.places)),
         )
         if by in (By.TIMEOUT, By.FOR) and share < 1.0:
             return replace(between, range=max(stopped, far if share else 0.0))
@@ -376,10 +383,6 @@ class LegBounds:
                 return 0.0
 
 
-def _spread(places: tuple[tuple[float, float], ...], axis: int) -> Interval:
-    return min(p[axis] for p in places), max(p[axis] for p in places)
-
-
 def _corners(rows: Rows, north: float, east: float) -> tuple[tuple[float, float], ...]:
     c, s = math.cos(rows.bearing), math.sin(rows.bearing)
     wide = rows.spacing * (rows.count - 1) * rows.side
@@ -391,5 +394,5 @@ def _corners(rows: Rows, north: float, east: float) -> tuple[tuple[float, float]
 
 
 def ascent_time(depth: float, vehicle: Vehicle) -> float:
-    """s to the surface and to know it, by buoyancy alone, after both tries of R7."""
+    """s to the surface and to know it, by buoyancy alone, after both ways of R7."""
     return ASCENT_TRIES + max(0.0, depth) / vehicle.ascent_buoyancy + SURFACED

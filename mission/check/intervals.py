@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from mission.model import And, Comparison, Expression, Or
 
@@ -11,6 +12,11 @@ Interval = tuple[float, float]
 
 def hull(a: Interval, b: Interval) -> Interval:
     return min(a[0], b[0]), max(a[1], b[1])
+
+
+def hull_of(values: Iterable[float]) -> Interval:
+    found = tuple(values)
+    return min(found), max(found)
 
 
 def grown(a: Interval, by: float) -> Interval:

@@ -89,9 +89,8 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     assume = Assumptions.of(mission.assume, vehicle, limits.depth)
     frame = LocalFrame(mission.home) if mission.home else None
     early = [*_no_bound(chart), *_unknowable(chart, vehicle)]
-    assumed = tuple(_assumed(chart, vehicle, assume))
     if any(r.rule == "no-bound" for r in early):
-        return Report(tuple(early), None, assumed)
+        return Report(tuple(early), None, tuple(_assumed(chart, vehicle, assume, False)))
     flow = Flow(
         chart,
         vehicle,
@@ -104,8 +103,11 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
         proof = flow.walk(Bounds.start(assume.start, 2.0 * vehicle.sensors.fix))
     except TooLongError:
         message = f"more than {flow.proof.walked - 1} legs are flown in the worst case; repeat less"
-        return Report((*early, Refusal("too-long", mission.where, message)), None, assumed)
+        refusals = (*early, Refusal("too-long", mission.where, message))
+        return Report(refusals, None, tuple(_assumed(chart, vehicle, assume, False)))
     found = [*early, *_ways(chart, proof), *_bounds(chart, vehicle, proof, limits)]
+    floor = any(leg.leans_on_floor for leg in flow.legs.values())
+    assumed = tuple(_assumed(chart, vehicle, assume, floor))
     return Report(tuple(found), _proved(proof, chart), assumed)
 
 
@@ -274,7 +276,7 @@ def _proved(proof: Proof, chart: Chart) -> Proved | None:
     )
 
 
-def _assumed(chart: Chart, vehicle: Vehicle, assume: Assumptions) -> Iterator[str]:
+def _assumed(chart: Chart, vehicle: Vehicle, assume: Assumptions, floor: bool) -> Iterator[str]:
     given = dict(chart.mission.assume)
     source = "the mission" if "current" in given else "the vehicle file"
     yield f"current at most {assume.current:g} m/s ({source})"
@@ -283,7 +285,7 @@ def _assumed(chart: Chart, vehicle: Vehicle, assume: Assumptions) -> Iterator[st
     yield f"heading within {assume.heading * 57.29578:.0f} deg (two sigma of sensor and bias)"
     yield f"ascent by buoyancy alone at {vehicle.ascent_buoyancy:g} m/s"
     yield f"battery {vehicle.battery.usable / 3600:.0f} Wh usable, powers as in the vehicle file"
-    if any(s.setpoint and s.setpoint.altitude is not None for s in chart.states):
+    if floor:
         why = "" if "floor" in given else ", the depth allowed; state assume floor where it is"
         yield f"sea floor nowhere deeper than {assume.floor:g} m{why}"
     if vehicle.constant_batteries:

@@ -1,0 +1,42 @@
+"""Every shipped mission comes home: on both vehicles, in a current, within what was proved."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from links.simulated.settings import parse_settings
+from mission.flight import fly
+from mission.prepare import check_prepared, prepare
+
+MISSIONS = sorted((Path(__file__).resolve().parents[2] / "missions").glob("*.yaml"))
+
+
+def test_there_are_eight_missions_each_with_a_comment_on_top() -> None:
+    assert len(MISSIONS) >= 8
+    for path in MISSIONS:
+        assert path.read_text(encoding="utf-8").startswith("# "), path
+
+
+def test_the_shakedown_says_every_word_that_the_vehicle_follows() -> None:
+    text = next(p for p in MISSIONS if p.stem == "shakedown").read_text(encoding="utf-8")
+    plain = re.sub(r"#.*", "", text)
+    assert set(re.findall(r"\bZA([A-Z])", plain)) == set("FBLRUDSEH")
+
+
+@pytest.mark.parametrize("profile", ["as-built", "documented"])
+@pytest.mark.parametrize("path", MISSIONS, ids=lambda p: p.stem)
+def test_a_shipped_mission_comes_home_in_a_current(path: Path, profile: str) -> None:
+    prepared = prepare(path)
+    proved = check_prepared(prepared).proved
+    assert proved is not None
+    # where a mission states no floor, the check takes the depth allowed for it
+    sea = parse_settings(["current=0.2@45", f"floor={prepared.mission.safety.depth}"])
+    flight = fly(prepared.mission, prepared.vehicle, profile, 3, sea)
+    assert flight.outcome == "completed", flight.reason
+    assert flight.at_surface
+    assert flight.mission_time <= proved.worst_time
+    assert flight.max_range <= proved.max_range
+    assert flight.max_depth <= proved.max_depth
