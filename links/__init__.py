@@ -1,6 +1,7 @@
 """Moves bytes; knows nothing of what they mean.
 
     serial:///dev/ttyUSB0?baud=9600     tcp://host:port     tcp-listen://127.0.0.1:port
+    tls://host:port?keys=FOLDER         tls-listen://0.0.0.0:port?keys=FOLDER&allow=192.168.1.0/24
     memory://name                       acoustic://name?range=1000&rate=1000&loss=0.1
     can://can0?interface=socketcan
 
@@ -60,10 +61,16 @@ class LinkRow:
     options: tuple[str, ...] = ()
 
 
+_ADMISSION = ("allow", "connections", "each", "idle")  # links.admission
+
 LINKS: dict[str, LinkRow] = {
     "serial": LinkRow("links.serial", "serial:///dev/ttyUSB0?baud=9600", ("baud",)),
     "tcp": LinkRow("links.tcp", "tcp://192.168.1.10:9000"),
-    "tcp-listen": LinkRow("links.tcp", "tcp-listen://127.0.0.1:9000"),
+    "tcp-listen": LinkRow("links.tcp", "tcp-listen://127.0.0.1:9000", _ADMISSION),
+    "tls": LinkRow("links.tls", "tls://192.168.1.10:9000?keys=keys/boat", ("keys",)),
+    "tls-listen": LinkRow(
+        "links.tls", "tls-listen://0.0.0.0:9000?keys=keys/vehicle", ("keys", *_ADMISSION)
+    ),
     "memory": LinkRow("links.memory", "memory://name?delay=0.1&baud=9600", ("delay", "baud")),
     "acoustic": LinkRow(
         "links.acoustic",

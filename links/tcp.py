@@ -4,9 +4,10 @@
     tcp-listen://host:port       port 0: any free one, see ``port``; peers by address "host:port"
 
 A server's ``fileno`` is that of a selector over all its sockets, so that an event loop watches one
-number. Bytes that a peer does not take wait for it; a peer with more than ``BACKLOG`` waiting is
-dropped, and so are new peers beyond ``PEERS``. A peer that went away is found by ``send`` (raises
-LinkClosed) and by ``peers``. What does not live here: who may command (mission).
+number. Who may connect is what its options say (admission); ``refusals`` tells who was turned away
+or dropped. Bytes that a peer does not take wait for it; a peer with more than ``BACKLOG`` waiting
+is dropped. A peer that went away is found by ``send`` (raises LinkClosed) and by ``peers``.
+What does not live here: single connections (stream), TLS (tls), who may command (mission).
 """
 
 from __future__ import annotations
@@ -15,16 +16,21 @@ import errno
 import os
 import selectors
 import socket
-from dataclasses import dataclass, field
+import ssl
+from collections import Counter
 
 from links import Address, LinkAddressError
+from links.admission import Admission, Gate, Present, Refusal, admission_of
 from links.base import Link, LinkAbsent, LinkBusy, LinkClosed, LinkError, Rx
+from links.stream import BACKLOG, Stream, in_words, tune
 
-BACKLOG = 1 << 20  # bytes waiting for one peer
-PEERS = 64
+__all__ = ["BACKLOG", "TcpClient", "TcpServer", "host_and_port"]
+
 CONNECT_TIMEOUT = 5.0  # s
-_CHUNK = 65536
-_AGAIN = (BlockingIOError, InterruptedError)
+HANDSHAKE = 5.0  # s that a peer has to prove who it is
+ACCEPTS = 64  # connections taken at a time, before the others get their turn
+RECEIVE_BUFFER = 1 << 16  # bytes in the system, per peer: what an order may stand behind
+_REFUSALS = 64  # kinds of them that are told apart
 
 
 def _address(sockaddr: tuple[object, ...]) -> str:
@@ -32,60 +38,28 @@ def _address(sockaddr: tuple[object, ...]) -> str:
     return f"[{host}]:{port}" if ":" in str(host) else f"{host}:{port}"
 
 
-@dataclass(slots=True)
-class _Peer:
-    """One connection: what has come, what still has to go."""
-
-    socket: socket.socket
-    address: str
-    waiting: bytearray = field(default_factory=bytearray)
-    ended: bool = False
-
-    def read(self) -> bytes:
-        """All there is; sets ``ended`` when the other side is gone."""
-        out = bytearray()
-        while True:
-            try:
-                data = self.socket.recv(_CHUNK)
-            except _AGAIN:
-                break
-            except OSError:
-                self.ended = True
-                break
-            if not data:
-                self.ended = True
-                break
-            out += data
-            if len(data) < _CHUNK:
-                break
-        return bytes(out)
-
-    def write(self, data: bytes = b"") -> None:
-        self.waiting += data
-        while self.waiting and not self.ended:
-            try:
-                sent = self.socket.send(self.waiting)
-            except _AGAIN:
-                break
-            except OSError:
-                self.ended = True
-                break
-            del self.waiting[:sent]
-        if len(self.waiting) > BACKLOG:
-            self.ended = True
-
-
 class TcpClient:
-    def __init__(self, name: str, host: str, port: int) -> None:
+    def __init__(
+        self, name: str, host: str, port: int, *, tls: ssl.SSLContext | None = None
+    ) -> None:
         self.name = name
         self._where = f"{host}:{port}"
         try:
             connected = socket.create_connection((host, port), timeout=CONNECT_TIMEOUT)
         except OSError as error:
             raise LinkAbsent(f"{name}: nobody answers at {self._where}: {error}") from error
-        connected.setblocking(False)
-        connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._peer = _Peer(connected, _address(connected.getpeername()))
+        peer = _address(connected.getpeername())
+        if tls is not None:
+            try:
+                connected = tls.wrap_socket(connected, server_hostname=host)
+            except OSError as error:
+                connected.close()
+                raise LinkAbsent(
+                    f"{name}: {self._where} answers, but not as our vehicle: {in_words(error)}"
+                ) from error
+        tune(connected)
+        self._peer = Stream(connected, peer)
+        self._peer.established = True
         self._closed = False
 
     def fileno(self) -> int:
@@ -111,28 +85,42 @@ class TcpClient:
 
     def close(self) -> None:
         self._closed = True
-        self._peer.socket.close()
+        self._peer.close()
 
     def _check_open(self) -> None:
         if self._closed:
             raise LinkClosed(f"{self.name}: the link to {self._where} was closed")
         if self._peer.ended:
+            why = f": {self._peer.why}" if self._peer.why else ""
             self.close()
-            raise LinkClosed(f"{self.name}: {self._where} closed the connection")
+            raise LinkClosed(f"{self.name}: {self._where} closed the connection{why}")
 
 
 class TcpServer:
-    def __init__(self, name: str, host: str, port: int, *, peers: int = PEERS) -> None:
+    def __init__(
+        self,
+        name: str,
+        host: str,
+        port: int,
+        *,
+        admission: Admission | None = None,
+        tls: ssl.SSLContext | None = None,
+    ) -> None:
         self.name = name
-        self._most = peers
-        self._peers: dict[str, _Peer] = {}
+        self._admission = admission or Admission()
+        self._gate = Gate(self._admission)
+        self._tls = tls
+        self._streams: dict[str, Stream] = {}
+        self._refusals: Counter[Refusal] = Counter()
         self._selector = selectors.DefaultSelector()
+        family = socket.AF_INET6 if ":" in host else socket.AF_INET
         try:
-            self._listener = socket.create_server((host, port), backlog=16)
+            self._listener = socket.create_server((host, port), family=family, backlog=128)
         except OSError as error:
             self._selector.close()
             raise _why_not_listening(name, host, port, error) from error
         self._listener.setblocking(False)
+        self._listener.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
         self.port = int(self._listener.getsockname()[1])
         self._selector.register(self._listener, selectors.EVENT_READ)
         self._closed = False
@@ -140,7 +128,12 @@ class TcpServer:
     @property
     def peers(self) -> tuple[str, ...]:
         """Addresses of those who are connected, in the order in which they came."""
-        return tuple(self._peers)
+        return tuple(a for a, stream in self._streams.items() if stream.established)
+
+    def refusals(self) -> Counter[Refusal]:
+        """Who was turned away or dropped, and how often, since the last call."""
+        told, self._refusals = self._refusals, Counter()
+        return told
 
     def fileno(self) -> int:
         if self._closed:
@@ -153,77 +146,120 @@ class TcpServer:
         out = []
         for key, _ in self._selector.select(timeout=0):
             if key.data is None:
-                self._accept()
+                self._accept(now)
                 continue
-            peer: _Peer = key.data
-            peer.write()
-            data = peer.read()
-            if data:
-                out.append(Rx(now, self.name, data, peer.address))
-            self._settle(peer)
+            stream: Stream = key.data
+            if not stream.established:
+                stream.handshake()
+            if stream.established and not stream.ended:
+                stream.write()
+                data = stream.read()
+                if data:
+                    stream.heard = now
+                    out.append(Rx(now, self.name, data, stream.address))
+            self._settle(stream)
+        self._let_go(now)
         return out
 
     def send(self, data: bytes, now: float, address: str = "") -> None:
         """To one peer, or to all where no address is given."""
         self._check_open()
         if not address:
-            for peer in list(self._peers.values()):
-                peer.write(data)
-                self._settle(peer)
+            for peer in self.peers:
+                self._streams[peer].write(data)
+                self._settle(self._streams[peer])
             return
-        one = self._peers.get(address)
-        if one is not None:
+        one = self._streams.get(address)
+        if one is not None and one.established:
             one.write(data)
             self._settle(one)
-        if address not in self._peers:
+        if address not in self._streams:
             raise LinkClosed(f"{self.name}: {address} is not connected any more")
 
     def next_event(self) -> float | None:
-        return None
+        """When the next silent connection is to be dropped."""
+        return min((self._deadline(stream) for stream in self._streams.values()), default=None)
 
     def drop(self, address: str) -> None:
         """Close one peer's connection, if it is still there."""
-        peer = self._peers.pop(address, None)
-        if peer is not None:
-            self._selector.unregister(peer.socket)
-            peer.socket.close()
+        stream = self._streams.pop(address, None)
+        if stream is not None:
+            self._selector.unregister(stream.socket)
+            stream.close()
 
     def close(self) -> None:
         if self._closed:
             return
         self._closed = True
-        for address in self.peers:
+        for address in tuple(self._streams):
             self.drop(address)
         self._selector.close()
         self._listener.close()
 
-    def _accept(self) -> None:
-        while True:
+    def _accept(self, now: float) -> None:
+        for _ in range(ACCEPTS):
             try:
                 connected, sockaddr = self._listener.accept()
-            except _AGAIN:
+            except BlockingIOError:
                 return
             except OSError as error:  # the peer left already, or there are no descriptors left
                 if error.errno in (errno.EMFILE, errno.ENFILE):
                     return
                 continue
-            if len(self._peers) >= self._most:
+            why = self._admit(connected, sockaddr, now)
+            if why:
+                self._refuse(str(sockaddr[0]), why)
                 connected.close()
-                continue
-            connected.setblocking(False)
-            connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            connected.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-            peer = _Peer(connected, _address(sockaddr))
-            self._peers[peer.address] = peer
-            self._selector.register(connected, selectors.EVENT_READ, peer)
 
-    def _settle(self, peer: _Peer) -> None:
+    def _admit(self, connected: socket.socket, sockaddr: tuple[object, ...], now: float) -> str:
+        """Why not; "" if it was."""
+        host = str(sockaddr[0])
+        if why := self._gate.refuses(host, now):
+            return why
+        present = [Present(s.address, s.host, s.heard) for s in self._streams.values()]
+        gives_way, why = self._gate.room(host, present, now)
+        if why:
+            return why
+        if gives_way:
+            self._refuse(self._streams[gives_way].host, "silent, and its place was needed")
+            self.drop(gives_way)
+        try:
+            tune(connected)
+            if self._tls is not None:
+                connected = self._tls.wrap_socket(
+                    connected, server_side=True, do_handshake_on_connect=False
+                )
+        except OSError as error:
+            return in_words(error)
+        stream = Stream(connected, _address(sockaddr), host, now)
+        self._streams[stream.address] = stream
+        self._selector.register(connected, selectors.EVENT_READ, stream)
+        return ""
+
+    def _settle(self, stream: Stream) -> None:
         """Watch for room only while something waits; let go of who has left."""
-        if peer.ended:
-            self.drop(peer.address)
-        elif peer.address in self._peers:
-            write = selectors.EVENT_WRITE if peer.waiting else 0
-            self._selector.modify(peer.socket, selectors.EVENT_READ | write, peer)
+        if stream.ended:
+            if stream.why:
+                self._refuse(stream.host, stream.why)
+            self.drop(stream.address)
+        elif stream.address in self._streams:
+            write = selectors.EVENT_WRITE if stream.waiting else 0
+            self._selector.modify(stream.socket, selectors.EVENT_READ | write, stream)
+
+    def _deadline(self, stream: Stream) -> float:
+        return stream.heard + (self._admission.idle if stream.established else HANDSHAKE)
+
+    def _let_go(self, now: float) -> None:
+        for stream in [s for s in self._streams.values() if self._deadline(s) <= now]:
+            idle = f"silent for {self._admission.idle:g} s"
+            self._refuse(stream.host, idle if stream.established else "it did not say who it is")
+            self.drop(stream.address)
+
+    def _refuse(self, host: str, why: str) -> None:
+        refusal = Refusal(host, why)
+        if refusal not in self._refusals and len(self._refusals) >= _REFUSALS:
+            refusal = Refusal("others", "refused")
+        self._refusals[refusal] += 1
 
     def _check_open(self) -> None:
         if self._closed:
@@ -239,12 +275,18 @@ def _why_not_listening(name: str, host: str, port: int, error: OSError) -> LinkE
     return LinkAbsent(f"{name}: cannot listen on {host}:{port}: {reason}")
 
 
-def open_url(name: str, address: Address) -> Link:
+def host_and_port(address: Address) -> tuple[str, int]:
+    """Raises LinkAddressError."""
     if not address.host or address.port is None or address.path not in ("", "/"):
         raise LinkAddressError(
             f"{address.url}: write {address.scheme}://host:port, e.g. "
             f"{address.scheme}://127.0.0.1:9000"
         )
+    return address.host, address.port
+
+
+def open_url(name: str, address: Address) -> Link:
+    host, port = host_and_port(address)
     if address.scheme == "tcp-listen":
-        return TcpServer(name, address.host, address.port)
-    return TcpClient(name, address.host, address.port)
+        return TcpServer(name, host, port, admission=admission_of(address))
+    return TcpClient(name, host, port)

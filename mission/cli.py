@@ -38,6 +38,7 @@ COMMANDS = {
     "calibrate": "calibrate",
     "score": "score",
     "doctor": "doctor",
+    "keys": "keys",
 }
 
 

@@ -7,6 +7,7 @@ earth-centred coordinates instead. What does not live here: the estimate's proje
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import cos, sin, sqrt
 
 SEMI_MAJOR = 6378137.0  # m, WGS84
@@ -29,12 +30,19 @@ def _earth_centred(latitude: float, longitude: float) -> tuple[float, float, flo
     return across * cos(longitude), across * sin(longitude), z
 
 
+@lru_cache(maxsize=16)
+def _tangent(origin: tuple[float, float]) -> tuple[float, ...]:
+    """Where the plane touches, and the sines and cosines that turn into it."""
+    latitude, longitude = origin
+    turn = sin(latitude), cos(latitude), sin(longitude), cos(longitude)
+    return (*_earth_centred(latitude, longitude), *turn)
+
+
 def local(origin: tuple[float, float], latitude: float, longitude: float) -> tuple[float, float]:
     """North and east in the tangent plane at ``origin`` (latitude, longitude), m."""
-    x0, y0, z0 = _earth_centred(*origin)
+    x0, y0, z0, slat, clat, slon, clon = _tangent(origin)
     x1, y1, z1 = _earth_centred(latitude, longitude)
     dx, dy, dz = x1 - x0, y1 - y0, z1 - z0
-    slat, clat, slon, clon = sin(origin[0]), cos(origin[0]), sin(origin[1]), cos(origin[1])
     east = -slon * dx + clon * dy
     north = -slat * (clon * dx + slon * dy) + clat * dz
     return north, east

@@ -13,10 +13,10 @@ What does not live here: real time (pty.py).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from math import atan2, ceil, cos, hypot, inf, pi, radians, sin
 from random import Random
+from typing import NamedTuple
 
 from links.base import LinkClosed, Rx
 from links.simulated.faults import FAULTS
@@ -43,9 +43,8 @@ TWO_PI = 2 * pi
 _NEVER = 1 << 62
 
 
-@dataclass(frozen=True, slots=True)
-class Truth:
-    """What is really so; angles in rad."""
+class Truth(NamedTuple):
+    """What is really so; angles in rad. A tuple, because one is made every second."""
 
     t: float
     origin: tuple[float, float]  # latitude and longitude of the start
@@ -162,12 +161,12 @@ class SimulatedVehicle:
             self.stm32.report(self.plant, tick * TICK)
 
     def _second(self, now: float) -> None:
-        latitude, longitude = self._position()
-        self._anchor = (latitude, longitude, self.plant.north, self.plant.east)
+        plant = self.plant
+        place, velocity = self.place(), plant.ground_velocity()
+        self._anchor = (*place, plant.north, plant.east)
         self.gps.powered = self.stm32.power[2]
-        truth = self._truth(now, latitude, longitude)
-        self.track.append(truth)
-        self.gps.report(now, truth.depth, (latitude, longitude), self.plant.ground_velocity())
+        self.track.append(self._truth(now, place, velocity))
+        self.gps.report(now, plant.depth, place, velocity)
 
     def _flow(self) -> None:
         """The current where the vehicle is."""
@@ -205,15 +204,19 @@ class SimulatedVehicle:
     # --- truth -----------------------------------------------------------------------------
 
     def truth(self) -> Truth:
-        return self._truth(self.now, *self._position())
+        return self._truth(self.now, self.place(), self.plant.ground_velocity())
 
-    def _position(self) -> tuple[float, float]:
+    def place(self) -> tuple[float, float]:
+        """True latitude and longitude."""
         latitude, longitude, north, east = self._anchor
         return moved(latitude, longitude, self.plant.north - north, self.plant.east - east)
 
-    def _truth(self, now: float, latitude: float, longitude: float) -> Truth:
+    def _truth(
+        self, now: float, place: tuple[float, float], velocity: tuple[float, float]
+    ) -> Truth:
         plant = self.plant
-        over_north, over_east = plant.ground_velocity()
+        latitude, longitude = place
+        over_north, over_east = velocity
         return Truth(
             now,
             self.position,
@@ -238,13 +241,13 @@ class SimulatedVehicle:
         """The earliest time at which something new can begin to be sent."""
         return min(self.stm32.due, min(self._next_report, self._next_second) * TICK)
 
-    def next_vehicle_event(self) -> float | None:
+    def next_vehicle_event(self) -> float:
         stm32 = self.stm32
         event = min(self._next_report * TICK + REPORT_TIME, stm32.due)
         queue = stm32.tx.queue
         return min(event, queue[0].end) if queue else event
 
-    def next_gps_event(self) -> float | None:
+    def next_gps_event(self) -> float:
         queue = self.gps.queue
         return queue[0].end if queue else self._next_second * TICK + COMPLETE
 

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from links import LINKS, LinkAddressError, open_link, parse_address
+from links.admission import Admission
 from links.base import Link, LinkAbsent, LinkBusy, LinkClosed, LinkError
 from links.memory import EXCHANGE, memory_pair
 from links.serial import BACKLOG, SerialLink
@@ -238,7 +239,7 @@ def test_a_port_that_takes_nothing_is_closed_before_memory_fills() -> None:
 
 @pytest.fixture
 def server() -> Iterator[TcpServer]:
-    made = TcpServer("topside", "127.0.0.1", 0, peers=3)
+    made = TcpServer("topside", "127.0.0.1", 0, admission=Admission(connections=3))
     yield made
     made.close()
 
@@ -320,8 +321,8 @@ def test_a_peer_that_reads_nothing_is_dropped_and_the_server_goes_on(server: Tcp
 
 def test_a_slow_peer_gets_everything_in_order(server: TcpServer) -> None:
     client = connect(server)
-    data = os.urandom(700_000)
-    (peer,) = server._peers.values()
+    data = os.urandom(250_000)
+    (peer,) = server._streams.values()
     peer.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 8192)
     server.send(data, 0.0, server.peers[0])
     assert len(peer.waiting) > 100_000

@@ -190,12 +190,13 @@ class Stm32(ABC):
 
     def drive(self, left: float, right: float, rear: float, front_l: float, front_r: float) -> None:
         """Gears of the five thrusters (verticals up positive); the rudders as they are."""
+        vertical = pwm_of(rear)  # most of the time all three of them
         self.pwm = (
             pwm_of(left),
             pwm_of(right),
-            pwm_of(rear),
-            pwm_of(front_l),
-            pwm_of(front_r),
+            vertical,
+            vertical if front_l == rear else pwm_of(front_l),
+            vertical if front_r == rear else pwm_of(front_r),
             *self.servo_pwm,
         )
 

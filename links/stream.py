@@ -1,0 +1,124 @@
+"""One TCP connection that never blocks, plain or TLS: what has come, what still has to go.
+
+    handshaking --handshake()--> established --> ended (``why``: in words, where there are any)
+
+TLS keeps bytes that a selector does not see: ``read`` leaves none behind. One call reads little
+more than ``READ`` bytes, so that a peer that floods waits its turn like everybody else.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import ssl
+
+BACKLOG = 1 << 18  # bytes waiting for one peer
+READ = 8192  # bytes at a time
+GIVEN_UP = 20_000  # ms that sent bytes may stay without an acknowledgement
+KEEPALIVE = (10, 5, 3)  # s idle, s between probes, probes
+_AGAIN = (BlockingIOError, InterruptedError, ssl.SSLWantReadError, ssl.SSLWantWriteError)
+
+# OpenSSL's reasons, in words that say what to do; anything else is shown as it is
+_REASONS = {
+    "WRONG_VERSION_NUMBER": "it does not speak TLS",
+    "HTTP_REQUEST": "it does not speak TLS",
+    "UNSUPPORTED_PROTOCOL": "its TLS is older than 1.3",
+    "NO_SHARED_CIPHER": "its TLS is older than 1.3",
+    "PEER_DID_NOT_RETURN_A_CERTIFICATE": "it has shown no certificate",
+    "CERTIFICATE_VERIFY_FAILED": "its certificate is not by our certificate authority",
+    "TLSV13_ALERT_CERTIFICATE_REQUIRED": "it wants a certificate of us: give keys=FOLDER",
+    "TLSV1_ALERT_UNKNOWN_CA": "our certificate is not by its certificate authority",
+    "TLSV1_ALERT_PROTOCOL_VERSION": "it speaks another version of TLS",
+}
+
+
+def tune(connected: socket.socket) -> None:
+    """Small frames at once; a peer whose radio is gone is found within half a minute."""
+    connected.setblocking(False)
+    connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    connected.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    idle, interval, probes = KEEPALIVE
+    for option, value in (
+        ("TCP_KEEPIDLE", idle),
+        ("TCP_KEEPINTVL", interval),
+        ("TCP_KEEPCNT", probes),
+        ("TCP_USER_TIMEOUT", GIVEN_UP),
+    ):
+        if hasattr(socket, option):  # Linux; elsewhere the system's own patience
+            connected.setsockopt(socket.IPPROTO_TCP, getattr(socket, option), value)
+
+
+def in_words(error: OSError) -> str:
+    if isinstance(error, ssl.SSLCertVerificationError):
+        return f"{_REASONS['CERTIFICATE_VERIFY_FAILED']} ({error.verify_message})"
+    if isinstance(error, ssl.SSLError):
+        return _REASONS.get(error.reason or "", (error.reason or str(error)).lower())
+    if isinstance(error, TimeoutError):
+        return "it does not speak TLS, or not in time"
+    return error.strerror or str(error)
+
+
+class Stream:
+    """``heard``: when its last byte came."""
+
+    __slots__ = ("address", "ended", "established", "heard", "host", "socket", "waiting", "why")
+
+    def __init__(
+        self, connected: socket.socket, address: str, host: str = "", now: float = 0.0
+    ) -> None:
+        self.socket, self.address, self.host, self.heard = connected, address, host, now
+        self.waiting = bytearray()
+        self.established = not isinstance(connected, ssl.SSLSocket)
+        self.ended, self.why = False, ""
+
+    def handshake(self) -> None:
+        """As far as it goes now."""
+        assert isinstance(self.socket, ssl.SSLSocket)
+        try:
+            self.socket.do_handshake()
+        except _AGAIN:
+            return
+        except (OSError, ValueError) as error:
+            self._end(error)
+            return
+        self.established = True
+
+    def read(self) -> bytes:
+        """Sets ``ended`` when the other side is gone."""
+        out = bytearray()
+        while not out or (isinstance(self.socket, ssl.SSLSocket) and self.socket.pending()):
+            try:
+                data = self.socket.recv(READ)
+            except _AGAIN:
+                break
+            except OSError as error:
+                self._end(error)
+                break
+            if not data:
+                self.ended = True
+                break
+            out += data
+        return bytes(out)
+
+    def write(self, data: bytes = b"") -> None:
+        self.waiting += data
+        while self.waiting and not self.ended:
+            try:
+                sent = self.socket.send(self.waiting)
+            except _AGAIN:
+                break
+            except OSError as error:
+                self._end(error)
+                break
+            del self.waiting[:sent]
+        if len(self.waiting) > BACKLOG:
+            self.ended, self.why = True, "it does not read what it is sent"
+
+    def close(self) -> None:
+        with contextlib.suppress(OSError):
+            self.socket.close()
+
+    def _end(self, error: OSError | ValueError) -> None:
+        self.ended = True
+        lost = isinstance(error, ConnectionError) or not isinstance(error, OSError)
+        self.why = "" if lost else in_words(error)  # type: ignore[arg-type]

@@ -1,0 +1,54 @@
+"""TLS 1.3 with certificates on both ends, over the same sockets as tcp.
+
+    tls://host:port?keys=FOLDER          as tcp://
+    tls-listen://host:port?keys=FOLDER   as tcp-listen://, with all its options
+
+FOLDER (default ``~/.config/auvmission/keys``) holds ca.pem, cert.pem and key.pem, as `auvmission
+keys` makes them. The authority signs nothing but this vehicle and its boats, and a certificate
+says which of the two it is for: so the name or address under which the vehicle is reached need not
+stand in it, and a boat cannot pose as the vehicle. What does not live here: making keys (mission).
+"""
+
+from __future__ import annotations
+
+import ssl
+from pathlib import Path
+
+from links import Address, LinkAddressError
+from links.admission import admission_of
+from links.base import Link
+from links.tcp import TcpClient, TcpServer, host_and_port
+
+FOLDER = "~/.config/auvmission/keys"
+FILES = ("ca.pem", "cert.pem", "key.pem")
+
+
+def context(folder: Path, *, server: bool) -> ssl.SSLContext:
+    """Raises LinkAddressError where the folder does not hold what is needed."""
+    made = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER if server else ssl.PROTOCOL_TLS_CLIENT)
+    made.minimum_version = ssl.TLSVersion.TLSv1_3
+    made.check_hostname = False
+    made.verify_mode = ssl.CERT_REQUIRED
+    if server:
+        made.num_tickets = 0
+    ca, certificate, key = (folder / name for name in FILES)
+    for path in (ca, certificate, key):
+        if not path.is_file():
+            raise LinkAddressError(f"{path} is not there: `auvmission keys` makes all three files")
+    try:
+        made.load_verify_locations(ca)
+        made.load_cert_chain(certificate, key)
+    except PermissionError as error:
+        raise LinkAddressError(f"{folder}: its key cannot be read by this user") from error
+    except OSError as error:
+        raise LinkAddressError(f"{folder}: these are no keys of ours: {error}") from error
+    return made
+
+
+def open_url(name: str, address: Address) -> Link:
+    host, port = host_and_port(address)
+    folder = Path(address.options.get("keys") or FOLDER).expanduser()
+    if address.scheme == "tls-listen":
+        tls = context(folder, server=True)
+        return TcpServer(name, host, port, admission=admission_of(address), tls=tls)
+    return TcpClient(name, host, port, tls=context(folder, server=False))

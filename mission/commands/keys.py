@@ -1,0 +1,37 @@
+"""``auvmission keys``: certificates, so that nobody else commands the vehicle."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command()
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.option("--boat", "boats", multiple=True, default=("boat",), metavar="NAME",
+              help="An end that may command; may be given again.  [default: boat]")  # fmt: skip
+def keys(folder: Path, boats: tuple[str, ...]) -> None:
+    """Make a small certificate authority in FOLDER, with an end for the vehicle and for each boat.
+
+    Called again, it adds what is missing and changes nothing.
+    """
+    from mission.keys import KeysError, make_keys
+
+    made: list[Path] = []
+    try:
+        make_keys(folder, boats, made.append)
+    except KeysError as error:
+        click.echo(str(error), err=True)
+        raise SystemExit(1) from None
+    for path in made:
+        click.echo(f"made {path}")
+    if not made:
+        click.echo(f"{folder} has them all already; nothing was changed")
+        return
+    click.echo(f"""
+on the vehicle:  copy {folder / "vehicle"} to e.g. /etc/auvmission/keys, and configure
+                 topside: tls-listen://0.0.0.0:4000?keys=/etc/auvmission/keys
+on the boat:     copy {folder / boats[0]} to ~/.config/auvmission/keys, and say
+                 auvmission status --to tls://VEHICLE:4000
+at home:         {folder / "authority"} signs further ends: keep it, and take it nowhere""")

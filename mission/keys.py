@@ -1,0 +1,137 @@
+"""A small certificate authority for one vehicle and its boats, made with the `openssl` program.
+
+    FOLDER/authority/  ca.pem ca.key     stays with the team: neither at sea nor on the vehicle
+    FOLDER/<end>/      ca.pem cert.pem key.pem     one per end, copied to it whole
+
+What is there is kept, never overwritten: called again with another name, it adds an end. The
+program `openssl` is driven because it is on every Pi and laptop already; a Python library for the
+same would be a compiled dependency of the vehicle for something done once. Certificates are valid
+from 2020 on: a Pi without a battery clock lives in the past after a power cut, and must still be
+reached.
+
+    KeysError      (the operator must act)
+
+What does not live here: the use of the keys (links.tls).
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+AUTHORITY = "authority"
+VEHICLE, BOAT = "vehicle", "boat"
+SECONDS = 60  # that openssl may take
+
+_CONFIGURATION = """\
+[ca]
+default_ca = team
+[team]
+database = {work}/index
+serial = {work}/serial
+rand_serial = yes
+new_certs_dir = {work}
+default_md = sha256
+policy = any
+unique_subject = no
+default_startdate = 20200101000000Z
+default_enddate = 20500101000000Z
+[any]
+commonName = supplied
+[req]
+distinguished_name = dn
+prompt = no
+[dn]
+CN = {name}
+[authority]
+basicConstraints = critical,CA:TRUE,pathlen:0
+keyUsage = critical,keyCertSign
+subjectKeyIdentifier = hash
+[vehicle]
+basicConstraints = critical,CA:FALSE
+keyUsage = critical,digitalSignature
+extendedKeyUsage = serverAuth
+subjectKeyIdentifier = hash
+authorityKeyIdentifier = keyid
+[boat]
+basicConstraints = critical,CA:FALSE
+keyUsage = critical,digitalSignature
+extendedKeyUsage = clientAuth
+subjectKeyIdentifier = hash
+authorityKeyIdentifier = keyid
+"""
+
+
+class KeysError(OSError):
+    pass
+
+
+def make_keys(folder: Path, boats: Sequence[str], made: Callable[[Path], None]) -> None:
+    """The authority, the vehicle's end and one for each boat, as far as they are not there yet.
+
+    ``made`` is told of each. Raises KeysError.
+    """
+    openssl = shutil.which("openssl")
+    if openssl is None:
+        raise KeysError("the program openssl is not installed: apt install openssl, or make the "
+                        "keys on another computer and copy the folders")  # fmt: skip
+    for boat in boats:
+        if not boat.replace("-", "").isalnum() or boat in (AUTHORITY, VEHICLE):
+            raise KeysError(f"{boat!r} is no name for a boat: letters, digits and hyphens")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        authority = folder / AUTHORITY
+        if not authority.exists():
+            _make(openssl, authority, AUTHORITY, "authority", None)
+            made(authority)
+        for end in (VEHICLE, *boats):
+            if not (folder / end).exists():
+                _make(openssl, folder / end, end, VEHICLE if end == VEHICLE else BOAT, authority)
+                made(folder / end)
+    except OSError as error:
+        if isinstance(error, KeysError):
+            raise
+        raise KeysError(f"{folder}: {error.strerror or error}") from error
+
+
+def _make(openssl: str, end: Path, name: str, role: str, authority: Path | None) -> None:
+    """The folder of one end, whole or not at all."""
+    with tempfile.TemporaryDirectory(dir=end.parent, prefix=".keys-") as temporary:
+        work, out = Path(temporary), Path(temporary) / "out"
+        out.mkdir(mode=0o700)
+        certificate, key = ("ca.pem", "ca.key") if authority is None else ("cert.pem", "key.pem")
+        configuration = work / "openssl.cnf"
+        configuration.write_text(
+            _CONFIGURATION.format(work=work, name=f"auvmission {name}"), encoding="ascii"
+        )
+        (work / "index").touch()
+        request = work / "request.pem"
+        run = [openssl]
+        _run([*run, "genpkey", "-algorithm", "EC", "-pkeyopt", "ec_paramgen_curve:P-256",
+              "-out", str(out / key)])  # fmt: skip
+        (out / key).chmod(0o600)
+        _run([*run, "req", "-new", "-config", str(configuration), "-key", str(out / key),
+              "-out", str(request)])  # fmt: skip
+        signer = (
+            ["-selfsign", "-keyfile", str(out / key)]
+            if authority is None
+            else ["-cert", str(authority / "ca.pem"), "-keyfile", str(authority / "ca.key")]
+        )
+        _run([*run, "ca", "-batch", "-notext", "-config", str(configuration), "-extensions", role,
+              *signer, "-in", str(request), "-out", str(out / certificate)])  # fmt: skip
+        if authority is not None:
+            shutil.copy(authority / "ca.pem", out / "ca.pem")
+        out.rename(end)
+
+
+def _run(command: list[str]) -> None:
+    try:
+        subprocess.run(command, check=True, capture_output=True, text=True, timeout=SECONDS)
+    except subprocess.CalledProcessError as error:
+        said = error.stderr.strip().splitlines() or ["without a word"]
+        raise KeysError(f"openssl {command[1]} failed: {said[-1]}") from error
+    except subprocess.TimeoutExpired as error:
+        raise KeysError(f"openssl {command[1]} does not end") from error

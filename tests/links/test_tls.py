@@ -1,0 +1,171 @@
+"""Certificates on both ends, or nothing."""
+
+from __future__ import annotations
+
+import shutil
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from links import LinkAddressError, open_link
+from links.base import LinkAbsent, LinkClosed
+from links.tcp import HANDSHAKE, TcpServer
+from mission.keys import make_keys
+
+pytestmark = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl makes the keys")
+
+
+@pytest.fixture(scope="module")
+def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("keys")
+    make_keys(folder / "ours", ["boat", "tablet"], lambda _: None)
+    make_keys(folder / "theirs", ["boat"], lambda _: None)
+    return folder
+
+
+@pytest.fixture
+def server(keys: Path) -> Iterator[TcpServer]:
+    made = open_link("topside", f"tls-listen://127.0.0.1:0?keys={keys / 'ours' / 'vehicle'}")
+    assert isinstance(made, TcpServer)
+    yield made
+    made.close()
+
+
+def until(holds: Callable[[], bool], seconds: float = 3.0) -> None:
+    end = time.monotonic() + seconds
+    while not holds():
+        assert time.monotonic() < end, "it did not happen in time"
+        time.sleep(0.002)
+
+
+def command(server: TcpServer, keys: Path) -> None:
+    """Returns if the server answers; raises LinkAbsent or LinkClosed if not."""
+    link = open_link("vehicle", f"tls://127.0.0.1:{server.port}?keys={keys}")
+    try:
+        link.send(b"@ZAX0$", 0.0)
+        until(lambda: bool(link.receive(0.0)))
+    finally:
+        link.close()
+
+
+class Served:
+    """A server that lives while its client blocks in a handshake."""
+
+    def __init__(self, server: TcpServer, answer: bytes = b"") -> None:
+        """Without an answer of its own it says back what it hears."""
+        self._answer = answer
+        self.server, self.heard, self._over = server, bytearray(), threading.Event()
+        self._thread = threading.Thread(target=self._run)
+
+    def _run(self) -> None:
+        while not self._over.is_set():
+            for rx in self.server.receive(0.0):
+                self.heard += rx.data
+                self.server.send(self._answer or rx.data, 0.0, rx.address)
+            time.sleep(0.001)
+
+    def __enter__(self) -> Served:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._over.set()
+        self._thread.join()
+
+
+def test_both_ends_with_our_keys_talk_and_long_texts_arrive_whole(
+    server: TcpServer, keys: Path
+) -> None:
+    said = bytes(range(256)) * 700
+    with Served(server):
+        boat = open_link("vehicle", f"tls://127.0.0.1:{server.port}?keys={keys / 'ours' / 'boat'}")
+        back = bytearray()
+        sent = 0
+
+        def complete() -> bool:
+            nonlocal sent
+            if sent < len(said):
+                boat.send(said[sent : sent + 40_000], 0.0)
+                sent += 40_000
+            back.extend(b"".join(rx.data for rx in boat.receive(0.0)))
+            return len(back) == len(said)
+
+        until(complete, 10.0)
+        assert bytes(back) == said
+        boat.close()
+
+
+@pytest.mark.parametrize(
+    ("whose", "why"),
+    [
+        ("theirs/boat", "our vehicle"),  # the client sees a strange authority first
+        ("ours/vehicle", "closed the connection"),  # a vehicle's certificate cannot command
+    ],
+)
+def test_other_certificates_never_become_a_peer(
+    server: TcpServer, keys: Path, whose: str, why: str
+) -> None:
+    with Served(server) as served, pytest.raises((LinkAbsent, LinkClosed), match=why):
+        command(server, keys / whose)
+    assert server.peers == ()
+    assert served.heard == b""
+
+
+def test_a_boat_of_another_team_is_refused_by_the_vehicle_itself(
+    server: TcpServer, keys: Path, tmp_path: Path
+) -> None:
+    """With our authority's certificate (which is public) and a key of its own."""
+    shutil.copytree(keys / "theirs" / "boat", tmp_path / "spy")
+    shutil.copy(keys / "ours" / "boat" / "ca.pem", tmp_path / "spy" / "ca.pem")
+    with Served(server) as served, pytest.raises(LinkClosed):
+        command(server, tmp_path / "spy")
+    assert served.heard == b""
+    (refusal,) = server.refusals()
+    assert "not by our certificate authority" in refusal.why
+
+
+def test_a_boat_cannot_pose_as_the_vehicle(keys: Path) -> None:
+    posing = open_link("topside", f"tls-listen://127.0.0.1:0?keys={keys / 'ours' / 'tablet'}")
+    assert isinstance(posing, TcpServer)
+    with Served(posing), pytest.raises(LinkAbsent, match="not as our vehicle"):
+        open_link("vehicle", f"tls://127.0.0.1:{posing.port}?keys={keys / 'ours' / 'boat'}")
+    posing.close()
+
+
+def test_who_does_not_speak_tls_is_never_heard_and_told(server: TcpServer) -> None:
+    with socket.create_connection(("127.0.0.1", server.port), 2.0) as plain:
+        plain.sendall(b"@ZAX0$ but not in TLS")
+        until(lambda: server.receive(0.0) != [] or bool(server._refusals))
+        assert server.peers == ()
+    assert [r.why for r in server.refusals()] == ["it does not speak TLS"]
+
+
+def test_who_stops_in_the_middle_of_the_handshake_is_dropped(server: TcpServer) -> None:
+    with socket.create_connection(("127.0.0.1", server.port), 2.0) as half_open:
+        until(lambda: server.receive(0.0) != [] or bool(server._streams))
+        half_open.sendall(b"\x16\x03\x01")
+        assert server.next_event() == HANDSHAKE
+        server.receive(HANDSHAKE)
+        assert half_open.recv(10) == b""
+    assert [r.why for r in server.refusals()] == ["it did not say who it is"]
+
+
+def test_a_server_that_does_not_speak_tls_is_told_from_one_that_refuses(keys: Path) -> None:
+    plain = open_link("topside", "tcp-listen://127.0.0.1:0")
+    assert isinstance(plain, TcpServer)
+    with Served(plain, b"@ACK_AAN$"), pytest.raises(LinkAbsent, match="does not speak TLS"):
+        open_link("vehicle", f"tls://127.0.0.1:{plain.port}?keys={keys / 'ours' / 'boat'}")
+    plain.close()
+
+
+def test_missing_keys_name_the_file_and_the_remedy(tmp_path: Path) -> None:
+    with pytest.raises(LinkAddressError, match=r"ca\.pem is not there: `auvmission keys`"):
+        open_link("topside", f"tls-listen://127.0.0.1:0?keys={tmp_path}")
+    for name in ("ca.pem", "cert.pem", "key.pem"):
+        (tmp_path / name).write_text("no key at all")
+    with pytest.raises(LinkAddressError, match="no keys of ours"):
+        open_link("vehicle", f"tls://127.0.0.1:1?keys={tmp_path}")
