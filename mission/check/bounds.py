@@ -17,9 +17,18 @@ What does not live here: which leg follows which (flow.py), what is refused (rul
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+from mission.check.assumptions import (
+    ASCENT_TRIES,
+    LATE,
+    OVERSHOOT,
+    SPEED_SHARE,
+    STICKS,
+    SURFACED,
+    TWO_SIGMA,
+    Assumptions,
+)
 from mission.check.intervals import (
     Interval,
     grown,
@@ -50,38 +59,7 @@ from mission.navigation.geodesy import LocalFrame
 from mission.vehicle import Vehicle
 from protocol.messages import Setpoint
 
-TWO_SIGMA = 2.0
-SPEED_SHARE = 0.2  # two sigma of the thruster model, as a share of the speed
-OVERSHOOT = 1.0  # m beyond a depth that is held; R5 acts at 1 m beyond
-START = 25.0  # m from home at which a mission is started at most
-LATE = 8.0  # s until a change of depth is known: one report (2 s) after 6 s without
-STICKS = 10.0  # s that a descent may go on after it was ended: as built, W does not stick (R7)
-ASCENT_TRIES = 20.0  # s: W and X0 with U12, 10 s each, until the better is known (R7)
-SURFACED = 8.0  # s: depth below 0.5 m for 6 s, and the report that says so (R7)
 GEARS = 12.0
-
-
-@dataclass(frozen=True, slots=True)
-class Assumptions:
-    """SI; from the mission's ``assume`` or the vehicle file."""
-
-    current: float
-    start: float
-    floor: float  # m, the deepest there is; where none is assumed, the depth allowed
-    depth_without_floor: float  # m, up to which an altitude hold is bounded by clocks alone
-    heading: float  # rad, two sigma
-
-    @staticmethod
-    def of(assume: Iterable[tuple[str, float]], vehicle: Vehicle, allowed: float) -> Assumptions:
-        given = dict(assume)
-        sensors = vehicle.sensors
-        return Assumptions(
-            current=given.get("current", vehicle.current),
-            start=given.get("start", START),
-            floor=given.get("floor", allowed),
-            depth_without_floor=0.0 if "floor" in given else allowed,
-            heading=TWO_SIGMA * math.hypot(sensors.heading, sensors.heading_bias),
-        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -273,7 +251,8 @@ class LegBounds:
         elif not self.speed or heading is None:
             north = east = (0.0, 0.0)
         else:
-            bow = heading if self.setpoint.surge > 0 else heading + math.pi
+            bow = heading + self.assume.declination
+            bow += 0.0 if self.setpoint.surge > 0 else math.pi
             along = self._along(time, by, guard)
             # until the bow has come round it may go any way, for half a turn at most
             turning = self.speed * min(time, math.pi / 2.0 / self.vehicle.turn_rate)

@@ -16,7 +16,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
-from mission.check.bounds import Assumptions, Bounds, LegBounds, Trail, ascent_time
+from mission.check.assumptions import Assumptions
+from mission.check.bounds import Bounds, LegBounds, Trail, ascent_time
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, Loop, State
 from mission.vehicle import Vehicle
 

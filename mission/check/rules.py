@@ -19,7 +19,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from mission.check.bounds import SPEED_SHARE, Assumptions, Bounds, LegBounds
+from mission.check.assumptions import SPEED_SHARE, Assumptions
+from mission.check.bounds import Bounds, LegBounds
 from mission.check.flow import Flow, Proof, TooLongError, trail
 from mission.model import (
     AUTONOMOUS,
@@ -86,7 +87,7 @@ class _Limits:
 def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     """Everything that refuses this chart on this vehicle; linear in legs times rounds."""
     mission, limits = chart.mission, _limits(chart, vehicle)
-    assume = Assumptions.of(mission.assume, vehicle, limits.depth)
+    assume = Assumptions.of(mission, vehicle, limits.depth)
     frame = LocalFrame(mission.home) if mission.home else None
     early = [*_no_bound(chart), *_unknowable(chart, vehicle)]
     if any(r.rule == "no-bound" for r in early):
