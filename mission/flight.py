@@ -177,9 +177,8 @@ class _LockStep:
     # --- truth -----------------------------------------------------------------------------------
 
     def _true_place(self) -> TruePlace:
-        truth = self.sea.truth()
-        north, east = self._from_home(truth.latitude, truth.longitude)
-        return TruePlace(truth.t, north, east, truth.depth)
+        sea = self.sea
+        return TruePlace(sea.now, *self._from_home(*sea.place()), sea.plant.depth)
 
     def _from_home(self, latitude: float, longitude: float) -> tuple[float, float]:
         """Against the frame of the estimate, by the simulator's own geodesy."""

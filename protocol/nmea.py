@@ -101,9 +101,12 @@ class NmeaDecoder:
         self._epoch: _Epoch | None = None
         self._last: float | None = None  # second of the day of the newest epoch with a position
         self._deadline: float | None = None
+        self._idle_from = math.inf  # when what has come is over, if nothing more comes
 
     def receive(self, data: bytes, now: float) -> list[Fix | FrameFault]:
         out: list[Fix | FrameFault] = []
+        if now >= self._idle_from and self._deadline is None:
+            self._epoch = None
         begun, held = self._begun, len(self._buffer)
         buffer = self._buffer + data
         pos = 0
@@ -124,9 +127,15 @@ class NmeaDecoder:
         self._buffer = buffer[pos:]
         self._offset += pos
         if data:
-            waiting = self._buffer or self._epoch or self._run
-            self._deadline = now + IDLE if waiting else None
+            self._idle_from = now + IDLE
+            self._deadline = self._idle_from if self._is_waiting() else None
         return out
+
+    def _is_waiting(self) -> bool:
+        """Whether silence would decide anything. It would not where the receiver has no fix."""
+        epoch = self._epoch
+        given = epoch is not None and (epoch.gga or epoch.rmc)
+        return bool(self._buffer or self._run or given)
 
     def next_timer(self) -> float | None:
         return self._deadline

@@ -11,6 +11,7 @@ import math
 import re
 from dataclasses import dataclass
 from datetime import date, datetime, timedelta
+from functools import lru_cache
 
 import pynmea2
 
@@ -124,6 +125,7 @@ def read_rmc(fields: list[str], not_before: date | None) -> Rmc:
     )
 
 
+@lru_cache(maxsize=8)  # all sentences of an epoch say the same
 def _second(text: str) -> float:
     """Of the day; -1 for a receiver that has no time yet, which can only say that it has no fix."""
     if not text:
