@@ -46,12 +46,19 @@ def is_yaml(text: str, source: str = "") -> bool:
 
 def parse(text: str, source: str = "", parameters: Mapping[str, str] = _NONE) -> Mission:
     """Reads either form. Raises MissionErrors with everything that is wrong."""
-    from mission.language import assembly, canonical, lines, problems, yaml_form
-
     text = text.removeprefix("\ufeff").replace("\r\n", "\n")
+    return _parsed(text, source, parameters, yaml=is_yaml(text, source))
+
+
+def _parsed(text: str, source: str, parameters: Mapping[str, str], yaml: bool) -> Mission:
+    from mission.language import assembly, canonical, problems
+
     found = problems.Problems(text)
-    reader = yaml_form.statements if is_yaml(text, source) else lines.statements
-    statements = reader(text, found)
+    if yaml:
+        from mission.language.yaml_form import statements as read
+    else:
+        from mission.language.lines import statements as read
+    statements = read(text, found)
     mission, claimed = assembly.Assembly(found, parameters).read(statements)
     found.complain(source)
     mission = canonical.numbered(mission)
@@ -81,7 +88,7 @@ def load(path: str | Path, parameters: Mapping[str, str] = _NONE) -> Mission:
 
 def parse_script(lines: Sequence[str], source: str = "script") -> Mission:
     """What ``@AW`` brought, line by line; ``sum`` in line 1 must fit. Raises MissionErrors."""
-    return parse("\n".join(lines), source)
+    return _parsed("\n".join(lines), source, _NONE, yaml=False)
 
 
 def to_yaml(mission: Mission) -> str:

@@ -290,17 +290,22 @@ class Assembly:
         scope = self._scopes.pop()
         opening = scope.opening
         assert opening is not None
-        if not scope.body:
-            message = f"group {opening.name.text} is empty"
-            self._problems.add("empty-group", opening.name.where, message, "add a leg")
-        elif scope.repeat > 1 and not any(_legs(scope.body)):
-            message = f"loop {opening.name.text} takes no time"
-            hint = "add a wait: bare ZA lines set and go on at once"
-            self._problems.add("loop-without-wait", opening.name.where, message, hint)
+        if not self._problems.within(opening.where.line, where.line):
+            self._check_body(scope, opening.name)
         group = Group(
             opening.name.text, scope.repeat, tuple(scope.body), tuple(scope.handlers), opening.where
         )
         self._scopes[-1].body.append(group)
+
+    def _check_body(self, scope: _Scope, name: Name) -> None:
+        if not scope.body:
+            self._problems.add(
+                "empty-group", name.where, f"group {name.text} is empty", "add a leg"
+            )
+        elif scope.repeat > 1 and not any(_legs(scope.body)):
+            hint = "add a wait: bare ZA lines set and go on at once"
+            message = f"loop {name.text} takes no time"
+            self._problems.add("loop-without-wait", name.where, message, hint)
 
     def _unclosed(self) -> None:
         opening = self._scopes[-1].opening

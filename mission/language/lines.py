@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import re
 
-from mission.language.clauses import LegText, Name, Opening, Statement
+from mission.language.clauses import Amount, LegText, Name, Opening, Parameter, Statement
 from mission.language.problems import Problems
 from mission.language.syntax import Strip, Syntax
 from mission.model import Where
 
+_PARAMETER = re.compile(r"param\s+([A-Za-z_][\w-]*)\b")
 _NAMED = re.compile(r"(?P<group>(?:repeat\b.*|group)\s+)?(?P<name>[A-Za-z_][\w-]*)\s*:")
 
 
@@ -28,6 +29,10 @@ def statements(text: str, problems: Problems) -> list[Statement]:
 
 def _salvaged(strip: Strip) -> list[Statement]:
     """The name that an unreadable line gives, so that one fault does not make others."""
+    parameter = _PARAMETER.match(strip.text)
+    if parameter is not None:
+        where = strip.where(parameter.start(1), len(parameter[1]))
+        return [Parameter(Name(parameter[1], where), Amount("1", "", where), where)]
     match = _NAMED.match(strip.text)
     if match is None:
         return []

@@ -76,6 +76,10 @@ class Problems:
     def __len__(self) -> int:
         return len(self._found)
 
+    def within(self, first: int, last: int) -> bool:
+        """Whether something is wrong in these lines already."""
+        return any(first <= line <= last for _, line, _ in self._found)
+
     def complain(self, source: str) -> None:
         """Raises MissionErrors if there is anything to complain about."""
         if self._found:

@@ -275,11 +275,11 @@ class _Clauses:
 
     # places and amounts
 
-    def at_home(self) -> AtHome:
-        return AtHome(self._all)
+    def at_home(self, word: Token) -> AtHome:
+        return AtHome(self._where(word))
 
-    def here(self) -> Here:
-        return Here(self._all)
+    def here(self, word: Token) -> Here:
+        return Here(self._where(word))
 
     def offset(self, north: Amount, east: Amount) -> Offset:
         return Offset(north, east)

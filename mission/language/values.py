@@ -108,9 +108,8 @@ class Values:
             value = quantity(written, unit)
         except UnitError as error:
             rule = "unit" if given.unit else "number"
-            if given.unit == "%" and unit == "":
-                rule = "number"
-            self.problems.add(rule, amount.where, f"{shown}: wrong unit or number", str(error))
+            message = f"{shown}: the unit does not fit" if given.unit else f"{shown} is no number"
+            self.problems.add(rule, amount.where, message, str(error))
             return math.nan, shown
         if given.unit == "rad":  # texts say degrees: only what they can say is a value
             value = math.radians(math.degrees(value))

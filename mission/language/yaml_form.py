@@ -7,10 +7,12 @@ legs.py), values inside a text such as ``until`` (syntax.py).
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from mission.language.clauses import (
+    Amount,
     Clause,
     Coordinates,
     Else,
@@ -52,6 +54,7 @@ TOP_KEYS = ("mission", "vehicle", "home", "safety", "assume", "param", "start", 
 GROUP_KEYS = ("repeat", "legs", "on")
 HANDLER_KEYS = ("when", "held", "do")
 LEG_KEYS = (*SETTINGS, STOP, *KINDS, *MEASURES, "from", "side", *CLAUSES)
+_DEEPEST = 50  # more than the assembly allows: an alias that holds itself
 WITHOUT_FIX = "without fix"
 
 _FLAGS = (STOP, *(row.word for row in KINDS.values() if row.shape is Shape.NOTHING))
@@ -69,9 +72,13 @@ class _Form:
         self._problems = problems
         self._syntax = Syntax(problems)
         self._nodes = Nodes(problems)
+        self._guessed = False
+        self._depth = 0
 
     def top(self, root: Node) -> Iterator[Statement]:
+        before = len(self._problems)
         items = dict(self._nodes.items(root, TOP_KEYS, "a mission"))
+        self._guessed = len(self._problems) > before  # a key that is missing may be misspelt
         keys = {name.text: (name, node) for name, node in items.items()}
         yield from self._head(keys, root)
         if "home" in keys:
@@ -91,9 +98,8 @@ class _Form:
                 yield Named(word, given, name.where)
         if "param" in keys:
             for key, value in self._nodes.items(keys["param"][1], None, "param"):
-                amount = self._nodes.number(value)
-                if amount is not None:
-                    yield Parameter(key, amount, key.where)
+                amount = self._nodes.number(value) or Amount("1", "", key.where)
+                yield Parameter(key, amount, key.where)
         if "start" in keys:
             yield from self._start(*keys["start"])
         yield from self._body(keys)
@@ -107,7 +113,7 @@ class _Form:
         vehicle = self._nodes.name(keys["vehicle"][1]) if "vehicle" in keys else None
         if name is not None:
             yield MissionHead(name, vehicle, None, keys["mission"][0].where)
-        if "legs" not in keys:
+        if "legs" not in keys and not self._guessed:
             hint = "write legs: and a list of legs"
             where = Where(root.start_mark.line + 1, root.start_mark.column + 1)
             self._problems.add("missing-word", where, "the mission has no legs", hint)
@@ -163,12 +169,20 @@ class _Form:
             key.text: (key, value) for key, value in self._nodes.items(node, GROUP_KEYS, "a group")
         }
         repeat = self._nodes.amount(keys["repeat"][1]) if "repeat" in keys else None
-        yield Opening(name, repeat, name.where)
         if "legs" not in keys:
             hint = "write legs: and a list of legs"
             self._problems.add("missing-word", name.where, f"group {name.text} has no legs", hint)
-        yield from self._body(keys)
-        yield End(name.where)
+            yield LegText(name, (), name.where)
+            return
+        yield Opening(name, repeat, name.where)
+        self._depth += 1
+        if self._depth > _DEEPEST:
+            hint = "does an alias hold itself?"
+            self._problems.add("too-deep", name.where, "groups are nested too deep", hint)
+        else:
+            yield from self._body(keys)
+        self._depth -= 1
+        yield End(replace(name.where, line=node.end_mark.line + 1))
 
     def _clauses(self, node: Node) -> list[Clause]:
         clauses: list[Clause] = []

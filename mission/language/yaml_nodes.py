@@ -22,10 +22,18 @@ _WORD = re.compile(r"[A-Za-z_][\w-]*\Z")
 _Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _MOST_NODES = 200_000  # aliases can make a small file endless
 
+_DEEPEST = 500  # of nested brackets, and of dashes or blanks that begin a line
+_NESTING = re.compile(r"[\[\]{}]")
+_DASHES = re.compile(r"[-?\s]*")
+
 Item = tuple[Name, Node]
 
 
 def composed(text: str, problems: Problems) -> Node | None:
+    deep = _too_deep(text)
+    if deep is not None:
+        problems.add("too-deep", deep, "brackets are nested too deep", "this is no mission")
+        return None
     try:
         root = yaml.compose(text, Loader=_Loader)
     except yaml.MarkedYAMLError as error:
@@ -42,6 +50,20 @@ def composed(text: str, problems: Problems) -> Node | None:
             "empty-mission", Where(1, 1), "there is no mission here", "write mission: name"
         )
     return root
+
+
+def _too_deep(text: str) -> Where | None:
+    """Where nesting gets so deep that the loader, which recurses, would run out of stack."""
+    depth = 0
+    for number, line in enumerate(text.split("\n"), 1):
+        for match in _NESTING.finditer(line):
+            depth += 1 if match[0] in "[{" else -1
+            if depth > _DEEPEST:
+                return Where(number, match.start() + 1)
+        dashes = _DASHES.match(line)
+        if dashes and len(dashes[0]) > 2 * _DEEPEST:
+            return Where(number, 2 * _DEEPEST)
+    return None
 
 
 def _not_yaml(error: yaml.MarkedYAMLError, problems: Problems) -> None:
