@@ -1,0 +1,49 @@
+"""``auvmission diff``: what changed between two missions for the vehicle. Exit 0, 1, 2."""
+
+from __future__ import annotations
+
+import click
+
+
+@click.command()
+@click.argument("before", type=click.Path(dir_okay=False))
+@click.argument("after", type=click.Path(dir_okay=False))
+@click.option("--vehicle", help="Vehicle file or name for both; default: what each names.")
+@click.option("--param", "parameters", multiple=True, metavar="NAME=VALUE",
+              help="Set a parameter of both.")  # fmt: skip
+@click.option("--markdown", is_flag=True, help="Tables for a pull request.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+def diff(
+    before: str,
+    after: str,
+    vehicle: str | None,
+    parameters: tuple[str, ...],
+    markdown: bool,
+    as_json: bool,
+) -> None:
+    """Tell what changes for the vehicle from mission BEFORE to mission AFTER.
+
+    Either may be in either form: legs, complete sets, guards, clocks, handlers, limits and
+    assumptions are compared, and the worst cases that the check proves. Exit 0 without a
+    difference for the vehicle, 1 with one, 2 if a mission cannot be read.
+    """
+    import json
+    import sys
+
+    from mission.diff import compare
+    from mission.diff.show import as_markdown, as_object, as_text
+    from mission.prepare import Unreadable, parameters_of, prepare
+
+    if markdown and as_json:
+        raise click.UsageError("either --markdown or --json")
+    try:
+        given = parameters_of(parameters)
+        found = compare(prepare(before, vehicle, given), prepare(after, vehicle, given))
+    except Unreadable as error:
+        click.echo(str(error), err=True)
+        sys.exit(2)
+    if as_json:
+        click.echo(json.dumps(as_object(found)))
+    else:
+        click.echo(as_markdown(found) if markdown else as_text(found))
+    sys.exit(0 if found.same else 1)
