@@ -293,7 +293,7 @@ class Filter:
             (COS, ve * cm, -vn * cm),
         ):
             h[0, column], h[1, column] = n, e
-        across = (forward * fig.heading) ** 2 * max(fig.period, 1.0)  # fixes share a report's error
+        across = forward * forward * self._wander  # a density: fixes come once a second
         r0, rc = fig.ground_velocity**2, -across * s * c
         r = np.array(((r0 + across * s * s, rc), (rc, r0 + across * c * c)))
         drift = x[WN:SCALE] if run.surfaced else np.zeros(2)

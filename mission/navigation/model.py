@@ -68,7 +68,7 @@ def figures(vehicle: Vehicle) -> Figures:
         drift=Markov(known.surface_drift, 1800.0),
         scale=known.speed_scale_sigma,
         deviation=Markov(known.speed_noise, known.speed_time),
-        compass=Markov(max(sensors.heading_bias, 1e-3), 4.0 * 3600.0),
+        compass=Markov(max(sensors.heading_bias, 1e-3), 8.0 * 3600.0),
         harmonic=known.deviation_sigma,
         heading=sensors.heading,
         period=sensors.telemetry_period,

@@ -29,6 +29,8 @@ _WIDEST = 25.0  # factor on the covariance; what is missing then is given to the
 _EXTRAPOLATE = 1.0  # s beyond a report for which its yaw rate is believed
 _SURFACE = 0.7  # m of depth: shallower is moved by wind and waves
 _UNDER_WAY = 0.3  # m/s: slower, the speed's deviation fades with the speed
+_STEADY_SPEED, _STEADY_TURN = 0.1, 0.05  # m/s since the report before; rad/s
+_PENDING = 4  # velocities that wait for a report
 _LOST_TIME, _LOST_GROWTH, _LOST_MOST = 20.0, 0.05, 1.8  # s; rad per s; rad: no compass
 
 
@@ -87,6 +89,7 @@ class Reckoner:
         self._calibration = vehicle.calibration
         self._motion = _Motion(-math.inf)
         self._rejected: tuple[GroundFix, ...] = ()
+        self._pending: tuple[GroundFix, ...] = ()  # velocities wait for the next report
         self._used: GroundFix | None = None
 
     _KEPT = (
@@ -99,6 +102,7 @@ class Reckoner:
         "altitude_seen",
         "_motion",
         "_rejected",
+        "_pending",
         "_used",
     )
 
@@ -122,7 +126,7 @@ class Reckoner:
 
     def _report(self, r: Report) -> None:
         last = self._motion
-        since = r.t - last.t
+        since, before = r.t - last.t, self._propulsion.speed
         pitch = r.pitch or 0.0
         sinking = float(self.filter.x[RATE])
         expected = self._propulsion.advance(r.actuators, since, pitch, sinking)
@@ -133,6 +137,7 @@ class Reckoner:
             r.t, heading, heading_t, rate, math.cos(pitch) * kept, expected, surfaced
         )
         self._advance(r.t)
+        self._velocities(before)
         nis = self.filter.vertical(r.depth, r.altitude)
         self.depth_seen = self.depth_seen or r.depth is not None
         self.altitude_seen = self.altitude_seen or r.altitude is not None
@@ -205,15 +210,15 @@ class Reckoner:
 
     def _fix(self, f: GroundFix) -> None:
         self._advance(f.t)
+        self._pending = (*self._pending, f)[-_PENDING:]
         if self._repeats(f):
-            self._velocity(f)
             return
         if not self.located:
             self.place(f.t, f.north, f.east, f.variance)
         elif not self._admit(f):
+            self._pending = self._pending[:-1]
             return
         self._used, self.last_fix, self._rejected = f, f.t, ()
-        self._velocity(f)
 
     def _repeats(self, f: GroundFix) -> bool:
         """The same position from a second sentence of the same second."""
@@ -242,12 +247,20 @@ class Reckoner:
         dn, de, _ = self.filter.innovation(f.north, f.east, f.variance)
         self.filter.loosen(dn * dn + de * de)
 
-    def _velocity(self, f: GroundFix) -> None:
-        if f.velocity is None or self._motion.heading is None:
+    def _velocities(self, before: float) -> None:
+        """Takes in what receivers said of speed and course since the report before.
+
+        Only now it is known how the vehicle moved between the two; while it gathered way or
+        turned, the time of such a velocity is not known well enough.
+        """
+        pending, self._pending = self._pending, ()
+        steady = abs(self._propulsion.speed - before) < _STEADY_SPEED
+        if not steady or abs(self._motion.yaw_rate) > _STEADY_TURN:
             return
-        run = self.run(f.t, f.t)
-        if run.lost == 0.0:
-            self.filter.velocity(*f.velocity, run)
+        for f in pending:
+            run = self.run(f.t, f.t)
+            if f.velocity is not None and self._motion.heading is not None and run.lost == 0.0:
+                self.filter.velocity(*f.velocity, run)
 
 
 def _agree(fixes: Sequence[GroundFix]) -> bool:

@@ -94,8 +94,8 @@ def calibrated(vehicle: Vehicle, scale: float) -> Vehicle:
             turn_loss=0.9,
             surge_length=1.8,
             surface_drift=0.005,
-            sway_noise=0.08,
-            deviation_sigma=e.deviation,
+            sway_noise=0.05,
+            deviation_sigma=e.deviation / math.sqrt(2.0),
         ),
     )
 

@@ -82,7 +82,7 @@ def test_late_fixes_leave_the_same_estimate_as_punctual_ones(
     late: list[Item] = []
     held: list[tuple[int, Item]] = []
     for i, item in enumerate(dive[:200]):
-        if isinstance(item[1], Fix) and i % 3 == 0 and i > 20:
+        if isinstance(item[1], Fix) and i % 3 == 1 and i > 20:
             held.append((i + 5, item))
         else:
             late.append(item)
