@@ -3,7 +3,12 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test check lint bench docs clean
+.PHONY: demo test check lint bench score campaign faults exhaustive docs clean
+
+DATA ?= ../shared/data/trajectories
+MISSIONS ?= 20
+FLIGHTS ?= 3
+SEED ?= 0
 
 demo: $(READY)          ## a mission from a YAML file to the vehicle and home, over real bytes
 	$(BIN)/auvmission demo
@@ -22,6 +27,9 @@ lint: $(READY)
 bench: $(READY)         ## performance, as ratios within one run
 	$(BIN)/pip install -q -e '.[bench]'
 	$(BIN)/python tests/bench/run.py
+
+score: $(READY)         ## the estimate on recorded trajectories; DATA=folder of CSV files
+	@$(BIN)/auvmission score $(DATA)
 
 docs: $(READY)          ## regenerate what is generated in docs/
 	$(BIN)/python -m protocol.reference > docs/protocol.md
