@@ -3,7 +3,7 @@
     allow=192.168.1.0/24,10.0.0.5   nobody else; not given: everybody who can reach the port
     connections=32  each=8          at once: in total, from one address
     idle=600                        s without a byte, then a connection is dropped
-    (fixed)                         20 connections at once from one address, then 10 a second
+    (fixed)                         50 connections at once from one address, then 10 a second
 
 Where there is no room, the connection that has been silent longest gives way, if it has been
 silent for ``GIVES_WAY`` seconds: who only holds a place never keeps an operator out.
@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from links import Address, LinkAddressError
 
 GIVES_WAY = 10.0  # s
-AT_ONCE, PER_SECOND = 20.0, 10.0  # new connections from one address
+AT_ONCE, PER_SECOND = 50.0, 10.0  # new connections from one address
 _REMEMBERED = 1024  # addresses; beyond, those that have been quiet are forgotten
 
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network

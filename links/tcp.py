@@ -28,7 +28,7 @@ __all__ = ["BACKLOG", "TcpClient", "TcpServer", "host_and_port"]
 
 CONNECT_TIMEOUT = 5.0  # s
 HANDSHAKE = 5.0  # s that a peer has to prove who it is
-ACCEPTS = 64  # connections taken at a time, before the others get their turn
+ACCEPTS = 4  # connections taken at a time: those who left already make room before the next
 RECEIVE_BUFFER = 1 << 16  # bytes in the system, per peer: what an order may stand behind
 _REFUSALS = 64  # kinds of them that are told apart
 
@@ -143,10 +143,10 @@ class TcpServer:
 
     def receive(self, now: float) -> list[Rx]:
         self._check_open()
-        out = []
+        out, knocks = [], False
         for key, _ in self._selector.select(timeout=0):
             if key.data is None:
-                self._accept(now)
+                knocks = True
                 continue
             stream: Stream = key.data
             if not stream.established:
@@ -159,6 +159,8 @@ class TcpServer:
                     out.append(Rx(now, self.name, data, stream.address))
             self._settle(stream)
         self._let_go(now)
+        if knocks:
+            self._accept(now)
         return out
 
     def send(self, data: bytes, now: float, address: str = "") -> None:

@@ -43,7 +43,7 @@ from mission.model import (
     Verdict,
 )
 from mission.nodes import LINK as NODES
-from mission.nodes import Nodes
+from mission.nodes import Nodes, with_process
 from mission.paths import path_over
 from mission.repeater import Repeater
 from mission.store import Store, StoreError, WatchedStore
@@ -111,7 +111,7 @@ class Drive:
             self,
             self._store,
             lambda link: path_over(link, tolerances),
-            Nodes(_processes(configuration)),
+            Nodes(with_process(configuration.links)),
             configuration.answer_no,
         )
         self._engine = Engine(vehicle, forgotten_after=configuration.manual_for)
@@ -335,6 +335,15 @@ class Drive:
         return self._engine.state
 
     @property
+    def engine(self) -> Engine:
+        """To be looked at."""
+        return self._engine
+
+    @property
+    def commander(self) -> Peer | None:
+        return self._topside.commander
+
+    @property
     def digest(self) -> str:
         return self._chart.digest if self._chart else ""
 
@@ -389,10 +398,3 @@ def _region(path: str) -> str:
 
 def _is_due(timer: float | None, now: float) -> bool:
     return timer is not None and timer <= now
-
-
-def _processes(configuration: Configuration) -> frozenset[str]:
-    """The nodes whose processes run from the start."""
-    links = configuration.links
-    nodes = {"STM32": True, "BDGPS": links.gps is not None, "UACM": links.modem is not None}
-    return frozenset(name for name, there in nodes.items() if there)

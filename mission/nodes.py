@@ -16,6 +16,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from mission.configuration import LinkUrls
+
 NAMES = ("Pi", "STM32", "BDGPS", "UACM", "CAMERA", "AUTO")
 OWN = ("Pi", "AUTO")  # no process behind them
 LINK = "nodes"
@@ -75,3 +77,9 @@ class Nodes:
 
     def next_timer(self) -> float | None:
         return self._pending.deadline if self._pending else None
+
+
+def with_process(links: LinkUrls) -> frozenset[str]:
+    """The nodes whose processes run from the start."""
+    there = {"STM32": True, "BDGPS": links.gps is not None, "UACM": links.modem is not None}
+    return frozenset(name for name, runs in there.items() if runs)

@@ -4,16 +4,20 @@
     switched off (@NS) --> closed, until switched on
 
 A port that is busy or absent is told once, in the link's own words, and tried again for ever; a
-link's error never leaves here. What does not live here: what the bytes mean (drive), the links.
+link's error never leaves here, but for a URL that can never open: that ends ``keep_open`` with
+LinkAddressError. What does not live here: what the bytes mean (drive), the links.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
+import re
+from collections import Counter
 from collections.abc import Callable
 
-from links import open_link
+from links import LinkAddressError, open_link
+from links.admission import Refusal
 from links.base import Link, LinkError, Rx
 from links.tcp import TcpServer
 
@@ -34,6 +38,8 @@ class Port:
         self.name, self.url = name, url
         self._readable, self._changed, self._tell = readable, changed, tell
         self.link: Link | None = None
+        self.received = self.sent = 0  # bytes
+        self.heard: float | None = None  # the engine's time
         self._told = ""
         self._closed = asyncio.Event()
         self._on = asyncio.Event()
@@ -43,6 +49,10 @@ class Port:
     def peers(self) -> tuple[str, ...]:
         """Who is connected, where the link has several peers."""
         return self.link.peers if isinstance(self.link, TcpServer) else ()
+
+    def refusals(self) -> Counter[Refusal]:
+        """Who was turned away or dropped, and how often, since the last call."""
+        return self.link.refusals() if isinstance(self.link, TcpServer) else Counter()
 
     async def keep_open(self) -> None:
         """Runs until it is cancelled."""
@@ -58,6 +68,8 @@ class Port:
         self._closed.clear()
         try:
             link = await loop.run_in_executor(None, open_link, self.name, self.url)
+        except LinkAddressError:
+            raise
         except (LinkError, OSError) as error:
             self._complain(f"{error} - trying again")
             await asyncio.sleep(RETRY_S)
@@ -72,8 +84,8 @@ class Port:
 
     def _adopt(self, link: Link) -> None:
         self.link = link
-        if isinstance(link, TcpServer) and self.url.endswith(":0"):
-            self.url = f"{self.url[:-2]}:{link.port}"  # the same one when opened again
+        if isinstance(link, TcpServer):
+            self.url = re.sub(r":0(?=$|\?)", f":{link.port}", self.url)  # the same one, again
         if self._told:
             self._told = ""
             self._tell(f"{self.name}: {self.url} is open")
@@ -86,10 +98,14 @@ class Port:
             return []
         watched = self.link.fileno()
         try:
-            return self.link.receive(now)
+            heard = self.link.receive(now)
         except (LinkError, OSError) as error:
             self._lose(watched, error)
             return []
+        if heard:
+            self.heard = now
+            self.received += sum(len(rx.data) for rx in heard)
+        return heard
 
     def send(self, data: bytes, now: float, address: str) -> None:
         """What cannot leave is lost, as on a line that nobody listens to."""
@@ -98,16 +114,14 @@ class Port:
         watched = self.link.fileno()
         try:
             self.link.send(data, now, address)
+            self.sent += len(data)
         except (LinkError, OSError) as error:
             if not isinstance(self.link, TcpServer):  # else one peer is gone, not the link
                 self._lose(watched, error)
 
     def next_event(self) -> float | None:
-        """Of a link that has no descriptor to watch."""
-        link = self.link
-        if link is None or link.fileno() >= 0:
-            return None
-        return link.next_event()
+        """When to look though nothing came: bytes of a link without a descriptor, a peer's end."""
+        return None if self.link is None else self.link.next_event()
 
     def switch(self, on: bool) -> None:
         if on:

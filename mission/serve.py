@@ -1,8 +1,10 @@
 """The asyncio shell around the drive: ports, timers, black box, signals. It decides nothing.
 
-    bytes --Port--> Drive.receive --+
-    timer ------> Drive.handle_timer +--> Tx --> Port | nodes | system clock
-    peers ------> connected, ...  --+     records --every 0.1 s, in a thread--> black box
+    bytes --Port--Sieve--> Drive.receive --+   (the sieve: topside's connections alone)
+    timer -------------> Drive.handle_timer +--> Tx --> Port | nodes | system clock
+    peers -------------> connected, ...  --+     records --every 0.1 s, in a thread--> black box
+
+What an operator should read goes to the journal, how everything is to status.json (health).
 
 The wall clock and the monotonic clock are read here and nowhere else in the sea's way; the engine's
 time begins with the drive, ``speed`` times as fast as real time (a demonstration; 1 at sea).
@@ -25,15 +27,20 @@ from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
 from links.base import Rx
+from mission import health
 from mission.blackbox import FLUSH_S, BlackBox, BlackBoxError, new_path
 from mission.configuration import Configuration
 from mission.drive import CLOCK, Drive, Observer
+from mission.journal import Journal, Several, Tally
+from mission.listening import listening, open_to_all, reached_at
 from mission.model import Tx
 from mission.nodes import LINK as NODES
 from mission.ports import Port
 from mission.processes import Processes
+from mission.sieve import Sieve, host_of
 from mission.store import Store
 from mission.vehicle import Vehicle
+from mission.vessel import Peer
 from mission.watchdog import Watchdog
 
 if TYPE_CHECKING:
@@ -53,13 +60,8 @@ class Ready:
     black_box: str  # path, "" if there is none
 
 
-def listening(url: str) -> str:
-    """The topside's URL names where to listen: for a link, tcp-listen."""
-    return url.replace("tcp://", "tcp-listen://", 1)
-
-
 class Server:
-    """``tell`` is for people's eyes; ``ready`` is called once."""
+    """``tell`` gets the journal's lines; ``ready`` is called once."""
 
     def __init__(
         self,
@@ -72,7 +74,12 @@ class Server:
         observer: Observer | None = None,
     ) -> None:
         self._configuration, self._vehicle, self._store = configuration, vehicle, store
-        self._tell, self._ready, self._speed, self._observer = tell, ready, speed, observer
+        self._journal = Journal(tell, time.monotonic)
+        self._tell, self._ready, self._speed = self._journal.warning, ready, speed
+        self._observer = Several(self._journal, *([observer] if observer else []))
+        self._sieve, self._began = Sieve(time.monotonic()), time.monotonic()
+        self._tally = Tally()
+        self._commander: Peer | None = None
         self._drive: Drive | None = None
         self._box: BlackBox | None = None
         self._zero = 0.0
@@ -104,6 +111,8 @@ class Server:
         for port in self._ports.values():
             self._spawn(port.keep_open())
         self._spawn(self._keep_box())
+        self._spawn(self._keep_status())
+        self._watchdog.ready()  # the drive lives, whether or not topside can be listened to
         await self._stopping.wait()
         await self._end()
 
@@ -132,7 +141,7 @@ class Server:
                 self._configuration,
                 self._vehicle,
                 self._store,
-                self._box,
+                self._tally.over(self._box),
                 wall=wall,
                 observer=self._observer,
             )
@@ -151,8 +160,8 @@ class Server:
         try:
             navigation = await loop.run_in_executor(None, _prepare, drive)
         except Exception:
-            self._tell("navigation cannot be loaded, no mission can start:")
-            self._tell(traceback.format_exc())
+            self._journal.fault("navigation cannot be loaded, no mission can start:")
+            self._journal.fault(traceback.format_exc())
             return
         if drive is self._drive:
             self._do(lambda d: d.set_navigation(navigation, self.now()))
@@ -168,13 +177,15 @@ class Server:
             return
         for tx in out:
             self._leave(tx)
+        if self._drive.commander != self._commander:
+            self._hand_over(self._drive.commander)
         self._watchdog.fed(time.monotonic())
         self._schedule()
 
     def _fault(self) -> None:
         """A mistake in the program: never the end of the vehicle."""
-        self._tell("a fault of the program; what was under way surfaces:")
-        self._tell(traceback.format_exc())
+        self._journal.fault("a fault of the program; what was under way surfaces:")
+        self._journal.fault(traceback.format_exc())
         self._drive = None
         if self._timer is not None:
             self._timer.cancel()
@@ -192,9 +203,21 @@ class Server:
         now = self.now()
         heard = port.receive(now)
         self._meet(port)
+        if port.name == TOPSIDE:
+            heard = self._sifted(port, heard)
         for rx in heard:
             self._do(lambda drive, rx=rx: drive.receive(rx, now))  # type: ignore[misc]
         self._part(port)
+
+    def _sifted(self, port: Port, heard: list[Rx]) -> list[Rx]:
+        """Less what floods; those with an X or W first."""
+        for refusal, times in port.refusals().items():
+            self._journal.warning(f"topside: {refusal.host} turned away: {refusal.why}",
+                                  times=times)  # fmt: skip
+        return self._sieve.sift(heard, time.monotonic(), self._flooded)
+
+    def _flooded(self, host: str) -> None:
+        self._tell(f"topside: {host} floods; only its X and W are heard")
 
     def _changed(self, port: Port) -> None:
         if port.link is None:
@@ -204,8 +227,10 @@ class Server:
         elif port.name == TOPSIDE and not self._announced:
             self._announced = True
             black_box = str(self._box.path) if self._box is not None else ""
-            self._ready(Ready(port.url.replace("tcp-listen://", "tcp://", 1), black_box))
-            self._watchdog.ready()
+            self._ready(Ready(reached_at(port.url), black_box))
+            if open_to_all(port.url):
+                self._tell(f"whoever reaches {port.url} can command the vehicle: add "
+                           "?allow=ADDRESSES to it, or listen with tls-listen://")  # fmt: skip
         self._schedule()
 
     def _meet(self, port: Port) -> None:
@@ -213,11 +238,14 @@ class Server:
         for address in port.peers:
             if address not in known:
                 self._peers[port.name] = self._peers[port.name] | {address}
+                self._journal.info(f"topside: {address} is connected", host_of(address))
                 self._do(lambda d, a=address: d.connected(port.name, a, self.now()))  # type: ignore[misc]
 
     def _part(self, port: Port) -> None:
         for address in self._peers.get(port.name, frozenset()) - set(port.peers):
             self._peers[port.name] = self._peers[port.name] - {address}
+            self._sieve.forget(address)
+            self._journal.info(f"topside: {address} is gone", f"{host_of(address)} is gone")
             self._do(lambda d, a=address: d.disconnected(port.name, a, self.now()))  # type: ignore[misc]
 
     def _schedule(self) -> None:
@@ -248,7 +276,17 @@ class Server:
 
     # --- out ---------------------------------------------------------------------------------
 
+    def _hand_over(self, commander: Peer | None) -> None:
+        """R12. No frame of the documents tells who lost the command: it is answered N, and the
+        journal has it."""
+        loser, self._commander = self._commander, commander
+        if commander is not None and loser is not None:
+            self._tell(f"{commander} has taken the command over from {loser}")
+        elif commander is not None:
+            self._journal.info(f"{commander} commands")
+
     def _leave(self, tx: Tx) -> None:
+        self._journal.left(tx, tx.link == VEHICLE)
         if tx.link == NODES:
             self._spawn(self._switch(tx.data))
         elif tx.link == CLOCK:
@@ -285,6 +323,24 @@ class Server:
                 told = box.failure
                 self._tell(f"black box: {told}" if told else "black box: written again")
 
+    async def _keep_status(self) -> None:
+        loop = asyncio.get_running_loop()
+        while True:
+            if self._drive is not None:
+                how = health.Health(
+                    up_s=time.monotonic() - self._began,
+                    wall=time.time(),
+                    links=health.of_ports(
+                        self._ports, self.now(), self._tally.faults, {TOPSIDE: self._sieve.dropped}
+                    ),
+                    **health.of_drive(self._drive, self._vehicle),
+                    **health.of_box(self._box),
+                )
+                folder = self._configuration.folder
+                await loop.run_in_executor(self._disk, health.write, folder, how)
+            self._journal.settle()
+            await asyncio.sleep(health.EVERY_S)
+
     async def _shut_box(self) -> None:
         box, self._box = self._box, None
         if box is not None:
@@ -300,7 +356,7 @@ class Server:
     def _ended(self, task: asyncio.Task[None]) -> None:
         self._tasks.discard(task)
         if not task.cancelled() and (error := task.exception()) is not None:
-            self._tell("".join(traceback.format_exception(error)))
+            self._journal.fault("".join(traceback.format_exception(error)))
 
     async def _end(self) -> None:
         self._watchdog.stopping()

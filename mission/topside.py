@@ -132,6 +132,11 @@ class Topside:
             out += [Tx(now, peer.link, d, why, peer.address) for d, why in path.outgoing(now)]
         return out
 
+    @property
+    def commander(self) -> Peer | None:
+        """Whose command was accepted last (R12)."""
+        return self._commander
+
     def faults(self) -> list[tuple[Peer, FrameFault]]:
         """Bytes that were no frame, since the last call."""
         faults, self._faults = self._faults, []

@@ -28,6 +28,9 @@ class Peer:
     link: str
     address: str
 
+    def __str__(self) -> str:
+        return f"{self.link} {self.address}".rstrip()
+
 
 class MissionRefused(ValueError):
     """The mission's author must act; the message names the first line and its fault."""

@@ -41,16 +41,18 @@ def serve(
     Ends with SIGINT or SIGTERM. Links given here overrule the configuration's.
     """
     import json
+    import time
     from dataclasses import replace
 
     from links.base import LinkError
     from mission.configuration import ConfigurationError, load_configuration
+    from mission.journal import printed
     from mission.serve import Server, run
     from mission.store import DiskStore, StoreError
     from mission.vehicle import VehicleError, load_vehicle
 
-    def tell(text: str) -> None:
-        click.echo(text.rstrip(), err=True)
+    def tell(line: str) -> None:
+        click.echo(printed(line.rstrip(), time.time()), err=True)
 
     def ready(what: Ready) -> None:
         said = json.dumps({"topside": what.topside, "black_box": what.black_box})
@@ -76,7 +78,7 @@ def serve(
         tell(str(error))
         raise SystemExit(2) from None
     for damage in store.content.damage:
-        tell(damage)
+        tell(f"warning: {damage}")
     observer = _Events() if events else None
     run(Server(configuration, flown, store, tell, ready, speed, observer))
 
@@ -84,7 +86,7 @@ def serve(
 def _check(links: LinkUrls) -> None:
     """Raises LinkAddressError for what is no URL of a link; whether it opens is seen later."""
     from links import parse_address
-    from mission.serve import listening
+    from mission.listening import listening
 
     for url in (links.vehicle, links.gps, listening(links.topside), links.modem):
         if url is not None:

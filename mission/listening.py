@@ -1,0 +1,27 @@
+"""What the topside's URL of the configuration means: where to listen, and who is thereby let in.
+
+What does not live here: what the options of such a URL may say (links).
+"""
+
+from __future__ import annotations
+
+import re
+
+from links import parse_address
+
+
+def listening(url: str) -> str:
+    """The topside's URL names where to listen: for a link, tcp-listen or tls-listen."""
+    return re.sub(r"^(tcp|tls)://", r"\1-listen://", url)
+
+
+def reached_at(url: str) -> str:
+    """What an operator says to ``--to``."""
+    return url.replace("-listen://", "://", 1).partition("?")[0]
+
+
+def open_to_all(url: str) -> bool:
+    """Anybody who reaches the port can command the vehicle. Raises LinkAddressError."""
+    address = parse_address(listening(url))
+    loopback = address.host in ("localhost", "::1") or address.host.startswith("127.")
+    return address.scheme == "tcp-listen" and not loopback and not address.options.get("allow")
