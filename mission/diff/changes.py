@@ -11,16 +11,16 @@ What does not live here: who is matched with whom (matching.py), how it is shown
 from __future__ import annotations
 
 import enum
-from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 from typing import TypeVar
 
 from mission.diff import wording
-from mission.diff.matching import groups_above, leg_of, legs_of, match, set_of
+from mission.diff.matching import groups_above, leg_of, legs_of, match, rising, set_of
 from mission.envelope import in_force
 from mission.graph import words
+from mission.language.render import GENERATED
 from mission.model import (
     AUTONOMOUS,
     IMPLICIT_SURFACE,
@@ -72,9 +72,14 @@ class Changes:
 
 def changes(before: Chart, after: Chart, vehicles: tuple[Vehicle, Vehicle]) -> Changes:
     compared = _Comparison(before, after, vehicles)
-    pairs = ((a, b) for a, b in compared.match.legs.items() if a != b)
+    pairs = ((a, b) for a, b in compared.match.legs.items() if a != b and _named(a, b))
     renamed = tuple((wording.name(a), wording.name(b)) for a, b in pairs)
     return Changes(tuple(_together(compared.rows())), renamed)
+
+
+def _named(*paths: str) -> bool:
+    """Whether some author gave one of them its name: numbers of lines are nobody's names."""
+    return not all(GENERATED.match(path.rpartition("/")[2]) for path in paths)
 
 
 def _together(rows: Iterator[Change]) -> Iterator[Change]:
@@ -350,7 +355,7 @@ class _Comparison:
         pairs = [
             (old[self.old_of[s.path]], s.path) for s in legs_of(self.after) if s.path in self.old_of
         ]
-        kept = _rising([i for i, _ in pairs])
+        kept = rising([i for i, _ in pairs])
         moved = {path for n, (_, path) in enumerate(pairs) if n not in kept}
         for _, path in pairs:
             before = self._around(self.before, self.old_of[path], "before")
@@ -375,23 +380,6 @@ def _edges(chart: Chart, source: str, suffix: str) -> list[Edge]:
         for e in chart.leaving(source)
         if not suffix or e.trigger == trigger or e.trigger.startswith(f"{trigger}.")
     ]
-
-
-def _rising(values: Sequence[int]) -> set[int]:
-    """Indices of a longest rising run of ``values``, not necessarily side by side."""
-    tails: list[int] = []
-    ends: list[int] = []
-    before: list[int | None] = []
-    for i, value in enumerate(values):
-        n = bisect_left(tails, value)
-        before.append(ends[n - 1] if n else None)
-        tails[n : n + 1], ends[n : n + 1] = [value], [i]
-    kept: set[int] = set()
-    at = ends[-1] if ends else None
-    while at is not None:
-        kept.add(at)
-        at = before[at]
-    return kept
 
 
 def _matters(group: Group) -> bool:

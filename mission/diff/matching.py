@@ -11,6 +11,7 @@ What does not live here: what is different in a pair (changes.py).
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -173,3 +174,20 @@ def _groups(before: Chart, after: Chart, legs: dict[str, str]) -> dict[str, str]
         if a not in pairs and b not in pairs.values():
             pairs[a] = b
     return pairs
+
+
+def rising(values: Sequence[int]) -> set[int]:
+    """Indices of a longest rising run of ``values``, not necessarily side by side."""
+    tails: list[int] = []
+    ends: list[int] = []
+    before: list[int | None] = []
+    for i, value in enumerate(values):
+        n = bisect_left(tails, value)
+        before.append(ends[n - 1] if n else None)
+        tails[n : n + 1], ends[n : n + 1] = [value], [i]
+    kept: set[int] = set()
+    at = ends[-1] if ends else None
+    while at is not None:
+        kept.add(at)
+        at = before[at]
+    return kept
