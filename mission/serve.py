@@ -26,6 +26,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
+from links import LinkAddressError
 from links.base import Rx
 from mission import health
 from mission.blackbox import FLUSH_S, BlackBox, BlackBoxError, new_path
@@ -88,6 +89,7 @@ class Server:
         self._tasks: set[asyncio.Task[None]] = set()
         self._stopping = asyncio.Event()
         self._announced = False
+        self.refusal = ""  # why it cannot serve at all
         self._watchdog = Watchdog()
         self._disk = ThreadPoolExecutor(1, "black box")
 
@@ -355,7 +357,12 @@ class Server:
 
     def _ended(self, task: asyncio.Task[None]) -> None:
         self._tasks.discard(task)
-        if not task.cancelled() and (error := task.exception()) is not None:
+        if task.cancelled() or (error := task.exception()) is None:
+            return
+        if isinstance(error, LinkAddressError):
+            self.refusal = str(error)
+            self.stop()
+        else:
             self._journal.fault("".join(traceback.format_exception(error)))
 
     async def _end(self) -> None:

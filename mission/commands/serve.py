@@ -80,7 +80,11 @@ def serve(
     for damage in store.content.damage:
         tell(f"warning: {damage}")
     observer = _Events() if events else None
-    run(Server(configuration, flown, store, tell, ready, speed, observer))
+    server = Server(configuration, flown, store, tell, ready, speed, observer)
+    run(server)
+    if server.refusal:
+        tell(server.refusal)
+        raise SystemExit(2)
 
 
 def _check(links: LinkUrls) -> None:

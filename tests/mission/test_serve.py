@@ -409,9 +409,19 @@ def test_the_program_tells_a_parent_where_it_listens_and_ends_by_sigterm(tmp_pat
     assert replay(list(read_parts(Path(where["black_box"])))).identical
 
 
-def test_a_wrong_link_is_refused_before_anything_starts(tmp_path: Path) -> None:
-    ran = CliRunner().invoke(
-        command, ["--vehicle", "serail:///dev/tty0", "--folder", str(tmp_path)]
-    )
+@pytest.mark.parametrize(
+    ("option", "url", "words"),
+    [
+        ("--vehicle", "serail:///dev/tty0", "is no link's URL"),
+        ("--topside", "tcp://127.0.0.1", "write tcp-listen://host:port"),
+        ("--vehicle", "serial://dev/tty0", "write three slashes"),
+    ],
+)
+def test_a_wrong_link_ends_the_program_with_what_to_write(
+    option: str, url: str, words: str, tmp_path: Path
+) -> None:
+    base = ["--topside", "tcp://127.0.0.1:0", "--vehicle", f"serial://{tmp_path}/tty"]
+    given = [*base, "--gps", "none", "--folder", str(tmp_path), option, url]
+    ran = CliRunner().invoke(command, given)
     assert ran.exit_code == 2
-    assert "is no link's URL" in ran.output
+    assert words in ran.output
