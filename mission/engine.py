@@ -373,15 +373,15 @@ _WORDS: Mapping[type, str] = {
 
 
 def _event(inputs: Sequence[Input]) -> str:
-    words = []
-    for one in inputs:
-        if isinstance(one, Emergency):
-            words.append("operator X" if one.order is Order.STOP else "operator W")
-        elif isinstance(one, Outcome):
-            words.append(f"{one.result.value} {one.frame.decode('ascii', 'replace')}")
-        else:
-            words.append(_WORDS.get(type(one), type(one).__name__))
-    return ", ".join(words) or "timer"
+    return ", ".join(map(_word, inputs)) or "timer"
+
+
+def _word(one: Input) -> str:
+    if isinstance(one, Emergency):
+        return "operator X" if one.order is Order.STOP else "operator W"
+    if isinstance(one, Outcome):
+        return f"{one.result.value} {one.frame.decode('ascii', 'replace')}"
+    return _WORDS.get(type(one)) or type(one).__name__
 
 
 __all__ = ["IDLE_EMPTY", "IDLE_READY", "Engine", "Input", "Outputs", "Snapshot"]

@@ -162,7 +162,14 @@ class Watch:
         those that were at their last look."""
         self._look_for_depth()
         rows = self._looked[reported, fixed]
-        found = [row for row in rows if self._lasts(row)]
+        found = []
+        for row in rows:
+            breached = row.breached(self)
+            if breached:
+                if self._lasts(row):
+                    found.append(row)
+            elif breached is not None and self._running:
+                self._running.pop(row.name, None)
         if found or self.breaches:
             kept = [row for row in self.breaches if row not in rows]
             self.breaches = (*kept, *found)
@@ -179,11 +186,7 @@ class Watch:
             self.blind_since = senses.now
 
     def _lasts(self, row: Limit) -> bool:
-        breached = row.breached(self)
-        if not breached:
-            if breached is not None and row.name in self._running:
-                del self._running[row.name]
-            return False
+        """A breach that goes on; whether for as long as it must."""
         if row.seconds:
             since = self._running.setdefault(row.name, self.senses.now)
             return self.senses.now - since >= row.seconds

@@ -55,6 +55,8 @@ class Refusal(enum.Enum):
     def kind(self) -> str:
         return str(self.value[1])
 
+    __hash__ = object.__hash__  # one of a kind: counted by the thousand, and the name's is slow
+
 
 class Refused(Exception):
     def __init__(self, reason: Refusal) -> None:

@@ -110,6 +110,9 @@ class Filter:
         self._kf.F, self._kf.Q = np.eye(STATES), np.zeros((STATES, STATES))
         self._f, self._q = self._kf.F.reshape(-1), self._kf.Q.reshape(-1)
         self._steady = _Steady()
+        depth, altitude = 0.5 * fig.depth**2, fig.altitude**2
+        self._depth_and_altitude = np.diag((depth, altitude))
+        self._depth_alone, self._altitude_alone = np.diag((depth,)), np.diag((altitude,))
         self._wander = fig.heading**2 * fig.period + 2.0 * fig.sway.sigma**2 * fig.sway.time
 
     @property
@@ -258,18 +261,18 @@ class Filter:
 
     def vertical(self, depth: float | None, altitude: float | None) -> tuple[float, int] | None:
         """Takes in what is there; the normalised innovation squared and its degrees of freedom."""
-        fig, kf = self.figures, self._kf
-        rd, ra = 0.5 * fig.depth**2, fig.altitude**2
+        kf = self._kf
         if depth is not None and altitude is not None:
-            kf.update(np.array((depth, altitude)), np.array(((rd, 0.0), (0.0, ra))), _BOTH)
-        elif depth is not None:
-            kf.update(np.array((depth,)), np.array(((rd,),)), _DEPTH)
+            kf.update(np.array((depth, altitude)), self._depth_and_altitude, _BOTH)
+            (a, b), ((p, q), (_, r)) = kf.y.tolist(), kf.SI.tolist()
+            return p * a * a + 2.0 * q * a * b + r * b * b, 2
+        if depth is not None:
+            kf.update(np.array((depth,)), self._depth_alone, _DEPTH)
         elif altitude is not None:
-            kf.update(np.array((altitude,)), np.array(((ra,),)), _ALTITUDE)
+            kf.update(np.array((altitude,)), self._altitude_alone, _ALTITUDE)
         else:
             return None
-        y, si = kf.y, kf.SI
-        return float(y @ si @ y), len(y)
+        return kf.y.item() ** 2 * kf.SI.item(), 1
 
     def velocity(self, north: float, east: float, run: Run) -> None:
         """Over ground, from a receiver's speed and course (rejected beyond 4 sigma)."""

@@ -54,6 +54,10 @@ CHANNELS: Mapping[str, Channel] = MappingProxyType({
 })
 # fmt: on
 SENSORS = tuple(dict.fromkeys(row.sensor for row in CHANNELS.values()))
+_CHANNELS_OF = {
+    sensor: tuple(name for name, row in CHANNELS.items() if row.sensor == sensor)
+    for sensor in SENSORS
+}
 
 
 @dataclass(slots=True)
@@ -75,18 +79,19 @@ class _Monitor:
         self.same = 0 if value != self.value else self.same + moving
         agrees = self._within(row, t, value, self.t, self.value)
         self.agreeing = self.agreeing + 1 if agrees else 1
-        self.reason = self._judge(row, t, value, doubt)
+        usual = self.good_t == self.t and self.good == self.value  # the last one was believed
+        near = agrees if usual else self._within(row, t, value, self.good_t, self.good)
+        self.reason = self._judge(row, value, doubt, near)
         self.t, self.value = t, value
         if not self.reason:
             self.good_t, self.good = t, value
         return not self.reason
 
-    def _judge(self, row: Channel, t: float, value: float, doubt: bool) -> str:
+    def _judge(self, row: Channel, value: float, doubt: bool, near: bool) -> str:
         if doubt or not row.low <= value <= row.high:  # also what is not a number
             return "absurd"
         if row.freezes and self.same >= _SAME - 1:
             return "frozen"
-        near = self._within(row, t, value, self.good_t, self.good)
         return "" if near or self.agreeing >= _AGREE else "absurd"
 
     @staticmethod
@@ -103,30 +108,30 @@ class SensorHealth:
     """One monitor per channel. ``reports`` are the sensors that the vehicle file declares."""
 
     def __init__(self, reports: frozenset[str]) -> None:
-        self._reports = reports
+        self._declared = frozenset(n for n, row in CHANNELS.items() if row.sensor in reports)
         self.monitors = {name: _Monitor() for name in CHANNELS}
 
     def telemetry(self, t: Telemetry) -> frozenset[str]:
         """Takes a report in; the channels of it that can be believed."""
         moving = t.actuators is None or any(abs(a) > _NEUTRAL for a in t.actuators[:5])
         doubtful = {_channel_of(fault) for fault in t.faults}
-        values = {
-            "depth": t.depth,
-            "altitude": t.altitude,
-            "heading": t.heading,
-            "pitch": t.pitch,
-            "roll": t.roll,
-            "temperature": t.temperature_c,
-            "battery": t.batteries[0] if t.batteries else None,
-            "leak": None if t.leak is None else float(t.leak),
-        }
-        return frozenset(
-            name
-            for name, value in values.items()
-            if value is not None
-            and CHANNELS[name].sensor in self._reports
-            and self.monitors[name].observe(CHANNELS[name], t.t, value, moving, name in doubtful)
-        )
+        good = []
+        for name, value in (
+            ("depth", t.depth),
+            ("altitude", t.altitude),
+            ("heading", t.heading),
+            ("pitch", t.pitch),
+            ("roll", t.roll),
+            ("temperature", t.temperature_c),
+            ("battery", t.batteries[0] if t.batteries else None),
+            ("leak", None if t.leak is None else float(t.leak)),
+        ):
+            if value is None or name not in self._declared:
+                continue
+            row, monitor = CHANNELS[name], self.monitors[name]
+            if monitor.observe(row, t.t, value, moving, name in doubtful):
+                good.append(name)
+        return frozenset(good)
 
     def fix(self, f: Fix) -> None:
         self.monitors["position"].observe(CHANNELS["position"], f.t, 0.0, False, False)
@@ -137,10 +142,16 @@ class SensorHealth:
 
     def of(self, sensor: str, now: float) -> Health:
         """The worst of the sensor's channels. KeyError for a name that is not in SENSORS."""
-        found = [self._channel(n, now) for n, row in CHANNELS.items() if row.sensor == sensor]
-        if not found:
+        names = _CHANNELS_OF.get(sensor)
+        if names is None:
             raise KeyError(f"no sensor {sensor}; there are {', '.join(SENSORS)}")
-        return next((h for h in found if not h.valid), found[0])
+        first = self._channel(names[0], now)
+        if first.valid:
+            for name in names[1:]:
+                further = self._channel(name, now)
+                if not further.valid:
+                    return further
+        return first
 
     def _channel(self, name: str, now: float) -> Health:
         row, monitor = CHANNELS[name], self.monitors[name]

@@ -32,6 +32,7 @@ HOUR = 3600.0
 MISSION = """mission hour vehicle auv
 home 30.2874595 120.1535765
 safety radius 2000 time 120min depth 30
+assume current 0.1
 dive: ZAS8 heading 90 ZAF4 until depth >= 7.5 timeout 2min
 repeat 9 rows:
   out: heading 90 ZAF4 until elapsed >= 190s or altitude < 1.5 timeout 200s
