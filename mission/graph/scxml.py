@@ -10,7 +10,8 @@ leg, ``resume`` leads from manual back into the interrupted one, by a deep histo
 
 A handler (``on``) leaves the active leg up to the group around it that also holds the target: so
 it stands once in every group between its own and the target's, the innermost active one wins; the
-leg it leads to, and the implicit leg, swallow its event.
+leg it leads to, and the implicit leg, swallow its event. The second time that it acts, it leads to
+the implicit leg: ``acted1`` .. ``actedN`` remember the first.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from collections.abc import Mapping
 from mission.graph import words
 from mission.graph.canvas import element
 from mission.graph.regions import REGIONS, SUBSTATES, region
-from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, Chart, Edge, Loop, State
+from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, Loop, State
 from mission.regions import LEG, MANUAL, REGION_EDGES, RegionEdge
 
 HISTORY = "autonomous.history"
@@ -53,7 +54,8 @@ def event_of(row: RegionEdge) -> str:
 
 
 def _alike(one: Edge, other: Edge) -> bool:
-    return (one.source, one.by, one.guard) == (other.source, other.by, other.guard)
+    """Two exits of a leg may have one guard: then the place in the text tells them apart."""
+    return all(getattr(one, n) == getattr(other, n) for n in ("source", "by", "guard", "where"))
 
 
 def identifier(path: str) -> str:
@@ -70,6 +72,9 @@ class _Writer:
         self.chart = chart
         self.events = events(chart)
         groups = [state.path for state in chart.states if state.group is not None]
+        handled = [e for e in chart.edges if e.by in (By.ON, By.UNCERTAIN)]
+        named = dict.fromkeys(self.events[e.trigger] for e in handled)
+        self.acted = {event: f"acted{i}" for i, event in enumerate(named, 1)}
         self.rounds = {path: f"round{i}" for i, path in enumerate(groups, 1)}
         self.repeats = {s.path: s.group.repeat for s in chart.states if s.group is not None}
         self.children: dict[str, list[State]] = {}
@@ -81,6 +86,7 @@ class _Writer:
     def document(self) -> str:
         mission = self.chart.mission
         data = "".join(element("data", id=name, expr="1") for name in self.rounds.values())
+        data += "".join(element("data", id=name, expr="0") for name in self.acted.values())
         body = [
             '<?xml version="1.0" encoding="UTF-8"?>',
             f"<!-- mission {_comment(mission.name)}, digest {self.chart.digest} -->",
@@ -107,6 +113,7 @@ class _Writer:
         if row.target != LEG:
             return space + element("transition", event=event, target=identifier(row.target))
         content = self._entering(AUTONOMOUS, self.chart.initial)
+        content += "".join(element("assign", location=n, expr="0") for n in self.acted.values())
         target = identifier(self.chart.initial)
         start = space + element("transition", content, event=event, target=target)
         if region(row.source) != MANUAL:
@@ -164,12 +171,19 @@ class _Writer:
         for edge in self.chart.edges:
             holds = edge.target.startswith(f"{path}/") and path.startswith(f"{edge.source}/")
             if edge.source == path or holds:
-                rows.append(self._edge(edge, pad, inside=path))
+                rows += [self._again(edge, pad), self._edge(edge, pad, inside=path)]
         return rows
+
+    def _again(self, edge: Edge, pad: int) -> str:
+        """Tested before the handler itself."""
+        event = self.events[edge.trigger]
+        target, cond = identifier(IMPLICIT_SURFACE), f"{self.acted[event]} > 0"
+        return " " * pad + element("transition", event=event, cond=cond, target=target)
 
     def _edge(self, edge: Edge, pad: int, inside: str | None = None) -> str:
         """``inside``: the group that a handler stands in; it is not left if it holds the target."""
-        attributes: dict[str, object] = {"event": self.events[edge.trigger]}
+        event = self.events[edge.trigger]
+        attributes: dict[str, object] = {"event": event}
         if edge.loops:
             attributes["cond"] = " && ".join(self._condition(loop) for loop in edge.loops)
         attributes["target"] = identifier(edge.target)
@@ -179,6 +193,8 @@ class _Writer:
         top = inside if inside is not None else edge.source.rpartition("/")[0]
         content = self._entering(_common(top, edge.target), edge.target)
         content += "".join(self._count(loop) for loop in edge.loops)
+        if inside is not None:
+            content += element("assign", location=self.acted[event], expr="1")
         note = _comment(words.edge(edge, self.legs.get(edge.source)))
         return f"{' ' * pad}<!-- {note} -->{element('transition', content, **attributes)}"
 

@@ -16,7 +16,7 @@ from mission.graph.scxml import RESUME, event_of, events, identifier, scxml
 from mission.machine import Machine
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge
 from mission.prepare import prepare
-from mission.regions import LEG, REGION_EDGES
+from mission.regions import AGAIN, LEG, REGION_EDGES
 from mission.vehicle import missions_folder
 
 io = pytest.importorskip("statemachine.io", reason="python-statemachine is not installed")
@@ -51,6 +51,7 @@ class Ours:
         self.rounds = {s.path: 1 for s in which.states if s.group}
         self.repeat = {s.path: s.group.repeat for s in which.states if s.group}
         self.interrupted = which.initial
+        self.acted: set[str] = set()
 
     def possible(self) -> list[tuple[str, Any]]:
         at = self.machine.active
@@ -80,6 +81,11 @@ class Ours:
         if self.machine.region == AUTONOMOUS:
             self.interrupted = self.machine.active
         if isinstance(what, Edge):
+            if what.by in (By.ON, By.UNCERTAIN):
+                if event in self.acted:  # the second time
+                    self.machine.fire(AGAIN)
+                    return
+                self.acted.add(event)
             _, entered = self.machine.fire(what.trigger)
             self.enter(entered)
             for loop in what.loops:
@@ -91,6 +97,7 @@ class Ours:
         _, entered = self.machine.move(what.name, target)
         if event != RESUME:
             self.enter(entered)
+            self.acted = set() if what.target == LEG else self.acted
 
     def enter(self, paths: tuple[str, ...]) -> None:
         for path in paths:
@@ -105,7 +112,7 @@ def theirs(which: Chart, folder: Path) -> Any:
 
 
 def leaf(machine: Any) -> str:
-    return max((state.id for state in machine.configuration), key=len)
+    return str(max((state.id for state in machine.configuration), key=len))
 
 
 def charts() -> list[Path]:
