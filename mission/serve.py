@@ -320,7 +320,9 @@ class Server:
                 continue
             data = box.take()
             if data or box.failure:
-                await asyncio.get_running_loop().run_in_executor(self._disk, box.store, data, True)
+                # shielded: what was taken is written even when this task is cancelled
+                stored = self._disk.submit(box.store, data, True)
+                await asyncio.shield(asyncio.wrap_future(stored))
             if box.failure != told:
                 told = box.failure
                 self._tell(f"black box: {told}" if told else "black box: written again")

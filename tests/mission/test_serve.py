@@ -315,6 +315,23 @@ def test_a_fault_of_the_program_begins_another_drive_that_surfaces(
     assert all(replay(list(read_parts(p))).identical for p in (tmp_path / "log").iterdir())
 
 
+def test_what_was_recorded_before_a_stop_is_in_the_file_however_slow_the_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    really = os.fdatasync
+    monkeypatch.setattr("mission.blackbox.os.fdatasync", lambda fd: (time.sleep(0.25), really(fd)))
+    with silent_board() as (_, device), running(tmp_path, f"serial://{device}") as pi:
+        with pi.boat() as boat:
+            for _ in range(4):
+                asked(boat, b"@AQ$")
+                time.sleep(0.12)
+        assert pi.ready is not None
+    records = list(read_parts(Path(pi.ready.black_box)))
+    asks = [r for r in records if r.kind == RX and r.payload.endswith(b"@AQ$")]
+    assert len(asks) == 4
+    assert replay(records).identical
+
+
 def test_a_disk_that_takes_nothing_stops_nothing(tmp_path: Path) -> None:
     (tmp_path / "log").write_text("a file where the folder should be")
     with silent_board() as (_, device), running(tmp_path, f"serial://{device}") as pi:
