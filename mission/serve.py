@@ -131,12 +131,10 @@ class Server:
         """A drive with its black box, from what the store holds."""
         wall = time.time()
         self._box = None
-        if self._configuration.log:
-            try:
-                path = new_path(self._configuration.log, wall)
-                self._box = BlackBox(path, wall, shell=True)
-            except (BlackBoxError, OSError) as error:
-                self._tell(f"{error} - nothing will be recorded")
+        try:
+            self._box = BlackBox(new_path(self._configuration.log, wall), wall, shell=True)
+        except (BlackBoxError, OSError) as error:
+            self._tell(f"{error} - nothing will be recorded")
         self._zero = time.monotonic()
         try:
             self._drive = Drive(
@@ -318,8 +316,7 @@ class Server:
             box = self._box
             if box is None:
                 continue
-            data = box.take()
-            if data or box.failure:
+            if (data := box.take()) or box.failure:
                 # shielded: what was taken is written even when this task is cancelled
                 stored = self._disk.submit(box.store, data, True)
                 await asyncio.shield(asyncio.wrap_future(stored))

@@ -318,8 +318,8 @@ def test_a_fault_of_the_program_begins_another_drive_that_surfaces(
 def test_what_was_recorded_before_a_stop_is_in_the_file_however_slow_the_disk(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    really = os.fdatasync
-    monkeypatch.setattr("mission.blackbox.os.fdatasync", lambda fd: (time.sleep(0.25), really(fd)))
+    monkeypatch.setattr("mission.health.write", lambda *_: time.sleep(1.0))
+    monkeypatch.setattr("mission.health.EVERY_S", 0.01)
     with silent_board() as (_, device), running(tmp_path, f"serial://{device}") as pi:
         with pi.boat() as boat:
             for _ in range(4):
