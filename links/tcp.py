@@ -30,6 +30,7 @@ CONNECT_TIMEOUT = 5.0  # s
 HANDSHAKE = 5.0  # s that a peer has to prove who it is
 ACCEPTS = 4  # connections taken at a time: those who left already make room before the next
 RECEIVE_BUFFER = 1 << 16  # bytes in the system, per peer: what an order may stand behind
+_UNWELCOME = "it admits nobody from here, or wants tls://; its journal says which"
 _REFUSALS = 64  # kinds of them that are told apart
 
 
@@ -60,7 +61,7 @@ class TcpClient:
         tune(connected)
         self._peer = Stream(connected, peer)
         self._peer.established = True
-        self._closed = False
+        self._closed = self._answered = False
 
     def fileno(self) -> int:
         return -1 if self._closed else self._peer.socket.fileno()
@@ -71,6 +72,7 @@ class TcpClient:
         self._peer.write()
         data = self._peer.read()
         if data:
+            self._answered = True
             return [Rx(now, self.name, data, self._peer.address)]
         self._check_open()
         return []
@@ -91,7 +93,8 @@ class TcpClient:
         if self._closed:
             raise LinkClosed(f"{self.name}: the link to {self._where} was closed")
         if self._peer.ended:
-            why = f": {self._peer.why}" if self._peer.why else ""
+            why = self._peer.why or ("" if self._answered else _UNWELCOME)
+            why = why and f": {why}"
             self.close()
             raise LinkClosed(f"{self.name}: {self._where} closed the connection{why}")
 

@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,8 +22,10 @@ from mission import __version__
 from mission.blackbox import BlackBox
 from mission.drive import Drive
 from mission.envelope import LIMITS
+from mission.model import Reading
 from mission.ports import Port
 from mission.records import to_plain
+from mission.variables import VARIABLES
 from mission.vehicle import Vehicle
 
 FILE = "status.json"
@@ -39,6 +42,7 @@ class Sensor:
     """``why``: stale, missing, frozen, absurd; "" where the value is to be believed."""
 
     value: float | None
+    unit: str
     age_s: float | None
     why: str
 
@@ -93,15 +97,9 @@ def of_drive(drive: Drive, vehicle: Vehicle) -> dict[str, Any]:
     """The fields of Health that the drive knows."""
     engine = drive.engine
     readings, bounds = engine.readings, engine.bounds
-    sensors = {
-        name: Sensor(
-            _finite(readings[name].value), _finite(readings[name].age), readings[name].reason
-        )
-        for name in _SHOWN
-    }
 
     def known(name: str) -> float | None:
-        return sensors[name].value if readings[name].valid else None
+        return _finite(readings[name].value) if readings[name].valid else None
 
     elapsed, volts = engine.mission_time, known("battery")
     return {
@@ -123,7 +121,7 @@ def of_drive(drive: Drive, vehicle: Vehicle) -> dict[str, Any]:
                 bounds.voltage, volts, None if volts is None else volts - bounds.voltage, "V"
             ),
         },
-        "sensors": sensors,
+        "sensors": {name: _sensor(name, readings[name]) for name in _SHOWN},
     }
 
 
@@ -157,6 +155,13 @@ def _margin(bound: float, now: float | None, unit: str) -> Margin:
     return Margin(bound, now, None if now is None else bound - now, unit)
 
 
+def _sensor(name: str, reading: Reading) -> Sensor:
+    unit, value = VARIABLES[name].unit, _finite(reading.value)
+    if unit == "deg" and value is not None:
+        value = math.degrees(value)
+    return Sensor(value, unit, _finite(reading.age), reading.reason)
+
+
 def _finite(value: float) -> float | None:
     return value if abs(value) < float("inf") else None  # a NaN is not less either
 
@@ -181,3 +186,33 @@ def read(folder: Path, wall: float) -> Mapping[str, Any] | None:
     if abs(wall - written) > STALE_S:
         return None
     return found if isinstance(found, dict) else None
+
+
+def as_lines(found: Mapping[str, Any]) -> Iterator[str]:
+    """For people: what concerns the dive first."""
+    for name in ("state", "leg", "reason", "mission_time_s", "mission", "commander"):
+        if found[name] not in ("", None):
+            yield f"{name:16} {found[name]}"
+    for name in found["breached"]:
+        yield f"{'BREACHED':16} {name}"
+    for name, margin in found["margins"].items():
+        left = (
+            "not known now" if margin["left"] is None else f"{margin['left']:.1f} {margin['unit']}"
+        )
+        yield f"{'to ' + name:16} {left}, limit {margin['bound']:g} {margin['unit']}"
+    for name, why in found["disarmed"].items():
+        yield f"{'no ' + name:16} {why}"
+    for name, sensor in found["sensors"].items():
+        value = "" if sensor["value"] is None else f"{sensor['value']:.2f} {sensor['unit']}"
+        yield f"{name:16} {value} {sensor['why']}".rstrip()
+    for name, link in found["links"].items():
+        state = "open" if link["open"] else "CLOSED"
+        silent = (
+            "never heard" if link["silent_s"] is None else f"heard {link['silent_s']:.1f} s ago"
+        )
+        peers = f", {len(link['peers'])} connected" if name == "topside" else ""
+        yield (
+            f"{'link ' + name:16} {state}, {silent}, {link['received']} bytes in, "
+            f"{link['sent']} out, {link['faults']} faults{peers}"
+        )
+    yield f"{'black box':16} {found['black_box_failure'] or found['black_box']}"

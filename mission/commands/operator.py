@@ -121,12 +121,17 @@ def surface(to: str) -> None:
 @click.command()
 @TO
 @click.option("--json", "as_json", is_flag=True, help="One object on stdout.")
-def status(to: str, as_json: bool) -> None:
+@click.option("--local", is_flag=True, help="On the Pi itself: all that serve knows of its health.")
+@click.option("-c", "--config", type=click.Path(path_type=Path), help="As for serve; for --local.")
+def status(to: str, as_json: bool, local: bool, config: Path | None) -> None:
     """What the vehicle tells of itself (@DU) and of its store (@AQ)."""
     import json
 
     from mission.upload import status as talk
 
+    if local:
+        _status_here(config, as_json)
+        return
     found: dict[str, Any] = {}
 
     def took(told: Status, store: StoreReport | None) -> None:
@@ -139,6 +144,30 @@ def status(to: str, as_json: bool) -> None:
     for name, value in found.items():
         if value not in (None, ""):
             click.echo(f"{name:12} {value}")
+
+
+def _status_here(config: Path | None, as_json: bool) -> None:
+    """Beyond what the frames of the documents carry: margins, links, black box."""
+    import json
+    import time
+
+    from mission import health
+    from mission.configuration import ConfigurationError, load_configuration
+
+    try:
+        folder = load_configuration(config).folder
+    except ConfigurationError as error:
+        click.echo(str(error), err=True)
+        raise SystemExit(2) from None
+    found = health.read(folder, time.time())
+    if found is None:
+        click.echo(f"no serve is running with the folder {folder}", err=True)
+        raise SystemExit(1)
+    if as_json:
+        click.echo(json.dumps(found))
+        return
+    for row in health.as_lines(found):
+        click.echo(row)
 
 
 def _values(told: Status, store: StoreReport | None) -> dict[str, Any]:

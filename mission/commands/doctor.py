@@ -1,0 +1,66 @@
+"""``auvmission doctor``: what a person should mend before a dive."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from mission.findings import Finding
+
+
+@click.command()
+@click.option("-c", "--config", type=click.Path(path_type=Path), help="As for serve.")
+@click.option("--json", "as_json", is_flag=True, help="One object on stdout.")
+def doctor(config: Path | None, as_json: bool) -> None:
+    """Examine this Pi, its ports, and the vehicle behind them; say what to do about each fault.
+
+    Listens for some seconds and asks one harmless query (@RI). The ports of a serve that runs are
+    left alone; what serve knows is judged instead. Exit 0, or 1 with a fault.
+    """
+    import json
+
+    from mission.configuration import ConfigurationError, load_configuration
+    from mission.doctor import examine
+    from mission.findings import Condition, fault
+    from mission.vehicle import VehicleError, load_vehicle
+
+    found: list[Finding] = []
+
+    def take(finding: Finding) -> None:
+        found.append(finding)
+        if not as_json:
+            _show(finding)
+
+    try:
+        configuration = load_configuration(config)
+        vehicle = load_vehicle(configuration.vehicle)
+    except (ConfigurationError, VehicleError) as error:
+        take(fault("configuration", str(error), "mend the file; docs/operation.md lists every key"))
+    else:
+        for finding in examine(configuration, vehicle):
+            take(finding)
+    faults = sum(one.condition is Condition.FAULT for one in found)
+    warnings = sum(one.condition is Condition.WARNING for one in found)
+    if as_json:
+        click.echo(json.dumps({"ok": not faults, "findings": [_plain(one) for one in found]}))
+    else:
+        click.echo(f"{faults} faults, {warnings} warnings")
+    raise SystemExit(1 if faults else 0)
+
+
+def _show(finding: Finding) -> None:
+    click.echo(f"{finding.condition.value:8} {finding.what:18} {finding.says}")
+    if finding.todo:
+        click.echo(f"{'':27} -> {finding.todo}")
+
+
+def _plain(finding: Finding) -> dict[str, Any]:
+    return {
+        "what": finding.what,
+        "state": finding.condition.value,
+        "says": finding.says,
+        "todo": finding.todo,
+    }
