@@ -5,7 +5,6 @@
     peers -------------> connected, ...  --+     records --every 0.1 s, in a thread--> black box
 
 What an operator should read goes to the journal, how everything is to status.json (health).
-
 The wall clock and the monotonic clock are read here and nowhere else in the sea's way; the engine's
 time begins with the drive, ``speed`` times as fast as real time (a demonstration; 1 at sea).
 The filter is imported in a thread once the ports are there; until then @AA is refused.
@@ -358,11 +357,11 @@ class Server:
         self._tasks.discard(task)
         if task.cancelled() or (error := task.exception()) is None:
             return
-        if isinstance(error, LinkAddressError):
-            self.refusal = str(error)
-            self.stop()
-        else:
+        if not isinstance(error, LinkAddressError):
             self._journal.fault("".join(traceback.format_exception(error)))
+            return
+        self.refusal = str(error)
+        self.stop()
 
     async def _end(self) -> None:
         self._watchdog.stopping()
