@@ -14,7 +14,7 @@ demo: $(READY)          ## a mission from a YAML file to the vehicle and home, o
 	$(BIN)/auvmission demo
 
 test: $(READY)          ## every test
-	$(BIN)/pytest --cov --cov-report=term:skip-covered
+	$(BIN)/pytest -n 2 --dist worksteal --cov --cov-report=term:skip-covered
 
 check: lint test        ## what must be green before anything lands
 
