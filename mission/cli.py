@@ -38,6 +38,8 @@ COMMANDS = {
     "calibrate": "calibrate",
     "score": "score",
     "doctor": "doctor",
+    "campaign": "campaign",
+    "faults": "faults",
     "keys": "keys",
 }
 

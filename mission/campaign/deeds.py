@@ -1,0 +1,243 @@
+"""What goes wrong beside the vehicle: operators, their links, the program, its disk. A table.
+
+An incident is drawn as deeds, each at its time: bytes that somebody sends, a connection that
+comes or goes, the program killed and begun anew, a cable pulled. Times are s from the beginning
+of the incident.
+
+What does not live here: faults of the vehicle (links.simulated.faults), when an incident begins
+(draw), how a deed is done (trial).
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Callable
+from dataclasses import dataclass
+from random import Random
+
+from protocol.messages import (
+    ClearMission,
+    DataQuery,
+    Emergency,
+    MissionLine,
+    NodeSwitch,
+    Order,
+    SetSafety,
+    SetTime,
+    StartMission,
+)
+from protocol.modem import Sender, wrap
+from protocol.topside import encode
+
+TOPSIDE, MODEM = "topside", "modem"
+BOAT, OTHER_BOAT = "boat", "other boat"
+STICK_EVERY = 0.2  # s (R1: while the stick is held)
+STICK_ENDS = b"@MMF0$"  # twice (R1)
+
+
+class Act(enum.Enum):
+    SAY = "says"
+    JOIN = "connects"
+    PART = "loses its connection"
+    KILL = "the program is killed"
+    BOOT = "the program begins anew"
+    UNPLUG = "the cable to the STM32 is pulled"
+    PLUG = "the cable to the STM32 is back"
+    FILL = "the disk is full"
+    FREE = "the disk has room again"
+
+
+@dataclass(frozen=True, slots=True)
+class Deed:
+    after: float
+    act: Act
+    data: bytes = b""
+    link: str = TOPSIDE
+    address: str = BOAT
+
+
+@dataclass(frozen=True, slots=True)
+class Incident:
+    """``draw`` is given the lines of another mission than the one that flies."""
+
+    says: str
+    draw: Callable[[Random, tuple[str, ...]], list[Deed]]
+
+
+def _say(after: float, data: bytes, link: str = TOPSIDE, address: str = BOAT) -> Deed:
+    return Deed(after, Act.SAY, data, link, address)
+
+
+def _once(*frames: bytes) -> Callable[[Random, tuple[str, ...]], list[Deed]]:
+    return lambda rng, lines: [_say(0.0, frame) for frame in frames]
+
+
+def _stick(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    """Held for a while, then let go."""
+    held = rng.uniform(0.5, 15.0)
+    frame = rng.choice(
+        [
+            b"@MM%c%d$" % (rng.choice(b"FBUD"), rng.randint(1, 12)),
+            b"@MR%c%d$" % (rng.choice(b"LRFBUD"), rng.randint(1, 5)),
+            b"@MS%d,%d$" % (rng.randint(1, 120), rng.randint(-180, 180)),
+            b"@MP%d,%d$" % (rng.randint(1, 120), rng.randint(-180, 180)),
+            b"@MT%d,%d$" % (rng.randint(1, 5), rng.randint(-12, 12)),
+        ]
+    )
+    count = int(held / STICK_EVERY)
+    moves = [_say(i * STICK_EVERY, frame) for i in range(count)]
+    return [*moves, *(_say((count + i) * STICK_EVERY, STICK_ENDS) for i in range(2))]
+
+
+def _stick_and_resume(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
+    moves = _stick(rng, lines)
+    return [*moves, _say(moves[-1].after + rng.uniform(0.5, 50.0), encode(StartMission()))]
+
+
+def _stick_lost(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
+    """Out of range with the stick held: no end, no goodbye."""
+    moves = _stick(rng, lines)[:-2]
+    gone = moves[-1].after + 0.1 if moves else 0.1
+    return [*moves, Deed(gone, Act.PART), Deed(gone + rng.uniform(5.0, 200.0), Act.JOIN)]
+
+
+def _stop_and_clear(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    stop, clear = encode(Emergency(Order.STOP)), encode(ClearMission())
+    return [_say(0.0, stop), _say(rng.uniform(0.0, 60.0), clear)]
+
+
+def _stop_then_surface(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    orders = [encode(Emergency(order)) for order in (Order.STOP, Order.SURFACE)]
+    rng.shuffle(orders)
+    return [_say(0.0, orders[0]), _say(rng.uniform(0.0, 20.0), orders[1])]
+
+
+def _upload(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
+    """Another mission, or a part of it, in the middle of everything."""
+    sent = lines[: rng.randint(1, len(lines))]
+    frames = [encode(MissionLine(len(lines), i, line)) for i, line in enumerate(sent, 1)]
+    return [_say(0.1 * i, frame) for i, frame in enumerate(frames)]
+
+
+def _limits(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    limits = SetSafety(
+        radius=rng.choice([None, round(rng.uniform(30.0, 300.0))]),
+        time=rng.choice([None, 60.0 * rng.randint(2, 20)]),
+        depth=rng.choice([None, float(rng.randint(2, 20))]),
+        voltage=rng.choice([None, 11.0]),
+    )
+    return [_say(0.0, encode(limits))]
+
+
+def _auto_closed(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    closed, opened = (encode(NodeSwitch(s)) for s in ("OOOCCC", "OOOCCO"))
+    return [_say(0.0, closed), _say(rng.uniform(1.0, 60.0), opened)]
+
+
+def _relays(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    letters = bytes(rng.choice(b"OC") for _ in range(7))
+    frames = [b"@RI$", b"@RS%b$" % letters, b"@DS%d,%d$" % (rng.randint(1, 2), 10), b"@DA1,-2$"]
+    return [_say(rng.uniform(0.0, 5.0), rng.choice(frames)) for _ in range(rng.randint(1, 8))]
+
+
+def _lost(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    return [Deed(0.0, Act.PART), Deed(rng.uniform(1.0, 300.0), Act.JOIN)]
+
+
+def _flood(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    frames = [encode(DataQuery()), b"@RI$", b"@NI$", encode(StartMission()), b"@AQ$"]
+    return [_say(0.01 * i, rng.choice(frames) * rng.randint(1, 20)) for i in range(100)]
+
+
+def _garbage(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    pieces = rng.randint(1, 10)
+    return [_say(0.3 * i, rng.randbytes(rng.randint(1, 400))) for i in range(pieces)]
+
+
+def _near_frames(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
+    """Good frames with a byte changed, cut or doubled."""
+    good = [b"@ZAX0$", b"@ZAWF$", b"@AA$", b"@MMF10$", b"@MS120,-90$", b"@SP,1000,5,200,10,$",
+            encode(MissionLine(2, 1, lines[0]))]  # fmt: skip
+    deeds = []
+    for i in range(rng.randint(1, 20)):
+        frame = bytearray(rng.choice(good))
+        at = rng.randrange(len(frame))
+        match rng.randrange(3):
+            case 0:
+                frame[at] = rng.randrange(256)
+            case 1:
+                del frame[at:]
+            case _:
+                frame[at:at] = frame[at : at + 1]
+        deeds.append(_say(rng.uniform(0.0, 10.0) + i * 0.001, bytes(frame)))
+    return deeds
+
+
+def _other_boat(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    """A second connection that would command as well."""
+    words = [b"@AA$", b"@AC$", b"@ZAWF$", b"@ZAX0$", b"@MMF5$", b"@RI$", b"@DU$", b"@NSOOOCCO$"]
+    said = [
+        _say(rng.uniform(0.1, 30.0), rng.choice(words), TOPSIDE, OTHER_BOAT)
+        for _ in range(rng.randint(1, 5))
+    ]
+    joins = Deed(0.0, Act.JOIN, b"", TOPSIDE, OTHER_BOAT)
+    parts = Deed(rng.uniform(30.0, 60.0), Act.PART, b"", TOPSIDE, OTHER_BOAT)
+    return [joins, *said, parts]
+
+
+def _by_modem(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    word = rng.choice([b"@ZAX0$", b"@ZAWF$", b"@DU$", b"@AQ$", b"@AA$", b"@MMD9$", b"@RI$"])
+    times = [0.0, rng.uniform(3.0, 8.0)][: rng.randint(1, 2)]
+    return [_say(t, wrap(word, Sender.TOPSIDE), MODEM, "") for t in times]
+
+
+def _killed(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    """As the service manager does it: begun anew a few seconds later; the boat connects again."""
+    back = rng.uniform(1.0, 8.0)
+    return [
+        Deed(0.0, Act.KILL),
+        Deed(back, Act.BOOT),
+        Deed(back + rng.uniform(0.1, 5.0), Act.JOIN),
+    ]
+
+
+def _killed_twice(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
+    again = rng.uniform(8.5, 40.0)
+    second = [Deed(again + d.after, d.act) for d in _killed(rng, lines)]
+    return [*(d for d in _killed(rng, lines) if d.after < again), *second]
+
+
+def _unplugged(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    return [Deed(0.0, Act.UNPLUG), Deed(rng.uniform(0.5, 30.0), Act.PLUG)]
+
+
+def _disk_full(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    return [Deed(0.0, Act.FILL), Deed(rng.uniform(5.0, 300.0), Act.FREE)]
+
+
+INCIDENTS: dict[str, Incident] = {
+    "operator_stops": Incident("X", _once(encode(Emergency(Order.STOP)))),
+    "operator_surfaces": Incident("W", _once(encode(Emergency(Order.SURFACE)))),
+    "operator_stops_and_clears": Incident("X, later @AC", _stop_and_clear),
+    "operator_stops_and_surfaces": Incident("X and W, one after the other", _stop_then_surface),
+    "operator_starts_again": Incident("@AA once more", _once(encode(StartMission()))),
+    "operator_clears": Incident("@AC, whatever is going on", _once(encode(ClearMission()))),
+    "operator_sets_the_clock": Incident("@ST", _once(encode(SetTime("2031-02-03T04:05:06")))),
+    "stick": Incident("the stick is held for a while", _stick),
+    "stick_and_resume": Incident("the stick, then @AA", _stick_and_resume),
+    "stick_lost": Incident("the link is lost with the stick held", _stick_lost),
+    "second_upload": Incident("another mission is sent", _upload),
+    "limits_tightened": Incident("@SP with tighter limits", _limits),
+    "auto_closed": Incident("@NS closes AUTO for a while", _auto_closed),
+    "relays": Incident("@RS, @RI and rudders", _relays),
+    "topside_lost": Incident("the boat's connection is gone for a while", _lost),
+    "topside_floods": Incident("a thousand frames in a second", _flood),
+    "topside_garbage": Incident("bytes that are no frames", _garbage),
+    "topside_near_frames": Incident("frames with a byte changed, cut, doubled", _near_frames),
+    "other_boat": Incident("a second connection gives commands", _other_boat),
+    "by_modem": Incident("commands by the acoustic modem", _by_modem),
+    "killed": Incident("the program is killed and begun anew", _killed),
+    "killed_twice": Incident("twice within a minute", _killed_twice),
+    "unplugged": Incident("the serial cable is pulled for a while", _unplugged),
+    "disk_full": Incident("nothing can be made durable for a while", _disk_full),
+}

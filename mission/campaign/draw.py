@@ -1,0 +1,128 @@
+"""What goes wrong in flight ``number`` of the fault campaign with seed ``seed``: always the same.
+
+A mission, a profile, a sea with up to 0.5 m/s of current, and one to five disturbances, drawn
+alike from FAULTS and INCIDENTS, at random times. A fault may last for ever, but not one of those
+that take the vehicle out of everybody's hands (OUT_OF_HAND) or change its weight: bringing such a
+vehicle home is physically impossible, and design.md, section 4 excludes it.
+
+What does not live here: what a fault or an incident does (links.simulated.faults, deeds).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from random import Random
+
+from links.simulated.faults import FAULTS
+from links.simulated.settings import FaultEvent, Sea, Settings, setting_of
+from mission.campaign.deeds import INCIDENTS, Deed
+from mission.campaign.trial import FOREVER
+from mission.language import script
+from mission.model import Mission
+
+MOST = 5  # disturbances a flight
+CURRENT = 0.5  # m/s
+HORIZON = 0.4  # of the proved time: about what a mission really takes
+FOR_EVER = 0.15  # share of the faults that may
+OUT_OF_HAND = frozenset({"stm32_hang", "command_lost", "unexplained_dive"})
+WEIGHT = frozenset({"heavy", "light"})
+PROFILES = ("as-built", "documented")
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """A mission to fly; ``proved_time`` is the check's, s."""
+
+    path: Path
+    mission: Mission
+    proved_time: float
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """An incident with what it came to, at the flight's times."""
+
+    name: str
+    begin: float
+    deeds: tuple[Deed, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    seed: int
+    number: int
+    subject: Subject
+    profile: str
+    vehicle_seed: int
+    settings: Settings
+    incidents: tuple[Drawn, ...]
+    heading: float
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        return (
+            *(event.name for event in self.settings.faults),
+            *(drawn.name for drawn in self.incidents),
+        )
+
+    @property
+    def deeds(self) -> tuple[Deed, ...]:
+        return tuple(deed for drawn in self.incidents for deed in drawn.deeds)
+
+    def in_words(self) -> str:
+        sea = self.settings.sea
+        speed, direction = sea.current
+        words = [
+            f"{self.subject.path.stem} on {self.profile}",
+            f"current {speed:.2f} m/s towards {math.degrees(direction):.0f} deg",
+            f"floor {sea.floor:.0f} m",
+            *(setting_of(event) for event in self.settings.faults),
+            *(f"{drawn.name}@{drawn.begin:.1f}" for drawn in self.incidents),
+        ]
+        return ", ".join(words)
+
+
+def draw(seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
+    rng = Random(f"faults {seed} {number}")
+    subject = rng.choice(subjects)
+    profile = rng.choice(PROFILES)
+    vehicle_seed = rng.randrange(1 << 31)
+    sea = _sea(rng)
+    heading = rng.uniform(0.0, math.tau)
+    horizon = HORIZON * subject.proved_time
+    names = rng.choices([*FAULTS, *INCIDENTS], k=rng.randint(1, MOST))
+    others = [s for s in subjects if s is not subject] or [subject]
+    faults, incidents = [], []
+    for name in names:
+        begin = round(rng.uniform(1.0, horizon), 1)
+        if name in FAULTS:
+            faults.append(_fault(rng, name, begin))
+        else:
+            lines = tuple(script(rng.choice(others).mission))
+            deeds = INCIDENTS[name].draw(rng, lines)
+            incidents.append(Drawn(name, begin, tuple(_moved(deed, begin) for deed in deeds)))
+    settings = Settings(sea=sea, faults=tuple(faults))
+    return Plan(seed, number, subject, profile, vehicle_seed, settings, tuple(incidents), heading)
+
+
+def _sea(rng: Random) -> Sea:
+    surface = rng.uniform(0.0, CURRENT), rng.uniform(0.0, math.tau)
+    deep = (rng.uniform(0.0, CURRENT), rng.uniform(0.0, math.tau)) if rng.random() < 0.3 else None
+    floor = rng.uniform(8.0, 60.0) if rng.random() < 0.8 else 150.0
+    return Sea(surface, deep, floor)
+
+
+def _fault(rng: Random, name: str, begin: float) -> FaultEvent:
+    row = FAULTS[name]
+    duration = round(row.duration * 10.0 ** rng.uniform(-0.5, 0.5), 1)
+    if rng.random() < FOR_EVER and name not in OUT_OF_HAND | WEIGHT:
+        duration = FOREVER
+    value = round(row.value * rng.uniform(0.5, 1.5), 3) if row.unit else None
+    return FaultEvent(name, begin, duration, value)
+
+
+def _moved(deed: Deed, begin: float) -> Deed:
+    return Deed(begin + deed.after, deed.act, deed.data, deed.link, deed.address)

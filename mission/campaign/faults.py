@@ -1,0 +1,128 @@
+"""The fault campaign: disturbed flights by seed and number, and what became of them together.
+
+What does not live here: one flight (trial), what is drawn (draw), what is asked of it (laws,
+audit), workers (pool).
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from mission.campaign.draw import Plan, Subject, draw
+from mission.campaign.laws import LOST, OVERRUN, RAISED, SPURIOUS, Violation, violations
+from mission.campaign.trial import Trial, try_out
+from mission.model import AUTONOMOUS, STOPPED, SURFACING, Step
+from mission.prepare import check_prepared, prepare
+from mission.records import Recorder
+from mission.vehicle import Vehicle, load_vehicle, missions_folder
+
+NOT_STARTED = "not started"
+
+
+@dataclass(frozen=True, slots=True)
+class Fared:
+    """How one flight fared; small, for it comes from another process."""
+
+    number: int
+    words: str
+    kinds: tuple[str, ...]
+    violations: tuple[Violation, ...]
+    aborted: tuple[str, ...]
+
+
+@dataclass(slots=True)
+class Totals:
+    flights: int = 0
+    kinds: Counter[str] = field(default_factory=Counter)
+    aborted: Counter[str] = field(default_factory=Counter)
+    violated: Counter[str] = field(default_factory=Counter)  # flights, by kind of violation
+
+    def add(self, fared: Fared) -> None:
+        self.flights += 1
+        self.kinds.update(fared.kinds)
+        self.aborted.update(fared.aborted)
+        self.violated.update({violation.kind for violation in fared.violations})
+
+    @property
+    def clean(self) -> bool:
+        return not self.violated
+
+    def as_json(self) -> dict[str, Any]:
+        """The object of design.md, section 5; ``raised`` beside it."""
+        return {
+            "flights": self.flights,
+            "faults": dict(sorted(self.kinds.items())),
+            "lost": self.violated[LOST],
+            "overruns": self.violated[OVERRUN],
+            "spurious": self.violated[SPURIOUS],
+            "raised": self.violated[RAISED],
+            "aborted": dict(sorted(self.aborted.items())),
+        }
+
+
+def shipped() -> list[Path]:
+    return sorted(missions_folder().glob("*.yaml"))
+
+
+def subjects(paths: Iterable[Path]) -> list[Subject]:
+    """Raises Unreadable, ValueError for a mission that the check refuses."""
+    found = []
+    for path in paths:
+        prepared = prepare(path)
+        report = check_prepared(prepared)
+        if not report.ok or report.proved is None:
+            raise ValueError(f"{path}: refused by the check: {report.refusals[0].message}")
+        found.append(Subject(path, prepared.mission, report.proved.worst_time))
+    return found
+
+
+def fly_plan(
+    plan: Plan, vehicle: Vehicle, recorder: Callable[[], Recorder | None] = lambda: None
+) -> Trial:
+    return try_out(
+        plan.subject.mission,
+        vehicle,
+        plan.profile,
+        plan.vehicle_seed,
+        plan.settings,
+        plan.deeds,
+        heading=plan.heading,
+        recorder=recorder,
+    )
+
+
+def fare(
+    seed: int,
+    number: int,
+    known: Sequence[Subject],
+    recorder: Callable[[], Recorder | None] = lambda: None,
+) -> Fared:
+    plan = draw(seed, number, known)
+    vehicle = load_vehicle(plan.subject.mission.vehicle)
+    trial = fly_plan(plan, vehicle, recorder)
+    found = violations(trial, plan.subject.mission, vehicle, plan.profile, plan.settings)
+    return Fared(number, plan.in_words(), plan.kinds, tuple(found), tuple(_aborts(trial)))
+
+
+def _aborts(trial: Trial) -> list[str]:
+    """Why missions did not come to their own end, by the names of limits and operators."""
+    if trial.started is None:
+        return [NOT_STARTED]
+    reasons, state = [], ""
+    for event in trial.events:
+        if isinstance(event, Step) and event.entered:
+            before, state = state, event.entered[-1]
+            if before.startswith(AUTONOMOUS) and state in (SURFACING, STOPPED):
+                reasons.append(_reason(event))
+            elif event.trigger == "restart":
+                reasons.append("restart")
+    return reasons
+
+
+def _reason(step: Step) -> str:
+    limit = next((e.trigger for e in step.evaluations if e.trigger.startswith("limit ")), "")
+    return limit or f"operator {step.trigger}"

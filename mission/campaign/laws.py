@@ -1,0 +1,242 @@
+"""What may not come of a disturbed flight: a vehicle lost, a limit overrun, a program that raises.
+
+**Lost**: not at the surface at the end, which comes ``trial.ASCENT`` after the last fault is over
+and the last mission must have ended. Faults that make surfacing physically impossible all end
+before that (draw.OUT_OF_HAND, WEIGHT); what design.md, section 4 excludes (a dead Pi while the
+STM32 is in automatic, an STM32 that hangs for ever with its thrusters on) is not drawn.
+
+**Overrun**: truly beyond a limit in force (the tightest of the mission's, the vehicle's, and the
+operator's @SP that was acknowledged) while autonomous or surfacing, by more than detection and
+physics explain:
+
+    depth   the bound, or where it was when the bound came into force, and
+              1 m        beyond which R5 counts
+              0.4 m      of the depth sensor (bias and noise, three sigma)
+              v * s      v: the terminal speed of the dive, from thrust, drag and the least
+                         buoyancy of the flight; s: the seconds that it may go on:
+                4.2        two samples in a row, 2 s apart, and the frame that brings the second
+                10 + 1     as built, W does not stick: U12 follows after 10 s (R7), three tries
+                3          until the thrusters have turned the dive round
+                +18        if depths or reports were ever missing or wrong: 12 s until a frozen
+                           one is known (five identical samples), 6 s without a depth (design)
+                + all      of what takes the vehicle out of everybody's hands: a board that
+                           hangs, is deaf or dives by itself, a pulled cable, a dead program,
+                           each with the 11 s of another ascent
+    radius  the bound, and 8 s of way (two samples, their age, the limit's own step), and what
+            dead reckoning cannot know since the last fix: 15 m, the current's way, a quarter of
+            the way through the water; all of that way twice if the compass or a main thruster was
+            not healthy; and what the GPS was beside the truth
+    time    the bound, and 1 s, in the mission's legs; time under the stick counts
+    report  5 s without a good report (R8), and 0.5 s, in the mission's legs
+
+What does not live here: bytes to the vehicle (audit).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from links.simulated.settings import Settings
+from mission.campaign.audit import audit
+from mission.campaign.deeds import Act
+from mission.campaign.trial import Done, Said, Told, Trial, from_home
+from mission.envelope import SILENCE, Bounds, in_force
+from mission.model import AUTONOMOUS, STOPPED, SURFACING, Mission, Step, Tx
+from mission.vehicle import Vehicle
+from protocol.messages import SetSafety
+
+LOST, OVERRUN, SPURIOUS, RAISED = "lost", "overrun", "spurious", "raised"
+AFLOAT = 0.5  # m (R7)
+DEPTH_MARGIN, DEPTH_ERROR = 1.0, 0.4  # m
+SAMPLES, UNPROVED, TURNED, BLIND = 4.2, 11.0, 3.0, 18.0  # s
+WAY, FIX_ERROR, SHARE = 8.0, 15.0, 0.25  # s, m, of the way
+LATE = 1.0  # s
+DOWN = 8.0  # s that a killed program is down at most (deeds)
+FIX_DEPTH, FIX_TIME = 0.3, 15.0  # m, s at the surface that give a fix
+_OUT_OF_HAND = ("stm32_hang", "command_lost", "unexplained_dive", "stm32_restart")
+_UNSEEN = ("depth_", "stm32_silent", "bytes_corrupted", "line_noise", "splice", "stm32_restart")
+_ASTRAY = ("heading_", "left_main", "right_main", "attitude_")
+_SP = re.compile(rb"@SP,([^,$]*),([^,$]*),([^,$]*),([^,$]*),\$")
+_AUTO_CLOSED = re.compile(rb"@NS[OC]{5}C\$")
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    kind: str
+    t: float
+    says: str
+
+
+def violations(
+    trial: Trial, mission: Mission, vehicle: Vehicle, profile: str, settings: Settings
+) -> list[Violation]:
+    found = [Violation(SPURIOUS, s.t, s.says) for s in audit(trial.events, profile)]
+    if trial.raised:
+        found.append(Violation(RAISED, trial.truth.t, trial.raised))
+    elif trial.truth.depth > AFLOAT:
+        says = f"{trial.truth.depth:.1f} m deep at the end, in {trial.state}"
+        found.append(Violation(LOST, trial.truth.t, says))
+    spans = list(_spans(trial, mission, vehicle))
+    found += _depths(trial, spans, _dive(settings, profile, trial))
+    found += _ranges(trial, spans, settings)
+    found += _times(trial, spans)
+    return sorted(found, key=lambda violation: violation.t)
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """Within it neither the region nor the limits in force changed."""
+
+    begin: float
+    end: float
+    state: str  # at its begin
+    bounds: Bounds
+    started: float  # of the mission
+
+    @property
+    def autonomous(self) -> bool:
+        return self.state.startswith(AUTONOMOUS)
+
+
+def _spans(trial: Trial, mission: Mission, vehicle: Vehicle) -> Iterator[Span]:
+    given, asked = SetSafety(), SetSafety()
+    span = Span(0.0, 0.0, "idle/empty", in_force(vehicle, mission.safety, given), 0.0)
+    interrupted = False
+    for event in trial.events:
+        news = span
+        match event:
+            case Step(t=t, entered=(*_, state)):
+                before, now = _region(span.state), _region(state)
+                fresh = now == AUTONOMOUS and before != AUTONOMOUS and not interrupted
+                interrupted = now == "manual" and (interrupted or before == AUTONOMOUS)
+                if before != now or STOPPED in (state, span.state):
+                    news = replace(span, state=state, started=t if fresh else span.started)
+            case Done(t=t, act=Act.KILL):
+                interrupted, news = False, replace(span, state="dead")
+            case Said(t=t, data=data):
+                if found := _SP.search(data):
+                    asked = _merged(given, found)
+                interrupted = interrupted and not _AUTO_CLOSED.search(data)
+            case Tx(t=t, data=b"@ACK_SPP$"):
+                given = asked
+                news = replace(span, bounds=in_force(vehicle, mission.safety, given))
+            case _:
+                pass
+        if news is not span:
+            yield replace(span, end=t)
+            span = replace(news, begin=t)
+    yield replace(span, end=trial.truth.t)
+
+
+def _region(state: str) -> str:
+    return state.partition("/")[0]
+
+
+def _merged(given: SetSafety, found: re.Match[bytes]) -> SetSafety:
+    values = [_number(text) for text in found.groups()]
+    if values[1] is not None:
+        values[1] *= 60.0
+    news = dict(zip(("radius", "time", "depth", "voltage"), values, strict=True))
+    return replace(given, **{name: value for name, value in news.items() if value})
+
+
+def _number(text: bytes) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+# --- depth ---------------------------------------------------------------------------------------
+
+
+def _dive(settings: Settings, profile: str, trial: Trial) -> float:
+    """m that a dive may go on beyond its bound."""
+    body = settings.body
+    heavy = sum(f.value or 8.0 for f in settings.faults if f.name == "heavy")
+    thrust = 3.0 * body.vertical_thrust - (body.buoyancy - heavy)
+    speed = math.sqrt(max(thrust, 0.0) / body.quadratic[2])
+    seconds = SAMPLES + TURNED + (UNPROVED if profile == "as-built" else 1.0)
+    if any(f.name.startswith(_UNSEEN) for f in settings.faults) or _acts(trial, Act.UNPLUG):
+        seconds += BLIND
+    for fault in settings.faults:
+        if fault.name in _OUT_OF_HAND:
+            seconds += (fault.duration or 0.0) + UNPROVED
+    seconds += len(_acts(trial, Act.KILL)) * (DOWN + UNPROVED)
+    pulled = zip(_acts(trial, Act.UNPLUG), _acts(trial, Act.PLUG), strict=False)
+    seconds += sum(plug - unplug + UNPROVED for unplug, plug in pulled)
+    return DEPTH_MARGIN + DEPTH_ERROR + speed * seconds
+
+
+def _acts(trial: Trial, act: Act) -> list[float]:
+    return [e.t for e in trial.events if isinstance(e, Done) and e.act is act]
+
+
+def _depths(trial: Trial, spans: list[Span], dive: float) -> Iterator[Violation]:
+    base = 0.0
+    bound = math.inf
+    for span in spans:
+        acts = span.autonomous or span.state == SURFACING
+        places = [p for p in trial.track if span.begin <= p.t <= span.end]
+        if span.autonomous and places and (bound != span.bounds.depth or base == 0.0):
+            bound, base = span.bounds.depth, max(span.bounds.depth, places[0].depth)
+        if not acts:
+            base = 0.0
+        elif base and places:
+            deepest = max(places, key=lambda p: p.depth)
+            if deepest.depth > base + dive:
+                says = f"{deepest.depth:.1f} m, limit {bound:g} m, explained {dive:.1f} m more"
+                yield Violation(OVERRUN, deepest.t, f"depth {says}")
+
+
+# --- radius --------------------------------------------------------------------------------------
+
+
+def _ranges(trial: Trial, spans: list[Span], settings: Settings) -> Iterator[Violation]:
+    astray = any(f.name.startswith(_ASTRAY) for f in settings.faults)
+    beside = sum(f.value or 200.0 for f in settings.faults if f.name == "gps_jump")
+    blind = any(f.name.startswith("gps_") for f in settings.faults)
+    share = 2.0 if astray else SHARE
+    unknown = shallow = 0.0
+    flown = iter(span for span in spans if span.autonomous)
+    span = next(flown, None)
+    for place in trial.track:
+        speed, current = abs(place.speed), math.hypot(*place.current)
+        shallow = shallow + 1.0 if place.depth <= FIX_DEPTH else 0.0
+        unknown += current + share * speed
+        if shallow > FIX_TIME and not blind:
+            unknown = 0.0
+        while span is not None and span.end < place.t:
+            span = next(flown, None)
+        if span is None or place.t < span.begin:
+            continue
+        far = math.hypot(*from_home(trial, place))
+        explained = FIX_ERROR + unknown + beside + WAY * (speed + current)
+        if place.t == math.ceil(span.begin) and far > span.bounds.radius:
+            explained += far - span.bounds.radius  # it was outside when the bound came into force
+        if far > span.bounds.radius + explained and place.t > span.begin + WAY:
+            says = f"{far:.0f} m, limit {span.bounds.radius:g} m, explained {explained:.0f} m"
+            yield Violation(OVERRUN, place.t, f"radius {says}")
+            return
+
+
+# --- time and reports -----------------------------------------------------------------------------
+
+
+def _times(trial: Trial, spans: list[Span]) -> Iterator[Violation]:
+    told = [event.t for event in trial.events if isinstance(event, Told)]
+    for span in spans:
+        if not span.autonomous:
+            continue
+        due = max(span.started + span.bounds.time, span.begin)
+        if span.end > due + LATE:
+            says = f"autonomous for {span.end - span.started:.0f} s, limit {span.bounds.time:g} s"
+            yield Violation(OVERRUN, span.end, says)
+        last = span.begin
+        for t in [*(t for t in told if span.begin < t <= span.end), span.end]:
+            if t - last > SILENCE + 0.5:
+                yield Violation(OVERRUN, t, f"autonomous for {t - last:.1f} s without a report")
+            last = t

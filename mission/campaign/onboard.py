@@ -1,0 +1,112 @@
+"""The program on board, on the flight's clock: a drive that can be killed and begun anew.
+
+Each drive's time begins at 0, as at sea; here all times are the flight's. While nobody lives,
+bytes are lost. What a drive made durable is all that the next one knows.
+
+What does not live here: when it is killed (deeds), the loop (trial).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from links.base import Rx
+from mission.configuration import Configuration
+from mission.drive import Drive
+from mission.model import Estimate, Step, Tx
+from mission.records import Recorder
+from mission.store import MemoryStore, Stored, StoreError
+from mission.vehicle import Vehicle
+
+NAVIGATION_AFTER = 2.0  # s from a start until the filter is loaded, on the Pi
+_SAME = 1e-6  # s
+DEAD = "dead"  # the state while no drive lives
+
+
+class FillableStore(MemoryStore):
+    """A disk that may be full for a while."""
+
+    def __init__(self, content: Stored | None = None) -> None:
+        super().__init__(content)
+        self.full = False
+
+    def _write(self, content: Stored) -> None:
+        if self.full:
+            raise StoreError("no space left on device")
+        super()._write(content)
+
+
+class OnBoard:
+    """``step`` and ``estimate`` are told with the flight's times. Recorded is the drive that
+    lives; ``recorder`` is called once for each."""
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        store: FillableStore,
+        wall: float,
+        step: Callable[[Step], None],
+        estimate: Callable[[Estimate], None],
+        recorder: Callable[[], Recorder | None] = lambda: None,
+    ) -> None:
+        self._vehicle, self.store, self._wall = vehicle, store, wall
+        self._tell_step, self._tell_estimate, self._recorder = step, estimate, recorder
+        self._zero = 0.0
+        self._drive: Drive | None = None
+        self._navigation_due: float | None = None
+
+    @property
+    def state(self) -> str:
+        return self._drive.state if self._drive else DEAD
+
+    def boot(self, now: float, navigation_after: float = NAVIGATION_AFTER) -> None:
+        self._zero, wall = now, self._wall + now
+        self._drive = Drive(
+            Configuration(), self._vehicle, self.store, self._recorder(), wall=wall, observer=self
+        )
+        self._navigation_due = now + navigation_after
+
+    def kill(self) -> None:
+        self._drive, self._navigation_due = None, None
+
+    # --- as a drive ------------------------------------------------------------------------------
+
+    def receive(self, rx: Rx, now: float) -> list[Tx]:
+        t = max(rx.t - self._zero, 0.0)
+        moved = Rx(t, rx.link, rx.data, rx.address)
+        return self._shifted(lambda drive, at: drive.receive(moved, at), now)
+
+    def connected(self, link: str, address: str, now: float) -> list[Tx]:
+        return self._shifted(lambda drive, at: drive.connected(link, address, at), now)
+
+    def disconnected(self, link: str, address: str, now: float) -> list[Tx]:
+        return self._shifted(lambda drive, at: drive.disconnected(link, address, at), now)
+
+    def handle_timer(self, now: float) -> list[Tx]:
+        out: list[Tx] = []
+        if self._navigation_due is not None and now >= self._navigation_due:
+            self._navigation_due = None
+            out = self._shifted(lambda d, at: d.set_navigation(d.make_navigation(), at), now)
+        return out + self._shifted(lambda drive, at: drive.handle_timer(at), now)
+
+    def next_timer(self) -> float | None:
+        due = self._drive.next_timer() if self._drive else None
+        dues = [self._navigation_due, None if due is None else due + self._zero]
+        return min((t for t in dues if t is not None), default=None)
+
+    def _shifted(self, call: Callable[[Drive, float], list[Tx]], now: float) -> list[Tx]:
+        if self._drive is None:
+            return []
+        at, due = now - self._zero, self._drive.next_timer()
+        if due is not None and at < due < at + _SAME:  # the sum was rounded
+            at = due
+        return [replace(tx, t=now) for tx in call(self._drive, at)]
+
+    # --- as the drive's observer -----------------------------------------------------------------
+
+    def step(self, step: Step) -> None:
+        self._tell_step(replace(step, t=step.t + self._zero))
+
+    def estimate(self, estimate: Estimate) -> None:
+        self._tell_estimate(replace(estimate, t=estimate.t + self._zero))

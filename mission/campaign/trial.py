@@ -1,0 +1,277 @@
+"""One disturbed flight in lock step: the loop of ``flight``, with all that may happen beside it.
+
+    deeds --> boats, modem --bytes--> OnBoard --bytes--> SimulatedVehicle
+                           <--bytes--         <--bytes--
+
+Everything that laws and audit need is kept as events in their order: what was said, what was
+heard of the vehicle, what was decided, what was sent. It ends when nothing more can happen and
+the vehicle is at the surface, or when it should long have been.
+
+What does not live here: what is disturbed (draw, deeds), what is asked of the flight (laws, audit).
+"""
+
+from __future__ import annotations
+
+import math
+import traceback
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from links.base import Rx
+from links.simulated.faults import FAULTS
+from links.simulated.geodesy import local, moved
+from links.simulated.link import HOME, START, SimulatedVehicle, Truth
+from links.simulated.settings import FaultEvent, Settings
+from mission.campaign.deeds import BOAT, MODEM, TOPSIDE, Act, Deed
+from mission.campaign.onboard import FillableStore, OnBoard
+from mission.drive import VEHICLE
+from mission.language import digest, script
+from mission.model import AUTONOMOUS, STOPPED, SURFACED, Estimate, Mission, Step, Tx
+from mission.nodes import LINK as NODES
+from mission.records import Recorder
+from mission.rehearsal import Operator
+from mission.vehicle import Vehicle
+
+FOREVER = 1e6  # s: longer than any flight
+QUIET = 20.0  # s at the surface with nothing under way
+ASCENT = 900.0  # s that the way up may take at most, when all faults are over
+UPLOAD = 200.0  # s until the operator has started the mission, or given up
+_AT_REST = ("idle/", STOPPED, SURFACED)
+_AFLOAT = 0.5  # m (R7)
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """Bytes that reached the program from outside."""
+
+    t: float
+    link: str
+    address: str
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """Bytes of the vehicle that reached the program."""
+
+    t: float
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """A telemetry that was taken, with the estimate that came of it."""
+
+    t: float
+    estimate: Estimate
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """A deed that is no bytes."""
+
+    t: float
+    act: Act
+
+
+Event = Said | Heard | Told | Done | Step | Tx
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """What came of it. ``raised`` is the traceback of a fault of the program, "" if none."""
+
+    events: tuple[Event, ...]
+    track: tuple[Truth, ...]  # one a second
+    home: tuple[float, float]  # rad
+    truth: Truth  # at the end
+    state: str
+    failure: str  # why the operator could not start the mission, ""
+    started: float | None
+    raised: str
+
+
+def try_out(
+    mission: Mission,
+    vehicle: Vehicle,
+    profile: str,
+    seed: int,
+    settings: Settings,
+    deeds: Sequence[Deed] = (),
+    *,
+    offset: tuple[float, float] = (0.0, 0.0),
+    heading: float = 0.0,
+    recorder: Callable[[], Recorder | None] = lambda: None,
+    store: FillableStore | None = None,
+) -> Trial:
+    """``deeds`` are at the flight's times. ``offset``: m north and east of home where it begins;
+    ``recorder`` makes one for each life of the program."""
+    flown = replace(vehicle, dialect=profile)
+    loop = _Loop(mission, flown, seed, settings, deeds, offset, heading, recorder, store)
+    return loop.run()
+
+
+class _Loop:
+    def __init__(
+        self,
+        mission: Mission,
+        vehicle: Vehicle,
+        seed: int,
+        settings: Settings,
+        deeds: Sequence[Deed],
+        offset: tuple[float, float],
+        heading: float,
+        recorder: Callable[[], Recorder | None],
+        store: FillableStore | None,
+    ) -> None:
+        home = HOME
+        if mission.home is not None:
+            home = math.radians(mission.home.latitude_deg), math.radians(mission.home.longitude_deg)
+        self.home = home
+        self.sea = SimulatedVehicle(
+            vehicle.dialect, seed, settings, position=moved(*home, *offset), heading=heading
+        )
+        self.events: list[Event] = []
+        wall = START.timestamp()
+        self.board = OnBoard(
+            vehicle, store or FillableStore(), wall, self._step, self._told, recorder
+        )
+        self.operator = Operator(script(mission), digest(mission))
+        self.deeds = deque(sorted(deeds, key=lambda deed: deed.after))
+        self.now = 0.0
+        self.plugged, self.joined = True, {BOAT}
+        self._safety = mission.safety.time or vehicle.limits.time
+        ends = [t for event in settings.faults if (t := fault_ends(event)) < math.inf]
+        self._last = max([0.0, *ends, *(deed.after for deed in deeds)])
+        self._deadline = self._last + UPLOAD + ASCENT
+        self._rests_since: float | None = None
+        self._failed = ""
+
+    def run(self) -> Trial:
+        raised = ""
+        try:
+            self.board.boot(0.0, 0.0)
+            self._send(self.board.connected(TOPSIDE, BOAT, 0.0))
+            while not self._is_over():
+                self._to_next_event()
+        except Exception:  # a fault of the program is what is looked for
+            raised = traceback.format_exc()
+        return Trial(
+            tuple(self.events),
+            tuple(self.sea.track),
+            self.home,
+            self.sea.truth(),
+            self.board.state,
+            self.operator.failure,
+            self.operator.started,
+            raised,
+        )
+
+    # --- the loop --------------------------------------------------------------------------------
+
+    def _is_over(self) -> bool:
+        if self.now > self._deadline:
+            return True
+        waits = self.operator.started is None and not self.operator.failure
+        rests = self.board.state.startswith(_AT_REST) and self.sea.plant.depth <= _AFLOAT
+        if waits or not rests or self.now < self._last:
+            self._rests_since = None
+            return False
+        if self._rests_since is None:
+            self._rests_since = self.now
+        return self.now - self._rests_since > QUIET
+
+    def _next_event(self) -> float:
+        timers: tuple[float | None, ...] = (
+            self.sea.vehicle_link.next_event(),
+            self.sea.gps_link.next_event(),
+            self.board.next_timer(),
+            self.operator.next_timer(),
+            self.deeds[0].after if self.deeds else None,
+        )
+        return max(self.now, min(t for t in timers if t is not None))
+
+    def _to_next_event(self) -> None:
+        """Bytes before timers: what has arrived by then is known by then."""
+        self.now = now = self._next_event()
+        for rx in self.sea.vehicle_link.receive(now):
+            if self.plugged:
+                self.events.append(Heard(now, rx.data))
+                self._send(self.board.receive(rx, now))
+        for rx in self.sea.gps_link.receive(now):
+            self._send(self.board.receive(rx, now))
+        while self.deeds and self.deeds[0].after <= now:
+            self._do(self.deeds.popleft())
+        due = self.operator.next_timer()
+        if due is not None and due <= now:
+            for data in self.operator.handle_timer(now):
+                self._send(self._say(TOPSIDE, BOAT, data))
+        due = self.board.next_timer()
+        if due is not None and due <= now:
+            self._send(self.board.handle_timer(now))
+
+    def _do(self, deed: Deed) -> None:
+        now = self.now
+        if deed.act is Act.SAY:
+            self._send(self._say(deed.link, deed.address, deed.data))
+            return
+        self.events.append(Done(now, deed.act))
+        match deed.act:
+            case Act.JOIN:
+                self.joined.add(deed.address)
+                self._send(self.board.connected(deed.link, deed.address, now))
+            case Act.PART:
+                self.joined.discard(deed.address)
+                self._send(self.board.disconnected(deed.link, deed.address, now))
+            case Act.KILL:
+                self.board.kill()
+                self.joined.clear()
+            case Act.BOOT:
+                self.board.boot(now)
+            case Act.UNPLUG | Act.PLUG:
+                self.plugged = deed.act is Act.PLUG
+            case Act.FILL | Act.FREE:
+                self.board.store.full = deed.act is Act.FILL
+
+    def _say(self, link: str, address: str, data: bytes) -> list[Tx]:
+        """Nothing is said over a connection that is not there."""
+        if link != MODEM and address not in self.joined:
+            return []
+        self.events.append(Said(self.now, link, address, data))
+        return self.board.receive(Rx(self.now, link, data, address), self.now)
+
+    def _send(self, sent: list[Tx]) -> None:
+        waiting = deque(sent)
+        while waiting:
+            tx = waiting.popleft()
+            self.events.append(tx)
+            if tx.link == VEHICLE:
+                if self.plugged:
+                    self.sea.vehicle_link.send(tx.data, self.now)
+            elif tx.link == TOPSIDE and tx.address == BOAT and BOAT in self.joined:
+                for data in self.operator.receive(tx.data, self.now):
+                    waiting += self._say(TOPSIDE, BOAT, data)
+            elif tx.link == NODES:
+                waiting += self.board.receive(Rx(self.now, NODES, tx.data + b"\n"), self.now)
+
+    # --- what is kept ----------------------------------------------------------------------------
+
+    def _step(self, step: Step) -> None:
+        self.events.append(step)
+        if any(path.startswith(AUTONOMOUS) for path in step.entered):
+            self._deadline = max(self._deadline, step.t + self._safety + ASCENT)
+
+    def _told(self, estimate: Estimate) -> None:
+        self.events.append(Told(self.now, estimate))
+
+
+def fault_ends(event: FaultEvent) -> float:
+    """At s; a fault for ever never."""
+    duration = FAULTS[event.name].duration if event.duration is None else event.duration
+    return math.inf if duration >= FOREVER else event.begin + duration
+
+
+def from_home(trial: Trial, place: Truth) -> tuple[float, float]:
+    """m north and east, by the simulator's own geodesy."""
+    return local(trial.home, place.latitude, place.longitude)

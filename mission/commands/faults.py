@@ -1,0 +1,94 @@
+"""`auvmission faults`: seeded flights with faults of everything, and what became of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from mission.campaign.draw import Subject
+    from mission.campaign.faults import Fared
+    from mission.records import Recorder
+
+
+@click.command()
+@click.option("--flights", type=click.IntRange(1), default=50, show_default=True)
+@click.option("--seed", type=int, default=0, show_default=True, help="Any; the same flights again.")
+@click.option("--flight", type=click.IntRange(0), help="This one alone, with its whole story.")
+@click.option("--workers", type=click.IntRange(1), help="Processes; a core each by default.")
+@click.option(
+    "--report",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="With --flight: folder for its black boxes, one for each life of the program.",
+)
+@click.option("--json", "as_json", is_flag=True, help="The object alone, no story.")
+def faults(
+    flights: int,
+    seed: int,
+    flight: int | None,
+    workers: int | None,
+    report: Path | None,
+    as_json: bool,
+) -> None:
+    """Fly the shipped missions with faults of vehicle, links, operators and program.
+
+    Zero vehicles lost, zero limits overrun, zero commands that nothing asked for: exit 0. Each
+    flight that fails is told with the command that flies it again: exit 1. The last line of
+    stdout is one JSON object.
+    """
+    import functools
+    import json
+    import sys
+
+    from mission.campaign.faults import Totals, fare, shipped, subjects
+    from mission.campaign.pool import results, with_progress
+
+    known = tuple(subjects(shipped()))
+    totals = Totals()
+    if flight is not None:
+        fared = fare(seed, flight, known, _recorders(report))
+        totals.add(fared)
+        click.echo(_story(seed, fared), err=as_json)
+    else:
+        work = functools.partial(_fare, seed, known)
+        tell = functools.partial(click.echo, err=True)
+        found = results(work, range(flights), workers)
+        for fared in with_progress(found, flights, "flights", tell):
+            totals.add(fared)
+            if fared.violations:
+                click.echo(_story(seed, fared), err=as_json)
+    click.echo(json.dumps(totals.as_json()))
+    sys.exit(0 if totals.clean else 1)
+
+
+def _fare(seed: int, known: Sequence[Subject], number: int) -> Fared:
+    from mission.campaign.faults import fare
+
+    return fare(seed, number, known)
+
+
+def _recorders(folder: Path | None) -> Callable[[], Recorder | None]:
+    """A black box for each life of the program."""
+    if folder is None:
+        return lambda: None
+    from itertools import count
+
+    from mission.blackbox import BlackBox
+
+    lives = count(1)
+
+    def make() -> BlackBox:
+        path = folder / f"life{next(lives)}.mcap"
+        path.unlink(missing_ok=True)
+        return BlackBox(path)
+
+    return make
+
+
+def _story(seed: int, fared: Fared) -> str:
+    found = [f"  {v.kind} at {v.t:.1f} s: {v.says}" for v in fared.violations]
+    again = f"  again: auvmission faults --seed {seed} --flight {fared.number}"
+    return "\n".join([f"flight {fared.number}: {fared.words}", *found, again])
