@@ -46,7 +46,7 @@ from mission.model import (
 )
 from mission.units import UNITS, UnitError, quantity
 from mission.variables import VARIABLES
-from mission.vehicle import Vehicle, VehicleError, load_vehicle, missions_folder
+from mission.vehicle import missions_folder
 
 UNNAMED = "unnamed"
 DEFAULT_VEHICLE = "auv"
@@ -184,21 +184,17 @@ class Assembly:
         if match is not None:
             found[key] = Amount(match[1], unit, default.where)
 
-    def _vehicle(self, statements: Iterable[Statement]) -> Vehicle | None:
+    def _vehicle(self, statements: Iterable[Statement]) -> str:
+        """Its name; the file itself is read only where something needs it."""
         named = next((s for s in statements if isinstance(s, MissionHead)), None)
         name = named.vehicle if named else None
-        try:
-            return load_vehicle(name.text if name else DEFAULT_VEHICLE)
-        except VehicleError as error:
+        wanted = name.text if name else DEFAULT_VEHICLE
+        known = sorted(path.stem for path in (missions_folder() / "vehicles").glob("*.yaml"))
+        if wanted not in known:
             where = name.where if name else NOWHERE
-            known = sorted(path.stem for path in (missions_folder() / "vehicles").glob("*.yaml"))
-            wanted = name.text if name else DEFAULT_VEHICLE
-            if wanted in known:
-                self._problems.add("vehicle-file", where, str(error))
-            else:
-                hint = suggestion(wanted, known, "vehicles")
-                self._problems.add("unknown-vehicle", where, f"unknown vehicle {wanted!r}", hint)
-            return None
+            hint = suggestion(wanted, known, "vehicles")
+            self._problems.add("unknown-vehicle", where, f"unknown vehicle {wanted!r}", hint)
+        return wanted
 
     # --- then: one by one ----------------------------------------------------------------------
 

@@ -58,6 +58,7 @@ from mission.model import (
     Yoyo,
 )
 from mission.units import compass, number_text
+from mission.vehicle import VehicleError
 
 _COUNT_MOST = 9999
 
@@ -222,7 +223,9 @@ class Legs:
 
     def _speed(self, speed: float, amount: Amount, where: Where) -> list[Setting]:
         vehicle = self._values.vehicle
-        if vehicle is None:
+        if isinstance(vehicle, VehicleError):
+            hint = "write a gear instead, or mend the vehicle file"
+            self._problems.add("vehicle-file", amount.where, str(vehicle), hint)
             return []
         curve = vehicle.speed_by_gear
         if speed > max(curve.y) * (1 + 1e-9):

@@ -5,6 +5,7 @@ Whatever is wrong goes to the problems; a value stands in for it so that reading
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping
 
@@ -38,20 +39,25 @@ from mission.model import (
 )
 from mission.units import UNITS, UnitError, number_text, quantity
 from mission.variables import VARIABLES
-from mission.vehicle import Vehicle
+from mission.vehicle import Vehicle, VehicleError, load_vehicle
 
 _FAR = 20_000.0  # m: no mission of this vehicle goes farther from home
 
 
 class Values:
-    """Reads values for one file. ``vehicle`` None: unknown, its checks are left out."""
+    """Reads values for one file; ``vehicle`` is the name of the one it is for."""
 
-    def __init__(
-        self, problems: Problems, parameters: Mapping[str, Amount], vehicle: Vehicle | None
-    ) -> None:
+    def __init__(self, problems: Problems, parameters: Mapping[str, Amount], vehicle: str) -> None:
         self.problems = problems
-        self.vehicle = vehicle
         self._parameters = parameters
+        self._name = vehicle
+
+    @functools.cached_property
+    def vehicle(self) -> Vehicle | VehicleError:
+        try:
+            return load_vehicle(self._name)
+        except VehicleError as error:
+            return error
 
     def number(
         self, amount: Amount, unit: str, low: float, high: float, above: bool = False

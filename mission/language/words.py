@@ -190,7 +190,7 @@ CLAUSES: Mapping[str, str] = MappingProxyType(
         "until": "a guard that ends the leg: to the next one, or `-> name`; several may stand",
         "for": "the leg ends after this time",
         "timeout": "the leg is given up after this time",
-        "else": "where to go then, and when the vehicle cannot follow; `surface` unless said",
+        "else": "where to go then, and when the vehicle cannot follow; unless said as `on timeout`",
     }
 )
 

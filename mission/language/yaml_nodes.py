@@ -20,7 +20,7 @@ from mission.model import Where
 _AMOUNT = re.compile(r"(-?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/%]*)\Z")
 _WORD = re.compile(r"[A-Za-z_][\w-]*\Z")
 _Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-_MOST_NODES = 200_000  # aliases can make a small file endless
+_MOST_NODES = 120_000  # aliases can make a small file endless
 
 _DEEPEST = 500  # of nested brackets, and of dashes or blanks that begin a line
 _NESTING = re.compile(r"[\[\]{}]")
