@@ -159,7 +159,8 @@ def _part(text: str, offset: int) -> tuple[int, str]:
 
 def _wanted(expected: frozenset[str]) -> str:
     names = [name for terminal, name in _EXPECTED.items() if terminal in expected]
-    return f"expected {' or '.join(names[:4])}" if names else ""
+    names += sorted(word for terminal, word in _KEYWORDS.items() if terminal in expected)
+    return f"expected {' or '.join(names[:4])}" if names else "one statement a line"
 
 
 def _unfinished(text: str, expected: frozenset[str]) -> Complaint:

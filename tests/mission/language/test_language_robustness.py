@@ -1,0 +1,48 @@
+"""Whatever stands in a file: a mission, or errors with places; never anything else."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import pytest
+
+from mission.language import MissionErrors, layout, parse, to_lines, to_yaml
+
+MISSIONS = Path(__file__).resolve().parents[3] / "missions"
+FRAGMENTS = (
+    "-> ( ) not and until held sure % 1e999 1e-999 - -- 9999999999999999999999 ZAA5;-3 ZAH + # \t "
+    "{ } [ ] : ' \" &a *a << é \x00 \u2028 @ $ end repeat group param here home 1:30 !!python/object "
+    "| > ? ~ null nan inf"
+).split(" ")
+
+
+def mutated(rng: random.Random, texts: list[str]) -> str:
+    text = rng.choice(texts)
+    for _ in range(rng.randint(1, 4)):
+        start = rng.randrange(len(text) + 1)
+        end = min(len(text), start + rng.randint(0, 20))
+        other = rng.choice(texts)
+        at = rng.randrange(len(other))
+        pieces = ("", rng.choice(FRAGMENTS), other[at : at + rng.randint(1, 40)], "\n")
+        text = text[:start] + rng.choice(pieces) + text[rng.choice([start, end]) :]
+    return text
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_damaged_mission_is_read_or_refused_with_places_and_hints(seed: int) -> None:
+    paths = sorted(p for p in MISSIONS.iterdir() if p.suffix in (".yaml", ".mission"))
+    texts = [path.read_text("utf-8") for path in paths]
+    texts += [to_lines(parse(text)) for text in texts]
+    rng = random.Random(seed)
+    for _ in range(40):
+        text = mutated(rng, texts)
+        try:
+            mission = parse(text)
+        except MissionErrors as errors:
+            lines = text.split("\n")
+            assert all(p.message and p.hint and 1 <= p.line <= len(lines) for p in errors.problems)
+            assert str(errors)
+            continue
+        assert parse(to_lines(mission)) == parse(to_yaml(mission)) == mission
+        assert parse(layout.formatted(text)) == mission
