@@ -51,7 +51,10 @@ _SAME = 1e-3  # s
 _FRAME = re.compile(rb"@ZA([A-Z])(-?\d*)[,;]?(-?\d*)\$")
 _RELAYED = re.compile(rb"@[MRD][^@$]{0,60}\$")
 _X, _W, _AA = re.compile(rb"@ZAX0\$"), re.compile(rb"@ZAWF\$"), re.compile(rb"@AA\$")
-_M = re.compile(rb"@M[^@$]{0,60}\$")
+_M = re.compile(  # well-formed ones: others move nothing
+    rb"@M(?:T[1-5],-?\d{1,2}|D[AS][1-3],-?\d{1,3}|M[FBUD]\d{1,2}|R[LRFBUD][0-5]"
+    rb"|[SP]\d{1,3},-?\d{1,3})\$"
+)
 _STOPPED_ACK = re.compile(rb"@ACK_Z[XA]Y\$")
 _LONGEST = 64
 _ORDERS = {"everything stopped": Order.STOP, "emergency surfacing": Order.SURFACE}
@@ -69,10 +72,14 @@ class Spurious:
 class _Permit:
     frame: bytes
     order: bool
-    since: float
     tries: int = 0
-    first: float = math.inf
     ends: float = math.inf
+
+    def sent(self, t: float) -> None:
+        """What left at the instant when it was replaced has its tries still before it."""
+        if not self.tries and self.ends < math.inf and not self.order:
+            self.ends = t + STALE
+        self.tries += 1
 
 
 def command_of(words: str) -> Setpoint | Order:
@@ -200,7 +207,7 @@ class _Auditor:
             if order or not permit.order:
                 permit.ends = min(permit.ends, ended)
         self._permits = [p for p in self._permits if p.ends > t]
-        self._permits += [_Permit(frame, order, t) for frame in self._encode(command)]
+        self._permits += [_Permit(frame, order) for frame in self._encode(command)]
 
     # --- sent ----------------------------------------------------------------------------------
 
@@ -211,11 +218,10 @@ class _Auditor:
             yield from self._relayed(tx)
 
     def _commanded(self, tx: Tx) -> Iterator[Spurious]:
-        for permit in reversed(self._permits):
+        for permit in self._permits:  # the oldest that is left has the line
             live = tx.t <= permit.ends and permit.tries < TRIES
             if live and _alike(permit.frame, tx.data):
-                permit.tries += 1
-                permit.first = min(permit.first, tx.t)
+                permit.sent(tx.t)
                 break
         else:
             yield Spurious(

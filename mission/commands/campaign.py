@@ -1,0 +1,129 @@
+"""`auvmission campaign`: missions that the check passed, flown against what it proved."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from mission.campaign.proofs import Claim, Shown
+
+Job = tuple["Claim", int, int]  # claim, seed, flight
+
+
+@click.command()
+@click.argument("files", metavar="[MISSION]...", nargs=-1, type=click.Path(path_type=Path))
+@click.option(
+    "--missions",
+    type=click.IntRange(0),
+    help="So many in all: the files (the shipped ones if none is named), then generated ones.",
+)
+@click.option("--flights", type=click.IntRange(1), default=3, show_default=True, help="Of each.")
+@click.option("--seed", type=int, default=0, show_default=True)
+@click.option("--generated", type=click.IntRange(0), help="The generated mission of this number.")
+@click.option("--flight", type=click.IntRange(0), help="This flight alone.")
+@click.option("--show", is_flag=True, help="Print the generated mission, do not fly.")
+@click.option("--workers", type=click.IntRange(1), help="Processes; a core each by default.")
+def campaign(
+    files: tuple[Path, ...],
+    missions: int | None,
+    flights: int,
+    seed: int,
+    generated: int | None,
+    flight: int | None,
+    show: bool,
+    workers: int | None,
+) -> None:
+    """Fly missions within what the check assumed: never past what it proved.
+
+    Current, start, compass, speed and floor are random within the assumptions; sensors fail and
+    links are lost. Each counterexample is told with the command that flies it again: exit 1. The
+    last line of stdout is one JSON object.
+    """
+    import functools
+    import json
+    import sys
+
+    from mission.campaign.faults import shipped
+    from mission.campaign.generated import generate
+    from mission.campaign.pool import results, with_progress
+    from mission.prepare import Unreadable
+    from mission.vehicle import load_vehicle
+
+    if generated is not None and show:
+        click.echo(generate(seed, generated, load_vehicle("auv")).text, nl=False)
+        return
+    named = () if generated is not None else files or tuple(shipped())
+    count = 1 if generated is not None else len(named) if missions is None else missions
+    tell = functools.partial(click.echo, err=True)
+    try:
+        claims = [_claim(path) for path in named[:count]]
+    except (Unreadable, ValueError) as error:
+        click.echo(str(error), err=True)
+        sys.exit(2)
+    first = generated or 0
+    numbers = range(first, first + count - len(claims))
+    work = functools.partial(_generated, seed)
+    made = results(work, numbers, workers)
+    claims += with_progress(made, len(numbers), "missions generated", tell)
+    flown = range(flights) if flight is None else [flight]
+    jobs: list[Job] = [(claim, seed, number) for claim in claims for number in flown]
+    totals = {"missions": len(claims), "flights": 0, "not_started": 0}
+    broken = dict.fromkeys(("time", "range", "depth", "end", "raised"), 0)
+    most = dict.fromkeys(("time", "range", "depth"), 0.0)
+    for (claim, _, number), shown in zip(
+        jobs, with_progress(results(_show, jobs, workers), len(jobs), "flights", tell), strict=True
+    ):
+        totals["flights"] += 1
+        totals["not_started"] += not shown.started
+        for violation in shown.violations:
+            broken[violation.kind] += 1
+        for name in most:
+            share = getattr(shown.needed, name) / _proved(claim)[name]
+            most[name] = max(most[name], round(share, 3))
+        if shown.violations or flight is not None:
+            click.echo(_story(shown, seed, number))
+    click.echo(json.dumps({**totals, "violations": broken, "greatest_share": most}))
+    sys.exit(1 if any(broken.values()) else 0)
+
+
+def _proved(claim: Claim) -> dict[str, float]:
+    proved = claim.proved
+    return {"time": proved.worst_time, "range": proved.max_range, "depth": proved.max_depth}
+
+
+def _claim(path: Path) -> Claim:
+    from mission.campaign.proofs import Claim
+    from mission.prepare import check_prepared, prepare
+
+    prepared = prepare(path)
+    report = check_prepared(prepared)
+    if not report.ok or report.proved is None:
+        why = report.refusals[0].message if report.refusals else "nothing is proved"
+        raise ValueError(f"{path}: the check refuses it: {why}")
+    return Claim(str(path), prepared.mission, report.proved)
+
+
+def _generated(seed: int, number: int) -> Claim:
+    from mission.campaign.generated import generate
+    from mission.campaign.proofs import Claim
+    from mission.vehicle import load_vehicle
+
+    made = generate(seed, number, load_vehicle("auv"))
+    return Claim(f"--generated {number}", made.mission, made.proved)
+
+
+def _show(job: Job) -> Shown:
+    from mission.campaign.proofs import show
+    from mission.vehicle import load_vehicle
+
+    claim, seed, flight = job
+    return show(claim, load_vehicle(claim.mission.vehicle), seed, flight)
+
+
+def _story(shown: Shown, seed: int, number: int) -> str:
+    found = [f"  {v.kind} at {v.t:.1f} s: {v.says}" for v in shown.violations]
+    again = f"  again: auvmission campaign {shown.source} --seed {seed} --flight {number}"
+    return "\n".join([f"flight {number} of {shown.words}", *found, again])
