@@ -20,6 +20,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from links.base import Rx
+from links.simulated.boards import BOARDS, SimulatedBoard
 from links.simulated.geodesy import local
 from links.simulated.link import HOME, START, SimulatedVehicle
 from links.simulated.settings import Settings
@@ -78,7 +79,11 @@ class _LockStep:
         position, home = HOME, mission.home
         if home is not None:
             position = math.radians(home.latitude_deg), math.radians(home.longitude_deg)
-        self.sea = SimulatedVehicle(vehicle.dialect, seed, settings, position=position)
+        self.sea: SimulatedVehicle | SimulatedBoard = (
+            SimulatedBoard(vehicle.codec, seed, settings, position=position)
+            if vehicle.codec in BOARDS
+            else SimulatedVehicle(vehicle.dialect, seed, settings, position=position)
+        )
         self.log = FlightLog(mission, self._true_place)
         self.drive = Drive(
             Configuration(),

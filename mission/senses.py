@@ -21,6 +21,7 @@ from protocol.messages import Fix, Telemetry
 SURFACE_DEPTH = 0.5  # m (R7)
 SURFACE_TIME = 6.0  # s (R7)
 _FRESH = 6.0  # s, without navigation
+_POSITION_PERIOD = 1.0  # s: the errors of one second's positions are one error
 _ESTIMATE_AGE = 2.5  # s: older, and it is reckoned on to now
 _MEDIAN_OF = 5  # fixes (R9)
 _SCATTER = 10.0  # m (R9)
@@ -56,15 +57,18 @@ class Navigator(Protocol):
 
 
 class Senses:
-    def __init__(self, navigation: Navigator | None = None) -> None:
+    def __init__(self, navigation: Navigator | None = None, *, grounded: bool = False) -> None:
+        """``grounded``: the vehicle drives on the ground, where the depth is 0."""
         self.navigation = navigation
+        self._grounded = grounded
         self.now = 0.0
         self.telemetry: Telemetry | None = None
         self.fixes: tuple[Fix, ...] = ()  # the last five, oldest first
         self.estimate: Estimate | None = None
         self.believed_depth: float | None = None  # the last one that could be believed
         self._believed_at = -math.inf
-        self._shallow_since: float | None = None
+        self._position_at = -math.inf  # of the vehicle's own positions, the last one used
+        self._shallow_since: float | None = -math.inf if grounded else None
         self._offset: float | None = None  # compass minus true heading
         self._healths: dict[str, Health] = {}  # asked for at this instant
         self._depth: float | None = None
@@ -95,6 +99,8 @@ class Senses:
             self.navigation.telemetry(report)
             self.estimate = self.navigation.estimate(report.t)
         self._forget()
+        if report.position is not None:
+            self._take_position(report, report.position)
         depth = self.depth
         if depth is not None:
             self.believed_depth, self._believed_at = depth, report.t
@@ -104,6 +110,20 @@ class Senses:
             self._shallow_since = report.t
         if report.heading is not None and self.estimate and self.estimate.heading is not None:
             self._offset = wrap(report.heading - self.estimate.heading)
+
+    def _take_position(self, report: Telemetry, place: tuple[float, float]) -> None:
+        """The vehicle's own, once a second: under water too, so it proves no surface. Where the
+        depth has proved that (R7), it counts as a fix."""
+        if report.t - self._position_at < _POSITION_PERIOD:
+            return
+        self._position_at = report.t
+        own = Fix(report.t, *place, accuracy=math.inf)
+        shallow = self._shallow_since
+        if shallow is not None and report.t >= shallow + SURFACE_TIME:
+            self.take_fix(own)
+        elif self.navigation:
+            self.navigation.fix(own)
+            self.estimate = self.navigation.estimate(report.t)
 
     def take_fix(self, fix: Fix) -> None:
         self.fixes = (*self.fixes[1 - _MEDIAN_OF :], fix)
@@ -137,6 +157,8 @@ class Senses:
     @property
     def depth(self) -> float | None:
         """As reported; None while it is not to be believed."""
+        if self._grounded:
+            return 0.0
         if not self._depth_known:
             self._depth_known, report = True, self.telemetry
             seen = None if report is None else report.depth

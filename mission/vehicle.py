@@ -160,6 +160,7 @@ class Vehicle:
     compass_bias: float  # rad
     calibration: Calibration = Calibration()
     glides: bool = False  # no thruster: moves forward by sinking and rising
+    drives: bool = False  # on the ground: it is at the surface wherever it is
 
 
 def missions_folder() -> Path:
@@ -283,6 +284,7 @@ def _vehicle(keys: _Keys) -> Vehicle:
         compass_bias=compass.number("bias_deg", "deg"),
         calibration=_calibration(keys),
         glides=keys.flag("glides") if "glides" in keys.data else False,
+        drives=keys.flag("drives") if "drives" in keys.data else False,
     )
 
 

@@ -21,6 +21,7 @@ from protocol.messages import Fix, Setpoint
 
 _ALLOWANCE = 2.0  # m of momentum, waves and noise that are no descent
 _SINKING = 0.1  # m/s: less is no descent
+_RATE_TIME = 1.0  # s: over less, the noise of two depths is no rate
 _STALE = 10.0  # s: two depths farther apart give no rate
 _TURNING_TIME = 10.0  # s of growing heading error (design: limits)
 _GROWTH, _LARGE, _NOISE = (math.radians(a) for a in (20.0, 30.0, 10.0))
@@ -49,6 +50,9 @@ class Descent:
             self.unexplained = None
             return
         since, before = report.t - self._t, self._depth
+        if 0.0 < since < _RATE_TIME:
+            self.unexplained = None
+            return
         self._t, self._depth = report.t, depth
         if asked or self._shallowest is None:
             self._shallowest = depth

@@ -73,6 +73,9 @@ def simulate(
         if box is not None and report is not None:
             box.close()
             _draw(flight, report, prepared.mission.name)
+    except SettingError as error:
+        click.echo(str(error), err=True)
+        sys.exit(UNREADABLE)
     except OSError as error:
         click.echo(f"the report cannot be written: {error}", err=True)
         sys.exit(UNREADABLE)

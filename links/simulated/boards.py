@@ -1,0 +1,197 @@
+"""The other vehicles, simulated: a board of documents 002 to 004 on the plant, or on the ground.
+
+    send --> board --> thrusters --> plant (20 Hz) --> sensors --> report --> receive
+
+Time is what the caller says, as in link.py, and the same members are there for who asks a
+simulated vehicle; there is no receiver of its own (what a core board knows of its place it
+reports), and no faults to be switched on.
+
+What does not live here: frames and what a board does with them (firmware/boards.py).
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from math import atan2, cos, hypot, inf, pi, sin
+from random import Random
+
+from links.base import LinkClosed, Rx
+from links.simulated.firmware.boards import CoreBoard, RobotBoard, RovBoard, WaterBoard
+from links.simulated.firmware.uart import Chunk
+from links.simulated.geodesy import moved
+from links.simulated.ground import Ground
+from links.simulated.link import HOME, Truth
+from links.simulated.plant import STEP, TICK_STEPS, Plant
+from links.simulated.settings import SettingError, Settings
+
+BYTE_TIME = 10 / 115200  # s
+SECOND_STEPS = 20
+BOARDS: dict[str, type[WaterBoard] | type[RobotBoard]] = {
+    "coreboard": CoreBoard,
+    "rov": RovBoard,
+    "robot": RobotBoard,
+}
+
+
+@dataclass(slots=True)
+class BoardLink:
+    """Both directions of its serial line."""
+
+    vehicle: SimulatedBoard
+    name: str = "vehicle"
+    closed: bool = False
+
+    def fileno(self) -> int:
+        return -1
+
+    def close(self) -> None:
+        self.closed = True
+
+    def receive(self, now: float) -> list[Rx]:
+        self._reach(now)
+        queue, out = self.vehicle.queue, []
+        while queue and queue[0].end <= now:
+            chunk = queue.popleft()
+            out.append(Rx(chunk.start, self.name, chunk.data))
+        return out
+
+    def send(self, data: bytes, now: float, address: str = "") -> None:
+        self._reach(now)
+        self.vehicle.board.receive(data, now)
+        self.vehicle.answer(now)
+
+    def next_event(self) -> float | None:
+        queue = self.vehicle.queue
+        return queue[0].end if queue else self.vehicle.next_report
+
+    def _reach(self, now: float) -> None:
+        if self.closed:
+            raise LinkClosed(f"{self.name}: the link was closed")
+        self.vehicle.advance(now)
+
+
+@dataclass(frozen=True, slots=True)
+class NoReceiver:
+    """Where the AUV has its GPS: a line on which nothing is ever said."""
+
+    name: str = "gps"
+
+    def fileno(self) -> int:
+        return -1
+
+    def close(self) -> None:
+        pass
+
+    def receive(self, now: float) -> list[Rx]:
+        return []
+
+    def send(self, data: bytes, now: float, address: str = "") -> None:
+        pass
+
+    def next_event(self) -> float | None:
+        return None
+
+
+class SimulatedBoard:
+    def __init__(
+        self,
+        name: str,
+        seed: int = 0,
+        settings: Settings | None = None,
+        *,
+        position: tuple[float, float] = HOME,
+    ) -> None:
+        """``name`` is that of the codec, ``position`` latitude and longitude in rad. Raises
+        SettingError for a fault: these boards have none to be switched on."""
+        chosen = settings or Settings()
+        if chosen.faults:
+            raise SettingError(f"fault={chosen.faults[0].name}: only the AUV's board has faults")
+        self.name, self.seed, self.position = name, seed, position
+        self.board = BOARDS[name](Random(seed))
+        self.plant: Plant | Ground = Ground()
+        if isinstance(self.board, WaterBoard):
+            speed, direction = chosen.sea.current
+            self.plant = Plant(chosen.body, floor=chosen.sea.floor)
+            self.plant.current_north = speed * cos(direction)
+            self.plant.current_east = speed * sin(direction)
+        self.queue: deque[Chunk] = deque()
+        self.track: list[Truth] = []
+        self.vehicle_link, self.gps_link = BoardLink(self), NoReceiver()
+        self._free = 0.0
+        self._step, self._report_steps = 0, round(self.board.period / STEP)
+        self._anchor = (*position, 0.0, 0.0)
+        self.track.append(self.truth())
+
+    @property
+    def now(self) -> float:
+        return self._step * STEP
+
+    @property
+    def next_report(self) -> float:
+        done = self._step // self._report_steps
+        return (done + 1) * self._report_steps * STEP
+
+    def advance(self, to_t: float) -> None:
+        last = int(to_t / STEP + 1e-6)
+        while self._step < last:
+            self.plant.run(1)
+            self._step += 1
+            self._control()
+            if self._step % self._report_steps == 0:
+                self._say(self._report())
+            if self._step % SECOND_STEPS == 0:
+                self._anchor = (*self.place(), self.plant.north, self.plant.east)
+                self.track.append(self.truth())
+
+    def answer(self, now: float) -> None:
+        """E-P8: a handshake is answered by one ordinary report."""
+        if isinstance(self.board, RobotBoard) and self.board.asked:
+            self.board.asked = False
+            self._say(self._report(), now)
+
+    def place(self) -> tuple[float, float]:
+        latitude, longitude, north, east = self._anchor
+        return moved(latitude, longitude, self.plant.north - north, self.plant.east - east)
+
+    def truth(self) -> Truth:
+        plant = self.plant
+        north, east = plant.ground_velocity()
+        return Truth(
+            self.now,
+            self.position,
+            *self.place(),
+            plant.depth,
+            plant.floor - plant.depth,
+            plant.yaw % (2.0 * pi),
+            plant.pitch,
+            plant.roll,
+            plant.u,
+            plant.depth_rate,
+            hypot(north, east),
+            atan2(east, north) % (2.0 * pi),
+            (plant.current_north, plant.current_east),
+            plant.aground,
+        )
+
+    def _control(self) -> None:
+        board, plant = self.board, self.plant
+        if isinstance(board, RobotBoard):
+            assert isinstance(plant, Ground)
+            plant.drive(board.control(plant, self.now))
+        elif self._step % TICK_STEPS == 0:
+            assert isinstance(plant, Plant)
+            plant.drive(board.control(plant, self.now))
+
+    def _report(self) -> bytes:
+        board, plant = self.board, self.plant
+        if isinstance(board, RobotBoard):
+            assert isinstance(plant, Ground)
+            return board.report(plant)
+        assert isinstance(plant, Plant)
+        return board.report(plant, self.place())
+
+    def _say(self, data: bytes, now: float = -inf) -> None:
+        start = max(self.now, now, self._free)
+        self._free = start + len(data) * BYTE_TIME
+        self.queue.append(Chunk(start, self._free, data))

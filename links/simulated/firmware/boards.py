@@ -1,0 +1,234 @@
+"""The boards of documents 002, 003 and 004: they hear frames and report, unasked.
+
+    core board   002  62 bytes in (six forces, one closed loop), 90 bytes out at 10 Hz
+    ROV          003  30 bytes in (three efforts, two hold flags), 71 bytes out at 20 Hz
+    robot        004  12 bytes in (one command), 7 bytes out at 10 Hz
+
+All at 115200 8N1. A board that hears no good frame for its time of silence (R16, R17) goes neutral,
+out of its closed loop too. Frames that are wrong in any way are not heard.
+
+What does not live here: the water (plant.py), the ground (ground.py), time and links (boards.py one
+room up), the STM32 of the AUV (stm32.py).
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from math import cos, degrees, inf, pi, radians, sin
+from random import Random
+from typing import Any
+
+from links.simulated.firmware.controllers import dive_gear, turn_gear
+from links.simulated.firmware.stm32 import GEAR_MAX, pwm_of
+from links.simulated.ground import Ground
+from links.simulated.plant import NEUTRAL, NEUTRAL_PWM, Plant
+from protocol.framing import Frame, LinkRow
+from protocol.tolerances import Tolerances
+from protocol.vehicles import coreboard, robot, rov
+
+ANTENNA = 0.3  # m: deeper, and the INS has no GPS to be aligned by
+_DEPTH, _ANGLE, _HEADING, _PLACE = 0.03, radians(0.3), radians(0.5), 2.0  # one sigma, m and rad
+_MAIN_V, _POWER_V = 24.0, 48.0
+_FULL_RPM = 1000.0
+
+Place = tuple[float, float]  # latitude and longitude, rad
+
+
+class Board(ABC):
+    """``period`` is that of its reports, ``silence`` what it bears without a command, in s."""
+
+    hears: LinkRow
+    period: float
+    silence: float
+
+    def __init__(self, rng: Random) -> None:
+        self.rng = rng
+        self.heard = -inf
+        self._framer = self.hears.framer(Tolerances())
+
+    def receive(self, data: bytes, now: float) -> None:
+        timer = self._framer.next_timer()
+        stale = self._framer.flush(now) if timer is not None and timer <= now else []
+        for item in (*stale, *self._framer.receive(data, now)):
+            if isinstance(item, Frame):
+                self.heard = now
+                self.take(item.values())
+
+    def awake(self, now: float) -> bool:
+        return now - self.heard <= self.silence
+
+    @abstractmethod
+    def take(self, values: Mapping[str, Any]) -> None:
+        """A good frame."""
+
+
+class WaterBoard(Board):
+    """A board whose thrusters are those of the plant."""
+
+    @abstractmethod
+    def control(self, plant: Plant, now: float) -> tuple[int, ...]:
+        """The seven PWMs from now on."""
+
+    @abstractmethod
+    def report(self, plant: Plant, place: Place) -> bytes: ...
+
+    def _pose(self, plant: Plant) -> tuple[float, float, float, float]:
+        """Roll, pitch, yaw in deg and depth in m, as its sensors have them."""
+        gauss = self.rng.gauss
+        yaw = degrees((plant.yaw + gauss(0.0, _HEADING) + pi) % (2.0 * pi) - pi)
+        return (
+            degrees(plant.roll + gauss(0.0, _ANGLE)),
+            degrees(plant.pitch + gauss(0.0, _ANGLE)),
+            yaw,
+            plant.depth + gauss(0.0, _DEPTH),
+        )
+
+
+def _pwms(surge: float, turn: float, up: float) -> tuple[int, ...]:
+    """Gears, turn to starboard positive; the rudders in the middle."""
+    mains = pwm_of(surge + turn), pwm_of(surge - turn)
+    return (*mains, *(pwm_of(up),) * 3, NEUTRAL_PWM, NEUTRAL_PWM)
+
+
+class CoreBoard(WaterBoard):
+    """Closed loop: heading and depth are held by the board, surge stays open (002 table 3-2)."""
+
+    hears = coreboard.LINKS[2]
+    period, silence = 0.1, coreboard.SILENCE
+
+    def __init__(self, rng: Random) -> None:
+        super().__init__(rng)
+        self.values: Mapping[str, Any] = coreboard.NEUTRAL
+        self._report = coreboard.main_to_pc(Tolerances())
+
+    def take(self, values: Mapping[str, Any]) -> None:
+        self.values = values
+
+    def control(self, plant: Plant, now: float) -> tuple[int, ...]:
+        if not self.awake(now):
+            return NEUTRAL
+        v = self.values
+        surge, turn, down = (GEAR_MAX * v[name] / 100.0 for name in ("tx", "mz", "tz"))
+        if v["closed_loop"]:
+            turn = turn_gear(radians(v["heading_deg"]), plant.yaw, plant.r)
+            down = dive_gear(v["depth_m"] - plant.depth, plant.depth_rate)
+        return _pwms(surge, turn, -down)
+
+    def report(self, plant: Plant, place: Place) -> bytes:
+        roll, pitch, yaw, depth = self._pose(plant)
+        aligned = plant.depth <= ANTENNA
+        scatter = self.rng.gauss(0.0, _PLACE) / 6.4e6, self.rng.gauss(0.0, _PLACE) / 6.4e6
+        values = {
+            "roll_deg": roll,
+            "pitch_deg": pitch,
+            "yaw_deg": yaw,
+            "lat_deg": degrees(place[0] + scatter[0]) if aligned else 0.0,
+            "lon_deg": degrees(place[1] + scatter[1] / cos(place[0])) if aligned else 0.0,
+            "x_m": 0.0,
+            "y_m": 0.0,
+            "depth_m": depth,
+            "altitude_m": plant.floor - plant.depth + self.rng.gauss(0.0, _DEPTH),
+            "avoid_m": 0.0,
+            "reserved50": "00" * 12,
+            "mode": 0,
+            "temperature_c": 18.0,
+            "control_v": _MAIN_V,
+            "power_v": _POWER_V,
+            "leak": 0,
+            **{f"usbl{n}": 0.0 for n in range(1, 7)},
+            "ins_aligned": int(aligned),
+            "reserved83": "00" * 4,
+        }
+        return self._report.encode(values)
+
+
+class RovBoard(WaterBoard):
+    """The flags hold the heading and the depth of the moment at which they are set."""
+
+    hears = rov.LINKS[0]
+    period, silence = rov.PERIOD, rov.SILENCE
+
+    def __init__(self, rng: Random) -> None:
+        super().__init__(rng)
+        self.values: Mapping[str, Any] = rov.NEUTRAL
+        self.held: dict[str, float] = {}
+        self.pwm: tuple[int, ...] = NEUTRAL
+        self._report = rov.up(Tolerances())
+
+    def take(self, values: Mapping[str, Any]) -> None:
+        self.values = values
+
+    def control(self, plant: Plant, now: float) -> tuple[int, ...]:
+        values = self.values if self.awake(now) else rov.NEUTRAL
+        surge, turn, up = (GEAR_MAX * values[name] for name in ("x", "z", "f"))
+        for flag, here in (("hold_heading", plant.yaw), ("hold_depth", plant.depth)):
+            if not values[flag]:
+                self.held.pop(flag, None)
+            self.held = {flag: here, **self.held} if values[flag] else self.held
+        if "hold_heading" in self.held:
+            turn = turn_gear(self.held["hold_heading"], plant.yaw, plant.r)
+        if "hold_depth" in self.held:
+            up = -dive_gear(self.held["hold_depth"] - plant.depth, plant.depth_rate)
+        self.pwm = _pwms(surge, turn, up)
+        return self.pwm
+
+    def report(self, plant: Plant, place: Place) -> bytes:
+        roll, pitch, yaw, depth = self._pose(plant)
+        turning = [round((pwm - NEUTRAL_PWM) * _FULL_RPM / 500) for pwm in self.pwm[:5]]
+        values = {
+            "ax_g": sin(plant.pitch),
+            "ay_g": -sin(plant.roll) * cos(plant.pitch),
+            "az_g": -cos(plant.roll) * cos(plant.pitch),
+            "gx_dps": degrees(plant.p),
+            "gy_dps": degrees(plant.q),
+            "gz_dps": degrees(plant.r),
+            "ex_deg": roll,
+            "ey_deg": pitch,
+            "ez_deg": yaw,
+            "depth_m": depth,
+            "rpm_left_front": turning[0],
+            "rpm_right_front": turning[1],
+            "rpm_left_up": turning[3],
+            "rpm_right_up": turning[4],
+            "temperature_c": 18,
+            "metal_pct": 0,
+        }
+        return self._report.encode(values)
+
+
+class RobotBoard(Board):
+    """One motion at a time, at the speed that was last set; the handshake is answered at once."""
+
+    hears = robot.LINKS[0]
+    period, silence = 0.1, robot.SILENCE
+
+    def __init__(self, rng: Random) -> None:
+        super().__init__(rng)
+        self.motion, self.speed = robot.STOP, 0
+        self.asked = False  # by a handshake, for one report
+        self._report = robot.up(Tolerances())
+
+    def take(self, values: Mapping[str, Any]) -> None:
+        command = values["command"]
+        if values["address"] != robot.ROBOT:
+            return
+        if command == robot.SPEED:
+            self.speed = values["speed_mm_s"]
+        elif command == robot.HANDSHAKE:
+            self.asked = True
+        else:
+            self.motion = command
+
+    def control(self, ground: Ground, now: float) -> tuple[float, float]:
+        """m/s ahead and rad/s to starboard: a wheel's speed on the spot turns by its lever."""
+        speed = self.speed / 1000.0 if self.awake(now) else 0.0
+        ahead = {robot.FORWARD: speed, robot.BACK: -speed}.get(self.motion, 0.0)
+        spin = {robot.SPIN_RIGHT: speed, robot.SPIN_LEFT: -speed}.get(self.motion, 0.0)
+        return ahead, spin / ground.lever
+
+    def report(self, ground: Ground) -> bytes:
+        volts = 24.0 + self.rng.gauss(0.0, 0.02)
+        return self._report.encode(
+            {"speed_mm_s": round(1000.0 * ground.u), "voltage_mv": round(1000.0 * volts)}
+        )

@@ -1,0 +1,41 @@
+"""The ground that the robot of document 004 drives on: a speed ahead, a turn on the spot, no water.
+
+It has what a plant has, so that the same things can be asked of both; depth is 0 everywhere.
+"""
+
+from __future__ import annotations
+
+from math import cos, exp, sin
+
+from links.simulated.plant import STEP
+
+LEVER = 0.6  # m: at 1 m/s of its wheels it turns by 1.67 rad/s on the spot
+LAG = 0.2  # s of the drive
+
+
+class Ground:
+    lever = LEVER
+
+    def __init__(self) -> None:
+        self.north = self.east = self.yaw = 0.0
+        self.u = self.r = 0.0
+        self.depth = self.depth_rate = self.roll = self.pitch = self.floor = 0.0
+        self.current_north = self.current_east = 0.0
+        self.aground = False  # it never drives with its antenna below the ground
+        self._asked = (0.0, 0.0)
+        self._share = 1.0 - exp(-STEP / LAG)
+
+    def drive(self, asked: tuple[float, float]) -> None:
+        """m/s ahead, rad/s to starboard."""
+        self._asked = asked
+
+    def run(self, steps: int) -> None:
+        for _ in range(steps):
+            self.u += self._share * (self._asked[0] - self.u)
+            self.r += self._share * (self._asked[1] - self.r)
+            self.yaw += STEP * self.r
+            self.north += STEP * self.u * cos(self.yaw)
+            self.east += STEP * self.u * sin(self.yaw)
+
+    def ground_velocity(self) -> tuple[float, float]:
+        return self.u * cos(self.yaw), self.u * sin(self.yaw)

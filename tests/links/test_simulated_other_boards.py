@@ -1,0 +1,166 @@
+"""Laws of the boards that answer nothing: what they hear, what they report, when they go neutral."""
+
+from __future__ import annotations
+
+from math import degrees, pi, radians
+
+import pytest
+
+from links.base import LinkClosed
+from links.simulated.boards import BOARDS, SimulatedBoard
+from links.simulated.firmware.boards import RobotBoard
+from links.simulated.ground import Ground
+from links.simulated.settings import SettingError, Settings, parse_settings
+from protocol.messages import Setpoint, Telemetry
+from protocol.tolerances import Tolerances
+from protocol.vehicles import codec, link
+
+UP = {"coreboard": "coreboard.main_to_pc", "rov": "rov.up", "robot": "robot.up"}
+PERIODS = {"coreboard": 0.1, "rov": 0.05, "robot": 0.1}
+
+
+def run(vehicle: SimulatedBoard, until: float) -> list[Telemetry]:
+    """Reports as the codec of the vehicle reads them."""
+    wire = codec(vehicle.name, "documented", {})
+    heard: list[Telemetry] = []
+    for rx in vehicle.vehicle_link.receive(until):
+        for message in wire.receive(rx.data, rx.t):
+            assert isinstance(message, Telemetry)
+            heard.append(message)
+    return heard
+
+
+def say(vehicle: SimulatedBoard, setpoint: Setpoint, begin: float, end: float) -> None:
+    """Every 0.1 s."""
+    wire = codec(vehicle.name, "documented", {})
+    for i in range(round((end - begin) * 10)):
+        for data in wire.encode(setpoint):
+            vehicle.vehicle_link.send(data, begin + 0.1 * i)
+
+
+@pytest.mark.parametrize("name", BOARDS)
+def test_reports_come_at_their_pace_whole_and_good(name: str) -> None:
+    vehicle = SimulatedBoard(name, seed=1)
+    heard = run(vehicle, 5.01)
+    assert len(heard) == pytest.approx(5.0 / PERIODS[name], abs=1)
+    if name != "robot":
+        assert all(abs((t.depth or 0.0) - vehicle.plant.depth) < 0.3 for t in heard)
+
+
+@pytest.mark.parametrize("name", BOARDS)
+def test_a_report_is_there_when_its_last_byte_is_through(name: str) -> None:
+    vehicle = SimulatedBoard(name)
+    event = vehicle.vehicle_link.next_event()
+    assert event is not None
+    assert event == pytest.approx(PERIODS[name])
+    assert vehicle.vehicle_link.receive(event) == []
+    done = vehicle.vehicle_link.next_event()
+    assert done is not None
+    (rx,) = vehicle.vehicle_link.receive(done)
+    assert rx.t == pytest.approx(PERIODS[name])
+    assert done - rx.t == pytest.approx(len(rx.data) * 10 / 115200)
+    assert link(UP[name]).framer().receive(rx.data, 0.0)
+
+
+@pytest.mark.parametrize(("name", "silence"), [("coreboard", 0.5), ("rov", 0.5), ("robot", 0.3)])
+def test_silence_brings_neutral_and_no_less(name: str, silence: float) -> None:
+    vehicle = SimulatedBoard(name)
+    say(vehicle, Setpoint(surge=0.8), 0.0, 10.0)  # the last one at 9.9 s
+    vehicle.advance(9.9 + silence - 0.05)
+    assert drive_of(vehicle) > 0.4
+    vehicle.advance(9.9 + silence + 2.0)
+    assert drive_of(vehicle) < 0.01
+    vehicle.advance(60.0)
+    assert abs(vehicle.plant.u) < 0.1
+
+
+def drive_of(vehicle: SimulatedBoard) -> float:
+    """What drives it ahead: a share of full thrust, or m/s on the ground."""
+    plant = vehicle.plant
+    return plant.u if isinstance(plant, Ground) else sum(plant.thrust[:2]) / 80.0
+
+
+def test_the_core_board_holds_heading_and_depth_in_closed_loop() -> None:
+    vehicle = SimulatedBoard("coreboard")
+    say(vehicle, Setpoint(surge=0.5, heading=radians(120), depth=3.0), 0.0, 60.0)
+    assert vehicle.plant.depth == pytest.approx(3.0, abs=0.2)
+    assert degrees(vehicle.plant.yaw) % 360 == pytest.approx(120.0, abs=4.0)
+
+
+def test_the_core_board_tells_a_place_only_while_its_ins_is_aligned() -> None:
+    vehicle = SimulatedBoard("coreboard")
+    assert all(t.position for t in run(vehicle, 2.0))
+    say(vehicle, Setpoint(heading=0.0, depth=3.0), 2.0, 30.0)
+    assert all(t.position is None for t in run(vehicle, 30.0)[-20:])
+
+
+def test_the_rov_turns_to_starboard_and_sinks_as_asked() -> None:
+    vehicle = SimulatedBoard("rov")
+    say(vehicle, Setpoint(turn=0.4, heave=0.8), 0.0, 5.0)
+    assert vehicle.plant.yaw > 0.2
+    assert vehicle.plant.depth > 0.8
+    turned = [t.heading for t in run(vehicle, 5.1)[-5:]]
+    assert all(h is not None and 0.2 < h < 2 * pi for h in turned)
+
+
+def test_the_rovs_flags_hold_what_is_there_when_they_are_set() -> None:
+    vehicle = SimulatedBoard("rov")
+    say(vehicle, Setpoint(heave=0.8), 0.0, 12.0)
+    began = vehicle.plant.depth
+    row = next(t for t in link("rov.down").frames(Tolerances()) if t.name == "rov.DOWN")
+    for i in range(150):
+        values = {
+            "hold_heading": 1, "hold_depth": 1, "led_pct": 0, "servo_deg": 0,
+            "x": 0.0, "z": 0.0, "f": 0.0, "reserved": 0,
+        }  # fmt: skip
+        vehicle.vehicle_link.send(row.encode(values), 12.0 + 0.1 * i)
+    assert vehicle.plant.depth == pytest.approx(began, abs=0.3)
+
+
+def test_a_frame_that_is_wrong_is_not_heard() -> None:
+    for name in BOARDS:
+        vehicle = SimulatedBoard(name)
+        for data in codec(name, "documented", {}).encode(Setpoint(surge=0.5)):
+            broken = bytearray(data)
+            broken[-3] ^= 1
+            vehicle.vehicle_link.send(bytes(broken), 0.0)
+        vehicle.advance(2.0)
+        assert abs(vehicle.plant.u) < 1e-9
+
+
+def test_a_handshake_is_answered_by_one_ordinary_report() -> None:
+    vehicle = SimulatedBoard("robot")
+    assert isinstance(vehicle.board, RobotBoard)
+    row = next(iter(link("robot.down").frames(Tolerances())))
+    vehicle.vehicle_link.send(row.encode({"address": 1, "command": 0xFF}), 0.02)
+    (rx,) = vehicle.vehicle_link.receive(0.05)
+    assert len(rx.data) == 7
+    assert rx.t == pytest.approx(0.02)
+
+
+def test_the_robot_drives_one_motion_at_a_time() -> None:
+    vehicle = SimulatedBoard("robot")
+    say(vehicle, Setpoint(surge=-0.5), 0.0, 4.0)
+    assert vehicle.plant.north == pytest.approx(-2.0, abs=0.2)
+    place = vehicle.plant.north
+    say(vehicle, Setpoint(turn=-0.5), 4.0, 6.0)
+    assert vehicle.plant.yaw < -1.0
+    assert vehicle.plant.north == pytest.approx(place, abs=0.3)
+
+
+@pytest.mark.parametrize("name", BOARDS)
+def test_the_same_seed_gives_the_same_bytes_however_time_is_cut(name: str) -> None:
+    whole, cut = SimulatedBoard(name, seed=5), SimulatedBoard(name, seed=5)
+    once = [rx.data for rx in whole.vehicle_link.receive(3.0)]
+    often = [rx.data for i in range(1, 61) for rx in cut.vehicle_link.receive(0.05 * i)]
+    assert once == often
+
+
+def test_what_these_boards_do_not_have_is_refused_with_its_name() -> None:
+    settings = parse_settings(["fault=depth_frozen@10+5"])
+    with pytest.raises(SettingError, match="depth_frozen"):
+        SimulatedBoard("rov", settings=settings)
+    vehicle = SimulatedBoard("rov", settings=Settings())
+    vehicle.vehicle_link.close()
+    with pytest.raises(LinkClosed):
+        vehicle.vehicle_link.receive(1.0)
