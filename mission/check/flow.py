@@ -21,7 +21,9 @@ from mission.check.bounds import Bounds, LegBounds, Trail, ascent_time
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, Loop, State
 from mission.vehicle import Vehicle
 
-ROUNDS = 20_000  # legs walked at most; a mission beyond that is refused as too long to prove
+# Legs walked at most; a mission beyond is refused as too long to prove. The Pi judges what is
+# uploaded between two looks at its links: a second or two there is all that it may take.
+ROUNDS = 5_000
 
 K = TypeVar("K")
 Exits = dict[tuple[str, tuple[Loop, ...]], Bounds]

@@ -69,9 +69,11 @@ class Running:
         gps: str | None = None,
         store: Store | None = None,
         speed: float = 1.0,
+        topside: str = "tcp://127.0.0.1:0",
+        wait: bool = True,
         **more: object,
     ) -> None:
-        links = LinkUrls(vehicle=vehicle, gps=gps, topside="tcp://127.0.0.1:0")
+        links = LinkUrls(vehicle=vehicle, gps=gps, topside=topside)
         configuration = replace(Configuration(), links=links, folder=folder, **more)  # type: ignore[arg-type]
         self.told: list[str] = []
         self.ready: Ready | None = None
@@ -81,7 +83,8 @@ class Running:
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
-        soon(lambda: self.ready is not None or not self._thread.is_alive(), "listening")
+        if wait:
+            soon(lambda: self.ready is not None or not self._thread.is_alive(), "listening")
 
     def _run(self) -> None:
         asyncio.set_event_loop(self._loop)

@@ -1,0 +1,68 @@
+"""An operator reads what happened in order, and a flood does not drown it."""
+
+from __future__ import annotations
+
+import pytest
+
+from mission.journal import AGAIN_S, REMEMBERED, Journal, printed
+from mission.model import Tx
+
+
+class Desk:
+    def __init__(self) -> None:
+        self.now, self.lines = 0.0, list[str]()
+        self.journal = Journal(self.lines.append, lambda: self.now)
+
+
+def test_the_same_thing_within_a_minute_is_told_once_and_then_counted() -> None:
+    desk = Desk()
+    for i in range(1000):
+        desk.now = i * 0.01
+        desk.journal.warning("10.0.0.1 floods")
+    desk.journal.info("now idle/ready")
+    assert desk.lines == ["warning: 10.0.0.1 floods", "info: now idle/ready"]
+    desk.now = AGAIN_S
+    desk.journal.settle()
+    assert desk.lines[2:] == ["warning: 999 more of: 10.0.0.1 floods"]
+    desk.journal.warning("10.0.0.1 floods")
+    assert desk.lines[3:] == ["warning: 10.0.0.1 floods"]
+
+
+def test_faults_are_always_told() -> None:
+    desk = Desk()
+    for _ in range(3):
+        desk.journal.fault("a bug")
+    assert desk.lines == ["fault: a bug"] * 3
+
+
+def test_ten_thousand_different_things_leave_no_memory_behind() -> None:
+    desk = Desk()
+    for i in range(10_000):
+        desk.journal.warning(f"host {i}")
+    assert len(desk.journal._told) <= REMEMBERED
+
+
+def test_every_command_to_the_vehicle_is_told_with_its_reason_and_a_stick_once() -> None:
+    desk = Desk()
+    desk.journal.left(Tx(0.0, "vehicle", b"@ZAS5$", "entry of dive"), True)
+    desk.journal.left(Tx(0.1, "vehicle", b"@ZAH0,4$", "entry of dive"), True)
+    for gear in range(12):
+        desk.journal.left(Tx(0.2, "vehicle", b"@MMF%d$" % gear, "relay of @MM"), True)
+    desk.journal.left(Tx(0.3, "topside", b"@ACK_AAN$", "AA: no fix", "10.0.0.1:4"), False)
+    desk.journal.left(Tx(0.3, "topside", b"@VS2025$", "asked", "10.0.0.1:4"), False)
+    assert desk.lines == [
+        "info: to the vehicle: @ZAS5$ - entry of dive",
+        "info: to the vehicle: @ZAH0,4$ - entry of dive",
+        "info: to the vehicle: @MMF0$ - relay of @MM",
+        "warning: refused: @ACK_AAN$ to topside 10.0.0.1:4 - AA: no fix",
+    ]
+
+
+def test_the_system_journal_gets_levels_and_a_terminal_times(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.delenv("JOURNAL_STREAM", raising=False)
+    assert printed("warning: x", 0.0) == "1970-01-01T00:00:00Z warning x"
+    monkeypatch.setenv("JOURNAL_STREAM", "8:1")
+    assert printed("fault: two\nrows", 0.0) == "<3>two\n<3>rows"
+    assert printed("no level: x", 0.0) == "<6>no level: x"
