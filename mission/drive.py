@@ -123,6 +123,7 @@ class Drive:
         self._latched = store.content.under_way
         self._latch_due: float | None = None
         self._owes_report = False
+        self._has_news = False  # a report, a fix or a step since the last look at the surface
         self._refused: list[Outcome] = []  # commands for which the vehicle has no word
         self._out: list[Tx] = []
         self._begin()
@@ -215,7 +216,7 @@ class Drive:
             if isinstance(message, FrameFault):
                 self._record(rec.fault_record, now, VEHICLE, message)
             elif isinstance(message, Telemetry):
-                self._telemetry, heard = message, True
+                self._telemetry, heard, self._has_news = message, True, True
                 inputs.append(message)
             elif message.group == "R":
                 self._topside.relayed_answer(message, now)
@@ -234,7 +235,7 @@ class Drive:
             if isinstance(message, FrameFault):
                 self._record(rec.fault_record, now, GPS, message)
             else:
-                self._fix = message
+                self._fix, self._has_news = message, True
                 self._step(now, (message,))
 
     def _step(self, now: float, inputs: Sequence[Input]) -> tuple[Verdict, ...]:
@@ -264,7 +265,8 @@ class Drive:
             for outcome in outcomes:
                 self._topside.order_outcome(outcome, now)
             self._step(now, outcomes)
-        if self._owes_report:
+        if self._owes_report and self._has_news:
+            self._has_news = False
             self._report_at_surface(now)
         out, self._out = self._out + self._topside.outgoing(now), []
         for peer, fault in self._topside.faults():
@@ -275,6 +277,7 @@ class Drive:
 
     def _note(self, step: Step) -> None:
         """Who was under way owes the boat one @VS at the surface (R11)."""
+        self._has_news = True
         if any(path.startswith((AUTONOMOUS, "emergency")) for path in step.entered):
             self._owes_report = True
 

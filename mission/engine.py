@@ -240,7 +240,11 @@ class Engine:
         if (run := core.flying) is not None:
             due += run.next_timer(core.senses)
             due.append(core.watch.next_timer())
-        return min((at for at in due if at is not None and at > core.now), default=None)
+        now, first = core.now, None
+        for at in due:
+            if at is not None and at > now and (first is None or at < first):
+                first = at
+        return first
 
     # --- whole -----------------------------------------------------------------------------------
 

@@ -59,8 +59,10 @@ def fly(
     faults; ``said`` is what the operator sends beside upload and start; ``lines`` go up instead of
     the mission's own script."""
     flown = replace(vehicle, dialect=profile)
-    loop = _LockStep(mission, flown, seed, settings or Settings(), recorder, stored or Stored())
-    loop.operator = Operator(lines or script(mission), digest(mission), said)
+    operator = Operator(lines or script(mission), digest(mission), said)
+    loop = _LockStep(
+        mission, flown, operator, seed, settings or Settings(), recorder, stored or Stored()
+    )
     begun = time.perf_counter()
     loop.run()
     return loop.flight(time.perf_counter() - begun)
@@ -71,6 +73,7 @@ class _LockStep:
         self,
         mission: Mission,
         vehicle: Vehicle,
+        operator: Operator,
         seed: int,
         settings: Settings,
         recorder: Recorder | None,
@@ -93,7 +96,7 @@ class _LockStep:
             wall=START.timestamp(),
             observer=self.log,
         )
-        self.operator = Operator((), "")
+        self.operator = operator
         self.now = 0.0
         self._position = position
         self._longest = LONGEST_S if mission.safety.time is None else 2.0 * mission.safety.time
@@ -102,6 +105,7 @@ class _LockStep:
         self._send(self.drive.set_navigation(self._navigation, 0.0))
         self._send(self.drive.connected(TOPSIDE, BOAT, 0.0))
         self._drive_due = self.drive.next_timer()
+        self._operator_due = operator.next_timer()
 
     def run(self) -> None:
         while not self._is_over():
@@ -132,7 +136,7 @@ class _LockStep:
     def _is_over(self) -> bool:
         if self.operator.failure:
             return True
-        if self.log.started is None or self.operator.next_timer() is not None:
+        if self.log.started is None or self._operator_due is not None:
             return False
         stopped = self.drive.state == STOPPED and self.sea.truth().at_surface
         return self.log.over or stopped or self.now - self.log.started > self._longest
@@ -143,8 +147,11 @@ class _LockStep:
 
     def _next_event(self) -> float:
         links = (self.sea.vehicle_link.next_event(), self.sea.gps_link.next_event())
-        timers = (*links, self._drive_due, self.operator.next_timer())
-        return max(self.now, min(t for t in timers if t is not None))
+        first = math.inf
+        for due in (*links, self._drive_due, self._operator_due):
+            if due is not None and due < first:
+                first = due
+        return max(self.now, first)
 
     def _to_next_event(self) -> None:
         """Bytes before timers: what has arrived by then is known by then."""
@@ -152,10 +159,11 @@ class _LockStep:
         for link in (self.sea.vehicle_link, self.sea.gps_link):
             for rx in link.receive(now):
                 self._send(self.drive.receive(rx, now))
-        due = self.operator.next_timer()
+        due = self._operator_due
         if due is not None and due <= now:
             for data in self.operator.handle_timer(now):
                 self._send(self._say(data))
+            self._operator_due = self.operator.next_timer()
         due = self.drive.next_timer()
         if due is not None and due <= now:
             self._send(self.drive.handle_timer(now))
@@ -164,6 +172,8 @@ class _LockStep:
 
     def _send(self, sent: list[Tx]) -> None:
         """Answers to the operator are answered in turn, until nobody has anything to say."""
+        if not sent:
+            return
         waiting = deque(sent)
         while waiting:
             tx = waiting.popleft()
@@ -173,6 +183,7 @@ class _LockStep:
             elif tx.link == TOPSIDE:
                 for data in self.operator.receive(tx.data, self.now):
                     waiting += self._say(data)
+                self._operator_due = self.operator.next_timer()
             elif tx.link == NODES:
                 waiting += self.drive.receive(Rx(self.now, NODES, tx.data + b"\n"))
 

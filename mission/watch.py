@@ -180,7 +180,12 @@ class Watch:
         return found
 
     def next_timer(self) -> float | None:
-        return min((at for row in self._timed if (at := row.due(self)) is not None), default=None)
+        first = None
+        for row in self._timed:
+            due = row.due(self)
+            if due is not None and (first is None or due < first):
+                first = due
+        return first
 
     def _look_for_depth(self) -> None:
         senses = self.senses

@@ -9,9 +9,9 @@ from __future__ import annotations
 import enum
 import math
 import re
-from dataclasses import dataclass
 from datetime import date, datetime, timedelta
 from functools import lru_cache
+from typing import NamedTuple
 
 import pynmea2
 
@@ -63,8 +63,7 @@ class Refused(Exception):
         self.reason = reason
 
 
-@dataclass(frozen=True, slots=True)
-class Gga:
+class Gga(NamedTuple):
     second: float  # of the day, UTC
     position: tuple[float, float] | None  # None: the receiver has no fix
     share: float = 1.0
@@ -73,8 +72,7 @@ class Gga:
     satellites: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Rmc:
+class Rmc(NamedTuple):
     second: float
     position: tuple[float, float] | None
     speed: float | None = None

@@ -103,9 +103,10 @@ class SimulatedVehicle:
         if self.settings.splice is not None:
             self.stm32.splice = self.settings.splice
         self.usual_splice = self.stm32.splice
-        self.gps = GpsReceiver(self.settings.errors, rng, start)
+        self.gps = GpsReceiver(self.settings.errors, rng, start, self.settings.sentences)
         speed, direction = sea.current
         self.current = (speed * cos(direction), speed * sin(direction))
+        self._sheared = sea.deep_current is not None
         self.track: list[Truth] = []  # one a second
         self.vehicle_link = VehicleLink(self)
         self.gps_link = GpsLink(self)
@@ -143,7 +144,7 @@ class SimulatedVehicle:
     def _run(self, ticks: int) -> None:
         plant, control = self.plant, self.stm32.control
         drive, run = plant.drive, plant.run
-        sheared = self.settings.sea.deep_current is not None
+        sheared = self._sheared
         for _ in range(ticks):
             run(TICK_STEPS)
             if sheared:

@@ -103,6 +103,7 @@ class Plant:
         # X, Z, K, M, N of the thrusters; pitch and roll moment of the rudders per u |u|
         self._forces = (0.0,) * 5
         self._rudders = (0.0, 0.0)
+        self._servos = (NEUTRAL_PWM, NEUTRAL_PWM)
         self._constants = self._per_step()
 
     def _per_step(self) -> tuple[float, ...]:
@@ -189,8 +190,13 @@ class Plant:
             vertical[left - 1000] * strong_d,
             vertical[right - 1000] * strong_e,
         )
-        port = radians((servo_left - NEUTRAL_PWM) / SERVO_PWM)
-        starboard = radians((servo_right - NEUTRAL_PWM) / SERVO_PWM)
+        if (servo_left, servo_right) != self._servos:
+            self._turn_rudders(servo_left, servo_right)
+
+    def _turn_rudders(self, left: int, right: int) -> None:
+        self._servos = left, right
+        port = radians((left - NEUTRAL_PWM) / SERVO_PWM)
+        starboard = radians((right - NEUTRAL_PWM) / SERVO_PWM)
         body = self.body
         self._rudders = (
             body.rudder_pitch * (port + starboard) / 2,

@@ -50,6 +50,7 @@ class Settings:
     body: Body = field(default_factory=Body)
     faults: tuple[FaultEvent, ...] = ()
     splice: float | None = None  # chance; None: as the profile says
+    sentences: tuple[str, ...] = ("GGA", "RMC")  # what the GPS receiver says every second
 
 
 Apply = Callable[[Settings, str], Settings]

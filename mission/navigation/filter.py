@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from filterpy.kalman import KalmanFilter
@@ -59,8 +59,7 @@ def _inverse(s: Array) -> Array:
     return np.array(((d * k, -b * k), (-c * k, a * k)))
 
 
-@dataclass(frozen=True, slots=True)
-class Run:
+class Run(NamedTuple):
     """How the vehicle moves over a stretch of time, as far as it knows.
 
     ``heading`` is compass + declination (the compass's error is a state), ``expected`` the

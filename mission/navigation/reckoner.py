@@ -14,9 +14,9 @@ from __future__ import annotations
 
 import itertools
 import math
+import operator
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from mission.navigation.filter import Filter, Run
 from mission.navigation.model import RATE, Figures, propulsion
@@ -34,8 +34,7 @@ _PENDING = 4  # velocities that wait for a report
 _LOST_TIME, _LOST_GROWTH, _LOST_MOST = 20.0, 0.05, 1.8  # s; rad per s; rad: no compass
 
 
-@dataclass(frozen=True, slots=True)
-class Report:
+class Report(NamedTuple):
     """What could be believed of one Telemetry. ``heading`` is compass + declination."""
 
     t: float
@@ -46,8 +45,7 @@ class Report:
     altitude: float | None
 
 
-@dataclass(frozen=True, slots=True)
-class GroundFix:
+class GroundFix(NamedTuple):
     """A fix in the local frame; ``velocity`` over ground, north and east."""
 
     t: float
@@ -60,8 +58,7 @@ class GroundFix:
 Item = Report | GroundFix
 
 
-@dataclass(frozen=True, slots=True)
-class _Motion:
+class _Motion(NamedTuple):
     """As of the last report: heading, turn, thrust."""
 
     t: float
@@ -92,7 +89,7 @@ class Reckoner:
         self._pending: tuple[GroundFix, ...] = ()  # velocities wait for the next report
         self._used: GroundFix | None = None
 
-    _KEPT = (
+    _KEPT = (  # besides the filter and the speed
         "t",
         "located",
         "last_fix",
@@ -105,10 +102,10 @@ class Reckoner:
         "_pending",
         "_used",
     )
+    _kept = operator.attrgetter(*_KEPT)
 
     def save(self) -> tuple[Any, ...]:
-        kept = tuple(getattr(self, name) for name in self._KEPT)
-        return self.filter.save(), self._propulsion.speed, kept
+        return self.filter.save(), self._propulsion.speed, Reckoner._kept(self)
 
     def load(self, saved: tuple[Any, ...]) -> None:
         arrays, self._propulsion.speed, kept = saved

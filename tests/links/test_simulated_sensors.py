@@ -204,6 +204,13 @@ def test_no_fix_before_its_time_and_none_under_water() -> None:
     )
 
 
+def test_a_receiver_set_to_one_sentence_says_no_other_at_the_same_times() -> None:
+    _, both = listen(10.5)
+    _, one = listen(10.5, settings=Settings(sentences=("GGA",)))
+    assert sentences(one) == [line for line in sentences(both) if "GGA" in line]
+    assert [rx.t for rx in one] == [rx.t for rx in both]
+
+
 def test_a_fix_comes_back_some_seconds_after_surfacing() -> None:
     vehicle, _ = listen(10.5)
     vehicle.plant.depth = 3.0

@@ -30,6 +30,7 @@ from links.simulated.sensors import Sensors
 BURST_MAX = 99  # bytes, of the receive buffer
 PUSH_MAX = 10.0  # gears downward in depth and altitude hold
 SPLICE = 0.5  # chance that an answer due during an @SD lands inside it
+_MANUAL = Mode.MANUAL
 _RI_RADIO = 1 << 6  # in this build the radio is bit 6, and bit 4 a manipulator that is off
 
 _NUMBER = re.compile(r"\s*([+-]?\d+)")
@@ -144,7 +145,7 @@ class AsBuilt(Stm32):
         return True
 
     def steer(self, plant: Plant) -> None:
-        if self.mode is Mode.MANUAL:
+        if self.mode is _MANUAL:
             self.stick.steer(self.sensors.heading(plant), plant)
             self.drive(*self.stick.gears)
             return

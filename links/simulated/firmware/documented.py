@@ -30,6 +30,7 @@ _FRAME = re.compile(rb"@[^@$]{0,%d}\$" % (FRAME_MAX - 2))
 _INTEGER = re.compile(r"-?[0-9]{1,5}")
 _PAIR = re.compile(r"(-?[0-9]{1,5}),(-?[0-9]{1,5})")
 _ATTITUDE = re.compile(r"(-?[0-9]{1,5});(-?[0-9]{1,5})")
+_MANUAL = Mode.MANUAL
 _RI_ALWAYS = 0b0010001  # CTD and radio cannot be switched off
 
 
@@ -120,7 +121,7 @@ class Documented(Stm32):
         return True
 
     def steer(self, plant: Plant) -> None:
-        if self.mode is Mode.MANUAL:
+        if self.mode is _MANUAL:
             self.stick.steer(self.sensors.heading(plant), plant)
             self.drive(*self.stick.gears)
             return

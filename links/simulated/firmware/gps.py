@@ -4,8 +4,9 @@
     $GPRMC,hhmmss.00,A,ddmm.mmmmmm,N,dddmm.mmmmmm,E,knots,course,ddmmyy,,,A*hh
 
 A fix needs the antenna out of the water (``ANTENNA``) for some seconds; without one the sentences
-go on with the time alone (quality 0, status V). Noise is white, HDOP is 1.0. Both sentences leave
-as one piece, ``LATENCY`` after the second they belong to, and are through by ``COMPLETE``.
+go on with the time alone (quality 0, status V). Noise is white, HDOP is 1.0. Both sentences, or
+the one that the receiver is set to, leave as one piece, ``LATENCY`` after the second they belong
+to, and are through by ``COMPLETE``.
 
 Own formatter: the library's costs ten times as much. What does not live here: the decoder.
 """
@@ -48,8 +49,14 @@ def _angle(radians: float, width: int, letters: str) -> str:
 
 
 class GpsReceiver:
-    def __init__(self, errors: SensorErrors, rng: Random, start: datetime) -> None:
-        self.errors, self.rng = errors, rng
+    def __init__(
+        self,
+        errors: SensorErrors,
+        rng: Random,
+        start: datetime,
+        sentences: tuple[str, ...] = ("GGA", "RMC"),
+    ) -> None:
+        self.errors, self.rng, self.sentences = errors, rng, sentences
         self.start = start.astimezone(UTC)
         self.queue: deque[Chunk] = deque()
         self.powered = True
@@ -79,7 +86,8 @@ class GpsReceiver:
         if self.silent or not self.powered:
             return
         clock = self._clock(now)
-        text = self._fixed(clock, position, velocity) if fixed else self._blank(clock)
+        both = self._fixed(clock, position, velocity) if fixed else self._blank(clock)
+        text = "".join(sentence(both[name]) for name in self.sentences)
         self.queue.append(Chunk(now + LATENCY, now + COMPLETE, text.encode("ascii")))
 
     def take(self, now: float) -> list[Chunk]:
@@ -95,14 +103,15 @@ class GpsReceiver:
             self._date = f"{self._midnight + timedelta(days=day):%d%m%y}"
         return f"{second // 3600:02d}{second // 60 % 60:02d}{second % 60:02d}.00"
 
-    def _blank(self, clock: str) -> str:
-        return sentence(f"GPGGA,{clock},,,,,0,00,,,M,0.0,M,,") + sentence(
-            f"GPRMC,{clock},V,,,,,,,{self._date},,,N"
-        )
+    def _blank(self, clock: str) -> dict[str, str]:
+        return {
+            "GGA": f"GPGGA,{clock},,,,,0,00,,,M,0.0,M,,",
+            "RMC": f"GPRMC,{clock},V,,,,,,,{self._date},,,N",
+        }
 
     def _fixed(
         self, clock: str, position: tuple[float, float], velocity: tuple[float, float]
-    ) -> str:
+    ) -> dict[str, str]:
         gauss, noise, slip = self.rng.gauss, self.errors.fix_noise, self.errors.speed_noise
         beside_north, beside_east = self.offset
         latitude, longitude = moved(
@@ -113,6 +122,7 @@ class GpsReceiver:
         knots = hypot(north, east) / KNOT
         course = round(degrees(atan2(east, north)), 2) % 360.0
         height = 0.3 + gauss(0.0, 2 * noise)
-        return sentence(f"GPGGA,{clock},{place},1,09,1.0,{height:.1f},M,0.0,M,,") + sentence(
-            f"GPRMC,{clock},A,{place},{knots:.3f},{course:.2f},{self._date},,,A"
-        )
+        return {
+            "GGA": f"GPGGA,{clock},{place},1,09,1.0,{height:.1f},M,0.0,M,,",
+            "RMC": f"GPRMC,{clock},A,{place},{knots:.3f},{course:.2f},{self._date},,,A",
+        }

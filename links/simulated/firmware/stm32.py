@@ -39,6 +39,9 @@ class Mode(enum.Enum):
     MANUAL = "manual"
 
 
+_DEFAULT = Mode.DEFAULT  # looked at five times a second: a member's look-up is a call
+
+
 def pwm_of(gear: float) -> int:
     """us; gears beyond +-12 are cut off, fractions allowed."""
     if not -GEAR_MAX <= gear <= GEAR_MAX:
@@ -72,7 +75,8 @@ class Stm32(ABC):
 
     @property
     def due(self) -> float:
-        return min(self.rx.due, self._dead_man_at)
+        burst = self.rx.due
+        return burst if burst < self._dead_man_at else self._dead_man_at
 
     @property
     def reporting(self) -> bool:
@@ -101,7 +105,7 @@ class Stm32(ABC):
         if self.booting:
             self.pwm = NEUTRAL
             return NEUTRAL
-        if self.mode is not Mode.DEFAULT:
+        if self.mode is not _DEFAULT:
             self.steer(plant)
         if self.runaway:
             left, right, _, _, _, servo_left, servo_right = self.pwm
