@@ -6,7 +6,7 @@
 
 Current 0 to 0.5 m/s, compass bias to 10 deg, declination as the magnetic model has it there.
 
-    python tests/mission/navigation/simulated_truth.py 500      the full sample, both profiles
+    python tests/mission/navigation/simulated_truth.py 500      the full sample (fixes | one: half of it)
 """
 
 from __future__ import annotations
@@ -88,25 +88,26 @@ def calibrated(vehicle: Vehicle, scale: float) -> Vehicle:
         calibration=replace(
             vehicle.calibration,
             speed_scale=scale,
-            speed_noise=0.03,
+            speed_noise=0.025,
             speed_time=150.0,
             turn_slip=1.3,
             turn_loss=0.9,
             surge_length=1.8,
-            surface_drift=0.005,
-            sway_noise=0.05,
-            deviation_sigma=e.deviation / math.sqrt(2.0),
+            surface_drift=0.002,
+            sway_noise=0.06,
+            deviation_sigma=0.6 * e.deviation,  # an amplitude, of two harmonics
         ),
     )
 
 
 def truthful(vehicle: Vehicle) -> Figures:
-    """The simulated sea has a steady current and a flat floor."""
+    """The simulated sea has a steady current and a flat floor, the compass a steady bias."""
     known = figures(vehicle)
     return replace(
         known,
         current=Markov(known.current.sigma, 1e6),
-        slope=0.005,
+        compass=Markov(known.compass.sigma, 12.0 * 3600.0),
+        slope=0.003,
         ground_velocity=SensorErrors().speed_noise,
     )
 
@@ -252,20 +253,24 @@ def sum_up(flights: Sequence[Flight]) -> Summary:
     )
 
 
-def main(seeds: int) -> None:
-    for profile in ("as-built", "documented"):
-        for learning in (True, False):
-            s = sum_up([fly(seed, profile, learning=learning) for seed in range(seeds)])
-            groups = ", ".join(
-                f"{g} {v:.2f} ({s.bounds[g][0]:.2f}..{s.bounds[g][1]:.2f})"
-                for g, v in s.nees.items()
-            )
-            sys.stdout.write(
-                f"{profile}, {'fixes before' if learning else 'one fix'}: {s.flights} flights; "
-                f"ellipse {s.coverage:.3f}; NIS/dof {s.nis:.2f}; error {s.error_pct[0]:.1f} % "
-                f"median, {s.error_pct[1]:.1f} % 95th; NEES/dof {groups}\n"
-            )
+def main(seeds: int, kinds: Sequence[bool]) -> None:
+    """Odd seeds fly as built, even ones as documented."""
+    for learning in kinds:
+        flights = [
+            fly(i, ("documented", "as-built")[i % 2], learning=learning) for i in range(seeds)
+        ]
+        s = sum_up(flights)
+        groups = ", ".join(
+            f"{g} {v:.2f} ({s.bounds[g][0]:.2f}..{s.bounds[g][1]:.2f})" for g, v in s.nees.items()
+        )
+        sys.stdout.write(
+            f"{'fixes before' if learning else 'one fix'}: {s.flights} flights; "
+            f"ellipse {s.coverage:.3f}; NIS/dof {s.nis:.2f}; error {s.error_pct[0]:.1f} % "
+            f"median, {s.error_pct[1]:.1f} % 95th; NEES/dof {groups}\n"
+        )
+        sys.stdout.flush()
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 500)
+    only = {"fixes": (True,), "one": (False,)}.get(sys.argv[-1], (True, False))
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 500, only)
