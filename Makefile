@@ -6,8 +6,6 @@ READY := .venv/.ready
 .PHONY: demo test check lint bench score campaign faults exhaustive docs clean
 
 DATA ?= ../shared/data/trajectories
-MISSIONS ?= 20
-FLIGHTS ?= 3
 SEED ?= 0
 
 demo: $(READY)          ## a mission from a YAML file to the vehicle and home, over real bytes
@@ -30,6 +28,15 @@ bench: $(READY)         ## performance, as ratios within one run
 
 score: $(READY)         ## the estimate on recorded trajectories; DATA=folder of CSV files
 	@$(BIN)/auvmission score $(DATA)
+
+campaign: $(READY)      ## flights within what the check assumed: MISSIONS=n FLIGHTS=m SEED=s
+	@$(BIN)/auvmission campaign --missions $(or $(MISSIONS),20) --flights $(or $(FLIGHTS),3) --seed $(SEED)
+
+faults: $(READY)        ## flights with faults: FLIGHTS=n SEED=s
+	@$(BIN)/auvmission faults --flights $(or $(FLIGHTS),50) --seed $(SEED)
+
+exhaustive: $(READY)    ## every state, every event
+	@$(BIN)/auvmission exhaustive
 
 docs: $(READY)          ## regenerate what is generated in docs/
 	$(BIN)/python -m protocol.reference > docs/protocol.md
