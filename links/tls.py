@@ -14,9 +14,9 @@ from __future__ import annotations
 import ssl
 from pathlib import Path
 
-from links import Address, LinkAddressError
+from links import Address
 from links.admission import admission_of
-from links.base import Link
+from links.base import Link, LinkAbsent
 from links.tcp import TcpClient, TcpServer, host_and_port
 
 FOLDER = "~/.config/auvmission/keys"
@@ -24,7 +24,7 @@ FILES = ("ca.pem", "cert.pem", "key.pem")
 
 
 def context(folder: Path, *, server: bool) -> ssl.SSLContext:
-    """Raises LinkAddressError where the folder does not hold what is needed."""
+    """Raises LinkAbsent where the folder does not hold what is needed (it may come)."""
     made = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER if server else ssl.PROTOCOL_TLS_CLIENT)
     made.minimum_version = ssl.TLSVersion.TLSv1_3
     made.check_hostname = False
@@ -34,14 +34,14 @@ def context(folder: Path, *, server: bool) -> ssl.SSLContext:
     ca, certificate, key = (folder / name for name in FILES)
     for path in (ca, certificate, key):
         if not path.is_file():
-            raise LinkAddressError(f"{path} is not there: `auvmission keys` makes all three files")
+            raise LinkAbsent(f"{path} is not there: `auvmission keys` makes all three files")
     try:
         made.load_verify_locations(ca)
         made.load_cert_chain(certificate, key)
     except PermissionError as error:
-        raise LinkAddressError(f"{folder}: its key cannot be read by this user") from error
+        raise LinkAbsent(f"{folder}: its key cannot be read by this user") from error
     except OSError as error:
-        raise LinkAddressError(f"{folder}: these are no keys of ours: {error}") from error
+        raise LinkAbsent(f"{folder}: these are no keys of ours: {error}") from error
     return made
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from links import LinkAddressError, open_link
+from links import open_link
 from links.base import LinkAbsent, LinkClosed
 from links.tcp import HANDSHAKE, TcpServer
 from mission.keys import make_keys
@@ -163,9 +163,9 @@ def test_a_server_that_does_not_speak_tls_is_told_from_one_that_refuses(keys: Pa
 
 
 def test_missing_keys_name_the_file_and_the_remedy(tmp_path: Path) -> None:
-    with pytest.raises(LinkAddressError, match=r"ca\.pem is not there: `auvmission keys`"):
+    with pytest.raises(LinkAbsent, match=r"ca\.pem is not there: `auvmission keys`"):
         open_link("topside", f"tls-listen://127.0.0.1:0?keys={tmp_path}")
     for name in ("ca.pem", "cert.pem", "key.pem"):
         (tmp_path / name).write_text("no key at all")
-    with pytest.raises(LinkAddressError, match="no keys of ours"):
+    with pytest.raises(LinkAbsent, match="no keys of ours"):
         open_link("vehicle", f"tls://127.0.0.1:1?keys={tmp_path}")
