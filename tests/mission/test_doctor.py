@@ -65,8 +65,19 @@ def test_a_board_that_is_silent_is_a_fault_with_its_cables(
     monkeypatch.setattr(bedside, "LISTEN_S", 0.3)
     monkeypatch.setattr(bedside, "GPS_S", 0.3)
     with silent_board() as (_, device), silent_board() as (master, gps):
-        os.write(master, b"$GPGGA,,,,,,0,00,,,,,,,*66\r\n" * 3)
-        found = examined(tmp_path, vehicle=f"serial://{device}", gps=f"'serial://{gps}'")
+        over = threading.Event()
+
+        def receiver() -> None:
+            while not over.wait(0.05):
+                os.write(master, b"$GPGGA,,,,,,0,00,,,,,,,*66\r\n")
+
+        thread = threading.Thread(target=receiver)
+        thread.start()
+        try:
+            found = examined(tmp_path, vehicle=f"serial://{device}", gps=f"'serial://{gps}'")
+        finally:
+            over.set()
+            thread.join()
     assert of(found, "vehicle")["state"] == "fault"
     assert "cable" in of(found, "vehicle")["todo"]
     assert of(found, "vehicle answers")["state"] == "fault"

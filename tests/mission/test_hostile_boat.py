@@ -63,7 +63,7 @@ def test_x_and_w_get_through_a_flood_of_another(tmp_path: Path, frame: bytes) ->
                     return order in heard
 
                 soon(left, order.decode())
-                assert time.monotonic() - begun < 1.0
+                assert time.monotonic() - begun < 2.0
             assert asked(operator, b"@AQ$").startswith(b"@AR,running")
         assert sum("floods" in line for line in pi.told) == 1
 
@@ -122,7 +122,7 @@ def test_ten_thousand_connections_tried_leave_the_operator_his(tmp_path: Path) -
             soon(lambda: b"@ZAWF$" in read_now(master), "W")
             for one in held:
                 one.close()
-        assert worst < 1.0
+        assert worst < 2.0
         refused = [line for line in pi.told if "turned away" in line]
         assert 1 <= len(refused) <= 8, "told, and not ten thousand times"
 
