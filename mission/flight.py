@@ -58,7 +58,7 @@ def fly(
     """``profile`` picks the dialect and the firmware together. ``settings`` are the sea and its
     faults; ``said`` is what the operator sends beside upload and start; ``lines`` go up instead of
     the mission's own script."""
-    flown = replace(vehicle, dialect=profile)
+    flown = vehicle if vehicle.codec in BOARDS else replace(vehicle, dialect=profile)
     operator = Operator(lines or script(mission), digest(mission), said)
     loop = _LockStep(
         mission, flown, operator, seed, settings or Settings(), recorder, stored or Stored()

@@ -12,11 +12,12 @@ from __future__ import annotations
 import copy
 import math
 import statistics
+from dataclasses import replace
 from typing import Any, Protocol, Self
 
 from mission.legs.base import Point, wrap
 from mission.model import Estimate, Health, Local, NavigationMode, Place, Position
-from protocol.messages import Fix, Telemetry
+from protocol.messages import Fix, Setpoint, Telemetry
 
 SURFACE_DEPTH = 0.5  # m (R7)
 SURFACE_TIME = 6.0  # s (R7)
@@ -67,6 +68,7 @@ class Senses:
         self.estimate: Estimate | None = None
         self.believed_depth: float | None = None  # the last one that could be believed
         self._believed_at = -math.inf
+        self.command: Setpoint | None = None  # in force at the vehicle
         self._position_at = -math.inf  # of the vehicle's own positions, the last one used
         self._shallow_since: float | None = -math.inf if grounded else None
         self._offset: float | None = None  # compass minus true heading
@@ -96,7 +98,7 @@ class Senses:
     def take_telemetry(self, report: Telemetry) -> None:
         self.telemetry = report
         if self.navigation:
-            self.navigation.telemetry(report)
+            self.navigation.telemetry(self._with_thrust(report))
             self.estimate = self.navigation.estimate(report.t)
         self._forget()
         if report.position is not None:
@@ -110,6 +112,15 @@ class Senses:
             self._shallow_since = report.t
         if report.heading is not None and self.estimate and self.estimate.heading is not None:
             self._offset = wrap(report.heading - self.estimate.heading)
+
+    def _with_thrust(self, report: Telemetry) -> Telemetry:
+        """Where a vehicle does not say what its thrusters do, they are taken to do what they were
+        told: left and right main first, then something that turns while the vertical is held."""
+        if report.actuators is not None:
+            return report
+        s = self.command or Setpoint()
+        vertical = 1.0 if s.depth is not None or s.altitude is not None else s.heave or 0.0
+        return replace(report, actuators=(s.surge + s.turn, s.surge - s.turn, vertical))
 
     def _take_position(self, report: Telemetry, place: tuple[float, float]) -> None:
         """The vehicle's own, once a second: under water too, so it proves no surface. Where the

@@ -147,6 +147,7 @@ class Watch:
 
     def set_sent(self, setpoint: Setpoint | None) -> None:
         self.sent, self.accepted_at = setpoint, None
+        self.senses.command = setpoint
 
     def forgive(self, row: Limit) -> None:
         """A response was given that may mend it: count anew."""

@@ -7,18 +7,20 @@ Operator -- @AW @AA --> Drive -- frames every period --> board -- thrusters --> 
 from __future__ import annotations
 
 import itertools
+import math
 from pathlib import Path
 
 import pytest
 
 from mission.flight import fly
 from mission.flightlog import Flight
+from mission.model import Health
 from mission.prepare import Prepared, Unreadable, prepare
 from mission.rehearsal import Said
 from mission.senses import Senses
 from mission.vehicle import load_vehicle
 from mission.watch import Descent
-from protocol.messages import Order, Telemetry
+from protocol.messages import Order, Setpoint, Telemetry
 from protocol.vehicles import codec, link
 
 CORE = """mission core-dive vehicle coreboard
@@ -91,6 +93,32 @@ def test_the_core_board_is_where_it_was_sent(tmp_path: Path) -> None:
     assert all(abs(p.depth - 4.0) < 0.3 for p in held)
     assert held[-1].north < held[0].north - 3.0  # south, as heading 180 says
     assert abs(held[-1].east - held[0].east) < 3.0
+
+
+HOMEWARD = """mission core-home vehicle coreboard
+home 30.2874595 120.1535765
+safety radius 500 time 20min depth 20 voltage 12
+assume current 0.1
+dive: depth 3 heading 90 gear 6 until depth >= 2.7 timeout 60s
+east: depth 3 heading 90 gear 8 until travelled >= 30 timeout 90s
+back: goto home gear 8 depth 3 within 10 timeout 2min
+up: surface until fix timeout 3min
+"""
+
+
+def test_a_board_that_tells_no_thrust_still_knows_its_way_by_what_it_was_told(
+    tmp_path: Path,
+) -> None:
+    ready = prepared(tmp_path, HOMEWARD)
+    flight = fly(ready.mission, ready.vehicle, seed=3)
+    assert [(leg.name, leg.by) for leg in flight.legs][:3] == [
+        ("dive", "until"), ("east", "until"), ("back", "end")
+    ]  # fmt: skip
+    east = next(s for s in flight.samples if s.t >= flight.legs[1].left)
+    assert 30.0 < east.true.east < 60.0
+    for sample in flight.samples:
+        north, _, other = sample.estimate.covariance
+        assert sample.error < 3.0 * math.sqrt(north + other) + 3.0
 
 
 def test_the_robot_drives_out_turns_and_drives_on(tmp_path: Path) -> None:
@@ -245,6 +273,38 @@ def test_a_position_of_its_own_proves_no_surface_but_counts_as_a_fix_there() -> 
         senses.take_telemetry(Telemetry(float(i), depth=0.1, position=here))
     assert senses.fix is not None
     assert senses.surfaced(0.0)
+
+
+class Listener:
+    """A navigator that keeps what it was told."""
+
+    frame = None
+
+    def __init__(self) -> None:
+        self.heard: list[Telemetry] = []
+
+    def telemetry(self, t: Telemetry) -> None:
+        self.heard.append(t)
+
+    def estimate(self, now: float) -> None:
+        return None
+
+    def health(self, sensor: str, now: float) -> Health:
+        return Health(True, "", 0.0)
+
+
+def test_what_a_vehicle_says_of_its_thrusters_is_believed_before_what_it_was_told() -> None:
+    listener = Listener()
+    senses = Senses(listener)  # type: ignore[arg-type]
+    senses.command = Setpoint(surge=0.5, depth=3.0)
+    senses.take_telemetry(Telemetry(0.0, depth=1.0, actuators=(0.1, 0.2)))
+    senses.take_telemetry(Telemetry(1.0, depth=1.0))
+    senses.command = None
+    senses.take_telemetry(Telemetry(2.0, depth=1.0))
+    thrusts = [t.actuators for t in listener.heard]
+    assert thrusts == [(0.1, 0.2), (0.5, 0.5, 1.0), (0.0, 0.0, 0.0)]
+    assert senses.telemetry is not None
+    assert senses.telemetry.actuators is None
 
 
 def test_on_the_ground_it_is_always_at_the_surface() -> None:
