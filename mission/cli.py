@@ -37,6 +37,7 @@ COMMANDS = {
     "report": "report",
     "calibrate": "calibrate",
     "score": "score",
+    "exhaustive": "exhaustive",
     "doctor": "doctor",
     "campaign": "campaign",
     "faults": "faults",

@@ -263,15 +263,17 @@ class Engine:
             navigation.restore(snapshot.navigation)
         self._timer = self._next_timer()
 
-    def place(self, leaf: str, rounds: Mapping[str, int]) -> None:
-        """As if the mission under way had just come to this leg in these rounds (by the paths of
-        the groups): for checks that go through every configuration. LookupError without one."""
+    def place(self, leaf: str, rounds: Mapping[str, int], elapsed: float = 0.0) -> None:
+        """As if the mission under way had come to this leg ``elapsed`` s ago, in these rounds (by
+        the paths of the groups): for checks that go through every configuration. LookupError
+        without one."""
         run = self._core.run
         if run is None:
             raise LookupError("no mission is under way")
         self._core.machine.restore(leaf)
         run.rounds.update(rounds)
         self._core.enter_quietly(leaf)
+        run.entered -= elapsed
         self._timer = self._next_timer()
 
     # --- what people and the drive want to know ------------------------------------------------

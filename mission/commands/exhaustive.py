@@ -1,0 +1,42 @@
+"""``auvmission exhaustive``: every state of every mission, every event. Exit 0, 1, 2."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command()
+@click.argument("missions", nargs=-1, type=click.Path(path_type=Path, dir_okay=False))
+@click.option("--json", "as_json", is_flag=True, help="The object alone on stdout.")
+@click.option("--workers", type=click.IntRange(1), help="Processes; default: one per core.")
+def exhaustive(missions: tuple[Path, ...], as_json: bool, workers: int | None) -> None:
+    """Cross every configuration of MISSIONS (default: all shipped) with every event.
+
+    Both profiles of the vehicle. The last line of stdout is one JSON object.
+    """
+    import json
+    import os
+    import sys
+
+    from mission.exhaustive.configurations import Unreachable
+    from mission.exhaustive.run import examine, unasked
+    from mission.prepare import Unreadable
+    from mission.vehicle import missions_folder
+
+    chosen = missions or tuple(sorted(p for p in missions_folder().iterdir() if p.is_file()))
+    try:
+        found = examine(
+            chosen, workers or os.cpu_count() or 1, lambda line: click.echo(line, err=True)
+        )
+    except (Unreadable, Unreachable) as error:
+        click.echo(str(error), err=True)
+        sys.exit(2)
+    if not as_json:
+        for law, asked in sorted(found.asked.items()):
+            click.echo(f"{asked:9d} cells  {found.broken[law]:6d} broken  {law}")
+    for law in unasked(found):
+        click.echo(f"error: no cell asks: {law}", err=True)
+    click.echo(json.dumps(found.as_json()))
+    sys.exit(1 if found.broken or unasked(found) else 0)

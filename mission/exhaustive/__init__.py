@@ -1,0 +1,21 @@
+"""Every state, every event: each configuration of the drive, crossed with each event, under laws.
+
+    configurations  x  events  ->  cells  ->  laws  ->  violations
+
+Everything happens at the drive: telemetry, fixes, acknowledgements and operators' commands are
+bytes that go through the real decoders, and what a law sees is bytes that left, the Steps on
+record, and the state. Laws are written from the design and protocols alone: they never ask the
+engine what is right. Two things reach behind the bytes, because a day would not do otherwise: a
+configuration is put in place by the engine's ``place`` (leg, rounds, time in the leg), and a drive
+is copied whole (fork), so that each cell begins at the same instant.
+
+    wire            what the vehicle and the GPS say, in bytes
+    world           a drive with a vehicle on its line, and what was seen of it
+    fork            one drive as many
+    configurations  the ways into every configuration
+    events          the rows of events
+    laws            the rows of laws, and when each is asked
+    run             all of it, on several processes
+
+What does not live here: flights (a cell lasts seconds), bit errors on the lines (protocol, links).
+"""

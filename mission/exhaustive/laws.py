@@ -1,0 +1,562 @@
+"""The laws: rows of name, source, and what is asked of a cell.
+
+A law answers None where it says nothing about a cell, "" where it holds, else what is wrong. It is
+written from the design and from protocols alone, never from what the engine does. All are asked at
+the drive, of bytes, Steps and states: R3-R14 and section 4 of the design.
+
+What does not live here: laws of single legs against limits and readings (legs_laws), the events.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+from mission.exhaustive.cell import Cell
+from mission.exhaustive.configurations import DEEP
+from mission.model import (
+    IDLE_EMPTY,
+    IDLE_READY,
+    IMPLICIT_SURFACE,
+    MANUAL_DRIVING,
+    MANUAL_WAITING,
+    STOPPED,
+    SURFACED,
+    SURFACING,
+)
+
+X, W = b"@ZAX0$", b"@ZAWF$"
+STICK_QUIET, FRESH_FIX = 2.0, 5.0  # s (R6, R9)
+AT_ONCE = 0.1  # s: X and W have left (issue 6)
+AT_SURFACE = 0.5  # m (R7)
+
+Verdict = str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Law:
+    name: str
+    source: str
+    ask: Callable[[Cell], Verdict]
+
+
+def _wrong(*faults: tuple[bool, str]) -> str:
+    """The first that is so."""
+    return next((words for is_so, words in faults if is_so), "")
+
+
+# --- X, W, M ---------------------------------------------------------------------------------
+
+
+def _order(letter: str, frame: bytes, target: str) -> Callable[[Cell], Verdict]:
+    def ask(cell: Cell) -> Verdict:
+        if cell.event.command != letter:
+            return None
+        left = cell.frames(b"@ZA")
+        late = not left or left[0].t > cell.before.t + AT_ONCE
+        burst = cell.event.path == "tender"  # something was said just before
+        return _wrong(
+            (cell.world.at_once not in (target, SURFACED), f"the state is {cell.world.at_once}"),
+            (not left or left[0].data != frame, f"{left[:1]} left for the vehicle first"),
+            (late and not burst, "it left late"),
+        )
+
+    return ask
+
+
+def _answered(cell: Cell) -> Verdict:
+    if cell.event.command not in ("X", "W") or cell.event.path == "modem":
+        return None
+    if cell.world.answers != "Y" or not cell.configuration.quiet:
+        return None
+    return _wrong((not cell.answers(b"@ACK_Z" + cell.event.command.encode()), "no answer"))
+
+
+def _taken(cell: Cell) -> bool:
+    """Whether an M may take over (R6, R12)."""
+    in_emergency = cell.configuration.region == "emergency"
+    held = in_emergency and cell.before.stick_age < STICK_QUIET
+    return cell.event.path == "boat" and not held
+
+
+def _stick(cell: Cell) -> Verdict:
+    if not cell.event.command.startswith("M"):
+        return None
+    relayed = cell.frames(b"@M")
+    if not _taken(cell):
+        return _wrong(
+            (cell.world.at_once != cell.configuration.state, f"now {cell.world.at_once}"),
+            (bool(relayed), "it was passed on"),
+        )
+    return _wrong(
+        (cell.world.at_once != MANUAL_DRIVING, f"the state is {cell.world.at_once}"),
+        (not relayed, "it was not passed on"),
+    )
+
+
+def _no_z_under_the_stick(cell: Cell) -> Verdict:
+    """From the first M on, and while the vehicle was driven before."""
+    if cell.event.causes - {"M"} or not (
+        (cell.event.command.startswith("M") and _taken(cell))
+        or cell.configuration.state == MANUAL_DRIVING
+    ):
+        return None
+    if cell.state != MANUAL_DRIVING:
+        return None
+    return _wrong((bool(cell.frames(b"@ZA")), f"{cell.frames(b'@ZA')[:1]} under the stick"))
+
+
+def _stick_let_go(cell: Cell) -> Verdict:
+    """2 s of silence: X0, and waiting."""
+    if cell.configuration.state != MANUAL_DRIVING or cell.event.causes:
+        return None
+    if cell.world.now - cell.before.t < STICK_QUIET:
+        return None
+    return _wrong(
+        (cell.states[1:2] != [MANUAL_WAITING], f"the states are {cell.states}"),
+        (not cell.frames(X), "no X0 left"),
+    )
+
+
+def _forgotten(cell: Cell) -> Verdict:
+    if "minute" not in cell.event.causes or cell.configuration.region != "manual":
+        return None
+    if cell.world.sea.depth >= AT_SURFACE:
+        return _wrong((cell.state != SURFACING, f"deep, and the state is {cell.state}"))
+    idle = IDLE_READY if cell.configuration.loaded else IDLE_EMPTY
+    unknown = SURFACING  # the depth was stale when the minute was over
+    return _wrong((cell.state not in (idle, unknown, SURFACED), f"the state is {cell.state}"))
+
+
+# --- the map of the states ----------------------------------------------------------------------
+
+_STATES = (IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, MANUAL_WAITING, STOPPED, SURFACING, SURFACED)
+# What may lead from a region to another; "" is the mission's own way, or time.
+_LIMITED = frozenset({"limit", "blind", "silence", "deaf"})
+_MOVES: dict[tuple[str, str], frozenset[str]] = {
+    ("idle", "autonomous"): frozenset({"AA"}),
+    ("idle", "manual"): frozenset({"M"}),
+    ("idle", "emergency"): frozenset({"X", "W", "limit"}),
+    ("autonomous", "manual"): frozenset({"M"}),
+    ("autonomous", "emergency"): frozenset({"X", "W", "restart"}) | _LIMITED,
+    ("autonomous", "idle"): frozenset({"NS", ""}),
+    ("manual", "autonomous"): frozenset({"AA"}),
+    ("manual", "emergency"): frozenset({"X", "W", "minute", "restart"}),
+    ("manual", "idle"): frozenset({"minute", "restart"}),
+    ("emergency", "manual"): frozenset({"M"}),
+    ("emergency", "idle"): frozenset({"AC"}),
+}
+
+
+def _known_states(cell: Cell) -> Verdict:
+    legs = {s.path for s in cell.chart.states if s.leg is not None}
+    strange = [s for s in cell.states if s not in _STATES and s not in legs]
+    foreign = cell.event.path == "whole" or not cell.configuration.loaded
+    return _wrong((bool(strange) and not foreign, f"{strange[:1]}"))
+
+
+def _moves(cell: Cell) -> Verdict:
+    for here, there in pairwise(s.partition("/")[0] for s in cell.states):
+        if here == there:
+            continue
+        causes = _MOVES.get((here, there), frozenset())
+        deaf = not cell.configuration.quiet and (here, there) == ("autonomous", "emergency")
+        if not (causes & cell.event.causes or "" in causes or deaf):
+            return f"{here} -> {there}: {cell.world.engine.reason}"
+    return ""
+
+
+def _emergency(cell: Cell) -> Verdict:
+    """R7's ways alone: stopped and surfaced by @AC, any by M; X and W between; surfaced at last."""
+    allowed = {
+        (SURFACING, SURFACED): frozenset({""}),
+        (STOPPED, IDLE_EMPTY): frozenset({"AC"}),
+        (SURFACED, IDLE_EMPTY): frozenset({"AC"}),
+    }
+    asked = None
+    for here, there in pairwise(cell.states):
+        if not here.startswith("emergency"):
+            continue
+        asked = ""
+        causes = allowed.get((here, there), frozenset())
+        causes |= {STOPPED: {"X"}, SURFACING: {"W"}, MANUAL_DRIVING: {"M"}}.get(there, set())
+        if there == SURFACING and here == SURFACED and "restart" in cell.event.causes:
+            continue
+        if there == SURFACING and "restart" in cell.event.causes:
+            continue
+        if not (causes & cell.event.causes or "" in causes):
+            return f"{here} -> {there}"
+    return "" if cell.configuration.region == "emergency" else asked
+
+
+def _recorded(cell: Cell) -> Verdict:
+    """Every change of state stands in a Step that left the one and entered the other."""
+    if "restart" in cell.event.causes:
+        return None
+    at = cell.configuration.state
+    for step in cell.steps:
+        if not step.entered and not step.exited:
+            continue
+        if at not in (step.exited[:1] or (at,)):
+            return f"a Step leaves {step.exited[:1]} while the state is {at}"
+        at = step.entered[-1] if step.entered else at
+    placed = "time is up" in cell.event.name or cell.event.limit == "no answer"
+    return _wrong((at != cell.state and not placed, f"the Steps end in {at}, not in {cell.state}"))
+
+
+def _under_way(cell: Cell) -> Verdict:
+    """What the store would tell after a restart."""
+    kept = cell.world.store.content.under_way
+    region = cell.region if cell.event.path != "whole" else kept.partition("/")[0]
+    if region == "manual" and not cell.configuration.leaf:
+        return None
+    latched = region in ("autonomous", "emergency") or (
+        region == "manual" and cell.configuration.region == "autonomous"
+    )
+    return _wrong(
+        (latched and not kept, f"nothing is kept in {cell.state}"),
+        (region == "idle" and bool(kept), f"{kept} is kept in idle"),
+    )
+
+
+def _restarts(cell: Cell) -> Verdict:
+    """During a mission or an emergency: surfacing; otherwise idle."""
+    if "restart" not in cell.event.causes:
+        return None
+    c = cell.configuration
+    if c.region in ("autonomous", "emergency") or (c.region == "manual" and c.leaf):
+        left = cell.frames(b"@ZA")
+        first = [t for t in left if t.t < AT_ONCE]
+        return _wrong(
+            (cell.state != SURFACING, f"the state is {cell.state}"),
+            (W not in [t.data for t in first], f"{left} left"),
+        )
+    idle = IDLE_READY if c.loaded else IDLE_EMPTY
+    return _wrong((cell.state != idle, f"the state is {cell.state}"))
+
+
+# --- what leaves ------------------------------------------------------------------------------
+
+
+def _reasons(cell: Cell) -> Verdict:
+    """Every command stands in a Step with the same reason, or passes an operator's frame on."""
+    if not cell.frames():
+        return None
+    known = {words.split(": ", 1)[1] for s in cell.world.notes.steps for words in s.actions}
+    for tx in cell.frames():
+        reason = tx.reason.split(" (try ")[0]
+        relay = reason.startswith("relay of") and not tx.data.startswith(b"@Z")
+        if not relay and reason not in known:
+            return f"{tx.data!r} left because of {tx.reason!r}"
+    return ""
+
+
+def _after_stopped(cell: Cell) -> Verdict:
+    """Nothing but X0 until its ACK, and what an operator asked for since."""
+    if cell.configuration.state != STOPPED:
+        return None
+    if cell.event.causes & {"W", "M", "restart"}:
+        return None
+    others = [t for t in cell.frames(b"@Z") if t.data != X]
+    strange = [t for t in cell.frames() if t.data[:2] not in (b"@Z", b"@R", b"@D")]
+    return _wrong((bool(others + strange), f"{(others + strange)[:1]} left"))
+
+
+def _stop_repeats(cell: Cell) -> Verdict:
+    """X0 leaves again at least every 500 ms until it is acknowledged, and then no more."""
+    if cell.event.name != "X, answered late":
+        return None
+    times = [t.t - cell.before.t for t in cell.frames(X)]
+    gaps = [b - a for a, b in pairwise(times)]
+    return _wrong(
+        (len([t for t in times if t <= 2.5]) < 5, f"X0 left at {times}"),
+        (any(gap > 0.55 for gap in gaps), f"X0 left at {times}"),
+        (bool(times) and times[-1] > 3.3, "X0 leaves after it was acknowledged"),
+    )
+
+
+def _quiet_idle(cell: Cell) -> Verdict:
+    """In idle, nothing leaves that nobody asked for."""
+    if cell.configuration.region != "idle" or cell.region != "idle" or len(cell.states) > 1:
+        return None
+    if cell.event.causes & {"restart"}:
+        return None
+    return _wrong((bool(cell.frames(b"@Z")), f"{cell.frames(b'@Z')[:1]} left in idle"))
+
+
+def _to_the_surface(cell: Cell) -> Verdict:
+    """From everywhere: W, and whichever way makes it rise, to X0 at the surface (R7)."""
+    if cell.event.path != "rises":
+        return None
+    last = cell.frames(b"@Z")[-1:]
+    return _wrong(
+        (cell.state != SURFACED, f"the state is {cell.state}"),
+        (not last or last[0].data != X, f"{last} was the last"),
+    )
+
+
+def _comes_up_alone(cell: Cell) -> Verdict:
+    """Without operator and reports, whoever is under way or was left by the stick surfaces."""
+    if "silence" not in cell.event.causes and cell.event.limit != "telemetry":
+        return None
+    c = cell.configuration
+    if c.region != "autonomous" and not (c.region == "manual" and "minute" in cell.event.causes):
+        return None
+    if c.region == "manual" and cell.world.sea.depth < AT_SURFACE:
+        return None
+    return _wrong((cell.region != "emergency", f"the state is {cell.state}"))
+
+
+# --- operators --------------------------------------------------------------------------------
+
+
+def _ack(cell: Cell, code: str, accepted: bool) -> str:
+    """The answer, once, on the path of its request."""
+    letter = code[1:].encode() if accepted else b"N"
+    wanted = b"@ACK_" + code.encode() + letter + b"$"
+    at = {"tender": "tender", "modem": ""}.get(cell.event.path, "boat")
+    found = [t for t in cell.answers(b"@ACK_" + code.encode()) if t.address == at]
+    return _wrong((not found, "no answer"), (wanted not in found[-1].data if found else False,
+                   f"{found[-1:]}, not {wanted!r}"))  # fmt: skip
+
+
+def _line(cell: Cell) -> Verdict:
+    """R3: only in idle, and a line of nothing not even there."""
+    if cell.event.command != "AW":
+        return None
+    idle = cell.configuration.region == "idle"
+    taken = idle and cell.event.path != "misplaced"
+    return _ack(cell, "AW", taken) or _wrong(
+        (not idle and cell.state.partition("/")[0] == "idle" and len(cell.states) > 1, "idle"),
+        (cell.event.path == "whole" and idle and cell.state != IDLE_READY, "it is not ready"),
+    )
+
+
+def _may_start(cell: Cell) -> bool:
+    c = cell.configuration
+    if c.region == "autonomous":
+        return cell.event.path == "boat"
+    if cell.event.path != "boat" or not (c.auto and c.loaded) or c.region == "emergency":
+        return False
+    if c.region == "manual" and (cell.before.stick_age < STICK_QUIET or c.preceded):
+        return False
+    return bool(c.leaf) or cell.before.fix_age <= FRESH_FIX
+
+
+def _start(cell: Cell) -> Verdict:
+    """@AA, by state: from idle with a fix, from manual 2 s after the stick, never out of an
+    emergency, with AUTO closed or with lines missing; while it runs Y and no effect."""
+    if cell.event.command != "AA":
+        return None
+    c, accepted = cell.configuration, _may_start(cell)
+    if cell.event.path == "staging" and c.region != "idle":
+        accepted = _may_start_now(cell)
+    fault = _ack(cell, "AA", accepted)
+    after = cell.world.at_once if cell.event.path != "staging" else cell.states[-1]
+    if fault or cell.event.path == "staging":
+        return fault
+    if not accepted or c.region == "autonomous":
+        return _wrong((after != c.state, f"the state is {after}"))
+    leg = c.leaf or cell.chart.initial
+    return _wrong((after != leg, f"the state is {after}, not {leg}"))
+
+
+def _may_start_now(cell: Cell) -> bool:
+    """As by the boat: in these states no line is taken, so nothing is being staged."""
+    c = cell.configuration
+    if c.region == "autonomous":
+        return True
+    ready = c.auto and c.loaded and c.region == "manual" and not c.preceded
+    known = bool(c.leaf) or cell.before.fix_age <= FRESH_FIX
+    return ready and cell.before.stick_age >= STICK_QUIET and known
+
+
+def _no_restart(cell: Cell) -> Verdict:
+    """@AA while it runs: nothing leaves because of it."""
+    if cell.event.command != "AA" or cell.configuration.region != "autonomous":
+        return None
+    if not cell.configuration.quiet:
+        return None
+    started = [s for s in cell.steps if s.trigger == "start"]
+    return _wrong((bool(started), "it was started again"))
+
+
+def _clear(cell: Cell) -> Verdict:
+    """@AC from idle, stopped and surfaced; N elsewhere."""
+    if cell.event.command != "AC":
+        return None
+    state = cell.states[-2] if len(cell.states) > 1 else cell.configuration.state
+    state = state if cell.state == IDLE_EMPTY else cell.state
+    may = state in (IDLE_EMPTY, IDLE_READY, STOPPED, SURFACED) and cell.event.path == "boat"
+    cleared = cell.state == IDLE_EMPTY and not cell.world.store.content.lines
+    held = cell.configuration.loaded and not cell.world.store.content.lines
+    return _ack_of_anyone(cell, may) or _wrong(
+        (may and not cleared, f"not cleared: {cell.state}"),
+        (not may and held, "the mission is gone"),
+    )
+
+
+def _ack_of_anyone(cell: Cell, accepted: bool) -> str:
+    wanted = b"@ACK_ACC$" if accepted else b"@ACK_ACN$"
+    found = cell.answers(b"@ACK_AC")
+    return _wrong((not found or wanted not in found[-1].data, f"{found}, not {wanted!r}"))
+
+
+def _clock(cell: Cell) -> Verdict:
+    """@ST only in idle, and never over the modem (R10)."""
+    if cell.event.command != "ST":
+        return None
+    idle = cell.configuration.region == "idle"
+    return _ack(cell, "ST", idle and cell.event.path == "boat")
+
+
+def _safety(cell: Cell) -> Verdict:
+    """@SP always; with a wrong number of fields no answer at all (E-V2). Durable."""
+    if cell.event.command != "SP":
+        return None
+    if cell.event.path == "broken":
+        return _wrong((bool(cell.answers(b"@ACK_SP")), "answered"))
+    kept = cell.world.store.content.limits
+    told = any(v is not None for v in (kept.radius, kept.time, kept.depth, kept.voltage))
+    return _ack(cell, "SP", True) or _wrong((not told, "it is not stored"))
+
+
+def _queries(cell: Cell) -> Verdict:
+    """@DU, @NI, @AQ: one answer each, and nothing else."""
+    words = {"DU": b"@VS", "NI": b"@ACK_NI", "AQ": b"@AR,"}
+    start = words.get(cell.event.command)
+    if start is None:
+        return None
+    found = [t for t in cell.answers(start) if t.address == "boat" and t.reason == "asked"]
+    return _wrong((len(found) != 1, f"{len(found)} answers"))
+
+
+def _state_of_store(cell: Cell) -> Verdict:
+    if cell.event.command != "AQ":
+        return None
+    idle, loaded = cell.configuration.region == "idle", cell.configuration.loaded
+    wanted = b"running" if not idle else b"ready" if loaded else b"empty"
+    found = cell.answers(b"@AR,")
+    return _wrong((not found or not found[0].data.startswith(b"@AR," + wanted), f"{found}"))
+
+
+def _relays(cell: Cell) -> Verdict:
+    """R and rudder frames reach the STM32 once, byte for byte, whatever the state (R12, R14)."""
+    frames = {"RS": b"@RS", "RI": b"@RI$", "D": b"@DS3,20$"}
+    start = frames.get(cell.event.command)
+    if start is None:
+        return None
+    found = cell.frames(start)
+    moved = len(cell.states) > 1 and cell.states[1] == MANUAL_DRIVING
+    return _wrong((len(found) != 1, f"{len(found)} left"), (moved, "manual"))
+
+
+def _nodes(cell: Cell) -> Verdict:
+    """R13: AUTO closed ends a mission, and a suspended one; the STM32 closes in idle alone."""
+    if cell.event.command != "NS":
+        return None
+    c = cell.configuration
+    if cell.event.path == "open":
+        return _ack(cell, "NS", True)
+    if cell.event.path == "stm32":
+        if c.region == "idle":
+            return None
+        return _ack(cell, "NS", False)
+    if c.region == "autonomous":
+        return _wrong(
+            (cell.world.at_once != IDLE_READY, f"the state is {cell.world.at_once}"),
+            (X not in [t.data for t in cell.frames(b"@ZA")][:1], "X0 is not the first to leave"),
+        )
+    return _wrong((cell.world.at_once != c.state, f"the state is {cell.world.at_once}"))
+
+
+def _paths(cell: Cell) -> Verdict:
+    """R12: an answer leaves on the path of its request alone."""
+    answers = [t for t in cell.answers(b"@ACK_") if b"@ACK_Z" not in t.data]
+    if not answers:
+        return None
+    paths = {"tender": {"tender", "boat"}, "modem": {""}, "both": {"boat", ""}}
+    allowed = paths.get(cell.event.path, {"boat"})
+    if cell.event.name == "AC of another, the boat silent":
+        allowed = {"tender"}
+    strange = [t for t in answers if t.address not in allowed]
+    return _wrong((bool(strange), f"{strange[:1]}"))
+
+
+def _others_read(cell: Cell) -> Verdict:
+    """R12: who does not command changes nothing but by X and W."""
+    if cell.event.path != "tender" or cell.event.command in ("X", "W"):
+        return None
+    return _wrong((cell.world.at_once != cell.configuration.state, f"now {cell.world.at_once}"))
+
+
+def _tells_at_surface(cell: Cell) -> Verdict:
+    """R11: one @VS unasked on every path at the surface."""
+    if SURFACED not in cell.states[1:] or cell.state != SURFACED or cell.world.sea.depth >= DEEP:
+        return None
+    told = [t for t in cell.answers(b"@VS") if t.reason != "asked" and t.address]
+    each = sorted(t.address for t in told)
+    return _wrong((each != ["boat", "tender"], f"told {each}"))
+
+
+def _stays_up(cell: Cell) -> Verdict:
+    """Manual under AUTO closed has no mission to go back to (R13), nor has an emergency (R6)."""
+    c = cell.configuration
+    if c.region not in ("manual", "emergency") or "AA" not in cell.event.causes:
+        return None
+    if c.auto and not c.preceded:
+        return None
+    return _wrong((cell.region == "autonomous", f"the state is {cell.state}"))
+
+
+def _implicit_end(cell: Cell) -> Verdict:
+    """The mission's end: out of the implicit leg alone, with everything stopped."""
+    ended = [
+        step for step in cell.steps if step.trigger != "auto off" and IDLE_READY in step.entered
+    ]
+    ended = [s for s in ended if s.exited and s.exited[0].startswith("autonomous")]
+    if not ended:
+        return None
+    return _wrong(
+        (ended[0].exited[0] != IMPLICIT_SURFACE, f"out of {ended[0].exited[0]}"),
+        (not ended[0].actions or "stopped" not in ended[0].actions[0], "nothing was stopped"),
+    )
+
+
+LAWS: tuple[Law, ...] = (
+    Law("X acts from everywhere within the step", "R7", _order("X", X, STOPPED)),
+    Law("W acts from everywhere within the step", "R7", _order("W", W, SURFACING)),
+    Law("who gave X or W hears what became of it", "R7, R12", _answered),
+    Law("M takes over at once, in an emergency after 2 s of silence", "R6", _stick),
+    Law("under the stick no Z leaves", "R6", _no_z_under_the_stick),
+    Law("2 s after the stick everything is stopped", "R6", _stick_let_go),
+    Law("60 s after the stick: idle at the surface, surfacing where deep", "R6", _forgotten),
+    Law("only states that the design knows", "design 4", _known_states),
+    Law("from region to region only for a cause", "design 4, R5-R8", _moves),
+    Law("no exit from an emergency but R7's", "R7", _emergency),
+    Law("every change of state is on record", "design 4", _recorded),
+    Law("what is under way is kept for a restart", "design 4", _under_way),
+    Law("a restart under way surfaces, otherwise idle", "design 4", _restarts),
+    Law("no command without a reason", "design 4", _reasons),
+    Law("after stopped nothing leaves but what is allowed", "R7", _after_stopped),
+    Law("X0 every 500 ms until it is acknowledged", "R7", _stop_repeats),
+    Law("in idle nothing leaves that nobody asked for", "design 4", _quiet_idle),
+    Law("from everywhere to the surface by W", "R7", _to_the_surface),
+    Law("who is left alone comes up", "R6, R8", _comes_up_alone),
+    Law("@AW only in idle", "R3", _line),
+    Law("@AA by state", "R3, R6, R7, R9, R13", _start),
+    Law("@AA while it runs has no effect", "R1", _no_restart),
+    Law("@AC by state", "R7", _clear),
+    Law("@ST only in idle, not by modem", "R10", _clock),
+    Law("@SP always, and durable", "R5", _safety),
+    Law("one answer to a question", "R4, R11, R13", _queries),
+    Law("@AQ tells the store's state", "R4", _state_of_store),
+    Law("R and rudder frames are passed on once", "R12, R14", _relays),
+    Law("@NS by state", "R13", _nodes),
+    Law("an answer leaves on the path of its request", "R12", _paths),
+    Law("who does not command only reads", "R12", _others_read),
+    Law("one @VS unasked at the surface", "R11", _tells_at_surface),
+    Law("no mission out of an emergency or with AUTO closed", "R6, R13", _stays_up),
+    Law("a mission ends out of the implicit leg, stopped", "design 5", _implicit_end),
+)

@@ -1,0 +1,88 @@
+"""What the vehicle and its GPS receiver say, in the bytes of their documents.
+
+What does not live here: when they say it (world), how it is read (protocol).
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from dataclasses import dataclass, field
+from datetime import UTC, datetime, timedelta
+
+from mission.model import Position
+from protocol.checksum import SD_DEFAULT, sd_profile
+from protocol.nmea import encode_gga, encode_rmc
+
+_SD = struct.Struct("<3s15f9H")  # protocols.md 3, up to the checksum; NaN where nothing is told
+_SUM = sd_profile(SD_DEFAULT)
+_MAGNETIC = 9 * (20.0,)  # uT
+_METRE = 1.0 / 6371008.8  # rad
+_BEGIN = datetime(2026, 3, 1, 4, 0, tzinfo=UTC)
+_NEUTRAL, _AHEAD = 1500, 1700  # us
+
+
+@dataclass(slots=True)
+class Sea:
+    """The true state of the vehicle, and what of it the sensors do not tell.
+
+    ``unknown`` names values of ``@SD`` that come as NaN, ``frozen`` those that repeat to the bit.
+    """
+
+    depth: float = 0.2
+    altitude: float = 20.0
+    heading_deg: float = 0.0
+    roll_deg: float = 1.0
+    temperature: float = 15.0
+    control_v: int = 12
+    powered: bool = True
+    north: float = 100.0  # m from home
+    east: float = 0.0
+    yaw_offset_deg: float = 0.0  # as no compass says it
+    course_deg: float | None = None  # over ground, where a fix tells it
+    unknown: set[str] = field(default_factory=set)
+    frozen: set[str] = field(default_factory=set)
+    _said: dict[str, float] = field(default_factory=dict)
+    _count: int = 0
+
+    def report(self) -> bytes:
+        """One ``@SD``; the last bits move as those of a sensor do."""
+        self._count += 1
+        jitter = (self._count % 5 - 2) * 0.004
+        yaw = -math.degrees(math.remainder(math.radians(self.heading_deg), math.tau))
+        values = {
+            "roll": self.roll_deg + jitter,
+            "pitch": jitter,
+            "yaw": yaw + jitter + self.yaw_offset_deg,
+            "temperature": self.temperature + jitter,
+            "depth": self.depth + jitter,
+            "altitude": self.altitude + jitter,
+        }
+        for name in self.frozen:
+            values[name] = self._said.get(name, values[name])
+        self._said = dict(values)
+        told = (math.nan if name in self.unknown else value for name, value in values.items())
+        width = _AHEAD if self.powered else _NEUTRAL
+        raw = _SD.pack(b"@SD", *told, *_MAGNETIC, *(7 * (width,)), self.control_v, 48)
+        return raw + _SUM.compute(raw[_SUM.first :]).to_bytes(4, "little") + b"$"
+
+    def sentences(self, home: Position, now: float) -> bytes:
+        """GGA and RMC of one epoch."""
+        utc = _BEGIN + timedelta(seconds=round(now, 1))
+        latitude = math.radians(home.latitude_deg) + self.north * _METRE
+        longitude = math.radians(home.longitude_deg) + self.east * _METRE / math.cos(latitude)
+        moving = self.course_deg is not None
+        rmc = encode_rmc(
+            utc,
+            latitude,
+            longitude,
+            speed=1.0 if moving else 0.0,
+            course=None if self.course_deg is None else math.radians(self.course_deg % 360.0),
+        )
+        return encode_gga(utc, latitude, longitude) + rmc
+
+
+def answer(frame: bytes, letter: str, profile: str) -> bytes:
+    """The STM32's acknowledge of a Z frame; as built it has one code for all (vehicle facts)."""
+    code = "A" if profile == "as-built" else chr(frame[3])
+    return f"@ACK_Z{code}{letter}$".encode()

@@ -1,0 +1,288 @@
+"""The exhaustive proof's own laws: it covers its tables, and each kind of broken engine is seen."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import pytest
+from click.testing import CliRunner
+
+from mission import core, orders, run, senses, topside
+from mission.cli import main
+from mission.envelope import LIMITS
+from mission.exhaustive import events as rows
+from mission.exhaustive.cell import Configuration
+from mission.exhaustive.configurations import WAYS, Ground, configurations, ground
+from mission.exhaustive.events import EVENTS
+from mission.exhaustive.fork import Fork
+from mission.exhaustive.run import ALL_LAWS, Found, examine_ground, unasked
+from mission.exhaustive.world import World
+from mission.frontseat import Frontseat
+from mission.model import AUTONOMOUS, STOPPED, Action, Verdict
+from mission.staging import Staging
+from mission.vehicle import missions_folder
+from mission.watch import Watch
+from protocol.messages import Order
+
+MISSIONS = missions_folder()
+EVERY = 7  # of the configurations: a sample that asks every law
+ELSEWHERE = {"leak": "the AUV reports none"}
+
+
+@pytest.fixture(scope="module")
+def survey() -> Ground:
+    return ground(MISSIONS / "harbour-survey.yaml", "as-built")
+
+
+@pytest.fixture(scope="module")
+def sample(survey: Ground) -> Found:
+    return examine_ground(survey, EVERY)
+
+
+def test_no_cell_of_a_sample_breaks_a_law(sample: Found) -> None:
+    assert sample.violations == []
+    assert sample.cells == sample.configurations * len(EVENTS)
+
+
+def test_the_other_profile_and_mission_neither() -> None:
+    found = examine_ground(ground(MISSIONS / "bottom-following.yaml", "documented"), 17)
+    assert found.violations == []
+
+
+def test_every_law_is_asked_in_the_sample(sample: Found) -> None:
+    assert unasked(sample) == []
+
+
+def test_every_limit_has_its_event() -> None:
+    assert {row.name for row in LIMITS} == {e.limit for e in EVENTS if e.limit} | set(ELSEWHERE)
+
+
+def test_names_of_events_laws_and_ways_are_unique() -> None:
+    for names in ([e.name for e in EVENTS], [w.name for w in ALL_LAWS], [w.name for w in WAYS]):
+        assert len(set(names)) == len(names)
+
+
+def test_every_leg_in_its_first_and_last_round_is_there(survey: Ground) -> None:
+    legs = {s.path for s in survey.chart.states if s.leg}
+    found = [c for c, _ in configurations(survey)]
+    assert {c.leaf for c in found if c.region == "autonomous"} == legs
+    assert {c.leaf for c in found if c.region == "manual"} == legs | {""}
+    rounds = {c.rounds for c in found if c.leaf == "autonomous/rows/out"}
+    assert rounds == {(("autonomous/rows", 1),), (("autonomous/rows", 2),)}
+
+
+def test_a_copy_of_a_drive_goes_on_as_the_drive_would(survey: Ground) -> None:
+    forks = Fork(survey.under_way.copy())
+    straight = forks.copy()
+    straight.wait(30.0)
+    detour = forks.copy()
+    detour.say(b"@ZAX0$@AC$@MMF5$")
+    detour.wait(10.0)
+    again = forks.copy()
+    again.wait(30.0)
+    assert again.sent == straight.sent
+    assert again.notes.steps == straight.notes.steps
+    assert again.sea == straight.sea
+
+
+# --- broken on purpose ----------------------------------------------------------------------------
+
+Break = Callable[[pytest.MonkeyPatch], None]
+
+
+def _refuse_x(patch: pytest.MonkeyPatch) -> None:
+    table = dict(orders.ORDERS)
+    emergency = orders.ORDERS[orders.Emergency]
+
+    def deaf(c: core.Core, command: orders.Emergency) -> Verdict:
+        return emergency(c, command) if c.active != "emergency/surfacing" else Verdict(False, "no")
+
+    table[orders.Emergency] = deaf
+    patch.setattr("mission.engine.ORDERS", table)
+
+
+def _clear_while_surfacing(patch: pytest.MonkeyPatch) -> None:
+    def clear(c: core.Core, command: object) -> Verdict:
+        c.machine.restore(STOPPED)
+        c.clear()
+        return Verdict(True)
+
+    patch.setattr("mission.engine.ORDERS", {**orders.ORDERS, orders.ClearMission: clear})
+
+
+def _no_reason(patch: pytest.MonkeyPatch) -> None:
+    command = Frontseat.command
+    patch.setattr(Frontseat, "command", lambda self, a: command(self, replace(a, reason="because")))
+
+
+def _stick_in_emergency(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(orders, "STICK_QUIET", 0.0)
+
+
+def _never_blind(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(run, "BLIND_TIME", 1e9)
+
+
+def _limits_sleep(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Watch, "look", lambda self, reported, fixed: [])
+
+
+def _believe_all(patch: pytest.MonkeyPatch) -> None:
+    from mission.navigation.health import SensorHealth
+
+    patch.setattr("mission.navigation.health._Monitor._judge", lambda *_: "")
+    assert SensorHealth
+
+
+def _no_timeout(patch: pytest.MonkeyPatch) -> None:
+    due = run.Run._due
+
+    def never(self: run.Run, edge: run.Edge, seen: senses.Senses) -> float | None:
+        return None if edge.by in (run.By.TIMEOUT, run.By.FOR) else due(self, edge, seen)
+
+    patch.setattr(run.Run, "_due", never)
+
+
+def _half_a_set(patch: pytest.MonkeyPatch) -> None:
+    command = Frontseat.command
+
+    def first_only(self: Frontseat, action: Action) -> object:
+        outcome = command(self, action)
+        while len(self._queue) > 1:
+            self._queue.pop()
+        return outcome
+
+    patch.setattr(Frontseat, "command", first_only)
+
+
+def _lines_always(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(topside.Topside, "_is_idle", property(lambda self: True))
+
+
+def _others_command(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(topside.Topside, "_not_commander", lambda *_: "")
+
+
+def _forgets_rounds(patch: pytest.MonkeyPatch) -> None:
+    resume = core.Core.resume
+
+    def anew(self: core.Core, under_way: run.Run) -> None:
+        under_way.rounds.clear()
+        resume(self, under_way)
+
+    patch.setattr(core.Core, "resume", anew)
+
+
+def _stop_once(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(core.Core, "stop_again", lambda self: None)
+
+
+def _w_is_enough(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr("mission.ascent.TURN", 1e9)
+
+
+def _no_latch(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr("mission.engine.Engine.under_way", property(lambda self: ""))
+
+
+def _staging_forgets(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Staging, "incomplete", lambda *_: False)
+
+
+def _refusal_ignored(patch: pytest.MonkeyPatch) -> None:
+    def deaf(self: core.Core, outcome: core.Outcome) -> None:
+        if outcome.command is Order.STOP and outcome.result is core.Result.ACCEPTED:
+            self.stop_at = None
+
+    patch.setattr(core.Core, "take_outcome", deaf)
+
+
+BROKEN: tuple[tuple[Break, str, str], ...] = (
+    (_refuse_x, "surfacing", "X acts from everywhere within the step"),
+    (_refuse_x, "surfacing", "W acts from everywhere within the step"),
+    (_clear_while_surfacing, "surfacing", "@AC by state"),
+    (_clear_while_surfacing, "surfacing", "no exit from an emergency but R7's"),
+    (_no_reason, "surfacing", "no command without a reason"),
+    (_stick_in_emergency, "stopped, stick held", "M takes over at once, in an emergency after 2 s of silence"),
+    (_never_blind, "autonomous/dive , quiet", "a set whose reading is unknown is given up"),
+    (_limits_sleep, "autonomous/dive , quiet", "a breach leads to its response where it acts, and only there"),
+    (_limits_sleep, "autonomous/dive , quiet", "who is left alone comes up"),
+    (_limits_sleep, "autonomous/dive , quiet", "not sure of the radius: the mission's own way"),
+    (_limits_sleep, "autonomous/dive , quiet", "after a brown-out the set leaves once more"),
+    (_believe_all, "autonomous/dive , quiet", "unknown never opens an exit"),
+    (_no_timeout, "autonomous/rows/turn round 1 of autonomous/rows, quiet", "every leg is left when its time is up"),
+    (_half_a_set, "autonomous/rows/turn round 1 of autonomous/rows, quiet", "a leg's whole set leaves on entry"),
+    (_lines_always, "autonomous/dive , quiet", "@AW only in idle"),
+    (_lines_always, "autonomous/dive , quiet", "@ST only in idle, not by modem"),
+    (_lines_always, "autonomous/dive , quiet", "@AQ tells the store's state"),
+    (_lines_always, "autonomous/dive , quiet", "@NS by state"),
+    (_others_command, "ready", "who does not command only reads"),
+    (_forgets_rounds, "manual/waiting, interrupted autonomous/rows/out round 2 of autonomous/rows", "rounds go on after an interruption"),
+    (_stop_once, "autonomous/dive , quiet", "X0 every 500 ms until it is acknowledged"),
+    (_w_is_enough, "ready", "from everywhere to the surface by W"),
+    (_no_latch, "autonomous/dive , quiet", "what is under way is kept for a restart"),
+    (_staging_forgets, "ready", "@AA by state"),
+    (_refusal_ignored, "autonomous/dive , Z outstanding", "a refused Z leads to the leg's else"),
+    (_refusal_ignored, "autonomous/dive , two Z lost, one outstanding", "three Z without an answer surface"),
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def worlds(survey: Ground) -> dict[str, tuple[Configuration, Fork[World]]]:
+    wanted = {name for _, name, _ in BROKEN}
+    return {c.name: (c, Fork(w)) for c, w in configurations(survey) if c.name in wanted}
+
+
+@pytest.fixture
+def patch() -> Iterator[pytest.MonkeyPatch]:
+    with pytest.MonkeyPatch.context() as context:
+        yield context
+
+
+@pytest.mark.parametrize(
+    ("broken", "name", "law"), BROKEN, ids=lambda v: getattr(v, "__name__", str(v))
+)
+def test_a_broken_engine_is_seen(broken: Break, name: str, law: str, survey, worlds, patch) -> None:
+    from mission.exhaustive.run import _examine
+
+    configuration, fork = worlds[name]
+    broken(patch)
+    found = Found()
+    _examine(configuration, fork.copy(), survey, found)
+    assert found.broken[law], dict(found.broken)
+
+
+def test_what_leaves_the_drive_as_an_exception_is_a_violation(survey, worlds, patch) -> None:
+    from mission.exhaustive.run import _examine
+
+    def fails(self: core.Core) -> None:
+        raise RuntimeError("broken on purpose")
+
+    configuration, fork = worlds["ready"]
+    patch.setattr(core.Core, "take_stick", fails)
+    found = Found()
+    _examine(configuration, fork.copy(), survey, found)
+    assert "broken on purpose" in found.violations[0]["seen"]
+
+
+def test_a_law_that_is_asked_nowhere_is_an_error_of_the_command(patch) -> None:
+    patch.setattr("mission.exhaustive.run.EVENTS", rows.COMMANDS[:1])
+    done = CliRunner().invoke(
+        main, ["exhaustive", str(MISSIONS / "yoyo-profile.yaml"), "--workers", "1"]
+    )
+    assert done.exit_code == 1
+    assert "no cell asks" in done.stderr
+    report = json.loads(done.stdout.splitlines()[-1])
+    assert report["violations"] == []
+    assert report["events"] == 1
+    assert report["cells"] == report["configurations"] > 100
+    assert report["missions"] == 1
+
+
+def test_a_mission_that_cannot_be_read_is_said_so(tmp_path) -> None:
+    (tmp_path / "x.yaml").write_text("mission: 3\n")
+    done = CliRunner().invoke(main, ["exhaustive", str(tmp_path / "x.yaml"), "--workers", "1"])
+    assert done.exit_code == 2
+    assert AUTONOMOUS not in done.stdout
