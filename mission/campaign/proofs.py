@@ -6,7 +6,8 @@ sensors that fail and links that are lost. Then, from the start to the end of wh
 (idle, or the surface after an emergency):
 
     time    not past the proved worst time      range   never beyond the proved one
-    depth   never beyond the proved one         end     at the surface, by itself
+    depth   never beyond the proved one (that    end     at the surface, by itself
+            for a failed sensor, if one fails)
 
 Link loss is that of the boat, and of the line's telemetry and answers; a line over which commands
 get lost is a vehicle out of everybody's hands for so long, and a matter of the fault campaign.
@@ -40,6 +41,7 @@ SPEED = 0.08  # one sigma, of the speed scale; cut at two (assumed: 20 %)
 LINKS = ("stm32_silent", "ack_lost", "bytes_corrupted", "line_noise", "splice")
 LOST_LINKS = ("topside_lost", "topside_garbage", "topside_floods")
 TIME, DEPTH, RANGE, END = "time", "depth", "range", "end"
+_BLIND = ("depth_", "altitude_")
 _SENSORS = ("attitude", "heading", "temperature", "depth", "altitude", "magnetometer", "battery")
 LOSSES = (
     *(name for name in FAULTS if name.startswith(_SENSORS) and name != "battery_low"),
@@ -83,11 +85,14 @@ class Proof:
 
 @dataclass(frozen=True, slots=True)
 class Margin:
-    """How much of what was proved was needed."""
+    """What a flight needed, or what was proved: s, m from home, m deep."""
 
     time: float
     range: float
     depth: float
+
+
+_NOTHING = Margin(0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +105,7 @@ class Shown:
     started: bool
     violations: tuple[Violation, ...]
     needed: Margin
+    proved: Margin
 
 
 def draw_proof(claim: Claim, vehicle: Vehicle, seed: int, flight: int) -> Proof:
@@ -166,15 +172,22 @@ def show(claim: Claim, vehicle: Vehicle, seed: int, flight: int) -> Shown:
         heading=proof.heading,
     )
     begun, ended = _times(trial)
+    of = _proved(claim.proved, proof)
     words = f"{claim.source}: {proof.in_words()}"
     if trial.raised:
         raised = Violation("raised", trial.truth.t, trial.raised)
-        return Shown(claim.source, flight, words, True, (raised,), Margin(0.0, 0.0, 0.0))
+        return Shown(claim.source, flight, words, True, (raised,), _NOTHING, of)
     if begun is None:
-        return Shown(claim.source, flight, words, False, (), Margin(0.0, 0.0, 0.0))
+        return Shown(claim.source, flight, words, False, (), _NOTHING, of)
     needed = _needed(trial, begun, trial.truth.t if ended is None else ended)
-    found = list(_violations(trial, claim.proved, begun, ended, needed))
-    return Shown(claim.source, flight, words, True, tuple(found), needed)
+    found = list(_violations(trial, of, begun, ended, needed))
+    return Shown(claim.source, flight, words, True, tuple(found), needed, of)
+
+
+def _proved(proved: Proved, proof: Proof) -> Margin:
+    blind = any(event.name.startswith(_BLIND) for event in proof.settings.faults)
+    depth = proved.blind_depth if blind else proved.max_depth
+    return Margin(proved.worst_time, proved.max_range, depth)
 
 
 def _times(trial: Trial) -> tuple[float | None, float | None]:
@@ -201,16 +214,16 @@ def _needed(trial: Trial, begun: float, ended: float) -> Margin:
 
 
 def _violations(
-    trial: Trial, proved: Proved, begun: float, ended: float | None, needed: Margin
+    trial: Trial, proved: Margin, begun: float, ended: float | None, needed: Margin
 ) -> Iterator[Violation]:
-    if needed.time > proved.worst_time:
-        says = f"{needed.time:.0f} s, proved {proved.worst_time:.0f} s"
+    if needed.time > proved.time:
+        says = f"{needed.time:.0f} s, proved {proved.time:.0f} s"
         yield Violation(TIME, begun + needed.time, says)
-    if needed.range > proved.max_range:
-        says = f"{needed.range:.0f} m from home, proved {proved.max_range:.0f} m"
+    if needed.range > proved.range:
+        says = f"{needed.range:.0f} m from home, proved {proved.range:.0f} m"
         yield Violation(RANGE, begun, says)
-    if needed.depth > proved.max_depth:
-        says = f"{needed.depth:.1f} m deep, proved {proved.max_depth:.1f} m"
+    if needed.depth > proved.depth:
+        says = f"{needed.depth:.1f} m deep, proved {proved.depth:.1f} m"
         yield Violation(DEPTH, begun, says)
     if ended is None or trial.truth.depth > AFLOAT:
         says = f"{trial.truth.depth:.1f} m deep, in {trial.state}"

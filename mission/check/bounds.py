@@ -59,6 +59,8 @@ from mission.navigation.geodesy import LocalFrame
 from mission.vehicle import Vehicle
 from protocol.messages import Setpoint
 
+FROZEN = 10.0  # s until a reading is known to be frozen: five reports alike, 2 s apart
+TURNED = 3.0  # s until thrusters and buoyancy have turned a dive round
 GEARS = 12.0
 
 
@@ -241,6 +243,17 @@ class LegBounds:
             self.leans_on_floor = True
             deepest = min(deepest, max(high, self.assume.floor - s.altitude) + OVERSHOOT)
         return 0.0, max(high, deepest)
+
+    def blind(self, deepest: float) -> float:
+        """m at most, from ``deepest``, if the sensor that a hold goes by fails: it pushes down
+        until that is known, and until the ascent has turned the dive round."""
+        s = self.setpoint
+        holds = s.depth is not None or s.altitude is not None or isinstance(self.leg.kind, Yoyo)
+        if not holds and not (s.heave is not None and s.heave > 0):
+            return deepest
+        deeper = deepest + self.vehicle.dive_rate * (FROZEN + LATE + STICKS + TURNED)
+        floor = math.inf if self.assume.depth_without_floor else self.assume.floor
+        return max(deepest, min(deeper, floor))
 
     def _held(self, after: Bounds, time: float, by: By, guard: Expression | None) -> Bounds:
         """Along a heading, or about where it was entered."""

@@ -40,6 +40,7 @@ class Proof:
     end: Bounds | None = None
     widest: float = 0.0
     deepest: float = 0.0
+    blind: float = 0.0  # the same if the sensor that a hold goes by fails
     out_of_radius: tuple[str, Bounds] | None = None  # the first leg in which it may be
     out_of_depth: tuple[str, Bounds] | None = None
     reached: set[str] = field(default_factory=set)
@@ -174,6 +175,7 @@ class Flow:
         proof.reached.add(path)
         sweep = leg.sweep(entry)
         self._note(path, sweep)
+        proof.blind = max(proof.blind, leg.blind(sweep.depth[1]))
         for scope in above:
             for handler in self.handlers.get(scope, ()):
                 if handler.target != path:

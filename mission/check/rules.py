@@ -62,6 +62,7 @@ class Proved:
     worst_energy: float  # J
     max_range: float  # m from home, the truth
     max_depth: float  # m
+    blind_depth: float  # m, the same if the sensor that a hold goes by fails
     uncertainty: float  # m, of the estimate at the end, that was added
     path: tuple[str, ...]  # of the worst time
 
@@ -272,6 +273,7 @@ def _proved(proof: Proof, chart: Chart) -> Proved | None:
         worst_energy=proof.end.energy,
         max_range=proof.widest,
         max_depth=proof.deepest,
+        blind_depth=max(proof.deepest, proof.blind),
         uncertainty=proof.end.error,
         path=_path(proof.end),
     )

@@ -22,6 +22,7 @@ def as_object(report: Report) -> dict[str, Any]:
             "worst_energy_wh": round(proved.worst_energy / 3600.0, 1),
             "max_range_m": round(proved.max_range, 1),
             "max_depth_m": round(proved.max_depth, 1),
+            "blind_depth_m": round(proved.blind_depth, 1),
             "uncertainty_m": round(proved.uncertainty, 1),
             "worst_path": list(proved.path),
         },
@@ -59,7 +60,8 @@ def as_text(source: str, report: Report) -> str:
             f"  worst-case time         {proved.worst_time / 60:.1f} min, the ascent included",
             f"  worst-case energy       {proved.worst_energy / 3600:.0f} Wh",
             f"  greatest range          {proved.max_range:.0f} m from home",
-            f"  greatest depth          {proved.max_depth:.1f} m",
+            f"  greatest depth          {proved.max_depth:.1f} m"
+            f" ({proved.blind_depth:.1f} m if the sensor of a hold fails)",
             f"  uncertainty added       {proved.uncertainty:.0f} m at the end",
             "  way to the surface      from every state, by clocks alone"
             if report.ok

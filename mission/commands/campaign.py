@@ -73,7 +73,7 @@ def campaign(
     totals = {"missions": len(claims), "flights": 0, "not_started": 0}
     broken = dict.fromkeys(("time", "range", "depth", "end", "raised"), 0)
     most = dict.fromkeys(("time", "range", "depth"), 0.0)
-    for (claim, _, number), shown in zip(
+    for (_, _, number), shown in zip(
         jobs, with_progress(results(_show, jobs, workers), len(jobs), "flights", tell), strict=True
     ):
         totals["flights"] += 1
@@ -81,17 +81,12 @@ def campaign(
         for violation in shown.violations:
             broken[violation.kind] += 1
         for name in most:
-            share = getattr(shown.needed, name) / _proved(claim)[name]
+            share = getattr(shown.needed, name) / getattr(shown.proved, name)
             most[name] = max(most[name], round(share, 3))
         if shown.violations or flight is not None:
             click.echo(_story(shown, seed, number))
     click.echo(json.dumps({**totals, "violations": broken, "greatest_share": most}))
     sys.exit(1 if any(broken.values()) else 0)
-
-
-def _proved(claim: Claim) -> dict[str, float]:
-    proved = claim.proved
-    return {"time": proved.worst_time, "range": proved.max_range, "depth": proved.max_depth}
 
 
 def _claim(path: Path) -> Claim:

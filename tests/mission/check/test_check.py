@@ -116,6 +116,19 @@ def test_an_altitude_hold_assumes_a_floor_and_says_so() -> None:
     assert shallow.proved.max_depth == pytest.approx(10.0)
 
 
+def test_a_hold_whose_sensor_fails_goes_on_down_until_that_is_known() -> None:
+    held = report("a: ZAS10 ZAF4 heading 0 for 60s\n").proved
+    assert held is not None
+    # five reports alike, 8 s until that counts, 10 s in which W does not stick, 3 s to turn
+    assert held.blind_depth == pytest.approx(11.0 + VEHICLE.dive_rate * (10 + 8 + 10 + 3))
+    floor = report("a: ZAE3 ZAF4 heading 0 for 5min\n", HEAD + "assume floor 12\n").proved
+    assert floor is not None
+    assert floor.blind_depth == pytest.approx(12.0)
+    plain = report("a: ZAF4 heading 0 for 60s\n").proved
+    assert plain is not None
+    assert plain.blind_depth == plain.max_depth
+
+
 def test_a_way_back_without_end_is_refused_with_the_way() -> None:
     found = report(
         "a: heading 0 ZAF4 until travelled > 10 timeout 1min\n"
