@@ -12,7 +12,7 @@ import pytest
 from links import LinkAddressError, open_link, parse_address
 from links.admission import AT_ONCE, GIVES_WAY, PER_SECOND, Admission, Gate, Present, admission_of
 from links.stream import READ
-from links.tcp import TcpServer
+from links.tcp import RECEIVE_BUFFER, TcpServer
 
 
 def until(holds: Callable[[], bool], seconds: float = 3.0) -> None:
@@ -151,6 +151,9 @@ def test_a_silent_connection_is_dropped_when_it_is_due_and_a_living_one_is_not()
 def test_who_floods_gets_no_more_than_his_turn() -> None:
     server = listening()
     flood, other = connect(server, 0.0), connect(server, 0.0)
+    for stream in server._streams.values():
+        queue = stream.socket.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
+        assert queue <= 2 * RECEIVE_BUFFER, "Linux shows it doubled"
     flood.settimeout(0.2)
     with pytest.raises(TimeoutError):  # a bounded queue: the sender waits, not the order behind it
         flood.sendall(b"x" * (64 << 20))

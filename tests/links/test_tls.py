@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import select
 import shutil
 import socket
+import ssl
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 from links import open_link
 from links.base import LinkAbsent, LinkClosed
-from links.tcp import HANDSHAKE, TcpServer
+from links.tcp import HANDSHAKE, TcpClient, TcpServer
 from mission.keys import make_keys
 
 pytestmark = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl makes the keys")
@@ -126,6 +129,33 @@ def test_a_boat_of_another_team_is_refused_by_the_vehicle_itself(
     assert served.heard == b""
     (refusal,) = server.refusals()
     assert "not by our certificate authority" in refusal.why
+
+
+def test_who_shows_no_certificate_is_refused_by_the_vehicle(server: TcpServer, keys: Path) -> None:
+    bare = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    bare.check_hostname = False
+    bare.load_verify_locations(keys / "ours" / "boat" / "ca.pem")
+    with Served(server) as served:
+        client = TcpClient("vehicle", "127.0.0.1", server.port, tls=bare)
+        with suppress(LinkClosed):
+            client.send(b"@ZAX0$", 0.0)
+        with pytest.raises(LinkClosed, match="wants a certificate of us"):
+            until(lambda: bool(client.receive(0.0)))
+    assert served.heard == b""
+    assert [r.why for r in server.refusals()] == ["it has shown no certificate"]
+
+
+def test_bytes_that_only_tls_knows_of_do_not_wait_for_more(server: TcpServer, keys: Path) -> None:
+    """A record is longer than one read; the selector tells of it once."""
+    with Served(server):
+        boat = open_link("vehicle", f"tls://127.0.0.1:{server.port}?keys={keys / 'ours' / 'boat'}")
+        until(lambda: bool(server.peers))
+    boat.send(b"x" * 16000, 0.0)
+    heard = 0
+    while heard < 16000:
+        assert select.select([server.fileno()], [], [], 1.0)[0], f"{heard} bytes, then nothing"
+        heard += sum(len(rx.data) for rx in server.receive(0.0))
+    boat.close()
 
 
 def test_a_boat_cannot_pose_as_the_vehicle(keys: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from links.base import Rx
@@ -32,9 +32,9 @@ def orders(data: bytes) -> list[Order]:
     return [one.order for one in commands(data) if isinstance(one, Emergency)]
 
 
-def flooded(sieve: Sieve, address: str = BOAT, now: float = 0.0) -> None:
-    for _ in range(4):
-        sieve.passes(rx(FLOOD, address), now)
+def flooded(sieve: Sieve, with_bytes: bytes = FLOOD) -> None:
+    for _ in range(40):
+        sieve.passes(rx(with_bytes), 0.0)
 
 
 def test_an_ordinary_operator_loses_not_a_byte() -> None:
@@ -86,9 +86,11 @@ def test_a_flood_of_orders_is_one_at_a_time_and_the_last_wins() -> None:
 def test_the_ends_of_two_frames_never_join_to_a_third() -> None:
     sieve = Sieve(0.0)
     flooded(sieve)
-    first = sieve.passes(rx(b"@MMF1"), 0.01)[0]
-    lost = sieve.passes(rx(FLOOD), 0.01)[0]
+    first = sieve.passes(rx(b"@MMF1"), 1.0 / FRAMES_A_SECOND)[0]
+    lost = sieve.passes(rx(FLOOD), 1.0 / FRAMES_A_SECOND)[0]
     last = sieve.passes(rx(b"2$"), 10.0)[0]
+    assert first.endswith(b"@MMF1")
+    assert lost == b""
     found = commands(first + lost + last)
     assert not any(isinstance(one, Manual) and b"F12" in one.frame for one in found)
 
@@ -99,12 +101,14 @@ def test_the_ends_of_two_frames_never_join_to_a_third() -> None:
     st.sampled_from([b"@ZAX0$", b"@ZAWF$"]),
     st.integers(0, 300),
     st.floats(0.0, 0.01),
+    st.sampled_from([FLOOD, bytes(8192)]),
 )
+@example([1, 3], b"@ZAX0$", 0, 0.0, bytes(8192))
 def test_an_order_passes_wherever_the_stream_is_cut(
-    cuts: Sequence[int], order: bytes, before: int, pause: float
+    cuts: Sequence[int], order: bytes, before: int, pause: float, flood: bytes
 ) -> None:
     sieve = Sieve(0.0)
-    flooded(sieve)
+    flooded(sieve, flood)
     stream = b"@DU$" * before + order + b"@DU$" * 20
     out, at, now = bytearray(), 0, 0.0
     for cut in [*cuts, len(stream)]:
