@@ -6,7 +6,8 @@
     links:
       vehicle: serial:///dev/serial0     # 9600 8N1
       gps: serial:///dev/ttyUSB0         # null: none
-      topside: tcp-listen://127.0.0.1:4000  # listens; loopback unless told otherwise
+      topside: tcp-listen://127.0.0.1:4000  # listens; loopback unless told otherwise, e.g.
+                 # tls-listen://0.0.0.0:4000?keys=/etc/auvmission/keys&allow=192.168.1.0/24
       modem: null
     folder: ~/.local/state/auvmission    # store/ and log/ below it
     time_zone: "+08:00"                  # of the topside's local time (E-V1)
