@@ -13,8 +13,9 @@ is copied whole (fork), so that each cell begins at the same instant.
     world           a drive with a vehicle on its line, and what was seen of it
     fork            one drive as many
     configurations  the ways into every configuration
-    events          the rows of events
-    laws            the rows of laws, and when each is asked
+    commands        events: the rows of what operators say
+    events          the others: limits, readings, answers, time, a restart
+    laws            the rows of laws: states; leg_laws legs, operator_laws what is answered
     run             all of it, on several processes
 
 What does not live here: flights (a cell lasts seconds), bit errors on the lines (protocol, links).

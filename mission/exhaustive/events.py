@@ -1,160 +1,22 @@
-"""The rows of events: every command, every limit, every reading, every answer, time, a restart.
+"""Events, the others: every limit, every reading, every answer, time, a restart.
 
-Whatever an operator says is encoded as his console does it; what a sensor says goes into an
-``@SD``. An event is played in every configuration, also where it cannot do anything: then that is
-the law.
+What a sensor says goes into an ``@SD``. An event is played in every configuration, also where it
+cannot do anything: then that is the law.
 
-What does not live here: what must follow (laws).
+What does not live here: what operators say (commands), what must follow (laws).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 from mission.exhaustive.cell import Configuration, Event
+from mission.exhaustive.commands import COMMANDS, SETTLE, Play, script
 from mission.exhaustive.configurations import DEEP, SHALLOW, doubt
-from mission.exhaustive.world import TENDER, World
+from mission.exhaustive.world import World
 from mission.model import Chart
-from protocol.messages import MissionLine, SetSafety, SetTime
+from protocol.messages import SetSafety
 from protocol.topside import encode
-
-Play = Callable[[World, Configuration, Chart], None]
-POOL = (
-    "mission pool vehicle auv",
-    "safety radius 200 time 5min depth 5",
-    "start without fix",
-    "a: depth 2 heading 0 gear 4 for 20",
-)
-WIDE = encode(SetSafety(radius=60000.0))
-SETTLE = 0.3  # s: the line, and an answer of the STM32
-BELOW = 3.0  # s: the modem's turn
-
-
-def _play(script: Callable[[World], None]) -> Play:
-    return lambda world, configuration, chart: script(world)
-
-
-def _says(frame: bytes, seconds: float = SETTLE) -> Play:
-    def play(world: World) -> None:
-        world.say(frame)
-        world.wait(seconds)
-
-    return _play(play)
-
-
-def _other_says(frame: bytes) -> Play:
-    """While the boat commands."""
-
-    def play(world: World) -> None:
-        world.say(WIDE)
-        world.at_once = ""
-        world.say(frame, TENDER)
-        world.wait(SETTLE)
-
-    return _play(play)
-
-
-def _later_says(frame: bytes) -> Play:
-    """After the boat has been silent for long enough."""
-
-    def play(world: World) -> None:
-        world.wait(10.5)
-        world.at_once = ""
-        world.say(frame, TENDER)
-        world.wait(SETTLE)
-
-    return _play(play)
-
-
-def _below(frame: bytes) -> Play:
-    def play(world: World) -> None:
-        world.say_below(frame)
-        world.wait(BELOW)
-
-    return _play(play)
-
-
-def _both(world: World) -> None:
-    world.say_below(b"@RSCOOCCCC$")
-    world.wait(0.5)
-    world.say(b"@RSCOOCCCC$")
-    world.wait(SETTLE)
-
-
-def _start_while_staging(world: World) -> None:
-    world.say(encode(MissionLine(2, 1, POOL[0])))
-    world.say(b"@AA$")
-    world.wait(SETTLE)
-
-
-def _uploads(world: World) -> None:
-    for number, line in enumerate(POOL, 1):
-        world.say(encode(MissionLine(len(POOL), number, line)))
-    world.wait(SETTLE)
-
-
-def _nodes_answer(world: World) -> None:
-    world.say(b"@NSOOOOOO$")
-    for node in (b"STM32", b"BDGPS", b"UACM", b"CAMERA"):
-        world.node(node + b" O\n")
-    world.wait(SETTLE)
-
-
-def _holds_the_stick(world: World) -> None:
-    for _ in range(10):
-        world.say(b"@MMF5$")
-        world.wait(0.2)
-
-
-_TIME = encode(SetTime("2026-03-01T12:00:00"))
-_STOPS_BEHIND = frozenset({"X", "M", "AA"})
-# fmt: off
-COMMANDS = (
-    Event("X", _says(b"@ZAX0$"), "X"),
-    Event("W", _says(b"@ZAWF$"), "W"),
-    Event("X of another connection", _other_says(b"@ZAX0$"), "X", "tender"),
-    Event("W of another connection", _other_says(b"@ZAWF$"), "W", "tender"),
-    Event("X by modem", _below(b"@ZAX0$"), "X", "modem"),
-    Event("W by modem", _below(b"@ZAWF$"), "W", "modem"),
-    Event("X among others in one burst", _says(b"@AA$@ZAX0$"), "X", also=_STOPS_BEHIND),
-    Event("X and W again", _says(b"@ZAX0$@ZAWF$@ZAX0$"), "X", also=frozenset({"W"})),
-    Event("MM", _says(b"@MMF5$"), "MM"),
-    Event("MT", _says(b"@MT1,-10$"), "MT"),
-    Event("MD", _says(b"@MDA2,-2$"), "MD"),
-    Event("MR", _says(b"@MRL5$"), "MR"),
-    Event("MS", _says(b"@MS120,-90$"), "MS"),
-    Event("MP", _says(b"@MP120,-90$"), "MP"),
-    Event("M of another connection", _other_says(b"@MMF5$"), "MM", "tender"),
-    Event("M by modem", _below(b"@MMF5$"), "MM", "modem"),
-    Event("M held for 2 s", _play(_holds_the_stick), "MM"),
-    Event("AA", _says(b"@AA$", 3.0), "AA"),
-    Event("AA of another connection", _other_says(b"@AA$"), "AA", "tender"),
-    Event("AA while staging", _play(_start_while_staging), "AA", "staging"),
-    Event("AC", _says(b"@AC$"), "AC"),
-    Event("AC of another connection", _other_says(b"@AC$"), "AC", "tender"),
-    Event("AC of another, the boat silent", _later_says(b"@AC$"), "AC"),
-    Event("AW, a line", _says(encode(MissionLine(2, 1, POOL[0]))), "AW"),
-    Event("AW, a whole mission", _play(_uploads), "AW", "whole"),
-    Event("AW, a line out of place", _says(encode(MissionLine(9, 4, POOL[0]))), "AW", "misplaced"),
-    Event("AQ", _says(b"@AQ$"), "AQ"),
-    Event("DU", _says(b"@DU$"), "DU"),
-    Event("NI", _says(b"@NI$"), "NI"),
-    Event("ST", _says(_TIME), "ST"),
-    Event("ST by modem", _below(_TIME), "ST", "modem"),
-    Event("SP", _says(WIDE), "SP"),
-    Event("SP with an item missing", _says(b"@SP,100,5,20$"), "SP", "broken"),
-    Event("RS", _says(b"@RSCOOCCCO$"), "RS"),
-    Event("RI", _says(b"@RI$"), "RI"),
-    Event("RS by both paths", _play(_both), "RS", "both"),
-    Event("rudder", _says(b"@DS3,20$"), "D"),
-    Event("NS, all open", _play(_nodes_answer), "NS", "open"),
-    Event("NS, AUTO closed", _says(b"@NSOOOOOC$", 1.0), "NS", "auto"),
-    Event("NS, STM32 closed", _says(b"@NSOCOOOO$"), "NS", "stm32"),
-    Event("noise", _says(b"@ZA\xff\x00W0$@@AAX$@M"), "noise"),
-)
-# fmt: on
-
 
 # --- limits --------------------------------------------------------------------------------
 
@@ -164,7 +26,7 @@ def _tightens(limits: SetSafety, seconds: float = 4.5) -> Play:
         world.say(encode(limits))
         world.wait(seconds)
 
-    return _play(play)
+    return script(play)
 
 
 def _too_deep(world: World) -> None:
@@ -263,19 +125,21 @@ def _end_leg(world: World, configuration: Configuration, chart: Chart) -> None:
 LIMITS = (
     Event("limit radius", _tightens(SetSafety(radius=1.0)), "SP", limit="radius"),
     Event("limit time", _tightens(SetSafety(time=0.6), 1.0), "SP", limit="time"),
-    Event("limit depth", _play(_too_deep), "SP", limit="depth"),
-    Event("limit hard depth", _play(_hard_depth), limit="hard depth"),
-    Event("limit unexplained descent", _play(_sinks), limit="unexplained descent"),
-    Event("limit depth unknown", _play(_blinded), limit="depth unknown", sensor="depth", after=6.0),
-    Event("limit telemetry", _play(_silent), limit="telemetry"),
-    Event("limit topside", _play(_topside_silent), limit="topside"),
+    Event("limit depth", script(_too_deep), "SP", limit="depth"),
+    Event("limit hard depth", script(_hard_depth), limit="hard depth"),
+    Event("limit unexplained descent", script(_sinks), limit="unexplained descent"),
+    Event(
+        "limit depth unknown", script(_blinded), limit="depth unknown", sensor="depth", after=6.0
+    ),
+    Event("limit telemetry", script(_silent), limit="telemetry"),
+    Event("limit topside", script(_topside_silent), limit="topside"),
     Event("limit no answer", _nobody_answers, limit="no answer"),
-    Event("limit roll-over", _play(_rolls), limit="roll-over"),
-    Event("limit voltage", _play(_low), limit="voltage"),
+    Event("limit roll-over", script(_rolls), limit="roll-over"),
+    Event("limit voltage", script(_low), limit="voltage"),
     Event("limit heading does not follow", _turns_away, limit="heading does not follow"),
-    Event("limit course against heading", _play(_goes_elsewhere), limit="course against heading"),
-    Event("limit brown-out", _play(_loses_power), limit="brown-out"),
-    Event("limit uncertain", _play(_doubts), "SP", limit="uncertain"),
+    Event("limit course against heading", script(_goes_elsewhere), limit="course against heading"),
+    Event("limit brown-out", script(_loses_power), limit="brown-out"),
+    Event("limit uncertain", script(_doubts), "SP", limit="uncertain"),
 )
 
 
@@ -287,7 +151,7 @@ def _missing(field: str, seconds: float = 8.9) -> Play:
         world.sea.unknown.add(field)
         world.wait(seconds)
 
-    return _play(play)
+    return script(play)
 
 
 def _absurd(attribute: str, value: float) -> Play:
@@ -295,7 +159,7 @@ def _absurd(attribute: str, value: float) -> Play:
         setattr(world.sea, attribute, value)
         world.wait(8.9)
 
-    return _play(play)
+    return script(play)
 
 
 def _frozen(field: str) -> Play:
@@ -304,7 +168,7 @@ def _frozen(field: str) -> Play:
         world.sea.frozen.add(field)
         world.wait(17.0)
 
-    return _play(play)
+    return script(play)
 
 
 def _reports(world: World) -> None:
@@ -333,9 +197,9 @@ def _one_too_deep(world: World) -> None:
 
 _AT_SURFACE = frozenset({"surface"})
 READINGS = (
-    Event("good reports", _play(_reports)),
-    Event("fixes at the surface", _play(_fixes), also=_AT_SURFACE),
-    Event("one sample too deep", _play(_one_too_deep), "SP"),
+    Event("good reports", script(_reports)),
+    Event("fixes at the surface", script(_fixes), also=_AT_SURFACE),
+    Event("one sample too deep", script(_one_too_deep), "SP"),
     Event("depth missing", _missing("depth"), sensor="depth", after=6.0, also=frozenset({"blind"})),
     Event("altitude missing", _missing("altitude", 15.0), sensor="altitude", after=6.0),
     Event("heading missing", _missing("yaw", 15.0), sensor="heading", after=6.0),
@@ -360,7 +224,7 @@ def _answers(letter: str) -> Play:
             world.hear(f"@ACK_ZA{letter}$".encode())
         world.wait(4.0)
 
-    return _play(play)
+    return script(play)
 
 
 def _leg_ends(world: World, configuration: Configuration, chart: Chart) -> None:
@@ -378,7 +242,7 @@ def _minute(depth: float) -> Play:
         world.sea.depth, world.reports = depth, True
         world.wait(7.0)
 
-    return _play(play)
+    return script(play)
 
 
 def _rises(world: World) -> None:
@@ -418,10 +282,10 @@ OTHERS = (
     Event("the leg's time is up", _leg_ends),
     Event("a minute of silence, deep", _minute(DEEP), also=_SILENCE),
     Event("a minute of silence, then at the surface", _minute(SHALLOW), also=_SILENCE),
-    Event("W, and it rises", _play(_rises), "W", "rises"),
-    Event("W does not stick, U12 does", _play(_rises_by_thrust), "W", "rises"),
-    Event("X, answered late", _play(_unanswered_stop), "X", also=frozenset({"deaf"})),
-    Event("restart", _play(_restarts), also=frozenset({"restart"})),
+    Event("W, and it rises", script(_rises), "W", "rises"),
+    Event("W does not stick, U12 does", script(_rises_by_thrust), "W", "rises"),
+    Event("X, answered late", script(_unanswered_stop), "X", also=frozenset({"deaf"})),
+    Event("restart", script(_restarts), also=frozenset({"restart"})),
 )
 
 EVENTS: tuple[Event, ...] = (*COMMANDS, *LIMITS, *READINGS, *OTHERS)

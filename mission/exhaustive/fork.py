@@ -1,6 +1,7 @@
 """One drive as many: a copy of all that decides what it does next, made in a fraction of a ms.
 
-What can change is copied, what cannot is shared: frozen values, tables, functions. The engine has
+What can change is copied, what cannot is shared: frozen values, tables, functions. The whole is
+gone through once and kept as a recipe: shells to be made, then what goes into each. The engine has
 its own snapshot, which shares machine and navigation: of all copies, the one that was made last is
 the one that may be used.
 
@@ -12,122 +13,139 @@ from __future__ import annotations
 import dataclasses
 import enum
 from collections import deque
-from collections.abc import Callable
-from types import MethodType
-from typing import Any, Generic, TypeVar
+from collections.abc import Callable, Iterable
+from functools import partial
+from types import FunctionType, MethodType
+from typing import Any, Generic, TypeVar, cast
 
-from mission.engine import Engine, Snapshot
+from mission.engine import Engine
 from protocol.fields import FrameType
 
 T = TypeVar("T")
-_Copy = Callable[[Any, "_Forking"], Any]
 _OURS = ("mission.", "protocol.")
+_Key = Any
+_Link = tuple[_Key, int, FunctionType | None]  # the part's place, its shell, a method of it
+
+
+@dataclasses.dataclass(slots=True)
+class _Node:
+    """``make`` gives the shell, ``fill`` puts into it what is shared and what is linked."""
+
+    make: Callable[[], Any]
+    fill: Callable[[Any, list[tuple[_Key, Any]]], None]
+    links: list[_Link]
 
 
 class Fork(Generic[T]):
     """``whole`` as it is now; ``copy`` gives it again, any number of times."""
 
     def __init__(self, whole: T) -> None:
-        self._whole: T = _Forking(None).of(whole)
-        self._engines = {id(e): e.snapshot() for e in engines_in(self._whole)}
+        self._nodes: list[_Node] = []
+        self._places: dict[int, int] = {}
+        self._whole = whole  # so that no place is given away
+        self._note(whole)
 
     def copy(self) -> T:
-        whole: T = _Forking(self._engines).of(self._whole)
-        return whole
+        shells = [node.make() for node in self._nodes]
+        for node, shell in zip(self._nodes, shells, strict=True):
+            node.fill(
+                shell,
+                [
+                    (key, shells[i] if method is None else MethodType(method, shells[i]))
+                    for key, i, method in node.links
+                ],
+            )
+        return cast("T", shells[0])
 
-
-def engines_in(whole: object) -> list[Engine]:
-    looking = _Forking(None)
-    looking.of(whole)
-    return looking.engines
-
-
-class _Forking:
-    def __init__(self, snapshots: dict[int, Snapshot] | None) -> None:
-        self._done: dict[int, Any] = {}
-        self._snapshots = snapshots
-        self.engines: list[Engine] = []
-
-    def of(self, value: Any) -> Any:
+    def _note(self, value: Any) -> int:
+        """The number of the value's node."""
+        if (place := self._places.get(id(value))) is not None:
+            return place
+        place = self._places[id(value)] = len(self._nodes)
+        node = _Node(list, _nothing, [])
+        self._nodes.append(node)
         kind = type(value)
-        copier = _COPIERS.get(kind)
-        if copier is None:
-            copier = _COPIERS[kind] = _copier(kind)
-        if copier is _share:
-            return value
-        known = self._done.get(id(value))
-        return copier(value, self) if known is None else known
+        if kind is Engine:
+            node.make, node.fill = partial(object.__new__, Engine), _engine(value)
+        elif kind is list or kind is deque:
+            shared = self._parts(enumerate(value), node)
+            ends = value.maxlen if kind is deque else None
+            node.make = partial(deque, maxlen=ends) if kind is deque else list
+            node.fill = partial(_fill_sequence, [shared.get(i) for i in range(len(value))])
+        elif kind is dict:
+            node.make, node.fill = dict, partial(_fill_dict, self._parts(value.items(), node))
+        elif kind is set:
+            node.make, node.fill = partial(set, frozenset(value)), _nothing
+        else:
+            own = getattr(value, "__dict__", {})
+            slots = {n: getattr(value, n) for n in _slots(kind) if hasattr(value, n)}
+            node.make = partial(object.__new__, kind)
+            fill = _fill_slots if slots else _fill_object
+            node.fill = partial(fill, self._parts((own | slots).items(), node))
+        return place
 
-    def keep(self, value: Any, copy: Any) -> Any:
-        self._done[id(value)] = copy
-        return copy
-
-    def engine(self, engine: Engine) -> Engine:
-        other = object.__new__(Engine)
-        self.keep(engine, other)
-        other.__dict__.update(engine.__dict__)
-        other.restore((self._snapshots or {}).get(id(engine)) or engine.snapshot())
-        self.engines.append(engine)
-        return other
-
-
-def _share(value: Any, forking: _Forking) -> Any:
-    return value
-
-
-def _list(value: list[Any], forking: _Forking) -> list[Any]:
-    copy: list[Any] = forking.keep(value, [])
-    copy += [forking.of(one) for one in value]
-    return copy
-
-
-def _dict(value: dict[Any, Any], forking: _Forking) -> dict[Any, Any]:
-    copy: dict[Any, Any] = forking.keep(value, {})
-    copy.update((key, forking.of(one)) for key, one in value.items())
-    return copy
+    def _parts(self, items: Iterable[tuple[_Key, Any]], node: _Node) -> dict[_Key, Any]:
+        """What of it is shared; the rest becomes links."""
+        shared = {}
+        for key, value in items:
+            if isinstance(value, MethodType):
+                function = cast("FunctionType", value.__func__)
+                node.links.append((key, self._note(value.__self__), function))
+            elif _is_shared(type(value)):
+                shared[key] = value
+            else:
+                node.links.append((key, self._note(value), None))
+        return shared
 
 
-def _set(value: set[Any], forking: _Forking) -> set[Any]:
-    return forking.keep(value, set(value))  # type: ignore[no-any-return]
+def _nothing(shell: Any, linked: list[tuple[_Key, Any]]) -> None:
+    pass
 
 
-def _deque(value: deque[Any], forking: _Forking) -> deque[Any]:
-    copy: deque[Any] = forking.keep(value, deque(maxlen=value.maxlen))
-    copy.extend(forking.of(one) for one in value)
-    return copy
+def _fill_sequence(shared: list[Any], shell: Any, linked: list[tuple[_Key, Any]]) -> None:
+    shell.extend(shared)
+    for place, value in linked:
+        shell[place] = value
 
 
-def _method(value: MethodType, forking: _Forking) -> MethodType:
-    return MethodType(value.__func__, forking.of(value.__self__))
+def _fill_dict(
+    shared: dict[Any, Any], shell: dict[Any, Any], linked: list[tuple[_Key, Any]]
+) -> None:
+    shell.update(shared)
+    shell.update(linked)
 
 
-def _object(value: Any, forking: _Forking) -> Any:
-    kind = type(value)
-    copy = forking.keep(value, object.__new__(kind))
-    for name in _slots(kind):
-        if hasattr(value, name):
-            setattr(copy, name, forking.of(getattr(value, name)))
-    for name, one in getattr(value, "__dict__", {}).items():
-        copy.__dict__[name] = forking.of(one)
-    return copy
+def _fill_object(shared: dict[str, Any], shell: Any, linked: list[tuple[_Key, Any]]) -> None:
+    shell.__dict__.update(shared)
+    shell.__dict__.update(linked)
 
 
-def _slots(kind: type) -> list[str]:
-    return [name for base in kind.__mro__ for name in base.__dict__.get("__slots__", ())]
+def _fill_slots(shared: dict[str, Any], shell: Any, linked: list[tuple[_Key, Any]]) -> None:
+    for name, value in (*shared.items(), *linked):
+        setattr(shell, name, value)
 
 
-_COPIERS: dict[type, _Copy] = {
-    list: _list,
-    dict: _dict,
-    set: _set,
-    deque: _deque,
-    MethodType: _method,
-    Engine: lambda engine, forking: forking.engine(engine),
-}
+def _engine(engine: Engine) -> Callable[[Any, list[tuple[_Key, Any]]], None]:
+    snapshot, own = engine.snapshot(), dict(engine.__dict__)
+
+    def fill(shell: Any, linked: list[tuple[_Key, Any]]) -> None:
+        shell.__dict__.update(own)
+        shell.restore(snapshot)
+
+    return fill
 
 
-def _copier(kind: type) -> _Copy:
-    frozen = dataclasses.is_dataclass(kind) and kind.__dataclass_params__.frozen  # type: ignore[attr-defined]
-    fixed = issubclass(kind, enum.Enum | FrameType | type | tuple | BaseException)
-    ours = kind.__module__.startswith(_OURS)
-    return _share if frozen or fixed or not ours else _object
+def _slots(kind: type) -> tuple[str, ...]:
+    return tuple(name for base in kind.__mro__ for name in base.__dict__.get("__slots__", ()))
+
+
+_KNOWN: dict[type, bool] = {}
+
+
+def _is_shared(kind: type) -> bool:
+    if kind not in _KNOWN:
+        frozen = dataclasses.is_dataclass(kind) and kind.__dataclass_params__.frozen  # type: ignore[attr-defined]
+        fixed = issubclass(kind, enum.Enum | FrameType | type | tuple | BaseException)
+        copied = kind in (list, dict, set, deque, Engine) or kind.__module__.startswith(_OURS)
+        _KNOWN[kind] = frozen or fixed or not copied
+    return _KNOWN[kind]

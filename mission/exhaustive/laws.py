@@ -1,10 +1,11 @@
-"""The laws: rows of name, source, and what is asked of a cell.
+"""Laws of the states: rows of name, source, and what is asked of a cell.
 
 A law answers None where it says nothing about a cell, "" where it holds, else what is wrong. It is
 written from the design and from protocols alone, never from what the engine does. All are asked at
 the drive, of bytes, Steps and states: R3-R14 and section 4 of the design.
 
-What does not live here: laws of single legs against limits and readings (legs_laws), the events.
+What does not live here: laws of legs against limits and readings (leg_laws), of what operators
+are answered (operator_laws).
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from mission.exhaustive.cell import Cell
-from mission.exhaustive.configurations import DEEP
 from mission.model import (
     IDLE_EMPTY,
     IDLE_READY,
@@ -27,7 +27,7 @@ from mission.model import (
 )
 
 X, W = b"@ZAX0$", b"@ZAWF$"
-STICK_QUIET, FRESH_FIX = 2.0, 5.0  # s (R6, R9)
+STICK_QUIET = 2.0  # s (R6)
 AT_ONCE = 0.1  # s: X and W have left (issue 6)
 AT_SURFACE = 0.5  # m (R7)
 
@@ -41,7 +41,7 @@ class Law:
     ask: Callable[[Cell], Verdict]
 
 
-def _wrong(*faults: tuple[bool, str]) -> str:
+def wrong(*faults: tuple[bool, str]) -> str:
     """The first that is so."""
     return next((words for is_so, words in faults if is_so), "")
 
@@ -56,7 +56,7 @@ def _order(letter: str, frame: bytes, target: str) -> Callable[[Cell], Verdict]:
         left = cell.frames(b"@ZA")
         late = not left or left[0].t > cell.before.t + AT_ONCE
         burst = cell.event.path == "tender"  # something was said just before
-        return _wrong(
+        return wrong(
             (cell.world.at_once not in (target, SURFACED), f"the state is {cell.world.at_once}"),
             (not left or left[0].data != frame, f"{left[:1]} left for the vehicle first"),
             (late and not burst, "it left late"),
@@ -70,7 +70,7 @@ def _answered(cell: Cell) -> Verdict:
         return None
     if cell.world.answers != "Y" or not cell.configuration.quiet:
         return None
-    return _wrong((not cell.answers(b"@ACK_Z" + cell.event.command.encode()), "no answer"))
+    return wrong((not cell.answers(b"@ACK_Z" + cell.event.command.encode()), "no answer"))
 
 
 def _taken(cell: Cell) -> bool:
@@ -85,11 +85,11 @@ def _stick(cell: Cell) -> Verdict:
         return None
     relayed = cell.frames(b"@M")
     if not _taken(cell):
-        return _wrong(
+        return wrong(
             (cell.world.at_once != cell.configuration.state, f"now {cell.world.at_once}"),
             (bool(relayed), "it was passed on"),
         )
-    return _wrong(
+    return wrong(
         (cell.world.at_once != MANUAL_DRIVING, f"the state is {cell.world.at_once}"),
         (not relayed, "it was not passed on"),
     )
@@ -104,7 +104,7 @@ def _no_z_under_the_stick(cell: Cell) -> Verdict:
         return None
     if cell.state != MANUAL_DRIVING:
         return None
-    return _wrong((bool(cell.frames(b"@ZA")), f"{cell.frames(b'@ZA')[:1]} under the stick"))
+    return wrong((bool(cell.frames(b"@ZA")), f"{cell.frames(b'@ZA')[:1]} under the stick"))
 
 
 def _stick_let_go(cell: Cell) -> Verdict:
@@ -113,7 +113,7 @@ def _stick_let_go(cell: Cell) -> Verdict:
         return None
     if cell.world.now - cell.before.t < STICK_QUIET:
         return None
-    return _wrong(
+    return wrong(
         (cell.states[1:2] != [MANUAL_WAITING], f"the states are {cell.states}"),
         (not cell.frames(X), "no X0 left"),
     )
@@ -123,10 +123,10 @@ def _forgotten(cell: Cell) -> Verdict:
     if "minute" not in cell.event.causes or cell.configuration.region != "manual":
         return None
     if cell.world.sea.depth >= AT_SURFACE:
-        return _wrong((cell.state != SURFACING, f"deep, and the state is {cell.state}"))
+        return wrong((cell.state != SURFACING, f"deep, and the state is {cell.state}"))
     idle = IDLE_READY if cell.configuration.loaded else IDLE_EMPTY
     unknown = SURFACING  # the depth was stale when the minute was over
-    return _wrong((cell.state not in (idle, unknown, SURFACED), f"the state is {cell.state}"))
+    return wrong((cell.state not in (idle, unknown, SURFACED), f"the state is {cell.state}"))
 
 
 # --- the map of the states ----------------------------------------------------------------------
@@ -153,7 +153,7 @@ def _known_states(cell: Cell) -> Verdict:
     legs = {s.path for s in cell.chart.states if s.leg is not None}
     strange = [s for s in cell.states if s not in _STATES and s not in legs]
     foreign = cell.event.path == "whole" or not cell.configuration.loaded
-    return _wrong((bool(strange) and not foreign, f"{strange[:1]}"))
+    return wrong((bool(strange) and not foreign, f"{strange[:1]}"))
 
 
 def _moves(cell: Cell) -> Verdict:
@@ -202,7 +202,7 @@ def _recorded(cell: Cell) -> Verdict:
             return f"a Step leaves {step.exited[:1]} while the state is {at}"
         at = step.entered[-1] if step.entered else at
     placed = "time is up" in cell.event.name or cell.event.limit == "no answer"
-    return _wrong((at != cell.state and not placed, f"the Steps end in {at}, not in {cell.state}"))
+    return wrong((at != cell.state and not placed, f"the Steps end in {at}, not in {cell.state}"))
 
 
 def _under_way(cell: Cell) -> Verdict:
@@ -214,7 +214,7 @@ def _under_way(cell: Cell) -> Verdict:
     latched = region in ("autonomous", "emergency") or (
         region == "manual" and cell.configuration.region == "autonomous"
     )
-    return _wrong(
+    return wrong(
         (latched and not kept, f"nothing is kept in {cell.state}"),
         (region == "idle" and bool(kept), f"{kept} is kept in idle"),
     )
@@ -228,12 +228,12 @@ def _restarts(cell: Cell) -> Verdict:
     if c.region in ("autonomous", "emergency") or (c.region == "manual" and c.leaf):
         left = cell.frames(b"@ZA")
         first = [t for t in left if t.t < AT_ONCE]
-        return _wrong(
+        return wrong(
             (cell.state != SURFACING, f"the state is {cell.state}"),
             (W not in [t.data for t in first], f"{left} left"),
         )
     idle = IDLE_READY if c.loaded else IDLE_EMPTY
-    return _wrong((cell.state != idle, f"the state is {cell.state}"))
+    return wrong((cell.state != idle, f"the state is {cell.state}"))
 
 
 # --- what leaves ------------------------------------------------------------------------------
@@ -260,7 +260,7 @@ def _after_stopped(cell: Cell) -> Verdict:
         return None
     others = [t for t in cell.frames(b"@Z") if t.data != X]
     strange = [t for t in cell.frames() if t.data[:2] not in (b"@Z", b"@R", b"@D")]
-    return _wrong((bool(others + strange), f"{(others + strange)[:1]} left"))
+    return wrong((bool(others + strange), f"{(others + strange)[:1]} left"))
 
 
 def _stop_repeats(cell: Cell) -> Verdict:
@@ -269,7 +269,7 @@ def _stop_repeats(cell: Cell) -> Verdict:
         return None
     times = [t.t - cell.before.t for t in cell.frames(X)]
     gaps = [b - a for a, b in pairwise(times)]
-    return _wrong(
+    return wrong(
         (len([t for t in times if t <= 2.5]) < 5, f"X0 left at {times}"),
         (any(gap > 0.55 for gap in gaps), f"X0 left at {times}"),
         (bool(times) and times[-1] > 3.3, "X0 leaves after it was acknowledged"),
@@ -282,7 +282,7 @@ def _quiet_idle(cell: Cell) -> Verdict:
         return None
     if cell.event.causes & {"restart"}:
         return None
-    return _wrong((bool(cell.frames(b"@Z")), f"{cell.frames(b'@Z')[:1]} left in idle"))
+    return wrong((bool(cell.frames(b"@Z")), f"{cell.frames(b'@Z')[:1]} left in idle"))
 
 
 def _to_the_surface(cell: Cell) -> Verdict:
@@ -290,7 +290,7 @@ def _to_the_surface(cell: Cell) -> Verdict:
     if cell.event.path != "rises":
         return None
     last = cell.frames(b"@Z")[-1:]
-    return _wrong(
+    return wrong(
         (cell.state != SURFACED, f"the state is {cell.state}"),
         (not last or last[0].data != X, f"{last} was the last"),
     )
@@ -305,209 +305,7 @@ def _comes_up_alone(cell: Cell) -> Verdict:
         return None
     if c.region == "manual" and cell.world.sea.depth < AT_SURFACE:
         return None
-    return _wrong((cell.region != "emergency", f"the state is {cell.state}"))
-
-
-# --- operators --------------------------------------------------------------------------------
-
-
-def _ack(cell: Cell, code: str, accepted: bool) -> str:
-    """The answer, once, on the path of its request."""
-    letter = code[1:].encode() if accepted else b"N"
-    wanted = b"@ACK_" + code.encode() + letter + b"$"
-    at = {"tender": "tender", "modem": ""}.get(cell.event.path, "boat")
-    found = [t for t in cell.answers(b"@ACK_" + code.encode()) if t.address == at]
-    return _wrong((not found, "no answer"), (wanted not in found[-1].data if found else False,
-                   f"{found[-1:]}, not {wanted!r}"))  # fmt: skip
-
-
-def _line(cell: Cell) -> Verdict:
-    """R3: only in idle, and a line of nothing not even there."""
-    if cell.event.command != "AW":
-        return None
-    idle = cell.configuration.region == "idle"
-    taken = idle and cell.event.path != "misplaced"
-    return _ack(cell, "AW", taken) or _wrong(
-        (not idle and cell.state.partition("/")[0] == "idle" and len(cell.states) > 1, "idle"),
-        (cell.event.path == "whole" and idle and cell.state != IDLE_READY, "it is not ready"),
-    )
-
-
-def _may_start(cell: Cell) -> bool:
-    c = cell.configuration
-    if c.region == "autonomous":
-        return cell.event.path == "boat"
-    if cell.event.path != "boat" or not (c.auto and c.loaded) or c.region == "emergency":
-        return False
-    if c.region == "manual" and (cell.before.stick_age < STICK_QUIET or c.preceded):
-        return False
-    return bool(c.leaf) or cell.before.fix_age <= FRESH_FIX
-
-
-def _start(cell: Cell) -> Verdict:
-    """@AA, by state: from idle with a fix, from manual 2 s after the stick, never out of an
-    emergency, with AUTO closed or with lines missing; while it runs Y and no effect."""
-    if cell.event.command != "AA":
-        return None
-    c, accepted = cell.configuration, _may_start(cell)
-    if cell.event.path == "staging" and c.region != "idle":
-        accepted = _may_start_now(cell)
-    fault = _ack(cell, "AA", accepted)
-    after = cell.world.at_once if cell.event.path != "staging" else cell.states[-1]
-    if fault or cell.event.path == "staging":
-        return fault
-    if not accepted or c.region == "autonomous":
-        return _wrong((after != c.state, f"the state is {after}"))
-    leg = c.leaf or cell.chart.initial
-    return _wrong((after != leg, f"the state is {after}, not {leg}"))
-
-
-def _may_start_now(cell: Cell) -> bool:
-    """As by the boat: in these states no line is taken, so nothing is being staged."""
-    c = cell.configuration
-    if c.region == "autonomous":
-        return True
-    ready = c.auto and c.loaded and c.region == "manual" and not c.preceded
-    known = bool(c.leaf) or cell.before.fix_age <= FRESH_FIX
-    return ready and cell.before.stick_age >= STICK_QUIET and known
-
-
-def _no_restart(cell: Cell) -> Verdict:
-    """@AA while it runs: nothing leaves because of it."""
-    if cell.event.command != "AA" or cell.configuration.region != "autonomous":
-        return None
-    if not cell.configuration.quiet:
-        return None
-    started = [s for s in cell.steps if s.trigger == "start"]
-    return _wrong((bool(started), "it was started again"))
-
-
-def _clear(cell: Cell) -> Verdict:
-    """@AC from idle, stopped and surfaced; N elsewhere."""
-    if cell.event.command != "AC":
-        return None
-    state = cell.states[-2] if len(cell.states) > 1 else cell.configuration.state
-    state = state if cell.state == IDLE_EMPTY else cell.state
-    may = state in (IDLE_EMPTY, IDLE_READY, STOPPED, SURFACED) and cell.event.path == "boat"
-    cleared = cell.state == IDLE_EMPTY and not cell.world.store.content.lines
-    held = cell.configuration.loaded and not cell.world.store.content.lines
-    return _ack_of_anyone(cell, may) or _wrong(
-        (may and not cleared, f"not cleared: {cell.state}"),
-        (not may and held, "the mission is gone"),
-    )
-
-
-def _ack_of_anyone(cell: Cell, accepted: bool) -> str:
-    wanted = b"@ACK_ACC$" if accepted else b"@ACK_ACN$"
-    found = cell.answers(b"@ACK_AC")
-    return _wrong((not found or wanted not in found[-1].data, f"{found}, not {wanted!r}"))
-
-
-def _clock(cell: Cell) -> Verdict:
-    """@ST only in idle, and never over the modem (R10)."""
-    if cell.event.command != "ST":
-        return None
-    idle = cell.configuration.region == "idle"
-    return _ack(cell, "ST", idle and cell.event.path == "boat")
-
-
-def _safety(cell: Cell) -> Verdict:
-    """@SP always; with a wrong number of fields no answer at all (E-V2). Durable."""
-    if cell.event.command != "SP":
-        return None
-    if cell.event.path == "broken":
-        return _wrong((bool(cell.answers(b"@ACK_SP")), "answered"))
-    kept = cell.world.store.content.limits
-    told = any(v is not None for v in (kept.radius, kept.time, kept.depth, kept.voltage))
-    return _ack(cell, "SP", True) or _wrong((not told, "it is not stored"))
-
-
-def _queries(cell: Cell) -> Verdict:
-    """@DU, @NI, @AQ: one answer each, and nothing else."""
-    words = {"DU": b"@VS", "NI": b"@ACK_NI", "AQ": b"@AR,"}
-    start = words.get(cell.event.command)
-    if start is None:
-        return None
-    found = [t for t in cell.answers(start) if t.address == "boat" and t.reason == "asked"]
-    return _wrong((len(found) != 1, f"{len(found)} answers"))
-
-
-def _state_of_store(cell: Cell) -> Verdict:
-    if cell.event.command != "AQ":
-        return None
-    idle, loaded = cell.configuration.region == "idle", cell.configuration.loaded
-    wanted = b"running" if not idle else b"ready" if loaded else b"empty"
-    found = cell.answers(b"@AR,")
-    return _wrong((not found or not found[0].data.startswith(b"@AR," + wanted), f"{found}"))
-
-
-def _relays(cell: Cell) -> Verdict:
-    """R and rudder frames reach the STM32 once, byte for byte, whatever the state (R12, R14)."""
-    frames = {"RS": b"@RS", "RI": b"@RI$", "D": b"@DS3,20$"}
-    start = frames.get(cell.event.command)
-    if start is None:
-        return None
-    found = cell.frames(start)
-    moved = len(cell.states) > 1 and cell.states[1] == MANUAL_DRIVING
-    return _wrong((len(found) != 1, f"{len(found)} left"), (moved, "manual"))
-
-
-def _nodes(cell: Cell) -> Verdict:
-    """R13: AUTO closed ends a mission, and a suspended one; the STM32 closes in idle alone."""
-    if cell.event.command != "NS":
-        return None
-    c = cell.configuration
-    if cell.event.path == "open":
-        return _ack(cell, "NS", True)
-    if cell.event.path == "stm32":
-        if c.region == "idle":
-            return None
-        return _ack(cell, "NS", False)
-    if c.region == "autonomous":
-        return _wrong(
-            (cell.world.at_once != IDLE_READY, f"the state is {cell.world.at_once}"),
-            (X not in [t.data for t in cell.frames(b"@ZA")][:1], "X0 is not the first to leave"),
-        )
-    return _wrong((cell.world.at_once != c.state, f"the state is {cell.world.at_once}"))
-
-
-def _paths(cell: Cell) -> Verdict:
-    """R12: an answer leaves on the path of its request alone."""
-    answers = [t for t in cell.answers(b"@ACK_") if b"@ACK_Z" not in t.data]
-    if not answers:
-        return None
-    paths = {"tender": {"tender", "boat"}, "modem": {""}, "both": {"boat", ""}}
-    allowed = paths.get(cell.event.path, {"boat"})
-    if cell.event.name == "AC of another, the boat silent":
-        allowed = {"tender"}
-    strange = [t for t in answers if t.address not in allowed]
-    return _wrong((bool(strange), f"{strange[:1]}"))
-
-
-def _others_read(cell: Cell) -> Verdict:
-    """R12: who does not command changes nothing but by X and W."""
-    if cell.event.path != "tender" or cell.event.command in ("X", "W"):
-        return None
-    return _wrong((cell.world.at_once != cell.configuration.state, f"now {cell.world.at_once}"))
-
-
-def _tells_at_surface(cell: Cell) -> Verdict:
-    """R11: one @VS unasked on every path at the surface."""
-    if SURFACED not in cell.states[1:] or cell.state != SURFACED or cell.world.sea.depth >= DEEP:
-        return None
-    told = [t for t in cell.answers(b"@VS") if t.reason != "asked" and t.address]
-    each = sorted(t.address for t in told)
-    return _wrong((each != ["boat", "tender"], f"told {each}"))
-
-
-def _stays_up(cell: Cell) -> Verdict:
-    """Manual under AUTO closed has no mission to go back to (R13), nor has an emergency (R6)."""
-    c = cell.configuration
-    if c.region not in ("manual", "emergency") or "AA" not in cell.event.causes:
-        return None
-    if c.auto and not c.preceded:
-        return None
-    return _wrong((cell.region == "autonomous", f"the state is {cell.state}"))
+    return wrong((cell.region != "emergency", f"the state is {cell.state}"))
 
 
 def _implicit_end(cell: Cell) -> Verdict:
@@ -518,13 +316,13 @@ def _implicit_end(cell: Cell) -> Verdict:
     ended = [s for s in ended if s.exited and s.exited[0].startswith("autonomous")]
     if not ended:
         return None
-    return _wrong(
+    return wrong(
         (ended[0].exited[0] != IMPLICIT_SURFACE, f"out of {ended[0].exited[0]}"),
         (not ended[0].actions or "stopped" not in ended[0].actions[0], "nothing was stopped"),
     )
 
 
-LAWS: tuple[Law, ...] = (
+STATE_LAWS: tuple[Law, ...] = (
     Law("X acts from everywhere within the step", "R7", _order("X", X, STOPPED)),
     Law("W acts from everywhere within the step", "R7", _order("W", W, SURFACING)),
     Law("who gave X or W hears what became of it", "R7, R12", _answered),
@@ -544,19 +342,5 @@ LAWS: tuple[Law, ...] = (
     Law("in idle nothing leaves that nobody asked for", "design 4", _quiet_idle),
     Law("from everywhere to the surface by W", "R7", _to_the_surface),
     Law("who is left alone comes up", "R6, R8", _comes_up_alone),
-    Law("@AW only in idle", "R3", _line),
-    Law("@AA by state", "R3, R6, R7, R9, R13", _start),
-    Law("@AA while it runs has no effect", "R1", _no_restart),
-    Law("@AC by state", "R7", _clear),
-    Law("@ST only in idle, not by modem", "R10", _clock),
-    Law("@SP always, and durable", "R5", _safety),
-    Law("one answer to a question", "R4, R11, R13", _queries),
-    Law("@AQ tells the store's state", "R4", _state_of_store),
-    Law("R and rudder frames are passed on once", "R12, R14", _relays),
-    Law("@NS by state", "R13", _nodes),
-    Law("an answer leaves on the path of its request", "R12", _paths),
-    Law("who does not command only reads", "R12", _others_read),
-    Law("one @VS unasked at the surface", "R11", _tells_at_surface),
-    Law("no mission out of an emergency or with AUTO closed", "R6, R13", _stays_up),
     Law("a mission ends out of the implicit leg, stopped", "design 5", _implicit_end),
 )

@@ -8,7 +8,7 @@ from __future__ import annotations
 from functools import cache
 
 from mission.exhaustive.cell import Cell
-from mission.exhaustive.laws import Law, Verdict, _wrong
+from mission.exhaustive.laws import Law, Verdict, wrong
 from mission.model import (
     IMPLICIT_SURFACE,
     SURFACING,
@@ -97,10 +97,10 @@ def _limits(cell: Cell) -> Verdict:
     if not acts:
         same = cell.region == region or region == "manual"
         ended = "emergency" if region == "emergency" else cell.region
-        return _wrong((not same or cell.region != ended, f"{limit} acts in {region}: {cell.state}"))
+        return wrong((not same or cell.region != ended, f"{limit} acts in {region}: {cell.state}"))
     if not _real(cell):
         return None
-    return _wrong((cell.region != "emergency", f"{limit}: the state is {cell.state}"))
+    return wrong((cell.region != "emergency", f"{limit}: the state is {cell.state}"))
 
 
 def _latched(cell: Cell) -> Verdict:
@@ -108,7 +108,7 @@ def _latched(cell: Cell) -> Verdict:
     if not cell.event.limit or cell.configuration.state != SURFACING:
         return None
     moved = [s.trigger for s in cell.steps if s.trigger and s.trigger != "surfaced"]
-    return _wrong((bool(moved), f"{moved}"))
+    return wrong((bool(moved), f"{moved}"))
 
 
 def _uncertain(cell: Cell) -> Verdict:
@@ -121,7 +121,7 @@ def _uncertain(cell: Cell) -> Verdict:
     if any(e.target == cell.configuration.leaf for e in ways):
         return None
     taken = [s for s in cell.steps if s.by is By.UNCERTAIN]
-    return _wrong(
+    return wrong(
         (len(taken) > 1, "answered twice"),
         (not taken and cell.region != "emergency", f"not answered: {cell.states}"),
     )
@@ -132,7 +132,7 @@ def _brown_out(cell: Cell) -> Verdict:
     if cell.event.limit != "brown-out" or cell.leg is None or not _real(cell):
         return None
     again = [s for s in cell.steps if s.actions and "brown-out" in s.actions[0] and not s.trigger]
-    return _wrong((len(again) != 1, f"sent again {len(again)} times"))
+    return wrong((len(again) != 1, f"sent again {len(again)} times"))
 
 
 # --- readings --------------------------------------------------------------------------------
@@ -176,7 +176,7 @@ def _blind(cell: Cell) -> Verdict:
         return None
     if getattr(leg.setpoint, sensor) is None:
         return None
-    return _wrong((_stayed(cell), "the leg goes on"))
+    return wrong((_stayed(cell), "the leg goes on"))
 
 
 # --- answers ---------------------------------------------------------------------------------
@@ -188,7 +188,7 @@ def _refused(cell: Cell) -> Verdict:
         return None
     if cell.leg.leg is None or isinstance(cell.leg.leg.kind, Surface):
         return None
-    return _wrong((_stayed(cell), "the leg goes on"))
+    return wrong((_stayed(cell), "the leg goes on"))
 
 
 def _lost(cell: Cell) -> Verdict:
@@ -210,7 +210,7 @@ def _timed(cell: Cell) -> Verdict:
     if cell.leg.leg.timeout is None and cell.leg.leg.duration is None:
         return None
     left = [s for s in cell.steps if cell.configuration.leaf in s.exited]
-    return _wrong((not left, "the leg goes on"))
+    return wrong((not left, "the leg goes on"))
 
 
 @cache
@@ -234,7 +234,7 @@ def _whole_set(cell: Cell) -> Verdict:
     left = [t.data for t in sent]
     if left[:1] == [b"@ZAX0$"] != wanted[:1]:
         left = left[1:]
-    return _wrong((left[: len(wanted)] != wanted, f"{left} left, not {wanted}"))
+    return wrong((left[: len(wanted)] != wanted, f"{left} left, not {wanted}"))
 
 
 def _rounds_go_on(cell: Cell) -> Verdict:
@@ -245,7 +245,7 @@ def _rounds_go_on(cell: Cell) -> Verdict:
     if cell.state != c.leaf:
         return None
     inner = max(c.rounds, key=lambda pair: len(pair[0]))
-    return _wrong((cell.world.engine.round != inner[1], f"round {cell.world.engine.round}"))
+    return wrong((cell.world.engine.round != inner[1], f"round {cell.world.engine.round}"))
 
 
 LEG_LAWS: tuple[Law, ...] = (

@@ -20,11 +20,12 @@ from mission.exhaustive.cell import Cell, Configuration, Event, before
 from mission.exhaustive.configurations import PROFILES, Ground, configurations, ground
 from mission.exhaustive.events import EVENTS
 from mission.exhaustive.fork import Fork
-from mission.exhaustive.laws import LAWS
+from mission.exhaustive.laws import STATE_LAWS
 from mission.exhaustive.leg_laws import LEG_LAWS
+from mission.exhaustive.operator_laws import OPERATOR_LAWS
 from mission.exhaustive.world import World
 
-ALL_LAWS = (*LAWS, *LEG_LAWS)
+ALL_LAWS = (*STATE_LAWS, *OPERATOR_LAWS, *LEG_LAWS)
 KEPT = 200  # violations in words; all are counted
 
 Progress = Callable[[str], None]

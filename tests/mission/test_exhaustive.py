@@ -12,8 +12,8 @@ from click.testing import CliRunner
 from mission import core, orders, run, senses, topside
 from mission.cli import main
 from mission.envelope import LIMITS
-from mission.exhaustive import events as rows
 from mission.exhaustive.cell import Configuration
+from mission.exhaustive.commands import COMMANDS
 from mission.exhaustive.configurations import WAYS, Ground, configurations, ground
 from mission.exhaustive.events import EVENTS
 from mission.exhaustive.fork import Fork
@@ -268,7 +268,7 @@ def test_what_leaves_the_drive_as_an_exception_is_a_violation(survey, worlds, pa
 
 
 def test_a_law_that_is_asked_nowhere_is_an_error_of_the_command(patch) -> None:
-    patch.setattr("mission.exhaustive.run.EVENTS", rows.COMMANDS[:1])
+    patch.setattr("mission.exhaustive.run.EVENTS", COMMANDS[:1])
     done = CliRunner().invoke(
         main, ["exhaustive", str(MISSIONS / "yoyo-profile.yaml"), "--workers", "1"]
     )

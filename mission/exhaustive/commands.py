@@ -1,0 +1,153 @@
+"""Events, the rows of what operators say: every command, by every path.
+
+It is encoded as a console does it. An event is played in every configuration, also where it cannot
+do anything: then that is the law.
+
+What does not live here: what happens to the vehicle (events), what must follow (laws).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from mission.exhaustive.cell import Configuration, Event
+from mission.exhaustive.world import TENDER, World
+from mission.model import Chart
+from protocol.messages import MissionLine, SetSafety, SetTime
+from protocol.topside import encode
+
+Play = Callable[[World, Configuration, Chart], None]
+POOL = (
+    "mission pool vehicle auv",
+    "safety radius 200 time 5min depth 5",
+    "start without fix",
+    "a: depth 2 heading 0 gear 4 for 20",
+)
+WIDE = encode(SetSafety(radius=60000.0))
+SETTLE = 0.3  # s: the line, and an answer of the STM32
+BELOW = 3.0  # s: the modem's turn
+
+
+def script(of: Callable[[World], None]) -> Play:
+    return lambda world, configuration, chart: of(world)
+
+
+def _says(frame: bytes, seconds: float = SETTLE) -> Play:
+    def play(world: World) -> None:
+        world.say(frame)
+        world.wait(seconds)
+
+    return script(play)
+
+
+def _other_says(frame: bytes) -> Play:
+    """While the boat commands."""
+
+    def play(world: World) -> None:
+        world.say(WIDE)
+        world.at_once = ""
+        world.say(frame, TENDER)
+        world.wait(SETTLE)
+
+    return script(play)
+
+
+def _later_says(frame: bytes) -> Play:
+    """After the boat has been silent for long enough."""
+
+    def play(world: World) -> None:
+        world.wait(10.5)
+        world.at_once = ""
+        world.say(frame, TENDER)
+        world.wait(SETTLE)
+
+    return script(play)
+
+
+def _below(frame: bytes) -> Play:
+    def play(world: World) -> None:
+        world.say_below(frame)
+        world.wait(BELOW)
+
+    return script(play)
+
+
+def _both(world: World) -> None:
+    world.say_below(b"@RSCOOCCCC$")
+    world.wait(0.5)
+    world.say(b"@RSCOOCCCC$")
+    world.wait(SETTLE)
+
+
+def _start_while_staging(world: World) -> None:
+    world.say(encode(MissionLine(2, 1, POOL[0])))
+    world.say(b"@AA$")
+    world.wait(SETTLE)
+
+
+def _uploads(world: World) -> None:
+    for number, line in enumerate(POOL, 1):
+        world.say(encode(MissionLine(len(POOL), number, line)))
+    world.wait(SETTLE)
+
+
+def _nodes_answer(world: World) -> None:
+    world.say(b"@NSOOOOOO$")
+    for node in (b"STM32", b"BDGPS", b"UACM", b"CAMERA"):
+        world.node(node + b" O\n")
+    world.wait(SETTLE)
+
+
+def _holds_the_stick(world: World) -> None:
+    for _ in range(10):
+        world.say(b"@MMF5$")
+        world.wait(0.2)
+
+
+_TIME = encode(SetTime("2026-03-01T12:00:00"))
+_STOPS_BEHIND = frozenset({"X", "M", "AA"})
+# fmt: off
+COMMANDS = (
+    Event("X", _says(b"@ZAX0$"), "X"),
+    Event("W", _says(b"@ZAWF$"), "W"),
+    Event("X of another connection", _other_says(b"@ZAX0$"), "X", "tender"),
+    Event("W of another connection", _other_says(b"@ZAWF$"), "W", "tender"),
+    Event("X by modem", _below(b"@ZAX0$"), "X", "modem"),
+    Event("W by modem", _below(b"@ZAWF$"), "W", "modem"),
+    Event("X among others in one burst", _says(b"@AA$@ZAX0$"), "X", also=_STOPS_BEHIND),
+    Event("X and W again", _says(b"@ZAX0$@ZAWF$@ZAX0$"), "X", also=frozenset({"W"})),
+    Event("MM", _says(b"@MMF5$"), "MM"),
+    Event("MT", _says(b"@MT1,-10$"), "MT"),
+    Event("MD", _says(b"@MDA2,-2$"), "MD"),
+    Event("MR", _says(b"@MRL5$"), "MR"),
+    Event("MS", _says(b"@MS120,-90$"), "MS"),
+    Event("MP", _says(b"@MP120,-90$"), "MP"),
+    Event("M of another connection", _other_says(b"@MMF5$"), "MM", "tender"),
+    Event("M by modem", _below(b"@MMF5$"), "MM", "modem"),
+    Event("M held for 2 s", script(_holds_the_stick), "MM"),
+    Event("AA", _says(b"@AA$", 3.0), "AA"),
+    Event("AA of another connection", _other_says(b"@AA$"), "AA", "tender"),
+    Event("AA while staging", script(_start_while_staging), "AA", "staging"),
+    Event("AC", _says(b"@AC$"), "AC"),
+    Event("AC of another connection", _other_says(b"@AC$"), "AC", "tender"),
+    Event("AC of another, the boat silent", _later_says(b"@AC$"), "AC"),
+    Event("AW, a line", _says(encode(MissionLine(2, 1, POOL[0]))), "AW"),
+    Event("AW, a whole mission", script(_uploads), "AW", "whole"),
+    Event("AW, a line out of place", _says(encode(MissionLine(9, 4, POOL[0]))), "AW", "misplaced"),
+    Event("AQ", _says(b"@AQ$"), "AQ"),
+    Event("DU", _says(b"@DU$"), "DU"),
+    Event("NI", _says(b"@NI$"), "NI"),
+    Event("ST", _says(_TIME), "ST"),
+    Event("ST by modem", _below(_TIME), "ST", "modem"),
+    Event("SP", _says(WIDE), "SP"),
+    Event("SP with an item missing", _says(b"@SP,100,5,20$"), "SP", "broken"),
+    Event("RS", _says(b"@RSCOOCCCO$"), "RS"),
+    Event("RI", _says(b"@RI$"), "RI"),
+    Event("RS by both paths", script(_both), "RS", "both"),
+    Event("rudder", _says(b"@DS3,20$"), "D"),
+    Event("NS, all open", script(_nodes_answer), "NS", "open"),
+    Event("NS, AUTO closed", _says(b"@NSOOOOOC$", 1.0), "NS", "auto"),
+    Event("NS, STM32 closed", _says(b"@NSOCOOOO$"), "NS", "stm32"),
+    Event("noise", _says(b"@ZA\xff\x00W0$@@AAX$@M"), "noise"),
+)
+# fmt: on
