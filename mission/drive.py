@@ -28,6 +28,7 @@ from mission.compiler import CompileErrors, compile_mission
 from mission.configuration import Configuration
 from mission.engine import Engine, Input
 from mission.frontseat import Frontseat
+from mission.latch import Latch
 from mission.model import (
     AUTONOMOUS,
     SURFACING,
@@ -52,7 +53,15 @@ from mission.vehicle import Vehicle
 from mission.vessel import MissionRefused, Peer
 from mission.wallclock import WallClock
 from protocol.codec import Received
-from protocol.messages import ClearMission, Command, Fix, FrameFault, Status, Telemetry
+from protocol.messages import (
+    ClearMission,
+    Command,
+    Fix,
+    FrameFault,
+    StartMission,
+    Status,
+    Telemetry,
+)
 from protocol.nmea import NmeaDecoder
 from protocol.tolerances import Tolerances
 from protocol.vehicles import codec as vehicle_codec
@@ -120,8 +129,7 @@ class Drive:
         self._telemetry: Telemetry | None = None
         self._fix: Fix | None = None
         self._now = 0.0
-        self._latched = store.content.under_way
-        self._latch_due: float | None = None
+        self._latch = Latch(self._store)
         self._owes_report = False
         self._has_news = False  # a report, a fix or a step since the last look at the surface
         self._refused: list[Outcome] = []  # commands for which the vehicle has no word
@@ -162,8 +170,7 @@ class Drive:
     def handle_timer(self, now: float) -> list[Tx]:
         self._now = now = max(self._now, now)
         self._record(rec.input_record, now, rec.TIMER)
-        if self._latch_due is not None:
-            self._keep_latch()
+        self._latch.handle_timer(now)
         if _is_due(self._codec.next_timer(), now):
             self._from_vehicle(self._codec.flush(now), now)
         if _is_due(self._gps.next_timer(), now):
@@ -174,7 +181,7 @@ class Drive:
         return self._leave(now)
 
     def next_timer(self) -> float | None:
-        first = self._latch_due
+        first = self._latch.next_timer()
         for due in (
             self._codec.next_timer(),
             self._gps.next_timer(),
@@ -249,8 +256,7 @@ class Drive:
             refused = self._frontseat.command(action)
             if refused is not None:
                 self._refused.append(refused)
-        if _region(self._engine.under_way) != _region(self._latched):
-            self._latch(now)
+        self._latch.follow(self._engine.under_way, now)
         return outputs.verdicts
 
     # --- out ----------------------------------------------------------------------------------
@@ -291,19 +297,6 @@ class Drive:
             self._topside.report_unasked(now, "at the surface")
 
     # --- durable --------------------------------------------------------------------------------
-
-    def _latch(self, now: float) -> None:
-        self._latched = self._engine.under_way
-        if self.state.startswith("emergency"):
-            self._latch_due = now
-        else:
-            self._keep_latch()
-
-    def _keep_latch(self) -> None:
-        """A disk that fails does not stop the vehicle; the failure is on record."""
-        self._latch_due = None
-        with contextlib.suppress(StoreError):
-            self._store.keep_under_way(self._latched)
 
     def _failed_write(self, number: int, why: str) -> None:
         self._record(rec.input_record, self._now, rec.STORE, str(number), why)
@@ -351,6 +344,9 @@ class Drive:
         return self._chart.digest if self._chart else ""
 
     def decide(self, command: Command, now: float) -> Verdict:
+        chart = self._chart if isinstance(command, StartMission) else None
+        if chart is not None and (why := self._latch.foresee(chart.initial)):
+            return Verdict(False, why)
         verdict = self._step(now, (command,))[-1]
         if isinstance(command, ClearMission) and verdict.accepted:
             try:
@@ -393,10 +389,6 @@ class Drive:
 
 def _refusal(line: int, column: int, message: str) -> str:
     return f"line {line}:{column}: {message}"
-
-
-def _region(path: str) -> str:
-    return path.partition("/")[0]
 
 
 def _is_due(timer: float | None, now: float) -> bool:

@@ -17,7 +17,7 @@ from mission.language import parse, script
 from mission.model import SURFACING, Tx
 from mission.navigation import Navigation
 from mission.records import ESTIMATE, FAULT, RX, STEP, STORE, TIMER, ListRecorder, read_texts
-from mission.store import MemoryStore, Stored
+from mission.store import MemoryStore, Stored, StoreError
 from mission.vehicle import load_vehicle
 from protocol.messages import MissionLine, SetSafety
 from protocol.topside import encode
@@ -124,6 +124,49 @@ def test_a_stop_leaves_before_any_disk_is_asked() -> None:
     assert boat.store.content.under_way == "emergency/stopped"
 
 
+class FullDisk(MemoryStore):
+    """Nothing can be made durable while ``full``."""
+
+    full = False
+
+    def keep_under_way(self, what: str) -> None:
+        if self.full:
+            raise StoreError("no space left on device")
+        super().keep_under_way(what)
+
+
+def test_no_mission_starts_that_a_restart_would_not_know_of() -> None:
+    store = FullDisk()
+    boat = Boat(store)
+    boat.upload()
+    boat.until(4.0)
+    store.full = True
+    assert boat.say(b"@AA$") == [b"@ACK_AAN$"]
+    assert boat.drive.state == "idle/ready"
+    store.full = False
+    assert boat.say(b"@AA$") == [b"@ACK_AAA$"]
+    assert store.content.under_way.startswith("autonomous")
+
+
+def test_a_start_that_is_refused_leaves_no_latch() -> None:
+    boat = Boat(navigation=False)
+    boat.upload()
+    assert boat.say(b"@AA$") == [b"@ACK_AAN$"]
+    assert boat.store.content.under_way == ""
+
+
+def test_a_latch_that_the_disk_did_not_take_is_tried_until_it_does() -> None:
+    store = FullDisk()
+    boat = Boat(store)
+    store.full = True
+    boat.say(b"@ZAX0$")
+    boat.until(12.0)
+    assert store.content.under_way == ""
+    store.full = False
+    boat.until(20.0)
+    assert store.content.under_way.startswith("emergency")
+
+
 def test_the_latch_is_lifted_when_the_mission_is_over() -> None:
     boat = Boat()
     boat.upload()
@@ -165,13 +208,14 @@ def test_limits_of_an_earlier_session_are_in_force_again() -> None:
 
 
 def test_a_disk_that_fails_does_not_stop_the_vehicle_and_is_on_record() -> None:
-    boat = Boat(MemoryStore(failures={1: "no space left"}))
+    boat = Boat(MemoryStore(failures={2: "no space left"}))
     boat.upload()
     boat.until(4.0)
     assert boat.say(b"@AA$") == [b"@ACK_AAA$"]
+    boat.say(b"@ZAWF$")
     boat.until(10.0)
-    assert boat.drive.state.startswith("autonomous")
-    assert [read_texts(r) for r in boat.recorder.of(STORE)] == [("1", "no space left")]
+    assert boat.drive.state.startswith("emergency")
+    assert [read_texts(r) for r in boat.recorder.of(STORE)] == [("2", "no space left")]
 
 
 def test_clearing_empties_the_store() -> None:
