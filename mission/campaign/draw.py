@@ -26,6 +26,7 @@ from mission.model import Mission
 MOST = 5  # disturbances a flight
 CURRENT = 0.5  # m/s
 HORIZON = 0.4  # of the proved time: about what a mission really takes
+AT_START, TOGETHER = 0.1, 0.4  # shares of the disturbances
 FOR_EVER = 0.15  # share of the faults that may
 OUT_OF_HAND = frozenset({"stm32_hang", "command_lost", "unexplained_dive"})
 WEIGHT = frozenset({"heavy", "light"})
@@ -96,8 +97,10 @@ def draw(seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
     names = rng.choices([*FAULTS, *INCIDENTS], k=rng.randint(1, MOST))
     others = [s for s in subjects if s is not subject] or [subject]
     faults, incidents = [], []
+    begins: list[float] = []
     for name in names:
-        begin = round(rng.uniform(1.0, horizon), 1)
+        begins.append(_begin(rng, begins, horizon))
+        begin = begins[-1]
         if name in FAULTS:
             faults.append(_fault(rng, name, begin))
         else:
@@ -106,6 +109,18 @@ def draw(seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
             incidents.append(Drawn(name, begin, tuple(_moved(deed, begin) for deed in deeds)))
     settings = Settings(sea=sea, faults=tuple(faults))
     return Plan(seed, number, subject, profile, vehicle_seed, settings, tuple(incidents), heading)
+
+
+def _begin(rng: Random, others: Sequence[float], horizon: float) -> float:
+    """Anywhere, about the start, or shortly before or after another: troubles come together."""
+    drawn = rng.random()
+    if drawn < AT_START:
+        begin = rng.uniform(1.0, 15.0)
+    elif others and drawn < AT_START + TOGETHER:
+        begin = max(1.0, rng.choice(others) + rng.uniform(-10.0, 30.0))
+    else:
+        begin = rng.uniform(1.0, horizon)
+    return round(begin, 1)
 
 
 def _sea(rng: Random) -> Sea:
