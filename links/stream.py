@@ -120,5 +120,5 @@ class Stream:
 
     def _end(self, error: OSError | ValueError) -> None:
         self.ended = True
-        lost = isinstance(error, ConnectionError) or not isinstance(error, OSError)
-        self.why = "" if lost else in_words(error)  # type: ignore[arg-type]
+        gone = isinstance(error, (ConnectionError, ssl.SSLEOFError, ssl.SSLZeroReturnError))
+        self.why = in_words(error) if isinstance(error, OSError) and not gone else ""

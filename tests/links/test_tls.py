@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from links import open_link
-from links.base import LinkAbsent, LinkClosed
+from links.base import Link, LinkAbsent, LinkClosed
 from links.tcp import HANDSHAKE, TcpClient, TcpServer
 from mission.keys import make_keys
 
@@ -48,10 +48,14 @@ def command(server: TcpServer, keys: Path) -> None:
     """Returns if the server answers; raises LinkAbsent or LinkClosed if not."""
     link = open_link("vehicle", f"tls://127.0.0.1:{server.port}?keys={keys}")
     try:
-        link.send(b"@ZAX0$", 0.0)
-        until(lambda: bool(link.receive(0.0)))
+        say_and_listen(link)
     finally:
         link.close()
+
+
+def say_and_listen(link: Link) -> None:
+    link.send(b"@ZAX0$", 0.0)
+    until(lambda: bool(link.receive(0.0)))
 
 
 class Served:
@@ -136,8 +140,8 @@ def test_who_shows_no_certificate_is_refused_by_the_vehicle(server: TcpServer, k
     bare.load_verify_locations(keys / "ours" / "boat" / "ca.pem")
     with Served(server) as served:
         client = TcpClient("vehicle", "127.0.0.1", server.port, tls=bare)
-        with pytest.raises(LinkClosed, match="wants a certificate of us|admits nobody"):
-            until(lambda: client.send(b"@ZAX0$", 0.0) or bool(client.receive(0.0)))
+        with pytest.raises(LinkClosed, match=r"wants a certificate of us|admits nobody"):
+            say_and_listen(client)
     assert served.heard == b""
     assert [r.why for r in server.refusals()] == ["it has shown no certificate"]
 
