@@ -1,7 +1,7 @@
 """The same loop made of naive parts, to measure against: nothing of ours but the firmware.
 
 The plant in small numpy arrays, a byte-wise framer with a table CRC, pynmea2 on every line, an EKF
-by its book, every guard a condition of the machine, dispatched on every tick of 0.1 s. It flies
+by its book, every guard a condition of the machine, dispatched on every tick of 0.2 s. It flies
 the same legs on the same simulated boards, sends the same ZA words, and its guards see values that
 come from its own decoders and its own filter.
 """
@@ -209,9 +209,15 @@ class NaiveFilter:
 class NaiveFlight:
     """The chart of a mission of hold legs, as conditions of one machine, on one tick."""
 
-    def __init__(self, chart: Chart, vehicle: Vehicle, words: Callable[[Any], list[bytes]]) -> None:
+    def __init__(
+        self,
+        chart: Chart,
+        vehicle: Vehicle,
+        words: Callable[[Any], list[bytes]],
+        settings: Settings,
+    ) -> None:
         self.chart, self.vehicle, self.words = chart, vehicle, words
-        self.sea = SimulatedVehicle("documented", 0, Settings())
+        self.sea = SimulatedVehicle("documented", 0, settings)
         self.sea.plant = NaivePlant(self.sea.settings.body, floor=self.sea.settings.sea.floor)
         self.framer, self.filter = NaiveFramer(), NaiveFilter(vehicle)
         self.line = b""

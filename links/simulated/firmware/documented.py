@@ -129,8 +129,7 @@ class Documented(Stm32):
         if self.heading is not None:
             compass = self.sensors.heading(plant)
             turn = 0.0 if isnan(compass) else turn_gear(self.heading, compass, plant.r)
-        up = self._vertical_gear(plant)
-        rear = front_left = front_right = up
+        rear = front_left = front_right = self._vertical_gear(plant)
         if self.attitude is not None:
             pitch = lean_gear(self.attitude[0], plant.pitch, plant.q)
             roll = lean_gear(self.attitude[1], plant.roll, plant.p)

@@ -28,6 +28,7 @@ REPORT_PERIOD = 2.0  # s
 SERVO_LOW, SERVO_HIGH = -15, 22  # deg
 GEAR_MAX = 12
 
+_FULL, _NEUTRAL = float(GEAR_MAX), float(NEUTRAL_PWM)  # mixed with integers: twice the time
 _DATA = Struct("<15f9H")
 _CRC = Struct("<I")
 _MICROTESLA = 1e6
@@ -44,9 +45,9 @@ _DEFAULT = Mode.DEFAULT  # looked at five times a second: a member's look-up is 
 
 def pwm_of(gear: float) -> int:
     """us; gears beyond +-12 are cut off, fractions allowed."""
-    if not -GEAR_MAX <= gear <= GEAR_MAX:
-        gear = GEAR_MAX if gear > 0 else -GEAR_MAX
-    return int(NEUTRAL_PWM + gear * GEAR_PWM + 0.5)
+    if not -_FULL <= gear <= _FULL:
+        gear = _FULL if gear > 0.0 else -_FULL
+    return int(_NEUTRAL + gear * GEAR_PWM + 0.5)
 
 
 class Stm32(ABC):

@@ -1,0 +1,118 @@
+"""Every bench in turn, and at the end one table: figure, reached, wanted.
+
+    python tests/bench/run.py [hour latency ...]
+
+All figures are ratios within one run or bounds that a slow machine meets as well. What a figure
+means stands in its bench; each can be run by itself, with more runs.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "bench")]
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """One row of the table: ``key`` is the bench's own name for what it measured."""
+
+    key: str
+    says: str
+    unit: str
+    bound: float
+    at_least: bool = False
+
+    def met(self, value: float) -> bool:
+        return value >= self.bound if self.at_least else value <= self.bound
+
+    def line(self, value: float) -> str:
+        wanted = f"{'at least' if self.at_least else 'at most'} {self.bound:g} {self.unit}"
+        reached = f"{value:.2f} {self.unit}"
+        verdict = "yes" if self.met(value) else "NO"
+        return f"  {self.says:<52} {reached:>12}   {wanted:<18} {verdict}\n"
+
+
+@dataclass(frozen=True, slots=True)
+class Bench:
+    module: str
+    says: str
+    run: Callable[[Any], dict[str, float] | None]
+    figures: tuple[Figure, ...] = ()
+
+
+BENCHES = (
+    Bench(
+        "bench_hour",
+        "one hour of mission",
+        lambda module: module.main(3),
+        (
+            Figure("hour_ratio", "an hour of mission, times as fast as naive parts", "x", 15, True),
+            Figure("black_box_ratio", "the same with its black box", "x", 1.5),
+        ),
+    ),
+    Bench(
+        "bench_latency",
+        "serve: latency, idle, start",
+        lambda module: module.main(),
+        (
+            Figure("latency_p99_ms", "@SD in to @ZA out beyond the wire, p99", "ms", 5),
+            Figure("idle_cpu", "idle serve, share of a core", "%", 2),
+            Figure("idle_rss", "idle serve, memory", "MB", 160),
+            Figure("help_s", "auvmission --help", "s", 0.3),
+            Figure("import_s", "import mission.cli", "s", 0.3),
+        ),
+    ),
+    Bench(
+        "bench_navigation",
+        "the filter",
+        lambda module: module.main(),
+        (Figure("ratio", "filterpy against the same equations in numpy", "x", 1.5),),
+    ),
+    Bench(
+        "bench_wire",
+        "the wire",
+        lambda module: module.main(),
+        (
+            Figure("stream_ratio", "the stream decoder against pymavlink", "x", 5, True),
+            Figure("log_ratio", "a whole log against pymavlink", "x", 15, True),
+        ),
+    ),
+    Bench("bench_modem", "the modem", lambda module: module.main(2)),
+)
+
+
+def main(names: list[str]) -> int:
+    say = sys.stdout.write
+    known = [bench.module.removeprefix("bench_") for bench in BENCHES]
+    if unknown := sorted(set(names) - set(known)):
+        say(f"no bench {', '.join(unknown)}; there are {', '.join(known)}\n")
+        return 2
+    lines: list[str] = []
+    for bench, name in zip(BENCHES, known, strict=True):
+        if names and name not in names:
+            continue
+        say(f"\n--- {bench.says} ({bench.module}.py) ---\n")
+        sys.stdout.flush()
+        begun = time.perf_counter()
+        reached = bench.run(importlib.import_module(bench.module)) or {}
+        say(f"({time.perf_counter() - begun:.0f} s)\n")
+        for figure in bench.figures:
+            skipped = f"  {figure.says:<52} {'skipped':>12}\n"
+            value = reached.get(figure.key)
+            lines.append(skipped if value is None else figure.line(value))
+    say("\n" + f"  {'figure':<52} {'reached':>12}   {'wanted':<18} met\n")
+    for line in lines:
+        say(line)
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(sys.argv[1:]))
