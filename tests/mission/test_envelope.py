@@ -389,3 +389,14 @@ def test_a_silent_vehicle_is_no_fault_before_the_mission_and_again_one_after_its
     assert world.state == "idle/ready"
     world.tell(StartMission())
     assert not world.verdicts[-1].accepted
+
+
+def test_a_dive_without_a_depth_ends_after_six_seconds_and_not_before():
+    world = flying()
+    world.depth = None
+    world.until(math.floor(world.t / 2.0) * 2.0 + 2.0)
+    blind = world.t
+    world.until(blind + 5.9)
+    assert world.state == "autonomous/out"
+    world.until(blind + 6.1)
+    assert world.state == SURFACING

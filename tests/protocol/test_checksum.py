@@ -113,3 +113,10 @@ def test_each_field_as_a_word() -> None:
     words = [int.from_bytes(data[i : i + 4], "little") for i in range(0, 60, 4)]
     words += [int.from_bytes(data[i : i + 2], "little") for i in range(60, 78, 2)]
     assert reading.compute(data) == bitwise(words)
+
+
+def test_profiles_are_every_reading_over_data_and_over_the_frame() -> None:
+    """But a field a word, which the frame's head is not; what they cover begins there."""
+    rows = {(p.name, p.first) for p in SD_PROFILES}
+    both = {(f"{r.name}/{c}", at) for r in READINGS for c, at in (("data", 3), ("frame", 0))}
+    assert rows == both - {("field-a-word/frame", 0)}
