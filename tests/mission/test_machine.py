@@ -8,6 +8,7 @@ import pytest
 from engine_world import compiled, leg, mission, when
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from transitions import MachineError
 
 from mission.machine import Machine, NoSuchEdge
 from mission.model import (
@@ -139,3 +140,20 @@ def test_a_snapshot_brings_the_machine_back():
     machine.restore(kept)
     assert machine.active == chart.initial
     assert machine.fire("autonomous/a:until1")[1] == ("autonomous/b",)
+
+
+def test_an_edge_of_another_state_is_an_error_and_changes_nothing():
+    machine = Machine(compiled(mission(leg("a", when("depth", ">", 1)), leg("b"))))
+    machine.move("load", IDLE_READY)
+    with pytest.raises(MachineError):
+        machine.fire("autonomous/a:until1")
+    assert machine.active == IDLE_READY
+
+
+def test_a_start_leads_into_a_leg_and_nowhere_else():
+    machine = Machine(compiled(mission(leg("a"))))
+    machine.move("load", IDLE_READY)
+    for elsewhere in (STOPPED, "autonomous", "autonomous/nowhere"):
+        with pytest.raises(NoSuchEdge):
+            machine.move("start", elsewhere)
+    assert machine.active == IDLE_READY
