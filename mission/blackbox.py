@@ -37,8 +37,7 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import Channel, DataEnd, Footer, Header
 
 from mission import __version__
-from mission.model import Record
-from mission.records import (
+from mission.drive.records import (
     CONNECTED,
     DISCONNECTED,
     ESTIMATE,
@@ -51,6 +50,7 @@ from mission.records import (
     TIMER,
     TX,
 )
+from mission.model import Record
 
 KINDS = (
     START, RX, TIMER, CONNECTED, DISCONNECTED, NAVIGATION, STORE, STEP, ESTIMATE, TX, FAULT,

@@ -16,14 +16,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from mission import distribution
+from mission.engine import distribution
+from mission.engine.regions import IDLE
 from mission.model import AUTONOMOUS, Safety
-from mission.regions import IDLE
 from mission.vehicle import Vehicle
 from protocol.messages import Setpoint, SetSafety
 
 if TYPE_CHECKING:
-    from mission.watch import Watch
+    from mission.engine.watch import Watch
 
 DEPTH_MARGIN = 1.0  # m beyond the bound (R5)
 SILENCE = 5.0  # s without a good report (R8)

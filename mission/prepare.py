@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mission.check import Report, check_mission
-from mission.compiler import CompileErrors, compile_mission
+from mission.compiler.compiler import CompileErrors, compile_mission
 from mission.language import MissionErrors, digest, parse
 from mission.language.problems import Problem, Problems
 from mission.model import Chart, Mission

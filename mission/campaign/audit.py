@@ -25,7 +25,7 @@ from dataclasses import dataclass
 
 from mission.campaign.deeds import Act
 from mission.campaign.trial import Done, Event, Heard, Said
-from mission.drive import VEHICLE
+from mission.drive.drive import VEHICLE
 from mission.model import (
     AUTONOMOUS,
     IDLE_READY,

@@ -15,9 +15,9 @@ from typing import Any
 from mission.campaign.draw import Plan, Subject, draw
 from mission.campaign.laws import LOST, OVERRUN, RAISED, SPURIOUS, Violation, violations
 from mission.campaign.trial import Trial, try_out
+from mission.drive.records import Recorder
 from mission.model import AUTONOMOUS, STOPPED, SURFACING, Step
 from mission.prepare import check_prepared, prepare
-from mission.records import Recorder
 from mission.vehicle import Vehicle, load_vehicle, missions_folder
 
 NOT_STARTED = "not started"
@@ -103,9 +103,12 @@ def fare(
 ) -> Fared:
     plan = draw(seed, number, known)
     vehicle = load_vehicle(plan.subject.mission.vehicle)
-    trial = fly_plan(plan, vehicle, recorder)
-    found = violations(trial, plan.subject.mission, vehicle, plan.profile, plan.settings)
-    return Fared(number, plan.in_words(), plan.kinds, tuple(found), tuple(_aborts(trial)))
+    return fared_of(plan, fly_plan(plan, vehicle, recorder), vehicle, plan.profile)
+
+
+def fared_of(plan: Plan, trial: Trial, vehicle: Vehicle, profile: str) -> Fared:
+    found = violations(trial, plan.subject.mission, vehicle, profile, plan.settings)
+    return Fared(plan.number, plan.in_words(), plan.kinds, tuple(found), tuple(_aborts(trial)))
 
 
 def _aborts(trial: Trial) -> list[str]:

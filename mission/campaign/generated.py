@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from random import Random
 
 from mission.check import Proved, check_mission
-from mission.compiler import CompileErrors, compile_mission
+from mission.compiler.compiler import CompileErrors, compile_mission
 from mission.language import MissionErrors, digest, parse
 from mission.model import Mission
 from mission.vehicle import Vehicle

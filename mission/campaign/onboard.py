@@ -13,9 +13,9 @@ from dataclasses import replace
 
 from links.base import Rx
 from mission.configuration import Configuration
-from mission.drive import Drive
+from mission.drive.drive import Drive
+from mission.drive.records import Recorder
 from mission.model import Estimate, Step, Tx
-from mission.records import Recorder
 from mission.store import MemoryStore, Stored, StoreError
 from mission.vehicle import Vehicle
 
@@ -69,6 +69,17 @@ class OnBoard:
 
     def kill(self) -> None:
         self._drive, self._navigation_due = None, None
+
+    def listen(self, step: Callable[[Step], None], estimate: Callable[[Estimate], None]) -> None:
+        """Somebody else is told from now on."""
+        self._tell_step, self._tell_estimate = step, estimate
+
+    def begin_again(self, now: float) -> None:
+        """``now`` is 0 of another flight; the program lives on."""
+        self._zero -= now
+        if self._navigation_due is not None:
+            self._navigation_due -= now
+        self._wall += now
 
     # --- as a drive ------------------------------------------------------------------------------
 

@@ -25,17 +25,18 @@ from links.simulated.link import HOME, START, SimulatedVehicle, Truth
 from links.simulated.settings import FaultEvent, Settings
 from mission.campaign.deeds import BOAT, MODEM, TOPSIDE, Act, Deed
 from mission.campaign.onboard import FillableStore, OnBoard
-from mission.drive import VEHICLE
+from mission.drive.drive import VEHICLE
+from mission.drive.nodes import LINK as NODES
+from mission.drive.records import Recorder
 from mission.language import digest, script
 from mission.model import AUTONOMOUS, STOPPED, SURFACED, Estimate, Mission, Step, Tx
-from mission.nodes import LINK as NODES
-from mission.records import Recorder
-from mission.rehearsal import Operator
+from mission.simulation.rehearsal import Operator
 from mission.vehicle import Vehicle
 
 FOREVER = 1e6  # s: longer than any flight
 QUIET = 20.0  # s at the surface with nothing under way
 ASCENT = 900.0  # s that the way up may take at most, when all faults are over
+OPERATOR_AFTER = 15.0  # s in which a board that lives on can be brought to idle
 UPLOAD = 200.0  # s until the operator has started the mission, or given up
 _AT_REST = ("idle/", STOPPED, SURFACED)
 _AFLOAT = 0.5  # m (R7)
@@ -103,12 +104,13 @@ def try_out(
     offset: tuple[float, float] = (0.0, 0.0),
     heading: float = 0.0,
     recorder: Callable[[], Recorder | None] = lambda: None,
-    store: FillableStore | None = None,
+    board: OnBoard | None = None,
 ) -> Trial:
     """``deeds`` are at the flight's times. ``offset``: m north and east of home where it begins;
-    ``recorder`` makes one for each life of the program."""
+    ``recorder`` makes one for each life of the program. ``board`` lives already, and lives on: it
+    is given ``OPERATOR_AFTER`` s before the operator begins."""
     flown = replace(vehicle, dialect=profile)
-    loop = _Loop(mission, flown, seed, settings, deeds, offset, heading, recorder, store)
+    loop = _Loop(mission, flown, seed, settings, deeds, offset, heading, recorder, board)
     return loop.run()
 
 
@@ -123,7 +125,7 @@ class _Loop:
         offset: tuple[float, float],
         heading: float,
         recorder: Callable[[], Recorder | None],
-        store: FillableStore | None,
+        board: OnBoard | None,
     ) -> None:
         home = HOME
         if mission.home is not None:
@@ -134,9 +136,13 @@ class _Loop:
         )
         self.events: list[Event] = []
         wall = START.timestamp()
-        self.board = OnBoard(
-            vehicle, store or FillableStore(), wall, self._step, self._told, recorder
-        )
+        self._operator_from = 0.0 if board is None else OPERATOR_AFTER
+        if board is None:
+            board = OnBoard(vehicle, FillableStore(), wall, self._step, self._told, recorder)
+            board.boot(0.0, 0.0)
+        else:
+            board.listen(self._step, self._told)
+        self.board = board
         self.operator = Operator(script(mission), digest(mission))
         self.deeds = deque(sorted(deeds, key=lambda deed: deed.after))
         self.now = 0.0
@@ -144,14 +150,13 @@ class _Loop:
         self._safety = mission.safety.time or vehicle.limits.time
         ends = [t for event in settings.faults if (t := fault_ends(event)) < math.inf]
         self._last = max([0.0, *ends, *(deed.after for deed in deeds)])
-        self._deadline = self._last + UPLOAD + ASCENT
+        self._deadline = self._last + UPLOAD + OPERATOR_AFTER + ASCENT
         self._rests_since: float | None = None
         self._failed = ""
 
     def run(self) -> Trial:
         raised = ""
         try:
-            self.board.boot(0.0, 0.0)
             self._send(self.board.connected(TOPSIDE, BOAT, 0.0))
             while not self._is_over():
                 self._to_next_event()
@@ -164,7 +169,7 @@ class _Loop:
             self.sea.truth(),
             self.board.state,
             self.operator.failure,
-            self.operator.started,
+            None if self.operator.started is None else self.operator.started + self._operator_from,
             raised,
         )
 
@@ -187,7 +192,7 @@ class _Loop:
             self.sea.vehicle_link.next_event(),
             self.sea.gps_link.next_event(),
             self.board.next_timer(),
-            self.operator.next_timer(),
+            self._operator_due(),
             self.deeds[0].after if self.deeds else None,
         )
         return max(self.now, min(t for t in timers if t is not None))
@@ -203,13 +208,17 @@ class _Loop:
             self._send(self.board.receive(rx, now))
         while self.deeds and self.deeds[0].after <= now:
             self._do(self.deeds.popleft())
-        due = self.operator.next_timer()
+        due = self._operator_due()
         if due is not None and due <= now:
-            for data in self.operator.handle_timer(now):
+            for data in self.operator.handle_timer(now - self._operator_from):
                 self._send(self._say(TOPSIDE, BOAT, data))
         due = self.board.next_timer()
         if due is not None and due <= now:
             self._send(self.board.handle_timer(now))
+
+    def _operator_due(self) -> float | None:
+        due = self.operator.next_timer()
+        return None if due is None else due + self._operator_from
 
     def _do(self, deed: Deed) -> None:
         now = self.now
@@ -250,7 +259,7 @@ class _Loop:
                 if self.plugged:
                     self.sea.vehicle_link.send(tx.data, self.now)
             elif tx.link == TOPSIDE and tx.address == BOAT and BOAT in self.joined:
-                for data in self.operator.receive(tx.data, self.now):
+                for data in self.operator.receive(tx.data, self.now - self._operator_from):
                     waiting += self._say(TOPSIDE, BOAT, data)
             elif tx.link == NODES:
                 waiting += self.board.receive(Rx(self.now, NODES, tx.data + b"\n"), self.now)

@@ -23,9 +23,9 @@ def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
     more, after calibration on the others. Exit 2 where the logs cannot be used.
     """
     from mission.blackbox import BlackBoxError
-    from mission.heard import LogError, read_log
     from mission.navigation.calibration import CalibrationError, section
     from mission.navigation.calibration import calibrate as fit
+    from mission.serve.heard import LogError, read_log
     from mission.vehicle import VehicleError, load_vehicle
 
     try:

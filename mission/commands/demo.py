@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from mission.demo import Progress
+    from mission.simulation.demo import Progress
 
 
 @click.command()
@@ -38,12 +38,12 @@ def demo(
     import shutil
 
     from mission.commands.simulate import table
-    from mission.demo import Demo, DemoError, as_planned
     from mission.graph.outline import outline
     from mission.graph.svg import svg
-    from mission.plot import draw_flight
+    from mission.operator.upload import OperatorError
     from mission.prepare import Unreadable, check_prepared, prepare
-    from mission.upload import OperatorError
+    from mission.simulation.demo import Demo, DemoError, as_planned
+    from mission.simulation.plot import draw_flight
     from mission.vehicle import missions_folder
 
     path = mission or missions_folder() / "first-dive.yaml"

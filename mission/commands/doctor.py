@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from mission.findings import Finding
+    from mission.doctor.findings import Finding
 
 
 @click.command()
@@ -23,8 +23,8 @@ def doctor(config: Path | None, as_json: bool) -> None:
     import json
 
     from mission.configuration import ConfigurationError, load_configuration
-    from mission.doctor import examine
-    from mission.findings import Condition, fault
+    from mission.doctor.doctor import examine
+    from mission.doctor.findings import Condition, fault
     from mission.vehicle import VehicleError, load_vehicle
 
     found: list[Finding] = []

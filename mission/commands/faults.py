@@ -11,7 +11,7 @@ import click
 if TYPE_CHECKING:
     from mission.campaign.draw import Subject
     from mission.campaign.faults import Fared
-    from mission.records import Recorder
+    from mission.drive.records import Recorder
 
 
 @click.command()
@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     type=click.Path(path_type=Path, file_okay=False),
     help="With --flight: folder for its black boxes, one for each life of the program.",
 )
+@click.option(
+    "--soak", metavar="DAYS", type=click.FloatRange(0.0), help="Missions in a row instead."
+)
 @click.option("--json", "as_json", is_flag=True, help="The object alone, no story.")
 def faults(
     flights: int,
@@ -31,6 +34,7 @@ def faults(
     flight: int | None,
     workers: int | None,
     report: Path | None,
+    soak: float | None,
     as_json: bool,
 ) -> None:
     """Fly the shipped missions with faults of vehicle, links, operators and program.
@@ -47,6 +51,8 @@ def faults(
     from mission.campaign.pool import results, with_progress
 
     known = tuple(subjects(shipped()))
+    if soak is not None:
+        sys.exit(_soak(soak, seed, known, as_json))
     totals = Totals()
     if flight is not None:
         fared = fare(seed, flight, known, _recorders(report))
@@ -68,6 +74,41 @@ def _fare(seed: int, known: Sequence[Subject], number: int) -> Fared:
     from mission.campaign.faults import fare
 
     return fare(seed, number, known)
+
+
+def _soak(days: float, seed: int, known: Sequence[Subject], as_json: bool) -> int:
+    """The exit code."""
+    import json
+    import tempfile
+
+    from mission.campaign import soak
+    from mission.vehicle import load_vehicle
+
+    def told(soaked: soak.Soaked, fared: Fared) -> None:
+        if fared.violations:
+            found = [f"  {v.kind} at {v.t:.1f} s: {v.says}" for v in fared.violations]
+            story = "\n".join([f"mission {fared.number}: {fared.words}", *found])
+            click.echo(
+                f"{story}\n  again: auvmission faults --seed {seed} --soak {soaked.days:.2f}"
+            )
+        if soaked.missions % 20 == 0:
+            click.echo(f"{soaked.days:.2f} of {days:g} days, {soaked.missions} missions", err=True)
+
+    with tempfile.TemporaryDirectory(prefix="soak-") as folder:
+        soaked = soak.soak(days, seed, known, load_vehicle("auv"), Path(folder), told)
+    found = soaked.totals.as_json() | {
+        "days": round(soaked.days, 2),
+        "growth": round(soaked.growth, 4),
+        "peak_mb": round(soaked.peak_megabytes, 1),
+        "black_box": {
+            "parts": soaked.parts,
+            "broken": soaked.broken_parts,
+            "mb": round(soaked.megabytes, 1),
+        },
+    }
+    click.echo(json.dumps(found))
+    flat = soaked.growth < soak.FLAT and not soaked.broken_parts
+    return 0 if soaked.totals.clean and flat else 1
 
 
 def _recorders(folder: Path | None) -> Callable[[], Recorder | None]:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
+    from mission.operator.upload import Script
     from mission.prepare import Prepared
-    from mission.upload import Script
     from protocol.messages import Status, StoreReport
 
 TO = click.option(
@@ -38,8 +38,8 @@ def upload(
 
     Exit 0 when the vehicle holds it, by its digest; 1 if not; 2 if it cannot be read.
     """
-    from mission import console
     from mission.language import script
+    from mission.operator import console
     from mission.prepare import Unreadable, parameters_of, prepare
 
     try:
@@ -84,7 +84,7 @@ class _Progress:
 @click.option("--wait", default=0, metavar="SECONDS", help="Ask again so long while it refuses.")
 def start(to: str, wait: int) -> None:
     """Start the stored mission, or go on with the interrupted one (@AA)."""
-    from mission.upload import start as talk
+    from mission.operator.upload import start as talk
 
     _converse(to, talk(wait))
 
@@ -93,7 +93,7 @@ def start(to: str, wait: int) -> None:
 @TO
 def clear(to: str) -> None:
     """Clear the stored mission, and a latched emergency at the surface (@AC)."""
-    from mission.upload import clear as talk
+    from mission.operator.upload import clear as talk
 
     _converse(to, talk())
 
@@ -102,7 +102,7 @@ def clear(to: str) -> None:
 @TO
 def stop(to: str) -> None:
     """Stop all thrusters, at once and from any state (@ZAX0)."""
-    from mission.upload import order
+    from mission.operator.upload import order
     from protocol.messages import Order
 
     _converse(to, order(Order.STOP))
@@ -112,7 +112,7 @@ def stop(to: str) -> None:
 @TO
 def surface(to: str) -> None:
     """Surface, at once and from any state (@ZAWF)."""
-    from mission.upload import order
+    from mission.operator.upload import order
     from protocol.messages import Order
 
     _converse(to, order(Order.SURFACE))
@@ -127,7 +127,7 @@ def status(to: str, as_json: bool, local: bool, config: Path | None) -> None:
     """What the vehicle tells of itself (@DU) and of its store (@AQ)."""
     import json
 
-    from mission.upload import status as talk
+    from mission.operator.upload import status as talk
 
     if local:
         _status_here(config, as_json)
@@ -151,8 +151,8 @@ def _status_here(config: Path | None, as_json: bool) -> None:
     import json
     import time
 
-    from mission import health
     from mission.configuration import ConfigurationError, load_configuration
+    from mission.serve import health
 
     try:
         folder = load_configuration(config).folder
@@ -171,7 +171,7 @@ def _status_here(config: Path | None, as_json: bool) -> None:
 
 
 def _values(told: Status, store: StoreReport | None) -> dict[str, Any]:
-    from mission.console import degrees
+    from mission.operator.console import degrees
 
     fix, own = told.fix, told.telemetry
     batteries = own.batteries if own is not None and own.batteries else (None, None)
@@ -195,14 +195,14 @@ def _values(told: Status, store: StoreReport | None) -> dict[str, Any]:
 
 
 def _converse(to: str, script: Script) -> None:
-    from mission.console import converse
+    from mission.operator.console import converse
 
     _say(lambda: converse(to, script))
 
 
 def _say(talk: Callable[[], str]) -> None:
     """What a conversation achieved; what failed goes to stderr with exit 1."""
-    from mission.upload import OperatorError, Refused
+    from mission.operator.upload import OperatorError, Refused
 
     try:
         achieved = talk()

@@ -19,8 +19,8 @@ def replay(file: Path, as_json: bool) -> None:
     import json
 
     from mission.blackbox import BlackBoxError, read_parts
-    from mission.replay import ReplayError, describe, summary
-    from mission.replay import replay as again
+    from mission.replay.replay import ReplayError, describe, summary
+    from mission.replay.replay import replay as again
 
     try:
         result = again(list(read_parts(file)))

@@ -26,9 +26,9 @@ def report(log: Path, output: Path | None, vehicle: str | None, as_json: bool) -
     import json
 
     from mission.blackbox import BlackBoxError
-    from mission.heard import LogError, read_log
     from mission.navigation.drawing import draw_track
     from mission.navigation.smoothing import smooth
+    from mission.serve.heard import LogError, read_log
     from mission.vehicle import VehicleError, load_vehicle
 
     try:

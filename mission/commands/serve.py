@@ -10,7 +10,7 @@ import click
 if TYPE_CHECKING:
     from mission.configuration import LinkUrls
     from mission.model import Estimate, Step
-    from mission.serve import Ready
+    from mission.serve.serve import Ready
 
 
 @click.command()
@@ -46,8 +46,8 @@ def serve(
 
     from links.base import LinkError
     from mission.configuration import ConfigurationError, load_configuration
-    from mission.journal import printed
-    from mission.serve import Server, run
+    from mission.serve.journal import printed
+    from mission.serve.serve import Server, run
     from mission.store import DiskStore, StoreError
     from mission.vehicle import VehicleError, load_vehicle
 
@@ -90,7 +90,7 @@ def serve(
 def _check(links: LinkUrls) -> None:
     """Raises LinkAddressError for what is no URL of a link; whether it opens is seen later."""
     from links import parse_address
-    from mission.listening import listening
+    from mission.serve.listening import listening
 
     for url in (links.vehicle, links.gps, listening(links.topside), links.modem):
         if url is not None:
@@ -104,12 +104,12 @@ class _Events:
         self._heard = True
 
     def step(self, step: Step) -> None:
-        from mission.records import step_record
+        from mission.drive.records import step_record
 
         self._say("step", step_record(step).payload)
 
     def estimate(self, estimate: Estimate) -> None:
-        from mission.records import estimate_record
+        from mission.drive.records import estimate_record
 
         self._say("estimate", estimate_record(estimate).payload)
 

@@ -9,7 +9,7 @@ import click
 
 if TYPE_CHECKING:
     from mission.blackbox import BlackBox
-    from mission.flightlog import Flight
+    from mission.simulation.flightlog import Flight
 
 UNREADABLE = 2
 BLACK_BOX = "flight.mcap"
@@ -58,8 +58,8 @@ def simulate(
     import sys
 
     from links.simulated.settings import SettingError, parse_settings
-    from mission.flight import fly
     from mission.prepare import Unreadable, parameters_of, prepare
+    from mission.simulation.flight import fly
 
     try:
         prepared = prepare(mission, vehicle, parameters_of(parameters))
@@ -92,7 +92,7 @@ def _black_box(folder: Path) -> BlackBox:
 
 
 def _draw(flight: Flight, folder: Path, name: str) -> None:
-    from mission.plot import draw_flight
+    from mission.simulation.plot import draw_flight
 
     draw_flight(flight, folder / "track.png", name)
 

@@ -18,7 +18,7 @@ from functools import partial
 from types import FunctionType, MethodType
 from typing import Any, Generic, TypeVar, cast
 
-from mission.engine import Engine
+from mission.engine.engine import Engine
 from protocol.fields import FrameType
 
 T = TypeVar("T")

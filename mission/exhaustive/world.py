@@ -11,15 +11,15 @@ from dataclasses import dataclass, field
 
 from links.base import Rx
 from mission.configuration import Configuration, LinkUrls
-from mission.drive import GPS, VEHICLE, Drive
-from mission.engine import Engine
+from mission.drive.drive import GPS, VEHICLE, Drive
+from mission.drive.vessel import MODEM
+from mission.engine.engine import Engine
 from mission.exhaustive.fork import Fork
 from mission.exhaustive.wire import Sea, answer
 from mission.model import Estimate, Position, Step, Tx
 from mission.navigation import Navigation
 from mission.store import MemoryStore, Stored
 from mission.vehicle import Vehicle
-from mission.vessel import MODEM
 from protocol.modem import Sender, wrap
 
 BOAT, TENDER = "boat", "tender"  # two connections of the operators

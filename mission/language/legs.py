@@ -1,7 +1,7 @@
 """A leg's clauses -> a Leg or a Set: kinds, settings, axes, what belongs to which kind.
 
 What does not live here: names and groups (assembly.py), what this vehicle can follow
-(mission.abilities), bounds in time (mission.check).
+(mission.compiler.abilities), bounds in time (mission.check).
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""The leg that ascends as R7 proves it; the ascent itself is mission.ascent's, shared with the
-emergency. It holds every axis itself, and leaves the vehicle with everything stopped."""
+"""The leg that ascends as R7 proves it; the ascent itself is mission.engine.ascent's, shared with
+the emergency. It holds every axis itself, and leaves the vehicle with everything stopped."""
 
 from __future__ import annotations
 

@@ -24,11 +24,11 @@ from naive import NaiveFlight  # noqa: E402
 
 from links.simulated.settings import Settings  # noqa: E402
 from mission.blackbox import BlackBox  # noqa: E402
-from mission.compiler import compile_mission  # noqa: E402
-from mission.flight import fly  # noqa: E402
+from mission.compiler.compiler import compile_mission  # noqa: E402
+from mission.drive.records import Recorder  # noqa: E402
 from mission.language import digest, parse  # noqa: E402
 from mission.model import Mission  # noqa: E402
-from mission.records import Recorder  # noqa: E402
+from mission.simulation.flight import fly  # noqa: E402
 from mission.vehicle import Vehicle, load_vehicle  # noqa: E402
 from protocol.vehicles import codec  # noqa: E402
 

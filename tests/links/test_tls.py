@@ -16,7 +16,7 @@ import pytest
 from links import open_link
 from links.base import Link, LinkAbsent, LinkClosed
 from links.tcp import HANDSHAKE, TcpClient, TcpServer
-from mission.keys import make_keys
+from mission.serve.keys import make_keys
 
 pytestmark = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl makes the keys")
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from mission.compiler import compile_mission
-from mission.engine import Engine, Input, Outputs
+from mission.compiler.compiler import compile_mission
+from mission.engine.engine import Engine, Input, Outputs
 from mission.model import (
     Chart,
     Comparison,

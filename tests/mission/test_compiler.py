@@ -11,7 +11,7 @@ from engine_world import VEHICLE, compiled, leg, mission, sets, when
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mission.compiler import CompileErrors
+from mission.compiler.compiler import CompileErrors
 from mission.legs import LEGS
 from mission.model import (
     AUTONOMOUS,

@@ -15,12 +15,13 @@ from click.testing import CliRunner
 from test_serve import running, silent_board, simulated, soon
 
 from links.serial import SerialLink
-from mission import bedside, health
-from mission import doctor as rows
 from mission.commands.doctor import doctor
 from mission.commands.operator import status
 from mission.configuration import Configuration, LinkUrls
-from mission.findings import Condition, Finding
+from mission.doctor import bedside
+from mission.doctor import doctor as rows
+from mission.doctor.findings import Condition, Finding
+from mission.serve import health
 from mission.store import DiskStore
 from mission.vehicle import load_vehicle
 from protocol.messages import Telemetry

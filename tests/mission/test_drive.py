@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from links.base import Rx
 from links.simulated.link import START, SimulatedVehicle
 from mission.configuration import Configuration, LinkUrls
-from mission.drive import CLOCK, Drive
+from mission.drive.drive import CLOCK, Drive
+from mission.drive.records import ESTIMATE, FAULT, RX, STEP, STORE, TIMER, ListRecorder, read_texts
 from mission.language import parse, script
 from mission.model import SURFACING, Tx
 from mission.navigation import Navigation
-from mission.records import ESTIMATE, FAULT, RX, STEP, STORE, TIMER, ListRecorder, read_texts
 from mission.store import MemoryStore, Stored, StoreError
 from mission.vehicle import load_vehicle
 from protocol.messages import MissionLine, SetSafety

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from engine_world import World, leg, mission, when
 
-from mission.ascent import UPWARD
+from mission.engine.ascent import UPWARD
 from mission.model import IDLE_READY, SURFACED, SURFACING, Surface
 from protocol.messages import Emergency, Order, Setpoint
 

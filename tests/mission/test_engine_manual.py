@@ -95,7 +95,7 @@ def test_a_minute_of_silence_without_any_mission_is_idle_and_empty():
 
 
 def test_how_long_is_configurable():
-    from mission.engine import Engine
+    from mission.engine.engine import Engine
 
     world = World()
     world.engine = Engine(world.vehicle, world.nav, forgotten_after=20.0)

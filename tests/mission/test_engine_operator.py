@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from engine_world import HOME, World, compiled, leg, mission, sets, when
 
-from mission.engine import Engine
+from mission.engine.engine import Engine
 from mission.model import (
     IDLE_EMPTY,
     IDLE_READY,

@@ -9,8 +9,12 @@ from dataclasses import replace
 import pytest
 from click.testing import CliRunner
 
-from mission import core, orders, run, senses, topside
 from mission.cli import main
+from mission.drive import topside
+from mission.drive.frontseat import Frontseat
+from mission.drive.staging import Staging
+from mission.engine import core, orders, run, senses
+from mission.engine.watch import Watch
 from mission.envelope import LIMITS
 from mission.exhaustive.cell import Configuration
 from mission.exhaustive.commands import COMMANDS
@@ -19,11 +23,8 @@ from mission.exhaustive.events import EVENTS
 from mission.exhaustive.fork import Fork
 from mission.exhaustive.run import ALL_LAWS, Found, examine_ground, unasked
 from mission.exhaustive.world import World
-from mission.frontseat import Frontseat
 from mission.model import AUTONOMOUS, STOPPED, Action, Verdict
-from mission.staging import Staging
 from mission.vehicle import missions_folder
-from mission.watch import Watch
 from protocol.messages import Order
 
 MISSIONS = missions_folder()
@@ -100,7 +101,7 @@ def _refuse_x(patch: pytest.MonkeyPatch) -> None:
         return emergency(c, command) if c.active != "emergency/surfacing" else Verdict(False, "no")
 
     table[orders.Emergency] = deaf
-    patch.setattr("mission.engine.ORDERS", table)
+    patch.setattr("mission.engine.engine.ORDERS", table)
 
 
 def _clear_while_surfacing(patch: pytest.MonkeyPatch) -> None:
@@ -109,7 +110,7 @@ def _clear_while_surfacing(patch: pytest.MonkeyPatch) -> None:
         c.clear()
         return Verdict(True)
 
-    patch.setattr("mission.engine.ORDERS", {**orders.ORDERS, orders.ClearMission: clear})
+    patch.setattr("mission.engine.engine.ORDERS", {**orders.ORDERS, orders.ClearMission: clear})
 
 
 def _no_reason(patch: pytest.MonkeyPatch) -> None:
@@ -180,11 +181,11 @@ def _stop_once(patch: pytest.MonkeyPatch) -> None:
 
 
 def _w_is_enough(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr("mission.ascent.TURN", 1e9)
+    patch.setattr("mission.engine.ascent.TURN", 1e9)
 
 
 def _no_latch(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr("mission.engine.Engine.under_way", property(lambda self: ""))
+    patch.setattr("mission.engine.engine.Engine.under_way", property(lambda self: ""))
 
 
 def _staging_forgets(patch: pytest.MonkeyPatch) -> None:

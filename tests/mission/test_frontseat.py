@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mission.frontseat import ANSWER_S, GAP_S, RELAYS, TRIES, Frontseat
+from mission.drive.frontseat import ANSWER_S, GAP_S, RELAYS, TRIES, Frontseat
 from mission.model import Action, Outcome, Result, Tx
 from protocol.codec import CannotEncode
 from protocol.messages import Ack, Order, Setpoint

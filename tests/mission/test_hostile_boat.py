@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 from test_serve import PATIENCE, Running, asked, read_now, running, silent_board, soon
 
-from mission.console import Unreachable, converse
-from mission.keys import make_keys
-from mission.listening import listening, open_to_all, reached_at
-from mission.upload import status
+from mission.operator.console import Unreachable, converse
+from mission.operator.upload import status
+from mission.serve.keys import make_keys
+from mission.serve.listening import listening, open_to_all, reached_at
 
 LOCAL, OTHER, THIRD = "127.0.0.1", "127.0.0.2", "127.0.0.3"
 

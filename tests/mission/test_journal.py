@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from mission.journal import AGAIN_S, REMEMBERED, Journal, printed
 from mission.model import Tx
+from mission.serve.journal import AGAIN_S, REMEMBERED, Journal, printed
 
 
 class Desk:

@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from mission.commands.keys import keys
-from mission.keys import KeysError, make_keys
+from mission.serve.keys import KeysError, make_keys
 
 needs_openssl = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl is driven")
 

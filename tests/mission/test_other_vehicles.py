@@ -12,14 +12,14 @@ from pathlib import Path
 
 import pytest
 
-from mission.flight import fly
-from mission.flightlog import Flight
+from mission.engine.senses import Senses
+from mission.engine.watch import Descent
 from mission.model import Health
 from mission.prepare import Prepared, Unreadable, prepare
-from mission.rehearsal import Said
-from mission.senses import Senses
+from mission.simulation.flight import fly
+from mission.simulation.flightlog import Flight
+from mission.simulation.rehearsal import Said
 from mission.vehicle import load_vehicle
-from mission.watch import Descent
 from protocol.messages import Order, Setpoint, Telemetry
 from protocol.vehicles import codec, link
 

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 
 from links.base import Rx
 from mission.configuration import Configuration, LinkUrls
-from mission.model import Tx
-from mission.records import (
+from mission.drive.records import (
     CONNECTED,
     Start,
     input_record,
@@ -23,6 +22,7 @@ from mission.records import (
     start_record,
     tx_record,
 )
+from mission.model import Tx
 from mission.store import Stored
 from mission.vehicle import load_vehicle
 from protocol.messages import SetSafety

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from mission.drive.repeater import Repeater
 from mission.model import Action, Outcome, Result
-from mission.repeater import Repeater
 from protocol.codec import CannotEncode
 from protocol.messages import Order, Setpoint
 

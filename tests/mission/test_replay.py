@@ -11,11 +11,11 @@ from click.testing import CliRunner
 from links.simulated.settings import parse_settings
 from mission.blackbox import BlackBox, read_records
 from mission.commands.replay import replay as command
-from mission.flight import fly
+from mission.drive.records import ESTIMATE, RX, STEP, TIMER, TX, ListRecorder
 from mission.model import Record
 from mission.prepare import prepare
-from mission.records import ESTIMATE, RX, STEP, TIMER, TX, ListRecorder
-from mission.replay import ReplayError, replay, summary
+from mission.replay.replay import ReplayError, replay, summary
+from mission.simulation.flight import fly
 from mission.vehicle import missions_folder
 
 

@@ -15,7 +15,7 @@ pytest.importorskip("statemachine.io", reason="python-statemachine is not instal
 
 from test_graph_scxml import walk
 
-from mission.compiler import compile_mission
+from mission.compiler.compiler import compile_mission
 from mission.language import digest, parse
 from mission.model import Chart, Group, Leg, Node
 from mission.vehicle import load_vehicle

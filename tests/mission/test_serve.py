@@ -25,19 +25,19 @@ from links.serial import SerialLink
 from links.simulated.link import SimulatedVehicle
 from links.simulated.pty import PtyVehicle
 from links.simulated.settings import Settings
-from mission import ports
-from mission import serve as shell
 from mission.blackbox import read_parts
 from mission.commands.serve import serve as command
 from mission.configuration import Configuration, LinkUrls
-from mission.console import Unreachable, converse
-from mission.drive import Drive
+from mission.drive.drive import Drive
+from mission.drive.records import RX, STEP, TX, read_rx, read_tx
 from mission.language import digest, parse, script
-from mission.records import RX, STEP, TX, read_rx, read_tx
-from mission.replay import replay
-from mission.serve import Ready, Server
+from mission.operator.console import Unreachable, converse
+from mission.operator.upload import start, status, upload
+from mission.replay.replay import replay
+from mission.serve import ports
+from mission.serve import serve as shell
+from mission.serve.serve import Ready, Server
 from mission.store import DiskStore, MemoryStore, Store
-from mission.upload import start, status, upload
 from mission.vehicle import load_vehicle
 
 TEXT = """mission pool vehicle auv
@@ -321,8 +321,8 @@ def test_a_fault_of_the_program_begins_another_drive_that_surfaces(
 def test_what_was_recorded_before_a_stop_is_in_the_file_however_slow_the_disk(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("mission.health.write", lambda *_: time.sleep(1.0))
-    monkeypatch.setattr("mission.health.EVERY_S", 0.01)
+    monkeypatch.setattr("mission.serve.health.write", lambda *_: time.sleep(1.0))
+    monkeypatch.setattr("mission.serve.health.EVERY_S", 0.01)
     with silent_board() as (_, device), running(tmp_path, f"serial://{device}") as pi:
         with pi.boat() as boat:
             for _ in range(4):

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from links.simulated.settings import parse_settings
-from mission.flight import fly
 from mission.prepare import check_prepared, prepare
+from mission.simulation.flight import fly
 
 MISSIONS = sorted((Path(__file__).resolve().parents[2] / "missions").glob("*.yaml"))
 

@@ -9,7 +9,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from links.base import Rx
-from mission.sieve import FRAMES, FRAMES_A_SECOND, SAME_ORDER_S, Sieve
+from mission.serve.sieve import FRAMES, FRAMES_A_SECOND, SAME_ORDER_S, Sieve
 from protocol.messages import Command, Emergency, FrameFault, Manual, Order
 from protocol.tolerances import Tolerances
 from protocol.topside import TopsideCodec

@@ -13,15 +13,15 @@ from click.testing import CliRunner, Result
 from links.simulated.settings import parse_settings
 from mission.blackbox import read_records
 from mission.commands.simulate import simulate
-from mission.flight import fly
-from mission.flightlog import Flight
+from mission.drive.records import INPUTS, OUTPUTS, STEP, TX, ListRecorder, read_start
 from mission.language import digest, parse
 from mission.model import STOPPED, SURFACED
-from mission.plot import ellipse
-from mission.records import INPUTS, OUTPUTS, STEP, TX, ListRecorder, read_start
-from mission.rehearsal import Said
-from mission.replay import replay
-from mission.rerun import drive_from, failed_writes, feed
+from mission.replay.replay import replay
+from mission.replay.rerun import drive_from, failed_writes, feed
+from mission.simulation.flight import fly
+from mission.simulation.flightlog import Flight
+from mission.simulation.plot import ellipse
+from mission.simulation.rehearsal import Said
 from mission.vehicle import load_vehicle
 
 ROOT = Path(__file__).resolve().parents[2]

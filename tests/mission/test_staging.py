@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mission.staging import FORGOTTEN_AFTER_S, Held, OutOfPlace, Staging, Whole
+from mission.drive.staging import FORGOTTEN_AFTER_S, Held, OutOfPlace, Staging, Whole
 from protocol.messages import MissionLine
 
 LINES = ("mission a vehicle auv", "ZAF6", "wait 10s", "ZAF0")

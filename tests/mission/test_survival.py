@@ -28,13 +28,13 @@ from links.simulated.link import SimulatedVehicle
 from links.simulated.pty import PtyVehicle
 from links.simulated.settings import Settings
 from mission.blackbox import BlackBox, read_parts
-from mission.console import converse
+from mission.drive.records import RX
 from mission.language import digest, parse, script
 from mission.model import Record
-from mission.records import RX
-from mission.replay import replay
+from mission.operator.console import converse
+from mission.operator.upload import OperatorError, start, upload
+from mission.replay.replay import replay
 from mission.store import DiskStore, StoreError
-from mission.upload import OperatorError, start, upload
 from protocol.messages import SetSafety
 
 KILLS = int(os.environ.get("AUVMISSION_KILLS", "4"))

@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 
 import pytest
 
+from mission.drive.nodes import Nodes
+from mission.drive.paths import path_over
+from mission.drive.staging import FORGOTTEN_AFTER_S
+from mission.drive.topside import COMMANDER_SILENT_S, SAME_COMMAND_S, Topside
+from mission.drive.vessel import MissionRefused, Peer
 from mission.model import Outcome, Result, Tx, Verdict
-from mission.nodes import Nodes
-from mission.paths import path_over
-from mission.staging import FORGOTTEN_AFTER_S
 from mission.store import MemoryStore, Stored
-from mission.topside import COMMANDER_SILENT_S, SAME_COMMAND_S, Topside
-from mission.vessel import MissionRefused, Peer
 from protocol.messages import (
     Ack,
     ClearMission,

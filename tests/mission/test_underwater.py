@@ -7,12 +7,11 @@ import pytest
 from links.acoustic import AcousticLink, Water, acoustic_pair
 from links.base import Rx
 from mission.configuration import Configuration
-from mission.console import Talk
-from mission.drive import Drive
+from mission.drive.drive import Drive
 from mission.language import digest, parse, script
 from mission.model import Tx
-from mission.store import MemoryStore
-from mission.underwater import (
+from mission.operator.console import Talk
+from mission.operator.underwater import (
     BIT_RATE,
     RANGE_M,
     BatchTalk,
@@ -21,7 +20,8 @@ from mission.underwater import (
     WrongAddress,
     modem_address,
 )
-from mission.upload import NoAnswer, Refused, clear, order, start, status
+from mission.operator.upload import NoAnswer, Refused, clear, order, start, status
+from mission.store import MemoryStore
 from mission.vehicle import load_vehicle
 from protocol.arq import TRIES, Acoustics
 from protocol.messages import Order, Status, StoreReport

@@ -9,10 +9,9 @@ import pytest
 
 from links.base import Rx
 from mission.configuration import Configuration
-from mission.drive import Drive
+from mission.drive.drive import Drive
 from mission.language import digest, parse, script
-from mission.store import MemoryStore
-from mission.upload import (
+from mission.operator.upload import (
     TRIES,
     Conversation,
     NoAnswer,
@@ -24,6 +23,7 @@ from mission.upload import (
     status,
     upload,
 )
+from mission.store import MemoryStore
 from mission.vehicle import load_vehicle
 from protocol.messages import Ack, Order, Status, StoreReport
 from protocol.topside import encode

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from mission.check import Report, check_mission
 from mission.cli import main
-from mission.compiler import compile_mission
+from mission.compiler.compiler import compile_mission
 from mission.language import digest, parse
 from mission.vehicle import load_vehicle
 

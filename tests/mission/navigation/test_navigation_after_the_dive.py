@@ -16,10 +16,10 @@ from simulated_truth import HOME, Flown, fly_plan
 
 from mission.commands.calibrate import calibrate as calibrate_command
 from mission.commands.report import report as report_command
-from mission.heard import Heard
 from mission.navigation import LocalFrame, Navigation
 from mission.navigation.calibration import CalibrationError, calibrate, section
 from mission.navigation.smoothing import Track, smooth
+from mission.serve.heard import Heard
 from mission.vehicle import load_vehicle, missions_folder
 from protocol.messages import Fix, Telemetry
 
@@ -145,8 +145,8 @@ def test_logs_without_fixes_cannot_calibrate() -> None:
 def box(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A black box of a short simulated mission."""
     from mission.blackbox import BlackBox
-    from mission.flight import fly
     from mission.language import parse
+    from mission.simulation.flight import fly
 
     mission = parse(
         "mission short vehicle auv\nhome 30.2874595 120.1535765\nsafety radius 500 time 20min\n"

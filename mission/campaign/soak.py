@@ -1,0 +1,122 @@
+"""The soak: missions in a row for days, with faults, and one program that lives through them.
+
+After each flight the vehicle is towed home and recharged: another simulated vehicle, the same
+drive (unless a fault kills it), the same store, the same black box. Memory is looked at after
+every mission, the black box is looked at whenever it goes on in another part: a part that is
+closed must be whole, and is then taken away.
+
+What does not live here: what goes wrong (draw), what may not come of it (laws).
+"""
+
+from __future__ import annotations
+
+import gc
+import resource
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from random import Random
+
+from links.simulated.link import START
+from mission.blackbox import BlackBox, part_path, read_records
+from mission.campaign.deeds import Act, Deed
+from mission.campaign.draw import Subject, draw
+from mission.campaign.faults import Fared, Totals, fared_of
+from mission.campaign.onboard import FillableStore, OnBoard
+from mission.campaign.trial import try_out
+from mission.drive.records import Recorder
+from mission.vehicle import Vehicle
+
+DAY = 86400.0
+PART = 4 << 20  # bytes of one part of the black box
+LULL = 600.0  # s at most between two missions, adrift
+_MEGABYTE = 1 << 20
+_CLEAN = (b"@NSOOOCCO$", b"@SP,2000,240,100,10,$", b"@AC$")
+FLAT = 0.02  # share by which what is alive may differ between missions
+SETTLED = 5  # missions until everything that is kept once is there
+
+
+@dataclass(slots=True)
+class Soaked:
+    days: float = 0.0
+    missions: int = 0
+    totals: Totals = field(default_factory=Totals)
+    objects: list[int] = field(default_factory=list)  # alive after each mission
+    parts: int = 1
+    megabytes: float = 0.0  # of the parts that were taken away
+    broken_parts: int = 0
+
+    @property
+    def growth(self) -> float:
+        """Of the objects alive, from when everything was there to the end, as a share."""
+        if len(self.objects) <= 2 * SETTLED:
+            return 0.0
+        early = max(self.objects[SETTLED : 2 * SETTLED])
+        return min(self.objects[-SETTLED:]) / early - 1.0
+
+    @property
+    def peak_megabytes(self) -> float:
+        """Of this process."""
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+
+
+def soak(
+    days: float,
+    seed: int,
+    subjects: Sequence[Subject],
+    vehicle: Vehicle,
+    folder: Path,
+    told: Callable[[Soaked, Fared], None] = lambda soaked, fared: None,
+) -> Soaked:
+    """``folder`` is for the black box."""
+    box = BlackBox(folder / "soak.mcap", limit=PART)
+    soaked, rng = Soaked(), Random(f"soak {seed}")
+    board = _board(vehicle, box)
+    elapsed = 0.0
+    while elapsed < days * DAY:
+        plan = draw(seed, soaked.missions, subjects)
+        lull = rng.uniform(0.0, LULL)
+        deeds = [Deed(1.0 + 5.0 * i, Act.SAY, frame) for i in range(3) for frame in _CLEAN]
+        trial = try_out(
+            plan.subject.mission,
+            vehicle,
+            vehicle.dialect,
+            plan.vehicle_seed,
+            plan.settings,
+            [Deed(0.1, Act.FREE), *deeds, *plan.deeds, Deed(lull, Act.FREE)],
+            heading=plan.heading,
+            board=board,
+        )
+        board.begin_again(trial.truth.t)
+        elapsed += trial.truth.t
+        soaked.days, soaked.missions = elapsed / DAY, soaked.missions + 1
+        fared = fared_of(plan, trial, vehicle, vehicle.dialect)
+        soaked.totals.add(fared)
+        del trial
+        gc.collect()
+        soaked.objects.append(len(gc.get_objects()))
+        _take_away(soaked, box, folder)
+        told(soaked, fared)
+    box.close()
+    return soaked
+
+
+def _board(vehicle: Vehicle, box: BlackBox) -> OnBoard:
+    def recorder() -> Recorder:
+        return box
+
+    board = OnBoard(
+        vehicle, FillableStore(), START.timestamp(), lambda s: None, lambda e: None, recorder
+    )
+    board.boot(0.0, 0.0)
+    return board
+
+
+def _take_away(soaked: Soaked, box: BlackBox, folder: Path) -> None:
+    """Parts that are closed: whole, or counted as broken."""
+    while (part := part_path(folder / "soak.mcap", soaked.parts)) != box.path:
+        whole = any(True for _ in read_records(part)) and part.stat().st_size <= 2 * PART
+        soaked.broken_parts += not whole
+        soaked.megabytes += part.stat().st_size / _MEGABYTE
+        part.unlink()
+        soaked.parts += 1

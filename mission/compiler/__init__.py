@@ -1,0 +1,1 @@
+"""Mission -> Chart, and everything an author is told on the way."""

@@ -1,0 +1,392 @@
+"""The Pi's side of the operator protocol: who said what, may he, and what is answered. Sans-IO.
+
+    bytes --path--> command --duplicate? commander? idle?--> Vessel
+    answer --path of the request (R12)--> bytes
+
+Rules of protocols.md that live here: R2 (answers N), R3 and R4 (with ``staging``), R6's relaying,
+R9-R11 as far as an answer shows them, R12 (duplicates over two paths, the commander), R13 (with
+``nodes``), R14. STOP and SURFACE pass from any connection, always, and are answered by what became
+of them at the STM32.
+
+What does not live here: what a command does to the vehicle (engine, behind ``Vessel``), frames
+(protocol), sockets.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from mission.drive.awaited import Awaited
+from mission.drive.nodes import LINK as NODES
+from mission.drive.nodes import NAMES, OPEN, Nodes
+from mission.drive.paths import Heard, Path, Unfit
+from mission.drive.staging import Held, OutOfPlace, Staging
+from mission.drive.vessel import MODEM, Answer, MissionRefused, Peer, Vessel, one_line
+from mission.model import Outcome, Result, Tx, Verdict
+from mission.store import Store, StoreError
+from protocol.messages import (
+    Ack,
+    ClearMission,
+    Command,
+    DataQuery,
+    Emergency,
+    FrameFault,
+    Manual,
+    MissionLine,
+    NodeQuery,
+    NodeSwitch,
+    Order,
+    Relay,
+    SetSafety,
+    SetTime,
+    StartMission,
+    StoreQuery,
+    StoreReport,
+)
+from protocol.topside import answer
+
+COMMANDER_SILENT_S = 10.0
+SAME_COMMAND_S = 5.0
+RELAY_ANSWER_S = 5.0
+ORDER_ANSWER_S = 10.0
+
+YES, NO = ord("Y"), ord("N")
+REMEMBERED = 64  # commands, for R12; more than that within 5 s is a flood
+
+
+@dataclass(frozen=True, slots=True)
+class _Done:
+    """A command that was accepted, and what was answered."""
+
+    command: Command
+    peer: Peer
+    t: float
+    answer: Answer | None
+
+
+class Topside:
+    def __init__(
+        self,
+        vessel: Vessel,
+        store: Store,
+        path: Callable[[str], Path],
+        nodes: Nodes,
+        answer_no: bool = True,
+    ) -> None:
+        """``path`` makes one for a connection over the link of that name."""
+        self._vessel, self._store, self._new_path = vessel, store, path
+        self._nodes, self._answer_no = nodes, answer_no  # R2
+        self._staging = Staging()
+        self._paths: dict[Peer, Path] = {}
+        self._heard: dict[Peer, float] = {}
+        self.heard_at = -math.inf  # when some operator last said something that is a frame
+        self._commander: Peer | None = None
+        self._done: list[_Done] = []
+        self._awaited = Awaited()
+        self._switching: tuple[Peer, NodeSwitch] | None = None
+        self._refusal = ""
+        self._out: list[Tx] = []
+        self._faults: list[tuple[Peer, FrameFault]] = []
+
+    # --- connections ---------------------------------------------------------------------
+
+    def connected(self, peer: Peer) -> None:
+        if peer not in self._paths:
+            self._paths[peer] = self._new_path(peer.link)
+
+    def disconnected(self, peer: Peer) -> None:
+        self._paths.pop(peer, None)
+        self._heard.pop(peer, None)
+        self._awaited.forget(peer)
+        if self._commander == peer:
+            self._commander = None
+
+    def receive(self, peer: Peer, data: bytes, now: float) -> None:
+        self.connected(peer)
+        self._take(peer, self._paths[peer].receive(data, now), now)
+
+    def changed(self, data: bytes, now: float) -> None:
+        """Bytes of the link ``nodes``."""
+        self._nodes.changed(data)
+        self._settle(now)
+
+    def handle_timer(self, now: float) -> None:
+        for peer, path in list(self._paths.items()):
+            self._take(peer, path.handle_timer(now), now)
+        self._settle(now)
+
+    def next_timer(self) -> float | None:
+        first = self._nodes.next_timer()
+        for path in self._paths.values():
+            due = path.next_timer()
+            if due is not None and (first is None or due < first):
+                first = due
+        return first
+
+    def outgoing(self, now: float) -> list[Tx]:
+        """What leaves now."""
+        out, self._out = self._out, []
+        for peer, path in self._paths.items():
+            out += [Tx(now, peer.link, d, why, peer.address) for d, why in path.outgoing(now)]
+        return out
+
+    @property
+    def commander(self) -> Peer | None:
+        """Whose command was accepted last (R12)."""
+        return self._commander
+
+    def faults(self) -> list[tuple[Peer, FrameFault]]:
+        """Bytes that were no frame, since the last call."""
+        faults, self._faults = self._faults, []
+        return faults
+
+    # --- what others report ---------------------------------------------------------------
+
+    def relayed_answer(self, ack: Ack, now: float) -> None:
+        """An R acknowledge of the STM32: passed on, byte for byte, to whoever asked (R14)."""
+        self._answer_awaiting(ack.function, ack, now)
+
+    def order_outcome(self, outcome: Outcome, now: float) -> None:
+        """What became of a STOP or SURFACE at the STM32, for whoever gave it."""
+        if not isinstance(outcome.command, Order):
+            return
+        letter = "X" if outcome.command is Order.STOP else "W"
+        result = YES if outcome.result is Result.ACCEPTED else NO
+        self._answer_awaiting(outcome.command.name, Ack(now, "Z", letter, result), now)
+
+    def report_unasked(self, now: float, reason: str) -> None:
+        """One @VS on every path (R11)."""
+        for peer in sorted(self._paths):
+            self._paths[peer].send(self._vessel.status(now), now, reason, unasked=True)
+
+    # --- commands -------------------------------------------------------------------------
+
+    def _take(self, peer: Peer, heard: list[Heard], now: float) -> None:
+        for item in heard:
+            if isinstance(item, FrameFault):
+                self._faults.append((peer, item))
+            elif isinstance(item, Unfit):
+                self._refuse_unfit(peer, item, now)
+            else:
+                self._heard[peer] = self.heard_at = now
+                self._command(peer, item, now)
+
+    def _refuse_unfit(self, peer: Peer, unfit: Unfit, now: float) -> None:
+        self._faults.append((peer, unfit.fault))
+        self._refusal = f"{unfit.code}: {unfit.fault.kind}"
+        if self._answer_no:
+            self._send(peer, answer(unfit.code, False, now), now, unfit.fault.kind)
+
+    def _command(self, peer: Peer, command: Command, now: float) -> None:
+        if isinstance(command, Emergency):
+            self._emergency(peer, command, now)
+        elif isinstance(command, DataQuery | StoreQuery | NodeQuery):
+            self._send(peer, self._query(command, now), now, "asked")
+        elif not self._is_repeated(peer, command, now):
+            why = self._not_commander(peer, now)
+            verdict = Verdict(False, why) if why else self._execute(peer, command, now)
+            if verdict is not None:
+                self._conclude(peer, command, verdict, now)
+
+    def _emergency(self, peer: Peer, command: Emergency, now: float) -> None:
+        self._awaited.add(peer, command.order.name, now, ORDER_ANSWER_S)
+        self._commander = peer
+        self._vessel.decide(command, now)
+
+    def _query(self, command: DataQuery | StoreQuery | NodeQuery, now: float) -> Answer:
+        if isinstance(command, DataQuery):
+            return self._vessel.status(now)
+        if isinstance(command, NodeQuery):
+            return Ack(now, "N", "I", self._nodes.mask)
+        return self._report(now)
+
+    def _execute(self, peer: Peer, command: Command, now: float) -> Verdict | None:
+        """The verdict, or None if it is not known yet."""
+        if isinstance(command, NodeSwitch):
+            return self._switch(peer, command, now)
+        if isinstance(command, MissionLine):
+            return self._line(command, now)
+        if isinstance(command, SetTime):
+            return self._set_time(peer, command, now)
+        if isinstance(command, SetSafety):
+            return self._set_safety(command, now)
+        if isinstance(command, Relay):
+            return self._relay(peer, command, now)
+        if isinstance(command, Manual):
+            return self._manual(peer, command, now)
+        if isinstance(command, StartMission) and self._is_staging(now):
+            return Verdict(
+                False, f"the upload is incomplete: lines {self._staging.missing} missing"
+            )
+        verdict = self._vessel.decide(command, now)
+        if isinstance(command, ClearMission) and verdict.accepted:
+            self._staging.clear()
+        return verdict
+
+    def _conclude(self, peer: Peer, command: Command, verdict: Verdict, now: float) -> None:
+        if verdict.accepted:
+            self._commander = peer
+        else:
+            self._refusal = one_line(f"{_NAMES[type(command)]}: {verdict.why}")
+        ack = _acknowledge(command, verdict.accepted, now)
+        if verdict.accepted and not isinstance(command, MissionLine | Manual):
+            self._done.append(_Done(command, peer, now, ack))
+        if ack is not None and (verdict.accepted or self._answer_no):
+            self._send(peer, ack, now, "accepted" if verdict.accepted else verdict.why)
+
+    def _is_repeated(self, peer: Peer, command: Command, now: float) -> bool:
+        """The same command came over the other path within 5 s: answered again, not executed."""
+        self._done = [d for d in self._done if now - d.t < SAME_COMMAND_S][-REMEMBERED:]
+        for done in self._done:
+            if done.command == command and done.peer.link != peer.link:
+                if isinstance(command, Relay):
+                    self._await_relay(peer, command, now)
+                elif done.answer is not None:
+                    self._send(peer, done.answer, now, "accepted over the other path")
+                return True
+        return False
+
+    def _not_commander(self, peer: Peer, now: float) -> str:
+        other = self._commander
+        if other is None or other == peer or self._is_silent(other, now):
+            return ""
+        return (
+            f"{other.link} {other.address} commands; others read until it closes or is silent 10 s"
+        )
+
+    def _is_silent(self, peer: Peer, now: float) -> bool:
+        return now - self._heard.get(peer, now) > COMMANDER_SILENT_S
+
+    # --- single commands -------------------------------------------------------------------
+
+    def _switch(self, peer: Peer, command: NodeSwitch, now: float) -> Verdict | None:
+        if self._switching == (peer, command):
+            return None  # a retry: answered when all have changed
+        closes = {n for n, s in zip(NAMES, command.switches, strict=True) if s != OPEN}
+        if "UACM" in closes and not any(p.link != MODEM for p in self._paths):
+            return Verdict(False, "the modem is the only live path")
+        if "STM32" in closes and not self._is_idle:
+            return Verdict(False, "the STM32 is needed until the vehicle is idle")
+        if self._switching:
+            self._conclude(*self._switching, Verdict(False, "overtaken by another @NS"), now)
+        was_open = self._nodes.is_open("AUTO")
+        requests = self._nodes.switch(command.switches, now)
+        if self._nodes.is_open("AUTO") != was_open:
+            self._vessel.switch_auto(self._nodes.is_open("AUTO"), now)
+        self._out += [Tx(now, NODES, request, "operator @NS") for request in requests]
+        self._switching = (peer, command)
+        self._settle(now)
+        return None
+
+    def _settle(self, now: float) -> None:
+        if (done := self._nodes.settle(now)) is None or self._switching is None:
+            return
+        (peer, command), self._switching = self._switching, None
+        self._conclude(peer, command, Verdict(done, "" if done else "not all nodes changed"), now)
+
+    def _line(self, line: MissionLine, now: float) -> Verdict:
+        if not self._is_idle:
+            return Verdict(
+                False, f"a mission can be uploaded in idle only, not in {self._vessel.state}"
+            )
+        held = self._staging.offer(line, self._store.content.lines, now)
+        if isinstance(held, Held):
+            return Verdict(True)
+        if isinstance(held, OutOfPlace):
+            return Verdict(False, held.why)
+        try:
+            self._vessel.accept(held.lines, now)
+        except (MissionRefused, StoreError) as error:
+            return Verdict(False, str(error))
+        self._staging.clear()
+        self._refusal = ""
+        return Verdict(True)
+
+    def _set_time(self, peer: Peer, command: SetTime, now: float) -> Verdict:
+        if peer.link == MODEM:
+            return Verdict(False, "the time is not set over the modem")
+        if not self._is_idle:
+            return Verdict(False, f"the time is set in idle only, not in {self._vessel.state}")
+        self._vessel.set_clock(command.time, now)
+        return Verdict(True)
+
+    def _set_safety(self, command: SetSafety, now: float) -> Verdict:
+        kept = self._store.content.limits
+        merged = SetSafety(
+            radius=kept.radius if command.radius is None else command.radius,
+            time=kept.time if command.time is None else command.time,
+            depth=kept.depth if command.depth is None else command.depth,
+            voltage=kept.voltage if command.voltage is None else command.voltage,
+        )
+        try:
+            self._store.keep_limits(merged)
+        except StoreError as error:
+            return Verdict(False, str(error))
+        return self._vessel.decide(merged, now)
+
+    def _relay(self, peer: Peer, command: Relay, now: float) -> Verdict:
+        self._await_relay(peer, command, now)
+        self._vessel.relay(command.frame, f"relay of @{command.kind} for {peer.link}", False)
+        return Verdict(True)
+
+    def _await_relay(self, peer: Peer, command: Relay, now: float) -> None:
+        if command.kind.startswith("R"):
+            self._awaited.add(peer, command.kind[1], now, RELAY_ANSWER_S)
+
+    def _manual(self, peer: Peer, command: Manual, now: float) -> Verdict:
+        if peer.link == MODEM:
+            return Verdict(False, "manual control does not go over the modem")
+        if (verdict := self._vessel.decide(command, now)).accepted:
+            self._vessel.relay(command.frame, f"relay of @{command.kind}", True)
+        return verdict
+
+    # --- answers ----------------------------------------------------------------------------
+
+    @property
+    def _is_idle(self) -> bool:
+        return self._vessel.state.startswith("idle")
+
+    def _is_staging(self, now: float) -> bool:
+        return self._staging.incomplete(self._store.content.lines, now)
+
+    def _report(self, now: float) -> StoreReport:
+        staging, stored = self._is_staging(now), len(self._store.content.lines)
+        state = "staging" if staging else "ready" if stored else "empty"
+        return StoreReport(
+            state if self._is_idle else "running",
+            self._staging.total if staging else stored,
+            self._staging.have if staging else stored,
+            self._staging.missing if staging else "",
+            self._vessel.digest[:16],
+            self._refusal,
+        )
+
+    def _answer_awaiting(self, key: str, ack: Ack, now: float) -> None:
+        """A refusal of X or W may be followed by another try; anything else is final."""
+        for peer in self._awaited.answered(key, now, final=ack.group != "Z" or ack.ok):
+            self._send(peer, replace(ack, t=now), now, "answer of the STM32")
+
+    def _send(self, peer: Peer, answer: Answer, now: float, reason: str) -> None:
+        if peer in self._paths:
+            self._paths[peer].send(answer, now, reason)
+
+
+_NAMES: dict[type, str] = {
+    NodeSwitch: "NS",
+    StartMission: "AA",
+    ClearMission: "AC",
+    MissionLine: "AW",
+    SetTime: "ST",
+    SetSafety: "SP",
+    Relay: "relay",
+    Manual: "manual",
+}
+
+
+def _acknowledge(command: Command, accepted: bool, now: float) -> Ack | None:
+    """R2; None for what only the STM32 may answer."""
+    if isinstance(command, Relay | Manual):
+        return None
+    return answer(_NAMES[type(command)], accepted, now)

@@ -1,0 +1,370 @@
+"""What the engine has in its hands, and its verbs: go to a state, stop, surface, fly a leg.
+
+Every verb leaves a Step; every command that leaves stands in a Step, with its reason.
+
+What does not live here: when a verb is due (engine), which operator may ask for it (orders).
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from typing import Self
+
+from mission.engine.ascent import Ascent
+from mission.engine.regions import MANUAL
+from mission.engine.run import Run
+from mission.engine.senses import SURFACE_DEPTH, Navigator, Senses
+from mission.engine.watch import Watch
+from mission.envelope import Bounds, Limit, admit, in_force
+from mission.machine import Machine
+from mission.model import (
+    AUTONOMOUS,
+    IDLE_EMPTY,
+    IDLE_READY,
+    IMPLICIT_SURFACE,
+    MANUAL_DRIVING,
+    MANUAL_WAITING,
+    STOPPED,
+    SURFACED,
+    SURFACING,
+    Action,
+    By,
+    Chart,
+    Edge,
+    Evaluation,
+    Outcome,
+    Result,
+    Step,
+)
+from mission.vehicle import Vehicle
+from protocol.messages import Order, Setpoint, SetSafety
+
+REPEAT_STOP = 0.5  # s (R7)
+
+Moved = tuple[tuple[str, ...], tuple[str, ...]]
+
+
+class Core:
+    def __init__(self, vehicle: Vehicle, navigation: Navigator | None) -> None:
+        self.vehicle = vehicle
+        self.senses = Senses(navigation, grounded=vehicle.drives)
+        self.machine = Machine()
+        self.chart: Chart | None = None
+        self.operator = SetSafety()
+        self.watch = Watch(vehicle, self.senses, in_force(vehicle, None, self.operator))
+        self.run: Run | None = None  # also while it is interrupted by the stick
+        self.ascent: Ascent | None = None  # the emergency's
+        self.stop_at: float | None = None  # X0 goes out again then, unless it was acknowledged
+        self.stick = -math.inf  # the last M
+        self.auto = True  # node AUTO
+        self.emergency_since_idle = False
+        self.emergency_at = -math.inf  # when the last one began
+        self.uncertain = False  # answered; again only after it was certain in between
+        self.reason = ""  # of the state that is active
+        self.event = ""
+        self.actions: list[Action] = []
+        self.steps: list[Step] = []
+
+    def clone(self) -> Self:
+        """For snapshots: shares what never changes, the machine and the navigation included."""
+        other = copy.copy(self)
+        other.senses = self.senses.clone()
+        other.watch = self.watch.clone(other.senses)
+        other.run = self.run.clone() if self.run else None
+        other.ascent = self.ascent.clone() if self.ascent else None
+        other.actions, other.steps = [], []
+        return other
+
+    @property
+    def now(self) -> float:
+        return self.senses.now
+
+    @property
+    def region(self) -> str:
+        return self.machine.region
+
+    @property
+    def active(self) -> str:
+        return self.machine.active
+
+    @property
+    def flying(self) -> Run | None:
+        """The run, while it is not interrupted."""
+        return self.run if self.region == AUTONOMOUS else None
+
+    # --- records -------------------------------------------------------------------------------
+
+    def step(
+        self,
+        actions: tuple[Action, ...],
+        moved: Moved = ((), ()),
+        *,
+        trigger: str = "",
+        by: By | None = None,
+        evaluations: tuple[Evaluation, ...] = (),
+    ) -> None:
+        words = tuple(f"{in_words(a.command)}: {a.reason}" for a in actions)
+        self.steps.append(
+            Step(self.now, self.event, evaluations, moved[0], moved[1], words, trigger, by)
+        )
+        self.actions += actions
+
+    def _move(
+        self,
+        name: str,
+        target: str,
+        why: str,
+        actions: tuple[Action, ...],
+        by: By | None,
+        evaluations: tuple[Evaluation, ...] = (),
+    ) -> None:
+        was_flying = self.region == AUTONOMOUS
+        moved = self.machine.move(name, target)
+        self.reason = why
+        left = by if was_flying else None
+        self.step(actions, moved, trigger=name, by=left, evaluations=evaluations)
+
+    # --- verbs ---------------------------------------------------------------------------------
+
+    def load(self, chart: Chart | None) -> None:
+        """The store's mission; machine and bounds follow. Not while a mission runs."""
+        active, self.chart = self.active, chart
+        self.machine = Machine(chart)
+        self.machine.restore(active)
+        self.renew_bounds()
+        if chart is not None and active == IDLE_EMPTY:
+            self._move("load", IDLE_READY, "a mission is stored", (), None)
+        elif chart is None and active == IDLE_READY:
+            self._move("clear", IDLE_EMPTY, "no mission is stored", (), None)
+
+    def clear(self) -> None:
+        self.halt_run()
+        self.chart, self.stop_at = None, None
+        if self.active != IDLE_EMPTY:
+            self._move("clear", IDLE_EMPTY, "cleared by the operator", (), By.OPERATOR)
+        active = self.active
+        self.machine = Machine()
+        self.machine.restore(active)
+        self.emergency_since_idle = False
+        self.renew_bounds()
+
+    def renew_bounds(self) -> None:
+        own = self.chart.mission.safety if self.chart else None
+        self.watch.bounds = in_force(self.vehicle, own, self.operator)
+
+    def bounds_for(self, chart: Chart) -> Bounds:
+        return in_force(self.vehicle, chart.mission.safety, self.operator)
+
+    def begin(self, chart: Chart) -> None:
+        """The mission from its first leg."""
+        self.run = Run(chart, self.now)
+        self.uncertain = False
+        self.renew_bounds()
+        self.watch.started = self.now
+        self._fly("mission started", chart.initial, history=False)
+
+    def resume(self, run: Run) -> None:
+        """The interrupted leg anew; rounds and the mission's clock went on."""
+        self._fly("mission resumed", run.leaf, history=True)
+
+    def _fly(self, why: str, leaf: str, *, history: bool) -> None:
+        assert self.run is not None
+        self.watch.begin(self.now)
+        self.stop_at = None
+        self.reason = why
+        moved = self.machine.move("start", leaf)
+        self._enter(leaf, moved, "start", None, (), history=history)
+
+    def follow(self, edge: Edge, evaluations: tuple[Evaluation, ...]) -> None:
+        """Along an edge of the mission, or out of it at its end."""
+        assert self.run is not None
+        if edge.target == IDLE_READY:
+            moved = self.machine.fire(edge.trigger)
+            self.halt_run()
+            self.reason = "the mission is over"
+            self.emergency_since_idle = False
+            stop = self._stop("the mission is over")
+            self.step(stop, moved, trigger=edge.trigger, by=edge.by, evaluations=evaluations)
+            return
+        if edge.by is By.TIMEOUT and (missed := self.run.missed_depth(self.senses)):
+            self.event = f"{self.event}: {missed}"
+        self.run.count(edge)
+        moved = self.machine.fire(edge.trigger)
+        self._enter(edge.target, moved, edge.trigger, edge.by, evaluations)
+
+    def _enter(
+        self,
+        leaf: str,
+        moved: Moved,
+        trigger: str,
+        by: By | None,
+        evaluations: tuple[Evaluation, ...],
+        *,
+        history: bool = False,
+    ) -> None:
+        assert self.run is not None
+        actions = self.run.enter(leaf, moved[1], self.senses, history=history)
+        actions = self._gate(actions)
+        self.step(actions, moved, trigger=trigger, by=by, evaluations=evaluations)
+
+    def enter_quietly(self, leaf: str) -> None:
+        """The leg as after its entry, its set as sent and acknowledged; nothing leaves."""
+        assert self.run is not None
+        self._gate(self.run.enter(leaf, (), self.senses, history=True))
+        self.watch.accepted_at = self.now
+
+    def _gate(self, actions: tuple[Action, ...]) -> tuple[Action, ...]:
+        """What may leave; a set that may not counts as refused by the vehicle."""
+        passed = []
+        for action in actions:
+            if isinstance(action.command, Setpoint):
+                fault = admit(action.command, self.watch.bounds, self.vehicle)
+                if fault and self.run is not None:
+                    self.run.refused = True
+                    self.reason = fault
+                    continue
+                self.watch.set_sent(action.command)
+            else:
+                self.watch.set_sent(None)
+            passed.append(action)
+        return tuple(passed)
+
+    def fly_on(self) -> None:
+        """What the active leg has to send now."""
+        run = self.flying
+        if run is not None and (actions := self._gate(run.steer(self.senses))):
+            self.step(actions)
+
+    def repeat_set(self, why: str) -> None:
+        run = self.flying
+        if run is not None and (actions := self._gate(run.again(why))):
+            self.step(actions)
+
+    def halt_run(self) -> None:
+        self.run = None
+        self.watch.started = None
+        self.watch.blind_since = None
+        self.renew_bounds()
+
+    def _stop(self, why: str) -> tuple[Action, ...]:
+        self.stop_at = self.now + REPEAT_STOP
+        self.watch.set_sent(None)
+        return (Action(Order.STOP, why),)
+
+    def stop_again(self) -> None:
+        """Until it is acknowledged."""
+        if self.stop_at is not None and self.now >= self.stop_at:
+            self.step(self._stop(f"{self.reason}: no acknowledgement yet"))
+
+    def emergency_stop(self, why: str) -> None:
+        self._to_emergency()
+        self._move("X", STOPPED, why, self._stop(why), By.OPERATOR)
+
+    def surface(
+        self, name: str, why: str, by: By, evaluations: tuple[Evaluation, ...] = ()
+    ) -> None:
+        """emergency/surfacing, from anywhere; ``name`` is the row of the region table. An ascent
+        that a leg has begun goes on: to begin it anew would undo what it has found out."""
+        run = self.flying
+        begun = run.ascent if run is not None and run.climbing and by is By.LIMIT else None
+        self._to_emergency()
+        self.stop_at = None
+        self.watch.set_sent(None)
+        self.ascent = begun or Ascent(self.now, self.senses.depth, why)
+        self._move(name, SURFACING, why, () if begun else self.ascent.first(), by, evaluations)
+
+    def _to_emergency(self) -> None:
+        """The mission is over, the operator has to clear or to take the stick."""
+        self.ascent = None
+        self.halt_run()
+        self.emergency_since_idle, self.emergency_at = True, self.now
+
+    def climb(self) -> None:
+        """The emergency's ascent goes on, or has reached the surface."""
+        if self.active != SURFACING or self.ascent is None:
+            return
+        if self.senses.surfaced(self.ascent.began):
+            why = f"{self.reason}; at the surface"
+            self._move("surfaced", SURFACED, why, self._stop("the surface is reached"), None)
+            self.ascent = None
+        elif actions := self.ascent.act(self.now, self.senses.depth):
+            self.step(actions)
+
+    def take_stick(self) -> None:
+        """manual/driving; a mission stays where it was interrupted."""
+        self.ascent, self.stop_at = None, None
+        self.watch.set_sent(None)
+        self._move("stick", MANUAL_DRIVING, "the stick was moved", (), By.OPERATOR)
+
+    def stick_silent(self) -> None:
+        why = "no M for 2 s: the STM32 back to automatic with everything stopped"
+        self._move("silent", MANUAL_WAITING, why, self._stop(why), None)
+
+    def stick_forgotten(self) -> None:
+        """At the surface idle; deeper, or where nothing is known of the depth, surfacing."""
+        depth = self.senses.depth
+        if depth is None or depth >= SURFACE_DEPTH:
+            seen = "the depth is not known" if depth is None else f"{depth:.1f} m deep"
+            self.surface("forgotten", f"no M for a minute, and {seen}", By.LIMIT)
+            return
+        self.halt_run()
+        self.emergency_since_idle = False
+        target = IDLE_READY if self.chart else IDLE_EMPTY
+        self._move("forgotten", target, "no M for a minute, at the surface", (), None)
+
+    def auto_off(self) -> None:
+        """R13: what runs ends, everything is stopped."""
+        why = "node AUTO was closed"
+        if self.region == AUTONOMOUS:
+            self._move("auto off", IDLE_READY, why, self._stop(why), By.OPERATOR)
+            self.halt_run()
+        elif self.region == MANUAL:
+            self.halt_run()
+
+    def limit(self, row: Limit) -> None:
+        why = f"limit {row.name}: {row.why(self.watch)}"
+        seen = (Evaluation(f"limit {row.name}", True, (("depth", self.senses.depth),)),)
+        self.surface("limit", why, By.LIMIT, seen)
+
+    def take_uncertain(self, row: Limit) -> None:
+        """The mission's ``on uncertain``, once each time it becomes uncertain."""
+        run = self.flying
+        if run is None or self.uncertain or run.leaf == IMPLICIT_SURFACE:
+            return
+        self.uncertain = True
+        edge = run.uncertain()
+        if edge is not None:
+            seen = Evaluation(
+                f"limit {row.name}", True, (("range", run.value("range", self.senses)),)
+            )
+            self.reason = f"limit {row.name}: {row.why(self.watch)}"
+            self.follow(edge, (seen,))
+
+    def take_outcome(self, outcome: Outcome) -> None:
+        """What became of a frame: counts, acknowledged stops, refused and lost sets."""
+        watch, run = self.watch, self.flying
+        watch.lost = watch.lost + 1 if outcome.result is Result.LOST else 0
+        if outcome.command is Order.STOP and outcome.result is Result.ACCEPTED:
+            self.stop_at = None
+        if outcome.command != watch.sent or run is None or run.sent is None:
+            return
+        if outcome.result is Result.ACCEPTED:
+            watch.accepted_at = self.now
+        elif outcome.result is Result.REFUSED:
+            run.refused = True
+        else:
+            self.repeat_set("no answer to one of its frames: the whole set again")
+
+
+def in_words(command: Setpoint | Order) -> str:
+    if isinstance(command, Order):
+        return "everything stopped" if command is Order.STOP else "emergency surfacing"
+    parts = []
+    for name in ("surge", "turn", "heave", "heading", "depth", "altitude", "pitch", "roll"):
+        value = getattr(command, name)
+        if value is None or (value == 0.0 and name == "turn"):
+            continue
+        angle = name in ("heading", "pitch", "roll")
+        parts.append(f"{name} {math.degrees(value) if angle else value:.4g}")
+    return " ".join(parts)

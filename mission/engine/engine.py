@@ -1,0 +1,393 @@
+"""The engine: step(now, inputs) -> outputs. No IO, no clock, no threads.
+
+Order within one step:
+
+    what was heard -> X and W -> the operator -> limits -> handlers, exits, timeouts -> steering
+
+Run to completion: one macrostep per call, at most 200 transitions in it (beyond is a bug, and
+surfaces). Time comes with the inputs; ``next_timer`` says when to call again though nothing came.
+
+What does not live here: the verbs (core), operators' commands (orders), limits (envelope, watch),
+the mission under way (run), bytes, retries and paths (drive).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from mission.engine.core import Core
+from mission.engine.orders import ORDERS, STICK_QUIET
+from mission.engine.regions import EMERGENCY, IDLE, MANUAL
+from mission.engine.run import short
+from mission.engine.senses import Navigator
+from mission.envelope import Bounds, Limit, Response
+from mission.machine import Machine
+from mission.model import (
+    AUTONOMOUS,
+    IDLE_EMPTY,
+    IDLE_READY,
+    MANUAL_DRIVING,
+    Action,
+    AutoNode,
+    By,
+    Chart,
+    Estimate,
+    Loaded,
+    Outcome,
+    Reading,
+    Restarted,
+    Step,
+    Verdict,
+)
+from mission.variables import VARIABLES, Scope, reading_of
+from mission.vehicle import Vehicle
+from protocol.messages import (
+    ClearMission,
+    Command,
+    Emergency,
+    Fix,
+    Manual,
+    Order,
+    SetSafety,
+    StartMission,
+    Telemetry,
+)
+
+MICROSTEPS = 200
+FORGOTTEN = 60.0  # s without M (R6)
+
+Input = Telemetry | Fix | Outcome | Loaded | AutoNode | Restarted | Command
+
+
+@dataclass(frozen=True, slots=True)
+class Outputs:
+    """``verdicts``: one per operator's command, in the order of the commands."""
+
+    actions: tuple[Action, ...] = ()
+    steps: tuple[Step, ...] = ()
+    verdicts: tuple[Verdict, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """Everything that decides what the engine does next. Opaque; may be restored many times."""
+
+    core: Core
+    active: str
+    machine: Machine
+    navigation: Any
+
+
+class Engine:
+    """``navigation`` None: still being loaded; ``attach`` it later. Missions wait for it."""
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        navigation: Navigator | None = None,
+        *,
+        forgotten_after: float = FORGOTTEN,
+    ) -> None:
+        self._core = Core(vehicle, navigation)
+        self._forgotten_after = forgotten_after
+        self._timer: float | None = None
+
+    def attach(self, navigation: Navigator) -> None:
+        self._core.senses.navigation = navigation
+
+    def limit_topside_silence(self, seconds: float | None) -> None:
+        """R5: off unless configured."""
+        self._core.watch.topside_silence = seconds
+
+    def hear_topside(self, now: float) -> None:
+        """Some operator said something that is a frame."""
+        self._core.watch.topside_heard = now
+
+    def step(self, now: float, inputs: Sequence[Input] = ()) -> Outputs:
+        """``now`` never goes back; ValueError if it does. Any input may come in any state."""
+        core = self._core
+        if now < core.senses.now:
+            raise ValueError(f"time went back from {core.senses.now} to {now}")
+        core.actions, core.steps = [], []
+        core.senses.at(now)
+        core.event = _event(inputs)
+        reported, fixed, told = self._hear(inputs)
+        verdicts = self._obey(inputs) if told else ()
+        self._guard_limits(reported, fixed)
+        self._run_mission()
+        self._mind_stick()
+        core.climb()
+        core.fly_on()
+        core.stop_again()
+        self._timer = self._next_timer()
+        return Outputs(tuple(core.actions), tuple(core.steps), tuple(verdicts))
+
+    # --- the parts of a step, in their order ---------------------------------------------------
+
+    def _hear(self, inputs: Sequence[Input]) -> tuple[bool, bool, bool]:
+        """Whether there were reports, fixes, and anything else to obey."""
+        core = self._core
+        reported = fixed = told = False
+        for one in inputs:
+            if isinstance(one, Telemetry):
+                core.senses.take_telemetry(one)
+                run = core.flying
+                core.watch.ascending = run is not None and run.climbing
+                core.watch.take_report()
+                reported = True
+            elif isinstance(one, Fix):
+                core.senses.take_fix(one)
+                fixed = True
+            elif isinstance(one, Outcome):
+                core.take_outcome(one)
+            else:
+                told = True
+        if (reported or fixed) and (run := core.flying) is not None:
+            run.reckon(core.senses)
+        return reported, fixed, told
+
+    def _obey(self, inputs: Sequence[Input]) -> list[Verdict]:
+        """X and W before all others; verdicts in the order of the inputs."""
+        core = self._core
+        given: dict[int, Verdict] = {}
+        for i, one in enumerate(inputs):
+            if isinstance(one, Emergency):
+                given[i] = ORDERS[Emergency](core, one)
+        for i, one in enumerate(inputs):
+            if isinstance(one, Loaded):
+                if core.run is None:
+                    core.load(one.chart)
+            elif isinstance(one, AutoNode):
+                self._switch_auto(one)
+            elif isinstance(one, Restarted):
+                self._restarted(one)
+            elif i not in given and not isinstance(one, Telemetry | Fix | Outcome):
+                order = ORDERS.get(type(one))
+                refusal = Verdict(False, f"{type(one).__name__} is not for the engine")
+                given[i] = order(core, one) if order else refusal
+        return [given[i] for i in sorted(given)]
+
+    def _switch_auto(self, node: AutoNode) -> None:
+        if self._core.auto and not node.open:
+            self._core.auto_off()
+        self._core.auto = node.open
+
+    def _restarted(self, before: Restarted) -> None:
+        core = self._core
+        if before.during and core.region == IDLE:
+            why = f"the program restarted during {before.during}"
+            core.surface("restart", why, By.LIMIT)
+
+    def _guard_limits(self, reported: bool, fixed: bool) -> None:
+        core = self._core
+        found = core.watch.look(reported, fixed)
+        if reported and not any(row.response is Response.UNCERTAIN for row in found):
+            core.uncertain = False
+        if not found:
+            return
+        for row in sorted(found, key=lambda r: r.response is not Response.SURFACING):
+            if core.region not in row.acts:
+                continue
+            if row.response is Response.UNCERTAIN:
+                core.take_uncertain(row)
+            elif row.response is Response.REPEAT and not core.watch.repeated:
+                core.watch.repeated = True
+                core.watch.forgive(row)
+                core.repeat_set(f"limit {row.name}: {row.why(core.watch)}")
+            else:
+                core.limit(row)
+
+    def _run_mission(self) -> None:
+        core = self._core
+        for _ in range(MICROSTEPS):
+            run = core.flying
+            if run is None:
+                return
+            found = run.look(core.senses)
+            if found is None:
+                return
+            core.follow(*found)
+        if core.flying is not None:
+            why = f"more than {MICROSTEPS} transitions in one step, at {short(core.active)}"
+            core.surface("limit", why, By.LIMIT)
+
+    def _mind_stick(self) -> None:
+        core = self._core
+        if core.region != MANUAL:
+            return
+        if core.now >= core.stick + self._forgotten_after:
+            core.stick_forgotten()
+        elif core.active == MANUAL_DRIVING and core.now >= core.stick + STICK_QUIET:
+            core.stick_silent()
+
+    # --- time ------------------------------------------------------------------------------------
+
+    def next_timer(self) -> float | None:
+        """When ``step`` is due though nothing came in; always later than the last step."""
+        return self._timer
+
+    def _next_timer(self) -> float | None:
+        core = self._core
+        due: list[float | None] = [core.stop_at]
+        if core.region == MANUAL:
+            due.append(core.stick + self._forgotten_after)
+            if core.active == MANUAL_DRIVING:
+                due.append(core.stick + STICK_QUIET)
+        if core.ascent is not None:
+            due += [core.ascent.next_timer(), core.senses.surface_due(core.ascent.began)]
+        if (run := core.flying) is not None:
+            due += run.next_timer(core.senses)
+            due.append(core.watch.next_timer())
+        now, first = core.now, None
+        for at in due:
+            if at is not None and at > now and (first is None or at < first):
+                first = at
+        return first
+
+    # --- whole -----------------------------------------------------------------------------------
+
+    def snapshot(self) -> Snapshot:
+        core, navigation = self._core, self._core.senses.navigation
+        kept = navigation.snapshot() if navigation else None
+        return Snapshot(core.clone(), core.active, core.machine, kept)
+
+    def restore(self, snapshot: Snapshot) -> None:
+        navigation = self._core.senses.navigation
+        self._core = snapshot.core.clone()
+        self._core.machine = snapshot.machine
+        self._core.machine.restore(snapshot.active)
+        self._core.senses.navigation = navigation
+        if navigation and snapshot.navigation is not None:
+            navigation.restore(snapshot.navigation)
+        self._timer = self._next_timer()
+
+    def place(self, leaf: str, rounds: Mapping[str, int], elapsed: float = 0.0) -> None:
+        """As if the mission under way had come to this leg ``elapsed`` s ago, in these rounds (by
+        the paths of the groups): for checks that go through every configuration. LookupError
+        without one."""
+        run = self._core.run
+        if run is None:
+            raise LookupError("no mission is under way")
+        self._core.machine.restore(leaf)
+        run.rounds.update(rounds)
+        self._core.enter_quietly(leaf)
+        run.entered -= elapsed
+        self._timer = self._next_timer()
+
+    # --- what people and the drive want to know ------------------------------------------------
+
+    @property
+    def state(self) -> str:
+        """``region/substate``, or the path of the active leg."""
+        return self._core.active
+
+    @property
+    def region(self) -> str:
+        return self._core.region
+
+    @property
+    def leg(self) -> str:
+        """The active leg as people call it, or the interrupted one; "" if none."""
+        return short(self._core.run.leaf) if self._core.run else ""
+
+    @property
+    def chart(self) -> Chart | None:
+        return self._core.chart
+
+    @property
+    def estimate(self) -> Estimate | None:
+        return self._core.senses.estimate
+
+    @property
+    def depth(self) -> float | None:
+        """As reported, None while it is not to be believed."""
+        return self._core.senses.depth
+
+    @property
+    def reason(self) -> str:
+        """Why the engine is where it is."""
+        return self._core.reason
+
+    @property
+    def safety(self) -> SetSafety:
+        """What the operator has set, for the store."""
+        return self._core.operator
+
+    @property
+    def bounds(self) -> Bounds:
+        """The limits in force."""
+        return self._core.watch.bounds
+
+    @property
+    def breaches(self) -> tuple[Limit, ...]:
+        """Limits that are breached now, also where they are only reported."""
+        return self._core.watch.breaches
+
+    @property
+    def mission_time(self) -> float | None:
+        """s since the start, manual time included; None without a mission under way."""
+        return self._core.now - self._core.run.started if self._core.run else None
+
+    @property
+    def round(self) -> int:
+        return self._core.run.round if self._core.run else 1
+
+    @property
+    def under_way(self) -> str:
+        """What a restart would interrupt, for the store; "" if nothing."""
+        core = self._core
+        if core.region in (AUTONOMOUS, EMERGENCY) or core.run is not None:
+            return core.active
+        return ""
+
+    @property
+    def readings(self) -> Mapping[str, Reading]:
+        """Every variable as a guard would see it now."""
+        core = self._core
+        senses = core.senses
+        scope = (
+            core.run.scope(senses)
+            if core.run
+            else Scope(
+                core.now,
+                senses.estimate,
+                senses.telemetry,
+                senses.health,
+                core.now,
+                core.now,
+                0.0,
+                1,
+                lambda: None,
+            )
+        )
+        return {name: reading_of(row, scope) for name, row in VARIABLES.items()}
+
+
+_WORDS: Mapping[type, str] = {
+    Telemetry: "telemetry",
+    Fix: "fix",
+    StartMission: "operator @AA",
+    ClearMission: "operator @AC",
+    SetSafety: "operator @SP",
+    Manual: "operator M",
+    Loaded: "store",
+    AutoNode: "node AUTO",
+    Restarted: "restart",
+}
+
+
+def _event(inputs: Sequence[Input]) -> str:
+    return ", ".join(map(_word, inputs)) or "timer"
+
+
+def _word(one: Input) -> str:
+    if isinstance(one, Emergency):
+        return "operator X" if one.order is Order.STOP else "operator W"
+    if isinstance(one, Outcome):
+        return f"{one.result.value} {one.frame.decode('ascii', 'replace')}"
+    return _WORDS.get(type(one)) or type(one).__name__
+
+
+__all__ = ["IDLE_EMPTY", "IDLE_READY", "Engine", "Input", "Outputs", "Snapshot"]

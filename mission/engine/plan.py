@@ -1,0 +1,66 @@
+"""What does not change about one leg while a mission runs: its edges in order, its guards compiled.
+
+What does not live here: which edge is next (run), what a guard means (guards).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mission.engine.guards import Compiled, Sheet
+from mission.legs import LEGS, LegType
+from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, Leg
+from protocol.messages import Setpoint
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Everything about one leg that does not change; compiled when it is first entered."""
+
+    path: str
+    leg: Leg
+    base: Setpoint
+    kind: LegType
+    guarded: tuple[tuple[Edge, Compiled], ...]  # handlers and exits, in the order of looking
+    plain: tuple[Edge, ...]  # end, for, timeout, else
+    sheet: Sheet
+    groups: tuple[str, ...]  # around it, innermost first
+    repeated: str  # the innermost that repeats, or ""
+
+
+def plan_of(chart: Chart, path: str) -> Plan:
+    state = chart.state(path)
+    assert state.leg is not None
+    groups = []
+    parent = state.parent
+    while parent != AUTONOMOUS:
+        groups.append(parent)
+        parent = chart.state(parent).parent
+    edges = list(chart.leaving(path))
+    if path != IMPLICIT_SURFACE:
+        handlers = [e for g in (*groups, AUTONOMOUS) for e in chart.leaving(g)]
+        edges = [e for e in handlers if e.by is By.ON] + edges
+    sheet = Sheet()
+    guarded = tuple((e, sheet.add(e.guard)) for e in edges if e.guard is not None)
+    return Plan(
+        path,
+        state.leg,
+        state.setpoint or Setpoint(),
+        LEGS[type(state.leg.kind)],
+        guarded,
+        tuple(e for e in edges if e.guard is None),
+        sheet,
+        tuple(groups),
+        next((g for g in groups if repeat_of(chart, g) > 1), ""),
+    )
+
+
+def repeat_of(chart: Chart, path: str) -> int:
+    group = chart.state(path).group
+    return group.repeat if group else 1
+
+
+def name_of(handler: Edge) -> str:
+    """The same for all outcomes of the rounds that its way goes through."""
+    head, _, tail = handler.trigger.rpartition(":")
+    return f"{head}:{tail.partition('.')[0]}"

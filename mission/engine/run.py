@@ -1,0 +1,368 @@
+"""A mission under way: which leg, since when, which round; and which edge is next.
+
+    handlers, innermost group first -> exits as written -> end -> for -> timeout -> else
+
+Guards are asked here, on the active leg and the groups around it, and only those; the machine is
+told only what fires. Loop counts survive an interruption, and start anew on ordinary entry.
+
+What does not live here: regions, limits and operators (engine), what a guard means (guards).
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Self
+
+from mission.engine.ascent import Ascent
+from mission.engine.plan import Plan, name_of, plan_of, repeat_of
+from mission.engine.regions import AGAIN
+from mission.engine.senses import Senses
+from mission.legs import Pilot, Track, View
+from mission.legs.base import wrap
+from mission.model import (
+    AUTONOMOUS,
+    IMPLICIT_SURFACE,
+    Action,
+    Axis,
+    By,
+    Chart,
+    Edge,
+    Estimate,
+    Evaluation,
+    Leg,
+    Surface,
+)
+from mission.variables import VARIABLES, Scope, Value, value_of
+from protocol.messages import Order, Setpoint
+
+BLIND_TIME = 6.0  # s that a reading which a setpoint needs may be invalid
+NEW_HEADING = math.radians(2.5)  # a steered heading is sent again when it changed by more
+MISSED = 1.0  # m short of the depth that was asked for, at a timeout
+_AFTER = 1e-3  # s beyond a reading's greatest age
+
+
+class Run:
+    def __init__(self, chart: Chart, now: float) -> None:
+        self.chart = chart
+        self.started = now
+        self.entered = now
+        self.travelled = 0.0
+        self.rounds: dict[str, int] = {}
+        self.sent: Setpoint | None = None
+        self.refused = False  # the vehicle answered N to the set
+        self.wake: float | None = None  # by the last look
+        self.ascent: Ascent | None = None
+        self.at_surface = False  # the ascent has ended, everything is stopped
+        self._plans: dict[str, Plan] = {}
+        self._plan = self._planned(chart.initial)
+        self._pilot: Pilot | None = None
+        self._steered_by: Estimate | None = None
+        self._held: dict[str, float] = {}
+        self._spent: dict[str, str] = {}  # handlers that acted and were not seen false since
+        self._taken: set[str] = set()  # handlers that acted at all
+        self._blind: dict[str, float] = {}
+        self._reckoned = now
+
+    def clone(self) -> Self:
+        other = copy.copy(self)
+        for name in ("rounds", "_held", "_blind", "_spent", "_taken"):
+            setattr(other, name, copy.copy(getattr(self, name)))
+        other._pilot = self._pilot.clone() if self._pilot else None
+        other.ascent = self.ascent.clone() if self.ascent else None
+        return other
+
+    @property
+    def leaf(self) -> str:
+        return self._plan.path
+
+    @property
+    def leg(self) -> Leg:
+        return self._plan.leg
+
+    @property
+    def round(self) -> int:
+        return self.rounds.get(self._plan.repeated, 1)
+
+    @property
+    def climbing(self) -> bool:
+        """On its way up, and not there yet."""
+        return self.ascent is not None and not self.at_surface
+
+    # --- entering ------------------------------------------------------------------------------
+
+    def enter(
+        self, path: str, entered: tuple[str, ...], senses: Senses, *, history: bool
+    ) -> tuple[Action, ...]:
+        """What is sent on entry: the whole set, or the first of the ascent."""
+        now, ascended = senses.now, self._surfaced(senses)
+        before, stopped = self.ascent, self.at_surface
+        self._plan = self._planned(path)
+        self.entered = self._reckoned = now
+        self.travelled, self.refused = 0.0, False
+        self.at_surface = False
+        self._blind = {}
+        if not history:
+            self.rounds.update(dict.fromkeys((g for g in self._plan.groups if g in entered), 1))
+            self._spent = {h: source for h, source in self._spent.items() if source not in entered}
+        handlers = {e.trigger for e, _ in self._plan.guarded if e.source not in (path, *entered)}
+        self._held = {t: since for t, since in self._held.items() if t in handlers}
+        why = f"entry of {short(path)}"
+        if self._plan.kind.ascends:
+            if before is not None and ascended:
+                return self._stay_up(before, stopped, why)
+            self._pilot, self.sent = None, None
+            self.ascent = Ascent(now, senses.depth, why)
+            return self.ascent.first()
+        self.ascent = None
+        view = self._view(senses)
+        begin = self._plan.kind.begin
+        self._pilot = begin(self._plan.leg.kind, self._plan.base, view) if begin else None
+        stop = (Action(Order.STOP, f"{why}: the ascent is over"),) if before else ()
+        self.sent = self._wanted(senses)
+        return (*stop, Action(self.sent, why))
+
+    def _stay_up(self, proved: Ascent, stopped: bool, why: str) -> tuple[Action, ...]:
+        """From one ascent, ended at the surface, to another: no reason to climb once more."""
+        self.ascent, self.at_surface = proved, True
+        return () if stopped else (Action(Order.STOP, f"{why}: at the surface already"),)
+
+    def again(self, why: str) -> tuple[Action, ...]:
+        """The whole set once more."""
+        return (Action(self.sent, why),) if self.sent is not None else ()
+
+    # --- looking -------------------------------------------------------------------------------
+
+    def count(self, edge: Edge) -> None:
+        """The rounds that an edge counts; before its leg is entered."""
+        for loop in edge.loops:
+            self.rounds[loop.group] = self.rounds.get(loop.group, 1) + 1 if loop.again else 1
+        self._held.pop(edge.trigger, None)
+
+    def look(self, senses: Senses) -> tuple[Edge, tuple[Evaluation, ...]] | None:
+        """The edge that is due, with the evaluation that decided it; sets ``wake``."""
+        now, plan = senses.now, self._plan
+        self.wake = None
+        self._notice_blindness(senses)
+        if plan.guarded:
+            found = self._look_at_guards(senses)
+            if found is not None:
+                return found
+        for edge in plan.plain:
+            due = self._due(edge, senses)
+            if due is None or not self.open(edge):
+                continue
+            if now >= due:
+                return edge, (Evaluation(edge.trigger, True, self._values_of(edge, senses)),)
+            self._wake_at(due)
+        return None
+
+    def _look_at_guards(self, senses: Senses) -> tuple[Edge, tuple[Evaluation, ...]] | None:
+        plan, now = self._plan, senses.now
+        scope = self.scope(senses)
+        values = plan.sheet.values(scope)
+        waiting = False
+        for edge, guard in plan.guarded:
+            result = guard.test(values, scope)
+            if edge.by is By.ON and not self._arises(edge, result):
+                self._held.pop(edge.trigger, None)
+            elif result and self.open(edge):
+                since = self._held.setdefault(edge.trigger, now) if guard.held else now
+                if now >= since + guard.held:
+                    seen = plan.sheet.named(guard, values)
+                    taken = self._act(edge) if edge.by is By.ON else edge
+                    return taken, (Evaluation(edge.trigger, True, seen),)
+                waiting = True
+                self._wake_at(since + guard.held)
+            elif guard.held:
+                self._held.pop(edge.trigger, None)
+            if guard.timed:
+                self._wake_at(guard.next_change(values, now))
+        if waiting and senses.telemetry is not None:
+            for age in plan.sheet.stale_after:
+                self._wake_at(senses.telemetry.t + age + _AFTER)
+        return None
+
+    def _arises(self, handler: Edge, result: bool | None) -> bool:
+        """Whether a handler's condition is new: it was seen false since it acted."""
+        if result is False:
+            self._spent.pop(name_of(handler), None)
+        return handler.target != self.leaf and name_of(handler) not in self._spent
+
+    def _act(self, handler: Edge) -> Edge:
+        """The handler's edge; the second time the way to the implicit leg."""
+        name = name_of(handler)
+        self._spent[name] = handler.source
+        if name in self._taken:
+            return Edge(AGAIN, handler.source, IMPLICIT_SURFACE, handler.by)
+        self._taken.add(name)
+        return handler
+
+    def uncertain(self) -> Edge | None:
+        """The way of ``on uncertain`` from here; the second time to the implicit leg."""
+        for edge in self.chart.leaving(AUTONOMOUS):
+            if edge.by is By.UNCERTAIN and edge.target != self.leaf and self.open(edge):
+                return self._act(edge)
+        return None
+
+    def open(self, edge: Edge) -> bool:
+        """Whether the rounds say so."""
+        return all(
+            (self.rounds.get(loop.group, 1) < repeat_of(self.chart, loop.group)) is loop.again
+            for loop in edge.loops
+        )
+
+    def _due(self, edge: Edge, senses: Senses) -> float | None:
+        """When the edge is due by its kind alone; None if nothing says so."""
+        if edge.by is By.FOR:
+            return self.entered + (self.leg.duration or 0.0)
+        if edge.by is By.TIMEOUT:
+            return self.entered + (self.leg.timeout or 0.0)
+        if edge.by is By.END:
+            return senses.now if self._ended(senses) else None
+        if self.refused:
+            return senses.now
+        return min(self._blind.values()) + BLIND_TIME if self._blind else None
+
+    def _ended(self, senses: Senses) -> bool:
+        if self.ascent is not None:
+            kind = self.leg.kind
+            if isinstance(kind, Surface) and kind.until_fix:
+                return senses.fixed(self.ascent.began)
+            return senses.surfaced(self.ascent.began)
+        return self._pilot is not None and self._pilot.finished(self._view(senses))
+
+    def _surfaced(self, senses: Senses) -> bool:
+        return self.ascent is not None and senses.surfaced(self.ascent.began)
+
+    def _values_of(self, edge: Edge, senses: Senses) -> tuple[tuple[str, Value], ...]:
+        elapsed: tuple[str, Value] = ("elapsed", round(senses.now - self.entered, 6))
+        if edge.by is By.ELSE:
+            return (elapsed, *((need, None) for need in self._blind))
+        return (elapsed, ("depth", senses.depth))
+
+    def missed_depth(self, senses: Senses) -> str:
+        """What a dive that makes no progress has to say at its timeout, or ""."""
+        wanted, depth = self.sent.depth if self.sent else None, senses.depth
+        if wanted is None or depth is None or wanted - depth <= MISSED:
+            return ""
+        return f"no progress, depth {depth:.1f} m of {wanted:g} m"
+
+    def _notice_blindness(self, senses: Senses) -> None:
+        for need in self._needs():
+            if senses.believable(need):
+                self._blind.pop(need, None)
+            else:
+                self._blind.setdefault(need, senses.now)
+
+    def _needs(self) -> set[str]:
+        if self.ascent is not None:
+            return set()
+        needs = set(self._plan.kind.needs)
+        sent = self.sent or self._plan.base
+        for need in ("depth", "altitude", "heading"):
+            if getattr(sent, need) is not None:
+                needs.add(need)
+        return needs
+
+    def _wake_at(self, due: float | None) -> None:
+        if due is not None and (self.wake is None or due < self.wake):
+            self.wake = due
+
+    # --- steering ------------------------------------------------------------------------------
+
+    def steer(self, senses: Senses) -> tuple[Action, ...]:
+        """What the leg sends while it is active; nothing most of the time."""
+        if self.ascent is not None:
+            return self._climb(senses, self.ascent)
+        if self._pilot is None or senses.estimate is self._steered_by:
+            return ()
+        self._steered_by = senses.estimate
+        wanted = self._wanted(senses)
+        if self.sent is not None and not _differs(wanted, self.sent):
+            return ()
+        self.sent, self.refused = wanted, False
+        return (Action(wanted, f"{short(self.leaf)} steers"),)
+
+    def _climb(self, senses: Senses, ascent: Ascent) -> tuple[Action, ...]:
+        if self.at_surface:
+            return ()
+        if senses.surfaced(ascent.began):
+            self.at_surface = True
+            return (Action(Order.STOP, f"{short(self.leaf)}: the surface is reached"),)
+        return ascent.act(senses.now, senses.depth)
+
+    def reckon(self, senses: Senses) -> None:
+        """The path over ground goes on with every new estimate."""
+        e = senses.estimate
+        if e is None or e.t <= self._reckoned:
+            return
+        if e.heading is not None:
+            north = e.speed * math.cos(e.heading) + e.current_north
+            east = e.speed * math.sin(e.heading) + e.current_east
+            self.travelled += math.hypot(north, east) * (e.t - self._reckoned)
+        self._reckoned = e.t
+
+    def next_timer(self, senses: Senses) -> list[float | None]:
+        due = [self.wake]
+        if self.ascent is not None and self.climbing:
+            due += [self.ascent.next_timer(), senses.surface_due(self.ascent.began)]
+        return due
+
+    def scope(self, senses: Senses) -> Scope:
+        return Scope(
+            senses.now,
+            senses.estimate,
+            senses.telemetry,
+            senses.health,
+            self.entered,
+            self.started,
+            self.travelled,
+            self.round,
+            self._track_from(senses),
+        )
+
+    def value(self, name: str, senses: Senses) -> Value:
+        return value_of(VARIABLES[name], self.scope(senses))
+
+    def _track_from(self, senses: Senses) -> Callable[[], Track | None]:
+        pilot = self._pilot
+        return lambda: pilot.track(self._view(senses)) if pilot else None
+
+    def _view(self, senses: Senses) -> View:
+        located = senses.believable("position")
+        return View(senses.now, senses.estimate if located else None, senses.depth, senses.place)
+
+    def _wanted(self, senses: Senses) -> Setpoint:
+        """The pilot's set, its true heading turned into the compass's."""
+        base = self._plan.base
+        if self._pilot is None:
+            return base
+        wanted = self._pilot.setpoint(self._view(senses))
+        if Axis.HEADING not in self._plan.kind.steers:
+            return wanted
+        compass = None if wanted.heading is None else senses.compass(wanted.heading)
+        if compass is None:  # without a course there is no way on
+            return replace(wanted, surge=0.0, heading=None)
+        return replace(wanted, heading=compass)
+
+    def _planned(self, path: str) -> Plan:
+        plan = self._plans.get(path)
+        if plan is None:
+            plan = self._plans[path] = plan_of(self.chart, path)
+        return plan
+
+
+def _differs(wanted: Setpoint, sent: Setpoint) -> bool:
+    a, b = wanted.heading, sent.heading
+    if a is None or b is None:
+        return wanted != sent
+    turned = abs(wrap(a - b)) >= NEW_HEADING
+    return turned or wanted.depth != sent.depth or wanted.surge != sent.surge
+
+
+def short(path: str) -> str:
+    """As people call a leg: without the region."""
+    return path.partition("/")[2] or path

@@ -1,0 +1,242 @@
+"""The watching of the limits: what must be remembered between reports, and each row's count.
+
+    descent    a depth that grows faster than the vehicle may dive, or while no command asked for it
+    steering   a heading that runs away from the one that was asked for
+    course     where it goes over ground against where the bow points
+
+What does not live here: the rows and their bounds (envelope), responses (engine).
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from typing import Self
+
+from mission.engine.senses import SURFACE_DEPTH, Senses
+from mission.envelope import LIMITS, Bounds, Limit, On, never
+from mission.legs.base import wrap
+from mission.vehicle import Vehicle
+from protocol.messages import Fix, Setpoint
+
+_ALLOWANCE = 2.0  # m of momentum, waves and noise that are no descent
+_SINKING = 0.1  # m/s: less is no descent
+_RATE_TIME = 1.0  # s: over less, the noise of two depths is no rate
+_STALE = 10.0  # s: two depths farther apart give no rate
+_TURNING_TIME = 10.0  # s of growing heading error (design: limits)
+_GROWTH, _LARGE, _NOISE = (math.radians(a) for a in (20.0, 30.0, 10.0))
+_NEW_HEADING = math.radians(15.0)
+_APART = math.radians(60.0)
+_UNDER_WAY = 0.4  # m/s through the water and over ground: a weaker one is no course
+_NEUTRAL = 0.02  # share of full thrust
+_THRUSTERS = 5  # the first of the actuators; rudders follow
+_SETTLE = 0.5  # s from an ACK to thrusters that turn
+
+
+class Descent:
+    __slots__ = ("_depth", "_shallowest", "_t", "unexplained", "words")
+
+    words: str
+
+    def __init__(self) -> None:
+        self._t, self._depth = -math.inf, 0.0
+        self._shallowest: float | None = None
+        self.unexplained: bool | None = None
+        self.words = ""
+
+    def take(self, senses: Senses, asked: bool, fastest: float) -> None:
+        depth, report = senses.depth, senses.telemetry
+        if depth is None or report is None:
+            self.unexplained = None
+            return
+        since, before = report.t - self._t, self._depth
+        if 0.0 < since < _RATE_TIME:
+            self.unexplained = None
+            return
+        self._t, self._depth = report.t, depth
+        if asked or self._shallowest is None:
+            self._shallowest = depth
+        self._shallowest = min(self._shallowest, depth)
+        if not 0.0 < since <= _STALE:
+            self.unexplained = None
+            return
+        rate, deeper = (depth - before) / since, depth - self._shallowest
+        sinks = not asked and deeper > _ALLOWANCE and rate > _SINKING
+        self.unexplained = sinks or rate > fastest
+        asked_words = "" if asked else ", and nothing asked for it"
+        self.words = f"sinking at {rate:.2f} m/s at {depth:.1f} m{asked_words}"
+
+
+class Steering:
+    __slots__ = ("_from", "_peak", "_since", "_wanted", "astray", "words")
+
+    words: str
+
+    def __init__(self) -> None:
+        self._wanted: float | None = None
+        self._since, self._from, self._peak = 0.0, 0.0, 0.0
+        self.astray: bool | None = None
+        self.words = ""
+
+    def take(self, t: float, heading: float | None, wanted: float | None) -> None:
+        self.astray = None
+        if wanted is None:
+            self._wanted = None
+        if wanted is None or heading is None:
+            return
+        error = abs(wrap(heading - wanted))
+        fresh = self._wanted is None or abs(wrap(wanted - self._wanted)) > _NEW_HEADING
+        if fresh or error < self._peak - _NOISE:
+            self._wanted, self._since, self._from, self._peak = wanted, t, error, error
+        self._peak = max(error, self._peak)
+        grown = error - self._from
+        self.astray = t - self._since >= _TURNING_TIME and grown >= _GROWTH and error > _LARGE
+        self.words = f"heading {math.degrees(error):.0f} deg off what was set, and growing"
+
+
+class Watch:
+    """``sent`` is the set in force at the vehicle (None: nothing, or an order)."""
+
+    vehicle: Vehicle
+    senses: Senses
+    bounds: Bounds
+    lost: int
+    descent: Descent
+    steering: Steering
+
+    def __init__(self, vehicle: Vehicle, senses: Senses, bounds: Bounds) -> None:
+        self.vehicle, self.senses, self.bounds = vehicle, senses, bounds
+        self.rows = tuple(row for row in LIMITS if not row.disarmed(vehicle))
+        self._looked = {
+            (reported, fixed): tuple(
+                row
+                for row in self.rows
+                if {On.CLOCK: True, On.REPORT: reported, On.FIX: fixed}[row.on]
+            )
+            for reported in (False, True)
+            for fixed in (False, True)
+        }
+        self._timed = tuple(row for row in self.rows if row.due is not never)
+        self.sent: Setpoint | None = None
+        self.accepted_at: float | None = None  # of the set in force
+        self.started: float | None = None  # the mission's clock
+        self.heard = -math.inf  # the last report, or when its age began anew
+        self.topside_silence: float | None = None  # s that may pass; None: as long as it likes
+        self.topside_heard = -math.inf
+        self.lost = 0
+        self.blind_since: float | None = None
+        self.ascending = False  # a leg proves its ascent: sinking is answered there already
+        self.repeated = False  # after a brown-out the set was sent again
+        self.descent, self.steering = Descent(), Steering()
+        self.breaches: tuple[Limit, ...] = ()
+        self._running: dict[str, float] = {}  # samples in a row, or since when
+
+    def clone(self, senses: Senses) -> Self:
+        other = copy.copy(self)
+        other.senses = senses
+        other.descent, other.steering = copy.copy(self.descent), copy.copy(self.steering)
+        other._running = dict(self._running)
+        return other
+
+    def begin(self, now: float) -> None:
+        """A mission starts, or goes on: ages and counts begin anew."""
+        self.heard, self.lost, self.blind_since = now, 0, None
+        self.topside_heard = now
+        self._running, self.repeated, self.breaches = {}, False, ()
+        self.descent, self.steering = Descent(), Steering()
+
+    def set_sent(self, setpoint: Setpoint | None) -> None:
+        self.sent, self.accepted_at = setpoint, None
+        self.senses.command = setpoint
+
+    def forgive(self, row: Limit) -> None:
+        """A response was given that may mend it: count anew."""
+        self._running.pop(row.name, None)
+
+    def take_report(self) -> None:
+        report = self.senses.telemetry
+        assert report is not None
+        self.heard = report.t
+        asked = self.ascending or self._dive_asked()
+        self.descent.take(self.senses, asked, self.vehicle.limits.descent_rate)
+        heading = report.heading if self.senses.health("heading").valid else None
+        self.steering.take(report.t, heading, self.sent.heading if self.sent else None)
+
+    def look(self, reported: bool, fixed: bool) -> list[Limit]:
+        """The rows that are found breached now, for as long as they must be. ``breaches`` keeps
+        those that were at their last look."""
+        self._look_for_depth()
+        rows = self._looked[reported, fixed]
+        found = []
+        for row in rows:
+            breached = row.breached(self)
+            if breached:
+                if self._lasts(row):
+                    found.append(row)
+            elif breached is not None and self._running:
+                self._running.pop(row.name, None)
+        if found or self.breaches:
+            kept = [row for row in self.breaches if row not in rows]
+            self.breaches = (*kept, *found)
+        return found
+
+    def next_timer(self) -> float | None:
+        first = None
+        for row in self._timed:
+            due = row.due(self)
+            if due is not None and (first is None or due < first):
+                first = due
+        return first
+
+    def _look_for_depth(self) -> None:
+        senses = self.senses
+        if not senses.submerged or senses.depth is not None:
+            self.blind_since = None
+        elif self.blind_since is None:
+            self.blind_since = senses.now
+
+    def _lasts(self, row: Limit) -> bool:
+        """A breach that goes on; whether for as long as it must."""
+        if row.seconds:
+            since = self._running.setdefault(row.name, self.senses.now)
+            return self.senses.now - since >= row.seconds
+        count = self._running[row.name] = self._running.get(row.name, 0) + 1
+        return count >= row.samples
+
+    def _dive_asked(self) -> bool:
+        sent, depth, report = self.sent, self.senses.depth, self.senses.telemetry
+        if sent is None or depth is None or report is None:
+            return False
+        if sent.depth is not None:
+            return depth < sent.depth + SURFACE_DEPTH
+        if sent.altitude is not None:
+            known = report.altitude is not None and self.senses.health("altitude").valid
+            return not known or (report.altitude or 0.0) > sent.altitude - SURFACE_DEPTH
+        return sent.heave is not None and sent.heave > 0.0
+
+    def course_apart(self) -> bool | None:
+        """At the surface and under way ahead, the course more than 60 deg off the heading."""
+        fix: Fix | None = self.senses.fix
+        e, depth = self.senses.estimate, self.senses.depth
+        if fix is None or fix.course is None or fix.speed is None or e is None or e.heading is None:
+            return None
+        if self.sent is None or depth is None or not self.senses.health("heading").valid:
+            return None
+        ahead = self.vehicle.speed_by_gear.at(12.0 * self.sent.surge)
+        if ahead < _UNDER_WAY or fix.speed < _UNDER_WAY or depth >= SURFACE_DEPTH:
+            return False
+        return abs(wrap(fix.course - e.heading)) > _APART
+
+    def powerless(self) -> bool | None:
+        """Thrust is set and acknowledged, and every thruster is neutral."""
+        report, sent = self.senses.telemetry, self.sent
+        if report is None or not report.actuators or sent is None or self.accepted_at is None:
+            return None
+        if not (sent.surge or sent.turn or sent.heave):
+            return False
+        if report.t < self.accepted_at + _SETTLE:
+            return None
+        if any(abs(a) > _NEUTRAL for a in report.actuators[:_THRUSTERS]):
+            self.repeated = False
+            return False
+        return True

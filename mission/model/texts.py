@@ -1,0 +1,279 @@
+"""The mission as its author wrote it: places in a text, guards, legs, groups."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass, field
+
+# --- where things stand in a text -----------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Where:
+    """A place in a mission text, counted from 1; ``length`` characters are meant."""
+
+    line: int
+    column: int
+    length: int = 1
+
+
+NOWHERE = Where(0, 0, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """What the author must mend: which rule is broken, where, by which words, and what to write
+    instead. ``text`` is the offending text, "" where it is not at hand."""
+
+    rule: str  # short and stable: axis-conflict, unknown-target, no-timeout, ...
+    where: Where
+    text: str
+    message: str
+    hint: str = ""
+
+
+# --- guards ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """``variable operator bound``, the bound in the variable's SI unit.
+
+    ``sure`` (0..1) asks the estimate's covariance: true only if that share of the distribution
+    fulfils the comparison.
+    """
+
+    variable: str
+    operator: str  # < <= > >=
+    bound: float
+    sure: float | None = None
+    where: Where = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Not:
+    operand: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class And:
+    operands: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Or:
+    operands: tuple[Expression, ...]
+
+
+Expression = Comparison | Not | And | Or
+
+
+@dataclass(frozen=True, slots=True)
+class Guard:
+    """An expression that must hold without a gap for ``held`` seconds (unknown resets it)."""
+
+    expression: Expression
+    held: float = 0.0
+
+
+# --- the mission as its author wrote it -----------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Position:
+    """Degrees, as texts and charts give it (WGS 84)."""
+
+    latitude_deg: float
+    longitude_deg: float
+
+
+@dataclass(frozen=True, slots=True)
+class Local:
+    """Metres from home."""
+
+    north: float
+    east: float
+
+
+Place = Position | Local | str  # str: "home"
+
+SURFACE = "surface"  # the name of the implicit leg, reserved
+HOME = "home"
+
+
+class Axis(enum.Enum):
+    """What a leg may set or keep. One axis has one holder at a time."""
+
+    HORIZONTAL = "surge and turn"
+    HEADING = "heading"
+    VERTICAL = "depth, altitude or heave"
+    ATTITUDE = "attitude"
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """One word of a leg that sets an axis, as a partial setpoint.
+
+    ``word`` is the setpoint's field: surge, turn, heave, heading, depth, altitude, pitch, roll;
+    ``value`` is that field's value (fractions, rad, m). ``stop`` (ZAF0 and the like) is surge 0.
+    """
+
+    word: str
+    value: float
+    where: Where = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Exit:
+    """``until guard [-> target]``; no target: the next leg in order."""
+
+    guard: Guard
+    target: str | None = None
+    where: Where = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Handler:
+    """``on guard [held s] -> target`` at mission or group level; the innermost group wins."""
+
+    guard: Guard
+    target: str
+    where: Where = field(default=NOWHERE, compare=False)
+
+
+# What a leg does beside holding its settings; one type per leg kind.
+
+
+@dataclass(frozen=True, slots=True)
+class Hold:
+    pass
+
+
+@dataclass(frozen=True, slots=True)
+class Wait:
+    """Holds whatever is set for ``Leg.duration``, or until an exit."""
+
+
+@dataclass(frozen=True, slots=True)
+class Goto:
+    """To a place along the track line from where the leg was entered (line of sight)."""
+
+    place: Place
+    within: float  # m, arrival radius
+
+
+@dataclass(frozen=True, slots=True)
+class Follow:
+    places: tuple[Place, ...]
+    within: float
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """A lawnmower area: ``count`` parallel rows of ``length``, ``spacing`` apart, first along
+    ``bearing`` (rad), the others to ``side`` of it (+1 starboard, -1 port), from ``start``."""
+
+    start: Place | None  # None: where the leg is entered
+    bearing: float
+    length: float
+    spacing: float
+    count: int
+    side: int
+    within: float
+
+
+@dataclass(frozen=True, slots=True)
+class Yoyo:
+    """Between two depths, ``cycles`` times down and up, while the other axes are held."""
+
+    shallow: float
+    deep: float
+    cycles: int
+
+
+@dataclass(frozen=True, slots=True)
+class Loiter:
+    """A circle of ``radius`` about a place (None: where entered), ``side`` +1 clockwise."""
+
+    place: Place | None
+    radius: float
+    side: int
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """Ascend as R7 proves it; ends at the surface, or with a fix there (``until_fix``)."""
+
+    until_fix: bool = False
+
+
+LegKind = Hold | Wait | Goto | Follow | Rows | Yoyo | Loiter | Surface
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """``name`` is unique in its group; generated ones are ``line12``. ``duration`` is ``for``.
+
+    ``timeout_target``/``otherwise`` None: the mission's ``on timeout`` (default surface).
+    ``otherwise`` is the leg's ``else``: taken at the timeout, when a Z is refused and when a
+    needed reading stays invalid.
+    """
+
+    name: str
+    kind: LegKind
+    settings: tuple[Setting, ...] = ()
+    exits: tuple[Exit, ...] = ()
+    duration: float | None = None
+    timeout: float | None = None
+    otherwise: str | None = None
+    where: Where = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Set:
+    """A bare ZA line: sets and goes on at once."""
+
+    name: str
+    settings: tuple[Setting, ...]
+    where: Where = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """``repeat`` >= 1 rounds of its body; ``handlers`` act while one of its legs is active."""
+
+    name: str
+    repeat: int
+    body: tuple[Node, ...]
+    handlers: tuple[Handler, ...] = ()
+    where: Where = field(default=NOWHERE, compare=False)
+
+
+Node = Leg | Set | Group
+
+
+@dataclass(frozen=True, slots=True)
+class Safety:
+    """What the mission itself allows; None: the vehicle's hard limit alone."""
+
+    radius: float | None = None  # m from home
+    time: float | None = None  # s autonomous
+    depth: float | None = None  # m
+    voltage: float | None = None  # V, control battery
+
+
+@dataclass(frozen=True, slots=True)
+class Mission:
+    """What both texts say; comments are gone, parameters resolved."""
+
+    name: str
+    vehicle: str
+    body: tuple[Node, ...]
+    home: Position | None = None
+    safety: Safety = Safety()
+    assume: tuple[tuple[str, float], ...] = ()  # current m/s, ...; sorted by name
+    handlers: tuple[Handler, ...] = ()
+    on_uncertain: str = SURFACE
+    on_timeout: str = SURFACE
+    start_without_fix: bool = False
+    where: Where = field(default=NOWHERE, compare=False)

@@ -1,0 +1,1 @@
+"""The recorded inputs fed to the same drive, and the first difference."""

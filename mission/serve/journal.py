@@ -1,0 +1,146 @@
+"""What an operator reads of a running serve: lines in order, each with its level, none without end.
+
+    info     what happens as it should: states, commands sent to the vehicle with their reason
+    warning  somebody should look at it: refusals, ports that are away, a fault of a limit
+    fault    the program or the vehicle needs help now
+
+The same thing again within a minute is counted, and told as a count afterwards: a flood does not
+fill the disk. What does not live here: the black box, which has everything.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+from mission.drive.drive import Observer
+from mission.drive.records import FAULT as FAULT_RECORD
+from mission.drive.records import Recorder
+from mission.engine.regions import EMERGENCY
+from mission.model import Estimate, Record, Step, Tx
+
+INFO, WARNING, FAULT = "info", "warning", "fault"
+LEVELS = {INFO: 6, WARNING: 4, FAULT: 3}  # syslog's numbers
+AGAIN_S = 60.0
+REMEMBERED = 512
+
+
+@dataclass(slots=True)
+class _Told:
+    t: float
+    level: str
+    text: str
+    more: int = 0
+
+
+class Journal:
+    """``now`` is any clock that does not go back."""
+
+    def __init__(self, write: Callable[[str], None], now: Callable[[], float]) -> None:
+        self._write, self._now = write, now
+        self._told: dict[str, _Told] = {}
+
+    def info(self, text: str, key: str = "") -> None:
+        """``key``: what counts as the same thing; by itself the text."""
+        self._tell(INFO, text, key, 1)
+
+    def warning(self, text: str, key: str = "", times: int = 1) -> None:
+        self._tell(WARNING, text, key, times)
+
+    def fault(self, text: str) -> None:
+        """Always told."""
+        self._write(f"{FAULT}: {text.rstrip()}")
+
+    def settle(self) -> None:
+        """The counts whose minute is over; to be called now and then."""
+        now = self._now()
+        for key in [k for k, told in self._told.items() if now - told.t >= AGAIN_S]:
+            told = self._told.pop(key)
+            if told.more:
+                self._write(f"{told.level}: {told.more} more of: {told.text}")
+
+    def _tell(self, level: str, text: str, key: str, times: int) -> None:
+        told = self._told.get(key or text)
+        now = self._now()
+        if told is not None and now - told.t < AGAIN_S:
+            told.more += times
+            return
+        if told is not None or len(self._told) >= REMEMBERED:
+            self.settle()
+        if len(self._told) < REMEMBERED:
+            self._told[key or text] = _Told(now, level, text, times - 1)
+        self._write(f"{level}: {text.rstrip()}")
+
+    # --- what a drive does -----------------------------------------------------------------
+
+    def left(self, tx: Tx, vehicle: bool) -> None:
+        """Something was sent: to the vehicle always told, to topside where it says no."""
+        frame = tx.data.decode("ascii", "replace") if tx.data.isascii() else tx.data.hex(" ")
+        if vehicle:
+            manual = "@M" in tx.reason or "@D" in tx.reason
+            self.info(
+                f"to the vehicle: {frame} - {tx.reason}",
+                tx.reason if manual else f"{frame} {tx.reason}",
+            )
+        elif tx.data.startswith(b"@ACK_") and tx.data.endswith(b"N$"):
+            self.warning(f"refused: {frame} to {tx.link} {tx.address} - {tx.reason}")
+
+    def step(self, step: Step) -> None:
+        for path in step.entered[-1:]:
+            because = step.trigger or step.event
+            what = "; ".join(step.actions)
+            self._now_in(path, f"{because}{': ' if what else ''}{what}")
+
+    def estimate(self, estimate: Estimate) -> None:
+        """Not for people."""
+
+    def _now_in(self, path: str, because: str) -> None:
+        level = WARNING if path.startswith(EMERGENCY) else INFO
+        self._write(f"{level}: now {path} - {because}")
+
+
+class Several:
+    """Observers of one drive, in their order."""
+
+    def __init__(self, *observers: Observer) -> None:
+        self._observers = observers
+
+    def step(self, step: Step) -> None:
+        for observer in self._observers:
+            observer.step(step)
+
+    def estimate(self, estimate: Estimate) -> None:
+        for observer in self._observers:
+            observer.estimate(estimate)
+
+
+class Tally:
+    """A recorder in front of the black box that counts faults by link."""
+
+    def __init__(self) -> None:
+        self.faults: Counter[str] = Counter()
+        self._recorder: Recorder | None = None
+
+    def over(self, recorder: Recorder | None) -> Tally:
+        self._recorder = recorder
+        return self
+
+    def record(self, record: Record) -> None:
+        if record.kind == FAULT_RECORD:
+            self.faults[record.payload.partition(b"\0")[0].decode()] += 1
+        if self._recorder is not None:
+            self._recorder.record(record)
+
+
+def printed(line: str, wall: float) -> str:
+    """For the system's journal with its level as a number, for a terminal with the time."""
+    level, _, text = line.partition(": ")
+    if level not in LEVELS:
+        level, text = INFO, line
+    if "JOURNAL_STREAM" in os.environ:
+        return "\n".join(f"<{LEVELS[level]}>{row}" for row in text.split("\n"))
+    stamp = datetime.fromtimestamp(wall, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+    return f"{stamp} {level:7} {text}"

@@ -1,0 +1,400 @@
+"""The asyncio shell around the drive: ports, timers, black box, signals. It decides nothing.
+
+    bytes --Port--Sieve--> Drive.receive --+   (the sieve: topside's connections alone)
+    timer -------------> Drive.handle_timer +--> Tx --> Port | nodes | system clock
+    peers -------------> connected, ...  --+     records --every 0.1 s, in a thread--> black box
+
+What an operator should read goes to the journal, how everything is to status.json (health).
+The wall clock and the monotonic clock are read here and nowhere else in the sea's way; the engine's
+time begins with the drive, ``speed`` times as fast as real time (a demonstration; 1 at sea).
+The filter is imported in a thread once the ports are there; until then @AA is refused.
+
+A fault of the program ends the drive, not the vehicle: it is told, and another drive begins as
+after a restart (what was under way surfaces), on the same ports, with a black box of its own.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+import time
+import traceback
+from collections.abc import Callable, Coroutine
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any
+
+from links import LinkAddressError
+from links.base import Rx
+from mission.blackbox import FLUSH_S, BlackBox, BlackBoxError, new_path
+from mission.configuration import Configuration
+from mission.drive.drive import CLOCK, Drive, Observer
+from mission.drive.nodes import LINK as NODES
+from mission.drive.vessel import Peer
+from mission.model import Tx
+from mission.serve import health
+from mission.serve.journal import Journal, Several, Tally
+from mission.serve.listening import listening, open_to_all, reached_at
+from mission.serve.ports import Port
+from mission.serve.processes import Processes
+from mission.serve.sieve import Sieve, host_of
+from mission.serve.watchdog import Watchdog
+from mission.store import Store
+from mission.vehicle import Vehicle
+
+if TYPE_CHECKING:
+    from mission.navigation import Navigation
+
+VEHICLE, GPS, TOPSIDE, MODEM = "vehicle", "gps", "topside", "modem"
+NODE_OF = {VEHICLE: "STM32", GPS: "BDGPS", MODEM: "UACM"}
+REBIRTH_S = 1.0  # real time, between a fault of the program and the next drive
+EARLY_S = 0.002  # a timer that fires so much too early counts as in time
+
+
+@dataclass(frozen=True, slots=True)
+class Ready:
+    """Told once, when an operator can connect."""
+
+    topside: str  # tcp://host:port, the port as it really is
+    black_box: str  # path, "" if there is none
+
+
+class Server:
+    """``tell`` gets the journal's lines; ``ready`` is called once."""
+
+    def __init__(
+        self,
+        configuration: Configuration,
+        vehicle: Vehicle,
+        store: Store,
+        tell: Callable[[str], None],
+        ready: Callable[[Ready], None] = lambda ready: None,
+        speed: float = 1.0,
+        observer: Observer | None = None,
+    ) -> None:
+        self._configuration, self._vehicle, self._store = configuration, vehicle, store
+        self._journal = Journal(tell, time.monotonic)
+        self._tell, self._ready, self._speed = self._journal.warning, ready, speed
+        self._observer = Several(self._journal, *([observer] if observer else []))
+        self._sieve, self._began = Sieve(time.monotonic()), time.monotonic()
+        self._tally = Tally()
+        self._commander: Peer | None = None
+        self._drive: Drive | None = None
+        self._box: BlackBox | None = None
+        self._zero = 0.0
+        self._timer: asyncio.TimerHandle | None = None
+        self._peers: dict[str, frozenset[str]] = {}
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._stopping = asyncio.Event()
+        self._announced = False
+        self.refusal = ""  # why it cannot serve at all
+        self._watchdog = Watchdog()
+        self._disk = ThreadPoolExecutor(1, "black box")
+
+    async def run(self) -> None:
+        """Until ``stop``."""
+        links = self._configuration.links
+        urls = {
+            TOPSIDE: listening(links.topside),
+            VEHICLE: links.vehicle,
+            GPS: links.gps,
+            MODEM: links.modem,
+        }
+        self._ports = {
+            name: Port(name, url, self._readable, self._changed, self._tell)
+            for name, url in urls.items()
+            if url is not None
+        }
+        nodes = {NODE_OF[name]: port for name, port in self._ports.items() if name in NODE_OF}
+        self._processes = Processes(nodes, self._configuration.camera, self._tell)
+        await self._begin()
+        for port in self._ports.values():
+            self._spawn(port.keep_open())
+        self._spawn(self._keep_box())
+        self._spawn(self._keep_status())
+        self._watchdog.ready()  # the drive lives, whether or not topside can be listened to
+        await self._stopping.wait()
+        await self._end()
+
+    def stop(self) -> None:
+        self._stopping.set()
+
+    def now(self) -> float:
+        """The engine's time."""
+        return (time.monotonic() - self._zero) * self._speed
+
+    # --- the drive ---------------------------------------------------------------------------
+
+    async def _begin(self) -> None:
+        """A drive with its black box, from what the store holds."""
+        wall = time.time()
+        self._box = None
+        try:
+            self._box = BlackBox(new_path(self._configuration.log, wall), wall, shell=True)
+        except (BlackBoxError, OSError) as error:
+            self._tell(f"{error} - nothing will be recorded")
+        self._zero = time.monotonic()
+        try:
+            self._drive = Drive(
+                self._configuration,
+                self._vehicle,
+                self._store,
+                self._tally.over(self._box),
+                wall=wall,
+                observer=self._observer,
+            )
+        except Exception:
+            self._fault()
+            return
+        for name, port in self._ports.items():
+            self._peers[name] = frozenset()
+            self._meet(port)
+        self._spawn(self._navigate(self._drive))
+        self._schedule()
+
+    async def _navigate(self, drive: Drive) -> None:
+        """The filter's import takes a second and more: not in this thread."""
+        loop = asyncio.get_running_loop()
+        try:
+            navigation = await loop.run_in_executor(None, _prepare, drive)
+        except Exception:
+            self._journal.fault("navigation cannot be loaded, no mission can start:")
+            self._journal.fault(traceback.format_exc())
+            return
+        if drive is self._drive:
+            self._do(lambda d: d.set_navigation(navigation, self.now()))
+
+    def _do(self, call: Callable[[Drive], list[Tx]]) -> None:
+        """One input to the drive, and everything that leaves because of it."""
+        if self._drive is None:
+            return
+        try:
+            out = call(self._drive)
+        except Exception:
+            self._fault()
+            return
+        for tx in out:
+            self._leave(tx)
+        if self._drive.commander != self._commander:
+            self._hand_over(self._drive.commander)
+        self._watchdog.fed(time.monotonic())
+        self._schedule()
+
+    def _fault(self) -> None:
+        """A mistake in the program: never the end of the vehicle."""
+        self._journal.fault("a fault of the program; what was under way surfaces:")
+        self._journal.fault(traceback.format_exc())
+        self._drive = None
+        if self._timer is not None:
+            self._timer.cancel()
+        self._spawn(self._begin_again())
+
+    async def _begin_again(self) -> None:
+        await asyncio.sleep(REBIRTH_S)
+        await self._shut_box()
+        if not self._stopping.is_set():
+            await self._begin()
+
+    # --- in ----------------------------------------------------------------------------------
+
+    def _readable(self, port: Port) -> None:
+        now = self.now()
+        heard = port.receive(now)
+        self._meet(port)
+        if port.name == TOPSIDE:
+            heard = self._sifted(port, heard)
+        for rx in heard:
+            self._do(lambda drive, rx=rx: drive.receive(rx, now))  # type: ignore[misc]
+        self._part(port)
+
+    def _sifted(self, port: Port, heard: list[Rx]) -> list[Rx]:
+        """Less what floods; those with an X or W first."""
+        for refusal, times in port.refusals().items():
+            self._journal.warning(f"topside: {refusal.host} turned away: {refusal.why}",
+                                  times=times)  # fmt: skip
+        return self._sieve.sift(heard, time.monotonic(), self._flooded)
+
+    def _flooded(self, host: str) -> None:
+        self._tell(f"topside: {host} floods; only its X and W are heard")
+
+    def _changed(self, port: Port) -> None:
+        if port.link is None:
+            self._part(port)
+            if port.name == MODEM:
+                self._do(lambda drive: drive.disconnected(MODEM, "", self.now()))
+        elif port.name == TOPSIDE and not self._announced:
+            self._announced = True
+            black_box = str(self._box.path) if self._box is not None else ""
+            self._ready(Ready(reached_at(port.url), black_box))
+            if open_to_all(port.url):
+                self._tell(f"whoever reaches {port.url} can command the vehicle: add "
+                           "?allow=ADDRESSES to it, or listen with tls-listen://")  # fmt: skip
+        self._schedule()
+
+    def _meet(self, port: Port) -> None:
+        known = self._peers.get(port.name, frozenset())
+        for address in port.peers:
+            if address not in known:
+                self._peers[port.name] = self._peers[port.name] | {address}
+                self._journal.info(f"topside: {address} is connected", host_of(address))
+                self._do(lambda d, a=address: d.connected(port.name, a, self.now()))  # type: ignore[misc]
+
+    def _part(self, port: Port) -> None:
+        for address in self._peers.get(port.name, frozenset()) - set(port.peers):
+            self._peers[port.name] = self._peers[port.name] - {address}
+            self._sieve.forget(address)
+            self._journal.info(f"topside: {address} is gone", f"{host_of(address)} is gone")
+            self._do(lambda d, a=address: d.disconnected(port.name, a, self.now()))  # type: ignore[misc]
+
+    def _schedule(self) -> None:
+        """One timer for everything that is due next."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        dues = [port.next_event() for port in self._ports.values()]
+        if self._drive is not None:
+            dues.append(self._drive.next_timer())
+        due = min((d for d in dues if d is not None), default=float("inf"))
+        delay = max(0.0, (due - self.now()) / self._speed)
+        delay = min(delay, self._watchdog.remaining(time.monotonic()))
+        if delay != float("inf"):
+            loop = asyncio.get_running_loop()
+            self._timer = loop.call_later(delay, self._due, due)
+
+    def _due(self, due: float) -> None:
+        self._timer = None
+        now = self.now()
+        if now < due <= now + EARLY_S * self._speed:
+            now = due
+        for port in self._ports.values():
+            event = port.next_event()
+            if event is not None and event <= now:
+                self._readable(port)
+        self._do(lambda drive: drive.handle_timer(now))
+
+    # --- out ---------------------------------------------------------------------------------
+
+    def _hand_over(self, commander: Peer | None) -> None:
+        """R12. No frame of the documents tells who lost the command: it is answered N, and the
+        journal has it."""
+        loser, self._commander = self._commander, commander
+        if commander is not None and loser is not None:
+            self._tell(f"{commander} has taken the command over from {loser}")
+        elif commander is not None:
+            self._journal.info(f"{commander} commands")
+
+    def _leave(self, tx: Tx) -> None:
+        self._journal.left(tx, tx.link == VEHICLE)
+        if tx.link == NODES:
+            self._spawn(self._switch(tx.data))
+        elif tx.link == CLOCK:
+            self._set_system_clock(tx.data.decode("ascii"))
+        elif (port := self._ports.get(tx.link)) is not None:
+            port.send(tx.data, self.now(), tx.address)
+            self._part(port)
+
+    async def _switch(self, request: bytes) -> None:
+        answer = await self._processes.switch(request)
+        if answer:
+            self._do(lambda drive: drive.receive(Rx(self.now(), NODES, answer)))
+
+    def _set_system_clock(self, local: str) -> None:
+        there = datetime.fromisoformat(local).replace(tzinfo=UTC).timestamp()
+        try:
+            time.clock_settime(time.CLOCK_REALTIME, there - self._configuration.utc_offset)
+        except OSError as error:
+            self._tell(f"the system's clock was not set: {error.strerror}")
+
+    # --- black box ---------------------------------------------------------------------------
+
+    async def _keep_box(self) -> None:
+        told = ""
+        while True:
+            await asyncio.sleep(FLUSH_S)
+            box = self._box
+            if box is None:
+                continue
+            if (data := box.take()) or box.failure:
+                # shielded: what was taken is written even when this task is cancelled
+                stored = self._disk.submit(box.store, data, True)
+                await asyncio.shield(asyncio.wrap_future(stored))
+            if box.failure != told:
+                told = box.failure
+                self._tell(f"black box: {told}" if told else "black box: written again")
+
+    async def _keep_status(self) -> None:
+        loop = asyncio.get_running_loop()
+        while True:
+            if self._drive is not None:
+                how = health.Health(
+                    up_s=time.monotonic() - self._began,
+                    wall=time.time(),
+                    links=health.of_ports(
+                        self._ports, self.now(), self._tally.faults, {TOPSIDE: self._sieve.dropped}
+                    ),
+                    **health.of_drive(self._drive, self._vehicle),
+                    **health.of_box(self._box),
+                )
+                folder = self._configuration.folder
+                await loop.run_in_executor(self._disk, health.write, folder, how)
+            self._journal.settle()
+            await asyncio.sleep(health.EVERY_S)
+
+    async def _shut_box(self) -> None:
+        box, self._box = self._box, None
+        if box is not None:
+            await asyncio.get_running_loop().run_in_executor(self._disk, box.close)
+
+    # --- tasks -------------------------------------------------------------------------------
+
+    def _spawn(self, work: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.get_running_loop().create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._ended)
+
+    def _ended(self, task: asyncio.Task[None]) -> None:
+        self._tasks.discard(task)
+        if task.cancelled() or (error := task.exception()) is None:
+            return
+        if not isinstance(error, LinkAddressError):
+            self._journal.fault("".join(traceback.format_exception(error)))
+            return
+        self.refusal = str(error)
+        self.stop()
+
+    async def _end(self) -> None:
+        self._watchdog.stopping()
+        drive, self._drive = self._drive, None
+        if drive is not None and not drive.state.startswith("idle"):
+            self._tell(f"stopped in {drive.state}: the vehicle keeps its last command until "
+                       "serve runs again, which will surface it")  # fmt: skip
+        if self._timer is not None:
+            self._timer.cancel()
+        for task in tuple(self._tasks):
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await self._processes.end()
+        await self._shut_box()
+        self._disk.shutdown()
+
+
+def _prepare(drive: Drive) -> Navigation:
+    """In a thread: everything heavy that a mission will need, before anybody waits for it."""
+    import mission.check
+    import mission.language.assembly
+    import mission.language.lines  # noqa: F401
+
+    return drive.make_navigation()
+
+
+def run(server: Server) -> None:
+    """In the foreground, until SIGINT or SIGTERM."""
+
+    async def main() -> None:
+        loop = asyncio.get_running_loop()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            loop.add_signal_handler(number, server.stop)
+        await server.run()
+
+    asyncio.run(main())

@@ -1,0 +1,206 @@
+"""One flight in simulation: drive, operator and simulated vehicle in lock step, as fast as can be.
+
+    Operator --bytes--> Drive --bytes--> SimulatedVehicle
+             <--bytes--       <--bytes--
+
+The loop jumps from event to event: the next byte that arrives, the next timer. There is no tick,
+no clock and no thread; the same seed gives the same bytes.
+
+What does not live here: the figures made of a flight (flightlog), the pictures (plot), the
+vehicle's physics (links.simulated).
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from links.base import Rx
+from links.simulated.boards import BOARDS, SimulatedBoard
+from links.simulated.geodesy import local
+from links.simulated.link import HOME, START, SimulatedVehicle
+from links.simulated.settings import Settings
+from mission.configuration import Configuration
+from mission.drive.drive import VEHICLE, Drive
+from mission.drive.nodes import LINK as NODES
+from mission.language import digest, script
+from mission.model import STOPPED, Mission, Tx
+from mission.simulation.flightlog import Flight, FlightEnd, FlightLog, TruePlace
+from mission.simulation.rehearsal import Operator, Said
+from mission.store import MemoryStore, Stored
+
+if TYPE_CHECKING:
+    from mission.drive.records import Recorder
+    from mission.vehicle import Vehicle
+
+BOAT = "boat"
+TOPSIDE = "topside"
+LONGEST_S = 12 * 3600.0  # of a flight whose mission names no safety time
+AFTER_S = 2.0  # what the last commands need to arrive
+AFLOAT_S = 600.0  # what buoyancy alone may need
+
+
+def fly(
+    mission: Mission,
+    vehicle: Vehicle,
+    profile: str = "as-built",
+    seed: int = 0,
+    settings: Settings | None = None,
+    recorder: Recorder | None = None,
+    said: Sequence[Said] = (),
+    lines: Sequence[str] | None = None,
+    stored: Stored | None = None,
+) -> Flight:
+    """``profile`` picks the dialect and the firmware together. ``settings`` are the sea and its
+    faults; ``said`` is what the operator sends beside upload and start; ``lines`` go up instead of
+    the mission's own script."""
+    flown = vehicle if vehicle.codec in BOARDS else replace(vehicle, dialect=profile)
+    operator = Operator(lines or script(mission), digest(mission), said)
+    loop = _LockStep(
+        mission, flown, operator, seed, settings or Settings(), recorder, stored or Stored()
+    )
+    begun = time.perf_counter()
+    loop.run()
+    return loop.flight(time.perf_counter() - begun)
+
+
+class _LockStep:
+    def __init__(
+        self,
+        mission: Mission,
+        vehicle: Vehicle,
+        operator: Operator,
+        seed: int,
+        settings: Settings,
+        recorder: Recorder | None,
+        stored: Stored,
+    ) -> None:
+        position, home = HOME, mission.home
+        if home is not None:
+            position = math.radians(home.latitude_deg), math.radians(home.longitude_deg)
+        self.sea: SimulatedVehicle | SimulatedBoard = (
+            SimulatedBoard(vehicle.codec, seed, settings, position=position)
+            if vehicle.codec in BOARDS
+            else SimulatedVehicle(vehicle.dialect, seed, settings, position=position)
+        )
+        self.log = FlightLog(mission, self._true_place)
+        self.drive = Drive(
+            Configuration(),
+            vehicle,
+            MemoryStore(stored),
+            recorder,
+            wall=START.timestamp(),
+            observer=self.log,
+        )
+        self.operator = operator
+        self.now = 0.0
+        self._position = position
+        self._longest = LONGEST_S if mission.safety.time is None else 2.0 * mission.safety.time
+        self._digest = digest(mission)
+        self._navigation = self.drive.make_navigation()
+        self._send(self.drive.set_navigation(self._navigation, 0.0))
+        self._send(self.drive.connected(TOPSIDE, BOAT, 0.0))
+        self._drive_due = self.drive.next_timer()
+        self._operator_due = operator.next_timer()
+
+    def run(self) -> None:
+        while not self._is_over():
+            self._to_next_event()
+        end = self.now
+        while self._next_event() <= end + AFTER_S:
+            self._to_next_event()
+        while self.log.started is not None and self._is_under_way_up(end):
+            self._to_next_event()
+
+    def flight(self, wall: float) -> Flight:
+        truth = self.sea.truth()
+        end = FlightEnd(
+            self.now,
+            self._digest,
+            wall,
+            self.drive.state,
+            tuple(
+                TruePlace(p.t, *self._from_home(p.latitude, p.longitude), p.depth)
+                for p in self.sea.track
+            ),
+            truth.at_surface,
+        )
+        return self.log.flight(self.operator.failure, end)
+
+    # --- the loop ------------------------------------------------------------------------------
+
+    def _is_over(self) -> bool:
+        if self.operator.failure:
+            return True
+        if self.log.started is None or self._operator_due is not None:
+            return False
+        stopped = self.drive.state == STOPPED and self.sea.truth().at_surface
+        return self.log.over or stopped or self.now - self.log.started > self._longest
+
+    def _is_under_way_up(self, end: float) -> bool:
+        """A mission that was ended below leaves buoyancy to bring the vehicle up."""
+        return self.now < end + AFLOAT_S and not self.sea.truth().at_surface
+
+    def _next_event(self) -> float:
+        links = (self.sea.vehicle_link.next_event(), self.sea.gps_link.next_event())
+        first = math.inf
+        for due in (*links, self._drive_due, self._operator_due):
+            if due is not None and due < first:
+                first = due
+        return max(self.now, first)
+
+    def _to_next_event(self) -> None:
+        """Bytes before timers: what has arrived by then is known by then."""
+        self.now = now = self._next_event()
+        for link in (self.sea.vehicle_link, self.sea.gps_link):
+            for rx in link.receive(now):
+                self._send(self.drive.receive(rx, now))
+        due = self._operator_due
+        if due is not None and due <= now:
+            for data in self.operator.handle_timer(now):
+                self._send(self._say(data))
+            self._operator_due = self.operator.next_timer()
+        due = self.drive.next_timer()
+        if due is not None and due <= now:
+            self._send(self.drive.handle_timer(now))
+            due = self.drive.next_timer()
+        self._drive_due = due
+
+    def _send(self, sent: list[Tx]) -> None:
+        """Answers to the operator are answered in turn, until nobody has anything to say."""
+        if not sent:
+            return
+        waiting = deque(sent)
+        while waiting:
+            tx = waiting.popleft()
+            self.log.sent.append(tx)
+            if tx.link == VEHICLE:
+                self.sea.vehicle_link.send(tx.data, self.now)
+            elif tx.link == TOPSIDE:
+                for data in self.operator.receive(tx.data, self.now):
+                    waiting += self._say(data)
+                self._operator_due = self.operator.next_timer()
+            elif tx.link == NODES:
+                waiting += self.drive.receive(Rx(self.now, NODES, tx.data + b"\n"))
+
+    def _say(self, data: bytes) -> list[Tx]:
+        return self.drive.receive(Rx(self.now, TOPSIDE, data, BOAT))
+
+    # --- truth -----------------------------------------------------------------------------------
+
+    def _true_place(self) -> TruePlace:
+        sea = self.sea
+        return TruePlace(sea.now, *self._from_home(*sea.place()), sea.plant.depth)
+
+    def _from_home(self, latitude: float, longitude: float) -> tuple[float, float]:
+        """Against the frame of the estimate, by the simulator's own geodesy."""
+        frame = self._navigation.frame
+        if frame is None:
+            return local(self._position, latitude, longitude)
+        origin = frame.origin
+        there = math.radians(origin.latitude_deg), math.radians(origin.longitude_deg)
+        return local(there, latitude, longitude)

@@ -1,0 +1,156 @@
+"""The picture of a flight: plan view with 95 % ellipses, depth over time with the legs coloured.
+
+matplotlib is imported when a picture is drawn, with the Agg back end: no display is needed.
+
+What does not live here: the state graph (graph), figures (flightlog).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mission.simulation.flightlog import Flight, LegFlown, Sample
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_QUANTILE_95 = math.sqrt(-2.0 * math.log(0.05))  # of the plane: chi-square, two degrees of freedom
+_ELLIPSES = 12
+_TRUE, _ESTIMATE = "#2b2b2b", "#c1440e"
+_PALETTE = ("#88ccee", "#ddcc77", "#44aa99", "#cc6677", "#999933", "#aa4499", "#6699cc", "#117733")
+
+
+def draw_flight(flight: Flight, path: Path, title: str) -> None:
+    """Writes a PNG."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.0, 10.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    plan, profile = figure.subplots(2, 1, height_ratios=(2.2, 1.0))
+    colours = _leg_colours(flight.legs)
+    _draw_plan(plan, flight, colours)
+    _draw_profile(profile, flight, colours)
+    figure.suptitle(f"{title}: {flight.outcome}", fontsize=12)
+    figure.savefig(path, dpi=110)
+
+
+def ellipse(covariance: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Full axes (m, along and across) of the 95 % ellipse and its major axis's bearing (rad).
+
+    ``covariance`` is (nn, ne, ee) of north and east.
+    """
+    nn, ne, ee = covariance
+    middle, spread = (nn + ee) / 2.0, math.hypot((nn - ee) / 2.0, ne)
+    bearing = 0.5 * math.atan2(2.0 * ne, nn - ee)
+    long_, short = math.sqrt(middle + spread), math.sqrt(max(middle - spread, 0.0))
+    return 2.0 * _QUANTILE_95 * long_, 2.0 * _QUANTILE_95 * short, bearing
+
+
+def _leg_colours(legs: Sequence[LegFlown]) -> dict[str, str]:
+    names = dict.fromkeys(_plain(leg.name) for leg in legs)
+    return {name: _PALETTE[i % len(_PALETTE)] for i, name in enumerate(names)}
+
+
+def _plain(name: str) -> str:
+    return name.partition("#")[0]
+
+
+def _leg_at(legs: Sequence[LegFlown], t: float) -> str | None:
+    return next((_plain(leg.name) for leg in legs if leg.entered <= t < leg.left), None)
+
+
+def _draw_plan(axes: Axes, flight: Flight, colours: dict[str, str]) -> None:
+    samples = flight.samples
+    for leg in flight.legs:
+        flown = [s for s in samples if leg.entered <= s.t <= leg.left]
+        places = [s.estimate for s in flown]
+        axes.plot(
+            [e.east for e in places],
+            [e.north for e in places],
+            color=colours[_plain(leg.name)],
+            linewidth=5.0,
+            solid_capstyle="round",
+            alpha=0.8,
+        )
+    axes.plot(
+        [s.true.east for s in samples],
+        [s.true.north for s in samples],
+        color=_TRUE,
+        linewidth=1.2,
+        label="true track",
+    )
+    axes.plot(
+        [s.estimate.east for s in samples],
+        [s.estimate.north for s in samples],
+        color=_ESTIMATE,
+        linewidth=1.0,
+        linestyle="--",
+        label="estimate, with its 95 % ellipses",
+    )
+    for sample in _spread(samples, _ELLIPSES):
+        _draw_ellipse(axes, sample)
+    axes.plot(0.0, 0.0, marker="*", markersize=14, color=_TRUE, linestyle="", label="home")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel("east of home, m")
+    axes.set_ylabel("north of home, m")
+    axes.grid(alpha=0.3)
+    axes.legend(loc="best", fontsize=9)
+
+
+def _draw_ellipse(axes: Axes, sample: Sample) -> None:
+    from matplotlib.patches import Ellipse
+
+    along, across, bearing = ellipse(sample.estimate.covariance)
+    patch: Any = Ellipse(
+        (sample.estimate.east, sample.estimate.north),
+        along,
+        across,
+        angle=90.0 - math.degrees(bearing),
+        fill=False,
+        edgecolor=_ESTIMATE,
+        linewidth=0.7,
+        alpha=0.6,
+    )
+    axes.add_patch(patch)
+
+
+def _draw_profile(axes: Axes, flight: Flight, colours: dict[str, str]) -> None:
+    named: set[str] = set()
+    for leg in flight.legs:
+        name = _plain(leg.name)
+        label = None if name in named else name
+        named.add(name)
+        axes.axvspan(leg.entered, leg.left, color=colours[name], alpha=0.6, lw=0, label=label)
+    axes.plot(
+        [s.t for s in flight.samples],
+        [s.true.depth for s in flight.samples],
+        color=_TRUE,
+        linewidth=1.2,
+    )
+    known = [(s.t, s.estimate.depth) for s in flight.samples if s.estimate.depth is not None]
+    axes.plot(
+        [t for t, _ in known],
+        [depth for _, depth in known],
+        color=_ESTIMATE,
+        linewidth=1.0,
+        linestyle="--",
+    )
+    axes.invert_yaxis()
+    axes.set_xlabel("s from the start of the mission")
+    axes.set_ylabel("depth, m")
+    axes.grid(alpha=0.3)
+    if named:
+        below = (0.5, -0.2)  # beside the curves it would hide one of them
+        axes.legend(loc="upper center", bbox_to_anchor=below, fontsize=8, ncols=min(len(named), 6))
+
+
+def _spread(samples: Sequence[Sample], count: int) -> Sequence[Sample]:
+    step = max(1, len(samples) // count)
+    return samples[step - 1 :: step]

@@ -1,0 +1,103 @@
+"""Who asked for a byte: Steps and operators, whatever the reason beside it says."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from mission.campaign.audit import audit, command_of
+from mission.campaign.trial import Event, Heard, Said
+from mission.engine.core import in_words
+from mission.model import MANUAL_DRIVING, STOPPED, SURFACING, Evaluation, Step, Tx
+from protocol.messages import Order, Setpoint
+
+
+def step(t: float, *actions: str, entered: str = "", trigger: str = "") -> Step:
+    return Step(t, "", (), (), (entered,) if entered else (), actions, trigger)
+
+
+def sent(t: float, data: bytes) -> Tx:
+    return Tx(t, "vehicle", data, "because")
+
+
+def said(t: float, data: bytes) -> Said:
+    return Said(t, "topside", "boat", data)
+
+
+def spurious(*events: Event) -> int:
+    return len(audit(events, "as-built"))
+
+
+STARTED: tuple[Event, ...] = (
+    said(1.0, b"@AA$"),
+    step(1.0, "surge 0.5 heading 90 depth 4: entry of a", entered="autonomous/a", trigger="start"),
+)
+STOP: tuple[Event, ...] = (
+    said(5.0, b"@ZAX0$"),
+    step(5.0, "everything stopped: X from the operator", entered=STOPPED, trigger="X"),
+)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [Order.STOP, Order.SURFACE, Setpoint(0.5, heading=math.pi / 2, depth=4.0), Setpoint(heave=-1)],
+)
+def test_a_step_says_its_command_so_that_it_can_be_read_back(command: Setpoint | Order) -> None:
+    assert command_of(f"{in_words(command)}: why") == command
+
+
+def test_the_frames_of_a_set_are_asked_for_three_times_each_and_no_more() -> None:
+    tries = [sent(1.0 + 0.3 * i, b"@ZAS4$") for i in range(3)]
+    assert spurious(*STARTED, *tries, sent(2.0, b"@ZAH-90,6$")) == 0
+    assert spurious(*STARTED, *tries, sent(1.9, b"@ZAS4$")) == 1
+    assert spurious(*STARTED, sent(1.1, b"@ZAS5$")) == 0  # within what rounding explains
+    assert spurious(*STARTED, sent(1.1, b"@ZAS9$")) == 1
+
+
+def test_nothing_is_asked_for_before_a_step() -> None:
+    assert spurious(sent(0.5, b"@ZAX0$")) == 1
+
+
+def test_a_stop_ends_what_was_asked_for_before() -> None:
+    assert spurious(*STARTED, *STOP, sent(5.0, b"@ZAX0$")) == 0
+    assert spurious(*STARTED, *STOP, sent(5.3, b"@ZAS4$")) == 1
+
+
+def test_a_start_a_stop_and_a_surfacing_need_somebody_who_asked() -> None:
+    assert spurious(STARTED[1]) == 1
+    assert spurious(STOP[1]) == 1
+    up = "emergency surfacing: because"
+    assert spurious(step(9.0, up, entered=SURFACING, trigger="W")) == 1
+    assert spurious(said(9.0, b"@ZAWF$"), step(9.0, up, entered=SURFACING, trigger="W")) == 0
+    seen = (Evaluation("limit depth", True, ()),)
+    limit = Step(9.0, "", seen, (), (SURFACING,), (up,), "limit")
+    assert spurious(limit) == 0
+
+
+def test_a_leg_is_no_place_for_the_emergency() -> None:
+    late = step(6.0, "surge 1: a steers")
+    assert spurious(*STOP, late) == 1
+
+
+def test_a_stop_is_repeated_until_it_is_acknowledged() -> None:
+    again = [step(5.5 + 0.5 * i, "everything stopped: no acknowledgement yet") for i in range(9)]
+    assert spurious(*STOP, *again) == 0
+    acks = Heard(5.2, b"@ACK_ZAY$" * 4)
+    assert spurious(*STOP, acks, again[0]) == 1
+
+
+def test_a_relay_is_what_an_operator_said_once() -> None:
+    driving = step(3.0, entered=MANUAL_DRIVING, trigger="stick")
+    moved = said(3.0, b"@MMF5$")
+    assert spurious(moved, driving, sent(3.0, b"@MMF5$")) == 0
+    assert spurious(moved, driving, sent(3.0, b"@MMF5$"), sent(3.1, b"@MMF5$")) == 1
+    assert spurious(moved, driving, sent(3.0, b"@MMF6$")) == 1
+    assert spurious(moved, sent(3.0, b"@MMF5$")) == 1  # the stick has not got the vehicle
+    cut = (said(3.0, b"@RI"), said(3.1, b"$"), sent(3.1, b"@RI$"))
+    assert spurious(*cut) == 0
+
+
+def test_the_stick_holds_back_every_z() -> None:
+    events = (*STARTED, said(3.0, b"@MMF5$"), step(3.0, entered=MANUAL_DRIVING, trigger="stick"))
+    assert spurious(*events, sent(3.0, b"@MMF5$"), sent(3.2, b"@ZAS4$")) == 2

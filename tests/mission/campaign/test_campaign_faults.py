@@ -1,0 +1,179 @@
+"""Disturbed flights: nothing is lost, overrun or sent unasked; and the laws see it when it is."""
+
+from __future__ import annotations
+
+import functools
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from links.simulated.faults import FAULTS
+from links.simulated.settings import Settings, parse_settings
+from mission.campaign.deeds import INCIDENTS, Act, Deed
+from mission.campaign.draw import MOST, OUT_OF_HAND, Subject, draw
+from mission.campaign.faults import fare, fly_plan, shipped, subjects
+from mission.campaign.laws import LOST, OVERRUN, RAISED, violations
+from mission.campaign.pool import results
+from mission.campaign.soak import soak
+from mission.campaign.trial import FOREVER, Trial, try_out
+from mission.commands.faults import faults
+from mission.drive.frontseat import Frontseat
+from mission.engine.ascent import Ascent
+from mission.engine.engine import Engine
+from mission.engine.watch import Watch
+from mission.language import parse
+from mission.model import SURFACED, SURFACING, Step, Tx
+from mission.vehicle import load_vehicle
+
+VEHICLE = load_vehicle("auv")
+KNOWN = tuple(subjects(shipped()))
+FIRST = next(s for s in KNOWN if s.path.stem == "first-dive")
+PROFILES = ("as-built", "documented")
+NO_FAULTS = Settings()
+
+
+def flown(deeds: list[Deed], profile: str = "as-built", settings: Settings = NO_FAULTS) -> Trial:
+    return try_out(FIRST.mission, VEHICLE, profile, 1, settings, deeds)
+
+
+def kinds_of(trial: Trial, profile: str = "as-built", settings: Settings = NO_FAULTS) -> set[str]:
+    return {v.kind for v in violations(trial, FIRST.mission, VEHICLE, profile, settings)}
+
+
+# --- the campaign --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ten", range(5))
+def test_no_disturbed_flight_loses_overruns_or_sends_unasked(ten: int) -> None:
+    for number in range(10 * ten, 10 * ten + 10):
+        fared = fare(0, number, KNOWN)
+        assert not fared.violations, fared
+
+
+@pytest.mark.parametrize("name", INCIDENTS)
+def test_an_incident_alone_breaks_no_law(name: str) -> None:
+    from random import Random
+
+    drawn = INCIDENTS[name].draw(Random(name), ("mission other vehicle auv", "wait 9"))
+    deeds = [Deed(40.0 + d.after, d.act, d.data, d.link, d.address) for d in drawn]
+    for profile in PROFILES:
+        assert kinds_of(flown(deeds, profile), profile) == set()
+
+
+def test_every_fault_and_every_incident_is_drawn() -> None:
+    plans = [draw(1, number, KNOWN) for number in range(600)]
+    assert {kind for plan in plans for kind in plan.kinds} == {*FAULTS, *INCIDENTS}
+    assert max(len(plan.kinds) for plan in plans) == MOST
+    for event in (event for plan in plans for event in plan.settings.faults):
+        assert event.name not in OUT_OF_HAND or (event.duration or 0.0) < FOREVER
+
+
+def test_a_flight_is_told_by_its_seed_and_number_alone() -> None:
+    assert draw(5, 7, KNOWN) == draw(5, 7, KNOWN)
+    assert draw(5, 7, KNOWN) != draw(6, 7, KNOWN)
+    plan = draw(5, 7, KNOWN)
+    first, second = (fly_plan(plan, VEHICLE) for _ in range(2))
+    assert first.events == second.events
+
+
+def test_what_comes_out_does_not_depend_on_who_works() -> None:
+    work = functools.partial(fare, 9, KNOWN)
+    jobs = range(3)
+    known: tuple[Subject, ...] = KNOWN
+    assert known
+    assert list(results(_fare_ninth, jobs, 2)) == [work(number) for number in jobs]
+
+
+def _fare_ninth(number: int) -> object:
+    return fare(9, number, tuple(subjects(shipped())))
+
+
+def test_the_command_ends_with_one_object_and_flies_one_again(tmp_path: Path) -> None:
+    done = CliRunner().invoke(faults, ["--seed", "4", "--flight", "2", "--report", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    assert "auvmission faults --seed 4 --flight 2" in done.output
+    found = json.loads(done.stdout.splitlines()[-1])
+    assert (found["flights"], found["lost"], found["overruns"], found["spurious"]) == (1, 0, 0, 0)
+    assert sum(found["faults"].values()) == len(draw(4, 2, KNOWN).kinds)
+    assert (tmp_path / "life1.mcap").stat().st_size > 10_000
+
+
+# --- what it has found ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_program_killed_after_a_disk_was_full_at_the_start_still_surfaces(profile: str) -> None:
+    killed = [Deed(100.0, Act.KILL), Deed(103.0, Act.BOOT), Deed(104.0, Act.JOIN)]
+    trial = flown([Deed(4.5, Act.FILL), Deed(20.0, Act.FREE), *killed], profile)
+    assert kinds_of(trial, profile) == set()
+    assert trial.started is not None
+    assert trial.state == SURFACED
+
+
+# --- the laws bite -------------------------------------------------------------------------------
+
+
+def test_a_vehicle_that_does_not_come_up_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Ascent, "act", lambda self, now, depth: ())
+    settings = parse_settings(["fault=stm32_silent@60+20"])
+    assert LOST in kinds_of(flown([], settings=settings), settings=settings)
+
+
+def test_a_limit_that_nobody_looks_at_is_overrun(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Watch, "look", lambda self, reported, fixed: [])
+    silent = parse_settings(["fault=stm32_silent@60+20"])
+    assert OVERRUN in kinds_of(flown([], settings=silent), settings=silent)
+    tight = [Deed(60.0, Act.SAY, b"@SP,2000,2,100,10,$")]
+    assert OVERRUN in kinds_of(flown(tight))
+
+
+def test_a_dive_beyond_its_limit_is_an_overrun(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Watch, "look", lambda self, reported, fixed: [])
+    text = FIRST.mission
+    deep = parse(
+        "mission deep vehicle auv\nhome 30.2874595 120.1535765\nsafety radius 500 time 15min\n"
+        "down: depth 40 heading 0 gear 4 for 240\n"
+    )
+    assert text.safety.depth == 10.0
+    sea = parse_settings(["floor=60"])
+    trial = try_out(deep, VEHICLE, "as-built", 1, sea)
+    found = violations(trial, FIRST.mission, VEHICLE, "as-built", sea)
+    assert any(v.kind == OVERRUN and v.says.startswith("depth") for v in found)
+
+
+def test_a_program_that_raises_is_a_violation(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(self: Engine, now: float, inputs: object = ()) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(Engine, "step", fail)
+    assert kinds_of(flown([])) == {RAISED}
+
+
+def test_a_byte_that_nobody_asked_for_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    honest = Frontseat.poll
+
+    def poll(self: Frontseat, now: float) -> tuple[list[Tx], list[object]]:
+        sent, outcomes = honest(self, now)
+        extra = [Tx(now, "vehicle", b"@ZAX0$", "every 5 s")] if int(now) == 90 else []
+        return [*sent, *extra], list(outcomes)
+
+    monkeypatch.setattr(Frontseat, "poll", poll)
+    assert kinds_of(flown([])) == {"spurious"}
+
+
+# --- the soak ------------------------------------------------------------------------------------
+
+
+def test_one_program_lives_through_missions_in_a_row(tmp_path: Path) -> None:
+    soaked = soak(0.04, 0, KNOWN, VEHICLE, tmp_path)
+    assert soaked.totals.clean
+    assert soaked.missions >= 3
+    assert soaked.totals.aborted["not started"] < soaked.missions
+
+
+def test_surfacing_is_entered_for_a_reason_that_is_on_record() -> None:
+    trial = flown([Deed(60.0, Act.SAY, b"@ZAWF$")])
+    steps = [e for e in trial.events if isinstance(e, Step) and SURFACING in e.entered]
+    assert [step.event for step in steps] == ["operator W"]
