@@ -16,9 +16,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from mission.engine import distribution
-from mission.engine.regions import IDLE
+from mission import distribution
 from mission.model import AUTONOMOUS, Safety
+from mission.regions import IDLE
 from mission.vehicle import Vehicle
 from protocol.messages import Setpoint, SetSafety
 

@@ -15,8 +15,8 @@ from typing import Any
 
 from transitions.extensions.nesting import HierarchicalMachine, NestedState
 
-from mission.engine.regions import AGAIN, IDLE, LEG, REGION_EDGES, REGIONS
 from mission.model import AUTONOMOUS, IDLE_EMPTY, IMPLICIT_SURFACE, Chart
+from mission.regions import AGAIN, IDLE, LEG, REGION_EDGES, REGIONS
 
 
 class _State(NestedState):

@@ -19,7 +19,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from mission.engine import distribution
+from mission import distribution
 from mission.legs.base import Track, wrap
 from mission.model import Estimate, Health, NavigationMode, Reading
 from protocol.messages import Telemetry

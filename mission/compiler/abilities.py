@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from mission.compiler.axes import axis_where
-from mission.engine.guards import comparisons
+from mission.guards import comparisons
 from mission.legs import LEGS
 from mission.model import Axis, Expression, Leg, Problem, Surface, Where
 from mission.variables import CLOCK, VARIABLES

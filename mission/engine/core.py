@@ -12,7 +12,6 @@ import math
 from typing import Self
 
 from mission.engine.ascent import Ascent
-from mission.engine.regions import MANUAL
 from mission.engine.run import Run
 from mission.engine.senses import SURFACE_DEPTH, Navigator, Senses
 from mission.engine.watch import Watch
@@ -37,6 +36,7 @@ from mission.model import (
     Result,
     Step,
 )
+from mission.regions import MANUAL
 from mission.vehicle import Vehicle
 from protocol.messages import Order, Setpoint, SetSafety
 

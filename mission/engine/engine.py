@@ -19,7 +19,6 @@ from typing import Any
 
 from mission.engine.core import Core
 from mission.engine.orders import ORDERS, STICK_QUIET
-from mission.engine.regions import EMERGENCY, IDLE, MANUAL
 from mission.engine.run import short
 from mission.engine.senses import Navigator
 from mission.envelope import Bounds, Limit, Response
@@ -41,6 +40,7 @@ from mission.model import (
     Step,
     Verdict,
 )
+from mission.regions import EMERGENCY, IDLE, MANUAL
 from mission.variables import VARIABLES, Scope, reading_of
 from mission.vehicle import Vehicle
 from protocol.messages import (

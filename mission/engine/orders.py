@@ -18,7 +18,6 @@ from types import MappingProxyType
 from typing import Any
 
 from mission.engine.core import Core
-from mission.engine.regions import EMERGENCY, IDLE, MANUAL
 from mission.engine.senses import metres
 from mission.envelope import SILENCE, admit
 from mission.legs import LEGS
@@ -33,6 +32,7 @@ from mission.model import (
     Position,
     Verdict,
 )
+from mission.regions import EMERGENCY, IDLE, MANUAL
 from protocol.messages import ClearMission, Emergency, Manual, Order, SetSafety, StartMission
 
 STICK_QUIET = 2.0  # s (R6)

@@ -18,7 +18,6 @@ from typing import Self
 
 from mission.engine.ascent import Ascent
 from mission.engine.plan import Plan, name_of, plan_of, repeat_of
-from mission.engine.regions import AGAIN
 from mission.engine.senses import Senses
 from mission.legs import Pilot, Track, View
 from mission.legs.base import wrap
@@ -35,6 +34,7 @@ from mission.model import (
     Leg,
     Surface,
 )
+from mission.regions import AGAIN
 from mission.variables import VARIABLES, Scope, Value, value_of
 from protocol.messages import Order, Setpoint
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from mission.engine.regions import RegionEdge
 from mission.graph.outline import Node, Outline, Way
 from mission.graph.regions import REGIONS, SUBSTATES, region, shared, target
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By
+from mission.regions import RegionEdge
 
 _COLOURS = {By.TIMEOUT: "#b45309", By.ELSE: "#b45309", By.ON: "#b91c1c", By.UNCERTAIN: "#b91c1c"}
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mission.engine.regions import RegionEdge
 from mission.graph.canvas import LINE, NAME, Style, box, lead, leader, text, width
 from mission.graph.regions import REGIONS, SUBSTATES, region, target
 from mission.model import AUTONOMOUS
+from mission.regions import RegionEdge
 
 GAP = 12.0
 SHARES = (0.22, 0.26, 0.23, 0.29)  # of the width, where all four stand in one row

@@ -1,14 +1,14 @@
 """The transitions that every mission shares, as the pictures show them.
 
-The table itself is mission.engine.regions, which the machine is built from; here is only which
+The table itself is mission.regions, which the machine is built from; here is only which
 of its rows stand on every picture and which where the safety transitions are asked for.
 """
 
 from __future__ import annotations
 
-from mission.engine.regions import EMERGENCY, IDLE, LEG, MANUAL, REGION_EDGES, RegionEdge
-from mission.engine.regions import REGIONS as _REGIONS
 from mission.model import AUTONOMOUS, IDLE_READY, STOPPED, SURFACED
+from mission.regions import EMERGENCY, IDLE, LEG, MANUAL, REGION_EDGES, RegionEdge
+from mission.regions import REGIONS as _REGIONS
 
 REGIONS = (IDLE, AUTONOMOUS, MANUAL, EMERGENCY)  # in the order of the pictures
 SUBSTATES = tuple(path for name in REGIONS for path in _REGIONS[name])

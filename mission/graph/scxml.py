@@ -19,11 +19,11 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from mission.engine.regions import LEG, MANUAL, REGION_EDGES, RegionEdge
 from mission.graph import words
 from mission.graph.canvas import element
 from mission.graph.regions import REGIONS, SUBSTATES, region
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, Loop, State
+from mission.regions import LEG, MANUAL, REGION_EDGES, RegionEdge
 
 HISTORY = "autonomous.history"
 RESUME = "resume"

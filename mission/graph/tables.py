@@ -9,9 +9,9 @@ import json
 from typing import Any
 
 from mission.drive.records import to_plain
-from mission.engine.regions import REGION_EDGES
 from mission.graph import words
 from mission.model import And, Chart, Comparison, Edge, Expression, Guard, Not, Or, State
+from mission.regions import REGION_EDGES
 
 
 def tables(chart: Chart) -> str:

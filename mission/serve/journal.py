@@ -19,8 +19,8 @@ from datetime import UTC, datetime
 from mission.drive.drive import Observer
 from mission.drive.records import FAULT as FAULT_RECORD
 from mission.drive.records import Recorder
-from mission.engine.regions import EMERGENCY
 from mission.model import Estimate, Record, Step, Tx
+from mission.regions import EMERGENCY
 
 INFO, WARNING, FAULT = "info", "warning", "fault"
 LEVELS = {INFO: 6, WARNING: 4, FAULT: 3}  # syslog's numbers

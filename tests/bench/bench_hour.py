@@ -50,11 +50,10 @@ ROOMS = {
     "wire": ("protocol/", "pynmea2", "crcmod"),
     "navigation": ("mission/navigation", "filterpy", "numpy"),
     "machine and guards": (
-        "transitions", "mission/machine", "mission/engine", "mission/run", "mission/guards",
-        "mission/core", "mission/senses", "mission/watch", "mission/variables", "mission/envelope",
-        "mission/legs", "mission/ascent", "mission/distribution",
+        "transitions", "mission/machine", "mission/engine", "mission/variables",
+        "mission/envelope", "mission/legs",
     ),
-    "black box": ("mission/records", "mission/blackbox", "mcap"),
+    "black box": ("mission/drive/records", "mission/blackbox", "mcap"),
 }  # fmt: skip
 
 

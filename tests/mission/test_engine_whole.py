@@ -12,7 +12,6 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
-from mission.engine.regions import REGIONS
 from mission.machine import Machine
 from mission.model import (
     IDLE_EMPTY,
@@ -33,6 +32,7 @@ from mission.model import (
     Result,
     Yoyo,
 )
+from mission.regions import REGIONS
 from protocol.messages import (
     ClearMission,
     Emergency,

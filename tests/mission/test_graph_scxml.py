@@ -12,11 +12,11 @@ from typing import Any
 import pytest
 from graph_charts import chart
 
-from mission.engine.regions import AGAIN, LEG, REGION_EDGES
 from mission.graph.scxml import RESUME, event_of, events, identifier, scxml
 from mission.machine import Machine
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge
 from mission.prepare import prepare
+from mission.regions import AGAIN, LEG, REGION_EDGES
 from mission.vehicle import missions_folder
 
 io = pytest.importorskip("statemachine.io", reason="python-statemachine is not installed")

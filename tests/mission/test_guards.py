@@ -11,8 +11,8 @@ from engine_world import Navigation
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mission.engine import distribution
-from mission.engine.guards import Sheet, comparisons
+from mission import distribution
+from mission.guards import Sheet, comparisons
 from mission.legs import Track
 from mission.model import And, Comparison, Guard, Health, NavigationMode, Not, Or
 from mission.variables import VARIABLES, Scope, reading_of, value_of

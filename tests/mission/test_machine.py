@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from transitions import MachineError
 
-from mission.engine.regions import REGION_EDGES, REGIONS
 from mission.machine import Machine, NoSuchEdge
 from mission.model import (
     AUTONOMOUS,
@@ -22,6 +21,7 @@ from mission.model import (
     SURFACING,
     Group,
 )
+from mission.regions import REGION_EDGES, REGIONS
 
 
 def interpreted(active: str, target: str) -> tuple[tuple[str, ...], tuple[str, ...]]:

@@ -15,7 +15,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from mission.engine import distribution
+from mission import distribution
 from mission.model import And, Comparison, Expression, Guard, Not
 from mission.variables import VARIABLES, Scope, Value, Variable, difference, value_of
 
