@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from math import cos, radians, sin
 from typing import TYPE_CHECKING
 
+from links.simulated.firmware.stm32 import Mode
 from links.simulated.plant import LEFT_MAIN, RIGHT_MAIN
 from links.simulated.sensors import Health, Sensor
 
@@ -99,6 +100,18 @@ def _silence(vehicle: SimulatedVehicle, _: float) -> None:
 
 def _speak(vehicle: SimulatedVehicle, _: float) -> None:
     vehicle.stm32.tx.silent = False
+
+
+def _dive(vehicle: SimulatedVehicle, _: float) -> None:
+    vehicle.stm32.runaway = True
+
+
+def _dive_over(vehicle: SimulatedVehicle, _: float) -> None:
+    """A board that steers finds its own way back; one that waits for a command is at rest."""
+    board = vehicle.stm32
+    board.runaway = False
+    if board.mode is Mode.DEFAULT and not board.hung:
+        board.change(Mode.DEFAULT)
 
 
 def _hang(vehicle: SimulatedVehicle, _: float) -> None:
@@ -190,5 +203,7 @@ FAULTS: dict[str, Fault] = {
     ),
     "current_turn": Fault("the current turns", _current_turn, _current_usual, 90.0, "deg"),
     "battery_low": Fault("low control battery", _battery, _battery_usual, 9.0, "V"),
-    "unexplained_dive": _board("runaway", "it dives at full power, nobody said so", 20.0),
+    "unexplained_dive": Fault(
+        "it dives at full power, nobody said so", _dive, _dive_over, duration=20.0
+    ),
 }

@@ -113,6 +113,16 @@ def test_a_brown_out_leaves_everything_neutral_and_forgotten() -> None:
     assert vehicle.stm32.pwm == NEUTRAL
 
 
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_dive_that_a_restart_fell_into_ends_with_its_fault(profile: str) -> None:
+    events = (FaultEvent("unexplained_dive", 10.0, 20.0), FaultEvent("stm32_hang", 15.0, 4.0))
+    vehicle = SimulatedVehicle(profile, 1, Settings(Sea(floor=60.0), faults=events))
+    vehicle.advance(30.0)
+    assert vehicle.truth().depth > 2.0
+    vehicle.advance(120.0)
+    assert vehicle.truth().at_surface
+
+
 def test_an_unexplained_dive_ignores_what_is_asked() -> None:
     vehicle, truth = state("unexplained_dive", 39.0)
     assert truth.depth > 6.5
