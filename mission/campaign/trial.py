@@ -136,10 +136,10 @@ class _Loop:
         )
         self.events: list[Event] = []
         wall = START.timestamp()
+        self._boots = board is None
         self._operator_from = 0.0 if board is None else OPERATOR_AFTER
         if board is None:
             board = OnBoard(vehicle, FillableStore(), wall, self._step, self._told, recorder)
-            board.boot(0.0, 0.0)
         else:
             board.listen(self._step, self._told)
         self.board = board
@@ -152,11 +152,12 @@ class _Loop:
         self._last = max([0.0, *ends, *(deed.after for deed in deeds)])
         self._deadline = self._last + UPLOAD + OPERATOR_AFTER + ASCENT
         self._rests_since: float | None = None
-        self._failed = ""
 
     def run(self) -> Trial:
         raised = ""
         try:
+            if self._boots:
+                self.board.boot(0.0, 0.0)
             self._send(self.board.connected(TOPSIDE, BOAT, 0.0))
             while not self._is_over():
                 self._to_next_event()
