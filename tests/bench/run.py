@@ -50,6 +50,16 @@ class Bench:
 
 BENCHES = (
     Bench(
+        "bench_language",
+        "reading and judging large missions",
+        lambda module: module.main(),
+        (
+            Figure("read_s", "1000 legs read, processor time", "s", 1.0),
+            Figure("judged_s", "1000 legs read, compiled and checked", "s", 3.0),
+            Figure("growth", "up to 9000 legs, against n log n", "x", 1.5),
+        ),
+    ),
+    Bench(
         "bench_hour",
         "one hour of mission",
         lambda module: module.main(3),
