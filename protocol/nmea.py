@@ -111,7 +111,8 @@ class NmeaDecoder:
         buffer = self._buffer + data
         pos = 0
         while (start := buffer.find(b"$", pos)) >= 0:
-            self._outside(buffer[pos:start], pos)
+            if start > pos:
+                self._outside(buffer[pos:start], pos)
             end = _END.search(buffer, start + 1)
             stop = end.start() if end else len(buffer)
             if end is None and stop - start <= MAX_SENTENCE:

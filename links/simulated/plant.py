@@ -219,7 +219,8 @@ class Plant:
         u, v, w, p, q, r = self.u, self.v, self.w, self.p, self.q, self.r
         down = self.depth_rate
         for _ in range(steps):
-            sr, cr_, sp, cp_ = sin(roll), cos(roll), sin(pitch), cos(pitch)
+            sr, cr_ = sin(roll), cos(roll)
+            sp, cp_ = sin(pitch), cos(pitch)
             if depth >= draft:
                 lift = net
                 z = heave
@@ -227,7 +228,8 @@ class Plant:
                 lift = net - waterplane * (draft - depth)
                 z = heave - radiation * w
             level = lift * cp_
-            un, vn, wn, pn, qn = u, v, w, p, q
+            un, vn = u, v
+            wn, pn, qn = w, p, q
             au = u if u > 0.0 else -u
             uu = u * au
             u += du * (surge + mv * v * r - mw * w * q - u * xu - uu * xuu + lift * sp)

@@ -16,12 +16,12 @@ from mission.model import Estimate, Health, NavigationMode, Position
 from mission.navigation.declination import declination
 from mission.navigation.geodesy import LocalFrame
 from mission.navigation.health import SensorHealth
+from mission.navigation.items import GroundFix, Item, Report
 from mission.vehicle import Vehicle
 from protocol.messages import Fix, Telemetry
 
 if TYPE_CHECKING:
     from mission.navigation.model import Figures
-    from mission.navigation.reckoner import Item
 
 _LATEST = 15.0  # s: what is later than this is dropped
 _KEEP = 64  # items of input that can be gone back over
@@ -88,8 +88,6 @@ class Navigation:
     # --- in --------------------------------------------------------------------------------------
 
     def telemetry(self, t: Telemetry) -> None:
-        from mission.navigation.reckoner import Report
-
         good = self._health.telemetry(t)
         heading = t.heading if "heading" in good else None
         self._take(
@@ -112,8 +110,6 @@ class Navigation:
         return compass + self._declination - known
 
     def fix(self, f: Fix) -> None:
-        from mission.navigation.reckoner import GroundFix
-
         self._health.fix(f)
         if self._date is None and f.utc is not None:
             self._date = f.utc

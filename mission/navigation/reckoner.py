@@ -19,6 +19,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from mission.navigation.filter import Filter, Run
+from mission.navigation.items import GroundFix, Item, Report
 from mission.navigation.model import RATE, Figures, propulsion
 from mission.vehicle import Vehicle
 
@@ -32,30 +33,6 @@ _UNDER_WAY = 0.3  # m/s: slower, the speed's deviation fades with the speed
 _STEADY_SPEED, _STEADY_TURN = 0.1, 0.05  # m/s since the report before; rad/s
 _PENDING = 4  # velocities that wait for a report
 _LOST_TIME, _LOST_GROWTH, _LOST_MOST = 20.0, 0.05, 1.8  # s; rad per s; rad: no compass
-
-
-class Report(NamedTuple):
-    """What could be believed of one Telemetry. ``heading`` is compass + declination."""
-
-    t: float
-    heading: float | None
-    pitch: float | None
-    actuators: tuple[float, ...] | None
-    depth: float | None
-    altitude: float | None
-
-
-class GroundFix(NamedTuple):
-    """A fix in the local frame; ``velocity`` over ground, north and east."""
-
-    t: float
-    north: float
-    east: float
-    variance: float
-    velocity: tuple[float, float] | None
-
-
-Item = Report | GroundFix
 
 
 class _Motion(NamedTuple):
