@@ -37,7 +37,8 @@ from mission.model import (
     Step,
     Tx,
 )
-from protocol.messages import Order, Setpoint
+from protocol.messages import Manual, Order, Setpoint
+from protocol.topside import TopsideCodec
 from protocol.vehicles.auv import AuvCodec
 
 TRIES = 3  # R1
@@ -51,10 +52,7 @@ _SAME = 1e-3  # s
 _FRAME = re.compile(rb"@ZA([A-Z])(-?\d*)[,;]?(-?\d*)\$")
 _RELAYED = re.compile(rb"@[MRD][^@$]{0,60}\$")
 _X, _W, _AA = re.compile(rb"@ZAX0\$"), re.compile(rb"@ZAWF\$"), re.compile(rb"@AA\$")
-_M = re.compile(  # well-formed ones: others move nothing
-    rb"@M(?:T[1-5],-?\d{1,2}|D[AS][1-3],-?\d{1,3}|M[FBUD]\d{1,2}|R[LRFBUD][0-5]"
-    rb"|[SP]\d{1,3},-?\d{1,3})\$"
-)
+_M = re.compile(rb"@M[^@$]{0,60}\$")
 _STOPPED_ACK = re.compile(rb"@ACK_Z[XA]Y\$")
 _LONGEST = 64
 _ORDERS = {"everything stopped": Order.STOP, "emergency surfacing": Order.SURFACE}
@@ -136,7 +134,8 @@ class _Auditor:
             if found.end() > fresh:
                 self._relays.append((said.t, found[0]))
         for pattern in (_X, _W, _AA, _M):
-            if any(found.end() > fresh for found in pattern.finditer(stream)):
+            frames = [f[0] for f in pattern.finditer(stream) if f.end() > fresh]
+            if any(pattern is not _M or _moves(frame) for frame in frames):
                 self._last[pattern] = said.t
         self._tails[peer] = stream[-_LONGEST:]
 
@@ -243,6 +242,11 @@ class _Auditor:
             yield Spurious(tx.t, f"{tx.data!r} relayed in {self._state}")
         for permit in self._permits:
             permit.ends = min(permit.ends, tx.t)
+
+
+def _moves(frame: bytes) -> bool:
+    """Whether it is an M within its range: others move nothing (G4)."""
+    return any(isinstance(heard, Manual) for heard in TopsideCodec().receive(frame, 0.0))
 
 
 def _alike(asked: bytes, sent: bytes) -> bool:

@@ -9,7 +9,7 @@ import pytest
 from mission.campaign.audit import audit, command_of
 from mission.campaign.trial import Event, Heard, Said
 from mission.engine.core import in_words
-from mission.model import MANUAL_DRIVING, STOPPED, SURFACING, Evaluation, Step, Tx
+from mission.model import MANUAL_DRIVING, MANUAL_WAITING, STOPPED, SURFACING, Evaluation, Step, Tx
 from protocol.messages import Order, Setpoint
 
 
@@ -101,3 +101,10 @@ def test_a_relay_is_what_an_operator_said_once() -> None:
 def test_the_stick_holds_back_every_z() -> None:
     events = (*STARTED, said(3.0, b"@MMF5$"), step(3.0, entered=MANUAL_DRIVING, trigger="stick"))
     assert spurious(*events, sent(3.0, b"@MMF5$"), sent(3.2, b"@ZAS4$")) == 2
+
+
+def test_a_stick_out_of_its_range_holds_nothing() -> None:
+    driving = step(3.0, entered=MANUAL_DRIVING, trigger="stick")
+    waits = step(5.0, "everything stopped: no M for 2 s", entered=MANUAL_WAITING, trigger="silent")
+    assert spurious(said(3.0, b"@MMF5$"), driving, said(4.0, b"@MMF90$"), waits) == 0
+    assert spurious(said(3.0, b"@MMF5$"), driving, said(4.0, b"@MMF9$"), waits) == 1
