@@ -22,23 +22,11 @@ from types import MappingProxyType
 from mission import distribution
 from mission.legs.base import Track, wrap
 from mission.model import Estimate, Health, NavigationMode, Reading
+from mission.vehicle import REPORTS
 from protocol.messages import Telemetry
 
-# What a vehicle can report at all; the names of a vehicle file's ``reports``, and the clock.
 CLOCK = "clock"
-SOURCES = frozenset(
-    {
-        CLOCK,
-        "depth",
-        "altitude",
-        "heading",
-        "attitude",
-        "temperature",
-        "battery",
-        "leak",
-        "position",
-    }
-)
+SOURCES = REPORTS | {CLOCK}  # what a variable may be known by
 
 _TRACK = ("heading", "position")  # what dead reckoning needs
 _TELEMETRY = 6.0  # s: three reports of the vehicle missed (design: readings are three-valued)

@@ -2,6 +2,9 @@
 
     VehicleError      (the author of the vehicle file must act; says key and what instead)
 
+A key that nobody knows is refused: a misspelt ``depth`` under ``reports`` would disarm the limits
+of depth without a word.
+
 What does not live here: frames and dialects themselves (protocol.vehicles).
 """
 
@@ -10,7 +13,7 @@ from __future__ import annotations
 import itertools
 import math
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -18,6 +21,22 @@ from typing import Any
 import yaml
 
 from mission.units import UnitError, quantity
+from protocol.vehicles import codec
+
+# What a vehicle can report, and the axes it can follow, at all: the keys of those two tables.
+REPORTS = frozenset(
+    {
+        "depth",
+        "altitude",
+        "heading",
+        "attitude",
+        "temperature",
+        "battery",
+        "leak",
+        "position",
+    }
+)
+FOLLOWS = frozenset({"surge", "turn", "heave", "heading", "depth", "altitude", "attitude"})
 
 
 class VehicleError(ValueError):
@@ -213,14 +232,25 @@ class _Keys:
     def text(self, key: str) -> str:
         return str(self.get(key))
 
-    def table(self, key: str) -> _Keys:
+    def table(self, key: str, known: Collection[str] | None = None) -> _Keys:
+        """``known``: the keys it may have; None where any will do."""
         value = self.get(key)
         if not isinstance(value, dict):
             raise VehicleError(f"{self.where}: {key}: a table is needed, not {value!r}")
-        return _Keys(f"{self.where}: {key}", value)
+        table = _Keys(f"{self.where}: {key}", value)
+        if known is not None:
+            table.refuse_unknown(known)
+        return table
 
-    def true_keys(self, key: str) -> frozenset[str]:
-        table = self.table(key)
+    def refuse_unknown(self, known: Collection[str]) -> None:
+        for key in self.data:
+            if key not in known:
+                raise VehicleError(
+                    f"{self.where}: no key {key}; there are {', '.join(sorted(known))}"
+                )
+
+    def true_keys(self, key: str, known: Collection[str]) -> frozenset[str]:
+        table = self.table(key, known)
         return frozenset(str(name) for name in table.data if table.flag(name))
 
     def curve(self, key: str, unit: str) -> Curve:
@@ -238,11 +268,24 @@ def _falls(values: Sequence[float]) -> bool:
     return any(b < a for a, b in itertools.pairwise(values))
 
 
+def _names(kind: type[Any]) -> set[str]:
+    return {f.name for f in fields(kind)}
+
+
+_TABLES = {"name": "vehicle", "declination": "compass", "compass_bias": "compass"}
+
+
 def _vehicle(keys: _Keys) -> Vehicle:
-    limits, sensors, compass = keys.table("limits"), keys.table("sensors"), keys.table("compass")
-    battery, scale = keys.table("battery"), keys.table("battery_scale")
+    keys.refuse_unknown({_TABLES.get(name, name) for name in _names(Vehicle)})
+    limits, sensors = (
+        keys.table("limits", _names(HardLimits)),
+        keys.table("sensors", _names(Sensors)),
+    )
+    compass = keys.table("compass", {"declination", "bias_deg"})
+    battery = keys.table("battery", _names(Battery))
+    scale = keys.table("battery_scale", {"control", "power"})
     declination = compass.get("declination")
-    return Vehicle(
+    vehicle = Vehicle(
         name=keys.text("vehicle"),
         codec=keys.text("codec"),
         dialect=keys.text("dialect"),
@@ -255,8 +298,8 @@ def _vehicle(keys: _Keys) -> Vehicle:
             descent_rate=limits.number("descent_rate", "m/s"),
             roll=limits.number("roll", "deg"),
         ),
-        reports=keys.true_keys("reports"),
-        follows=keys.true_keys("follows"),
+        reports=keys.true_keys("reports", REPORTS),
+        follows=keys.true_keys("follows", FOLLOWS),
         constant_batteries=keys.flag("constant_batteries"),
         battery_scale=(scale.number("control", ""), scale.number("power", "")),
         one_speed=keys.flag("one_speed"),
@@ -286,32 +329,29 @@ def _vehicle(keys: _Keys) -> Vehicle:
         glides=keys.flag("glides") if "glides" in keys.data else False,
         drives=keys.flag("drives") if "drives" in keys.data else False,
     )
+    try:
+        codec(vehicle.codec, vehicle.dialect, vehicle.tolerances)
+    except ValueError as error:
+        raise VehicleError(f"{keys.where}: codec: {error}") from None
+    return vehicle
 
 
 def _calibration(keys: _Keys) -> Calibration:
     """The optional section; what it leaves out keeps the default."""
     if "calibration" not in keys.data:
         return Calibration()
-    table = keys.table("calibration")
-    _known(table, {*_CALIBRATION_UNITS, "deviation", "current"})
+    table = keys.table("calibration", _names(Calibration))
     given: dict[str, Any] = {
         name: table.number(name, unit)
         for name, unit in _CALIBRATION_UNITS.items()
         if name in table.data
     }
     if "deviation" in table.data:
-        harmonics = table.table("deviation")
-        _known(harmonics, {f.name for f in fields(Deviation)})
+        harmonics = table.table("deviation", _names(Deviation))
         given["deviation"] = Deviation(
             **{str(k): harmonics.number(k, "deg") for k in harmonics.data}
         )
     if "current" in table.data:
-        current = table.table("current")
+        current = table.table("current", {"north", "east"})
         given["current"] = (current.number("north", "m/s"), current.number("east", "m/s"))
     return Calibration(**given)
-
-
-def _known(table: _Keys, names: set[str]) -> None:
-    for key in table.data:
-        if key not in names:
-            raise VehicleError(f"{table.where}: no key {key}; there are {', '.join(sorted(names))}")

@@ -21,9 +21,13 @@ class UnknownVehicle(ValueError):
     """Says which there are."""
 
 
+class UnknownDialect(ValueError):
+    """Says which this vehicle has."""
+
+
 @dataclass(frozen=True, slots=True)
 class VehicleRow:
-    """``make(dialect, tolerances, battery_scale)``; raises ValueError for an unknown dialect."""
+    """``make(dialect, tolerances, battery_scale)``, with one of its ``dialects``."""
 
     name: str
     make: Callable[[str, Tolerances, BatteryScale], VehicleCodec]
@@ -54,9 +58,12 @@ def codec(
     tolerances: Mapping[str, str],
     battery_scale: BatteryScale = (1.0, 1.0),
 ) -> VehicleCodec:
-    """A fresh codec. Raises UnknownVehicle, UnknownTolerance, or ValueError for the dialect."""
+    """A fresh codec. Raises UnknownVehicle, UnknownDialect or UnknownTolerance."""
     for row in VEHICLES:
         if row.name == name:
+            if dialect not in row.dialects:
+                known = ", ".join(row.dialects)
+                raise UnknownDialect(f"no dialect {dialect!r} of {name}; there are: {known}")
             return row.make(dialect, Tolerances.parse(tolerances), battery_scale)
     raise UnknownVehicle(f"no vehicle {name!r}; there are: {', '.join(r.name for r in VEHICLES)}")
 
