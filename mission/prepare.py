@@ -17,7 +17,7 @@ from mission.compiler.compiler import CompileErrors, compile_mission
 from mission.language import MissionErrors, digest, parse
 from mission.language.problems import Problem, Problems
 from mission.model import Chart, Mission
-from mission.vehicle import Vehicle, VehicleError, load_vehicle
+from mission.vehicle import Vehicle, VehicleError, load_vehicle, missions_folder
 
 
 class Unreadable(ValueError):
@@ -39,12 +39,15 @@ class Prepared:
 def prepare(
     path: str | Path, vehicle: str | None = None, parameters: Mapping[str, str] | None = None
 ) -> Prepared:
-    """``vehicle``: a file or a shipped name; None: the one that the mission names."""
-    source = str(path)
+    """``path``: a file or a shipped mission's name. ``vehicle``: likewise; None: the one that the
+    mission names."""
+    file = mission_file(path)
+    source = str(file)
     try:
-        text = Path(path).read_text(encoding="utf-8")
+        text = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise Unreadable(f"{source}: cannot be read: {error}") from None
+        why = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
+        raise Unreadable(f"{source}: cannot be read: {why}") from None
     try:
         mission = parse(text, source, parameters or {})
         chosen = load_vehicle(vehicle or mission.vehicle)
@@ -57,6 +60,19 @@ def prepare(
         placed = _placed(text, source, error)
         raise Unreadable(str(placed), placed.problems) from None
     return Prepared(source, mission, chosen, chart)
+
+
+def mission_file(name: str | Path) -> Path:
+    """A file as it stands; a bare name that is no file is a shipped mission's. Raises Unreadable
+    for a bare name that is neither."""
+    path = Path(name)
+    if path.suffix or path.name != str(path) or path.exists():
+        return path
+    shipped = missions_folder() / f"{path}.yaml"
+    if shipped.is_file():
+        return shipped
+    known = ", ".join(sorted(p.stem for p in missions_folder().glob("*.yaml")))
+    raise Unreadable(f"{path}: no such file, and no shipped mission; there are {known}")
 
 
 def check_prepared(prepared: Prepared) -> Report:

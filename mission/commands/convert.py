@@ -26,9 +26,10 @@ def convert(
     to the vehicle.
     """
     from mission.language import MissionErrors, is_yaml, load, to_lines, to_yaml
-    from mission.prepare import Unreadable, parameters_of
+    from mission.prepare import Unreadable, mission_file, parameters_of
 
     try:
+        mission = mission_file(mission)
         model = load(mission, parameters_of(parameters))
     except (MissionErrors, Unreadable) as error:
         click.echo(str(error), err=True)

@@ -44,9 +44,8 @@ def demo(
     from mission.prepare import Unreadable, check_prepared, prepare
     from mission.simulation.demo import Demo, DemoError, as_planned
     from mission.simulation.plot import draw_flight
-    from mission.vehicle import missions_folder
 
-    path = mission or missions_folder() / "first-dive.yaml"
+    path = mission or Path("first-dive")
     try:
         prepared = prepare(path)
     except Unreadable as error:

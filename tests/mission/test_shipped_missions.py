@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from links.simulated.settings import parse_settings
-from mission.prepare import check_prepared, prepare
+from mission.prepare import Unreadable, check_prepared, mission_file, prepare
 from mission.simulation.flight import fly
 
 MISSIONS = sorted((Path(__file__).resolve().parents[2] / "missions").glob("*.yaml"))
@@ -40,3 +40,30 @@ def test_a_shipped_mission_comes_home_in_a_current(path: Path, profile: str) -> 
     assert flight.mission_time <= proved.worst_time
     assert flight.max_range <= proved.max_range
     assert flight.max_depth <= proved.max_depth
+
+
+@pytest.mark.parametrize("path", MISSIONS, ids=lambda p: p.stem)
+def test_a_shipped_mission_is_found_by_its_name_from_any_folder(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert mission_file(path.stem).samefile(path)
+    assert prepare(path.stem).mission == prepare(path).mission
+
+
+def test_a_file_of_that_name_comes_before_the_shipped_mission(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "first-dive").write_text("mission mine\nsafety time 2min\nwait 30s\n")
+    assert prepare("first-dive").mission.name == "mine"
+
+
+def test_a_name_that_is_neither_says_which_missions_there_are(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(Unreadable, match=r"first-dve: no such file.*first-dive, harbour-survey"):
+        prepare("first-dve")
+    with pytest.raises(Unreadable, match=r"first-dive\.yaml: cannot be read: No such file"):
+        prepare("first-dive.yaml")
