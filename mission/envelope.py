@@ -96,12 +96,14 @@ def never(watch: Watch) -> float | None:
 class Limit:
     """``breached`` gives True, False, or None for unknown (which counts neither way).
 
-    It must last for ``samples`` in a row, or for ``seconds``. ``due`` of a CLOCK row is when it
-    will be breached if nothing changes. ``needs``: the reports without which it is disarmed.
+    ``bound`` says in words beyond what. It must last for ``samples`` in a row, or for ``seconds``.
+    ``due`` of a CLOCK row is when it will be breached if nothing changes. ``needs``: the reports
+    without which it is disarmed.
     """
 
     name: str
     source: str
+    bound: str
     breached: Callable[[Watch], bool | None]
     why: Callable[[Watch], str]
     on: On = On.REPORT
@@ -218,6 +220,7 @@ LIMITS: tuple[Limit, ...] = (
     Limit(
         "depth",
         "depth",
+        "the depth in force, and 1 m",
         _depth,
         _depth_words,
         samples=2,
@@ -226,6 +229,7 @@ LIMITS: tuple[Limit, ...] = (
     Limit(
         "hard depth",
         "depth",
+        "the vehicle's own depth, and 1 m",
         _hard_depth,
         lambda w: f"depth {w.senses.depth or 0.0:.1f} m, hard limit {w.vehicle.limits.depth:g} m",
         samples=2,
@@ -235,6 +239,7 @@ LIMITS: tuple[Limit, ...] = (
     Limit(
         "unexplained descent",
         "depth",
+        "2 m deeper while nothing asks for it, or faster than the vehicle dives",
         lambda w: w.descent.unexplained,
         lambda w: w.descent.words,
         samples=2,
@@ -244,6 +249,7 @@ LIMITS: tuple[Limit, ...] = (
     Limit(
         "depth unknown",
         "depth",
+        f"{BLIND_TIME:g} s submerged without a depth to believe",
         _passed(_blind_due),
         lambda w: f"submerged and without a depth to believe for {BLIND_TIME:g} s",
         on=On.CLOCK,
@@ -253,6 +259,7 @@ LIMITS: tuple[Limit, ...] = (
     Limit(
         "telemetry",
         "the vehicle",
+        f"{SILENCE:g} s without a good report",
         _passed(_silence_due),
         lambda w: f"no good report for {SILENCE:g} s",
         on=On.CLOCK,
@@ -261,6 +268,7 @@ LIMITS: tuple[Limit, ...] = (
     Limit(
         "topside",
         "the operator",
+        "the configured silence; off unless configured",
         _passed(_topside_due),
         lambda w: f"nothing heard from topside for {w.topside_silence or 0.0:g} s",
         on=On.CLOCK,
@@ -269,14 +277,24 @@ LIMITS: tuple[Limit, ...] = (
     Limit(
         "no answer",
         "the vehicle",
+        f"{LOST_MOST} commands in succession",
         lambda w: w.lost >= LOST_MOST,
         lambda w: f"{w.lost} commands in succession without an answer",
         on=On.CLOCK,
     ),
-    Limit("leak", "leak", _leak, lambda w: "water inside", samples=3, needs=frozenset({"leak"})),
+    Limit(
+        "leak",
+        "leak",
+        "water inside",
+        _leak,
+        lambda w: "water inside",
+        samples=3,
+        needs=frozenset({"leak"}),
+    ),
     Limit(
         "roll-over",
         "attitude",
+        "the vehicle's own roll",
         _roll,
         lambda w: f"roll beyond {math.degrees(w.vehicle.limits.roll):.0f} deg",
         samples=2,
@@ -285,6 +303,7 @@ LIMITS: tuple[Limit, ...] = (
     Limit(
         "voltage",
         "control battery",
+        "the voltage in force",
         _voltage,
         lambda w: f"control battery below {w.bounds.voltage:g} V",
         seconds=10.0,
@@ -293,6 +312,7 @@ LIMITS: tuple[Limit, ...] = (
     Limit(
         "time",
         "clock",
+        "the autonomous time in force",
         _passed(_time_due),
         lambda w: f"autonomous for {w.bounds.time:g} s",
         on=On.CLOCK,
@@ -301,6 +321,7 @@ LIMITS: tuple[Limit, ...] = (
     Limit(
         "radius",
         "estimate",
+        "the radius in force",
         _radius,
         _radius_words,
         samples=2,
@@ -309,6 +330,7 @@ LIMITS: tuple[Limit, ...] = (
     Limit(
         "heading does not follow",
         "heading",
+        "an error beyond 30 deg that grew by 20 deg in 10 s or more",
         lambda w: w.steering.astray,
         lambda w: w.steering.words,
         needs=frozenset({"heading"}),
@@ -316,6 +338,7 @@ LIMITS: tuple[Limit, ...] = (
     Limit(
         "course against heading",
         "fixes",
+        "60 deg, under way at the surface",
         lambda w: w.course_apart(),
         lambda w: "course and heading more than 60 deg apart under way at the surface",
         on=On.FIX,
@@ -325,6 +348,7 @@ LIMITS: tuple[Limit, ...] = (
     Limit(
         "brown-out",
         "actuators",
+        "all thrusters neutral while thrust is set and acknowledged",
         lambda w: w.powerless(),
         lambda w: "all thrusters neutral while thrust is set",
         samples=2,
@@ -333,6 +357,7 @@ LIMITS: tuple[Limit, ...] = (
     Limit(
         "uncertain",
         "estimate",
+        "the radius in force, not 95 % sure to be within",
         _uncertain,
         lambda w: f"95 % bound of the position reaches the radius, {w.bounds.radius:g} m",
         samples=2,

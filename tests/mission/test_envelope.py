@@ -3,182 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
-from engine_world import VEHICLE, World, leg, mission, sets, when
+from engine_world import VEHICLE, World, leg, mission, sets
+from limit_cases import CASES, LEAKY, LONG, far, flying, sink, thrust, unsure
 
-from mission.envelope import LIMITS, Bounds, Response, admit, in_force
+from mission.engine.senses import Senses
+from mission.engine.watch import Watch
+from mission.envelope import LIMITS, Bounds, Limit, On, Response, admit, in_force
 from mission.model import (
     IDLE_EMPTY,
     SURFACING,
     By,
     NavigationMode,
-    Outcome,
-    Result,
     Safety,
     Surface,
 )
+from mission.regions import REGIONS
+from mission.vehicle import REPORTS
 from protocol.messages import ClearMission, Manual, Setpoint, SetSafety, StartMission
-
-LEAKY = replace(VEHICLE, reports=VEHICLE.reports | {"leak"}, constant_batteries=False)
-LONG = 20000.0
-
-
-def flying(depth: float = 10.0, **more: object) -> World:
-    """Under way on heading 0 at 10 m, with 20 m asked for."""
-    body = leg("out", settings=sets(surge=0.5, heading=0.0, depth=20.0), timeout=LONG)
-    away = leg("away", when("depth", ">", 99.0), settings=sets(depth=20.0), timeout=LONG)
-    world = World(mission(body, away, **more), vehicle=LEAKY)
-    world.leak = False
-    assert world.start()
-    world.depth = depth
-    world.nav.covariance = (0.01, 0.0, 0.01)
-    world.wait(4.0)
-    return world
-
-
-def sink(world: World, rate: float, seconds: float) -> None:
-    for _ in range(round(seconds / 2.0)):
-        world.depth += 2.0 * rate
-        world.wait(2.0)
-
-
-def depth(world: World, beyond: float) -> None:
-    world.tell(SetSafety(depth=11.0))
-    sink(world, (1.0 + beyond) / 10.0, 10.0)
-    sink(world, 0.0, 6.0)
-
-
-def hard_depth(world: World, beyond: float) -> None:
-    """In idle: under way the limit in force, never wider, is the first to act."""
-    world.depth = VEHICLE.limits.depth + 1.0 + beyond
-    world.wait(8.0)
-
-
-def unasked_descent(world: World, rate: float) -> None:
-    world.depth = 20.5
-    world.wait(4.0)
-    sink(world, rate, 20.0)
-
-
-def blind(world: World, seconds: float) -> None:
-    world.nav.doubt["depth"] = "frozen"
-    world.wait(seconds)
-    world.nav.doubt.clear()
-    world.wait(4.0)
-
-
-def silence(world: World, seconds: float) -> None:
-    world.wait(seconds, reports=False)
-
-
-def unanswered(world: World, times: int) -> None:
-    world.answer = None
-    sent = world.engine._core.watch.sent  # what the drive would report about
-    for _ in range(times):
-        world.tell(Outcome(Result.LOST, b"@ZAF6$", sent))
-
-
-def leaking(world: World, reports: int) -> None:
-    for _ in range(reports):
-        world.leak = True
-        world.wait(2.0)
-    world.leak = False
-    world.wait(4.0)
-
-
-def rolled(world: World, reports: int) -> None:
-    for _ in range(reports):
-        world.roll = math.radians(75.0)
-        world.wait(2.0)
-    world.roll = 0.0
-    world.wait(4.0)
-
-
-def weak(world: World, seconds: float) -> None:
-    for _ in range(round(seconds / 2.0)):
-        world.t += 2.0
-        world.tell(world.report(batteries=(9.5, 48.0)))
-    world.wait(4.0)
-
-
-def long_run(world: World, seconds: float) -> None:
-    world.tell(SetSafety(time=60.0))
-    started = 100.0
-    world.until(started + seconds)
-
-
-def far(world: World, metres: float) -> None:
-    world.tell(SetSafety(radius=500.0))
-    world.nav.north = metres
-    world.wait(6.0)
-
-
-def unsure(world: World, sigma: float) -> None:
-    world.tell(SetSafety(radius=500.0))
-    world.nav.north = 450.0
-    world.nav.covariance = (sigma**2, 0.0, sigma**2)
-    world.wait(6.0)
-
-
-def turning(world: World, rate_deg: float) -> None:
-    for _ in range(14):
-        world.heading = (world.heading + math.radians(2.0 * rate_deg)) % math.tau
-        world.wait(2.0)
-
-
-def course(world: World, off_deg: float, seconds: float) -> None:
-    world.depth = 0.2
-    world.nav.speed = 0.75
-    world.wait(2.0)
-    for _ in range(round(seconds)):
-        world.wait(1.0)
-        world.tell(world.fix(speed=0.8, course=math.radians(off_deg)))
-
-
-def dead_thrusters(world: World, reports: int) -> None:
-    world.actuators = (0.0,) * 5
-    for _ in range(reports):
-        world.wait(2.0)
-    world.actuators = (0.3, 0.3, 0.0, 0.0, 0.0)
-    world.wait(4.0)
-
-
-# name of the row -> what trips it, and what is near it and must not
-def unheard(world: World, seconds: float) -> None:
-    world.engine.limit_topside_silence(30.0)
-    world.engine.hear_topside(world.t)
-    world.until(world.t + seconds)
-
-
-CASES: dict[str, tuple[Callable[[World], None], Callable[[World], None]]] = {
-    "depth": (lambda w: depth(w, 1.2), lambda w: depth(w, 0.8)),
-    "hard depth": (lambda w: hard_depth(w, 0.5), lambda w: hard_depth(w, -0.5)),
-    "unexplained descent": (lambda w: unasked_descent(w, 0.3), lambda w: unasked_descent(w, 0.05)),
-    "depth unknown": (lambda w: blind(w, 9.0), lambda w: blind(w, 5.0)),
-    "telemetry": (lambda w: silence(w, 5.1), lambda w: silence(w, 4.8)),
-    "topside": (lambda w: unheard(w, 30.5), lambda w: unheard(w, 29.5)),
-    "no answer": (lambda w: unanswered(w, 3), lambda w: unanswered(w, 2)),
-    "leak": (lambda w: leaking(w, 3), lambda w: leaking(w, 2)),
-    "roll-over": (lambda w: rolled(w, 2), lambda w: rolled(w, 1)),
-    "voltage": (lambda w: weak(w, 14.0), lambda w: weak(w, 8.0)),
-    "time": (lambda w: long_run(w, 60.0), lambda w: long_run(w, 59.5)),
-    "radius": (lambda w: far(w, 501.0), lambda w: far(w, 499.0)),
-    "heading does not follow": (lambda w: turning(w, 4.0), lambda w: turning(w, 0.5)),
-    "course against heading": (lambda w: course(w, 70.0, 24.0), lambda w: course(w, 70.0, 15.0)),
-    "brown-out": (lambda w: dead_thrusters(w, 4), lambda w: dead_thrusters(w, 3)),
-    "uncertain": (lambda w: unsure(w, 40.0), lambda w: unsure(w, 10.0)),
-}
-
-
-def ready(row) -> World:
-    if row.name != "hard depth":
-        return flying()
-    world = World()
-    world.wait(4.0)
-    return world
 
 
 def tripped(world: World, name: str) -> bool:
@@ -190,9 +35,10 @@ def tripped(world: World, name: str) -> bool:
 
 
 @pytest.mark.parametrize("row", LIMITS, ids=lambda row: row.name)
-def test_every_limit_trips_when_it_must(row):
-    world = ready(row)
-    CASES[row.name][0](world)
+def test_every_limit_trips_a_hair_beyond_its_bound(row):
+    case = CASES[row.name]
+    world = case.begin()
+    case.trips(world)
     assert tripped(world, row.name)
     if row.response is Response.UNCERTAIN:
         assert world.state == "autonomous/surface"
@@ -201,13 +47,75 @@ def test_every_limit_trips_when_it_must(row):
         assert world.engine.reason.startswith(f"limit {row.name}: ")
 
 
+@pytest.mark.parametrize("way", ["short", "bound"])
 @pytest.mark.parametrize("row", LIMITS, ids=lambda row: row.name)
-def test_every_limit_keeps_still_below_its_bound(row):
-    world = ready(row)
+def test_no_limit_trips_at_its_bound_or_a_sample_too_early(row, way: str):
+    case = CASES[row.name]
+    world = case.begin()
     before = world.state
-    CASES[row.name][1](world)
+    getattr(case, way)(world)
     assert not tripped(world, row.name)
     assert world.state == before
+
+
+def scripted(row: Limit, patch: pytest.MonkeyPatch) -> tuple[Watch, list[bool | None]]:
+    """A watch with this row alone, which says what the list says."""
+    says: list[bool | None] = [False]
+    one = replace(row, breached=lambda _: says[-1], needs=frozenset())
+    patch.setattr("mission.engine.watch.LIMITS", (one,))
+    bounds = in_force(LEAKY, None, SetSafety())
+    return Watch(LEAKY, Senses(), bounds), says
+
+
+@pytest.mark.parametrize("row", LIMITS, ids=lambda row: row.name)
+def test_every_limit_waits_for_its_whole_persistence(row, monkeypatch):
+    """Good samples begin the count anew, unknown ones count neither way."""
+    watch, says = scripted(row, monkeypatch)
+    period = 2.0
+    needed = row.samples if not row.seconds else round(row.seconds / period) + 1
+
+    def look(says_now: bool | None) -> bool:
+        watch.senses.now += period
+        says.append(says_now)
+        return bool(watch.look(reported=True, fixed=True))
+
+    for _ in range(2):
+        assert [look(True) for _ in range(needed - 1)] == [False] * (needed - 1)
+        assert not look(False)
+    assert [look(True) for _ in range(needed)] == [False] * (needed - 1) + [True]
+    assert look(True)
+    assert not look(None)
+    assert watch.breaches == ()
+    assert look(True)
+
+
+@pytest.mark.parametrize("row", LIMITS, ids=lambda row: row.name)
+def test_a_limit_is_looked_at_when_its_source_speaks_and_no_other_time(row, monkeypatch):
+    watch, says = scripted(replace(row, samples=1, seconds=0.0), monkeypatch)
+    says.append(True)
+    wanted = {On.CLOCK: (1, 1, 1), On.REPORT: (0, 1, 0), On.FIX: (0, 0, 1)}[row.on]
+    seen = [watch.look(r, f) for r, f in ((False, False), (True, False), (False, True))]
+    assert tuple(map(len, seen)) == wanted
+
+
+@pytest.mark.parametrize("row", LIMITS, ids=lambda row: row.name)
+def test_every_row_says_all_that_a_limit_is(row):
+    assert row.source
+    assert row.bound
+    assert row.samples >= 1
+    assert row.acts <= set(REGIONS) - {"manual", "emergency"}  # R5: there they are reported
+    assert row.needs <= REPORTS
+    assert CASES.keys() == {r.name for r in LIMITS}
+
+
+def test_the_manual_has_the_table_of_limits():
+    manual = (Path(__file__).parents[2] / "docs" / "operation.md").read_text(encoding="utf-8")
+    for row in LIMITS:
+        lasts = f"{row.seconds:g} s" if row.seconds else f"{row.samples} in a row"
+        lasts = "at once" if lasts == "1 in a row" else lasts
+        where = ", ".join(sorted(row.acts))
+        line = f"| {row.name} | {row.source} | {row.bound} | {lasts} | {where} | {row.response.value} |"
+        assert line in manual, line
 
 
 @pytest.mark.parametrize("row", LIMITS, ids=lambda row: row.name)
@@ -223,7 +131,7 @@ def test_in_manual_every_limit_is_reported_and_none_acts(row):
         until(t, reports=reports)
 
     world.until = held  # type: ignore[method-assign]
-    CASES[row.name][0](world)
+    CASES[row.name].trips(world)
     assert world.state == "manual/driving"
 
 
@@ -263,7 +171,7 @@ def test_an_absurd_single_sample_trips_nothing():
 def test_a_brown_out_is_answered_once_with_the_whole_set():
     world = flying()
     before = len(world.actions)
-    dead_thrusters(world, 3)
+    thrust(world, 0.0, 3)
     sent = [a for _, a in world.actions[before:]]
     assert [a.command for a in sent] == [Setpoint(surge=0.5, heading=0.0, depth=20.0)]
     assert "brown-out" in sent[0].reason
@@ -271,7 +179,7 @@ def test_a_brown_out_is_answered_once_with_the_whole_set():
 
 def test_on_uncertain_leads_where_the_mission_says_and_only_once():
     world = flying(on_uncertain="away")
-    unsure(world, 40.0)
+    unsure(world, 2.0)
     assert world.state == "autonomous/away"
     world.wait(20.0)
     taken = [s for s in world.steps if s.by is By.UNCERTAIN]
@@ -286,7 +194,7 @@ def test_a_second_uncertainty_surfaces():
     world.depth = 10.0
     world.wait(4.0)
     for state in ("autonomous/away", "autonomous/surface"):
-        unsure(world, 40.0)
+        unsure(world, 2.0)
         assert world.state == state
         world.nav.covariance = (0.01, 0.0, 0.01)
         world.wait(14.0)
@@ -295,7 +203,7 @@ def test_a_second_uncertainty_surfaces():
 def test_a_position_that_is_not_known_breaches_no_radius():
     world = flying()
     world.nav.mode = NavigationMode.NONE
-    far(world, 5000.0)
+    far(world, 5000.0, 30)
     assert world.state == "autonomous/out"
 
 
