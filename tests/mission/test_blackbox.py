@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mcap.reader import NonSeekingReader, make_reader
 
@@ -79,6 +79,7 @@ def test_a_cut_file_with_rubbish_behind_it_never_raises(
     whole = written(folder, records).read_bytes()
     path = folder / "cut.mcap"
     length = max(len(blackbox.MAGIC), int(len(whole) * share))
+    assume(not rubbish or rubbish[:1] != whole[length : length + 1])  # the missing byte is none
     path.write_bytes(whole[:length])
     found = list(read_records(path))
     assert found == records[: len(found)]
