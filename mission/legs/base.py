@@ -63,7 +63,8 @@ class LegType:
     """``steers``: axes the pilot sets itself. ``needs``: sensors beyond those of its setpoints.
 
     ``gives``: guard variables that only such a leg has. ``ends``: it can be done by itself (END).
-    ``makes_way``: without surge it goes nowhere. ``reach`` lists the depths it may steer to.
+    ``makes_way``: without surge it goes nowhere. ``ascends``: it is R7's ascent, which the engine
+    steers. ``depths`` lists those it may steer to.
     """
 
     name: str

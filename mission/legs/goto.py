@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from mission.legs.base import LegType, View
-from mission.legs.follow import GIVES, NEEDS, STEERS, Waypoints
+from mission.legs.guidance import GIVES, NEEDS, STEERS
+from mission.legs.waypoints import Waypoints, arrival_fault
 from mission.model import Goto
 from protocol.messages import Setpoint
 
@@ -13,7 +14,7 @@ def _begin(kind: Goto, base: Setpoint, view: View) -> Waypoints:
 
 
 def _fault(kind: Goto) -> str:
-    return "" if kind.within > 0.0 else "the arrival radius (within) must be greater than 0"
+    return arrival_fault(kind.within)
 
 
 TYPE = LegType(

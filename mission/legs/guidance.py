@@ -12,7 +12,13 @@ from __future__ import annotations
 import math
 
 from mission.legs.base import Point, Track, wrap
-from mission.model import Estimate
+from mission.model import Axis, Estimate
+
+# Of every leg that steers by the estimate: what it sets itself, what it must know for that, and
+# the guard variables that only such a leg has.
+STEERS = frozenset({Axis.HEADING})
+NEEDS = frozenset({"position", "heading"})
+GIVES = frozenset({"distance", "cross_track"})
 
 LOOKAHEAD = 12.0  # m; some turning radii, well above the vehicle's 2 m
 _MOST_CRAB = math.radians(60.0)

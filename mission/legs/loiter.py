@@ -12,7 +12,7 @@ from typing import Self
 
 from mission.legs import guidance
 from mission.legs.base import LegType, Point, Track, View
-from mission.legs.follow import GIVES, NEEDS, STEERS
+from mission.legs.guidance import GIVES, NEEDS, STEERS
 from mission.model import Loiter
 from protocol.messages import Setpoint
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 import math
 
 from mission.legs.base import LegType, Point, View
-from mission.legs.follow import GIVES, NEEDS, STEERS, Waypoints
+from mission.legs.guidance import GIVES, NEEDS, STEERS
+from mission.legs.waypoints import Waypoints, arrival_fault
 from mission.model import Rows
 from protocol.messages import Setpoint
 
@@ -43,7 +44,7 @@ def _fault(kind: Rows) -> str:
         return "an area has at least one row"
     if kind.length <= 0.0 or (kind.spacing <= 0.0 and kind.count > 1):
         return "length and spacing of the rows must be greater than 0"
-    return "" if kind.within > 0.0 else "the arrival radius (within) must be greater than 0"
+    return arrival_fault(kind.within)
 
 
 TYPE = LegType(
