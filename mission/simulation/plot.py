@@ -62,10 +62,6 @@ def _plain(name: str) -> str:
     return name.partition("#")[0]
 
 
-def _leg_at(legs: Sequence[LegFlown], t: float) -> str | None:
-    return next((_plain(leg.name) for leg in legs if leg.entered <= t < leg.left), None)
-
-
 def _draw_plan(axes: Axes, flight: Flight, colours: dict[str, str]) -> None:
     samples = flight.samples
     for leg in flight.legs:
