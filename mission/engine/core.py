@@ -15,6 +15,7 @@ from mission.engine.ascent import Ascent
 from mission.engine.run import Run
 from mission.engine.senses import SURFACE_DEPTH, Navigator, Senses
 from mission.engine.watch import Watch
+from mission.engine.words import in_words
 from mission.envelope import Bounds, Limit, admit, in_force
 from mission.machine import Machine
 from mission.model import (
@@ -95,7 +96,7 @@ class Core:
 
     # --- records -------------------------------------------------------------------------------
 
-    def step(
+    def _record(
         self,
         actions: tuple[Action, ...],
         moved: Moved = ((), ()),
@@ -123,7 +124,7 @@ class Core:
         moved = self.machine.move(name, target)
         self.reason = why
         left = by if was_flying else None
-        self.step(actions, moved, trigger=name, by=left, evaluations=evaluations)
+        self._record(actions, moved, trigger=name, by=left, evaluations=evaluations)
 
     # --- verbs ---------------------------------------------------------------------------------
 
@@ -185,7 +186,7 @@ class Core:
             self.reason = "the mission is over"
             self.emergency_since_idle = False
             stop = self._stop("the mission is over")
-            self.step(stop, moved, trigger=edge.trigger, by=edge.by, evaluations=evaluations)
+            self._record(stop, moved, trigger=edge.trigger, by=edge.by, evaluations=evaluations)
             return
         if edge.by is By.TIMEOUT and (missed := self.run.missed_depth(self.senses)):
             self.event = f"{self.event}: {missed}"
@@ -206,7 +207,7 @@ class Core:
         assert self.run is not None
         actions = self.run.enter(leaf, moved[1], self.senses, history=history)
         actions = self._gate(actions)
-        self.step(actions, moved, trigger=trigger, by=by, evaluations=evaluations)
+        self._record(actions, moved, trigger=trigger, by=by, evaluations=evaluations)
 
     def enter_quietly(self, leaf: str) -> None:
         """The leg as after its entry, its set as sent and acknowledged; nothing leaves."""
@@ -234,12 +235,12 @@ class Core:
         """What the active leg has to send now."""
         run = self.flying
         if run is not None and (actions := self._gate(run.steer(self.senses))):
-            self.step(actions)
+            self._record(actions)
 
     def repeat_set(self, why: str) -> None:
         run = self.flying
         if run is not None and (actions := self._gate(run.again(why))):
-            self.step(actions)
+            self._record(actions)
 
     def halt_run(self) -> None:
         self.run = None
@@ -255,7 +256,7 @@ class Core:
     def stop_again(self) -> None:
         """Until it is acknowledged."""
         if self.stop_at is not None and self.now >= self.stop_at:
-            self.step(self._stop(f"{self.reason}: no acknowledgement yet"))
+            self._record(self._stop(f"{self.reason}: no acknowledgement yet"))
 
     def emergency_stop(self, why: str) -> None:
         self._to_emergency()
@@ -289,7 +290,7 @@ class Core:
             self._move("surfaced", SURFACED, why, self._stop("the surface is reached"), None)
             self.ascent = None
         elif actions := self.ascent.act(self.now, self.senses.depth):
-            self.step(actions)
+            self._record(actions)
 
     def take_stick(self) -> None:
         """manual/driving; a mission stays where it was interrupted."""
@@ -355,16 +356,3 @@ class Core:
             run.refused = True
         else:
             self.repeat_set("no answer to one of its frames: the whole set again")
-
-
-def in_words(command: Setpoint | Order) -> str:
-    if isinstance(command, Order):
-        return "everything stopped" if command is Order.STOP else "emergency surfacing"
-    parts = []
-    for name in ("surge", "turn", "heave", "heading", "depth", "altitude", "pitch", "roll"):
-        value = getattr(command, name)
-        if value is None or (value == 0.0 and name == "turn"):
-            continue
-        angle = name in ("heading", "pitch", "roll")
-        parts.append(f"{name} {math.degrees(value) if angle else value:.4g}")
-    return " ".join(parts)

@@ -19,14 +19,12 @@ from typing import Any
 
 from mission.engine.core import Core
 from mission.engine.orders import ORDERS, STICK_QUIET
-from mission.engine.run import short
 from mission.engine.senses import Navigator
+from mission.engine.words import event_of, short
 from mission.envelope import Bounds, Limit, Response
 from mission.machine import Machine
 from mission.model import (
     AUTONOMOUS,
-    IDLE_EMPTY,
-    IDLE_READY,
     MANUAL_DRIVING,
     Action,
     AutoNode,
@@ -44,14 +42,10 @@ from mission.regions import EMERGENCY, IDLE, MANUAL
 from mission.variables import VARIABLES, Scope, reading_of
 from mission.vehicle import Vehicle
 from protocol.messages import (
-    ClearMission,
     Command,
     Emergency,
     Fix,
-    Manual,
-    Order,
     SetSafety,
-    StartMission,
     Telemetry,
 )
 
@@ -112,7 +106,7 @@ class Engine:
             raise ValueError(f"time went back from {core.senses.now} to {now}")
         core.actions, core.steps = [], []
         core.senses.at(now)
-        core.event = _event(inputs)
+        core.event = event_of(inputs)
         reported, fixed, told = self._hear(inputs)
         verdicts = self._obey(inputs) if told else ()
         self._guard_limits(reported, fixed)
@@ -363,31 +357,3 @@ class Engine:
             )
         )
         return {name: reading_of(row, scope) for name, row in VARIABLES.items()}
-
-
-_WORDS: Mapping[type, str] = {
-    Telemetry: "telemetry",
-    Fix: "fix",
-    StartMission: "operator @AA",
-    ClearMission: "operator @AC",
-    SetSafety: "operator @SP",
-    Manual: "operator M",
-    Loaded: "store",
-    AutoNode: "node AUTO",
-    Restarted: "restart",
-}
-
-
-def _event(inputs: Sequence[Input]) -> str:
-    return ", ".join(map(_word, inputs)) or "timer"
-
-
-def _word(one: Input) -> str:
-    if isinstance(one, Emergency):
-        return "operator X" if one.order is Order.STOP else "operator W"
-    if isinstance(one, Outcome):
-        return f"{one.result.value} {one.frame.decode('ascii', 'replace')}"
-    return _WORDS.get(type(one)) or type(one).__name__
-
-
-__all__ = ["IDLE_EMPTY", "IDLE_READY", "Engine", "Input", "Outputs", "Snapshot"]

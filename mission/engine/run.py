@@ -19,6 +19,7 @@ from typing import Self
 from mission.engine.ascent import Ascent
 from mission.engine.plan import Plan, name_of, plan_of, repeat_of
 from mission.engine.senses import Senses
+from mission.engine.words import short
 from mission.legs import Pilot, Track, View
 from mission.legs.base import wrap
 from mission.model import (
@@ -361,8 +362,3 @@ def _differs(wanted: Setpoint, sent: Setpoint) -> bool:
         return wanted != sent
     turned = abs(wrap(a - b)) >= NEW_HEADING
     return turned or wanted.depth != sent.depth or wanted.surge != sent.surge
-
-
-def short(path: str) -> str:
-    """As people call a leg: without the region."""
-    return path.partition("/")[2] or path

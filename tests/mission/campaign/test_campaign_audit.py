@@ -8,7 +8,7 @@ import pytest
 
 from mission.campaign.audit import audit, command_of
 from mission.campaign.trial import Event, Heard, Said
-from mission.engine.core import in_words
+from mission.engine.words import in_words
 from mission.model import MANUAL_DRIVING, MANUAL_WAITING, STOPPED, SURFACING, Evaluation, Step, Tx
 from protocol.messages import Order, Setpoint
 

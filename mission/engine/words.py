@@ -1,0 +1,68 @@
+"""What stands in Steps and journals: events, commands and legs, in words.
+
+What does not live here: the reasons themselves; each verb gives its own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+
+from mission.model import AutoNode, Loaded, Outcome, Restarted
+from protocol.messages import (
+    ClearMission,
+    Emergency,
+    Fix,
+    Manual,
+    Order,
+    Setpoint,
+    SetSafety,
+    StartMission,
+    Telemetry,
+)
+
+_EVENTS: Mapping[type, str] = MappingProxyType(
+    {
+        Telemetry: "telemetry",
+        Fix: "fix",
+        StartMission: "operator @AA",
+        ClearMission: "operator @AC",
+        SetSafety: "operator @SP",
+        Manual: "operator M",
+        Loaded: "store",
+        AutoNode: "node AUTO",
+        Restarted: "restart",
+    }
+)
+
+
+def event_of(inputs: Sequence[object]) -> str:
+    """What made a step happen."""
+    return ", ".join(map(_event, inputs)) or "timer"
+
+
+def _event(one: object) -> str:
+    if isinstance(one, Emergency):
+        return "operator X" if one.order is Order.STOP else "operator W"
+    if isinstance(one, Outcome):
+        return f"{one.result.value} {one.frame.decode('ascii', 'replace')}"
+    return _EVENTS.get(type(one)) or type(one).__name__
+
+
+def in_words(command: Setpoint | Order) -> str:
+    if isinstance(command, Order):
+        return "everything stopped" if command is Order.STOP else "emergency surfacing"
+    parts = []
+    for name in ("surge", "turn", "heave", "heading", "depth", "altitude", "pitch", "roll"):
+        value = getattr(command, name)
+        if value is None or (value == 0.0 and name == "turn"):
+            continue
+        angle = name in ("heading", "pitch", "roll")
+        parts.append(f"{name} {math.degrees(value) if angle else value:.4g}")
+    return " ".join(parts)
+
+
+def short(path: str) -> str:
+    """As people call a leg: without the region."""
+    return path.partition("/")[2] or path
