@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from types import MappingProxyType
 
+GEARS = 12  # full thrust, in the gears of missions and vehicle files; a Setpoint has shares of it
+
 
 @dataclass(frozen=True, slots=True)
 class Unit:

@@ -56,12 +56,12 @@ from mission.model import (
     Yoyo,
 )
 from mission.navigation.geodesy import LocalFrame
+from mission.units import GEARS
 from mission.vehicle import Vehicle
 from protocol.messages import Setpoint
 
 FROZEN = 10.0  # s until a reading is known to be frozen: five reports alike, 2 s apart
 TURNED = 3.0  # s until thrusters and buoyancy have turned a dive round
-GEARS = 12.0
 
 
 @dataclass(frozen=True, slots=True)

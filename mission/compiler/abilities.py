@@ -14,13 +14,13 @@ from mission.compiler.axes import axis_where
 from mission.guards import comparisons
 from mission.legs import LEGS
 from mission.model import Axis, Expression, Leg, Problem, Surface, Where
+from mission.units import GEARS
 from mission.variables import CLOCK, VARIABLES
 from mission.vehicle import Vehicle
 from protocol.codec import CannotEncode, VehicleCodec
 from protocol.messages import Setpoint
 from protocol.vehicles import codec
 
-GEARS = 12
 _POSITION_VARIABLES = frozenset({"distance", "cross_track"})
 
 

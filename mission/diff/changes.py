@@ -20,7 +20,7 @@ from mission.diff import wording
 from mission.diff.matching import groups_above, leg_of, legs_of, match, rising, set_of
 from mission.envelope import in_force
 from mission.graph import words
-from mission.language.render import GENERATED
+from mission.language.words import GENERATED
 from mission.model import (
     AUTONOMOUS,
     IMPLICIT_SURFACE,

@@ -17,7 +17,7 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 
-from mission.language.render import GENERATED
+from mission.language.words import GENERATED
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, Chart, Leg, State
 from protocol.messages import Setpoint
 

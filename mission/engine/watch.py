@@ -16,6 +16,7 @@ from typing import Self
 from mission.engine.senses import SURFACE_DEPTH, Senses
 from mission.envelope import LIMITS, Bounds, Limit, On, never
 from mission.legs.base import wrap
+from mission.units import GEARS
 from mission.vehicle import Vehicle
 from protocol.messages import Fix, Setpoint
 
@@ -222,7 +223,7 @@ class Watch:
             return None
         if self.sent is None or depth is None or not self.senses.health("heading").valid:
             return None
-        ahead = self.vehicle.speed_by_gear.at(12.0 * self.sent.surge)
+        ahead = self.vehicle.speed_by_gear.at(GEARS * self.sent.surge)
         if ahead < _UNDER_WAY or fix.speed < _UNDER_WAY or depth >= SURFACE_DEPTH:
             return False
         return abs(wrap(fix.course - e.heading)) > _APART

@@ -32,12 +32,11 @@ from mission.model import (
     Wait,
     Yoyo,
 )
-from mission.units import UNITS
+from mission.units import GEARS, UNITS
 from mission.variables import VARIABLES
 from protocol.messages import Setpoint
 
 _SIGNS = {"<": "<", "<=": "\u2264", ">": ">", ">=": "\u2265"}
-_GEARS = 12  # of the vehicle's scale 0..12; a fraction of full thrust is a share of it
 
 
 def number(value: float) -> str:
@@ -139,17 +138,17 @@ def setpoint(value: Setpoint | None) -> str:
     if value.heading is not None:
         words.append(f"heading {bearing(value.heading)}")
     if value.surge:
-        words.append(f"gear {number(value.surge * _GEARS)}")
+        words.append(f"gear {number(value.surge * GEARS)}")
     if value.turn:
         side = "starboard" if value.turn > 0 else "port"
-        words.append(f"turn {side} {number(abs(value.turn) * _GEARS)}")
+        words.append(f"turn {side} {number(abs(value.turn) * GEARS)}")
     if value.depth is not None:
         words.append(f"depth {number(value.depth)} m")
     if value.altitude is not None:
         words.append(f"altitude {number(value.altitude)} m")
     if value.heave:
         word = "down" if value.heave > 0 else "up"
-        words.append(f"{word} {number(abs(value.heave) * _GEARS)}")
+        words.append(f"{word} {number(abs(value.heave) * GEARS)}")
     if value.pitch is not None:
         words.append(f"pitch {number(math.degrees(value.pitch))}\u00b0")
     if value.roll is not None:

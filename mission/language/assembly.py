@@ -5,7 +5,8 @@ Both readers (lines.py, yaml_form.py) hand over the same statements; here they b
     parameters first, then the vehicle, then everything else; a name is looked up in the innermost
     group first, then outwards; a repeated group must contain something that takes time.
 
-What does not live here: grammar (syntax.py), clauses (legs.py), reachability (mission.check).
+What does not live here: grammar (syntax.py), parameters (parameters.py), clauses (legs.py),
+reachability (mission.check).
 """
 
 from __future__ import annotations
@@ -15,7 +16,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from mission.language.clauses import (
-    Amount,
     End,
     HomeAt,
     LegText,
@@ -29,9 +29,10 @@ from mission.language.clauses import (
     WithoutFix,
 )
 from mission.language.legs import Legs
+from mission.language.parameters import read_parameters
 from mission.language.problems import Problems, nearest, suggestion
 from mission.language.values import Values
-from mission.language.words import ASSUMPTIONS, CLAUSES, KINDS, LIMITS, SETTINGS
+from mission.language.words import ASSUMPTIONS, GENERATED, LIMITS
 from mission.model import (
     NOWHERE,
     SURFACE,
@@ -44,8 +45,6 @@ from mission.model import (
     Safety,
     Where,
 )
-from mission.units import UNITS, UnitError, quantity
-from mission.variables import VARIABLES
 from mission.vehicle import missions_folder
 
 UNNAMED = "unnamed"
@@ -54,7 +53,6 @@ MOST_STATEMENTS = 9999  # the wire's limit (E-F3)
 MOST_ROUNDS = 9999
 DEEPEST = 20  # groups in groups
 LONGEST_NAME = 40
-GENERATED = re.compile(r"line\d+\Z")
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:-[A-Za-z0-9_]+)*\Z")
 
 
@@ -108,7 +106,7 @@ class Assembly:
             hint = f"at most {MOST_STATEMENTS} statements travel to the vehicle"
             self._problems.add("too-long", where, "the mission is too long", hint)
             statements = statements[:MOST_STATEMENTS]
-        parameters = self._parameters(statements)
+        parameters = read_parameters(statements, self._given, self._problems)
         self._values = Values(self._problems, parameters, self._vehicle(statements))
         self._legs = Legs(self._values)
         for index, statement in enumerate(statements):
@@ -140,49 +138,6 @@ class Assembly:
         )
 
     # --- first: what everything else needs ---------------------------------------------------
-
-    def _parameters(self, statements: Iterable[Statement]) -> dict[str, Amount]:
-        found: dict[str, Amount] = {}
-        for statement in statements:
-            if not isinstance(statement, Parameter):
-                continue
-            name = statement.name
-            taken = (*VARIABLES, *UNITS, *SETTINGS, *KINDS, *CLAUSES, "home", "here")
-            if name.text in found:
-                message = f"parameter {name.text} stands twice"
-                self._problems.add("twice", name.where, message, "keep one of them")
-            elif name.text in taken:
-                message = f"{name.text} is a word of the language"
-                hint = f"call it for instance {name.text}_1"
-                self._problems.add("taken-name", name.where, message, hint)
-            found[name.text] = statement.amount
-            self._check_unit(statement.amount)
-        for key, text in self._given.items():
-            self._override(found, key, text)
-        return found
-
-    def _check_unit(self, amount: Amount) -> None:
-        if amount.unit and amount.unit not in UNITS:
-            hint = suggestion(amount.unit, list(UNITS), "units")
-            message = f"unknown unit {amount.unit!r}"
-            self._problems.add("unknown-unit", amount.where, message, hint)
-
-    def _override(self, found: dict[str, Amount], key: str, text: str) -> None:
-        default = found.get(key)
-        if default is None:
-            hint = suggestion(key, list(found), "parameters") or "this mission has no parameters"
-            self._problems.add("unknown-parameter", NOWHERE, f"there is no parameter {key!r}", hint)
-            return
-        match = re.fullmatch(r"\s*(-?[\d.]+(?:[eE][-+]?\d+)?)\s*([A-Za-z/%]*)\s*", text)
-        unit = match[2] or default.unit if match else ""
-        try:
-            quantity(f"{match[1]} {unit}" if match else text, unit)
-        except (UnitError, KeyError) as error:
-            message = f"parameter {key}: {text!r} does not do"
-            self._problems.add("parameter-value", NOWHERE, message, str(error))
-            return
-        if match is not None:
-            found[key] = Amount(match[1], unit, default.where)
 
     def _vehicle(self, statements: Iterable[Statement]) -> str:
         """Its name; the file itself is read only where something needs it."""

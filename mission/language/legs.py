@@ -27,7 +27,6 @@ from mission.language.wire import wire_complaint
 from mission.language.words import (
     ATTITUDE,
     FIELD_ORDER,
-    GEARS,
     KINDS,
     MEASURES,
     SETTINGS,
@@ -57,7 +56,7 @@ from mission.model import (
     Where,
     Yoyo,
 )
-from mission.units import compass, number_text
+from mission.units import GEARS, compass, number_text
 from mission.vehicle import VehicleError
 
 _COUNT_MOST = 9999

@@ -8,10 +8,9 @@ What does not live here: how the pairs are laid out (canonical.py, yaml_text.py)
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
-from mission.language.words import GEARS, LIMITS, MEASURES, SETTINGS, SIDES
+from mission.language.words import GENERATED, LIMITS, MEASURES, SETTINGS, SIDES
 from mission.model import (
     And,
     Comparison,
@@ -40,10 +39,9 @@ from mission.model import (
     Wait,
     Yoyo,
 )
-from mission.units import degrees_text, number_text
+from mission.units import GEARS, degrees_text, number_text
 from mission.variables import VARIABLES
 
-GENERATED = re.compile(r"line\d+\Z")
 Pair = tuple[str, str]
 
 

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import re
 
-from mission.language.words import ATTITUDE, GEARS, REFUSED_ZA, SETTINGS, ZA
-from mission.units import number_text
+from mission.language.words import ATTITUDE, REFUSED_ZA, SETTINGS, ZA
+from mission.units import GEARS, number_text
 
 _FORM = re.compile(r"ZA([A-Z])(-?\d+)\Z")
 

@@ -13,11 +13,12 @@ What does not live here: how clauses stand together (grammar.lark), what they ma
 from __future__ import annotations
 
 import enum
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-GEARS = 12  # of the vehicle's -12..12
+from mission.units import GEARS
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,7 +159,7 @@ _KINDS = (
 )  # fmt: skip
 KINDS: Mapping[str, KindRow] = MappingProxyType({row.word: row for row in _KINDS})
 FIX = "fix"
-HERE = "here"
+GENERATED = re.compile(r"line\d+\Z")  # what a leg without a name is called: by its line
 
 
 @dataclass(frozen=True, slots=True)

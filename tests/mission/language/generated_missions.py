@@ -8,7 +8,7 @@ import math
 from hypothesis import strategies as st
 
 from mission.language.canonical import numbered
-from mission.language.words import FIELD_ORDER, GEARS, LIMITS
+from mission.language.words import FIELD_ORDER, LIMITS
 from mission.model import (
     And,
     Comparison,
@@ -38,7 +38,7 @@ from mission.model import (
     Wait,
     Yoyo,
 )
-from mission.units import compass
+from mission.units import GEARS, compass
 from mission.variables import VARIABLES
 
 # Names that are words of the language, or of YAML, on purpose.
