@@ -11,7 +11,8 @@ time.
 
 What the sea and the vehicle are taken to do at most stands in ``Assumptions``.
 
-What does not live here: which leg follows which (flow.py), what is refused (rules.py).
+What does not live here: where a leg leads by its text (places.py), which leg follows which
+(flow.py), what is refused (rules.py).
 """
 
 from __future__ import annotations
@@ -41,16 +42,12 @@ from mission.check.intervals import (
     reach,
     scaled,
 )
+from mission.check.places import places_of, room_around
 from mission.model import (
     By,
     Expression,
     Follow,
     Goto,
-    Local,
-    Loiter,
-    Place,
-    Position,
-    Rows,
     State,
     Surface,
     Yoyo,
@@ -125,11 +122,11 @@ class LegBounds:
         assert state.leg is not None
         self.path, self.leg = state.path, state.leg
         self.setpoint = state.setpoint or Setpoint()
-        self.vehicle, self.assume, self.frame = vehicle, assume, frame
+        self.vehicle, self.assume = vehicle, assume
         gear = GEARS * max(abs(self.setpoint.surge), abs(self.setpoint.turn))
         self.speed = vehicle.speed_by_gear.at(gear) if self.setpoint.surge else 0.0
         self.power = vehicle.battery.hotel + vehicle.thruster_power.at(gear) + self._vertical()
-        self.places = self._places()
+        self.places = places_of(self.leg.kind, frame)
         self.leans_on_floor = False  # some bound of it rests on the floor that is assumed
 
     # --- what it takes -----------------------------------------------------------------
@@ -257,7 +254,7 @@ class LegBounds:
 
     def _held(self, after: Bounds, time: float, by: By, guard: Expression | None) -> Bounds:
         """Along a heading, or about where it was entered."""
-        around, heading = self._reach_around(), self.setpoint.heading
+        around, heading = room_around(self.leg.kind), self.setpoint.heading
         if around or (self.speed and heading is None):
             free = around or self.speed * time
             north = east = (-free, free)
@@ -338,51 +335,6 @@ class LegBounds:
         far = reach(minus(entry.north, (north, north)), minus(entry.east, (east, east)))
         made = max(0.0, self.speed - self.assume.current) * time
         return 1.0 if far <= made else made / far
-
-    # --- places ---------------------------------------------------------------------------
-
-    def _places(self) -> tuple[tuple[float, float], ...]:
-        match self.leg.kind:
-            case Goto(place):
-                return (self._local(place),)
-            case Follow(places):
-                return tuple(self._local(p) for p in places)
-            case Rows(start) as rows if start is not None:
-                return _corners(rows, *self._local(start))
-            case Loiter(place, radius) if place is not None:
-                n, e = self._local(place)
-                return ((n - radius, e - radius), (n + radius, e + radius))
-            case _:
-                return ()
-
-    def _local(self, place: Place) -> tuple[float, float]:
-        if isinstance(place, Local):
-            return place.north, place.east
-        if isinstance(place, Position) and self.frame is not None:
-            return self.frame.to_local(
-                math.radians(place.latitude_deg), math.radians(place.longitude_deg)
-            )
-        return 0.0, 0.0
-
-    def _reach_around(self) -> float:
-        """m about where it is entered that rows or a loiter without a place may need."""
-        match self.leg.kind:
-            case Rows(None) as rows:
-                return math.hypot(rows.length, rows.spacing * (rows.count - 1))
-            case Loiter(None, radius):
-                return 2.0 * radius
-            case _:
-                return 0.0
-
-
-def _corners(rows: Rows, north: float, east: float) -> tuple[tuple[float, float], ...]:
-    c, s = math.cos(rows.bearing), math.sin(rows.bearing)
-    wide = rows.spacing * (rows.count - 1) * rows.side
-    return tuple(
-        (north + a * c - b * s, east + a * s + b * c)
-        for a in (0.0, rows.length)
-        for b in (0.0, wide)
-    )
 
 
 def ascent_time(depth: float, vehicle: Vehicle) -> float:
