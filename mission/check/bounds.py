@@ -143,13 +143,6 @@ class LegBounds:
             limits.append(ascent_time(entry.depth[1], self.vehicle))
         return min(limits)
 
-    @property
-    def timed(self) -> bool:
-        """Whether a clock that needs no position ends it."""
-        return isinstance(self.leg.kind, Surface) or not (
-            self.leg.duration is None and self.leg.timeout is None
-        )
-
     def _vertical(self) -> float:
         s = self.setpoint
         held = s.depth is not None or s.altitude is not None or bool(s.heave)

@@ -16,12 +16,15 @@ What does not live here: the bounds (bounds.py) and the walk (flow.py).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from mission import envelope
 from mission.check.assumptions import SPEED_SHARE, Assumptions
 from mission.check.bounds import Bounds, LegBounds
 from mission.check.flow import Flow, Proof, TooLongError, trail
+from mission.envelope import DEPTH_MARGIN, in_force
 from mission.model import (
     AUTONOMOUS,
     IMPLICIT_SURFACE,
@@ -34,13 +37,14 @@ from mission.model import (
     Not,
     Or,
     State,
+    Surface,
     Where,
 )
 from mission.navigation.geodesy import LocalFrame
 from mission.variables import CLOCK, VARIABLES
 from mission.vehicle import Vehicle
+from protocol.messages import SetSafety
 
-DEPTH_MARGIN = 1.0  # m: R5 breaches 1 m beyond the limit
 PATH_STEPS = 12  # of a counterexample; what lies between is told by its number
 
 
@@ -78,16 +82,10 @@ class Report:
         return not self.refusals
 
 
-@dataclass(frozen=True, slots=True)
-class _Limits:
-    radius: float
-    time: float
-    depth: float
-
-
 def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     """Everything that refuses this chart on this vehicle; linear in legs times rounds."""
-    mission, limits = chart.mission, _limits(chart, vehicle)
+    mission = chart.mission
+    limits = in_force(vehicle, mission.safety, SetSafety())
     assume = Assumptions.of(mission, vehicle, limits.depth)
     frame = LocalFrame(mission.home) if mission.home else None
     early = [*_no_bound(chart), *_unknowable(chart, vehicle)]
@@ -113,15 +111,6 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     return Report(tuple(found), _proved(proof, chart), assumed)
 
 
-def _limits(chart: Chart, vehicle: Vehicle) -> _Limits:
-    safety, hard = chart.mission.safety, vehicle.limits
-    return _Limits(
-        radius=min(safety.radius or hard.radius, hard.radius),
-        time=min(safety.time or hard.time, hard.time),
-        depth=min(safety.depth or hard.depth, hard.depth),
-    )
-
-
 # --- rules ------------------------------------------------------------------------------
 
 
@@ -138,7 +127,7 @@ def _no_bound(chart: Chart) -> Iterator[Refusal]:
         leg = state.leg
         assert leg is not None
         bound = leg.duration is not None or leg.timeout is not None
-        if not bound and type(leg.kind).__name__ != "Surface":
+        if not bound and not isinstance(leg.kind, Surface):
             message = f"{_name(state.path)} is ended by no clock; add for or timeout"
             yield Refusal("no-bound", leg.where, message)
 
@@ -200,7 +189,9 @@ def _ways(chart: Chart, proof: Proof) -> Iterator[Refusal]:
             yield Refusal("unreachable", state.leg.where, message)
 
 
-def _bounds(chart: Chart, vehicle: Vehicle, proof: Proof, limits: _Limits) -> Iterator[Refusal]:
+def _bounds(
+    chart: Chart, vehicle: Vehicle, proof: Proof, limits: envelope.Bounds
+) -> Iterator[Refusal]:
     end = proof.end
     mission = chart.mission
     if end is None:
@@ -285,7 +276,7 @@ def _assumed(chart: Chart, vehicle: Vehicle, assume: Assumptions, floor: bool) -
     yield f"current at most {assume.current:g} m/s ({source})"
     yield f"started within {assume.start:g} m of home"
     yield f"speed by gear as in the vehicle file, within {SPEED_SHARE:.0%} (two sigma)"
-    yield f"heading within {assume.heading * 57.29578:.0f} deg (two sigma of sensor and bias)"
+    yield f"heading within {math.degrees(assume.heading):.0f} deg (two sigma of sensor and bias)"
     yield f"ascent by buoyancy alone at {vehicle.ascent_buoyancy:g} m/s"
     yield f"battery {vehicle.battery.usable / 3600:.0f} Wh usable, powers as in the vehicle file"
     if floor:
