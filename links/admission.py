@@ -6,7 +6,11 @@
     (fixed)                         50 connections at once from one address, then 10 a second
 
 Where there is no room, the connection that has been silent longest gives way, if it has been
-silent for ``GIVES_WAY`` seconds: who only holds a place never keeps an operator out.
+silent for ``GIVES_WAY`` seconds: who only holds a place never keeps an operator out. Who has said
+nothing so far that makes sense, however many bytes, gives way after ``PROVES`` seconds.
+
+Who has still to show a certificate waits in a lobby of its own, with as many places: there the one
+who came first gives way at once, so that nobody without a certificate keeps out one who has it.
 
 Sans-IO: times are given by who calls. What does not live here: sockets (tcp), certificates (tls),
 who commands (mission).
@@ -21,6 +25,7 @@ from dataclasses import dataclass
 from links import Address, LinkAddressError
 
 GIVES_WAY = 10.0  # s
+PROVES = 1.0  # s
 AT_ONCE, PER_SECOND = 50.0, 10.0  # new connections from one address
 _REMEMBERED = 1024  # addresses; beyond, those that have been quiet are forgotten
 
@@ -45,11 +50,18 @@ class Refusal:
 
 @dataclass(frozen=True, slots=True)
 class Present:
-    """One of those who are connected, as admission sees it."""
+    """One of those who are connected, as admission sees it. ``heard``: when its last byte came;
+    of who has ``proved`` nothing yet, when it came itself."""
 
     address: str
     host: str
     heard: float
+    proved: bool = True
+
+    @property
+    def gives_way(self) -> float:
+        """From when on."""
+        return self.heard + (GIVES_WAY if self.proved else PROVES)
 
 
 @dataclass(slots=True)
@@ -95,10 +107,21 @@ class Gate:
             full, crowd = f"{admission.connections} connections already", list(present)
         else:
             return "", ""
-        silent = min(crowd, key=lambda one: one.heard, default=None)
-        if silent is None or now - silent.heard < GIVES_WAY:
+        first = min(crowd, key=lambda one: one.gives_way, default=None)
+        if first is None or now < first.gives_way:
             return "", full
-        return silent.address, ""
+        return first.address, ""
+
+    def lobby(self, host: str, waiting: Sequence[Present]) -> str:
+        """Who of those without a certificate so far gives way to one more; "": nobody need."""
+        neighbours = [one for one in waiting if one.host == host]
+        if len(neighbours) >= self._admission.each:
+            crowd = neighbours
+        elif len(waiting) >= self._admission.connections:
+            crowd = list(waiting)
+        else:
+            return ""
+        return min(crowd, key=lambda one: one.heard).address
 
 
 def _plain(host: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address:

@@ -91,14 +91,27 @@ class SerialLink:
         return int(self._port.fileno())
 
     def _check_present(self) -> None:
-        """An empty read is silence, or the end of a device that was pulled out."""
-        if not Path(self.device).exists():
+        """An empty read is silence, or the end of a device that was pulled out, though another
+        may bear its name by now."""
+        if not Path(self.device).exists() or _is_hung_up(self._fd()):
             self.close()
             raise LinkClosed(f"{self.name}: {self.device} went away: is the cable in?")
 
     def _gone(self, error: OSError) -> LinkClosed:
         self.close()
         return LinkClosed(f"{self.name}: {self.device} went away: {error.strerror or error}")
+
+
+def _is_hung_up(fd: int) -> bool:
+    if sys.platform == "win32":
+        return False  # its reads fail
+    import termios
+
+    try:
+        termios.tcgetattr(fd)
+    except termios.error:
+        return True
+    return False
 
 
 def _why(name: str, device: str, error: serial.SerialException) -> LinkError:

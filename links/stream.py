@@ -30,6 +30,12 @@ _REASONS = {
     "TLSV1_ALERT_UNKNOWN_CA": "our certificate is not by its certificate authority",
     "TLSV1_ALERT_PROTOCOL_VERSION": "it speaks another version of TLS",
 }
+# what OpenSSL says of a certificate that is by our authority
+_VERIFY = {
+    9: "it is not valid yet: is the clock right?",
+    10: "it has expired: is the clock right?",
+    26: "it is for the other end: a boat needs a boat's, the vehicle the vehicle's",
+}
 
 
 def tune(connected: socket.socket) -> None:
@@ -50,6 +56,8 @@ def tune(connected: socket.socket) -> None:
 
 def in_words(error: OSError) -> str:
     if isinstance(error, ssl.SSLCertVerificationError):
+        if error.verify_code in _VERIFY:
+            return f"its certificate is refused: {_VERIFY[error.verify_code]}"
         return f"{_REASONS['CERTIFICATE_VERIFY_FAILED']} ({error.verify_message})"
     if isinstance(error, ssl.SSLError):
         return _REASONS.get(error.reason or "", (error.reason or str(error)).lower())
@@ -59,14 +67,20 @@ def in_words(error: OSError) -> str:
 
 
 class Stream:
-    """``heard``: when its last byte came."""
+    """``came``: when it connected. ``heard``: when its last byte came. ``proved``: who it is, by a
+    certificate, or by what it said (``vouch``)."""
 
-    __slots__ = ("address", "ended", "established", "heard", "host", "socket", "waiting", "why")
+    __slots__ = (
+        "address", "came", "ended", "established", "heard", "host", "proved", "socket", "waiting",
+        "why",
+    )  # fmt: skip
 
     def __init__(
         self, connected: socket.socket, address: str, host: str = "", now: float = 0.0
     ) -> None:
-        self.socket, self.address, self.host, self.heard = connected, address, host, now
+        self.socket, self.address, self.host = connected, address, host
+        self.came = self.heard = now
+        self.proved = False
         self.waiting = bytearray()
         self.established = not isinstance(connected, ssl.SSLSocket)
         self.ended, self.why = False, ""
@@ -81,7 +95,7 @@ class Stream:
         except (OSError, ValueError) as error:
             self._end(error)
             return
-        self.established = True
+        self.established = self.proved = True
 
     def read(self) -> bytes:
         """Sets ``ended`` when the other side is gone."""

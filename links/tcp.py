@@ -152,8 +152,12 @@ class TcpServer:
                 knocks = True
                 continue
             stream: Stream = key.data
+            if stream.address not in self._streams:
+                continue  # it had to make room for another just now
             if not stream.established:
                 stream.handshake()
+                if stream.established:
+                    self._enter(stream, now)
             if stream.established and not stream.ended:
                 stream.write()
                 data = stream.read()
@@ -184,6 +188,11 @@ class TcpServer:
     def next_event(self) -> float | None:
         """When the next silent connection is to be dropped."""
         return min((self._deadline(stream) for stream in self._streams.values()), default=None)
+
+    def vouch(self, address: str) -> None:
+        """What came from there makes sense to who reads it."""
+        if address in self._streams:
+            self._streams[address].proved = True
 
     def drop(self, address: str) -> None:
         """Close one peer's connection, if it is still there."""
@@ -221,13 +230,11 @@ class TcpServer:
         host = str(sockaddr[0])
         if why := self._gate.refuses(host, now):
             return why
-        present = [Present(s.address, s.host, s.heard) for s in self._streams.values()]
-        gives_way, why = self._gate.room(host, present, now)
-        if why:
-            return why
-        if gives_way:
-            self._refuse(self._streams[gives_way].host, "silent, and its place was needed")
-            self.drop(gives_way)
+        if self._tls is None:
+            if why := self._make_room(host, now):
+                return why
+        else:
+            self._give_way(self._gate.lobby(host, self._present(established=False)))
         try:
             tune(connected)
             if self._tls is not None:
@@ -240,6 +247,30 @@ class TcpServer:
         self._streams[stream.address] = stream
         self._selector.register(connected, selectors.EVENT_READ, stream)
         return ""
+
+    def _enter(self, stream: Stream, now: float) -> None:
+        """From the lobby."""
+        stream.established = False
+        stream.why = self._make_room(stream.host, now)
+        stream.established, stream.ended = True, bool(stream.why)
+
+    def _make_room(self, host: str, now: float) -> str:
+        """Why there is none; "" if there is now."""
+        gives_way, why = self._gate.room(host, self._present(established=True), now)
+        self._give_way(gives_way)
+        return why
+
+    def _give_way(self, address: str) -> None:
+        if address:
+            self._refuse(self._streams[address].host, "silent, and its place was needed")
+            self.drop(address)
+
+    def _present(self, established: bool) -> list[Present]:
+        return [
+            Present(s.address, s.host, s.heard if s.proved else s.came, s.proved)
+            for s in self._streams.values()
+            if s.established == established
+        ]
 
     def _settle(self, stream: Stream) -> None:
         """Watch for room only while something waits; let go of who has left."""

@@ -10,6 +10,7 @@ import click
 if TYPE_CHECKING:
     from mission.configuration import LinkUrls
     from mission.model import Estimate, Step
+    from mission.serve.printer import Printer
     from mission.serve.serve import Ready
 
 
@@ -47,6 +48,7 @@ def serve(
     from links.base import LinkError
     from mission.configuration import ConfigurationError, load_configuration
     from mission.serve.journal import printed
+    from mission.serve.printer import Printer
     from mission.serve.serve import Server, run
     from mission.store import DiskStore, StoreError
     from mission.vehicle import VehicleError, load_vehicle
@@ -56,11 +58,14 @@ def serve(
 
     def ready(what: Ready) -> None:
         said = json.dumps({"topside": what.topside, "black_box": what.black_box})
-        click.echo(said if events else f"listening for the topside on {what.topside}")
+        out.print(said if events else f"listening for the topside on {what.topside}")
         if ready_file is not None:
             beside = ready_file.with_name(ready_file.name + ".new")
-            beside.write_text(said + "\n", encoding="utf-8")
-            beside.replace(ready_file)
+            try:
+                beside.write_text(said + "\n", encoding="utf-8")
+                beside.replace(ready_file)
+            except OSError as error:  # a disk that is full is no reason to be deaf
+                err.print(printed(f"warning: {ready_file}: {error.strerror}", time.time()))
 
     given = {"vehicle": vehicle, "gps": gps, "topside": topside}
     urls = {n: None if n == "gps" and u == "none" else u for n, u in given.items() if u}
@@ -79,9 +84,22 @@ def serve(
         raise SystemExit(2) from None
     for damage in store.content.damage:
         tell(f"warning: {damage}")
-    observer = _Events() if events else None
-    server = Server(configuration, flown, store, tell, ready, speed, observer)
-    run(server)
+    out, err = Printer(1, waiting=100_000), Printer(2)
+    observer = _Events(out) if events else None
+    server = Server(
+        configuration,
+        flown,
+        store,
+        lambda line: err.print(printed(line.rstrip(), time.time())),
+        ready,
+        speed,
+        observer,
+    )
+    try:
+        run(server)
+    finally:
+        out.close()
+        err.close()
     if server.refusal:
         tell(server.refusal)
         raise SystemExit(2)
@@ -100,8 +118,8 @@ def _check(links: LinkUrls) -> None:
 class _Events:
     """What the drive decides, as JSON lines."""
 
-    def __init__(self) -> None:
-        self._heard = True
+    def __init__(self, out: Printer) -> None:
+        self._out = out
 
     def step(self, step: Step) -> None:
         from mission.drive.records import step_record
@@ -114,8 +132,4 @@ class _Events:
         self._say("estimate", estimate_record(estimate).payload)
 
     def _say(self, kind: str, payload: bytes) -> None:
-        if self._heard:
-            try:
-                click.echo(f'{{"{kind}":{payload.decode()}}}')
-            except OSError:  # nobody reads any more: no reason to stop
-                self._heard = False
+        self._out.print(f'{{"{kind}":{payload.decode()}}}')

@@ -26,7 +26,8 @@ from mission import __version__
 from mission.compiler.compiler import CompileErrors, compile_mission
 from mission.configuration import Configuration
 from mission.drive import records as rec
-from mission.drive.frontseat import Frontseat
+from mission.drive.commander import Commander
+from mission.drive.frontseat import GAP_S, Frontseat
 from mission.drive.latch import Latch
 from mission.drive.nodes import LINK as NODES
 from mission.drive.nodes import Nodes, with_process
@@ -152,7 +153,7 @@ class Drive:
             self._topside.changed(rx.data, now)
         else:
             self._topside.receive(Peer(rx.link, rx.address), rx.data, now)
-            self._engine.hear_topside(self._topside.heard_at)
+            self._engine.hear_topside(self._topside.commander.heard_at)
         return self._leave(now)
 
     def connected(self, link: str, address: str, now: float) -> list[Tx]:
@@ -332,11 +333,15 @@ class Drive:
 
     @property
     def engine(self) -> Engine:
-        """To be looked at."""
-        return self._engine
+        return self._engine  # to be looked at
 
     @property
-    def commander(self) -> Peer | None:
+    def gap(self) -> float:
+        """s that the line needs between two frames; those of a repeater are delimited."""
+        return GAP_S if isinstance(self._frontseat, Frontseat) else 0.0
+
+    @property
+    def commander(self) -> Commander:
         return self._topside.commander
 
     @property

@@ -14,11 +14,11 @@ What does not live here: what a command does to the vehicle (engine, behind ``Ve
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from mission.drive.awaited import Awaited
+from mission.drive.commander import Commander
 from mission.drive.nodes import LINK as NODES
 from mission.drive.nodes import NAMES, OPEN, Nodes
 from mission.drive.paths import Heard, Path, Unfit
@@ -47,7 +47,6 @@ from protocol.messages import (
 )
 from protocol.topside import answer
 
-COMMANDER_SILENT_S = 10.0
 SAME_COMMAND_S = 5.0
 RELAY_ANSWER_S = 5.0
 ORDER_ANSWER_S = 10.0
@@ -80,9 +79,7 @@ class Topside:
         self._nodes, self._answer_no = nodes, answer_no  # R2
         self._staging = Staging()
         self._paths: dict[Peer, Path] = {}
-        self._heard: dict[Peer, float] = {}
-        self.heard_at = -math.inf  # when some operator last said something that is a frame
-        self._commander: Peer | None = None
+        self.commander = Commander()
         self._done: list[_Done] = []
         self._awaited = Awaited()
         self._switching: tuple[Peer, NodeSwitch] | None = None
@@ -98,10 +95,8 @@ class Topside:
 
     def disconnected(self, peer: Peer) -> None:
         self._paths.pop(peer, None)
-        self._heard.pop(peer, None)
         self._awaited.forget(peer)
-        if self._commander == peer:
-            self._commander = None
+        self.commander.forget(peer)
 
     def receive(self, peer: Peer, data: bytes, now: float) -> None:
         self.connected(peer)
@@ -131,11 +126,6 @@ class Topside:
         for peer, path in self._paths.items():
             out += [Tx(now, peer.link, d, why, peer.address) for d, why in path.outgoing(now)]
         return out
-
-    @property
-    def commander(self) -> Peer | None:
-        """Whose command was accepted last (R12)."""
-        return self._commander
 
     def faults(self) -> list[tuple[Peer, FrameFault]]:
         """Bytes that were no frame, since the last call."""
@@ -170,7 +160,7 @@ class Topside:
             elif isinstance(item, Unfit):
                 self._refuse_unfit(peer, item, now)
             else:
-                self._heard[peer] = self.heard_at = now
+                self.commander.hear(peer, now)
                 self._command(peer, item, now)
 
     def _refuse_unfit(self, peer: Peer, unfit: Unfit, now: float) -> None:
@@ -183,16 +173,18 @@ class Topside:
         if isinstance(command, Emergency):
             self._emergency(peer, command, now)
         elif isinstance(command, DataQuery | StoreQuery | NodeQuery):
+            if isinstance(command, StoreQuery):
+                self.commander.reads_reports(peer)
             self._send(peer, self._query(command, now), now, "asked")
         elif not self._is_repeated(peer, command, now):
-            why = self._not_commander(peer, now)
+            why = self.commander.why_not(peer, now)
             verdict = Verdict(False, why) if why else self._execute(peer, command, now)
             if verdict is not None:
                 self._conclude(peer, command, verdict, now)
 
     def _emergency(self, peer: Peer, command: Emergency, now: float) -> None:
         self._awaited.add(peer, command.order.name, now, ORDER_ANSWER_S)
-        self._commander = peer
+        self._hand_over(peer, now)
         self._vessel.decide(command, now)
 
     def _query(self, command: DataQuery | StoreQuery | NodeQuery, now: float) -> Answer:
@@ -227,7 +219,7 @@ class Topside:
 
     def _conclude(self, peer: Peer, command: Command, verdict: Verdict, now: float) -> None:
         if verdict.accepted:
-            self._commander = peer
+            self._hand_over(peer, now)
         else:
             self._refusal = one_line(f"{_NAMES[type(command)]}: {verdict.why}")
         ack = _acknowledge(command, verdict.accepted, now)
@@ -248,16 +240,12 @@ class Topside:
                 return True
         return False
 
-    def _not_commander(self, peer: Peer, now: float) -> str:
-        other = self._commander
-        if other is None or other == peer or self._is_silent(other, now):
-            return ""
-        return (
-            f"{other.link} {other.address} commands; others read until it closes or is silent 10 s"
-        )
-
-    def _is_silent(self, peer: Peer, now: float) -> bool:
-        return now - self._heard.get(peer, now) > COMMANDER_SILENT_S
+    def _hand_over(self, peer: Peer, now: float) -> None:
+        """R12. Who loses the command is told by an @AR that says so."""
+        loser = self.commander.hand_over(peer)
+        if loser is not None:
+            report = replace(self._report(now), refusal=one_line(f"{peer} has taken the command"))
+            self._send(loser, report, now, "the command is taken over")
 
     # --- single commands -------------------------------------------------------------------
 

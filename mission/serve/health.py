@@ -105,7 +105,7 @@ def of_drive(drive: Drive, vehicle: Vehicle) -> dict[str, Any]:
     return {
         "version": __version__,
         "pid": os.getpid(),
-        "commander": str(drive.commander or ""),
+        "commander": str(drive.commander.peer or ""),
         "state": engine.state,
         "leg": engine.leg,
         "reason": engine.reason,

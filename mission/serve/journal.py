@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
@@ -26,6 +26,7 @@ INFO, WARNING, FAULT = "info", "warning", "fault"
 LEVELS = {INFO: 6, WARNING: 4, FAULT: 3}  # syslog's numbers
 AGAIN_S = 60.0
 REMEMBERED = 512
+_COMMAND = "to the vehicle\0"  # keys of what the vehicle was sent begin so
 
 
 @dataclass(slots=True)
@@ -57,7 +58,13 @@ class Journal:
     def settle(self) -> None:
         """The counts whose minute is over; to be called now and then."""
         now = self._now()
-        for key in [k for k, told in self._told.items() if now - told.t >= AGAIN_S]:
+        self._end([k for k, told in self._told.items() if now - told.t >= AGAIN_S])
+
+    def _forget(self, prefix: str) -> None:
+        self._end([k for k in self._told if k.startswith(prefix)])
+
+    def _end(self, keys: Iterable[str]) -> None:
+        for key in keys:
             told = self._told.pop(key)
             if told.more:
                 self._write(f"{told.level}: {told.more} more of: {told.text}")
@@ -76,19 +83,25 @@ class Journal:
 
     # --- what a drive does -----------------------------------------------------------------
 
-    def left(self, tx: Tx, vehicle: bool) -> None:
-        """Something was sent: to the vehicle always told, to topside where it says no."""
-        frame = tx.data.decode("ascii", "replace") if tx.data.isascii() else tx.data.hex(" ")
-        if vehicle:
-            manual = "@M" in tx.reason or "@D" in tx.reason
-            self.info(
-                f"to the vehicle: {frame} - {tx.reason}",
-                tx.reason if manual else f"{frame} {tx.reason}",
-            )
-        elif tx.data.startswith(b"@ACK_") and tx.data.endswith(b"N$"):
-            self.warning(f"refused: {frame} to {tx.link} {tx.address} - {tx.reason}")
+    def commanded(self, tx: Tx, sent: bool) -> None:
+        """What the vehicle was sent; always told, a stick that is held once a minute."""
+        frame = _shown(tx.data)
+        manual = "@M" in tx.reason or "@D" in tx.reason
+        key = _COMMAND + (tx.reason if manual else f"{frame} {tx.reason}")
+        if sent:
+            self.info(f"to the vehicle: {frame} - {tx.reason}", key)
+        else:
+            self.warning(f"NOT SENT, the port is closed: {frame} - {tx.reason}", f"{key} not sent")
+
+    def answered(self, tx: Tx) -> None:
+        """What topside was sent: told where it says no."""
+        if tx.data.startswith(b"@ACK_") and tx.data.endswith(b"N$"):
+            to = f"{tx.link} {tx.address}".rstrip()
+            self.warning(f"refused: {_shown(tx.data)} to {to} - {tx.reason}")
 
     def step(self, step: Step) -> None:
+        if step.entered:  # the same command in another state is another thing
+            self._forget(_COMMAND)
         for path in step.entered[-1:]:
             because = step.trigger or step.event
             what = "; ".join(step.actions)
@@ -133,6 +146,10 @@ class Tally:
             self.faults[record.payload.partition(b"\0")[0].decode()] += 1
         if self._recorder is not None:
             self._recorder.record(record)
+
+
+def _shown(data: bytes) -> str:
+    return data.decode("ascii") if data.isascii() else data.hex(" ")
 
 
 def printed(line: str, wall: float) -> str:

@@ -20,6 +20,7 @@ from links import LinkAddressError, open_link
 from links.admission import Refusal
 from links.base import Link, LinkError, Rx
 from links.tcp import TcpServer
+from mission.serve.pace import BAUD, Pace, baud_of
 
 RETRY_S = 1.0  # real time
 
@@ -41,6 +42,7 @@ class Port:
         self.received = self.sent = 0  # bytes
         self.heard: float | None = None  # the engine's time
         self._told = ""
+        self._pace = Pace(0.0, BAUD)
         self._closed = asyncio.Event()
         self._on = asyncio.Event()
         self._on.set()
@@ -49,6 +51,11 @@ class Port:
     def peers(self) -> tuple[str, ...]:
         """Who is connected, where the link has several peers."""
         return self.link.peers if isinstance(self.link, TcpServer) else ()
+
+    def vouch(self, address: str) -> None:
+        """What came from there makes sense."""
+        if isinstance(self.link, TcpServer):
+            self.link.vouch(address)
 
     def refusals(self) -> Counter[Refusal]:
         """Who was turned away or dropped, and how often, since the last call."""
@@ -93,7 +100,13 @@ class Port:
             asyncio.get_running_loop().add_reader(link.fileno(), self._readable, self)
         self._changed(self)
 
+    def keep_gaps(self, gap: float) -> None:
+        """Of so many s between any two frames that are sent."""
+        self._pace = Pace(gap, baud_of(self.url))
+
     def receive(self, now: float) -> list[Rx]:
+        for frame in self._pace.due(now):
+            self._write(frame, now, "")
         if self.link is None:
             return []
         watched = self.link.fileno()
@@ -107,8 +120,15 @@ class Port:
             self.received += sum(len(rx.data) for rx in heard)
         return heard
 
-    def send(self, data: bytes, now: float, address: str) -> None:
-        """What cannot leave is lost, as on a line that nobody listens to."""
+    def send(self, data: bytes, now: float, address: str) -> bool:
+        """What cannot leave is lost, as on a line that nobody listens to; False says so."""
+        if self.link is None:
+            return False
+        for frame in self._pace.leaving(data, now):
+            self._write(frame, now, address)
+        return self.link is not None
+
+    def _write(self, data: bytes, now: float, address: str) -> None:
         if self.link is None:
             return
         watched = self.link.fileno()
@@ -121,7 +141,10 @@ class Port:
 
     def next_event(self) -> float | None:
         """When to look though nothing came: bytes of a link without a descriptor, a peer's end."""
-        return None if self.link is None else self.link.next_event()
+        if self.link is None:
+            return None
+        events = (self.link.next_event(), self._pace.next_event())
+        return min((event for event in events if event is not None), default=None)
 
     def switch(self, on: bool) -> None:
         if on:
@@ -141,6 +164,7 @@ class Port:
     def _drop(self, watched: int) -> None:
         """``watched``: the descriptor; a link that lost its device has forgotten it."""
         link, self.link = self.link, None
+        self._pace.clear()
         if watched >= 0:
             asyncio.get_running_loop().remove_reader(watched)
         if link is not None:

@@ -20,24 +20,23 @@ import signal
 import time
 import traceback
 from collections.abc import Callable, Coroutine
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
 from links import LinkAddressError
 from links.base import Rx
-from mission.blackbox import FLUSH_S, BlackBox, BlackBoxError, new_path
 from mission.configuration import Configuration
 from mission.drive.drive import CLOCK, Drive, Observer
 from mission.drive.nodes import LINK as NODES
 from mission.drive.vessel import Peer
 from mission.model import Tx
 from mission.serve import health
-from mission.serve.journal import Journal, Several, Tally
+from mission.serve.journal import Journal, Several
 from mission.serve.listening import listening, open_to_all, reached_at
 from mission.serve.ports import Port
 from mission.serve.processes import Processes
+from mission.serve.recording import Recording
 from mission.serve.sieve import Sieve, host_of
 from mission.serve.watchdog import Watchdog
 from mission.store import Store
@@ -78,10 +77,9 @@ class Server:
         self._tell, self._ready, self._speed = self._journal.warning, ready, speed
         self._observer = Several(self._journal, *([observer] if observer else []))
         self._sieve, self._began = Sieve(time.monotonic()), time.monotonic()
-        self._tally = Tally()
+        self._recording = Recording(self._tell)
         self._commander: Peer | None = None
         self._drive: Drive | None = None
-        self._box: BlackBox | None = None
         self._zero = 0.0
         self._timer: asyncio.TimerHandle | None = None
         self._peers: dict[str, frozenset[str]] = {}
@@ -90,7 +88,6 @@ class Server:
         self._announced = False
         self.refusal = ""  # why it cannot serve at all
         self._watchdog = Watchdog()
-        self._disk = ThreadPoolExecutor(1, "black box")
 
     async def run(self) -> None:
         """Until ``stop``."""
@@ -111,14 +108,17 @@ class Server:
         await self._begin()
         for port in self._ports.values():
             self._spawn(port.keep_open())
-        self._spawn(self._keep_box())
-        self._spawn(self._keep_status())
+        self._spawn(self._recording.keep_box())
+        self._spawn(self._recording.keep_status(self._configuration.folder, self._health))
         self._watchdog.ready()  # the drive lives, whether or not topside can be listened to
         await self._stopping.wait()
         await self._end()
 
     def stop(self) -> None:
         self._stopping.set()
+
+    def hang_up(self) -> None:
+        self._tell("the terminal that serve was started from is gone; serve goes on")
 
     def now(self) -> float:
         """The engine's time."""
@@ -129,24 +129,21 @@ class Server:
     async def _begin(self) -> None:
         """A drive with its black box, from what the store holds."""
         wall = time.time()
-        self._box = None
-        try:
-            self._box = BlackBox(new_path(self._configuration.log, wall), wall, shell=True)
-        except (BlackBoxError, OSError) as error:
-            self._tell(f"{error} - nothing will be recorded")
+        self._recording.begin(self._configuration.log, wall)
         self._zero = time.monotonic()
         try:
             self._drive = Drive(
                 self._configuration,
                 self._vehicle,
                 self._store,
-                self._tally.over(self._box),
+                self._recording.tally,
                 wall=wall,
                 observer=self._observer,
             )
         except Exception:
             self._fault()
             return
+        self._ports[VEHICLE].keep_gaps(self._drive.gap)
         for name, port in self._ports.items():
             self._peers[name] = frozenset()
             self._meet(port)
@@ -176,8 +173,8 @@ class Server:
             return
         for tx in out:
             self._leave(tx)
-        if self._drive.commander != self._commander:
-            self._hand_over(self._drive.commander)
+        if self._drive.commander.peer != self._commander:
+            self._hand_over(self._drive.commander.peer)
         self._watchdog.fed(time.monotonic())
         self._schedule()
 
@@ -192,7 +189,7 @@ class Server:
 
     async def _begin_again(self) -> None:
         await asyncio.sleep(REBIRTH_S)
-        await self._shut_box()
+        await self._recording.shut()
         if not self._stopping.is_set():
             await self._begin()
 
@@ -206,6 +203,8 @@ class Server:
             heard = self._sifted(port, heard)
         for rx in heard:
             self._do(lambda drive, rx=rx: drive.receive(rx, now))  # type: ignore[misc]
+            if self._drive is not None and self._drive.commander.knows(Peer(rx.link, rx.address)):
+                port.vouch(rx.address)
         self._part(port)
 
     def _sifted(self, port: Port, heard: list[Rx]) -> list[Rx]:
@@ -225,8 +224,7 @@ class Server:
                 self._do(lambda drive: drive.disconnected(MODEM, "", self.now()))
         elif port.name == TOPSIDE and not self._announced:
             self._announced = True
-            black_box = str(self._box.path) if self._box is not None else ""
-            self._ready(Ready(reached_at(port.url), black_box))
+            self._ready(Ready(reached_at(port.url), self._recording.path))
             if open_to_all(port.url):
                 self._tell(f"whoever reaches {port.url} can command the vehicle: add "
                            "?allow=ADDRESSES to it, or listen with tls-listen://")  # fmt: skip
@@ -276,8 +274,7 @@ class Server:
     # --- out ---------------------------------------------------------------------------------
 
     def _hand_over(self, commander: Peer | None) -> None:
-        """R12. No frame of the documents tells who lost the command: it is answered N, and the
-        journal has it."""
+        """R12: the journal has both names."""
         loser, self._commander = self._commander, commander
         if commander is not None and loser is not None:
             self._tell(f"{commander} has taken the command over from {loser}")
@@ -285,14 +282,18 @@ class Server:
             self._journal.info(f"{commander} commands")
 
     def _leave(self, tx: Tx) -> None:
-        self._journal.left(tx, tx.link == VEHICLE)
+        sent = True
         if tx.link == NODES:
             self._spawn(self._switch(tx.data))
         elif tx.link == CLOCK:
             self._set_system_clock(tx.data.decode("ascii"))
         elif (port := self._ports.get(tx.link)) is not None:
-            port.send(tx.data, self.now(), tx.address)
+            sent = port.send(tx.data, self.now(), tx.address)
             self._part(port)
+        if tx.link == VEHICLE:
+            self._journal.commanded(tx, sent)
+        else:
+            self._journal.answered(tx)
 
     async def _switch(self, request: bytes) -> None:
         answer = await self._processes.switch(request)
@@ -306,45 +307,19 @@ class Server:
         except OSError as error:
             self._tell(f"the system's clock was not set: {error.strerror}")
 
-    # --- black box ---------------------------------------------------------------------------
-
-    async def _keep_box(self) -> None:
-        told = ""
-        while True:
-            await asyncio.sleep(FLUSH_S)
-            box = self._box
-            if box is None:
-                continue
-            if (data := box.take()) or box.failure:
-                # shielded: what was taken is written even when this task is cancelled
-                stored = self._disk.submit(box.store, data, True)
-                await asyncio.shield(asyncio.wrap_future(stored))
-            if box.failure != told:
-                told = box.failure
-                self._tell(f"black box: {told}" if told else "black box: written again")
-
-    async def _keep_status(self) -> None:
-        loop = asyncio.get_running_loop()
-        while True:
-            if self._drive is not None:
-                how = health.Health(
-                    up_s=time.monotonic() - self._began,
-                    wall=time.time(),
-                    links=health.of_ports(
-                        self._ports, self.now(), self._tally.faults, {TOPSIDE: self._sieve.dropped}
-                    ),
-                    **health.of_drive(self._drive, self._vehicle),
-                    **health.of_box(self._box),
-                )
-                folder = self._configuration.folder
-                await loop.run_in_executor(self._disk, health.write, folder, how)
-            self._journal.settle()
-            await asyncio.sleep(health.EVERY_S)
-
-    async def _shut_box(self) -> None:
-        box, self._box = self._box, None
-        if box is not None:
-            await asyncio.get_running_loop().run_in_executor(self._disk, box.close)
+    def _health(self) -> health.Health | None:
+        """How it is now; the counts of the journal's last minute are told as well."""
+        self._journal.settle()
+        if self._drive is None:
+            return None
+        faults, dropped = self._recording.tally.faults, {TOPSIDE: self._sieve.dropped}
+        return health.Health(
+            up_s=time.monotonic() - self._began,
+            wall=time.time(),
+            links=health.of_ports(self._ports, self.now(), faults, dropped),
+            **health.of_drive(self._drive, self._vehicle),
+            **health.of_box(self._recording.box),
+        )
 
     # --- tasks -------------------------------------------------------------------------------
 
@@ -375,8 +350,8 @@ class Server:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
         await self._processes.end()
-        await self._shut_box()
-        self._disk.shutdown()
+        await self._recording.shut()
+        self._recording.end()
 
 
 def _prepare(drive: Drive) -> Navigation:
@@ -395,6 +370,8 @@ def run(server: Server) -> None:
         loop = asyncio.get_running_loop()
         for number in (signal.SIGINT, signal.SIGTERM):
             loop.add_signal_handler(number, server.stop)
+        if hasattr(signal, "SIGHUP"):  # the terminal may be at the other end of a radio
+            loop.add_signal_handler(signal.SIGHUP, server.hang_up)
         await server.run()
 
     asyncio.run(main())

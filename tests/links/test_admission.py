@@ -10,8 +10,17 @@ from collections.abc import Callable
 import pytest
 
 from links import LinkAddressError, open_link, parse_address
-from links.admission import AT_ONCE, GIVES_WAY, PER_SECOND, Admission, Gate, Present, admission_of
-from links.stream import READ
+from links.admission import (
+    AT_ONCE,
+    GIVES_WAY,
+    PER_SECOND,
+    PROVES,
+    Admission,
+    Gate,
+    Present,
+    admission_of,
+)
+from links.stream import READ, Stream
 from links.tcp import RECEIVE_BUFFER, TcpServer
 
 
@@ -92,6 +101,46 @@ def test_who_is_silent_gives_way_and_who_speaks_does_not() -> None:
     assert door.room("a", here, 9.0) == ("", "2 connections from there already")
     assert door.room("a", here, 3.0 + GIVES_WAY) == ("a:2", "")
     assert door.room("b", here[:2], 9.0) == ("", "")
+
+
+def test_who_has_said_nothing_that_makes_sense_gives_way_sooner() -> None:
+    door = Gate(Admission(connections=2, each=2))
+    drips = [Present("a:1", "a", 5.0, proved=False), Present("b:1", "b", 0.0)]
+    assert door.room("c", drips, 5.5) == ("", "2 connections already")
+    assert door.room("c", drips, 5.0 + PROVES) == ("a:1", "")
+
+
+def test_who_drips_bytes_keeps_nobody_out_who_makes_sense() -> None:
+    """Slow loris: a byte now and then is no silence, and no frame either."""
+    server = listening(connections=3, each=3)
+    drips = [connect(server, float(i)) for i in range(3)]
+    server.vouch(server.peers[0])
+    for drip in drips:
+        drip.sendall(b"@")
+    until(lambda: sum(s.heard == 9.0 for s in _after(server, 9.0)) == 3)
+    operator = connect(server, 9.0, "127.0.0.2")
+    assert drips[1].recv(10) == b"", "the first one that was not vouched for"
+    server.vouch(server.peers[-1])
+    for host in range(3, 9):
+        connect(server, 9.5, f"127.0.0.{host}").close()
+    operator.sendall(b"@ZAX0$")
+    until(lambda: any(rx.data == b"@ZAX0$" for rx in server.receive(9.5)))
+    for client in (*drips, operator):
+        client.close()
+    server.close()
+
+
+def _after(server: TcpServer, now: float) -> list[Stream]:
+    server.receive(now)
+    return list(server._streams.values())
+
+
+def test_in_the_lobby_the_first_who_came_gives_way_at_once() -> None:
+    door = Gate(Admission(connections=3, each=2))
+    waiting = [Present("a:1", "a", 2.0), Present("a:2", "a", 3.0), Present("b:1", "b", 1.0)]
+    assert door.lobby("c", waiting) == "b:1"
+    assert door.lobby("a", waiting) == "a:1"
+    assert door.lobby("c", waiting[:2]) == ""
 
 
 def test_a_refused_connection_is_closed_and_told_once_with_its_count() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import select
 import socket
@@ -23,6 +24,7 @@ from links.serial import BACKLOG, SerialLink
 from links.tcp import TcpClient, TcpServer
 
 ROOT = Path(__file__).resolve().parent.parent.parent
+VHANGUP = 0x5437  # Linux: as if the cable were pulled
 
 
 def until(true: Callable[[], bool], seconds: float = 3.0) -> None:
@@ -222,6 +224,26 @@ def test_a_port_that_goes_away_is_told_and_never_hangs() -> None:
     os.close(master)
     with pytest.raises(LinkClosed, match="went away"):
         again(lambda: link.receive(0.0))
+
+
+def test_a_port_that_was_pulled_out_is_told_though_another_has_its_name_by_now(
+    tmp_path: Path,
+) -> None:
+    """A device behind a name of udev that comes back sooner than anybody looks."""
+    name = tmp_path / "ttyAUV"
+    master, slave = os.openpty()
+    name.symlink_to(os.ttyname(slave))
+    link = SerialLink("vehicle", str(name))
+    assert link.receive(0.0) == [], "silence is no end"
+    try:
+        fcntl.ioctl(slave, VHANGUP)
+    except OSError as error:
+        link.close()
+        pytest.skip(f"hanging a terminal up needs rights: {error}")
+    with pytest.raises(LinkClosed, match="went away"):
+        again(lambda: link.receive(0.0))
+    os.close(master)
+    os.close(slave)
 
 
 def test_a_port_that_takes_nothing_is_closed_before_memory_fills() -> None:

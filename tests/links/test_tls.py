@@ -121,6 +121,33 @@ def test_other_certificates_never_become_a_peer(
     assert served.heard == b""
 
 
+def test_a_certificate_of_the_wrong_end_is_called_so(server: TcpServer, keys: Path) -> None:
+    with Served(server), pytest.raises(LinkClosed):
+        command(server, keys / "ours" / "vehicle")
+    (refusal,) = server.refusals()
+    assert "a boat needs a boat's" in refusal.why
+
+
+def test_who_has_no_certificate_keeps_nobody_out_who_has_one(keys: Path) -> None:
+    """Handshakes that never begin, from everywhere, renewed as often as they are dropped."""
+    vehicle = keys / "ours" / "vehicle"
+    made = open_link("topside", f"tls-listen://127.0.0.1:0?connections=4&each=2&keys={vehicle}")
+    assert isinstance(made, TcpServer)
+    held = []
+    with Served(made) as served:
+        for turn in range(3):
+            for host in range(2, 8):
+                where = (f"127.0.{turn}.{host}", 0)
+                address = ("127.0.0.1", made.port)
+                held.append(socket.create_connection(address, 2.0, source_address=where))
+            command(made, keys / "ours" / "boat")
+    assert len(made._streams) <= 2 * 4
+    assert bytes(served.heard) == b"@ZAX0$" * 3
+    for one in held:
+        one.close()
+    made.close()
+
+
 def test_a_boat_of_another_team_is_refused_by_the_vehicle_itself(
     server: TcpServer, keys: Path, tmp_path: Path
 ) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mission.model import Tx
+from mission.model import Step, Tx
 from mission.serve.journal import AGAIN_S, REMEMBERED, Journal, printed
 
 
@@ -44,17 +44,40 @@ def test_ten_thousand_different_things_leave_no_memory_behind() -> None:
 
 def test_every_command_to_the_vehicle_is_told_with_its_reason_and_a_stick_once() -> None:
     desk = Desk()
-    desk.journal.left(Tx(0.0, "vehicle", b"@ZAS5$", "entry of dive"), True)
-    desk.journal.left(Tx(0.1, "vehicle", b"@ZAH0,4$", "entry of dive"), True)
+    desk.journal.commanded(Tx(0.0, "vehicle", b"@ZAS5$", "entry of dive"), True)
+    desk.journal.commanded(Tx(0.1, "vehicle", b"@ZAH0,4$", "entry of dive"), True)
     for gear in range(12):
-        desk.journal.left(Tx(0.2, "vehicle", b"@MMF%d$" % gear, "relay of @MM"), True)
-    desk.journal.left(Tx(0.3, "topside", b"@ACK_AAN$", "AA: no fix", "10.0.0.1:4"), False)
-    desk.journal.left(Tx(0.3, "topside", b"@VS2025$", "asked", "10.0.0.1:4"), False)
+        desk.journal.commanded(Tx(0.2, "vehicle", b"@MMF%d$" % gear, "relay of @MM"), True)
+    desk.journal.answered(Tx(0.3, "topside", b"@ACK_AAN$", "AA: no fix", "10.0.0.1:4"))
+    desk.journal.answered(Tx(0.3, "topside", b"@VS2025$", "asked", "10.0.0.1:4"))
     assert desk.lines == [
         "info: to the vehicle: @ZAS5$ - entry of dive",
         "info: to the vehicle: @ZAH0,4$ - entry of dive",
         "info: to the vehicle: @MMF0$ - relay of @MM",
         "warning: refused: @ACK_AAN$ to topside 10.0.0.1:4 - AA: no fix",
+    ]
+
+
+def test_a_command_that_is_sent_again_in_another_state_is_told_again() -> None:
+    desk = Desk()
+    again = Tx(0.0, "vehicle", b"@ZAS5$", "entry of dive")
+    for path in ("autonomous/dive", "manual/waiting", "autonomous/dive"):
+        desk.journal.step(Step(0.0, "x", (), (), (path,), ()))
+        if path.startswith("autonomous"):
+            desk.journal.commanded(again, True)
+            desk.journal.commanded(again, True)
+    told = "info: to the vehicle: @ZAS5$ - entry of dive"
+    assert desk.lines.count(told) == 2
+    assert desk.lines[2] == "info: 1 more of: to the vehicle: @ZAS5$ - entry of dive"
+
+
+def test_what_did_not_leave_is_not_told_as_sent() -> None:
+    desk = Desk()
+    desk.journal.commanded(Tx(0.0, "vehicle", b"@ZAWF$", "W from the operator"), False)
+    desk.journal.commanded(Tx(0.5, "vehicle", b"@ZAWF$", "W from the operator"), True)
+    assert desk.lines == [
+        "warning: NOT SENT, the port is closed: @ZAWF$ - W from the operator",
+        "info: to the vehicle: @ZAWF$ - W from the operator",
     ]
 
 

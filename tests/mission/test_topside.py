@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 
 import pytest
 
+from mission.drive.commander import COMMANDER_SILENT_S
 from mission.drive.nodes import Nodes
 from mission.drive.paths import path_over
 from mission.drive.staging import FORGOTTEN_AFTER_S
-from mission.drive.topside import COMMANDER_SILENT_S, SAME_COMMAND_S, Topside
+from mission.drive.topside import SAME_COMMAND_S, Topside
 from mission.drive.vessel import MissionRefused, Peer
 from mission.model import Outcome, Result, Tx, Verdict
 from mission.store import MemoryStore, Stored
@@ -304,6 +305,32 @@ def test_who_stops_the_vehicle_commands_it(pi: Pi) -> None:
     pi.hear(Emergency(Order.STOP), 1.0, OTHER)
     assert pi.hear(ClearMission(), 2.0, OTHER) == [b"@ACK_ACC$"]
     assert pi.hear(ClearMission(), 2.0, BOAT) == [b"@ACK_ACN$"]
+
+
+def test_who_loses_the_command_and_reads_reports_is_told_by_one(pi: Pi) -> None:
+    pi.hear(StoreQuery(), 0.0, BOAT)
+    pi.hear(StartMission(), 0.0, BOAT)
+    pi.topside.receive(OTHER, encode(Emergency(Order.STOP)), 1.0)
+    out = [tx for tx in pi.topside.outgoing(1.0) if tx.address == BOAT.address]
+    assert [tx.data.rpartition(b",")[0].rpartition(b",")[2] for tx in out] == [
+        b"topside other:2 has taken the command"
+    ]
+    pi.topside.receive(OTHER, encode(Emergency(Order.SURFACE)), 1.1)
+    assert pi.topside.outgoing(1.1) == [], "once"
+
+
+def test_a_plain_topside_never_sees_a_report_it_did_not_ask_for(pi: Pi) -> None:
+    pi.hear(StartMission(), 0.0, BOAT)
+    pi.topside.receive(OTHER, encode(Emergency(Order.STOP)), 1.0)
+    assert pi.topside.outgoing(1.0) == []
+
+
+def test_under_water_nobody_is_told_unasked_that_he_lost_the_command(pi: Pi) -> None:
+    pi.hear(StoreQuery(), 0.0, WATER)
+    pi.hear(StartMission(), 20.0, WATER)
+    pi.topside.receive(BOAT, encode(Emergency(Order.STOP)), 40.0)
+    assert pi.topside.outgoing(40.0) == []
+    assert pi.later(60.0) == []
 
 
 def test_the_same_command_over_both_paths_is_executed_once(pi: Pi) -> None:

@@ -1,0 +1,72 @@
+"""What a running serve writes to the disk: the black box of its drive, and its health.
+
+    records --FLUSH_S--> black box        Health --EVERY_S--> status.json
+
+One thread does all of it, so that nobody waits for the disk but the disk. A disk that fails is
+told, and stops nothing. What does not live here: the files' formats (blackbox, health).
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from mission.blackbox import FLUSH_S, BlackBox, BlackBoxError, new_path
+from mission.serve import health
+from mission.serve.journal import Tally
+
+
+class Recording:
+    def __init__(self, tell: Callable[[str], None]) -> None:
+        self._tell = tell
+        self.tally = Tally()  # what the drive writes to
+        self.box: BlackBox | None = None
+        self._disk = ThreadPoolExecutor(1, "black box")
+
+    @property
+    def path(self) -> str:
+        """Of the black box, "" if there is none."""
+        return str(self.box.path) if self.box is not None else ""
+
+    def begin(self, folder: Path, wall: float) -> None:
+        """A black box of its own for a drive that begins."""
+        self.box = None
+        try:
+            self.box = BlackBox(new_path(folder, wall), wall, shell=True)
+        except (BlackBoxError, OSError) as error:
+            self._tell(f"{error} - nothing will be recorded")
+        self.tally.over(self.box)
+
+    async def keep_box(self) -> None:
+        """Runs until it is cancelled."""
+        told = ""
+        while True:
+            await asyncio.sleep(FLUSH_S)
+            box = self.box
+            if box is None:
+                continue
+            if (data := box.take()) or box.failure:
+                # shielded: what was taken is written even when this task is cancelled
+                stored = self._disk.submit(box.store, data, True)
+                await asyncio.shield(asyncio.wrap_future(stored))
+            if box.failure != told:
+                told = box.failure
+                self._tell(f"black box: {told}" if told else "black box: written again")
+
+    async def keep_status(self, folder: Path, look: Callable[[], health.Health | None]) -> None:
+        """Runs until it is cancelled."""
+        loop = asyncio.get_running_loop()
+        while True:
+            if (how := look()) is not None:
+                await loop.run_in_executor(self._disk, health.write, folder, how)
+            await asyncio.sleep(health.EVERY_S)
+
+    async def shut(self) -> None:
+        box, self.box = self.box, None
+        if box is not None:
+            await asyncio.get_running_loop().run_in_executor(self._disk, box.close)
+
+    def end(self) -> None:
+        self._disk.shutdown()
