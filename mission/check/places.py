@@ -13,9 +13,24 @@ from mission.navigation.geodesy import LocalFrame
 Point = tuple[float, float]  # m north and east of home
 
 
+def places_named(kind: LegKind) -> tuple[Place, ...]:
+    """As the author wrote them."""
+    match kind:
+        case Goto(place):
+            return (place,)
+        case Follow(places):
+            return places
+        case Rows(start) if start is not None:
+            return (start,)
+        case Loiter(place) if place is not None:
+            return (place,)
+        case _:
+            return ()
+
+
 def places_of(kind: LegKind, frame: LocalFrame | None) -> tuple[Point, ...]:
     """Corners of what is steered along; none for a leg that is not steered to places, or that
-    begins wherever it is entered. ``frame`` None: the mission names no home."""
+    begins wherever it is entered. ``frame`` None: no home is named, and no latitude."""
     match kind:
         case Goto(place):
             return (_local(place, frame),)

@@ -5,6 +5,7 @@
     no-way-up      a state from which clocks alone do not lead to the surface
     unreachable    a leg that no way leads to
     unknowable     a guard on what this vehicle never reports
+    no-home        a latitude and longitude, in a mission that does not say where home is
     time           the worst case, with the ascent, exceeds the safety time
     radius         the swept path, widened by current and uncertainty, leaves the radius
     depth          the same for the depth
@@ -24,6 +25,7 @@ from mission import envelope
 from mission.check.assumptions import SPEED_SHARE, Assumptions
 from mission.check.bounds import Bounds, LegBounds
 from mission.check.flow import Flow, Proof, TooLongError, trail
+from mission.check.places import places_named
 from mission.envelope import DEPTH_MARGIN, in_force
 from mission.model import (
     AUTONOMOUS,
@@ -36,6 +38,7 @@ from mission.model import (
     Guard,
     Not,
     Or,
+    Position,
     State,
     Surface,
     Where,
@@ -88,8 +91,8 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     limits = in_force(vehicle, mission.safety, SetSafety())
     assume = Assumptions.of(mission, vehicle, limits.depth)
     frame = LocalFrame(mission.home) if mission.home else None
-    early = [*_no_bound(chart), *_unknowable(chart, vehicle)]
-    if any(r.rule == "no-bound" for r in early):
+    early = [*_no_bound(chart), *_no_home(chart), *_unknowable(chart, vehicle)]
+    if any(r.rule in ("no-bound", "no-home") for r in early):
         return Report(tuple(early), None, tuple(_assumed(chart, vehicle, assume, False)))
     flow = Flow(
         chart,
@@ -130,6 +133,20 @@ def _no_bound(chart: Chart) -> Iterator[Refusal]:
         if not bound and not isinstance(leg.kind, Surface):
             message = f"{_name(state.path)} is ended by no clock; add for or timeout"
             yield Refusal("no-bound", leg.where, message)
+
+
+def _no_home(chart: Chart) -> Iterator[Refusal]:
+    """How far a position is from a home that the first fixes will tell cannot be proved."""
+    if chart.mission.home is not None:
+        return
+    for state in _legs(chart):
+        assert state.leg is not None
+        if any(isinstance(place, Position) for place in places_named(state.leg.kind)):
+            message = (
+                f"{_name(state.path)} names a latitude and longitude, but the mission names no "
+                "home to measure from; add home, or write north .. east .."
+            )
+            yield Refusal("no-home", state.leg.where, message)
 
 
 def _variables(expression: Expression) -> Iterator[Comparison]:

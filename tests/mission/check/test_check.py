@@ -67,6 +67,26 @@ def test_a_mission_longer_than_its_safety_time_is_refused_with_its_path() -> Non
     assert any("more" in step for step in refusal.path)
 
 
+@pytest.mark.parametrize(
+    "leg",
+    [
+        "goto 31 121",
+        "follow north 0 east 10, 31 121",
+        "rows 2 bearing 0 length 50 spacing 10 from 31 121",
+        "loiter 31 121 radius 20",
+    ],
+)
+def test_a_latitude_without_a_home_to_measure_it_from_is_refused(leg: str) -> None:
+    head = "mission m vehicle auv\nsafety radius 300 time 30min depth 10\n"
+    body = f"go: {leg} gear 8 depth 3 timeout 5min\n"
+    found = report(body, head)
+    assert rules(found) == ["no-home"]
+    assert found.proved is None
+    assert found.refusals[0].where.line == 3
+    assert "no-home" not in rules(report(body))
+    assert report(body.replace("31 121", "north 10 east 5"), head).ok
+
+
 def test_a_swept_path_beyond_the_radius_is_refused_at_the_leg_that_leaves_it() -> None:
     found = report("near: heading 0 ZAF6 for 60s\nfar: heading 0 ZAF8 for 20min\n")
     refusal = next(r for r in found.refusals if r.rule == "radius")
