@@ -5,7 +5,8 @@ the same complete set, kind, clocks and ways, in the same order of looking at th
 the text and groups that neither repeat nor handle do not matter. Whatever follows from a leg that
 came, went or moved alone (where the one before it now leads) is not told again.
 
-What does not live here: who is matched with whom (matching.py), how it is shown (show.py).
+What does not live here: who is matched with whom (matching.py), which ways lead alike (ways.py),
+how it is shown (show.py).
 """
 
 from __future__ import annotations
@@ -17,21 +18,17 @@ from difflib import SequenceMatcher
 from typing import TypeVar
 
 from mission.diff import wording
-from mission.diff.matching import groups_above, leg_of, legs_of, match, rising, set_of
+from mission.diff.matching import leg_of, legs_of, match, set_of
+from mission.diff.ways import Ways, matters
 from mission.envelope import in_force
 from mission.graph import words
 from mission.language.words import GENERATED
 from mission.model import (
     AUTONOMOUS,
-    IMPLICIT_SURFACE,
-    By,
     Chart,
-    Edge,
     Exit,
     Group,
-    Guard,
     Handler,
-    Loop,
     Mission,
     State,
 )
@@ -41,7 +38,6 @@ from protocol.messages import SetSafety
 
 MISSION = "mission"
 T = TypeVar("T", Exit, Handler)
-Way = tuple[By, Guard | None, str, tuple[Loop, ...]]
 
 
 class Kind(enum.Enum):
@@ -99,12 +95,8 @@ class _Comparison:
     def __init__(self, before: Chart, after: Chart, vehicles: tuple[Vehicle, Vehicle]) -> None:
         self.before, self.after, self.vehicles = before, after, vehicles
         self.match = match(before, after)
-        self.old_of = {b: a for a, b in self.match.legs.items()}
-        self.matters = {
-            side: {s.path for s in chart.states if s.group and _matters(s.group)}
-            for side, chart in (("before", before), ("after", after))
-        }
-        self.moved = set() if self._same_ways() else self._moved()
+        self.ways = Ways(before, after, self.match)
+        self.old_of, self.moved = self.ways.old_of, self.ways.moved
 
     def rows(self) -> Iterator[Change]:
         yield from self._header()
@@ -143,8 +135,8 @@ class _Comparison:
         )
         yield from self._limits(one, two)
         yield from self._assumptions(one, two)
-        uncertain = self._mapped(self.before, ":uncertain", AUTONOMOUS)
-        if uncertain != self._plain(self.after, ":uncertain", AUTONOMOUS):
+        uncertain = self.ways.mapped(self.before, ":uncertain", AUTONOMOUS)
+        if uncertain != self.ways.plain(self.after, ":uncertain", AUTONOMOUS):
             yield from self._mission("on uncertain", one.on_uncertain, two.on_uncertain)
         yield from self._mission("first leg", *self._initial())
         yield from self._handlers(AUTONOMOUS, AUTONOMOUS, one, two, MISSION)
@@ -182,7 +174,7 @@ class _Comparison:
     def _groups(self) -> Iterator[Change]:
         partner = {b: a for a, b in self.match.groups.items()}
         for state in self.before.states:
-            if state.group and _matters(state.group) and state.path not in self.match.groups:
+            if state.group and matters(state.group) and state.path not in self.match.groups:
                 place, lines = wording.name(state.path), ((state.group.where.line, 0),)
                 told = wording.group(state.group)
                 yield Change(Kind.REMOVED, (place,), "group", told, "", lines)
@@ -191,7 +183,7 @@ class _Comparison:
                 continue
             if state.path in partner:
                 yield from self._group(self.before.state(partner[state.path]), state)
-            elif _matters(state.group):
+            elif matters(state.group):
                 place, lines = wording.name(state.path), ((0, state.group.where.line),)
                 told = wording.group(state.group)
                 yield Change(Kind.ADDED, (place,), "group", "", told, lines)
@@ -210,8 +202,8 @@ class _Comparison:
         self, old: str, new: str, one: Group | Mission, two: Group | Mission, place: str
     ) -> Iterator[Change]:
         def same_way(i: int, j: int) -> bool:
-            one_way = self._mapped(self.before, f":on{i}", old)
-            return one_way == self._plain(self.after, f":on{j}", new)
+            one_way = self.ways.mapped(self.before, f":on{i}", old)
+            return one_way == self.ways.plain(self.after, f":on{j}", new)
 
         yield from self._aligned("on", place, one.handlers, two.handlers, same_way)
 
@@ -245,19 +237,19 @@ class _Comparison:
 
         def same_way(i: int, j: int) -> bool:
             implicit = a.exits[i - 1].target is None and b.exits[j - 1].target is None
-            return self._same_way(old, f":until{i}", new, f":until{j}", implicit=implicit)
+            return self.ways.same_way(old, f":until{i}", new, f":until{j}", implicit=implicit)
 
         yield from self._aligned("until", place, a.exits, b.exits, same_way)
         for suffix in (":end", ":for"):
-            if not self._same_way(old, suffix, new, suffix, implicit=True):
-                yield row("then", *self._targets(old, new, suffix))
+            if not self.ways.same_way(old, suffix, new, suffix, implicit=True):
+                yield row("then", *self.ways.targets(old, new, suffix))
 
     def _otherwise(self, old: State, new: State, row: Callable[..., Change]) -> Iterator[Change]:
         a, b = leg_of(old).otherwise, leg_of(new).otherwise
-        if self._same_way(old, ":else", new, ":else", implicit=a is None and b is None):
+        if self.ways.same_way(old, ":else", new, ":else", implicit=a is None and b is None):
             return
         told = a or self.before.mission.on_timeout, b or self.after.mission.on_timeout
-        yield row("else", *(told if told[0] != told[1] else self._targets(old, new, ":else")))
+        yield row("else", *(told if told[0] != told[1] else self.ways.targets(old, new, ":else")))
 
     def _aligned(
         self,
@@ -281,106 +273,3 @@ class _Comparison:
                 kind = Kind.ADDED if one is None else Kind.REMOVED if two is None else Kind.CHANGED
                 told = wording.apart(one, two, wording.way, wording.exact_way)
                 yield Change(kind, (place,), what, *told, (lines,))
-
-    # --- ways ---------------------------------------------------------------------------------
-
-    def _plain(self, chart: Chart, suffix: str, source: str) -> tuple[Way, ...]:
-        return tuple((e.by, e.guard, e.target, e.loops) for e in _edges(chart, source, suffix))
-
-    def _mapped(self, chart: Chart, suffix: str, source: str) -> tuple[Way, ...]:
-        rename = self.match.renamed
-        return tuple(
-            (by, guard, rename(target), tuple(Loop(rename(x.group), x.again) for x in loops))
-            for by, guard, target, loops in self._plain(chart, suffix, source)
-        )
-
-    def _same_way(self, old: State, suffix: str, new: State, there: str, *, implicit: bool) -> bool:
-        """``implicit``: to whatever comes next, so that a leg that came, went or moved, or rounds
-        that changed, say already why it leads elsewhere."""
-        one = self._mapped(self.before, suffix, old.path)
-        two = self._plain(self.after, there, new.path)
-        if [way[2:] for way in one] == [way[2:] for way in two]:
-            return True
-        told = not one or not two or new.path in self.moved
-        return implicit and (told or any(self._told(way) for way in (*one, *two)))
-
-    def _told(self, way: Way) -> bool:
-        _, _, target, loops = way
-        came_or_went = target != IMPLICIT_SURFACE and target not in self.old_of
-        return (
-            came_or_went
-            or target in self.moved
-            or any(self._changed_group(loop.group) for loop in loops)
-        )
-
-    def _changed_group(self, path: str) -> bool:
-        partner = {b: a for a, b in self.match.groups.items()}.get(path)
-        if partner is None:
-            return True
-        one, two = self.before.state(partner).group, self.after.state(path).group
-        return one is None or two is None or one.repeat != two.repeat
-
-    def _targets(self, old: State, new: State, suffix: str) -> tuple[str, str]:
-        def told(chart: Chart, source: str) -> str:
-            ends = (wording.name(e.target) for e in _edges(chart, source, suffix))
-            return " or ".join(dict.fromkeys(ends))
-
-        return told(self.before, old.path), told(self.after, new.path)
-
-    def _same_ways(self) -> bool:
-        """Whether all ways lead alike, whatever opens them: then order in the text is no matter."""
-        if len(self.match.legs) != len(legs_of(self.before)) or len(self.old_of) != len(
-            legs_of(self.after)
-        ):
-            return False
-        if self.match.renamed(self.before.initial) != self.after.initial:
-            return False
-        sources = [*self.match.legs.items(), *self.match.groups.items(), (AUTONOMOUS, AUTONOMOUS)]
-        return all(
-            _ends(self._mapped(self.before, "", a)) == _ends(self._plain(self.after, "", b))
-            and self._around(self.before, a, "before") == self._around(self.after, b, "after")
-            for a, b in sources
-        )
-
-    def _around(self, chart: Chart, path: str, side: str) -> tuple[str, ...]:
-        """The groups around it that repeat or handle, by their paths after."""
-        if path == AUTONOMOUS:
-            return ()
-        rename = self.match.renamed if side == "before" else str
-        return tuple(rename(g) for g in groups_above(chart, path) if g in self.matters[side])
-
-    def _moved(self) -> set[str]:
-        """Paths after: out of the order that the others keep, or into another group."""
-        old = {s.path: i for i, s in enumerate(legs_of(self.before))}
-        pairs = [
-            (old[self.old_of[s.path]], s.path) for s in legs_of(self.after) if s.path in self.old_of
-        ]
-        kept = rising([i for i, _ in pairs])
-        moved = {path for n, (_, path) in enumerate(pairs) if n not in kept}
-        for _, path in pairs:
-            before = self._around(self.before, self.old_of[path], "before")
-            after = self._around(self.after, path, "after")
-            if [g for g in before if not g.endswith(" (before)")] != [
-                g for g in after if g in self.match.groups.values()
-            ]:
-                moved.add(path)
-        return moved
-
-
-def _ends(ways: tuple[Way, ...]) -> set[tuple[object, ...]]:
-    return {(by, target, loops) for by, _, target, loops in ways}
-
-
-def _edges(chart: Chart, source: str, suffix: str) -> list[Edge]:
-    """A state's edges whose trigger is that of ``suffix``; of one way there are several, one for
-    each outcome of the rounds."""
-    trigger = source + suffix
-    return [
-        e
-        for e in chart.leaving(source)
-        if not suffix or e.trigger == trigger or e.trigger.startswith(f"{trigger}.")
-    ]
-
-
-def _matters(group: Group) -> bool:
-    return group.repeat > 1 or bool(group.handlers)
