@@ -129,15 +129,15 @@ class Frontseat:
         return Outcome(result, waiting.frame.data, waiting.frame.command)
 
     def poll(self, now: float) -> tuple[list[Tx], list[Outcome]]:
-        """Send what is due (at most one frame: the gap follows it), give up what was lost."""
-        outcomes: list[Outcome] = []
+        """Send what is due (at most one frame: the gap follows it), give up what was lost. What
+        was lost is told before anything further leaves: it may be the reason for an order."""
         if self.idle:
-            return [], outcomes
+            return [], []
         waiting = self._outstanding
         if waiting and now >= waiting.deadline and waiting.tries >= TRIES:
             self._outstanding = None
-            outcomes.append(Outcome(Result.LOST, waiting.frame.data, waiting.frame.command))
-        return (self._next(now) if now >= self._free else []), outcomes
+            return [], [Outcome(Result.LOST, waiting.frame.data, waiting.frame.command)]
+        return (self._next(now) if now >= self._free else []), []
 
     def _next(self, now: float) -> list[Tx]:
         waiting = self._outstanding

@@ -64,6 +64,7 @@ class Before:
     depth: float
     stick_age: float
     fix_age: float
+    started: float | None  # the mission under way, or interrupted
     sent: int
     steps: int
     states: int
@@ -123,6 +124,7 @@ def before(world: World) -> Before:
         world.sea.depth,
         world.now - world.last_stick,
         world.now - world.last_fix,
+        run.started if (run := world.engine._core.run) is not None else None,
         len(world.sent),
         len(world.notes.steps),
         len(world.states),

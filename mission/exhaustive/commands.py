@@ -98,6 +98,39 @@ def _nodes_answer(world: World) -> None:
     world.wait(SETTLE)
 
 
+def _closes(world: World, letters: bytes, closed: str = "") -> None:
+    world.say(b"@NS" + letters + b"$")
+    for node in ("STM32", "BDGPS", "UACM", "CAMERA"):
+        world.node(f"{node} {'C' if node == closed else 'O'}\n".encode())
+    world.wait(SETTLE)
+
+
+def _modem_closes(world: World) -> None:
+    _closes(world, b"OOOCOO", "UACM")
+
+
+def _camera_closes(world: World) -> None:
+    _closes(world, b"OOOOCO", "CAMERA")
+
+
+def _pi_closes(world: World) -> None:
+    _closes(world, b"COOOOO")
+
+
+def _sticks_and_starts(world: World) -> None:
+    """While the stick is held the vehicle does not report."""
+    world.reports = False
+    for _ in range(30):
+        world.say(b"@MMF5$")
+        world.wait(0.2)
+    world.wait(2.0)
+    world.at_once = ""
+    world.say(b"@AA$")
+    world.wait(1.0)
+    world.reports = True
+    world.wait(3.0)
+
+
 def _holds_the_stick(world: World) -> None:
     for _ in range(10):
         world.say(b"@MMF5$")
@@ -145,9 +178,19 @@ COMMANDS = (
     Event("RI", _says(b"@RI$"), "RI"),
     Event("RS by both paths", script(_both), "RS", "both"),
     Event("rudder", _says(b"@DS3,20$"), "D"),
+    Event("rudder, a step", _says(b"@DA2,-2$"), "D"),
+    Event("rudder of another connection", _other_says(b"@DS3,20$"), "D", "tender"),
     Event("NS, all open", script(_nodes_answer), "NS", "open"),
     Event("NS, AUTO closed", _says(b"@NSOOOOOC$", 1.0), "NS", "auto"),
+    Event("NS, UACM closed", script(_modem_closes), "NS", "uacm"),
+    Event("NS, CAMERA closed", script(_camera_closes), "NS", "camera"),
+    Event("NS, Pi closed", script(_pi_closes), "NS", "pi"),
+    Event("NS, a node that does not answer", _says(b"@NSOOOCOO$", 5.5), "NS", "unanswered"),
     Event("NS, STM32 closed", _says(b"@NSOCOOOO$"), "NS", "stm32"),
+    Event("a Z that is not the operator's", _says(b"@ZAF11$@ZAS77$"), "Z"),
+    Event("X and W with another argument", _says(b"@ZAX1$@ZAW0$"), "Z"),
+    Event("the stick for 6 s, then AA", script(_sticks_and_starts), "AA", "after the stick",
+          also=frozenset({"M"})),
     Event("noise", _says(b"@ZA\xff\x00W0$@@AAX$@M"), "noise"),
 )
 # fmt: on

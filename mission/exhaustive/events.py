@@ -59,6 +59,20 @@ def _silent(world: World) -> None:
     world.wait(7.5)
 
 
+def _spoilt(world: World) -> None:
+    world.spoils = True
+    world.wait(7.5)
+
+
+def _own_depth(world: World, configuration: Configuration, chart: Chart) -> None:
+    """The mission's, though @SP allows more."""
+    world.say(encode(SetSafety(depth=60000.0)))
+    own, hard = chart.mission.safety, world.vehicle.limits
+    bound = hard.depth if own is None or own.depth is None else min(own.depth, hard.depth)
+    world.sea.depth = bound + 1.2
+    world.wait(12.5)
+
+
 def _topside_silent(world: World) -> None:
     world.engine.limit_topside_silence(3.0)
     world.wait(4.5)
@@ -132,6 +146,8 @@ LIMITS = (
         "limit depth unknown", script(_blinded), limit="depth unknown", sensor="depth", after=6.0
     ),
     Event("limit telemetry", script(_silent), limit="telemetry"),
+    Event("limit telemetry, spoilt reports", script(_spoilt), limit="telemetry"),
+    Event("limit depth, the operator's wider", _own_depth, "SP", limit="depth"),
     Event("limit topside", script(_topside_silent), limit="topside"),
     Event("limit no answer", _nobody_answers, limit="no answer"),
     Event("limit roll-over", script(_rolls), limit="roll-over"),
@@ -171,6 +187,18 @@ def _frozen(field: str) -> Play:
     return script(play)
 
 
+def _all_missing(world: World) -> None:
+    world.sea.unknown |= {"depth", "altitude", "yaw", "roll", "pitch", "temperature"}
+    world.wait(15.0)
+
+
+def _missing_for_a_while(world: World) -> None:
+    world.sea.unknown.add("depth")
+    world.wait(3.5)
+    world.sea.unknown.clear()
+    world.wait(4.0)
+
+
 def _reports(world: World) -> None:
     world.wait(4.1)
 
@@ -203,14 +231,19 @@ READINGS = (
     Event("depth missing", _missing("depth"), sensor="depth", after=6.0, also=frozenset({"blind"})),
     Event("altitude missing", _missing("altitude", 15.0), sensor="altitude", after=6.0),
     Event("heading missing", _missing("yaw", 15.0), sensor="heading", after=6.0),
+    Event("attitude missing", _missing("roll"), sensor="attitude", after=6.0),
+    Event("all missing", script(_all_missing), sensor="all", after=6.0, also=frozenset({"blind"})),
+    Event("depth missing for 4 s", script(_missing_for_a_while)),
     Event("temperature missing", _missing("temperature"), sensor="temperature", after=30.0),
     Event("depth absurd", _absurd("depth", 2000.0), sensor="depth", also=frozenset({"blind"})),
     Event("altitude absurd", _absurd("altitude", -1.0), sensor="altitude"),
     Event("heading absurd", _absurd("yaw_offset_deg", 400.0), sensor="heading"),
+    Event("attitude absurd", _absurd("roll_deg", 95.0), sensor="attitude"),
     Event("temperature absurd", _absurd("temperature", -50.0), sensor="temperature"),
     Event("depth frozen", _frozen("depth"), sensor="depth", after=11.0, also=frozenset({"blind"})),
     Event("altitude frozen", _frozen("altitude"), sensor="altitude", after=11.0),
     Event("heading frozen", _frozen("yaw"), sensor="heading", after=11.0),
+    Event("attitude frozen", _frozen("roll"), sensor="attitude", after=11.0),
 )
 
 
@@ -245,6 +278,14 @@ def _minute(depth: float) -> Play:
     return script(play)
 
 
+def _minute_blind(world: World) -> None:
+    world.reports = False
+    world.wait(40.0)
+    world.sea.unknown.add("depth")
+    world.reports = True
+    world.wait(23.0)
+
+
 def _rises(world: World) -> None:
     world.answers = "Y"
     world.say(b"@ZAWF$")
@@ -258,6 +299,12 @@ def _rises_by_thrust(world: World) -> None:
     world.say(b"@ZAWF$")
     world.rises_by = b"@ZAU12$"
     world.wait(24.0)
+
+
+def _sinks_for_ever(world: World) -> None:
+    world.answers, world.sea.depth = "Y", DEEP
+    world.say(b"@ZAWF$")
+    world.wait(45.0)
 
 
 def _unanswered_stop(world: World) -> None:
@@ -282,6 +329,8 @@ OTHERS = (
     Event("the leg's time is up", _leg_ends),
     Event("a minute of silence, deep", _minute(DEEP), also=_SILENCE),
     Event("a minute of silence, then at the surface", _minute(SHALLOW), also=_SILENCE),
+    Event("a minute of silence, the depth unknown", script(_minute_blind), also=_SILENCE),
+    Event("W, and nothing helps", script(_sinks_for_ever), "W", "sinks"),
     Event("W, and it rises", script(_rises), "W", "rises"),
     Event("W does not stick, U12 does", script(_rises_by_thrust), "W", "rises"),
     Event("X, answered late", script(_unanswered_stop), "X", also=frozenset({"deaf"})),

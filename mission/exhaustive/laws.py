@@ -36,9 +36,12 @@ Verdict = str | None
 
 @dataclass(frozen=True, slots=True)
 class Law:
+    """``of_legs``: it asks about a kind of leg, which not every mission has."""
+
     name: str
     source: str
     ask: Callable[[Cell], Verdict]
+    of_legs: bool = False
 
 
 def wrong(*faults: tuple[bool, str]) -> str:

@@ -18,6 +18,7 @@ from mission.model import (
     Expression,
     Hold,
     Not,
+    Step,
     Surface,
     Wait,
 )
@@ -32,8 +33,10 @@ _OF = {
     "depth": frozenset({"depth", "depth_rate"}),
     "altitude": frozenset({"altitude"}),
     "heading": frozenset({"heading"}),
+    "attitude": frozenset({"pitch", "roll"}),
     "temperature": frozenset({"temperature"}),
 }
+_OF["all"] = frozenset().union(*_OF.values())
 
 
 # --- limits ----------------------------------------------------------------------------------
@@ -48,8 +51,13 @@ def _thrust(cell: Cell) -> bool:
     return isinstance(leg.leg.kind, Hold | Wait) and bool(s.surge or s.turn or s.heave)
 
 
+def _left(cell: Cell) -> list[Step]:
+    """Ways out of the leg; one that leads back into it, for its next round, is one, too."""
+    return [s for s in cell.steps if cell.configuration.leaf in s.exited]
+
+
 def _stayed(cell: Cell) -> bool:
-    return all(s == cell.configuration.leaf for s in cell.states)
+    return not _left(cell)
 
 
 def _real(cell: Cell) -> bool:
@@ -71,8 +79,7 @@ def _real(cell: Cell) -> bool:
 
 def _until_emergency(cell: Cell) -> bool:
     """The leg was not left by a way of its own."""
-    mine = [s for s in cell.states if s.startswith("autonomous")]
-    return all(s == cell.configuration.leaf for s in mine)
+    return not any(s.entered[-1].startswith("autonomous") for s in _left(cell) if s.entered)
 
 
 def _unanswered(cell: Cell) -> int:
@@ -174,7 +181,8 @@ def _blind(cell: Cell) -> Verdict:
         return None
     if not sensor or isinstance(leg.leg.kind, Surface):
         return None
-    if getattr(leg.setpoint, sensor) is None:
+    needs = ("depth", "altitude", "heading") if sensor == "all" else (sensor,)
+    if all(getattr(leg.setpoint, need, None) is None for need in needs):
         return None
     return wrong((_stayed(cell), "the leg goes on"))
 
@@ -209,8 +217,7 @@ def _timed(cell: Cell) -> Verdict:
         return None
     if cell.leg.leg.timeout is None and cell.leg.leg.duration is None:
         return None
-    left = [s for s in cell.steps if cell.configuration.leaf in s.exited]
-    return wrong((not left, "the leg goes on"))
+    return wrong((_stayed(cell), "the leg goes on"))
 
 
 @cache
@@ -252,12 +259,12 @@ LEG_LAWS: tuple[Law, ...] = (
     Law("a breach leads to its response where it acts, and only there", "R5, R8", _limits),
     Law("a limit does not begin a surfacing anew", "R7", _latched),
     Law("not sure of the radius: the mission's own way", "R5", _uncertain),
-    Law("after a brown-out the set leaves once more", "R8", _brown_out),
+    Law("after a brown-out the set leaves once more", "R8", _brown_out, of_legs=True),
     Law("unknown never opens an exit", "design 4", _unknown),
-    Law("a set whose reading is unknown is given up", "design 4", _blind),
-    Law("a refused Z leads to the leg's else", "R8", _refused),
+    Law("a set whose reading is unknown is given up", "design 4", _blind, of_legs=True),
+    Law("a refused Z leads to the leg's else", "R8", _refused, of_legs=True),
     Law("three Z without an answer surface", "R8", _lost),
     Law("every leg is left when its time is up", "design 5", _timed),
-    Law("a leg's whole set leaves on entry", "design 5", _whole_set),
-    Law("rounds go on after an interruption", "design 4", _rounds_go_on),
+    Law("a leg's whole set leaves on entry", "design 5", _whole_set, of_legs=True),
+    Law("rounds go on after an interruption", "design 4", _rounds_go_on, of_legs=True),
 )

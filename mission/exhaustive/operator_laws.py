@@ -43,13 +43,19 @@ def _may_start(cell: Cell) -> bool:
         return False
     if c.region == "manual" and (cell.before.stick_age < STICK_QUIET or c.preceded):
         return False
-    return bool(c.leaf) or cell.before.fix_age <= FRESH_FIX
+    return _placed(cell)
+
+
+def _placed(cell: Cell) -> bool:
+    """Where it is, as far as a start asks (R9)."""
+    free = cell.chart.mission.start_without_fix
+    return free or bool(cell.configuration.leaf) or cell.before.fix_age <= FRESH_FIX
 
 
 def _start(cell: Cell) -> Verdict:
     """@AA, by state: from idle with a fix, from manual 2 s after the stick, never out of an
     emergency, with AUTO closed or with lines missing; while it runs Y and no effect."""
-    if cell.event.command != "AA":
+    if cell.event.command != "AA" or cell.event.path == "after the stick":
         return None
     c, accepted = cell.configuration, _may_start(cell)
     if cell.event.path == "staging" and c.region != "idle":
@@ -70,15 +76,14 @@ def _may_start_now(cell: Cell) -> bool:
     if c.region == "autonomous":
         return True
     ready = c.auto and c.loaded and c.region == "manual" and not c.preceded
-    known = bool(c.leaf) or cell.before.fix_age <= FRESH_FIX
-    return ready and cell.before.stick_age >= STICK_QUIET and known
+    return ready and cell.before.stick_age >= STICK_QUIET and _placed(cell)
 
 
 def _no_restart(cell: Cell) -> Verdict:
     """@AA while it runs: nothing leaves because of it."""
     if cell.event.command != "AA" or cell.configuration.region != "autonomous":
         return None
-    if not cell.configuration.quiet:
+    if not cell.configuration.quiet or cell.event.path == "after the stick":
         return None
     started = [s for s in cell.steps if s.trigger == "start"]
     return wrong((bool(started), "it was started again"))
@@ -144,22 +149,37 @@ def _state_of_store(cell: Cell) -> Verdict:
 
 
 def _relays(cell: Cell) -> Verdict:
-    """R and rudder frames reach the STM32 once, byte for byte, whatever the state (R12, R14)."""
-    frames = {"RS": b"@RS", "RI": b"@RI$", "D": b"@DS3,20$"}
+    """R and rudder frames of the commander reach the STM32 once, whatever the state (R12, R14)."""
+    frames = {"RS": b"@RSCOOCCC", "RI": b"@RI$", "D": b"@D"}
     start = frames.get(cell.event.command)
     if start is None:
         return None
     found = cell.frames(start)
     moved = len(cell.states) > 1 and cell.states[1] == MANUAL_DRIVING
-    return wrong((len(found) != 1, f"{len(found)} left"), (moved, "manual"))
+    wanted = 0 if cell.event.path == "tender" else 1
+    return wrong((len(found) != wanted, f"{len(found)} left"), (moved, "manual"))
+
+
+def _not_theirs(cell: Cell) -> Verdict:
+    """Of the Z class an operator has X0 and WF alone; a safety command is not guessed (E-V15)."""
+    if cell.event.command != "Z":
+        return None
+    strange = [t for t in cell.frames() if t.data in (b"@ZAF11$", b"@ZAS77$", b"@ZAX1$", b"@ZAW0$")]
+    return wrong(
+        (bool(strange), f"{strange[:1]} was passed on"),
+        (cell.world.at_once != cell.configuration.state, f"now {cell.world.at_once}"),
+    )
 
 
 def _nodes(cell: Cell) -> Verdict:
-    """R13: AUTO closed ends a mission, and a suspended one; the STM32 closes in idle alone."""
+    """R13: AUTO closed ends a mission, and a suspended one; the STM32 closes in idle alone; the
+    Pi never; whoever does not change state within 5 s is answered N."""
     if cell.event.command != "NS":
         return None
     c = cell.configuration
-    if cell.event.path == "open":
+    if cell.event.path == "unanswered":
+        return _ack(cell, "NS", False)
+    if cell.event.path in ("open", "uacm", "camera", "pi"):
         return _ack(cell, "NS", True)
     if cell.event.path == "stm32":
         if c.region == "idle":
@@ -222,6 +242,7 @@ OPERATOR_LAWS: tuple[Law, ...] = (
     Law("one answer to a question", "R4, R11, R13", _queries),
     Law("@AQ tells the store's state", "R4", _state_of_store),
     Law("R and rudder frames are passed on once", "R12, R14", _relays),
+    Law("no other Z of an operator's does anything", "R7, E-V15", _not_theirs),
     Law("@NS by state", "R13", _nodes),
     Law("an answer leaves on the path of its request", "R12", _paths),
     Law("who does not command only reads", "R12", _others_read),

@@ -22,10 +22,12 @@ from mission.exhaustive.events import EVENTS
 from mission.exhaustive.fork import Fork
 from mission.exhaustive.laws import STATE_LAWS
 from mission.exhaustive.leg_laws import LEG_LAWS
+from mission.exhaustive.line_laws import LINE_LAWS
 from mission.exhaustive.operator_laws import OPERATOR_LAWS
+from mission.exhaustive.proof_laws import PROOF_LAWS
 from mission.exhaustive.world import World
 
-ALL_LAWS = (*STATE_LAWS, *OPERATOR_LAWS, *LEG_LAWS)
+ALL_LAWS = (*STATE_LAWS, *PROOF_LAWS, *LINE_LAWS, *OPERATOR_LAWS, *LEG_LAWS)
 KEPT = 200  # violations in words; all are counted
 
 Progress = Callable[[str], None]
@@ -77,8 +79,10 @@ def examine(missions: Sequence[Path], workers: int, progress: Progress) -> Found
     return found
 
 
-def unasked(found: Found) -> list[str]:
-    return [law.name for law in ALL_LAWS if not found.asked[law.name]]
+def unasked(found: Found, *, of_legs: bool = True) -> list[str]:
+    """Laws that no cell asks; ``of_legs`` False: without those that need a kind of leg."""
+    laws = [law for law in ALL_LAWS if of_legs or not law.of_legs]
+    return [law.name for law in laws if not found.asked[law.name]]
 
 
 def _words(path: Path, profile: str, found: Found) -> str:

@@ -62,9 +62,11 @@ class World:
         self.now = now
         self.answers = "Y"
         self.reports = True
+        self.spoils = False  # each report loses a bit on its way
         self.rises_by = b""
         self.sent: list[Tx] = []
         self.states: list[tuple[float, str]] = [(now, self.drive.state)]
+        self.depths = [self.sea.depth]  # the true one, at each of these
         self.last_fix = self.last_stick = -1e9
         self.at_once = ""  # the state right after the first input since it was emptied
         self._owed: list[tuple[float, bytes]] = []
@@ -101,7 +103,8 @@ class World:
         self._take(self.drive.receive(Rx(self.now, VEHICLE, data, "")))
 
     def report(self) -> None:
-        self.hear(self.sea.report())
+        data = self.sea.report()
+        self.hear(data[:40] + bytes([data[40] ^ 1]) + data[41:] if self.spoils else data)
 
     def fix(self) -> None:
         self.last_fix = self.now
@@ -120,6 +123,7 @@ class World:
         again = _BEGUN[key].copy()
         again.notes.steps[:0] = self.notes.steps
         again.sent[:0], again.states[:0] = self.sent, self.states
+        again.depths[:0] = self.depths
         again.sea, again.answers = self.sea, self.answers
         self.__dict__ = again.__dict__
 
@@ -163,3 +167,4 @@ class World:
         self.at_once = self.at_once or self.drive.state
         if self.states[-1][1] != self.drive.state:
             self.states.append((self.now, self.drive.state))
+            self.depths.append(self.sea.depth)
