@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mission.commands.options import PROFILE, SEED, SETTINGS
+
 if TYPE_CHECKING:
     from mission.simulation.demo import Progress
 
@@ -15,14 +17,13 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("mission", type=click.Path(path_type=Path), required=False)
 @click.option("--speed", type=click.FloatRange(0.1, 20.0), default=8.0, show_default=True,
-              help="Times real time; more than about 10 makes 300 ms too short.")  # fmt: skip
-@click.option("--profile", type=click.Choice(["as-built", "documented"]), default="as-built",
-              show_default=True, help="The vehicle as it is, or as the documents say.")  # fmt: skip
-@click.option("--seed", type=int, default=0, show_default=True)
-@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True,
-              help="The sea and its faults, as in simulate.")  # fmt: skip
+              help="Times real time; beyond about 10 answers miss their 300 ms.")  # fmt: skip
+@PROFILE
+@SEED
+@SETTINGS
 @click.option("--out", type=click.Path(path_type=Path, file_okay=False),
-              default=Path("out/demo"), show_default=True)  # fmt: skip
+              default=Path("out/demo"), show_default=True,
+              help="For pictures, logs and black box; an earlier demo's are removed.")  # fmt: skip
 def demo(
     mission: Path | None,
     speed: float,
@@ -42,7 +43,7 @@ def demo(
     from mission.graph.svg import svg
     from mission.operator.upload import OperatorError
     from mission.prepare import Unreadable, check_prepared, prepare
-    from mission.simulation.demo import Demo, DemoError, as_planned
+    from mission.simulation.demo import LEFT, Demo, DemoError, as_planned
     from mission.simulation.plot import draw_flight
 
     path = mission or Path("first-dive")
@@ -56,6 +57,10 @@ def demo(
         click.echo(f"{path}: refused by the check; see auvmission check {path}", err=True)
         raise SystemExit(1)
     if out.exists():
+        others = sorted({path.name for path in out.iterdir()} - LEFT)
+        if others:
+            click.echo(f"{out} holds {others[0]}, not of a demo: name another folder", err=True)
+            raise SystemExit(2)
         shutil.rmtree(out)
     worst = report.proved.worst_time
     click.echo(f"{path}: at most {worst / 60:.1f} min of mission, {speed:g} times real time")

@@ -44,6 +44,18 @@ READY_S = 20.0  # real, for a process to say that it is there
 POLL_S = 0.25  # real, between two @DU
 STOP_S = 10.0  # real, for a process to end when told
 PLANNED = frozenset({"until", "for", "end"})
+LEFT = frozenset(
+    {
+        "graph.svg",
+        "pi",
+        "serve.log",
+        "serve.yaml",
+        "track.png",
+        "truth.csv",
+        "vehicle.log",
+        "vehicle.yaml",
+    }
+)  # what a demonstration leaves in its folder, and the next one may remove
 
 
 class DemoError(RuntimeError):
