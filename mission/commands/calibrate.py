@@ -6,10 +6,12 @@ from pathlib import Path
 
 import click
 
+from mission.commands.options import LOGGED_VEHICLE
+
 
 @click.command()
 @click.argument("logs", nargs=-1, required=True, type=click.Path(path_type=Path, dir_okay=False))
-@click.option("--vehicle", help="Vehicle file or name; default: the one in the first black box.")
+@LOGGED_VEHICLE
 @click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False),
               help="File for the section; without it, standard output.")  # fmt: skip
 @click.option("--plot", type=click.Path(path_type=Path, dir_okay=False),

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from mission.commands.options import PARAMETERS
+
 _BY_SUFFIX = {".yaml": "yaml", ".yml": "yaml", ".mission": "lines", ".txt": "lines"}
 
 
@@ -15,8 +17,7 @@ _BY_SUFFIX = {".yaml": "yaml", ".yml": "yaml", ".mission": "lines", ".txt": "lin
               help="File to write; without it, standard output.")  # fmt: skip
 @click.option("--to", "form", type=click.Choice(["yaml", "lines"]),
               help="By default as the output's suffix says, else what MISSION is not.")  # fmt: skip
-@click.option("--param", "parameters", multiple=True, metavar="NAME=VALUE",
-              help="Set a parameter of the mission.")  # fmt: skip
+@PARAMETERS
 def convert(
     mission: Path, output: Path | None, form: str | None, parameters: tuple[str, ...]
 ) -> None:

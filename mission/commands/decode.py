@@ -42,7 +42,13 @@ def link_row(name: str) -> LinkRow:
 
 
 @click.command(name="decode")
-@click.option("--link", "link_name", required=True, metavar="NAME", help="auv.from_stm32, ...")
+@click.option(
+    "--link",
+    "link_name",
+    required=True,
+    metavar="NAME",
+    help="Where the bytes come from, e.g. auv.from_stm32; docs/protocol.md lists all.",
+)
 @click.option("--option", "options", multiple=True, metavar="K=V", help="A tolerance, by name.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object per line.")
 @click.option("--hex", "as_hex", is_flag=True, help="The input is hexadecimal text.")

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import click
 
+from mission.commands.options import AS_JSON, PARAMETERS, VEHICLE
+
 
 @click.command()
 @click.argument("before", type=click.Path(dir_okay=False))
 @click.argument("after", type=click.Path(dir_okay=False))
-@click.option("--vehicle", help="Vehicle file or name for both; default: what each names.")
-@click.option("--param", "parameters", multiple=True, metavar="NAME=VALUE",
-              help="Set a parameter of both.")  # fmt: skip
+@VEHICLE
+@PARAMETERS
 @click.option("--markdown", is_flag=True, help="Tables for a pull request.")
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@AS_JSON
 def diff(
     before: str,
     after: str,

@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mission.commands.options import AS_JSON
+
 if TYPE_CHECKING:
     from mission.doctor.findings import Finding
 
 
 @click.command()
-@click.option("-c", "--config", type=click.Path(path_type=Path), help="As for serve.")
-@click.option("--json", "as_json", is_flag=True, help="One object on stdout.")
+@click.option(
+    "-c", "--config", type=click.Path(path_type=Path), help="The configuration file of serve."
+)
+@AS_JSON
 def doctor(config: Path | None, as_json: bool) -> None:
     """Examine this Pi, its ports, and the vehicle behind them; say what to do about each fault.
 

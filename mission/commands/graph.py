@@ -6,17 +6,22 @@ from pathlib import Path
 
 import click
 
+from mission.commands.options import PARAMETERS, VEHICLE
+
 
 @click.command()
 @click.argument("mission", type=click.Path(path_type=Path))
 @click.option("-o", "--output", required=True, type=click.Path(path_type=Path, dir_okay=False),
               help="File to write; its suffix says what: "
               ".svg .png .html .mmd .dot .scxml .json")  # fmt: skip
-@click.option("--depth", type=click.IntRange(min=1), help="Levels of groups to draw open.")
-@click.option("--safety", is_flag=True, help="Every transition that all missions share, too.")
-@click.option("--param", "parameters", multiple=True, metavar="NAME=VALUE",
-              help="Set a parameter of the mission.")  # fmt: skip
-@click.option("--vehicle", help="A vehicle file, or a shipped vehicle's name.")
+@click.option("--depth", type=click.IntRange(min=1), help="How many levels of groups to draw open.")
+@click.option(
+    "--safety",
+    is_flag=True,
+    help="Also draw the transitions that every mission has (stick, limits, X, W).",
+)
+@PARAMETERS
+@VEHICLE
 def graph(
     mission: Path,
     output: Path,

@@ -6,10 +6,12 @@ from pathlib import Path
 
 import click
 
+from mission.commands.options import AS_JSON
+
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--json", "as_json", is_flag=True, help="One object on stdout.")
+@AS_JSON
 def replay(file: Path, as_json: bool) -> None:
     """Re-run the black box FILE and compare every step, estimate and sent byte.
 

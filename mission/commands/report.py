@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mission.commands.options import AS_JSON, LOGGED_VEHICLE
+
 if TYPE_CHECKING:
     from mission.navigation.smoothing import Track
 
@@ -15,8 +17,8 @@ if TYPE_CHECKING:
 @click.argument("log", type=click.Path(path_type=Path, dir_okay=False))
 @click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False),
               help="PNG to write; default: LOG with the suffix .png.")  # fmt: skip
-@click.option("--vehicle", help="Vehicle file or name; default: the one in the black box.")
-@click.option("--json", "as_json", is_flag=True, help="One object on stdout.")
+@LOGGED_VEHICLE
+@AS_JSON
 def report(log: Path, output: Path | None, vehicle: str | None, as_json: bool) -> None:
     """Smooth the track of the black box LOG between its fixes, and draw it.
 

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mission.commands.options import AS_JSON, PARAMETERS, PROFILE, SEED, SETTINGS, VEHICLE
+
 if TYPE_CHECKING:
     from mission.blackbox import BlackBox
     from mission.simulation.flightlog import Flight
@@ -17,29 +19,17 @@ BLACK_BOX = "flight.mcap"
 
 @click.command()
 @click.argument("mission", type=click.Path(path_type=Path))
-@click.option(
-    "--profile",
-    type=click.Choice(["as-built", "documented"]),
-    default="as-built",
-    show_default=True,
-    help="The vehicle that exists, or the protocol to the letter.",
-)
-@click.option("--seed", type=int, default=0, show_default=True, help="Of noise and splices.")
-@click.option(
-    "--set",
-    "settings",
-    metavar="KEY=VALUE",
-    multiple=True,
-    help="The sea and its faults, e.g. current=0.3@45 or fault=depth_frozen@120+60; repeatable.",
-)
-@click.option("--param", "parameters", metavar="NAME=VALUE", multiple=True, help="Of the mission.")
-@click.option("--vehicle", metavar="FILE", help="Another vehicle file than the mission names.")
+@PROFILE
+@SEED
+@SETTINGS
+@PARAMETERS
+@VEHICLE
 @click.option(
     "--report",
     type=click.Path(path_type=Path, file_okay=False),
-    help="Folder for track.png and the black box, flight.mcap.",
+    help="Write track.png and the black box, flight.mcap, into this folder.",
 )
-@click.option("--json", "as_json", is_flag=True, help="One object on stdout.")
+@AS_JSON
 def simulate(
     mission: Path,
     profile: str,
