@@ -40,6 +40,7 @@ exhaustive: $(READY)    ## every state, every event
 
 docs: $(READY)          ## regenerate what is generated in docs/
 	$(BIN)/python -m protocol.reference > docs/protocol.md
+	$(BIN)/python -m mission.language.manual docs/mission-language.md
 
 clean:
 	rm -rf .venv out build dist

@@ -33,7 +33,7 @@ SEED = click.option(
     type=int,
     default=0,
     show_default=True,
-    help="Of everything random; the same seed gives the same bytes.",
+    help="Seed of everything that is random.",
 )
 SETTINGS = click.option(
     "--set",
