@@ -13,6 +13,7 @@ import math
 from mission.exhaustive.cell import Configuration, Event
 from mission.exhaustive.commands import COMMANDS, SETTLE, Play, script
 from mission.exhaustive.configurations import DEEP, SHALLOW, doubt
+from mission.exhaustive.wishes import come_true
 from mission.exhaustive.world import World
 from mission.model import Chart
 from protocol.messages import SetSafety
@@ -327,6 +328,7 @@ OTHERS = (
     Event("ACK N", _answers("N"), also=frozenset({"deaf"})),
     Event("no ACK", _answers(""), also=frozenset({"deaf"})),
     Event("the leg's time is up", _leg_ends),
+    Event("what the leg waits for", come_true),
     Event("a minute of silence, deep", _minute(DEEP), also=_SILENCE),
     Event("a minute of silence, then at the surface", _minute(SHALLOW), also=_SILENCE),
     Event("a minute of silence, the depth unknown", script(_minute_blind), also=_SILENCE),

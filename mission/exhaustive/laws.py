@@ -127,6 +127,8 @@ def _forgotten(cell: Cell) -> Verdict:
         return None
     if cell.world.sea.depth >= AT_SURFACE:
         return wrong((cell.state != SURFACING, f"deep, and the state is {cell.state}"))
+    if "depth" in cell.world.sea.unknown:
+        return wrong((cell.state != SURFACING, f"nobody knows how deep, and {cell.state}"))
     idle = IDLE_READY if cell.configuration.loaded else IDLE_EMPTY
     unknown = SURFACING  # the depth was stale when the minute was over
     return wrong((cell.state not in (idle, unknown, SURFACED), f"the state is {cell.state}"))

@@ -196,7 +196,11 @@ def _refused(cell: Cell) -> Verdict:
         return None
     if cell.leg.leg is None or isinstance(cell.leg.leg.kind, Surface):
         return None
-    return wrong((_stayed(cell), "the leg goes on"))
+    ways = [s.by for s in _left(cell)[:1]]
+    return wrong(
+        (not ways, "the leg goes on"),
+        (ways[:1] not in ([By.ELSE], [By.LIMIT]), f"the leg is left by {ways[:1]}"),
+    )
 
 
 def _lost(cell: Cell) -> Verdict:

@@ -10,7 +10,8 @@ from itertools import pairwise
 from mission.exhaustive.cell import Cell
 from mission.exhaustive.laws import AT_SURFACE, Law, Verdict, W, wrong
 from mission.exhaustive.line_laws import U12
-from mission.model import SURFACED, SURFACING, By, Chart, Edge
+from mission.exhaustive.wishes import wish
+from mission.model import SURFACED, SURFACING, Chart, Edge
 
 _TURN = 10.0  # s each way is given (R7)
 _EPS = 1e-6
@@ -118,6 +119,16 @@ def _along_the_chart(cell: Cell) -> Verdict:
     return None
 
 
+def _fulfilled(cell: Cell) -> Verdict:
+    """What a leg waits for is so: it is left for good, or for its next round."""
+    if cell.event.name != "what the leg waits for":
+        return None
+    if wish(cell.configuration, cell.chart) is None:
+        return None
+    left = [s for s in cell.steps if cell.configuration.leaf in s.exited]
+    return wrong((not left, "the leg goes on"))
+
+
 def _repeat(chart: Chart, path: str) -> int:
     group = chart.state(path).group
     return group.repeat if group else 1
@@ -135,23 +146,12 @@ def _miscounts(cell: Cell, edge: Edge) -> bool:
     return now != (dict(cell.configuration.rounds).get(loop.group, 1) + 1 if loop.again else 1)
 
 
-def _else(cell: Cell) -> Verdict:
-    """R8, design 4: a refused set and a reading that is not known for 6 s lead to the else."""
-    if cell.event.name != "ACK N" and not cell.event.sensor:
-        return None
-    left = [s for s in cell.steps if cell.configuration.leaf in s.exited[:1]]
-    if cell.configuration.region != "autonomous" or not left or left[0].by is not By.ELSE:
-        return None
-    targets = [e.target for e in cell.chart.leaving(cell.configuration.leaf) if e.by is By.ELSE]
-    return wrong((left[0].entered[-1] not in targets, f"to {left[0].entered}, not {targets}"))
-
-
 PROOF_LAWS: tuple[Law, ...] = (
     Law("at the surface is who is there", "R6, R7", _at_the_surface),
     Law("an ascent tries both ways and never gives up", "R7", _never_gives_up),
     Law("an interruption does not stop the mission's clock", "R6", _clock_goes_on),
     Law("the age of the reports starts again with @AA", "R6", _reports_anew),
     Law("in manual a limit is reported", "R5", _reported_in_manual),
+    Law("an exit that holds is taken", "design 5", _fulfilled, of_legs=True),
     Law("a mission goes along its chart, round by round", "design 4", _along_the_chart),
-    Law("the else is the leg's own", "R8, design 4", _else, of_legs=True),
 )

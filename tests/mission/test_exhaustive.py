@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import pytest
 from click.testing import CliRunner
 
+from links.base import Rx
 from mission.cli import main
 from mission.drive import topside
+from mission.drive.commander import Commander
+from mission.drive.drive import Drive
 from mission.drive.frontseat import Frontseat
 from mission.drive.staging import Staging
 from mission.engine import core, orders, run, senses
+from mission.engine.ascent import UPWARD, Ascent
 from mission.engine.watch import Watch
-from mission.envelope import LIMITS
+from mission.envelope import LIMITS, Bounds, Limit
 from mission.exhaustive.cell import Configuration
 from mission.exhaustive.commands import COMMANDS
 from mission.exhaustive.configurations import WAYS, Ground, configurations, ground
@@ -24,8 +29,8 @@ from mission.exhaustive.fork import Fork
 from mission.exhaustive.run import ALL_LAWS, Found, examine_ground, unasked
 from mission.exhaustive.world import World
 from mission.model import AUTONOMOUS, STOPPED, Action, Verdict
-from mission.vehicle import missions_folder
-from protocol.messages import Order
+from mission.vehicle import Vehicle, missions_folder
+from protocol.messages import Order, SetSafety
 
 MISSIONS = missions_folder()
 EVERY = 7  # of the configurations: a sample that asks every law
@@ -90,6 +95,7 @@ def test_a_copy_of_a_drive_goes_on_as_the_drive_would(survey: Ground) -> None:
 
 # --- broken on purpose ----------------------------------------------------------------------------
 
+OUTSTANDING = "autonomous/dive , Z outstanding"
 Break = Callable[[pytest.MonkeyPatch], None]
 
 
@@ -163,7 +169,7 @@ def _lines_always(patch: pytest.MonkeyPatch) -> None:
 
 
 def _others_command(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(topside.Topside, "_not_commander", lambda *_: "")
+    patch.setattr(Commander, "why_not", lambda *_: "")
 
 
 def _forgets_rounds(patch: pytest.MonkeyPatch) -> None:
@@ -200,6 +206,131 @@ def _refusal_ignored(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(core.Core, "take_outcome", deaf)
 
 
+def _x_comes_last(patch: pytest.MonkeyPatch) -> None:
+    command = Frontseat.command
+
+    def keeps(self: Frontseat, action: Action) -> object:
+        waiting = list(self._queue)
+        outcome = command(self, action)
+        if isinstance(action.command, Order):
+            self._queue.extend(waiting)
+        return outcome
+
+    patch.setattr(Frontseat, "command", keeps)
+
+
+def _surface_by_faith(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(senses.Senses, "surfaced", lambda self, since: self.now > since + 1.0)
+
+
+def _gives_up(patch: pytest.MonkeyPatch) -> None:
+    act = Ascent.act
+
+    def tired(self: Ascent, now: float, depth: float | None) -> tuple[Action, ...]:
+        return act(self, now, depth) if now < self.began + 25.0 else ()
+
+    patch.setattr(Ascent, "act", tired)
+
+
+def _thrust_at_the_surface(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(core.Core, "_stop", lambda self, why: (Action(UPWARD, why),))
+
+
+def _clock_anew(patch: pytest.MonkeyPatch) -> None:
+    resume = core.Core.resume
+
+    def anew(self: core.Core, under_way: run.Run) -> None:
+        under_way.started = self.now
+        resume(self, under_way)
+
+    patch.setattr(core.Core, "resume", anew)
+
+
+def _age_goes_on(patch: pytest.MonkeyPatch) -> None:
+    begin = Watch.begin
+
+    def older(self: Watch, now: float) -> None:
+        heard = self.heard
+        begin(self, now)
+        self.heard = heard
+
+    patch.setattr(Watch, "begin", older)
+
+
+def _blind_in_manual(patch: pytest.MonkeyPatch) -> None:
+    look = Watch.look
+
+    def only_with_a_set(self: Watch, reported: bool, fixed: bool) -> list[Limit]:
+        return look(self, reported, fixed) if self.sent is not None else []
+
+    patch.setattr(Watch, "look", only_with_a_set)
+
+
+def _a_round_too_many(patch: pytest.MonkeyPatch) -> None:
+    repeat = run.repeat_of
+    patch.setattr(run, "repeat_of", lambda chart, path: repeat(chart, path) + 1)
+
+
+def _refused_is_timeout(patch: pytest.MonkeyPatch) -> None:
+    due = run.Run._due
+
+    def late(self: run.Run, edge: run.Edge, seen: senses.Senses) -> float | None:
+        if self.refused and edge.by is run.By.ELSE:
+            return None
+        return seen.now if self.refused and edge.by is run.By.FOR else due(self, edge, seen)
+
+    patch.setattr(run.Run, "_due", late)
+
+
+def _no_gap(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr("mission.drive.frontseat.GAP_S", 0.0)
+
+
+def _impatient(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr("mission.drive.frontseat.ANSWER_S", 0.1)
+
+
+def _four_tries(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr("mission.drive.frontseat.TRIES", 4)
+
+
+def _loosest(patch: pytest.MonkeyPatch) -> None:
+    in_force = core.in_force
+
+    def operators(vehicle: Vehicle, mission: object, operator: SetSafety) -> Bounds:
+        own = in_force(vehicle, None, SetSafety())
+        told = {n: v for n in ("radius", "time", "depth") if (v := getattr(operator, n))}
+        return replace(own, **told)
+
+    patch.setattr(core, "in_force", operators)
+
+
+def _at_the_first_sample(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Watch, "_lasts", lambda self, row: True)
+
+
+def _unknown_is_shallow(patch: pytest.MonkeyPatch) -> None:
+    forgotten = core.Core.stick_forgotten
+
+    def bold(self: core.Core) -> None:
+        with pytest.MonkeyPatch.context() as inner:
+            if self.senses.depth is None:
+                inner.setattr(core, "SURFACE_DEPTH", 1e9)
+                inner.setattr(senses.Senses, "depth", 0.0)
+            forgotten(self)
+
+    patch.setattr(core.Core, "stick_forgotten", bold)
+
+
+def _guesses_an_order(patch: pytest.MonkeyPatch) -> None:
+    receive = Drive.receive
+
+    def lenient(self: Drive, rx: Rx) -> object:
+        return receive(self, replace(rx, data=rx.data.replace(b"@ZAX1$", b"@ZAX0$")))
+
+    patch.setattr(Drive, "receive", lenient)
+
+
 BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_refuse_x, "surfacing", "X acts from everywhere within the step"),
     (_refuse_x, "surfacing", "W acts from everywhere within the step"),
@@ -226,6 +357,23 @@ BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_no_latch, "autonomous/dive , quiet", "what is under way is kept for a restart"),
     (_staging_forgets, "ready", "@AA by state"),
     (_refusal_ignored, "autonomous/dive , Z outstanding", "a refused Z leads to the leg's else"),
+    (_x_comes_last, OUTSTANDING, "in stopped nothing leaves but X0 and relays"),
+    (_x_comes_last, OUTSTANDING, "in surfacing nothing leaves but W, X0, U12 and relays"),
+    (_thrust_at_the_surface, "surfacing", "in surfaced nothing leaves but X0 and relays"),
+    (_surface_by_faith, "surfacing", "at the surface is who is there"),
+    (_gives_up, "surfacing", "an ascent tries both ways and never gives up"),
+    (_clock_anew, "autonomous/dive , quiet", "an interruption does not stop the mission's clock"),
+    (_age_goes_on, "autonomous/dive , quiet", "the age of the reports starts again with @AA"),
+    (_blind_in_manual, "waiting", "in manual a limit is reported"),
+    (_a_round_too_many, "autonomous/rows/back round 2 of autonomous/rows, quiet", "a mission goes along its chart, round by round"),
+    (_refused_is_timeout, "autonomous/rows/turn round 1 of autonomous/rows, Z outstanding", "a refused Z leads to the leg's else"),
+    (_no_gap, OUTSTANDING, "20 ms between two frames to the STM32"),
+    (_impatient, OUTSTANDING, "one Z outstanding"),
+    (_four_tries, OUTSTANDING, "a frame is tried three times"),
+    (_loosest, "autonomous/dive , quiet", "a breach leads to its response where it acts, and only there"),
+    (_at_the_first_sample, "autonomous/dive , quiet", "from region to region only for a cause"),
+    (_unknown_is_shallow, "waiting", "60 s after the stick: idle at the surface, surfacing where deep"),
+    (_guesses_an_order, "ready", "no other Z of an operator's does anything"),
     (_refusal_ignored, "autonomous/dive , two Z lost, one outstanding", "three Z without an answer surface"),
 )  # fmt: skip
 
@@ -280,6 +428,26 @@ def test_a_law_that_is_asked_nowhere_is_an_error_of_the_command(patch) -> None:
     assert report["events"] == 1
     assert report["cells"] == report["configurations"] > 100
     assert report["missions"] == 1
+
+
+def test_a_law_about_a_kind_of_leg_that_a_mission_of_ones_own_has_not_is_a_note(tmp_path) -> None:
+    """The bytes of other vehicles are not spoken, and that is said, too."""
+    for vehicle, code in (("auv", 0), ("rov", 2)):
+        path = tmp_path / f"{vehicle}.yaml"
+        path.write_text(
+            f"mission: pool\nvehicle: {vehicle}\nstart: without fix\n"
+            "safety: {radius: 200 m, time: 5 min, depth: 5 m}\n"
+            "legs:\n  - a: {gear: 4, for: 5 s}\n"
+        )
+        with pytest.MonkeyPatch.context() as patch:
+            few = Found({"pool.yaml"}, asked=Counter({law.name: 1 for law in ALL_LAWS}))
+            del few.asked["rounds go on after an interruption"]
+            if code == 0:
+                patch.setattr("mission.exhaustive.run.examine_ground", lambda on, few=few: few)
+            done = CliRunner().invoke(main, ["exhaustive", str(path), "--workers", "1"])
+        assert done.exit_code == code, done.stderr
+        told = "note: no leg here is of the kind of: rounds go on" if code == 0 else "check and sim"
+        assert told in done.stderr
 
 
 def test_a_mission_that_cannot_be_read_is_said_so(tmp_path) -> None:
