@@ -27,6 +27,7 @@ from protocol.vehicles import codec
 
 _AHEAD = 4 / 12  # share of full thrust: slower, the course over ground tells nothing
 _TRIES = 3  # R1
+_PERIOD, _BLIND, _LATE = 2.0, 6.0, 0.1  # s: between reports; without a reading (design 4)
 _LOST = 3  # R8
 # What a guard asks about, by the sensor without which it is not known.
 _OF = {
@@ -184,7 +185,10 @@ def _blind(cell: Cell) -> Verdict:
     needs = ("depth", "altitude", "heading") if sensor == "all" else (sensor,)
     if all(getattr(leg.setpoint, need, None) is None for need in needs):
         return None
-    return wrong((_stayed(cell), "the leg goes on"))
+    left = [s.t - cell.before.t for s in _left(cell)]
+    prompt = cell.event.name.endswith("missing")
+    late = prompt and bool(left) and left[0] > _PERIOD + _BLIND + _LATE
+    return wrong((not left, "the leg goes on"), (late, f"the leg goes on for {left[:1]} s"))
 
 
 # --- answers ---------------------------------------------------------------------------------

@@ -4,9 +4,10 @@
     stale    the last report is older than the row's max age
     frozen   identical to the last bit for 5 reports while the vehicle moves (some rows only:
              batteries and temperature may well be constant)
-    absurd   not finite, out of the physical range, faster than the row's rate, or marked
-             doubtful by the codec. A value that is out of rate is believed again once three
-             reports in a row agree with each other: the sensor has come back elsewhere.
+    absurd   not finite (a codec tells None and a fault), out of the physical range, faster than
+             the row's rate, or marked doubtful by the codec. A value that is out of rate is
+             believed again once three reports in a row agree with each other: the sensor has
+             come back elsewhere.
 
 Rows are the channels; a sensor is one or more channels and is as good as the worst of them.
 """
@@ -126,9 +127,13 @@ class SensorHealth:
             ("battery", t.batteries[0] if t.batteries else None),
             ("leak", None if t.leak is None else float(t.leak)),
         ):
-            if value is None or name not in self._declared:
+            if name not in self._declared:
                 continue
             row, monitor = CHANNELS[name], self.monitors[name]
+            if value is None:
+                if name in doubtful:
+                    monitor.reason = "absurd"
+                continue
             if monitor.observe(row, t.t, value, moving, name in doubtful):
                 good.append(name)
         return frozenset(good)

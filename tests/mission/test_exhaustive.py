@@ -29,6 +29,7 @@ from mission.exhaustive.fork import Fork
 from mission.exhaustive.run import ALL_LAWS, Found, examine_ground, unasked
 from mission.exhaustive.world import World
 from mission.model import AUTONOMOUS, STOPPED, Action, Verdict
+from mission.navigation.health import SensorHealth
 from mission.vehicle import Vehicle, missions_folder
 from protocol.messages import Order, SetSafety
 
@@ -137,10 +138,12 @@ def _limits_sleep(patch: pytest.MonkeyPatch) -> None:
 
 
 def _believe_all(patch: pytest.MonkeyPatch) -> None:
-    from mission.navigation.health import SensorHealth
-
     patch.setattr("mission.navigation.health._Monitor._judge", lambda *_: "")
-    assert SensorHealth
+
+
+def _a_gap_is_no_doubt(patch: pytest.MonkeyPatch) -> None:
+    telemetry = SensorHealth.telemetry
+    patch.setattr(SensorHealth, "telemetry", lambda self, t: telemetry(self, replace(t, faults=())))
 
 
 def _no_timeout(patch: pytest.MonkeyPatch) -> None:
@@ -344,6 +347,7 @@ BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_limits_sleep, "autonomous/dive , quiet", "not sure of the radius: the mission's own way"),
     (_limits_sleep, "autonomous/dive , quiet", "after a brown-out the set leaves once more"),
     (_believe_all, "autonomous/dive , quiet", "unknown never opens an exit"),
+    (_a_gap_is_no_doubt, "autonomous/dive , quiet", "a set whose reading is unknown is given up"),
     (_no_timeout, "autonomous/rows/turn round 1 of autonomous/rows, quiet", "every leg is left when its time is up"),
     (_half_a_set, "autonomous/rows/turn round 1 of autonomous/rows, quiet", "a leg's whole set leaves on entry"),
     (_lines_always, "autonomous/dive , quiet", "@AW only in idle"),

@@ -114,6 +114,30 @@ def test_what_the_codec_doubts_is_absurd() -> None:
     assert health.of("heading", 2.0).valid
 
 
+@pytest.mark.parametrize(
+    ("field", "fault"),
+    [
+        ("depth", "depth_m:nan"),
+        ("altitude", "altitude_m:infinite"),
+        ("heading", "yaw_deg:nan"),
+        ("roll", "roll_deg:nan"),
+        ("temperature_c", "temperature_c:nan"),
+    ],
+)
+def test_what_is_no_number_is_absurd_with_that_report_and_not_once_it_is_stale(field, fault):
+    sensor = {"temperature_c": "temperature", "roll": "attitude"}.get(field, field)
+    health = after(report(0), report(1, **{field: None}, faults=(fault,)))
+    assert health.of(sensor, 2.0).reason == "absurd"
+    health.telemetry(report(2))
+    assert health.of(sensor, 4.0).valid
+
+
+def test_what_a_report_does_not_speak_of_is_as_it_was() -> None:
+    health = after(report(0), report(1, batteries=None, leak=None))
+    assert health.of("battery", 2.0).valid
+    assert health.of("leak", 2.0).valid
+
+
 def test_what_the_vehicle_file_says_is_absent_is_missing() -> None:
     health = SensorHealth(_ALL - {"altitude"})
     health.telemetry(report(0))
