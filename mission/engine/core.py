@@ -141,7 +141,7 @@ class Core:
 
     def clear(self) -> None:
         self.halt_run()
-        self.chart, self.stop_at = None, None
+        self.chart = None  # and a stop goes on until it is acknowledged
         if self.active != IDLE_EMPTY:
             self._move("clear", IDLE_EMPTY, "cleared by the operator", (), By.OPERATOR)
         active = self.active

@@ -51,6 +51,7 @@ from protocol.messages import (
 
 MICROSTEPS = 200
 FORGOTTEN = 60.0  # s without M (R6)
+UNANSWERED = "a stop without its acknowledgement"  # under way in idle: thrusters may still turn
 
 Input = Telemetry | Fix | Outcome | Loaded | AutoNode | Restarted | Command
 
@@ -334,6 +335,8 @@ class Engine:
         core = self._core
         if core.region in (AUTONOMOUS, EMERGENCY) or core.run is not None:
             return core.active
+        if core.region == IDLE and core.stop_at is not None:
+            return UNANSWERED
         return ""
 
     @property

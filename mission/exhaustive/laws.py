@@ -14,6 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
+from mission.engine.engine import UNANSWERED
 from mission.exhaustive.cell import Cell
 from mission.model import (
     IDLE_EMPTY,
@@ -221,7 +222,7 @@ def _under_way(cell: Cell) -> Verdict:
     )
     return wrong(
         (latched and not kept, f"nothing is kept in {cell.state}"),
-        (region == "idle" and bool(kept), f"{kept} is kept in idle"),
+        (region == "idle" and kept not in ("", UNANSWERED), f"{kept} is kept in idle"),
     )
 
 

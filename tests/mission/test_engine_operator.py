@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from engine_world import HOME, World, compiled, leg, mission, sets, when
 
-from mission.engine.engine import Engine
+from mission.engine.engine import UNANSWERED, Engine
 from mission.model import (
     IDLE_EMPTY,
     IDLE_READY,
@@ -289,6 +289,34 @@ def test_a_restart_during_a_mission_or_an_emergency_surfaces(state: str):
 def test_manual_without_a_mission_is_nothing_under_way():
     world = World()
     world.tell(M)
+    assert world.engine.under_way == ""
+
+
+def test_a_stop_is_under_way_in_idle_until_it_is_acknowledged():
+    world = world_in("autonomous/a")
+    world.answer = None
+    world.tell(AutoNode(False))
+    assert (world.state, world.engine.under_way) == (IDLE_READY, UNANSWERED)
+    world.tell(Outcome(Result.LOST, b"@ZAX0$", Order.STOP))
+    assert world.engine.under_way == UNANSWERED
+    world.tell(Outcome(Result.ACCEPTED, b"@ZAX0$", Order.STOP))
+    assert world.engine.under_way == ""
+
+
+def test_clearing_does_not_end_a_stop_that_nobody_acknowledged():
+    world = world_in("autonomous/a")
+    world.answer = None
+    world.tell(X)
+    assert world.tell(ClearMission()).verdicts[0].accepted
+    assert world.state == IDLE_EMPTY
+    before = len(world.commands())
+    world.wait(2.0)
+    assert set(world.commands()[before:]) == {Order.STOP}
+    assert world.engine.under_way == UNANSWERED
+    world.tell(Outcome(Result.ACCEPTED, b"@ZAX0$", Order.STOP))
+    before = len(world.commands())
+    world.wait(2.0)
+    assert not world.commands()[before:]
     assert world.engine.under_way == ""
 
 
