@@ -19,6 +19,8 @@ from links.simulated.sensors import Health, Sensor
 if TYPE_CHECKING:
     from links.simulated.link import SimulatedVehicle
 
+_ROLL, _HEADING, _DEPTH = 0, 2, 4  # slots of what ``Sensors.sample`` returns
+
 Act = Callable[["SimulatedVehicle", float], None]
 
 
@@ -39,7 +41,21 @@ def _sensor(sensor: Sensor, health: Health) -> Fault:
     def end(vehicle: SimulatedVehicle, _: float) -> None:
         vehicle.sensors.health.pop(sensor, None)
 
-    return Fault(f"{sensor.name.lower()} is {health.value}", begin, end)
+    return Fault(f"{sensor.name.lower()} is {health.value.replace('_', ' ')}", begin, end)
+
+
+def _bent(
+    slot: int, says: str, value: float, unit: str, scale: float = 1.0, factor: float = 1.0
+) -> Fault:
+    """``scale`` brings the value into the sensor's unit."""
+
+    def begin(vehicle: SimulatedVehicle, value: float) -> None:
+        vehicle.sensors.bent[slot] = (factor, scale * value)
+
+    def end(vehicle: SimulatedVehicle, _: float) -> None:
+        vehicle.sensors.bent.pop(slot, None)
+
+    return Fault(says, begin, end, value, unit)
 
 
 def _line(name: str, says: str, value: float, unit: str) -> Fault:
@@ -72,7 +88,7 @@ def _gps(name: str, says: str) -> Fault:
     return Fault(says, begin, end)
 
 
-def _weak(thrusters: tuple[int, ...], says: str) -> Fault:
+def _weak(thrusters: tuple[int, ...], says: str, left: float = 0.4) -> Fault:
     def begin(vehicle: SimulatedVehicle, share: float) -> None:
         for thruster in thrusters:
             vehicle.plant.weaken(thruster, share)
@@ -81,7 +97,7 @@ def _weak(thrusters: tuple[int, ...], says: str) -> Fault:
         for thruster in thrusters:
             vehicle.plant.weaken(thruster, 1.0)
 
-    return Fault(says, begin, end, 0.4, "share left")
+    return Fault(says, begin, end, left, "share left" if left else "")
 
 
 def _trim(sign: float, says: str) -> Fault:
@@ -155,6 +171,22 @@ def _current_usual(vehicle: SimulatedVehicle, _: float) -> None:
     vehicle.current = (speed * cos(direction), speed * sin(direction))
 
 
+def _garble(vehicle: SimulatedVehicle, share: float) -> None:
+    vehicle.stm32.garbles = share
+
+
+def _understand(vehicle: SimulatedVehicle, _: float) -> None:
+    vehicle.stm32.garbles = 0.0
+
+
+def _gps_garbled(vehicle: SimulatedVehicle, share: float) -> None:
+    vehicle.gps.corrupt = share
+
+
+def _gps_clear(vehicle: SimulatedVehicle, _: float) -> None:
+    vehicle.gps.corrupt = 0.0
+
+
 def _gps_jump(vehicle: SimulatedVehicle, metres: float) -> None:
     vehicle.gps.offset = (metres, 0.0)
 
@@ -178,6 +210,11 @@ FAULTS: dict[str, Fault] = {
         for health in Health
         if health is not Health.HEALTHY
     },
+    "heading_mirrored": _bent(_HEADING, "the compass turns the wrong way", 0.0, "", factor=-1.0),
+    "heading_off": _bent(_HEADING, "the compass came loose", 60.0, "deg", radians(1.0)),
+    "attitude_off": _bent(_ROLL, "the roll reads more", 120.0, "deg", radians(1.0)),
+    "depth_too_deep": _bent(_DEPTH, "depths read more", 1.0, "m"),
+    "depth_too_shallow": _bent(_DEPTH, "depths read less", 1.0, "m", -1.0),
     "stm32_silent": Fault("the board is heard no more, and goes on", _silence, _speak, duration=10),
     "stm32_hang": Fault(
         "the board hangs with its thrusters on, until the watchdog", _hang, _watchdog, duration=8
@@ -187,19 +224,28 @@ FAULTS: dict[str, Fault] = {
     ),
     "ack_lost": _board("loses_acks", "commands are obeyed, and not answered", 5.0),
     "command_lost": _board("deaf", "commands do not arrive", 5.0),
+    "command_corrupted": Fault(
+        "a bit turned over in a command", _garble, _understand, 0.3, "share of bursts", 20.0
+    ),
     "bytes_corrupted": _line("corrupt", "a bit turned over in a frame", 0.3, "share of frames"),
     "line_noise": _line("noise", "garbage in front of a frame", 0.3, "share of frames"),
     "splice": Fault("every answer that can, lands in an @SD", _splice_all, _splice_usual),
     "gps_lost": _gps("blind", "the receiver has no fix"),
     "gps_silent": _gps("silent", "the receiver sends nothing"),
+    "gps_stuck": _gps("stuck", "the receiver repeats its last fix, under water too"),
+    "gps_corrupted": Fault(
+        "a bit turned over in its sentences", _gps_garbled, _gps_clear, 0.5, "share of seconds"
+    ),
     "gps_jump": Fault("fixes are beside the truth, northward", _gps_jump, _gps_true, 200.0, "m"),
     "left_main_weak": _weak((LEFT_MAIN,), "the left main thruster is weak"),
     "right_main_weak": _weak((RIGHT_MAIN,), "the right main thruster is weak"),
     "verticals_weak": _weak((2, 3, 4), "the vertical thrusters are weak"),
+    "mains_dead": _weak((LEFT_MAIN, RIGHT_MAIN), "no main thruster turns", 0.0),
+    "verticals_dead": _weak((2, 3, 4), "no vertical thruster turns", 0.0),
     "heavy": _trim(-1.0, "less buoyancy"),
     "light": _trim(1.0, "more buoyancy"),
     "current_speed": Fault(
-        "another current, same direction", _current_speed, _current_usual, 0.5, "m/s"
+        "another current, same direction", _current_speed, _current_usual, 0.8, "m/s"
     ),
     "current_turn": Fault("the current turns", _current_turn, _current_usual, 90.0, "deg"),
     "battery_low": Fault("low control battery", _battery, _battery_usual, 9.0, "V"),

@@ -8,7 +8,9 @@ sample (white noise left out), so that they see what was reported without a draw
               + deviation * sin(heading) + deviation / 2 * cos(2 heading) + noise
 
 A sensor is healthy, frozen (repeats its last value), silent (nothing comes: the documented board
-reports NaN, the board as built repeats the last value) or absurd (full-scale garbage).
+reports NaN, the board as built repeats the last value), intermittent (half of the samples repeat
+the one before), absurd (garbage anywhere in its range) or at full scale. A value may be bent: a
+factor and an offset, for a compass with the wrong sign or a sensor that came loose.
 
 What does not live here: the bytes (firmware), the GPS (firmware/gps.py), when a fault begins.
 """
@@ -44,6 +46,8 @@ class Health(enum.Enum):
     FROZEN = "frozen"
     SILENT = "silent"
     ABSURD = "absurd"
+    INTERMITTENT = "intermittent"
+    FULL_SCALE = "full_scale"
 
 
 FULL_SCALE = {  # largest garbage of each sensor, in its own unit
@@ -99,6 +103,7 @@ class Sensors:
         self.compass_bias = rng.gauss(0.0, radians(4.0)) if bias is None else bias
         self.depth_bias = rng.gauss(0.0, 0.05) if depth_bias is None else depth_bias
         self.health: dict[Sensor, Health] = {}  # only those that are not healthy
+        self.bent: dict[int, tuple[float, float]] = {}  # slot: factor and offset
         self.battery_override: float | None = None  # V of the control battery
         self.last: list[float] = [0.0] * 15 + [12.0, 48.0]
         self._silent = Health.FROZEN if repeats_when_silent else Health.SILENT
@@ -115,7 +120,8 @@ class Sensors:
     def depth(self, plant: Plant) -> float:
         if self.health and Sensor.DEPTH in self.health:
             return self.last[4]
-        return plant.depth + self.depth_bias
+        depth = plant.depth + self.depth_bias
+        return self._as_bent(4, depth) if self.bent else depth
 
     def altitude(self, plant: Plant) -> float:
         if not self._echo or (self.health and Sensor.ALTITUDE in self.health):
@@ -126,7 +132,8 @@ class Sensors:
         """Not wrapped."""
         if self.health and Sensor.HEADING in self.health:
             return self.last[2]
-        return plant.yaw + self._heading_error
+        heading = plant.yaw + self._heading_error
+        return self._as_bent(2, heading) if self.bent else heading
 
     # --- what is reported ------------------------------------------------------------------
 
@@ -151,6 +158,8 @@ class Sensors:
             *self._magnetic(plant),
             *self._batteries(plant),
         ]
+        for slot in self.bent:
+            values[slot] = self._as_bent(slot, values[slot])
         if self.health:
             self._break(values)
         self.last = values
@@ -159,14 +168,24 @@ class Sensors:
     def _without(self, slot: int) -> float:
         return self.last[slot] if self._silent is Health.FROZEN else nan
 
+    def _as_bent(self, slot: int, value: float) -> float:
+        factor, offset = self.bent.get(slot, (1.0, 0.0))
+        return factor * value + offset
+
     def _break(self, values: list[float]) -> None:
         for sensor, health in self.health.items():
             known = health if health is not Health.SILENT else self._silent
+            if known is Health.INTERMITTENT:
+                if self.rng.random() < 0.5:
+                    continue
+                known = Health.FROZEN
             for slot in sensor.value:
                 if known is Health.FROZEN:
                     values[slot] = self.last[slot]
                 elif known is Health.SILENT:
                     values[slot] = nan
+                elif known is Health.FULL_SCALE:
+                    values[slot] = FULL_SCALE[sensor]
                 else:
                     values[slot] = FULL_SCALE[sensor] * (2 * self.rng.random() - 1)
 

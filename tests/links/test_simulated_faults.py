@@ -31,7 +31,8 @@ WORDS = {
 
 # Counts are whole volts, and constants as built: nobody can see these.
 UNSEEN = {("as-built", name) for name in FAULTS if name.startswith("battery")} | {
-    ("documented", "battery_frozen")
+    ("documented", "battery_frozen"),
+    ("documented", "battery_intermittent"),
 }
 
 
@@ -80,7 +81,7 @@ def test_when_a_fault_is_over_the_vehicle_obeys_and_reports_again(profile: str, 
     assert len(reports) == 32
     assert vehicle.truth().depth == pytest.approx(10.0, abs=0.3)
     assert vehicle.truth().speed > 0.6
-    assert vehicle.sensors.health == {}
+    assert vehicle.sensors.health == vehicle.sensors.bent == {}
     assert vehicle.plant.strength == [1.0] * 5
     assert vehicle.plant.buoyancy == vehicle.plant.body.buoyancy
     assert vehicle.truth().current == pytest.approx(fly(profile, None, 1.0)[0].truth().current)

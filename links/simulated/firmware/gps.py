@@ -18,7 +18,7 @@ from datetime import UTC, datetime, timedelta
 from math import atan2, degrees, hypot
 from random import Random
 
-from links.simulated.firmware.uart import Chunk
+from links.simulated.firmware.uart import Chunk, turned_over
 from links.simulated.geodesy import moved
 from links.simulated.sensors import SensorErrors
 
@@ -62,8 +62,11 @@ class GpsReceiver:
         self.powered = True
         self.blind = False  # no fix, whatever the antenna sees
         self.silent = False  # no byte
+        self.stuck = False  # its last fix for ever, under water too
+        self.corrupt = 0.0  # share of epochs with a bit turned over
         self.offset = (0.0, 0.0)  # m north and east that fixes are beside the truth
         self._fix_at: float | None = errors.first_fix
+        self._told: tuple[str, float, float, float] | None = None  # place, knots, course, height
         self._day = -1
         self._midnight = datetime(self.start.year, self.start.month, self.start.day, tzinfo=UTC)
         self._seconds = (self.start - self._midnight).total_seconds()
@@ -86,9 +89,14 @@ class GpsReceiver:
         if self.silent or not self.powered:
             return
         clock = self._clock(now)
-        both = self._fixed(clock, position, velocity) if fixed else self._blank(clock)
-        text = "".join(sentence(both[name]) for name in self.sentences)
-        self.queue.append(Chunk(now + LATENCY, now + COMPLETE, text.encode("ascii")))
+        if self.stuck and self._told is not None:
+            both = self._say(clock, self._told)
+        else:
+            both = self._fixed(clock, position, velocity) if fixed else self._blank(clock)
+        data = "".join(sentence(both[name]) for name in self.sentences).encode("ascii")
+        if self.corrupt and self.rng.random() < self.corrupt:
+            data = turned_over(data, self.rng)
+        self.queue.append(Chunk(now + LATENCY, now + COMPLETE, data))
 
     def take(self, now: float) -> list[Chunk]:
         queue, out = self.queue, []
@@ -121,7 +129,11 @@ class GpsReceiver:
         place = f"{_angle(latitude, 2, 'NS')},{_angle(longitude, 3, 'EW')}"
         knots = hypot(north, east) / KNOT
         course = round(degrees(atan2(east, north)), 2) % 360.0
-        height = 0.3 + gauss(0.0, 2 * noise)
+        self._told = (place, knots, course, 0.3 + gauss(0.0, 2 * noise))
+        return self._say(clock, self._told)
+
+    def _say(self, clock: str, told: tuple[str, float, float, float]) -> dict[str, str]:
+        place, knots, course, height = told
         return {
             "GGA": f"GPGGA,{clock},{place},1,09,1.0,{height:.1f},M,0.0,M,,",
             "RMC": f"GPRMC,{clock},A,{place},{knots:.3f},{course:.2f},{self._date},,,A",

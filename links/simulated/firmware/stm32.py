@@ -18,7 +18,7 @@ from math import degrees, inf, pi
 from random import Random
 from struct import Struct
 
-from links.simulated.firmware.uart import Receiver, Transmitter
+from links.simulated.firmware.uart import Receiver, Transmitter, turned_over
 from links.simulated.plant import GEAR_PWM, NEUTRAL, NEUTRAL_PWM, SERVO_PWM, Plant
 from links.simulated.sensors import Health, Sensor, Sensors
 from protocol.checksum import crc32_stm32
@@ -67,6 +67,7 @@ class Stm32(ABC):
         self.hung = False
         self.booting = False
         self.deaf = False  # commands get lost
+        self.garbles = 0.0  # share of commands with a bit turned over
         self.loses_acks = False
         self.runaway = False  # dives at full power whatever is asked
         self.splice = 0.0  # chance that an answer lands inside the @SD being sent
@@ -95,6 +96,8 @@ class Stm32(ABC):
                 self.change(Mode.DEFAULT)
         if self.rx.due <= now:
             burst = self.rx.take()
+            if self.garbles and self.rng.random() < self.garbles:
+                burst = turned_over(burst, self.rng)
             if not (self.hung or self.booting or self.deaf):
                 for frame in self.frames(burst):
                     self._execute(frame, now)

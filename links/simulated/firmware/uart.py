@@ -17,6 +17,12 @@ BYTE_TIME = 10 / 9600  # s
 BURST_GAP = 0.005  # s of silence that end a burst
 
 
+def turned_over(data: bytes, rng: Random) -> bytes:
+    """One bit of it, any one."""
+    at = rng.randrange(len(data))
+    return data[:at] + bytes([data[at] ^ (1 << rng.randrange(8))]) + data[at + 1 :]
+
+
 @dataclass(slots=True)
 class Chunk:
     start: float  # first bit of the first byte
@@ -67,8 +73,7 @@ class Transmitter:
     def _spoilt(self, data: bytes) -> bytes:
         rng = self.rng
         if self.corrupt and rng.random() < self.corrupt:
-            at = rng.randrange(len(data))
-            data = data[:at] + bytes([data[at] ^ (1 << rng.randrange(8))]) + data[at + 1 :]
+            data = turned_over(data, rng)
         if self.noise and rng.random() < self.noise:
             data = rng.randbytes(rng.randint(1, 40)) + data
         return data
