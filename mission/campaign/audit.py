@@ -106,6 +106,7 @@ class _Auditor:
         self._last: dict[re.Pattern[bytes], float] = {}
         self._booted = -math.inf
         self._acks = 0  # of a stop, since the newest reason to stop
+        self._stalled: float | None = None
 
     def walk(self, events: Sequence[Event]) -> Iterator[Spurious]:
         for event in events:
@@ -114,7 +115,12 @@ class _Auditor:
                     self._said(event)
                 case Heard():
                     self._acks += len(_STOPPED_ACK.findall(event.data))
+                case Done(t=t, act=Act.STALL):
+                    self._stalled = t if self._stalled is None else self._stalled
+                case Done(t=t, act=Act.RUN):
+                    self._run_again(t)
                 case Done(t=t, act=Act.KILL | Act.BOOT):
+                    self._stalled = None
                     self._permits, self._relays, self._tails = [], [], {}
                     self._state, self._booted = "", t
                 case Step():
@@ -123,6 +129,16 @@ class _Auditor:
                     yield from self._sent(event)
                 case _:
                     pass
+
+    def _run_again(self, t: float) -> None:
+        """What was to be sent meanwhile is late by as much."""
+        late, self._stalled = t - (t if self._stalled is None else self._stalled), None
+        for permit in self._permits:
+            permit.ends += late
+        self._relays = [(said + late, frame) for said, frame in self._relays]
+        for pattern in (_X, _W, _AA):
+            if pattern in self._last:
+                self._last[pattern] += late
 
     # --- asked for -----------------------------------------------------------------------------
 

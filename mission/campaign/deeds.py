@@ -29,10 +29,11 @@ from protocol.messages import (
 from protocol.modem import Sender, wrap
 from protocol.topside import encode
 
-TOPSIDE, MODEM = "topside", "modem"
+TOPSIDE, MODEM, PORT = "topside", "modem", "vehicle"
 BOAT, OTHER_BOAT = "boat", "other boat"
 STICK_EVERY = 0.2  # s (R1: while the stick is held)
 STICK_ENDS = b"@MMF0$"  # twice (R1)
+STALL = 8.0  # s at most: a longer one ends by the watchdog's kill
 
 
 class Act(enum.Enum):
@@ -45,6 +46,11 @@ class Act(enum.Enum):
     PLUG = "the cable to the STM32 is back"
     FILL = "the disk is full"
     FREE = "the disk has room again"
+    STALL = "the program stands still"
+    RUN = "the program goes on"
+    POWER = "Pi and STM32 are without power"
+    DIE_BEFORE = "the program will be killed before its next write"
+    DIE_AFTER = "the program will be killed after its next write"
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,6 +197,58 @@ def _by_modem(rng: Random, _: tuple[str, ...]) -> list[Deed]:
     return [_say(t, wrap(word, Sender.TOPSIDE), MODEM, "") for t in times]
 
 
+def _modem_garbled(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    """Envelopes with bits turned over, cut, or run together."""
+    words = [b"@ZAX0$", b"@ZAWF$", b"@AA$", b"@AC$", b"@DU$", b"@MMD9$"]
+    said = []
+    for i in range(rng.randint(1, 10)):
+        data = bytearray(wrap(rng.choice(words), Sender.TOPSIDE))
+        if rng.random() < 0.8:
+            data[rng.randrange(len(data))] ^= 1 << rng.randrange(8)
+        if rng.random() < 0.3:
+            del data[rng.randrange(len(data)) :]
+        said.append(_say(i * rng.uniform(0.2, 3.0), bytes(data), MODEM, ""))
+    return said
+
+
+def _stress(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
+    """Everything that can be pressed, as fast as it can be, in no order."""
+    words = [
+        *(b"@ZAX0$", b"@ZAWF$", b"@ZAX0$", b"@ZAWF$", b"@AA$", b"@AA$", b"@AC$", b"@AB$"),
+        *(b"@MMU12$", b"@MMD12$", b"@MMF0$", b"@MRL5$", b"@MT3,-12$", b"@NSOOOCCC$"),
+        *(b"@NSOOOCCO$", b"@SP,100,5,5,10,$", b"@SP,2000,240,100,10,$", b"@DU$", b"@AQ$"),
+        *(b"@NI$", b"@RI$", b"@DS1,22$", b"@ST,2024/02/30 10:00:00,$"),
+        encode(MissionLine(len(lines), 1, lines[0])),
+    ]
+    t, deeds = 0.0, []
+    for _i in range(rng.randint(5, 60)):
+        deeds.append(_say(t, rng.choice(words)))
+        t += rng.expovariate(1.0 / rng.choice([0.05, 0.5, 3.0]))
+    return deeds
+
+
+def _nodes(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    """Closed and opened as they come, and as they were at the end."""
+    switched = [
+        _say(rng.uniform(0.0, 60.0), b"@NSO%b$" % bytes(rng.choice(b"OC") for _ in range(5)))
+        for _ in range(rng.randint(1, 4))
+    ]
+    return [*switched, _say(61.0, b"@NSOOOCCO$")]
+
+
+def _crowd(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    """Connections that come, say something or nothing, and go."""
+    words = [b"", b"@DU$", b"@AQ$", b"@AA$", b"@A", b"\xff" * 300]
+    deeds = []
+    for i in range(rng.randint(10, 60)):
+        name, t = f"boat {i}", rng.uniform(0.0, 20.0)
+        deeds.append(Deed(t, Act.JOIN, b"", TOPSIDE, name))
+        deeds.append(_say(t + 0.1, rng.choice(words), TOPSIDE, name))
+        if rng.random() < 0.7:
+            deeds.append(Deed(t + rng.uniform(0.2, 20.0), Act.PART, b"", TOPSIDE, name))
+    return deeds
+
+
 def _killed(rng: Random, _: tuple[str, ...]) -> list[Deed]:
     """As the service manager does it: begun anew a few seconds later; the boat connects again."""
     back = rng.uniform(1.0, 8.0)
@@ -205,6 +263,41 @@ def _killed_twice(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
     again = rng.uniform(8.5, 40.0)
     second = [Deed(again + d.after, d.act) for d in _killed(rng, lines)]
     return [*(d for d in _killed(rng, lines) if d.after < again), *second]
+
+
+def _killed_in_a_write(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    """Of its store, the next that there will be; the trial begins it anew."""
+    return [Deed(0.0, rng.choice([Act.DIE_BEFORE, Act.DIE_AFTER]))]
+
+
+def _power_cut(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
+    return [Deed(0.0, Act.POWER), *_killed(rng, lines)]
+
+
+def _stalled(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    """Swapping, a slow disk, a stopped process: what arrived meanwhile is read in one piece."""
+    return [Deed(0.0, Act.STALL), Deed(rng.uniform(0.2, STALL), Act.RUN)]
+
+
+def _stalled_often(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    deeds, t = [], 0.0
+    for _i in range(rng.randint(3, 20)):
+        deeds += [Deed(t, Act.STALL), Deed(t + rng.uniform(0.05, 1.0), Act.RUN)]
+        t = deeds[-1].after + rng.uniform(0.1, 3.0)
+    return deeds
+
+
+def _wrong_device(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    """The GPS, a modem or a console on the port of the STM32 for a while."""
+    pieces = [
+        b"$GPGGA,080000.00,3017.247570,N,12009.214590,E,1,09,1.0,0.3,M,0.0,M,,*5B\r\n",
+        wrap(b"@DU$", Sender.TOPSIDE),
+        b"raspberrypi login: ",
+        b"@ACK_ZAY$",
+        b"@SD",
+    ]
+    said = [Deed(1.0 * i, Act.SAY, rng.choice(pieces), PORT, "") for i in range(rng.randint(1, 40))]
+    return [Deed(0.0, Act.UNPLUG), *said, Deed(said[-1].after + 1.0, Act.PLUG)]
 
 
 def _unplugged(rng: Random, _: tuple[str, ...]) -> list[Deed]:
@@ -223,6 +316,8 @@ INCIDENTS: dict[str, Incident] = {
     "operator_starts_again": Incident("@AA once more", _once(encode(StartMission()))),
     "operator_clears": Incident("@AC, whatever is going on", _once(encode(ClearMission()))),
     "operator_sets_the_clock": Incident("@ST", _once(encode(SetTime("2031-02-03T04:05:06")))),
+    "operator_under_stress": Incident("everything at once, in no order", _stress),
+    "nodes_switched": Incident("@NS with any letters", _nodes),
     "stick": Incident("the stick is held for a while", _stick),
     "stick_and_resume": Incident("the stick, then @AA", _stick_and_resume),
     "stick_lost": Incident("the link is lost with the stick held", _stick_lost),
@@ -232,12 +327,19 @@ INCIDENTS: dict[str, Incident] = {
     "relays": Incident("@RS, @RI and rudders", _relays),
     "topside_lost": Incident("the boat's connection is gone for a while", _lost),
     "topside_floods": Incident("a thousand frames in a second", _flood),
+    "crowd": Incident("many connections come and go", _crowd),
     "topside_garbage": Incident("bytes that are no frames", _garbage),
     "topside_near_frames": Incident("frames with a byte changed, cut, doubled", _near_frames),
     "other_boat": Incident("a second connection gives commands", _other_boat),
     "by_modem": Incident("commands by the acoustic modem", _by_modem),
+    "modem_garbled": Incident("envelopes of the modem that are damaged", _modem_garbled),
     "killed": Incident("the program is killed and begun anew", _killed),
     "killed_twice": Incident("twice within a minute", _killed_twice),
+    "killed_in_a_write": Incident("killed while it makes something durable", _killed_in_a_write),
+    "power_cut": Incident("Pi and STM32 lose their power, and have it again", _power_cut),
+    "stalled": Incident("the program stands still for seconds", _stalled),
+    "stalled_often": Incident("again and again, for a moment", _stalled_often),
     "unplugged": Incident("the serial cable is pulled for a while", _unplugged),
+    "wrong_device": Incident("something else is on the port of the STM32", _wrong_device),
     "disk_full": Incident("nothing can be made durable for a while", _disk_full),
 }

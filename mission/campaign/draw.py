@@ -1,7 +1,8 @@
 """What goes wrong in flight ``number`` of the fault campaign with seed ``seed``: always the same.
 
 A mission, a profile, a sea with up to 0.5 m/s of current, and one to five disturbances, drawn
-alike from FAULTS and INCIDENTS, at random times. A fault may last for ever, but not one of those
+from FAULTS and INCIDENTS, at random times; in a quarter of the flights all of them within
+5 s. A fault may last for ever, but not one of those
 that take the vehicle out of everybody's hands (OUT_OF_HAND) or change its weight: bringing such a
 vehicle home is physically impossible, and design.md, section 4 excludes it.
 
@@ -27,9 +28,13 @@ MOST = 5  # disturbances a flight
 CURRENT = 0.5  # m/s
 HORIZON = 0.4  # of the proved time: about what a mission really takes
 AT_START, TOGETHER = 0.1, 0.4  # shares of the disturbances
+CLUSTERED, CLUSTER = 0.25, 5.0  # share of the flights, s: everything at nearly the same time
 FOR_EVER = 0.15  # share of the faults that may
-OUT_OF_HAND = frozenset({"stm32_hang", "command_lost", "unexplained_dive"})
+OUT_OF_HAND = frozenset({"stm32_hang", "command_lost", "command_corrupted", "unexplained_dive"})
 WEIGHT = frozenset({"heavy", "light"})
+IDLE = ("temperature_", "magnetometer_", "battery_")  # nothing on this vehicle decides by them
+KINDS = (*FAULTS, *INCIDENTS)
+WEIGHTS = tuple(0.25 if name.startswith(IDLE) else 1.0 for name in KINDS)
 PROFILES = ("as-built", "documented")
 
 
@@ -94,13 +99,10 @@ def draw(seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
     sea = _sea(rng)
     heading = rng.uniform(0.0, math.tau)
     horizon = HORIZON * subject.proved_time
-    names = rng.choices([*FAULTS, *INCIDENTS], k=rng.randint(1, MOST))
+    names = rng.choices(KINDS, WEIGHTS, k=rng.randint(1, MOST))
     others = [s for s in subjects if s is not subject] or [subject]
     faults, incidents = [], []
-    begins: list[float] = []
-    for name in names:
-        begins.append(_begin(rng, begins, horizon))
-        begin = begins[-1]
+    for name, begin in zip(names, _begins(rng, len(names), horizon), strict=True):
         if name in FAULTS:
             faults.append(_fault(rng, name, begin))
         else:
@@ -109,6 +111,16 @@ def draw(seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
             incidents.append(Drawn(name, begin, tuple(_moved(deed, begin) for deed in deeds)))
     settings = Settings(sea=sea, faults=tuple(faults))
     return Plan(seed, number, subject, profile, vehicle_seed, settings, tuple(incidents), heading)
+
+
+def _begins(rng: Random, count: int, horizon: float) -> list[float]:
+    if rng.random() < CLUSTERED:
+        first = _begin(rng, (), horizon)
+        return [round(first + rng.uniform(0.0, CLUSTER), 1) for _ in range(count)]
+    begins: list[float] = []
+    for _ in range(count):
+        begins.append(_begin(rng, begins, horizon))
+    return begins
 
 
 def _begin(rng: Random, others: Sequence[float], horizon: float) -> float:
@@ -126,7 +138,7 @@ def _begin(rng: Random, others: Sequence[float], horizon: float) -> float:
 def _sea(rng: Random) -> Sea:
     surface = rng.uniform(0.0, CURRENT), rng.uniform(0.0, math.tau)
     deep = (rng.uniform(0.0, CURRENT), rng.uniform(0.0, math.tau)) if rng.random() < 0.3 else None
-    floor = rng.uniform(8.0, 60.0) if rng.random() < 0.8 else 150.0
+    floor = rng.uniform(3.0, 60.0) if rng.random() < 0.8 else 150.0
     return Sea(surface, deep, floor)
 
 

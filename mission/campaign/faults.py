@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from mission.campaign.draw import Plan, Subject, draw
-from mission.campaign.laws import LOST, OVERRUN, RAISED, SPURIOUS, Violation, violations
+from mission.campaign.laws import IGNORED, LOST, OVERRUN, RAISED, SPURIOUS, Violation, violations
 from mission.campaign.trial import Trial, try_out
 from mission.drive.records import Recorder
 from mission.model import AUTONOMOUS, STOPPED, SURFACING, Step
@@ -52,13 +52,14 @@ class Totals:
         return not self.violated
 
     def as_json(self) -> dict[str, Any]:
-        """The object of design.md, section 5; ``raised`` beside it."""
+        """The object of design.md, section 5; ``ignored`` and ``raised`` beside it."""
         return {
             "flights": self.flights,
             "faults": dict(sorted(self.kinds.items())),
             "lost": self.violated[LOST],
             "overruns": self.violated[OVERRUN],
             "spurious": self.violated[SPURIOUS],
+            "ignored": self.violated[IGNORED],
             "raised": self.violated[RAISED],
             "aborted": dict(sorted(self.aborted.items())),
         }

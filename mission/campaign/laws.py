@@ -1,9 +1,10 @@
 """What may not come of a disturbed flight: a vehicle lost, a limit overrun, a program that raises.
 
-**Lost**: not at the surface at the end, which comes ``trial.ASCENT`` after the last fault is over
-and the last mission must have ended. Faults that make surfacing physically impossible all end
-before that (draw.OUT_OF_HAND, WEIGHT); what design.md, section 4 excludes (a dead Pi while the
-STM32 is in automatic, an STM32 that hangs for ever with its thrusters on) is not drawn.
+**Lost**: not at the surface, or with a thruster that turns, at the end, which comes
+``trial.ASCENT`` after the last fault is over and the last mission must have ended. Faults that make
+surfacing physically impossible all end before that (draw.OUT_OF_HAND, WEIGHT); what design.md,
+section 4 excludes (a dead Pi while the STM32 is in automatic, an STM32 that hangs for ever with its
+thrusters on) is not drawn.
 
 **Overrun**: truly beyond a limit in force (the tightest of the mission's, the vehicle's, and the
 operator's @SP that was acknowledged) while autonomous or surfacing, by more than detection and
@@ -21,7 +22,8 @@ physics explain:
                            one is known (five identical samples), 6 s without a depth (design)
                 + all      of what takes the vehicle out of everybody's hands: a board that
                            hangs, is deaf or dives by itself, a pulled cable, a dead program,
-                           each with the 11 s of another ascent
+                           each with the 11 s of another ascent; a program that stands still
+                + beside   what depths read less than the truth
     radius  the bound, and 8 s of way (two samples, their age, the limit's own step), and what
             dead reckoning cannot know since the last fix: 15 m, the current's way, a quarter of
             the way through the water; all of that way twice if the compass or a main thruster was
@@ -36,19 +38,20 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from links.simulated.settings import Settings
 from mission.campaign.audit import audit
 from mission.campaign.deeds import Act
-from mission.campaign.trial import Done, Said, Told, Trial, from_home
+from mission.campaign.obedience import ignored
+from mission.campaign.trial import Done, Event, Said, Told, Trial, from_home
 from mission.envelope import SILENCE, Bounds, in_force
 from mission.model import AUTONOMOUS, STOPPED, SURFACING, Mission, Step, Tx
 from mission.vehicle import Vehicle
 from protocol.messages import SetSafety
 
-LOST, OVERRUN, SPURIOUS, RAISED = "lost", "overrun", "spurious", "raised"
+LOST, OVERRUN, SPURIOUS, RAISED, IGNORED = "lost", "overrun", "spurious", "raised", "ignored"
 AFLOAT = 0.5  # m (R7)
 DEPTH_MARGIN, DEPTH_ERROR = 1.0, 0.4  # m
 SAMPLES, UNPROVED, TURNED, BLIND = 4.2, 11.0, 3.0, 18.0  # s
@@ -56,9 +59,12 @@ WAY, FIX_ERROR, SHARE = 8.0, 15.0, 0.25  # s, m, of the way
 LATE = 1.0  # s
 DOWN = 8.0  # s that a killed program is down at most (deeds)
 FIX_DEPTH, FIX_TIME = 0.3, 15.0  # m, s at the surface that give a fix
-_OUT_OF_HAND = ("stm32_hang", "command_lost", "unexplained_dive", "stm32_restart")
+_OUT_OF_HAND = (
+    *("stm32_hang", "command_lost", "command_corrupted", "unexplained_dive", "stm32_restart"),
+)
 _UNSEEN = ("depth_", "stm32_silent", "bytes_corrupted", "line_noise", "splice", "stm32_restart")
-_ASTRAY = ("heading_", "left_main", "right_main", "attitude_")
+_ASTRAY = ("heading_", "left_main", "right_main", "mains_dead", "attitude_", "gps_stuck")
+_GPS_CLOSED = re.compile(rb"@NS[OC]{2}C[OC]{3}\$")
 _SP = re.compile(rb"@SP,([^,$]*),([^,$]*),([^,$]*),([^,$]*),\$")
 _AUTO_CLOSED = re.compile(rb"@NS[OC]{5}C\$")
 
@@ -79,6 +85,10 @@ def violations(
     elif trial.truth.depth > AFLOAT:
         says = f"{trial.truth.depth:.1f} m deep at the end, in {trial.state}"
         found.append(Violation(LOST, trial.truth.t, says))
+    elif trial.turning:
+        says = f"its thrusters turn at the end, in {trial.state}"
+        found.append(Violation(LOST, trial.truth.t, says))
+    found += [Violation(IGNORED, i.t, i.says) for i in ignored(trial.events)]
     spans = list(_spans(trial, mission, vehicle))
     found += _depths(trial, spans, _dive(settings, profile, trial))
     found += _ranges(trial, spans, settings)
@@ -168,7 +178,24 @@ def _dive(settings: Settings, profile: str, trial: Trial) -> float:
     seconds += len(_acts(trial, Act.KILL)) * (DOWN + UNPROVED)
     pulled = zip(_acts(trial, Act.UNPLUG), _acts(trial, Act.PLUG), strict=False)
     seconds += sum(plug - unplug + UNPROVED for unplug, plug in pulled)
-    return DEPTH_MARGIN + DEPTH_ERROR + speed * seconds
+    seconds += sum(end - begin for begin, end in stalls(trial.events))
+    beside = sum(f.value or 1.0 for f in settings.faults if f.name == "depth_too_shallow")
+    return DEPTH_MARGIN + DEPTH_ERROR + beside + speed * seconds
+
+
+def stalls(events: Iterable[Event]) -> list[tuple[float, float]]:
+    """From when to when the program stood still."""
+    found: list[tuple[float, float]] = []
+    since: float | None = None
+    for event in events:
+        if not isinstance(event, Done):
+            continue
+        if event.act is Act.STALL and since is None:
+            since = event.t
+        elif event.act in (Act.RUN, Act.KILL) and since is not None:
+            found.append((since, event.t))
+            since = None
+    return found
 
 
 def _acts(trial: Trial, act: Act) -> list[float]:
@@ -198,7 +225,9 @@ def _depths(trial: Trial, spans: list[Span], dive: float) -> Iterator[Violation]
 def _ranges(trial: Trial, spans: list[Span], settings: Settings) -> Iterator[Violation]:
     astray = any(f.name.startswith(_ASTRAY) for f in settings.faults)
     beside = sum(f.value or 200.0 for f in settings.faults if f.name == "gps_jump")
-    blind = any(f.name.startswith("gps_") for f in settings.faults)
+    closed = any(isinstance(e, Said) and _GPS_CLOSED.search(e.data) for e in trial.events)
+    blind = closed or any(f.name.startswith("gps_") for f in settings.faults)
+    stalled = sum(end - begin for begin, end in stalls(trial.events))
     share = 2.0 if astray else SHARE
     unknown = shallow = 0.0
     flown = iter(span for span in spans if span.autonomous)
@@ -214,7 +243,7 @@ def _ranges(trial: Trial, spans: list[Span], settings: Settings) -> Iterator[Vio
         if span is None or place.t < span.begin:
             continue
         far = math.hypot(*from_home(trial, place))
-        explained = FIX_ERROR + unknown + beside + WAY * (speed + current)
+        explained = FIX_ERROR + unknown + beside + (WAY + stalled) * (speed + current)
         if place.t == math.ceil(span.begin) and far > span.bounds.radius:
             explained += far - span.bounds.radius  # it was outside when the bound came into force
         if far > span.bounds.radius + explained and place.t > span.begin + WAY:
@@ -228,15 +257,21 @@ def _ranges(trial: Trial, spans: list[Span], settings: Settings) -> Iterator[Vio
 
 def _times(trial: Trial, spans: list[Span]) -> Iterator[Violation]:
     told = [event.t for event in trial.events if isinstance(event, Told)]
+    stood = stalls(trial.events)
     for span in spans:
         if not span.autonomous:
             continue
         due = max(span.started + span.bounds.time, span.begin)
-        if span.end > due + LATE:
+        if span.end > due + LATE + _share(stood, due, span.end):
             says = f"autonomous for {span.end - span.started:.0f} s, limit {span.bounds.time:g} s"
             yield Violation(OVERRUN, span.end, says)
         last = span.begin
         for t in [*(t for t in told if span.begin < t <= span.end), span.end]:
-            if t - last > SILENCE + 0.5:
+            if t - last > SILENCE + 0.5 + _share(stood, last, t):
                 yield Violation(OVERRUN, t, f"autonomous for {t - last:.1f} s without a report")
             last = t
+
+
+def _share(stood: list[tuple[float, float]], begin: float, end: float) -> float:
+    """s between begin and end in which the program stood still."""
+    return sum(max(min(e, end) - max(b, begin), 0.0) for b, e in stood)

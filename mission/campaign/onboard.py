@@ -1,13 +1,15 @@
 """The program on board, on the flight's clock: a drive that can be killed and begun anew.
 
 Each drive's time begins at 0, as at sea; here all times are the flight's. While nobody lives,
-bytes are lost. What a drive made durable is all that the next one knows.
+bytes are lost. What a drive made durable is all that the next one knows. A drive may die inside a
+write of its store; what it would have sent then is never sent.
 
 What does not live here: when it is killed (deeds), the loop (trial).
 """
 
 from __future__ import annotations
 
+import enum
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -24,17 +26,31 @@ _SAME = 1e-6  # s
 DEAD = "dead"  # the state while no drive lives
 
 
+class Died(Exception):
+    """The program was killed inside a write."""
+
+
+class Death(enum.Enum):
+    BEFORE = "the old content stays"
+    AFTER = "the new content is durable, and nobody was told"
+
+
 class FillableStore(MemoryStore):
-    """A disk that may be full for a while."""
+    """A disk that may be full for a while; ``death`` is what the next write is for the program."""
 
     def __init__(self, content: Stored | None = None) -> None:
         super().__init__(content)
         self.full = False
+        self.death: Death | None = None
 
     def _write(self, content: Stored) -> None:
         if self.full:
             raise StoreError("no space left on device")
-        super()._write(content)
+        death, self.death = self.death, None
+        if death is not Death.BEFORE:
+            super()._write(content)
+        if death is not None:
+            raise Died
 
 
 class OnBoard:
@@ -55,6 +71,10 @@ class OnBoard:
         self._zero = 0.0
         self._drive: Drive | None = None
         self._navigation_due: float | None = None
+
+    @property
+    def lives(self) -> bool:
+        return self._drive is not None
 
     @property
     def state(self) -> str:
@@ -112,7 +132,11 @@ class OnBoard:
         at, due = now - self._zero, self._drive.next_timer()
         if due is not None and at < due < at + _SAME:  # the sum was rounded
             at = due
-        return [replace(tx, t=now) for tx in call(self._drive, at)]
+        try:
+            return [replace(tx, t=now) for tx in call(self._drive, at)]
+        except Died:
+            self.kill()
+            return []
 
     # --- as the drive's observer -----------------------------------------------------------------
 

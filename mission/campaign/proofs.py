@@ -24,7 +24,7 @@ from random import Random
 
 from links.simulated.faults import FAULTS
 from links.simulated.plant import Body
-from links.simulated.sensors import SensorErrors
+from links.simulated.sensors import Health, Sensor, SensorErrors
 from links.simulated.settings import FaultEvent, Sea, Settings, setting_of
 from mission.campaign.deeds import INCIDENTS, Deed
 from mission.campaign.draw import PROFILES
@@ -42,10 +42,9 @@ LINKS = ("stm32_silent", "ack_lost", "bytes_corrupted", "line_noise", "splice")
 LOST_LINKS = ("topside_lost", "topside_garbage", "topside_floods")
 TIME, DEPTH, RANGE, END = "time", "depth", "range", "end"
 _BLIND = ("depth_", "altitude_")
-_SENSORS = ("attitude", "heading", "temperature", "depth", "altitude", "magnetometer", "battery")
 LOSSES = (
-    *(name for name in FAULTS if name.startswith(_SENSORS) and name != "battery_low"),
-    *("gps_lost", "gps_silent", *LINKS),
+    *(f"{s.name.lower()}_{h.value}" for s in Sensor for h in Health if h is not Health.HEALTHY),
+    *("gps_lost", "gps_silent", "gps_corrupted", *LINKS),
 )
 
 

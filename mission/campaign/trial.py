@@ -12,7 +12,9 @@ What does not live here: what is disturbed (draw, deeds), what is asked of the f
 
 from __future__ import annotations
 
+import heapq
 import math
+import re
 import traceback
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -22,10 +24,11 @@ from links.base import Rx
 from links.simulated.faults import FAULTS
 from links.simulated.geodesy import local, moved
 from links.simulated.link import HOME, START, SimulatedVehicle, Truth
+from links.simulated.plant import DEAD_BAND_PWM, NEUTRAL_PWM
 from links.simulated.settings import FaultEvent, Settings
-from mission.campaign.deeds import BOAT, MODEM, TOPSIDE, Act, Deed
-from mission.campaign.onboard import FillableStore, OnBoard
-from mission.drive.drive import VEHICLE
+from mission.campaign.deeds import BOAT, MODEM, PORT, TOPSIDE, Act, Deed
+from mission.campaign.onboard import Death, FillableStore, OnBoard
+from mission.drive.drive import GPS, VEHICLE
 from mission.drive.nodes import LINK as NODES
 from mission.drive.records import Recorder
 from mission.language import digest, script
@@ -38,6 +41,10 @@ QUIET = 20.0  # s at the surface with nothing under way
 ASCENT = 900.0  # s that the way up may take at most, when all faults are over
 OPERATOR_AFTER = 15.0  # s in which a board that lives on can be brought to idle
 UPLOAD = 200.0  # s until the operator has started the mission, or given up
+RADIO = 0.1  # s until the operator's program has answered an answer
+RESTART = 3.0  # s until a program that died by itself is begun anew
+_DEATHS = {Act.DIE_BEFORE: Death.BEFORE, Act.DIE_AFTER: Death.AFTER}
+_GPS_NODE = re.compile(rb"BDGPS ([OC])")
 _AT_REST = ("idle/", STOPPED, SURFACED)
 _AFLOAT = 0.5  # m (R7)
 
@@ -91,6 +98,7 @@ class Trial:
     failure: str  # why the operator could not start the mission, ""
     started: float | None
     raised: str
+    turning: bool  # some thruster is on at the end
 
 
 def try_out(
@@ -144,9 +152,15 @@ class _Loop:
             board.listen(self._step, self._told)
         self.board = board
         self.operator = Operator(script(mission), digest(mission))
-        self.deeds = deque(sorted(deeds, key=lambda deed: deed.after))
+        board.store.death = None
+        self._deeds: list[tuple[float, int, Deed]] = []
+        self._drawn = 0
+        for deed in deeds:
+            self._plan(deed)
         self.now = 0.0
         self.plugged, self.joined = True, {BOAT}
+        self.gps_open = self._lived = True
+        self._held: list[Deed] | None = None  # what came while the program stands still
         self._safety = mission.safety.time or vehicle.limits.time
         ends = [t for event in settings.faults if (t := fault_ends(event)) < math.inf]
         self._last = max([0.0, *ends, *(deed.after for deed in deeds)])
@@ -172,6 +186,7 @@ class _Loop:
             self.operator.failure,
             None if self.operator.started is None else self.operator.started + self._operator_from,
             raised,
+            any(abs(pwm - NEUTRAL_PWM) > DEAD_BAND_PWM for pwm in self.sea.stm32.pwm[:5]),
         )
 
     # --- the loop --------------------------------------------------------------------------------
@@ -192,9 +207,9 @@ class _Loop:
         timers: tuple[float | None, ...] = (
             self.sea.vehicle_link.next_event(),
             self.sea.gps_link.next_event(),
-            self.board.next_timer(),
+            self.board.next_timer() if self._held is None else None,
             self._operator_due(),
-            self.deeds[0].after if self.deeds else None,
+            self._deeds[0][0] if self._deeds else None,
         )
         return max(self.now, min(t for t in timers if t is not None))
 
@@ -203,19 +218,43 @@ class _Loop:
         self.now = now = self._next_event()
         for rx in self.sea.vehicle_link.receive(now):
             if self.plugged:
-                self.events.append(Heard(now, rx.data))
-                self._send(self.board.receive(rx, now))
+                self._hear(rx)
         for rx in self.sea.gps_link.receive(now):
-            self._send(self.board.receive(rx, now))
-        while self.deeds and self.deeds[0].after <= now:
-            self._do(self.deeds.popleft())
+            if self.gps_open:
+                self._hear(rx)
+        while self._deeds and self._deeds[0][0] <= now:
+            self._do(heapq.heappop(self._deeds)[2])
         due = self._operator_due()
         if due is not None and due <= now:
             for data in self.operator.handle_timer(now - self._operator_from):
                 self._send(self._say(TOPSIDE, BOAT, data))
         due = self.board.next_timer()
-        if due is not None and due <= now:
+        if due is not None and due <= now and self._held is None:
             self._send(self.board.handle_timer(now))
+        if self._lived and not self.board.lives:
+            self._died()
+
+    def _died(self) -> None:
+        """By a deed, or inside a write: then the service manager and the boat do theirs."""
+        self._lived = False
+        last = next((e for e in reversed(self.events) if isinstance(e, Done)), None)
+        if last is None or last.act is not Act.KILL or last.t != self.now:
+            self._do(Deed(self.now, Act.KILL))
+            self._plan(Deed(self.now + RESTART, Act.BOOT))
+            self._plan(Deed(self.now + RESTART + 1.0, Act.JOIN))
+
+    def _plan(self, deed: Deed) -> None:
+        self._drawn += 1
+        heapq.heappush(self._deeds, (deed.after, self._drawn, deed))
+
+    def _hear(self, rx: Rx) -> None:
+        """Bytes of the vehicle or its GPS."""
+        if self._held is not None:
+            self._held.append(Deed(self.now, Act.SAY, rx.data, rx.link, rx.address))
+            return
+        if rx.link == VEHICLE:
+            self.events.append(Heard(self.now, rx.data))
+        self._send(self.board.receive(rx, self.now))
 
     def _operator_due(self) -> float | None:
         due = self.operator.next_timer()
@@ -223,11 +262,24 @@ class _Loop:
 
     def _do(self, deed: Deed) -> None:
         now = self.now
+        if self._held is not None and deed.act in (Act.SAY, Act.JOIN, Act.PART):
+            self._held.append(deed)
+            return
         if deed.act is Act.SAY:
             self._send(self._say(deed.link, deed.address, deed.data))
             return
+        if deed.act is Act.BOOT and self.board.lives:
+            return  # a service manager begins one program, not two
         self.events.append(Done(now, deed.act))
         match deed.act:
+            case Act.STALL:
+                self._held = [] if self._held is None else self._held
+            case Act.RUN:
+                self._run_again()
+            case Act.POWER:
+                self.sea.stm32.restart()
+            case Act.DIE_BEFORE | Act.DIE_AFTER:
+                self.board.store.death = _DEATHS[deed.act]
             case Act.JOIN:
                 self.joined.add(deed.address)
                 self._send(self.board.connected(deed.link, deed.address, now))
@@ -236,16 +288,38 @@ class _Loop:
                 self._send(self.board.disconnected(deed.link, deed.address, now))
             case Act.KILL:
                 self.board.kill()
-                self.joined.clear()
+                self._are_gone()
             case Act.BOOT:
                 self.board.boot(now)
+                self._lived = True
             case Act.UNPLUG | Act.PLUG:
                 self.plugged = deed.act is Act.PLUG
             case Act.FILL | Act.FREE:
                 self.board.store.full = deed.act is Act.FILL
 
+    def _are_gone(self) -> None:
+        """With the program: its connections, its nodes, what it had not read yet."""
+        self.joined.clear()
+        self.gps_open, self._held = True, None
+
+    def _run_again(self) -> None:
+        """What came meanwhile is read in one piece a port; connections in their order."""
+        held, self._held = self._held or [], None
+        ports: dict[str, bytes] = {}
+        for deed in held:
+            if deed.link in (VEHICLE, GPS):
+                ports[deed.link] = ports.get(deed.link, b"") + deed.data
+        for link, data in ports.items():
+            self._hear(Rx(self.now, link, data))
+        for deed in held:
+            if deed.link not in ports:
+                self._do(deed)
+
     def _say(self, link: str, address: str, data: bytes) -> list[Tx]:
         """Nothing is said over a connection that is not there."""
+        if link == PORT:
+            self._hear(Rx(self.now, link, data))
+            return []
         if link != MODEM and address not in self.joined:
             return []
         self.events.append(Said(self.now, link, address, data))
@@ -261,8 +335,10 @@ class _Loop:
                     self.sea.vehicle_link.send(tx.data, self.now)
             elif tx.link == TOPSIDE and tx.address == BOAT and BOAT in self.joined:
                 for data in self.operator.receive(tx.data, self.now - self._operator_from):
-                    waiting += self._say(TOPSIDE, BOAT, data)
+                    self._plan(Deed(self.now + RADIO, Act.SAY, data))
             elif tx.link == NODES:
+                if (switched := _GPS_NODE.match(tx.data)) is not None:
+                    self.gps_open = switched[1] == b"O"
                 waiting += self.board.receive(Rx(self.now, NODES, tx.data + b"\n"), self.now)
 
     # --- what is kept ----------------------------------------------------------------------------

@@ -17,14 +17,14 @@ from mission.campaign.faults import fare, fly_plan, shipped, subjects
 from mission.campaign.laws import LOST, OVERRUN, RAISED, violations
 from mission.campaign.pool import results
 from mission.campaign.soak import soak
-from mission.campaign.trial import FOREVER, Trial, try_out
+from mission.campaign.trial import FOREVER, Done, Trial, try_out
 from mission.commands.faults import faults
 from mission.drive.frontseat import Frontseat
 from mission.engine.ascent import Ascent
 from mission.engine.engine import Engine
 from mission.engine.watch import Watch
 from mission.language import parse
-from mission.model import SURFACED, SURFACING, Step, Tx
+from mission.model import IDLE_EMPTY, IDLE_READY, SURFACED, SURFACING, Step, Tx
 from mission.vehicle import load_vehicle
 
 VEHICLE = load_vehicle("auv")
@@ -103,6 +103,28 @@ def test_a_program_killed_after_a_disk_was_full_at_the_start_still_surfaces(prof
     assert kinds_of(trial, profile) == set()
     assert trial.started is not None
     assert trial.state == SURFACED
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize("death", [Act.DIE_BEFORE, Act.DIE_AFTER])
+def test_a_program_killed_between_the_end_and_its_stop_leaves_no_thruster_on(
+    profile: str, death: Act
+) -> None:
+    steps = [e for e in flown([], profile).events if isinstance(e, Step)]
+    ends = next(step.t for step in steps if IDLE_READY in step.entered and step.by)
+    trial = flown([Deed(ends - 0.3, death)], profile)
+    assert kinds_of(trial, profile) == set()
+    assert any(isinstance(e, Done) and e.act is Act.KILL for e in trial.events)
+    assert trial.state == SURFACED
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_stop_that_was_cleared_before_its_answer_still_stops(profile: str) -> None:
+    deaf = parse_settings(["fault=command_lost@60+8"])
+    said = [Deed(60.5, Act.SAY, b"@ZAX0$"), Deed(61.0, Act.SAY, b"@AC$")]
+    trial = flown(said, profile, deaf)
+    assert kinds_of(trial, profile, deaf) == set()
+    assert trial.state == IDLE_EMPTY
 
 
 # --- the laws bite -------------------------------------------------------------------------------
