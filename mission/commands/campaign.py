@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mission.commands.options import SEED
+
 if TYPE_CHECKING:
     from mission.campaign.proofs import Claim, Shown
 
@@ -20,10 +22,16 @@ Job = tuple["Claim", int, int]  # claim, seed, flight
     type=click.IntRange(0),
     help="So many in all: the files (the shipped ones if none is named), then generated ones.",
 )
-@click.option("--flights", type=click.IntRange(1), default=3, show_default=True, help="Of each.")
-@click.option("--seed", type=int, default=0, show_default=True)
+@click.option(
+    "--flights",
+    type=click.IntRange(1),
+    default=3,
+    show_default=True,
+    help="Flights of each mission.",
+)
+@SEED
 @click.option("--generated", type=click.IntRange(0), help="The generated mission of this number.")
-@click.option("--flight", type=click.IntRange(0), help="This flight alone.")
+@click.option("--flight", type=click.IntRange(0), help="Fly this flight alone, and tell its story.")
 @click.option("--show", is_flag=True, help="Print the generated mission, do not fly.")
 @click.option("--workers", type=click.IntRange(1), help="Processes; a core each by default.")
 def campaign(

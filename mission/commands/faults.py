@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.option("--flights", type=click.IntRange(1), default=50, show_default=True)
+@click.option("--flights", type=click.IntRange(1), default=50, show_default=True,
+              help="How many flights.")  # fmt: skip
 @click.option("--seed", type=int, default=0, show_default=True, help="Any; the same flights again.")
 @click.option("--flight", type=click.IntRange(0), help="This one alone, with its whole story.")
 @click.option("--workers", type=click.IntRange(1), help="Processes; a core each by default.")
