@@ -50,14 +50,16 @@ def option_names(command: click.Command) -> set[str]:
 @by_name
 def test_a_command_that_is_shown_exists_with_its_options(page: Path) -> None:
     text = page.read_text(encoding="utf-8").replace("\\\n", " ")
-    for shown in re.findall(r"^(?:\S*/)?auvmission (.+)$|`auvmission ([^`]+)`", text, re.MULTILINE):
+    for shown in re.findall(
+        r"^\s*(?:\S*/)?auvmission (.+)$|`auvmission ([^`]+)`", text, re.MULTILINE
+    ):
         words = re.split(r"\s+#|\s{2,}[a-z]", shown[0] or shown[1])[0].split()
         name = words[0]
         assert name in COMMANDS, shown
         command = main.get_command(click.Context(main), name)
         assert command is not None
         known = option_names(command) | {"--help", "-h"}
-        for word in words[1:]:
+        for word in (word.strip("[]()`;,") for word in words[1:]):
             if re.fullmatch(r"--?[a-z][a-z-]*", word):
                 assert word in known, shown
 
