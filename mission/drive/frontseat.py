@@ -26,6 +26,7 @@ from dataclasses import dataclass
 from mission.model import Action, Outcome, Result, Tx
 from protocol.codec import CannotEncode
 from protocol.messages import Ack, Order, Setpoint
+from protocol.vehicles.auv import change
 
 ANSWER_S = 0.3
 TRIES = 3
@@ -80,6 +81,8 @@ class Frontseat:
         self._queue: deque[_Frame] = deque()
         self._outstanding: _Outstanding | None = None
         self._owed: list[_Owed] = []
+        self._becoming: Setpoint | None = None  # of which nothing was refused or lost so far
+        self._held: Setpoint | None = None  # all of it was accepted, and nothing left since
         self._free = 0.0  # from when on the line may be used
 
     @property
@@ -90,11 +93,14 @@ class Frontseat:
     def command(self, action: Action) -> Outcome | None:
         """Queue an action; an Outcome only if the vehicle has no word for it."""
         try:
-            frames = [
-                _Frame(d, action.command, action.reason) for d in self._encode(action.command)
-            ]
+            data = self._encode(action.command)
         except CannotEncode as error:
             return Outcome(Result.REFUSED, str(error).encode(), action.command)
+        if action.steers and self._held is not None:
+            data = change(data, self._encode(self._held))
+        frames = [_Frame(d, action.command, action.reason) for d in data]
+        self._held = None
+        self._becoming = action.command if isinstance(action.command, Setpoint) else None
         self._queue.clear()  # a set is complete: what is left of the one before is obsolete
         if isinstance(action.command, Order):
             self._relays.clear()
@@ -111,6 +117,7 @@ class Frontseat:
             self._queue.clear()
             self._urgent.clear()
             self._give_up()
+            self._held = self._becoming = None
         self._relays.append((data, reason))
 
     def answer(self, ack: Ack, now: float) -> Outcome | None:
@@ -126,6 +133,9 @@ class Frontseat:
         self._outstanding = None
         self._owed += [_Owed(waiting.frame.code, waiting.deadline)] * (waiting.tries - 1)
         result = Result.ACCEPTED if ack.ok else Result.REFUSED
+        self._becoming = self._becoming if ack.ok else None
+        if not self._queue:
+            self._held = self._becoming
         return Outcome(result, waiting.frame.data, waiting.frame.command)
 
     def poll(self, now: float) -> tuple[list[Tx], list[Outcome]]:
@@ -135,7 +145,7 @@ class Frontseat:
             return [], []
         waiting = self._outstanding
         if waiting and now >= waiting.deadline and waiting.tries >= TRIES:
-            self._outstanding = None
+            self._outstanding = self._becoming = None
             return [], [Outcome(Result.LOST, waiting.frame.data, waiting.frame.command)]
         return (self._next(now) if now >= self._free else []), []
 

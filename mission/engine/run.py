@@ -285,7 +285,7 @@ class Run:
         if self.sent is not None and not _differs(wanted, self.sent):
             return ()
         self.sent, self.refused = wanted, False
-        return (Action(wanted, f"{short(self.leaf)} steers"),)
+        return (Action(wanted, f"{short(self.leaf)} steers", steers=True),)
 
     def _climb(self, senses: Senses, ascent: Ascent) -> tuple[Action, ...]:
         if self.at_surface:

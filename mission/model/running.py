@@ -78,10 +78,12 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """Something for the vehicle, with the reason that goes on record."""
+    """Something for the vehicle, with the reason that goes on record. ``steers``: a set
+    that differs a little from the one in force, so that nothing need be cleared before."""
 
     command: Setpoint | Order
     reason: str
+    steers: bool = False
 
 
 class Result(enum.Enum):

@@ -1,4 +1,4 @@
-"""The AUV of seed 000 as the Pi sees it on its serial line to the STM32 (9600 8N1).
+"""The AUV of document 000 as the Pi sees it on its serial line to the STM32 (9600 8N1).
 
     STM32 -> Pi   @SD every 2 s (86 bytes), @ACK_
     Pi -> STM32   @ZA.. (protocol.motion_frame), relayed R, M and rudder frames
@@ -15,6 +15,8 @@ Two dialects of the Z class:
 
 A setpoint is reached from any earlier state: what it does not control is cleared by @ZAX0$, the
 only word that clears, which therefore leads unless the words that follow overwrite everything.
+It stops the thrusters for a moment, so between two sets that control the same axes ``change``
+leaves it out: a leg that steers does not stutter.
 
 What does not live here: retries and gaps (the drive's outbox), frames to and from topside.
 """
@@ -26,7 +28,7 @@ import struct
 from typing import Any, cast
 
 from protocol.checksum import sd_profile
-from protocol.codec import CannotEncode, Received
+from protocol.codec import CannotEncode, Granularity, Received
 from protocol.fields import F32LE, U16LE, BinaryFrame, Check, Const, FrameType
 from protocol.framing import Frame, LinkRow, Shortcut
 from protocol.messages import Ack, Order, Setpoint, Telemetry
@@ -209,6 +211,9 @@ def shortcut(tolerances: Tolerances, battery_scale: BatteryScale) -> Shortcut:
 
 # --- Setpoint out ---
 
+# document, 2.2.1: S, E, H and A carry whole numbers, in m and degrees
+GRANULARITY = Granularity(1.0, 1.0, math.radians(1.0), math.radians(1.0))
+
 
 def _gear(axis: str, fraction: float) -> int:
     if not -1 <= fraction <= 1:
@@ -304,6 +309,23 @@ def _horizontal(setpoint: Setpoint) -> tuple[str | None, int]:
     if turn:
         return _pair(turn, "R", "L"), abs(turn)
     return None, 0
+
+
+_CLEAR = EMERGENCIES[Order.STOP]
+_AXES = {"B": "F", "L": "R", "D": "U"}  # two words of one axis
+
+
+def _axes(frames: list[bytes]) -> list[str]:
+    """What each word sets, by its letter."""
+    return [_AXES.get(letter, letter) for letter in (chr(frame[3]) for frame in frames)]
+
+
+def change(wanted: list[bytes], held: list[bytes]) -> list[bytes]:
+    """The frames of ``wanted`` for a vehicle that holds the whole of ``held``: without what clears,
+    if there is nothing to be cleared. The others all leave, also those that are as they were: a
+    board that has forgotten them since is mended by that."""
+    alike = wanted[0] == _CLEAR and _axes(wanted) == _axes(held)
+    return wanted[1:] or wanted if alike else wanted
 
 
 DIALECTS = {"documented": _documented, "as-built": _as_built}

@@ -11,9 +11,13 @@ from protocol.messages import Ack, Order, Setpoint
 
 LEG = Setpoint(surge=0.5, depth=10.0)
 NEXT = Setpoint(surge=0.0, depth=3.0)
+GOTO = Setpoint(surge=0.5, heading=0.0)
+TURNED = Setpoint(surge=0.5, heading=0.1)
 FRAMES: dict[Setpoint | Order, list[bytes]] = {
     LEG: [b"@ZAF6$", b"@ZAS10$"],
     NEXT: [b"@ZAF0$", b"@ZAS3$"],
+    GOTO: [b"@ZAX0$", b"@ZAF6$", b"@ZAH0$"],
+    TURNED: [b"@ZAX0$", b"@ZAF6$", b"@ZAH-6$"],
     Order.STOP: [b"@ZAX0$"],
     Order.SURFACE: [b"@ZAWF$"],
 }
@@ -38,8 +42,15 @@ class Line:
         self.sent: list[Tx] = []
         self.outcomes: list[Outcome] = []
 
-    def give(self, command: Setpoint | Order, now: float, reason: str = "leg dive") -> None:
-        outcome = self.seat.command(Action(command, reason))
+    def give(
+        self,
+        command: Setpoint | Order,
+        now: float,
+        reason: str = "leg dive",
+        *,
+        steers: bool = False,
+    ) -> None:
+        outcome = self.seat.command(Action(command, reason, steers))
         self.outcomes += [outcome] if outcome else []
         self.poll(now)
 
@@ -251,3 +262,61 @@ def test_idle_line_has_no_timer(line: Line) -> None:
     line.give(Order.STOP, 0.0)
     line.answer(0.01)
     assert line.seat.next_timer() is None
+
+
+# --- a leg that steers ----------------------------------------------------------------------
+
+
+def held() -> Line:
+    line = Line()
+    line.give(GOTO, 0.0)
+    for now in (0.1, 0.2, 0.3):
+        line.until(now)
+        line.answer(now)
+    line.sent.clear()
+    return line
+
+
+def said(line: Line, now: float) -> list[bytes]:
+    """What leaves from now on, everything being answered."""
+    for i in range(6):
+        line.until(now + 0.1 * (i + 1))
+        line.answer(now + 0.1 * (i + 1))
+    return [tx.data for tx in line.sent]
+
+
+def test_a_leg_that_steers_stops_no_thruster_on_its_way():
+    line = held()
+    line.give(TURNED, 1.0, steers=True)
+    assert said(line, 1.0) == FRAMES[TURNED][1:]
+    line.sent.clear()
+    line.give(GOTO, 2.0, steers=True)
+    assert said(line, 2.0) == FRAMES[GOTO][1:]
+
+
+def test_an_entry_sends_its_whole_set_whatever_is_held():
+    line = held()
+    line.give(TURNED, 1.0)
+    assert said(line, 1.0) == FRAMES[TURNED]
+
+
+@pytest.mark.parametrize("spoil", ["refused", "lost", "stop", "stick", "cut short"])
+def test_what_may_not_be_held_any_more_is_said_whole(spoil: str):
+    line = held()
+    if spoil in ("refused", "lost", "cut short"):
+        line.give(GOTO, 1.0)
+    if spoil == "refused":
+        line.answer(1.1, result=REFUSE)
+        said(line, 1.1)
+    elif spoil == "lost":
+        line.until(1.95)
+        said(line, 2.0)
+    elif spoil == "stop":
+        line.give(Order.STOP, 1.0)
+        said(line, 1.0)
+    elif spoil == "stick":
+        line.relay(b"@MMF5$", 1.0, manual=True)
+        line.until(2.0)
+    line.sent.clear()
+    line.give(TURNED, 3.0, steers=True)
+    assert [d for d in said(line, 3.0) if d in FRAMES[TURNED]][-3:] == FRAMES[TURNED]

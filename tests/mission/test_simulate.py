@@ -13,7 +13,7 @@ from click.testing import CliRunner, Result
 from links.simulated.settings import parse_settings
 from mission.blackbox import read_records
 from mission.commands.simulate import simulate
-from mission.drive.records import INPUTS, OUTPUTS, STEP, TX, ListRecorder, read_start
+from mission.drive.records import INPUTS, OUTPUTS, STEP, TX, ListRecorder, read_start, read_tx
 from mission.language import digest, parse
 from mission.model import STOPPED, SURFACED
 from mission.replay.replay import replay
@@ -34,6 +34,15 @@ dive: depth 4 heading 0 gear 6 until depth >= 3.5 timeout 90
 repeat 2 there:
 out: heading 45 gear 6 for 20
 end
+up: surface timeout 3min
+"""
+THERE = """\
+mission there vehicle auv
+home 30.2874595 120.1535765
+safety radius 500 time 15min depth 10 voltage 10
+assume current 0.2
+dive: depth 4 heading 0 gear 6 until depth >= 3.5 timeout 90
+there: goto north 60 east 30 gear 8 depth 4 within 10 timeout 5min
 up: surface timeout 3min
 """
 COLUMNS = ["name", "entered_s", "left_s", "by"]
@@ -111,6 +120,17 @@ def test_the_same_seed_gives_the_same_bytes(profile: str) -> None:
 
 def test_every_byte_to_the_vehicle_has_a_reason() -> None:
     assert all(tx.reason for tx in flown().sent)
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_leg_that_steers_never_stops_the_thrusters_on_its_way(profile: str) -> None:
+    recorder = ListRecorder()
+    flight = fly(parse(THERE), load_vehicle("auv"), profile, 1, recorder=recorder)
+    assert flight.outcome == "completed"
+    sent = [read_tx(record) for record in recorder.records if record.kind == TX]
+    steered = [tx.data for tx in sent if tx.reason.startswith("there steers")]
+    assert len(steered) > 5
+    assert b"@ZAX0$" not in steered
 
 
 @pytest.mark.parametrize("profile", PROFILES)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import random
+from dataclasses import replace
 
 import pytest
 from canonical_auv import SD as CANONICAL
@@ -277,6 +278,32 @@ def test_a_setpoint_is_reached_from_any_earlier_state(
         used.hear(frame)
         fresh.hear(frame)
     assert used.acts() == fresh.acts()
+
+
+@pytest.mark.parametrize(("dialect", "stm32"), [("as-built", AsBuilt), ("documented", Documented)])
+@settings(max_examples=150, deadline=None)
+@given(data=st.data())
+def test_a_change_leads_where_the_whole_set_does_and_stops_nothing_on_its_way(
+    dialect: str, stm32: type[AsBuilt] | type[Documented], data: st.DataObject
+) -> None:
+    """Also where the board has forgotten what it held."""
+    one, other = data.draw(setpoints(dialect)), data.draw(setpoints(dialect))
+    turned = one if one.heading is None else replace(one, heading=data.draw(st.floats(0, 6.28)))
+    for wanted in (other, turned):
+        held, whole = encodable(dialect, one), encodable(dialect, wanted)
+        if held is None or whole is None:
+            continue
+        frames = auv.change(whole, held)
+        assert frames
+        for before in (held, []):
+            used, fresh = stm32(), stm32()
+            for frame in (*before, *frames):
+                used.hear(frame)
+            for frame in whole:
+                fresh.hear(frame)
+            assert used.acts() == fresh.acts()
+        if wanted is turned and len(whole) > 1:
+            assert b"@ZAX0$" not in frames
 
 
 @pytest.mark.parametrize(
