@@ -23,11 +23,11 @@ from typing import TYPE_CHECKING, Protocol
 
 from links.base import Rx
 from mission import __version__
-from mission.compiler.compiler import CompileErrors, compile_mission
 from mission.configuration import Configuration
 from mission.drive import records as rec
 from mission.drive.commander import Commander
 from mission.drive.frontseat import GAP_S, Frontseat
+from mission.drive.judge import judge
 from mission.drive.latch import Latch
 from mission.drive.nodes import LINK as NODES
 from mission.drive.nodes import Nodes, with_process
@@ -210,12 +210,19 @@ class Drive:
     # --- in -----------------------------------------------------------------------------------
 
     def _begin(self) -> None:
-        """What the store knows, and a restart under way (design: A restart)."""
+        """What the store knows, and a restart under way (design: A restart). The way up does not
+        wait for the judge of the stored mission: nobody can start it before idle."""
         kept = self._store.content
-        if kept.lines:
+        self._unjudged = kept.lines
+        if not kept.under_way:
+            self._judge_kept(0.0)
+        self._step(0.0, (kept.limits, Restarted(kept.under_way)))
+
+    def _judge_kept(self, now: float) -> None:
+        lines, self._unjudged = self._unjudged, ()
+        if lines:
             with contextlib.suppress(MissionRefused):  # @AQ shows it as refused
-                self._chart = self._compile(kept.lines)
-        self._step(0.0, (Loaded(self._chart), kept.limits, Restarted(kept.under_way)))
+                self._load(judge(lines, self._vehicle), now)
 
     def _from_vehicle(self, messages: Sequence[Received], now: float) -> None:
         inputs: list[Input] = []
@@ -263,6 +270,8 @@ class Drive:
     # --- out ----------------------------------------------------------------------------------
 
     def _leave(self, now: float) -> list[Tx]:
+        if self._unjudged and self.state.startswith("idle"):
+            self._judge_kept(now)
         for _ in range(MOST_ROUNDS):
             sent, outcomes = self._frontseat.poll(now)
             self._out += sent
@@ -301,29 +310,6 @@ class Drive:
 
     def _failed_write(self, number: int, why: str) -> None:
         self._record(rec.input_record, self._now, rec.STORE, str(number), why)
-
-    def _compile(self, lines: tuple[str, ...]) -> Chart:
-        from mission.check import check_mission
-        from mission.language import MissionErrors, digest, parse_script
-
-        try:
-            mission = parse_script(lines)
-            chart = compile_mission(mission, self._vehicle, digest(mission))
-        except MissionErrors as error:
-            found = error.problems[0]
-            raise MissionRefused(_refusal(found.line, found.column, found.message)) from None
-        except CompileErrors as error:
-            where = error.problems[0].where
-            raise MissionRefused(
-                _refusal(where.line, where.column, error.problems[0].message)
-            ) from None
-        report = check_mission(chart, self._vehicle)
-        if not report.ok:
-            refusal = report.refusals[0]
-            raise MissionRefused(
-                _refusal(refusal.where.line, refusal.where.column, refusal.message)
-            )
-        return chart
 
     # --- what Topside asks (Vessel) ---------------------------------------------------------------
 
@@ -368,7 +354,7 @@ class Drive:
         self._frontseat.relay(frame, reason, manual)
 
     def accept(self, lines: tuple[str, ...], now: float) -> None:
-        chart = self._compile(lines)
+        chart = judge(lines, self._vehicle)
         self._store.keep_lines(lines)
         self._load(chart, now)
 
@@ -382,7 +368,7 @@ class Drive:
             self._out.append(Tx(now, CLOCK, time.encode(), "operator @ST"))
 
     def _load(self, chart: Chart | None, now: float) -> None:
-        self._chart = chart
+        self._chart, self._unjudged = chart, ()
         self._step(now, (Loaded(chart),))
 
     # --- record -----------------------------------------------------------------------------------
@@ -390,10 +376,6 @@ class Drive:
     def _record(self, make: Callable[..., Record], *values: object) -> None:
         if self._recorder is not None:
             self._recorder.record(make(*values))
-
-
-def _refusal(line: int, column: int, message: str) -> str:
-    return f"line {line}:{column}: {message}"
 
 
 def _is_due(timer: float | None, now: float) -> bool:

@@ -43,7 +43,7 @@ class Port:
         self.heard: float | None = None  # the engine's time
         self._told = ""
         self._pace = Pace(0.0, BAUD)
-        self._closed = asyncio.Event()
+        self._closed, self._tried = asyncio.Event(), asyncio.Event()
         self._on = asyncio.Event()
         self._on.set()
 
@@ -68,7 +68,13 @@ class Port:
                 await self._on.wait()
                 await self._open()
         finally:
+            self._tried.set()
             self.close()
+
+    async def tried(self, seconds: float) -> None:
+        """Waits until it is open, or until that has failed once, or so long."""
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(self._tried.wait(), seconds)
 
     async def _open(self) -> None:
         loop = asyncio.get_running_loop()
@@ -79,6 +85,7 @@ class Port:
             raise
         except (LinkError, OSError) as error:
             self._complain(f"{error} - trying again")
+            self._tried.set()
             await asyncio.sleep(RETRY_S)
             return
         if not self._on.is_set():
@@ -96,6 +103,7 @@ class Port:
         if self._told:
             self._told = ""
             self._tell(f"{self.name}: {self.url} is open")
+        self._tried.set()
         if link.fileno() >= 0:
             asyncio.get_running_loop().add_reader(link.fileno(), self._readable, self)
         self._changed(self)

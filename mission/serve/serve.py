@@ -47,6 +47,7 @@ if TYPE_CHECKING:
 
 VEHICLE, GPS, TOPSIDE, MODEM = "vehicle", "gps", "topside", "modem"
 NODE_OF = {VEHICLE: "STM32", GPS: "BDGPS", MODEM: "UACM"}
+FIRST_S = 1.0  # real time, that the first W of a restart waits for its port
 REBIRTH_S = 1.0  # real time, between a fault of the program and the next drive
 EARLY_S = 0.002  # a timer that fires so much too early counts as in time
 
@@ -105,9 +106,12 @@ class Server:
         }
         nodes = {NODE_OF[name]: port for name, port in self._ports.items() if name in NODE_OF}
         self._processes = Processes(nodes, self._configuration.camera, self._tell)
+        self._spawn(self._ports[VEHICLE].keep_open())
+        await self._ports[VEHICLE].tried(FIRST_S)
         await self._begin()
-        for port in self._ports.values():
-            self._spawn(port.keep_open())
+        for name, port in self._ports.items():
+            if name != VEHICLE:
+                self._spawn(port.keep_open())
         self._spawn(self._recording.keep_box())
         self._spawn(self._recording.keep_status(self._configuration.folder, self._health))
         self._watchdog.ready()  # the drive lives, whether or not topside can be listened to

@@ -13,12 +13,13 @@ from links.base import Rx
 from links.simulated.link import START, SimulatedVehicle
 from mission.configuration import Configuration, LinkUrls
 from mission.drive.drive import CLOCK, Drive
+from mission.drive.judge import judge
 from mission.drive.records import ESTIMATE, FAULT, RX, STEP, STORE, TIMER, ListRecorder, read_texts
 from mission.language import parse, script
-from mission.model import SURFACING, Tx
+from mission.model import SURFACING, Chart, Tx
 from mission.navigation import Navigation
 from mission.store import MemoryStore, Stored, StoreError
-from mission.vehicle import load_vehicle
+from mission.vehicle import Vehicle, load_vehicle
 from protocol.messages import MissionLine, SetSafety
 from protocol.topside import encode
 
@@ -183,6 +184,36 @@ def test_a_restart_under_way_surfaces_at_once(during: str) -> None:
     assert boat.drive.state == SURFACING
     boat.until(0.1)
     assert boat.to_vehicle()[0] == b"@ZAWF$"
+
+
+def test_the_way_up_does_not_wait_for_the_judge_of_the_stored_mission(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    judged: list[tuple[str, ...]] = []
+
+    def slowly(lines: tuple[str, ...], vehicle: Vehicle) -> Chart:
+        judged.append(lines)
+        return judge(lines, vehicle)
+
+    monkeypatch.setattr("mission.drive.drive.judge", slowly)
+    boat = Boat(MemoryStore(Stored(LINES, under_way="autonomous/a")))
+    boat.until(30.0)
+    assert boat.to_vehicle()[0] == b"@ZAWF$"
+    assert judged == []
+    boat.say(b"@MMF0$")
+    assert boat.drive.state == "manual/driving"
+    boat.until(100.0)
+    assert boat.drive.state == "idle/ready", "left by the stick it is there again"
+    assert judged == [LINES]
+    assert boat.say(b"@AA$") == [b"@ACK_AAA$"]
+
+
+def test_a_mission_that_is_cleared_after_a_restart_is_not_there_again() -> None:
+    boat = Boat(MemoryStore(Stored(LINES, under_way="autonomous/a")))
+    boat.until(30.0)
+    assert boat.say(b"@AC$") == [b"@ACK_ACC$"]
+    assert boat.drive.state == "idle/empty"
+    assert boat.store.content.lines == ()
 
 
 def test_a_restart_out_of_idle_has_the_stored_mission_ready() -> None:

@@ -293,6 +293,42 @@ def test_what_was_under_way_surfaces_after_a_restart(tmp_path: Path) -> None:
         soon(read, "W")
 
 
+def test_the_first_w_after_a_restart_is_not_lost_on_a_port_that_is_about_to_open(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opening = threading.Event()
+    really = ports.open_link
+
+    def slowly(name: str, url: str) -> object:
+        if name == "vehicle":
+            assert opening.wait(PATIENCE)
+        return really(name, url)
+
+    monkeypatch.setattr(ports, "open_link", slowly)
+    monkeypatch.setattr(shell, "FIRST_S", PATIENCE)
+    store = MemoryStore()
+    store.keep_under_way("autonomous/out")
+    with silent_board() as (master, device):
+        pi = Running(tmp_path, f"serial://{device}", store=store, wait=False)
+        threading.Timer(0.5, opening.set).start()
+        heard = bytearray()
+
+        def read() -> bool:
+            heard.extend(read_now(master))
+            return b"@ZAWF$" in heard
+
+        soon(read, "W")
+        pi.stop()
+    assert not pi.has_told("NOT SENT")
+
+
+def test_a_port_that_stays_away_keeps_serve_from_nothing(tmp_path: Path) -> None:
+    with running(tmp_path, f"serial://{tmp_path}/absent") as pi, pi.boat() as boat:
+        assert asked(boat, b"@AQ$").startswith(b"@AR,empty")
+        boat.sendall(b"@ZAX0$")
+        soon(lambda: pi.has_told("NOT SENT, the port is closed: @ZAX0$"), "the truth")
+
+
 def test_a_fault_of_the_program_begins_another_drive_that_surfaces(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -1,0 +1,37 @@
+"""The last judge of a mission: its lines become a Chart, or are refused in one line of words (R3).
+
+What does not live here: where the lines come from (staging, store), the rules (language, compiler,
+check).
+"""
+
+from __future__ import annotations
+
+from mission.compiler.compiler import CompileErrors, compile_mission
+from mission.drive.vessel import MissionRefused
+from mission.model import Chart
+from mission.vehicle import Vehicle
+
+
+def judge(lines: tuple[str, ...], vehicle: Vehicle) -> Chart:
+    """Raises MissionRefused, with the first thing that is wrong."""
+    from mission.check import check_mission
+    from mission.language import MissionErrors, digest, parse_script
+
+    try:
+        mission = parse_script(lines)
+        chart = compile_mission(mission, vehicle, digest(mission))
+    except MissionErrors as error:
+        found = error.problems[0]
+        raise MissionRefused(_said(found.line, found.column, found.message)) from None
+    except CompileErrors as error:
+        where = error.problems[0].where
+        raise MissionRefused(_said(where.line, where.column, error.problems[0].message)) from None
+    report = check_mission(chart, vehicle)
+    if not report.ok:
+        refusal = report.refusals[0]
+        raise MissionRefused(_said(refusal.where.line, refusal.where.column, refusal.message))
+    return chart
+
+
+def _said(line: int, column: int, message: str) -> str:
+    return f"line {line}:{column}: {message}"
