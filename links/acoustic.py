@@ -24,7 +24,7 @@ from links import Address, LinkAddressError
 from links.base import LinkBusy, LinkClosed, LinkError, Rx
 
 SOUND_SPEED = 1500.0  # m/s
-MTU = 3207  # bytes: one full modem frame (seed 000, table 1.3)
+MTU = 3207  # bytes: one full modem frame (document 000, table 1.3)
 
 
 @dataclass(frozen=True, slots=True)

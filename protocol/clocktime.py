@@ -1,4 +1,4 @@
-"""Calendar times as seed 000 writes them: ``YYYY/MM/DD hh:mm:ss`` (@ST) and with dashes (@VS).
+"""Calendar times as document 000 writes them: ``YYYY/MM/DD hh:mm:ss`` (@ST) and with dashes (@VS).
 
 Outside the frames a time is ``YYYY-MM-DDThh:mm:ss``. What does not live here: time zones and
 clocks (R10).

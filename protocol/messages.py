@@ -107,7 +107,7 @@ class FrameFault:
     length: int  # bytes
 
 
-# --- what an operator says (seed 000, tables 1.1 and 1.2) ---
+# --- what an operator says (document 000, tables 1.1 and 1.2) ---
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,7 +211,7 @@ Command = (
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """What one ``@VS`` carries (seed 000, table 2.1.2): the last fix and the newest telemetry.
+    """What one ``@VS`` carries (document 000, table 2.1.2): the last fix and the newest telemetry.
 
     ``time`` is that of the telemetry (R10), None where the field is empty. A fix that came by
     ``@VS`` has an infinite ``accuracy``: the frame does not tell it.

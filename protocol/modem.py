@@ -1,4 +1,4 @@
-"""The envelope of the acoustic modem (seed 000, tables 1.3 and 2.3), 115200 baud.
+"""The envelope of the acoustic modem (document 000, tables 1.3 and 2.3), 115200 baud.
 
     0x23 0x02 | length u16 | address | content (1..3200) | CRC-16/MODBUS, low byte first
 

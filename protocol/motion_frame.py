@@ -1,4 +1,4 @@
-"""The Z class of seed 000 (tables 2.2.1 and 2.2.2): what the Pi tells the STM32 to do.
+"""The Z class of document 000 (tables 2.2.1 and 2.2.2): what the Pi tells the STM32 to do.
 
     @ZA code value $        F B L R U D gear | S depth | E altitude | H heading | A pitch;roll | V
     @ZAX0$ @ZAWF$           stop all thrusters, emergency surfacing: also from topside (R7)

@@ -1,4 +1,4 @@
-"""The table of ``@VS``: what the Pi tells topside about the vehicle (seed 000, table 2.1.2).
+"""The table of ``@VS``: what the Pi tells topside about the vehicle (document 000, table 2.1.2).
 
     @VS time,longitude,latitude,...,servo 2 $      30 fields
 

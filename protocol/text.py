@@ -1,4 +1,4 @@
-"""Text frames of seed 000: ``@`` letters, parameters, ``$``; one table encodes and decodes.
+"""Text frames of document 000: ``@`` letters, parameters, ``$``; one table encodes and decodes.
 
     MT = TextFrame("auv.MT", "000 table 1.2.2", "@MT",
                    (Int("thruster", 1, 5), Sep(","), Int("gear", -12, 12)))

@@ -1,4 +1,4 @@
-"""Frame tables of seed 000, chapters 1.1, 1.2 and 2.1: what topside and the Pi say to each other.
+"""Frame tables of document 000, chapters 1.1, 1.2, 2.1: what topside and the Pi say to each other.
 
     to the Pi      @NS @NI   @AA @AC @AW @AQ   @ST @SP   @DU
     relayed        @RS @RI   @MT @MD @MM @MR @MS @MP   @D

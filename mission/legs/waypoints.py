@@ -18,7 +18,8 @@ from protocol.messages import Setpoint
 
 
 class Waypoints:
-    """``start`` None: not known yet, then the first position that is known."""
+    """A point None cannot be known, and is not steered to. The first line starts at the first
+    position that is known."""
 
     __slots__ = ("_base", "_heading", "_index", "_points", "_start", "_within")
 

@@ -214,9 +214,8 @@ LegKind = Hold | Wait | Goto | Follow | Rows | Yoyo | Loiter | Surface
 class Leg:
     """``name`` is unique in its group; generated ones are ``line12``. ``duration`` is ``for``.
 
-    ``timeout_target``/``otherwise`` None: the mission's ``on timeout`` (default surface).
     ``otherwise`` is the leg's ``else``: taken at the timeout, when a Z is refused and when a
-    needed reading stays invalid.
+    needed reading stays invalid; None: the mission's ``on timeout`` (default surface).
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""One good frame of every type of seed 000 (docs/protocol.md, canonical frames)."""
+"""One good frame of every type of document 000 (docs/protocol.md, canonical frames)."""
 
 SD = bytes.fromhex("405344" + "00" * 60 + "DC05" * 7 + "0C003000" + "F05C9375" + "24")
 VS = (

@@ -1,4 +1,4 @@
-"""Profile `documented`: seed 000 to the letter, with the N readings of docs/protocol.md.
+"""Profile `documented`: document 000 to the letter, with the N readings of docs/protocol.md.
 
 - Frames are delimited by ``@`` and ``$``, however they are cut into bursts; an ``@`` starts anew,
   CR LF between frames is ignored, a frame is at most 64 bytes.

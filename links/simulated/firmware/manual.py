@@ -1,4 +1,4 @@
-"""Manual mode: five thrusters by the M commands (seed 000, 1.2.2); the same in both profiles.
+"""Manual mode: five thrusters by the M commands (document 000, 1.2.2); the same in both profiles.
 
 A command sets the thrusters it names and leaves the others. A stick (``MS``) holds the heading of
 its angle while it moves; ``MP`` leans: 90 is ahead (nose down), 0 is right.
