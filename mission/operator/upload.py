@@ -39,7 +39,7 @@ from protocol.topside import Answer, ConsoleCodec, encode
 
 ANSWER_S = 1.0
 TRIES = 3
-ROUNDS = 4  # of asking what is missing, before the line is called unusable
+ROUNDS = 4  # in succession that brought nothing: then the line is called unusable
 ORDER_TRIES = 10  # an order is sent until the vehicle itself has answered
 
 
@@ -133,7 +133,7 @@ def upload(lines: Sequence[str], digest: str, progress: Callable[[int, int], Non
         raise Refused("the vehicle is under way: a mission can be uploaded in idle only")
     if report.state == "ready" and report.digest == digest[:16]:
         return f"the vehicle holds it already, digest {report.digest}"
-    total, failed = len(lines), 0
+    total, failed, most = len(lines), 0, -1
     yield from _line(lines, 1)
     while failed < ROUNDS:
         report = yield from _store()
@@ -142,13 +142,13 @@ def upload(lines: Sequence[str], digest: str, progress: Callable[[int, int], Non
             return f"{total} lines stored, digest {report.digest}"
         missing = _numbers(report, total)
         progress(total - len(missing) if report.state == "staging" else 0, total)
-        before = report.have
+        have = report.have if report.state == "staging" else 0
+        failed, most = (0 if have > most else failed + 1), max(have, most)
         for number in missing:
             yield from _line(lines, number)
             progress(_have(number, missing, total), total)
         if not missing:  # whole, and yet not ours: its last line was refused, or it is another
             yield from _line(lines, total)
-        failed = failed + 1 if report.have <= before else 0
     why = f": {report.refusal}" if report.refusal else ""
     raise NoAnswer(f"the upload does not get on at {report.have} of {report.total} lines{why}")
 

@@ -25,7 +25,7 @@ from mission.operator.upload import (
 )
 from mission.store import MemoryStore
 from mission.vehicle import load_vehicle
-from protocol.messages import Ack, Order, Status, StoreReport
+from protocol.messages import Ack, MissionLine, Order, Status, StoreReport
 from protocol.topside import encode
 
 TEXT = """mission pool vehicle auv
@@ -131,6 +131,24 @@ def test_lost_frames_are_sent_again_until_the_digest_agrees(seed: int) -> None:
     else:
         assert isinstance(talk.failure, NoAnswer)
         assert wire.store.content.lines == ()
+
+
+def test_more_missing_lines_than_one_report_can_name_are_all_sent() -> None:
+    """A report has room for 120 characters of them; as long as it gets on, it goes on."""
+    text = TEXT.replace(
+        "up: surface",
+        "".join(f"l{i}: heading {i} gear 4 for 1s\n" for i in range(300)) + "up: surface",
+    )
+    mission = parse(text)
+    lines, wire = script(mission), Wire()
+    for number in range(1, len(lines) + 1, 2):
+        wire.cross(encode(MissionLine(len(lines), number, lines[number - 1])))
+    wire.sent.clear()
+    talk = wire.hold(upload(lines, digest(mission), quiet))
+    assert talk.failure is None
+    assert wire.store.content.lines == tuple(lines)
+    sent = sum(frame.startswith(b"@AW") for frame in wire.sent)
+    assert sent == len(lines) // 2 + 1  # those, and line 1 to see whether it is the same mission
 
 
 def test_doubled_answers_never_make_a_line_count_as_stored() -> None:
