@@ -95,6 +95,15 @@ BENCHES = (
             Figure("log_ratio", "a whole log against pymavlink", "x", 15, True),
         ),
     ),
+    Bench(
+        "bench_survival",
+        "killed in a mission",
+        lambda module: module.main(),
+        (
+            Figure("first_w_s", "kill -9 to the first W, restart after 1 s, worst", "s", 10),
+            Figure("computing_s", "processor time of it, an eighth of 9 s at most", "s", 1.12),
+        ),
+    ),
     Bench("bench_modem", "the modem", lambda module: module.main(2)),
 )
 

