@@ -6,6 +6,7 @@ unfinished is given up after an idle time (G3): that is what ``next_timer`` is f
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol
 
 from protocol.messages import Ack, FrameFault, Order, Setpoint, Telemetry
@@ -15,6 +16,22 @@ Received = Telemetry | Ack | FrameFault
 
 class CannotEncode(ValueError):
     """The vehicle has no word for this value; says which field, why, and what is possible."""
+
+
+@dataclass(frozen=True, slots=True)
+class Granularity:
+    """The steps in which a vehicle can be told what to hold, m and rad; 0: as fine as a float.
+
+    ``encode`` takes what lies between two steps and sends the nearer one.
+    """
+
+    depth: float = 0.0
+    altitude: float = 0.0
+    heading: float = 0.0
+    attitude: float = 0.0  # pitch and roll
+
+
+FINE = Granularity()
 
 
 class VehicleCodec(Protocol):

@@ -26,6 +26,7 @@ from mission.check.assumptions import SPEED_SHARE, Assumptions
 from mission.check.bounds import Bounds, LegBounds
 from mission.check.flow import Flow, Proof, TooLongError, trail
 from mission.check.places import places_named
+from mission.compiler.granularity import rounded
 from mission.envelope import DEPTH_MARGIN, in_force
 from mission.model import (
     AUTONOMOUS,
@@ -296,9 +297,18 @@ def _assumed(chart: Chart, vehicle: Vehicle, assume: Assumptions, floor: bool) -
     yield f"heading within {math.degrees(assume.heading):.0f} deg (two sigma of sensor and bias)"
     yield f"ascent by buoyancy alone at {vehicle.ascent_buoyancy:g} m/s"
     yield f"battery {vehicle.battery.usable / 3600:.0f} Wh usable, powers as in the vehicle file"
+    yield from _stated_rounding(chart, vehicle)
     if floor:
         why = "" if "floor" in given else ", the depth allowed; state assume floor where it is"
         yield f"sea floor nowhere deeper than {assume.floor:g} m{why}"
     if vehicle.constant_batteries:
         yield "the battery is watched from outside: this vehicle reports constants"
     yield "a dead Pi, or an STM32 that hangs with its thrusters on, does not happen"
+
+
+def _stated_rounding(chart: Chart, vehicle: Vehicle) -> Iterator[str]:
+    """What is held between the vehicle's steps, and is lost in its sensor's noise."""
+    legs = ((s.leg, s.setpoint) for s in _legs(chart) if s.leg and s.setpoint)
+    found = (r for leg, held in legs for r in rounded(leg, held, vehicle))
+    for text in dict.fromkeys(f"{r} is sent as {r.nearest:g} {r.unit}" for r in found):
+        yield f"{text}, the nearest that {vehicle.name} can be told"

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from mission.compiler.axes import axis_where
+from mission.compiler.granularity import granularity_problems
 from mission.guards import comparisons
 from mission.legs import LEGS
 from mission.model import Axis, Expression, Leg, Problem, Surface, Where
@@ -26,7 +27,10 @@ _POSITION_VARIABLES = frozenset({"distance", "cross_track"})
 
 def leg_problems(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
     found = [problem for check in _CHECKS for problem in check(leg, setpoint, vehicle)]
-    yield from found or _encodes(leg, setpoint, vehicle)
+    yield from found or [
+        *granularity_problems(leg, setpoint, vehicle),
+        *_encodes(leg, setpoint, vehicle),
+    ]
 
 
 def _follows(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:

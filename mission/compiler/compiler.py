@@ -21,6 +21,7 @@ from dataclasses import dataclass
 
 from mission.compiler.abilities import guard_problems, leg_problems
 from mission.compiler.axes import Flow, Resolution, Unit, statement_problems, unit_of
+from mission.compiler.granularity import BETWEEN_STEPS
 from mission.legs import LEGS
 from mission.model import (
     AUTONOMOUS,
@@ -319,8 +320,13 @@ class _Compiler:
         first = Flow("", start.target, start.units)
         sets, problems = Resolution(self._legs, parents, self._flows, first).setpoints()
         self._problems += problems
+        told: set[str] = set()  # a value that legs keep is complained of once, where it is stated
         for path, leg in self._legs.items():
-            self._problems += leg_problems(leg, sets[path], self._vehicle)
+            for problem in leg_problems(leg, sets[path], self._vehicle):
+                kept = problem.rule == BETWEEN_STEPS and problem.where == leg.where
+                if not (kept and problem.message in told):
+                    self._problems.append(problem)
+                told.add(problem.message)
         return sets
 
     def _placed(self, sets: dict[str, Setpoint]) -> tuple[State, ...]:

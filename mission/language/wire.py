@@ -1,14 +1,15 @@
-"""What can be wrong with a ZA word, and what to write instead (seed 000, table 2.2.2).
+"""What can be wrong with a ZA word, and what to write instead (document 000, table 2.2.2).
 
 What does not live here: what a good one sets (legs.py), which codes there are (words.py).
 """
 
 from __future__ import annotations
 
+import math
 import re
 
 from mission.language.words import ATTITUDE, REFUSED_ZA, SETTINGS, ZA
-from mission.units import GEARS, number_text
+from mission.units import GEARS
 
 _FORM = re.compile(r"ZA([A-Z])(-?\d+)\Z")
 
@@ -59,8 +60,9 @@ def _number_complaint(word: str, bare: str, setting: str) -> tuple[str, str, str
     if SETTINGS[setting].gear or "+" in bare:
         whole = round(float(number[1]))
         return "wire-form", f"{word}: the wire has whole numbers", f"write {bare[:3]}{whole}"
-    value = number[1] if setting != "heading" else number_text(-float(number[1]) % 360)
-    return "wire-form", f"{word}: the wire has whole numbers", f"write {setting} {value}"
+    below = math.floor(float(number[1]))
+    hint = f"write {bare[:3]}{below} or {bare[:3]}{below + 1}"
+    return "wire-form", f"{word}: the wire has whole numbers", hint
 
 
 def _range_complaint(word: str, code: str, digits: str) -> tuple[str, str, str]:

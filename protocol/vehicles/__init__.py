@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from protocol.codec import VehicleCodec
+from protocol.codec import FINE, Granularity, VehicleCodec
 from protocol.fields import FrameType
 from protocol.framing import LinkRow
 from protocol.tolerances import Tolerances
@@ -32,11 +32,12 @@ class VehicleRow:
     name: str
     make: Callable[[str, Tolerances, BatteryScale], VehicleCodec]
     dialects: tuple[str, ...]
+    granularity: Granularity = FINE
 
 
 _TO_THE_LETTER = ("documented",)
 VEHICLES = (
-    VehicleRow("auv", auv.AuvCodec, tuple(auv.DIALECTS)),
+    VehicleRow("auv", auv.AuvCodec, tuple(auv.DIALECTS), auv.GRANULARITY),
     VehicleRow("coreboard", coreboard.CoreboardCodec, _TO_THE_LETTER),
     VehicleRow("motorcan", motorcan.MotorCodec, _TO_THE_LETTER),
     VehicleRow("rov", rov.RovCodec, _TO_THE_LETTER),
@@ -65,6 +66,14 @@ def codec(
                 known = ", ".join(row.dialects)
                 raise UnknownDialect(f"no dialect {dialect!r} of {name}; there are: {known}")
             return row.make(dialect, Tolerances.parse(tolerances), battery_scale)
+    raise UnknownVehicle(f"no vehicle {name!r}; there are: {', '.join(r.name for r in VEHICLES)}")
+
+
+def granularity(name: str) -> Granularity:
+    """Raises UnknownVehicle."""
+    for row in VEHICLES:
+        if row.name == name:
+            return row.granularity
     raise UnknownVehicle(f"no vehicle {name!r}; there are: {', '.join(r.name for r in VEHICLES)}")
 
 

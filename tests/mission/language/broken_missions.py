@@ -72,7 +72,7 @@ BROKEN = (
            'ZAF13\nwait 30'),
     Broken('range', 1, 1, 'ZAF-3 is out of range', 'forward: 0 to 12',
            'ZAF-3\nwait 30'),
-    Broken('wire-form', 1, 1, 'ZAS9.5: the wire has whole numbers', 'write depth 9.5',
+    Broken('wire-form', 1, 1, 'ZAS9.5: the wire has whole numbers', 'write ZAS9 or ZAS10',
            'ZAS9.5\nwait 30'),
     Broken('wire-form', 1, 1, 'ZAF6.5: the wire has whole numbers', 'write ZAF6',
            'ZAF6.5\nwait 30'),
