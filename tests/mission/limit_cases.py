@@ -174,10 +174,11 @@ def thrust(world: World, share: float, count: int) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """``trips``: a hair beyond the bound, for just as long as it takes. ``short``: beyond it, but
+    """``says``: the reason that goes on record. ``trips``: a hair beyond the bound, for just as long as it takes. ``short``: beyond it, but
     a sample or an instant less. ``bound``: at the bound, for long. Deadlines are reached, not
     passed, so of those ``short`` and ``bound`` are one."""
 
+    says: str
     trips: Play
     short: Play
     bound: Play
@@ -188,9 +189,9 @@ def _same(value: float) -> float:
     return value
 
 
-def _deadline(play: Callable[[World, float], None], seconds: float) -> Case:
+def _deadline(says: str, play: Callable[[World, float], None], seconds: float) -> Case:
     before: Play = lambda w: play(w, seconds - INSTANT)  # noqa: E731
-    return Case(lambda w: play(w, seconds), before, before)
+    return Case(says, lambda w: play(w, seconds), before, before)
 
 
 _ROLL = VEHICLE.limits.roll
@@ -198,66 +199,82 @@ _VOLTS = VEHICLE.limits.voltage
 
 CASES: dict[str, Case] = {
     "depth": Case(
+        "depth 12.0 m, limit 11 m",
         lambda w: at_depth(w, 2, more),
         lambda w: at_depth(w, 1, more),
         lambda w: at_depth(w, 30, _same),
     ),
     "hard depth": Case(
+        "depth 101.0 m, hard limit 100 m",
         lambda w: at_hard_depth(w, 2, more),
         lambda w: at_hard_depth(w, 1, more),
         lambda w: at_hard_depth(w, 30, _same),
         begin=idle,
     ),
     "unexplained descent": Case(
+        "sinking at 0.12 m/s at 22.8 m, and nothing asked for it",
         lambda w: unasked(w, 2.0, 4.0),
         lambda w: unasked(w, 2.0, 2.0),
         lambda w: unasked(w, 2.0, 0.0),
     ),
-    "depth unknown": _deadline(blind, BLIND_TIME),
-    "telemetry": _deadline(lambda w, s: w.wait(s, reports=False), SILENCE),
-    "topside": _deadline(unheard, 30.0),
+    "depth unknown": _deadline(
+        "submerged and without a depth to believe for 6 s", blind, BLIND_TIME
+    ),
+    "telemetry": _deadline(
+        "no good report for 5 s", lambda w, s: w.wait(s, reports=False), SILENCE
+    ),
+    "topside": _deadline("nothing heard from topside for 30 s", unheard, 30.0),
     "no answer": Case(
+        "3 commands in succession without an answer",
         lambda w: unanswered(w, 3),
         lambda w: unanswered(w, 2, 2, 2),
         lambda w: unanswered(w, 2, 0, 2),
     ),
     "leak": Case(
+        "water inside",
         lambda w: reports(w, 3, leak=True),
         lambda w: (reports(w, 2, leak=True), reports(w, 2, leak=True)),  # type: ignore[arg-type, return-value]
         lambda w: reports(w, 30, leak=None),
     ),
     "roll-over": Case(
+        "roll beyond 60 deg",
         lambda w: reports(w, 2, roll=-more(_ROLL)),
         lambda w: reports(w, 1, roll=more(_ROLL)),
         lambda w: reports(w, 30, roll=_ROLL),
     ),
     "voltage": Case(
+        "control battery below 10 V",
         lambda w: volts(w, math.nextafter(_VOLTS, 0.0), 6),
         lambda w: volts(w, math.nextafter(_VOLTS, 0.0), 5),
         lambda w: volts(w, _VOLTS, 30),
     ),
-    "time": _deadline(long_run, 60.0),
+    "time": _deadline("autonomous for 60 s", long_run, 60.0),
     "radius": Case(
+        "500 m from home, limit 500 m",
         lambda w: far(w, more(500.0), 2),
         lambda w: far(w, more(500.0), 1),
         lambda w: far(w, 500.0, 30),
     ),
     "heading does not follow": Case(
+        "heading 60 deg off what was set, and growing",
         lambda w: turned(w, 60.0, 4),
         lambda w: turned(w, 60.0, 3),
         lambda w: turned(w, 30.0, 30),
     ),
     "course against heading": Case(
+        "course and heading more than 60 deg apart under way at the surface",
         lambda w: course(w, 60.001, 21),
         lambda w: course(w, 60.001, 20),
         lambda w: course(w, 60.0, 60),
     ),
     "brown-out": Case(
+        "all thrusters neutral while thrust is set",
         lambda w: thrust(w, 0.02, 4),
         lambda w: thrust(w, 0.02, 3),
         lambda w: thrust(w, more(0.02), 30),
     ),
     "uncertain": Case(
+        "95 % bound of the position reaches the radius, 500 m",
         lambda w: unsure(w, 1.001, 2),
         lambda w: unsure(w, 1.001, 1),
         lambda w: unsure(w, 0.999, 30),

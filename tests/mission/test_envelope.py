@@ -44,7 +44,57 @@ def test_every_limit_trips_a_hair_beyond_its_bound(row):
         assert world.state == "autonomous/surface"
     else:
         assert SURFACING in [path for s in world.steps for path in s.entered]
-        assert world.engine.reason.startswith(f"limit {row.name}: ")
+    assert world.engine.reason == f"limit {row.name}: {case.says}"
+
+
+@pytest.mark.parametrize(
+    "row", [row for row in LIMITS if row.needs and row.on is not On.CLOCK], ids=lambda row: row.name
+)
+def test_what_is_not_to_be_believed_breaches_no_limit(row):
+    """Another one may act: there is one for a depth that is not known."""
+    case = CASES[row.name]
+    world = case.begin()
+    for need in row.needs:
+        world.nav.doubt[need] = "absurd"
+    world.nav.mode = NavigationMode.NONE
+    if row.name == "leak":
+        world.vehicle = VEHICLE
+        world.report = lambda report=world.report, **more: replace(report(**more), leak=None)
+    case.trips(world)
+    taken = {e.trigger for s in world.steps for e in s.evaluations}
+    assert f"limit {row.name}" not in taken
+    assert row.name not in {found.name for found in world.engine.breaches}
+
+
+@pytest.mark.parametrize(
+    "bare", [{"roll": None}, {"batteries": None}, {"batteries": ()}, {"batteries": (None, 48.0)}]
+)
+def test_a_report_that_leaves_something_out_breaches_nothing(bare):
+    world = flying()
+    for _ in range(10):
+        world.t += 2.0
+        world.tell(world.report(**bare))
+    assert world.state == "autonomous/out"
+
+
+def test_the_longest_axis_of_what_is_not_known_decides():
+    """450 m from home, known to a metre one way and to 40 m the other: along, and across."""
+    for covariance, end in (
+        ((1600.0, 0.0, 1.0), "autonomous/surface"),
+        ((1.0, 0.0, 1600.0), "autonomous/out"),
+    ):
+        world = flying()
+        world.tell(SetSafety(radius=500.0))
+        world.nav.north, world.nav.covariance = 450.0, covariance
+        world.wait(6.0)
+        assert world.state == end
+
+
+def test_a_sample_that_is_sure_begins_the_count_of_uncertain_ones_anew():
+    world = flying()
+    for _ in range(3):
+        unsure(world, 2.0, 1)
+    assert world.state == "autonomous/out"
 
 
 @pytest.mark.parametrize("way", ["short", "bound"])
