@@ -1,4 +1,4 @@
-"""The AUV of seed 000 as the Pi sees it on its serial line to the STM32 (9600 8N1).
+"""The AUV of document 000 as the Pi sees it on its serial line to the STM32 (9600 8N1).
 
     STM32 -> Pi   @SD every 2 s (86 bytes), @ACK_
     Pi -> STM32   @ZA.. (protocol.motion_frame), relayed R, M and rudder frames
@@ -28,7 +28,7 @@ import struct
 from typing import Any, cast
 
 from protocol.checksum import sd_profile
-from protocol.codec import CannotEncode, Received
+from protocol.codec import CannotEncode, Granularity, Received
 from protocol.fields import F32LE, U16LE, BinaryFrame, Check, Const, FrameType
 from protocol.framing import Frame, LinkRow, Shortcut
 from protocol.messages import Ack, Order, Setpoint, Telemetry
@@ -210,6 +210,9 @@ def shortcut(tolerances: Tolerances, battery_scale: BatteryScale) -> Shortcut:
 
 
 # --- Setpoint out ---
+
+# document, 2.2.1: S, E, H and A carry whole numbers, in m and degrees
+GRANULARITY = Granularity(1.0, 1.0, math.radians(1.0), math.radians(1.0))
 
 
 def _gear(axis: str, fraction: float) -> int:
