@@ -13,8 +13,8 @@ foot; messages are packed here, because that is most of the cost.
 A file that has grown to its limit is closed and goes on in the next part; each part begins with
 the ``start`` record again. ``<start>.mcap``, ``<start>.part2.mcap``, ...: by the start's wall time.
 
-A disk that fails must not stop the vehicle: nothing here raises after opening. What cannot be
-written waits, the last ``WAITING`` bytes of it; what is lost is counted.
+A disk that fails must not stop the vehicle: nothing here raises after opening, nor where a shell
+opens it. What cannot be written waits, the first ``WAITING`` bytes of it; what is lost is counted.
 
     BlackBoxError      (the operator must act: no such folder, not a black box)
 
@@ -23,11 +23,13 @@ What does not live here: what the payloads mean (records), the comparison (repla
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import struct
 import zlib
 from collections.abc import Iterator
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
@@ -66,7 +68,7 @@ _BATCH = 1 << 16
 _MESSAGE = struct.Struct("<BQHIQQ")
 _HEAD, _FIELDS = struct.Struct("<BQ"), struct.Struct("<HIQQ")
 _CHANNEL = struct.Struct("<HHI")  # number, schema, length of the topic
-_OP_CHANNEL, _OP_MESSAGE = 4, 5
+_OP_CHANNEL, _OP_MESSAGE, _OP_DATA_END = 4, 5, 15
 _KNOWN = range(1, 16)  # the format's opcodes
 _FIXED = _FIELDS.size
 _NS = 1e9
@@ -84,7 +86,8 @@ class BlackBox:
 
     ``shell`` False: ``record`` writes by itself, in batches, never synced. True: ``record`` only
     keeps; the shell calls ``take`` in the same thread and gives what it got to ``store`` in
-    another, one at a time. Raises BlackBoxError if the file cannot be made.
+    another, one at a time; a file that cannot be made is tried again with each ``store``.
+    Raises BlackBoxError if the file cannot be made and there is no shell.
     """
 
     def __init__(
@@ -94,12 +97,14 @@ class BlackBox:
         self._base, self._part, self._limit = path, 1, limit
         self._wall, self._shell = round(wall * _NS), shell
         self._pending, self._start = bytearray(), b""
-        self._unwritten = b""
+        self._unwritten = bytearray()
+        self._fd, self._size, self._closed = -1, 0, False
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            self._fd, self._size = _begin(path)
-        except OSError as error:
-            raise BlackBoxError(f"the black box {path} cannot be made: {error}") from error
+            self._open()
+        except BlackBoxError as error:
+            if not shell:
+                raise
+            self.failure = str(error)
 
     def record(self, record: Record) -> None:
         payload = record.payload
@@ -137,33 +142,48 @@ class BlackBox:
             if sync:
                 os.fdatasync(self._fd)
             self.failure = ""
+        except BlackBoxError as error:
+            self.failure = str(error)
         except OSError as error:
             self.failure = f"{self.path}: {error.strerror or error}"
 
     def close(self) -> None:
         """Twice is harmless."""
-        if self._fd >= 0:
-            self.store(self.take())
-            fd, self._fd = self._fd, -1
+        if self._closed:
+            return
+        self.store(self.take())
+        self._closed = True
+        fd, self._fd = self._fd, -1
+        if fd >= 0:
             self._finish(fd)
+
+    def _open(self) -> None:
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self._fd, self._size = _begin(self.path)
+        except OSError as error:
+            why = error.strerror or error
+            raise BlackBoxError(f"the black box {self.path} cannot be made: {why}") from error
 
     def _write(self, data: bytes) -> None:
         """What the disk did not take stands first in the next write: no record is split."""
         if not self._unwritten and self._size > _SMALLEST and self._size + len(data) > self._limit:
-            self._unwritten = data
+            self._unwritten = bytearray(data)
             self._next_part()
         else:
             self._unwritten += data
+        if self._fd < 0:
+            self._open()
         while self._unwritten:
             written = os.write(self._fd, self._unwritten)
             self._size += written
-            self._unwritten = self._unwritten[written:]
+            del self._unwritten[:written]
 
     def _next_part(self) -> None:
         path = part_path(self._base, self._part + 1)
         fd, self._size = _begin(path)
         old, self._fd, self.path, self._part = self._fd, fd, path, self._part + 1
-        self._unwritten = self._start + self._unwritten
+        self._unwritten[:0] = self._start
         self._finish(old)
 
     def _finish(self, fd: int) -> None:
@@ -210,50 +230,104 @@ def read_records(path: Path) -> Iterator[Record]:
         raise BlackBoxError(f"{path} cannot be read: {error.strerror or error}") from error
 
 
+@dataclass(frozen=True, slots=True)
+class Unread:
+    """The end of a file that nobody closed: ``size - whole`` bytes behind its last whole record."""
+
+    path: Path
+    whole: int  # bytes that hold whole records
+    size: int
+
+    def __str__(self) -> str:
+        lost = self.size - self.whole
+        if not lost:
+            return (
+                f"{self.path} was not closed (a power cut, or it is being written): nothing is lost"
+            )
+        return (
+            f"{self.path} is cut or damaged behind byte {self.whole} of {self.size}: "
+            f"{lost} bytes are left out"
+        )
+
+
+def unread(path: Path) -> tuple[Unread, ...]:
+    """Of every part that does not end as one that was closed. Raises BlackBoxError."""
+    return tuple(found for part in _parts(path) if (found := _unread(part)) is not None)
+
+
+def _unread(path: Path) -> Unread | None:
+    with path.open("rb") as file:
+        size = os.fstat(file.fileno()).st_size
+        file.seek(len(MAGIC))
+        whole = len(MAGIC)
+        for opcode, body in _whole_records(file, size):
+            if opcode == _OP_DATA_END:
+                return None
+            whole += _HEAD.size + len(body)
+    return Unread(path, min(whole, size), size)
+
+
 def read_parts(path: Path) -> Iterator[Record]:
     """A recording from its first part to its last, its start once, whichever part is named."""
+    base, *further = _parts(path)
+    yield from read_records(base)
+    for part in further:
+        yield from (record for record in read_records(part) if record.kind != START)
+
+
+def _parts(path: Path) -> list[Path]:
     base = path.with_name(_PART.sub("", path.stem) + path.suffix)
     if not base.exists() and path.exists():
         raise BlackBoxError(f"{path} goes on from {base}, which is not there")
-    yield from read_records(base)
-    part = 2
-    while (further := part_path(base, part)).exists():
-        yield from (record for record in read_records(further) if record.kind != START)
-        part += 1
+    parts = [base]
+    while (further := part_path(base, len(parts) + 1)).exists():
+        parts.append(further)
+    return parts
 
 
 def _records(file: BinaryIO, size: int) -> Iterator[Record]:
     """Ends without a word where the file was cut, or where zeros stand for lost blocks."""
     kinds: dict[int, str] = {}
+    for opcode, body in _whole_records(file, size):
+        if opcode == _OP_CHANNEL and len(body) >= _CHANNEL.size:
+            number, _, name = _CHANNEL.unpack_from(body)
+            kinds[number] = body[_CHANNEL.size : _CHANNEL.size + name].decode(errors="replace")
+        elif opcode == _OP_MESSAGE:
+            number, _, _, t = _FIELDS.unpack_from(body)
+            if number not in kinds:
+                return
+            yield Record(t / _NS, kinds[number], body[_FIELDS.size :])
+
+
+def _whole_records(file: BinaryIO, size: int) -> Iterator[tuple[int, bytes]]:
     while len(head := file.read(_HEAD.size)) == _HEAD.size:
         opcode, length = _HEAD.unpack(head)
         short = opcode == _OP_MESSAGE and length < _FIXED
         if opcode not in _KNOWN or short or file.tell() + length > size:
             return
         body = file.read(length)
-        if opcode == _OP_CHANNEL and length >= _CHANNEL.size:
-            number, _, name = _CHANNEL.unpack_from(body)
-            kinds[number] = body[_CHANNEL.size : _CHANNEL.size + name].decode(errors="replace")
-        elif opcode == _OP_MESSAGE:
+        if opcode == _OP_MESSAGE:
             number, check, _, t = _FIELDS.unpack_from(body)
-            payload = body[_FIELDS.size :]
-            if number not in kinds or check != _check(payload, number, t):
+            if check != _check(body[_FIELDS.size :], number, t):
                 return
-            yield Record(t / _NS, kinds[number], payload)
+        yield opcode, body
 
 
 def _check(payload: bytes, channel: int, t: int) -> int:
-    return zlib.crc32(payload, (channel + t) & 0xFFFFFFFF)
+    return zlib.crc32(payload, (channel + t + (t >> 32)) & 0xFFFFFFFF)
 
 
 def _begin(path: Path) -> tuple[int, int]:
     """A new file with its head: descriptor and size."""
     fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o644)
     try:
-        return fd, os.write(fd, _head())
+        if (written := os.write(fd, _head())) < len(_head()):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     except OSError:
         os.close(fd)
+        path.unlink()  # whoever tries again finds the name free
         raise
+    return fd, written
 
 
 @cache

@@ -16,19 +16,23 @@ def replay(file: Path, as_json: bool) -> None:
     """Re-run the black box FILE and compare every step, estimate and sent byte.
 
     Exit 0 if all is identical, 1 with the first divergence if not, 2 if FILE cannot be used.
-    A file that was cut is replayed to its last whole record; of a recording in parts name any.
+    A file that was cut is replayed to its last whole record, and what is left out is told; of a
+    recording in parts name any.
     """
     import json
 
-    from mission.blackbox import BlackBoxError, read_parts
+    from mission.blackbox import BlackBoxError, read_parts, unread
     from mission.replay.replay import ReplayError, describe, summary
     from mission.replay.replay import replay as again
 
     try:
         result = again(list(read_parts(file)))
+        left_out = unread(file)
     except (BlackBoxError, ReplayError) as error:
         click.echo(f"{file}: {error}" if isinstance(error, ReplayError) else str(error), err=True)
         raise SystemExit(2) from None
+    for part in left_out:
+        click.echo(str(part), err=True)
     if as_json:
         found = result.divergence
         first = found and {
@@ -45,6 +49,7 @@ def replay(file: Path, as_json: bool) -> None:
             "until_s": result.until,
             "version": result.version,
             "divergence": first,
+            "left_out": [str(part) for part in left_out],
         }
         click.echo(json.dumps(data))
     else:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from mcap.reader import NonSeekingReader, make_reader
 
 from mission import blackbox
-from mission.blackbox import BlackBox, BlackBoxError, new_path, read_parts, read_records
+from mission.blackbox import BlackBox, BlackBoxError, new_path, read_parts, read_records, unread
 from mission.model import Record
 
 RECORDS = [
@@ -151,6 +151,40 @@ def test_a_disk_that_fails_stops_nothing_and_splits_no_record(
     assert list(read_records(path)) == [*RECORDS, Record(3.0, "timer", b"later")]
 
 
+def test_a_file_that_cannot_be_made_at_first_has_everything_once_it_can(tmp_path: Path) -> None:
+    folder = tmp_path / "log"
+    folder.write_text("in the way")
+    box = BlackBox(folder / "box.mcap", shell=True)
+    assert "cannot be made" in box.failure
+    for record in RECORDS:
+        box.record(record)
+    box.store(box.take())
+    assert "cannot be made" in box.failure
+    folder.unlink()
+    box.store(box.take())
+    assert box.failure == ""
+    box.close()
+    assert list(read_records(folder / "box.mcap")) == RECORDS
+
+
+def test_a_box_that_could_never_be_made_closes_without_a_word(tmp_path: Path) -> None:
+    (tmp_path / "log").write_text("in the way")
+    box = BlackBox(tmp_path / "log" / "box.mcap", shell=True)
+    box.record(RECORDS[0])
+    box.close()
+    box.close()
+
+
+def test_a_file_without_its_whole_head_is_not_left_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    really = os.write
+    monkeypatch.setattr("mission.blackbox.os.write", lambda fd, data: really(fd, data[:100]))
+    with pytest.raises(BlackBoxError, match="No space left"):
+        BlackBox(tmp_path / "box.mcap")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_disk_that_never_recovers_bounds_what_waits(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -178,3 +212,35 @@ def test_two_starts_in_one_second_have_two_files(tmp_path: Path) -> None:
     assert first.name == "20250615T150640Z.mcap"
     first.touch()
     assert new_path(tmp_path, 1.75e9) != first
+
+
+def test_a_closed_file_leaves_nothing_out_and_a_cut_one_says_how_much(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    assert unread(path) == ()
+    whole = path.read_bytes()
+    for cut in range(len(blackbox.MAGIC), len(whole) - 40):
+        path.write_bytes(whole[:cut])
+        (found,) = unread(path)
+        assert (found.path, found.size) == (path, cut)
+        again = path.with_name("again.mcap")
+        again.write_bytes(whole[: found.whole])
+        assert list(read_records(again)) == list(read_records(path))
+        assert found.whole == cut or f"{cut - found.whole} bytes are left out" in str(found)
+
+
+def test_damage_in_the_midst_is_told_by_its_place(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    whole = bytearray(path.read_bytes())
+    whole[len(whole) // 2] ^= 0xFF
+    path.write_bytes(whole)
+    (found,) = unread(path)
+    assert found.whole <= len(whole) // 2 < found.size == len(whole)
+
+
+def test_a_time_garbled_in_its_high_bytes_is_no_record(tmp_path: Path) -> None:
+    path = written(tmp_path, [Record(1.0, "start", b"")])
+    whole = bytearray(path.read_bytes())
+    last = len(whole) - len(blackbox._foot()) - 1  # of the engine's time
+    whole[last] = 1
+    path.write_bytes(whole)
+    assert list(read_records(path)) == []

@@ -64,6 +64,16 @@ def changed(recorded: list[Record], kind: str, at: int = 20) -> tuple[int, list[
     return number, [*recorded[:number], new, *recorded[number + 1 :]]
 
 
+def test_what_a_damaged_file_leaves_out_is_told(recorded: list[Record], tmp_path: Path) -> None:
+    path = saved(tmp_path / "b.mcap", recorded)
+    whole = path.read_bytes()
+    assert CliRunner().invoke(command, [str(path)]).stderr == ""
+    path.write_bytes(whole[: len(whole) // 2])
+    ran = CliRunner().invoke(command, ["--json", str(path)])
+    assert "is cut or damaged behind byte" in ran.stderr
+    assert json.loads(ran.stdout)["left_out"] == [ran.stderr.strip()]
+
+
 @pytest.mark.parametrize("kind", [TX, STEP, ESTIMATE])
 def test_the_first_difference_is_found_and_shown(recorded: list[Record], kind: str) -> None:
     number, records = changed(recorded, kind, 5 if kind != ESTIMATE else 40)
