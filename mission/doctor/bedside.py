@@ -25,6 +25,11 @@ REPORTS = 3  # listened for, so that a frozen sensor shows
 LONGEST_S = 9.0
 GPS_S = 3.0
 QUERY = b"@RI$"
+_REPORT = b"@SD"
+_SWAPPED = (
+    "swap links.vehicle and links.gps, or the plugs; a name of /dev/serial/by-id stays with its "
+    "device"
+)
 NAMES = ("depth", "altitude", "heading", "pitch", "roll")
 _DEEPEST_ON_DECK, _ROLLED = 0.5, math.radians(60.0)
 
@@ -34,13 +39,15 @@ def vehicle_findings(url: str, vehicle: Vehicle) -> list[Finding]:
         link = open_link("vehicle", url)
     except LinkError as error:
         return [_not_open("vehicle port", url, error)]
+    raw = bytearray()
     try:
-        heard = _listen(link, vehicle)
+        heard = _listen(link, vehicle, raw)
     except LinkError as error:
         return [fault("vehicle port", str(error), "check cable and plug, then run doctor again")]
     finally:
         link.close()
-    return [ok("vehicle port", f"{url} is there, permitted and free"), *_of_vehicle(vehicle, heard)]
+    port = ok("vehicle port", f"{url} is there, permitted and free")
+    return [port, *_of_vehicle(vehicle, heard, bytes(raw))]
 
 
 def gps_findings(url: str) -> list[Finding]:
@@ -48,20 +55,24 @@ def gps_findings(url: str) -> list[Finding]:
         link = open_link("gps", url)
     except LinkError as error:
         return [_not_open("GPS port", url, error)]
-    decoder, heard = NmeaDecoder(), list[Fix | FrameFault]()
+    decoder, heard, raw = NmeaDecoder(), list[Fix | FrameFault](), bytearray()
     try:
         begun = time.monotonic()
         for data, now in _bytes(link, lambda: time.monotonic() - begun >= GPS_S):
             heard += decoder.receive(data, now)
+            raw += data
         heard += decoder.flush(time.monotonic())
     except LinkError as error:
         return [fault("GPS port", str(error), "check cable and plug, then run doctor again")]
     finally:
         link.close()
-    return [ok("GPS port", f"{url} is there, permitted and free"), _of_gps(decoder, heard)]
+    return [
+        ok("GPS port", f"{url} is there, permitted and free"),
+        _of_gps(decoder, heard, bytes(raw)),
+    ]
 
 
-def _of_gps(decoder: NmeaDecoder, heard: Sequence[Fix | FrameFault]) -> Finding:
+def _of_gps(decoder: NmeaDecoder, heard: Sequence[Fix | FrameFault], raw: bytes) -> Finding:
     fixes = [one for one in heard if isinstance(one, Fix)]
     faults = len(heard) - len(fixes)
     if fixes:
@@ -77,14 +88,16 @@ def _of_gps(decoder: NmeaDecoder, heard: Sequence[Fix | FrameFault]) -> Finding:
             "put the antenna under the open sky and wait; a mission without a fix "
             "starts only if it says so",
         )
+    if _REPORT in raw:
+        return fault("GPS", "this is the STM32: it sends @SD", _SWAPPED)
     return fault(
         "GPS",
-        f"no sentence in {GPS_S:g} s ({faults} faulty)",
+        f"no sentence in {GPS_S:g} s ({len(raw)} bytes, {faults} faulty sentences)",
         "check power, cable and baud rate (?baud=) of the receiver",
     )
 
 
-def _listen(link: Link, vehicle: Vehicle) -> list[Received]:
+def _listen(link: Link, vehicle: Vehicle, raw: bytearray) -> list[Received]:
     """Until enough reports have come and the query is answered, or the time is over."""
     decoder = codec(vehicle.codec, vehicle.dialect, vehicle.tolerances, vehicle.battery_scale)
     heard: list[Received] = []
@@ -99,6 +112,7 @@ def _listen(link: Link, vehicle: Vehicle) -> list[Received]:
 
     for data, now in _bytes(link, enough):
         heard += decoder.receive(data, now)
+        raw += data
     return heard
 
 
@@ -110,17 +124,11 @@ def _bytes(link: Link, over: Callable[[], bool]) -> Iterator[tuple[bytes, float]
             yield rx.data, now
 
 
-def _of_vehicle(vehicle: Vehicle, heard: Sequence[Received]) -> Iterator[Finding]:
+def _of_vehicle(vehicle: Vehicle, heard: Sequence[Received], raw: bytes = b"") -> Iterator[Finding]:
     reports = [one for one in heard if isinstance(one, Telemetry)]
     faults = sum(isinstance(one, FrameFault) for one in heard)
     if not reports:
-        says = f"no report within {LISTEN_S:g} s ({faults} faulty frames)"
-        what = (
-            "it sends something else: check dialect and tolerances of the vehicle file, baud "
-            "rate, and whether it is in manual (no @SD then)"
-        )
-        dead = "check its power and the serial cable (RX and TX crossed?); restart the STM32"
-        yield fault("vehicle", says, what if faults else dead)
+        yield _no_report(raw, faults)
     else:
         yield ok("vehicle", f"reports ({len(reports)} good, {faults} faulty frames)")
     if vehicle.codec == "auv":
@@ -136,6 +144,28 @@ def _of_vehicle(vehicle: Vehicle, heard: Sequence[Received]) -> Iterator[Finding
     if reports:
         yield from (_sensor(name, reports, vehicle) for name in NAMES)
         yield from _margins(reports[-1], vehicle)
+
+
+def _no_report(raw: bytes, faults: int) -> Finding:
+    """What is on the line instead, as far as it can be told."""
+    decoder = NmeaDecoder()
+    decoder.receive(raw, 0.0)
+    if decoder.counters.sentences:
+        return fault("vehicle", "this is a GPS receiver: it sends NMEA sentences", _SWAPPED)
+    if QUERY in raw:
+        says = "what the Pi sends comes back to it"
+        todo = "TX and RX are joined, or this is not the STM32: check the plug"
+        return fault("vehicle", says, todo)
+    says = f"no report within {LISTEN_S:g} s ({len(raw)} bytes, {faults} faulty frames)"
+    if faults:
+        return fault(
+            "vehicle",
+            says,
+            "it sends something else: check dialect and tolerances of the vehicle file, baud "
+            "rate, and whether it is in manual (no @SD then)",
+        )
+    dead = "check its power and the serial cable (RX and TX crossed?); restart the STM32"
+    return fault("vehicle", says, dead)
 
 
 def _sensor(name: str, reports: Sequence[Telemetry], vehicle: Vehicle) -> Finding:

@@ -6,6 +6,7 @@ What does not live here: listening to the vehicle (bedside), printing (the comma
 
 from __future__ import annotations
 
+import errno
 import math
 import os
 import shutil
@@ -35,17 +36,19 @@ SILENT_S = 5.0
 
 @dataclass(frozen=True, slots=True)
 class Patient:
-    """``running``: the health of a serve that runs now, as it wrote it."""
+    """``running``: the health of a serve that runs now, as it wrote it. ``mute``: the process of
+    one that runs, but tells nothing of itself."""
 
     configuration: Configuration
     vehicle: Vehicle
     running: Mapping[str, Any] | None
+    mute: int | None = None
 
 
 def examine(configuration: Configuration, vehicle: Vehicle) -> Iterator[Finding]:
     """In the order of ROWS, as they are found."""
-    running = health.read(configuration.folder, time.time())
-    patient = Patient(configuration, vehicle, running)
+    folder, now = configuration.folder, time.time()
+    patient = Patient(configuration, vehicle, health.read(folder, now), health.mute(folder, now))
     for check in ROWS:
         yield from check(patient)
 
@@ -53,7 +56,13 @@ def examine(configuration: Configuration, vehicle: Vehicle) -> Iterator[Finding]
 def _configured(patient: Patient) -> Iterator[Finding]:
     c = patient.configuration
     yield ok("configuration", f"read; vehicle file {c.vehicle}, folder {c.folder}")
-    if patient.running is None:
+    if patient.mute is not None:
+        yield fault(
+            "serve",
+            f"process {patient.mute} runs, but has not told of its health for {health.STALE_S:g} s",
+            "free the disk if it is full; if it is not: systemctl restart auvmission",
+        )
+    elif patient.running is None:
         yield ok("serve", "not running; doctor listens to the ports itself")
     else:
         yield ok(
@@ -72,11 +81,8 @@ def _disk(patient: Patient) -> Iterator[Finding]:
             file.flush()
             os.fsync(file.fileno())
     except OSError as error:
-        yield fault(
-            "folder",
-            f"{folder} cannot be written: {error.strerror}",
-            f"chown or chmod it for the user of serve, or set `folder:`: {folder}",
-        )
+        says = f"{folder} cannot be written: {error.strerror}"
+        yield fault("folder", says, _remedy(error, folder))
         return
     yield ok("folder", f"{folder} can be written")
     free = shutil.disk_usage(folder).free
@@ -87,6 +93,14 @@ def _disk(patient: Patient) -> Iterator[Finding]:
         yield warning("disk", says, f"soon move old black boxes from {folder / 'log'} elsewhere")
     else:
         yield ok("disk", says)
+
+
+def _remedy(error: OSError, folder: Path) -> str:
+    if error.errno in (errno.ENOSPC, errno.EDQUOT):
+        return f"move old black boxes from {folder / 'log'} to another computer, now"
+    if error.errno in (errno.EROFS, errno.EIO):
+        return "the SD card is failing or was not unmounted: check it with fsck, or replace it"
+    return f"chown or chmod it for the user of serve, or set `folder:`: {folder}"
 
 
 def _store(patient: Patient) -> Iterator[Finding]:
@@ -181,6 +195,8 @@ def _ports(patient: Patient) -> Iterator[Finding]:
     if patient.running is not None:
         yield from _of_running(patient.running)
         return
+    if patient.mute is not None:
+        return  # it has the ports
     yield from bedside.vehicle_findings(links.vehicle, patient.vehicle)
     if links.gps is None:
         yield warning("GPS", "none is configured", "every mission must say `start without fix`")
@@ -192,7 +208,7 @@ def _of_running(running: Mapping[str, Any]) -> Iterator[Finding]:
     for name, link in running["links"].items():
         if not link["open"]:
             yield fault(f"link {name}", f"{link['url']} is not open", "see the journal of serve")
-        elif name in ("vehicle", "gps") and (link["silent_s"] or math.inf) > SILENT_S:
+        elif name in ("vehicle", "gps") and _silent(link) > SILENT_S:
             yield fault(
                 f"link {name}",
                 f"nothing from {link['url']} for {SILENT_S:g} s",
@@ -211,6 +227,10 @@ def _of_running(running: Mapping[str, Any]) -> Iterator[Finding]:
         yield fault(f"limit {name}", "is breached now", "see auvmission status --local")
     if running["black_box_failure"]:
         yield fault("black box", running["black_box_failure"], "free the disk, restart serve")
+
+
+def _silent(link: Mapping[str, Any]) -> float:
+    return math.inf if link["silent_s"] is None else float(link["silent_s"])
 
 
 def _limits(patient: Patient) -> Iterator[Finding]:

@@ -175,17 +175,41 @@ def write(folder: Path, health: Health) -> None:
 
 
 def read(folder: Path, wall: float) -> Mapping[str, Any] | None:
-    """What a serve that runs now has written; None where none runs."""
+    """What a serve that runs now has written; None where none runs, or does not tell."""
+    found = _written(folder)
+    if found is None or abs(wall - found["wall"]) > STALE_S:
+        return None
+    return found
+
+
+def mute(folder: Path, wall: float) -> int | None:
+    """The process of a serve that runs, but has not told of itself for long: its disk takes
+    nothing, or it hangs."""
+    found = _written(folder)
+    if found is None or abs(wall - found["wall"]) <= STALE_S or not _serves(int(found["pid"])):
+        return None
+    return int(found["pid"])
+
+
+def _written(folder: Path) -> dict[str, Any] | None:
+    """By a process that lives."""
     try:
         found = json.loads((folder / FILE).read_text(encoding="utf-8"))
-        pid, written = int(found["pid"]), float(found["wall"])
-        os.kill(pid, 0)
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        if not isinstance(error, PermissionError):  # it runs as another user
-            return None
-    if abs(wall - written) > STALE_S:
+        found["wall"] = float(found["wall"])
+        os.kill(int(found["pid"]), 0)
+    except PermissionError:  # it runs as another user
+        return found if isinstance(found, dict) else None
+    except (OSError, ValueError, KeyError, TypeError):
         return None
     return found if isinstance(found, dict) else None
+
+
+def _serves(pid: int) -> bool:
+    """After a restart of the Pi the number may be another program's."""
+    try:
+        return b"serve" in Path(f"/proc/{pid}/cmdline").read_bytes()
+    except OSError:
+        return False
 
 
 def as_lines(found: Mapping[str, Any]) -> Iterator[str]:

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from mission.blackbox import FLUSH_S, BlackBox, BlackBoxError, new_path
+from mission.blackbox import FLUSH_S, BlackBox, file_name, new_path
 from mission.serve import health
 from mission.serve.journal import Tally
 
@@ -23,6 +23,7 @@ class Recording:
         self._tell = tell
         self.tally = Tally()  # what the drive writes to
         self.box: BlackBox | None = None
+        self._failure = ""  # as it was told
         self._disk = ThreadPoolExecutor(1, "black box")
 
     @property
@@ -32,16 +33,14 @@ class Recording:
 
     def begin(self, folder: Path, wall: float) -> None:
         """A black box of its own for a drive that begins."""
-        self.box = None
-        try:
-            self.box = BlackBox(new_path(folder, wall), wall, shell=True)
-        except (BlackBoxError, OSError) as error:
-            self._tell(f"{error} - nothing will be recorded")
+        self.box = BlackBox(_free_path(folder, wall), wall, shell=True)
+        self._failure = self.box.failure
+        if self._failure:
+            self._tell(f"{self._failure} - nothing will be recorded until that is mended")
         self.tally.over(self.box)
 
     async def keep_box(self) -> None:
         """Runs until it is cancelled."""
-        told = ""
         while True:
             await asyncio.sleep(FLUSH_S)
             box = self.box
@@ -51,9 +50,9 @@ class Recording:
                 # shielded: what was taken is written even when this task is cancelled
                 stored = self._disk.submit(box.store, data, True)
                 await asyncio.shield(asyncio.wrap_future(stored))
-            if box.failure != told:
-                told = box.failure
-                self._tell(f"black box: {told}" if told else "black box: written again")
+            if box.failure != self._failure:
+                self._failure = box.failure
+                self._tell(f"black box: {self._failure or 'it is written now'}")
 
     async def keep_status(self, folder: Path, look: Callable[[], health.Health | None]) -> None:
         """Runs until it is cancelled."""
@@ -70,3 +69,10 @@ class Recording:
 
     def end(self) -> None:
         self._disk.shutdown()
+
+
+def _free_path(folder: Path, wall: float) -> Path:
+    try:
+        return new_path(folder, wall)
+    except OSError:  # a folder that cannot be looked into: making the file says why
+        return folder / file_name(wall)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import threading
@@ -25,6 +26,7 @@ from mission.serve import health
 from mission.store import DiskStore
 from mission.vehicle import load_vehicle
 from protocol.messages import Telemetry
+from protocol.nmea import NmeaDecoder
 
 
 def examined(folder: Path, text: str = "", vehicle: str = "", gps: str = "null") -> dict[str, Any]:
@@ -178,6 +180,55 @@ def test_an_open_topside_is_a_warning_and_missing_keys_a_fault(tmp_path: Path) -
     (one,) = judged(tmp_path, "_topside", links=LinkUrls(topside=url))
     assert one.condition is Condition.FAULT
     assert "auvmission keys" in one.todo
+
+
+def test_what_stands_at_the_port_instead_of_the_vehicle_is_named() -> None:
+    auv = load_vehicle("auv")
+    sentence = b"$GPGGA,,,,,,0,00,,,,,,,*66\r\n"
+    for raw, says, todo in (
+        (sentence * 3, "GPS receiver", "swap links.vehicle and links.gps"),
+        (bedside.QUERY, "comes back", "TX and RX are joined"),
+        (b"", "0 bytes", "power"),
+        (bytes(range(200)), "200 bytes", "power"),
+    ):
+        one = next(iter(bedside._of_vehicle(auv, [], raw)))
+        assert one.condition is Condition.FAULT
+        assert says in one.says
+        assert todo in one.todo
+    one = bedside._of_gps(NmeaDecoder(), [], b"xx@SD\x00\x01")
+    assert "this is the STM32" in one.says
+    assert "swap" in one.todo
+
+
+def test_a_serve_that_hangs_or_whose_disk_is_full_is_told_from_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "pi"
+    folder.mkdir()
+    old = time.time() - 2 * health.STALE_S
+    (folder / health.FILE).write_text(json.dumps({"pid": os.getpid(), "wall": old}))
+    assert health.mute(folder, time.time()) is None, "the number is another program's by now"
+    monkeypatch.setattr(health, "_serves", lambda pid: True)
+    found = examined(tmp_path, vehicle="serial:///dev/ttyNOSUCH", gps="null")
+    assert of(found, "serve")["state"] == "fault"
+    assert "free the disk" in of(found, "serve")["todo"]
+    assert not any(one["what"] == "vehicle port" for one in found["findings"]), "it has the port"
+
+
+@pytest.mark.parametrize(
+    ("number", "todo"),
+    [(errno.ENOSPC, "move old black boxes"), (errno.EROFS, "SD card"), (errno.EACCES, "chown")],
+)
+def test_a_folder_that_takes_nothing_has_the_remedy_of_its_cause(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int, todo: str
+) -> None:
+    def refuse(**_: object) -> None:
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(rows.tempfile, "NamedTemporaryFile", refuse)
+    (one,) = judged(tmp_path, "_disk")
+    assert os.strerror(number) in one.says
+    assert todo in one.todo
 
 
 def test_a_frozen_sensor_is_told_from_a_living_one() -> None:
