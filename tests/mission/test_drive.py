@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
+from datetime import UTC, datetime
 
 import pytest
 from hypothesis import given, settings
@@ -21,6 +23,7 @@ from mission.navigation import Navigation
 from mission.store import MemoryStore, Stored, StoreError
 from mission.vehicle import Vehicle, load_vehicle
 from protocol.messages import MissionLine, SetSafety
+from protocol.nmea import encode_gga, encode_rmc
 from protocol.topside import encode
 
 TEXT = """\
@@ -289,6 +292,26 @@ def test_status_bears_the_time_of_the_newest_telemetry_in_local_time() -> None:
     assert boat.say(b"@DU$")[0].startswith(
         b"@VS2025-06-01-16:00:01,"
     )  # 08:00 UTC, first @SD at 1 s
+
+
+def test_status_has_no_place_before_the_first_fix_and_keeps_the_last_one() -> None:
+    boat = Boat()
+
+    def place() -> list[bytes]:
+        return boat.say(b"@DU$")[0].split(b",")[1:6]
+
+    boat.until(3.5)
+    assert place() == [b""] * 5
+    utc = datetime(2025, 6, 1, 8, 0, 4, tzinfo=UTC)
+    where = [math.radians(a) for a in (30.2874595, 120.1535765)]
+    said = encode_gga(utc, *where) + encode_rmc(utc, *where, speed=1.0, course=0.5)
+    boat.drive.receive(Rx(boat.now, "gps", said))
+    boat.until(5.0)
+    fresh = place()
+    assert fresh[:2] == [b"120.1535765", b"30.2874595"]
+    assert b"" not in fresh
+    boat.until(60.0)
+    assert place() == fresh
 
 
 def test_setting_the_time_moves_stamps_alone() -> None:
