@@ -104,6 +104,23 @@ BENCHES = (
             Figure("computing_s", "processor time of it, an eighth of 9 s at most", "s", 1.12),
         ),
     ),
+    Bench(
+        "bench_flood",
+        "an order through a flood",
+        lambda module: module.main(),
+        (Figure("through_flood_s", "X or W through a flood, worst", "s", 2.0),),
+    ),
+    Bench(
+        "bench_parts",
+        "guards, compiler, sieve",
+        lambda module: module.main(),
+        (
+            Figure("guards_ratio", "ten comparisons against one dispatch", "x", 1.0),
+            Figure("compile_s", "1000 legs compiled, processor time", "s", 1.0),
+            Figure("compile_growth", "up to 4000 legs, against n log n", "x", 2.0),
+            Figure("sieve_mbit", "sifting a flood", "Mbit/s", 100, True),
+        ),
+    ),
     Bench("bench_modem", "the modem", lambda module: module.main(2)),
 )
 

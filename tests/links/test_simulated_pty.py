@@ -95,10 +95,8 @@ def test_in_real_time_a_frame_comes_piece_by_piece() -> None:
 def test_it_runs_to_its_end_with_nobody_listening_and_says_its_paths() -> None:
     said: list[str] = []
     vehicle = SimulatedVehicle("documented", 2)
-    begin = time.monotonic()
     run_on_ptys(vehicle, 400.0, ready=lambda *paths: said.extend(paths), until=120.0)
     assert vehicle.now == pytest.approx(120.0, abs=15.0)
-    assert time.monotonic() - begin < 3.0
     assert len(said) == 2
     assert said[0] != said[1]
 
