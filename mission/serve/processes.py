@@ -1,31 +1,43 @@
 """What stands behind the nodes (R13): links that are switched, and the camera's command.
 
 A request is ``CAMERA O``; what is so afterwards is answered as ``CAMERA O\\n``, or not at all: then
-the switch is refused after its 5 s. What does not live here: which switches are allowed (topside).
+the switch is refused after its 5 s. A camera whose command ends by itself is closed: that is told,
+and reported as ``CAMERA C\\n`` unasked. The command and whatever it started are one group, and end
+together. What does not live here: which switches are allowed (topside).
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 import shlex
+import signal
 from asyncio.subprocess import DEVNULL, Process
 from collections.abc import Callable, Mapping
 
-from mission.drive.nodes import OPEN
+from mission.drive.nodes import CLOSE, OPEN
 from mission.serve.ports import Port
 
 PATIENCE_S = 3.0  # that a process has to end by itself
+BEGINS_S = 0.3  # that a command has to fail in at once: then it was never open
+CAMERA = "CAMERA"
 
 
 class Processes:
-    """``ports``: by the name of their node. ``camera``: a command line, None: there is none."""
+    """``ports``: by the name of their node. ``camera``: a command line, None: there is none.
+    ``report`` gets what is so though nobody asked for it."""
 
     def __init__(
-        self, ports: Mapping[str, Port], camera: str | None, tell: Callable[[str], None]
+        self,
+        ports: Mapping[str, Port],
+        camera: str | None,
+        tell: Callable[[str], None],
+        report: Callable[[bytes], None],
     ) -> None:
-        self._ports, self._camera, self._tell = ports, camera, tell
+        self._ports, self._camera, self._tell, self._report = ports, camera, tell, report
         self._process: Process | None = None
+        self._watch: asyncio.Task[None] | None = None
 
     async def switch(self, request: bytes) -> bytes:
         """The answer, b"" if it did not work."""
@@ -33,7 +45,7 @@ class Processes:
         on = letter == OPEN
         if name in self._ports:
             self._ports[name].switch(on)
-        elif name != "CAMERA" or not await self._switch_camera(on):
+        elif name != CAMERA or not await self._switch_camera(on):
             return b""
         return request + b"\n"
 
@@ -52,22 +64,48 @@ class Processes:
             return False
         try:
             self._process = await asyncio.create_subprocess_exec(
-                *shlex.split(self._camera), stdin=DEVNULL, stdout=DEVNULL, stderr=DEVNULL
+                *shlex.split(self._camera),
+                stdin=DEVNULL,
+                stdout=DEVNULL,
+                stderr=DEVNULL,
+                start_new_session=True,
             )
         except (OSError, ValueError) as error:
             self._tell(f"CAMERA: {self._camera}: {error}")
             return False
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(self._process.wait(), BEGINS_S)
+            self._tell(f"CAMERA: {self._camera}: {_ended(self._process)} at once")
+            return False
+        self._watch = asyncio.ensure_future(self._until_it_ends(self._process))
         return True
+
+    async def _until_it_ends(self, process: Process) -> None:
+        await process.wait()
+        if process is self._process:
+            _signal(process, signal.SIGTERM)  # what it left behind
+            self._tell(f"CAMERA: {self._camera}: {_ended(process)} by itself")
+            self._report(f"{CAMERA} {CLOSE}\n".encode())
 
     async def _stop(self) -> None:
         process, self._process = self._process, None
         if process is None:
             return
-        with contextlib.suppress(ProcessLookupError):
-            process.terminate()
+        _signal(process, signal.SIGTERM)
         try:
             await asyncio.wait_for(process.wait(), PATIENCE_S)
         except TimeoutError:
-            with contextlib.suppress(ProcessLookupError):
-                process.kill()
-            await process.wait()
+            pass
+        finally:
+            _signal(process, signal.SIGKILL)  # whoever of the group is still there
+        await process.wait()
+
+
+def _signal(process: Process, number: signal.Signals) -> None:
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        os.killpg(process.pid, number)
+
+
+def _ended(process: Process) -> str:
+    code = process.returncode or 0
+    return f"ended by signal {-code}" if code < 0 else f"ended with exit code {code}"

@@ -30,7 +30,7 @@ from mission.configuration import Configuration
 from mission.drive.drive import CLOCK, Drive, Observer
 from mission.drive.nodes import LINK as NODES
 from mission.drive.vessel import Peer
-from mission.model import Tx
+from mission.model import AUTONOMOUS, Tx
 from mission.serve import health
 from mission.serve.journal import Journal, Several
 from mission.serve.listening import listening, open_to_all, reached_at
@@ -41,6 +41,8 @@ from mission.serve.sieve import Sieve, host_of
 from mission.serve.watchdog import Watchdog
 from mission.store import Store
 from mission.vehicle import Vehicle
+from protocol.messages import Order
+from protocol.topside import EMERGENCIES
 
 if TYPE_CHECKING:
     from mission.navigation import Navigation
@@ -48,6 +50,7 @@ if TYPE_CHECKING:
 VEHICLE, GPS, TOPSIDE, MODEM = "vehicle", "gps", "topside", "modem"
 NODE_OF = {VEHICLE: "STM32", GPS: "BDGPS", MODEM: "UACM"}
 FIRST_S = 1.0  # real time, that the first W of a restart waits for its port
+LAST_WORDS_S = 1.0  # real time, for an answer to the last X and its further tries
 REBIRTH_S = 1.0  # real time, between a fault of the program and the next drive
 EARLY_S = 0.002  # a timer that fires so much too early counts as in time
 
@@ -105,7 +108,8 @@ class Server:
             if url is not None
         }
         nodes = {NODE_OF[name]: port for name, port in self._ports.items() if name in NODE_OF}
-        self._processes = Processes(nodes, self._configuration.camera, self._tell)
+        camera = self._configuration.camera
+        self._processes = Processes(nodes, camera, self._tell, self._changed_node)
         self._spawn(self._ports[VEHICLE].keep_open())
         await self._ports[VEHICLE].tried(FIRST_S)
         await self._begin()
@@ -302,7 +306,10 @@ class Server:
     async def _switch(self, request: bytes) -> None:
         answer = await self._processes.switch(request)
         if answer:
-            self._do(lambda drive: drive.receive(Rx(self.now(), NODES, answer)))
+            self._changed_node(answer)
+
+    def _changed_node(self, answer: bytes) -> None:
+        self._do(lambda drive: drive.receive(Rx(self.now(), NODES, answer)))
 
     def _set_system_clock(self, local: str) -> None:
         there = datetime.fromisoformat(local).replace(tzinfo=UTC).timestamp()
@@ -342,12 +349,22 @@ class Server:
         self.refusal = str(error)
         self.stop()
 
+    async def _last_words(self) -> None:
+        """Whoever ends serve in a mission may be about to switch the Pi off: a vehicle that is
+        stopped rises by its buoyancy, one in automatic would keep its last setpoint for ever."""
+        if self._drive is None or self._drive.state.startswith("idle"):
+            return
+        was = self._drive.state
+        if was.startswith(AUTONOMOUS):
+            order = Rx(self.now(), TOPSIDE, EMERGENCIES[Order.STOP], "serve ends")
+            self._do(lambda drive: drive.receive(order))
+            await asyncio.sleep(LAST_WORDS_S)
+        self._tell(f"stopped in {was}: when serve runs again, it surfaces the vehicle")
+
     async def _end(self) -> None:
         self._watchdog.stopping()
-        drive, self._drive = self._drive, None
-        if drive is not None and not drive.state.startswith("idle"):
-            self._tell(f"stopped in {drive.state}: the vehicle keeps its last command until "
-                       "serve runs again, which will surface it")  # fmt: skip
+        await self._last_words()
+        self._drive = None
         if self._timer is not None:
             self._timer.cancel()
         for task in tuple(self._tasks):

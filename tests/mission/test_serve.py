@@ -293,6 +293,28 @@ def test_what_was_under_way_surfaces_after_a_restart(tmp_path: Path) -> None:
         soon(read, "W")
 
 
+def test_serve_that_is_ended_in_a_mission_leaves_a_vehicle_that_is_stopped(tmp_path: Path) -> None:
+    with simulated(16.0) as sea:
+        stm32, gps = (f"serial://{path}" for path in sea.paths)
+        heard: list[bytes] = []
+        really = sea.vehicle.stm32.receive
+
+        def hear(data: bytes, now: float) -> None:
+            heard.append(data)
+            really(data, now)
+
+        sea.vehicle.stm32.receive = hear  # type: ignore[method-assign]
+        with running(tmp_path, stm32, gps=gps, speed=16.0) as pi:
+            converse(pi.url, upload(script(MISSION), digest(MISSION), quiet))
+            converse(pi.url, start(patience=60))
+            soon(lambda: b"@ZAS3$" in heard, "the mission")
+        assert pi.has_told("stopped in autonomous/")
+        assert b"".join(heard).endswith(b"@ZAX0$")
+        assert pi.store.content.under_way.startswith("emergency"), "the next one surfaces"
+        assert pi.ready is not None
+        assert replay(list(read_parts(Path(pi.ready.black_box)))).identical
+
+
 def test_the_first_w_after_a_restart_is_not_lost_on_a_port_that_is_about_to_open(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -411,6 +433,60 @@ def test_the_camera_node_runs_its_command_and_stops_it(tmp_path: Path) -> None:
         assert asked(boat, b"@NSOOCCCO$") == b"@ACK_NSS$"
         with pytest.raises(ProcessLookupError):
             os.kill(number, 0)
+
+
+def test_a_camera_that_ends_by_itself_is_told_and_no_longer_called_open(tmp_path: Path) -> None:
+    end = tmp_path / "end"
+    command = f"sh -c 'while [ ! -e {end} ]; do sleep 0.05; done; exit 7'"
+    with (
+        silent_board() as (_, device),
+        running(tmp_path, f"serial://{device}", camera=command) as pi,
+        pi.boat() as boat,
+    ):
+        assert asked(boat, b"@NSOOCCOO$") == b"@ACK_NSS$"
+        assert asked(boat, b"@NI$") == b"@ACK_NI\x33$"
+        end.touch()
+        soon(lambda: pi.has_told("exit code 7 by itself"), "the end")
+        assert asked(boat, b"@NI$") == b"@ACK_NI\x23$"
+        end.unlink()
+        assert asked(boat, b"@NSOOCCOO$") == b"@ACK_NSS$", "and can be opened again"
+
+
+def test_a_camera_that_fails_at_once_is_never_called_open(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("mission.drive.nodes.CHANGED_WITHIN_S", 1.0)
+    with (
+        silent_board() as (_, device),
+        running(tmp_path, f"serial://{device}", camera="false") as pi,
+        pi.boat() as boat,
+    ):
+        assert asked(boat, b"@NSOOCCOO$") == b"@ACK_NSN$"
+        assert pi.has_told("exit code 1 at once")
+
+
+def test_what_a_camera_started_ends_with_it(tmp_path: Path) -> None:
+    flag = tmp_path / "child.pid"
+    command = f"sh -c 'sleep 1000 & echo $! > {flag}; wait'"
+    with (
+        silent_board() as (_, device),
+        running(tmp_path, f"serial://{device}", camera=command) as pi,
+        pi.boat() as boat,
+    ):
+        assert asked(boat, b"@NSOOCCOO$") == b"@ACK_NSS$"
+        soon(lambda: flag.exists() and flag.read_text().strip() != "", "the camera")
+        number = int(flag.read_text())
+        assert asked(boat, b"@NSOOCCCO$") == b"@ACK_NSS$"
+        soon(lambda: not is_alive(number), "its child is gone, too")
+
+
+def is_alive(number: int) -> bool:
+    """A zombie that nobody collects is not."""
+    try:
+        state = Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return False
+    return state != "Z"
 
 
 def test_a_second_server_on_the_same_port_says_so_and_waits(tmp_path: Path) -> None:
