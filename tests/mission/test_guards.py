@@ -175,13 +175,86 @@ def test_what_time_alone_will_change_is_foretold():
     deep = sheet.add(Guard(TRUE))
     values = sheet.values(at)
     assert late.next_change(values, at.now) == pytest.approx(110.0, abs=1e-9)
-    assert strict.next_change(values, at.now) > 110.0
+    assert 110.0 < strict.next_change(values, at.now) < 110.001
     assert past.next_change(values, at.now) is None
     assert deep.next_change(values, at.now) is None
     then = replace(at, now=late.next_change(values, at.now))
     assert late.test(sheet.values(then), then) is True
     then = replace(at, now=strict.next_change(values, at.now))
     assert strict.test(sheet.values(then), then) is True
+
+
+def test_of_several_times_the_nearest_is_foretold_and_what_is_reached_no_more():
+    at, sheet = scope(), Sheet()  # in the leg for 11 s, in the mission for 51 s
+    parts = (("elapsed", ">=", 20.0), ("mission_time", ">=", 55.0), ("fix_age", ">=", 40.0))
+    both = sheet.add(Guard(And(tuple(Comparison(*part) for part in parts))))
+    for now, due in ((101.0, 105.0), (105.0, 110.0), (107.0, 110.0), (110.0, 130.0)):
+        then = replace(at, now=now)
+        assert both.next_change(sheet.values(then), now) == pytest.approx(due, abs=1e-5)
+    then = replace(at, now=130.0)
+    assert both.next_change(sheet.values(then), 130.0) is None
+
+
+@pytest.mark.parametrize(
+    ("operator", "later"), [("<", 0.0), (">=", 0.0), (">", 1e-6), ("<=", 1e-6)]
+)
+def test_a_comparison_of_time_changes_when_it_was_foretold_and_not_before(operator, later: float):
+    at, sheet = scope(), Sheet()
+    guard = sheet.add(Guard(Comparison("elapsed", operator, 20.0)))
+    due = guard.next_change(sheet.values(at), at.now)
+    assert due == pytest.approx(110.0 + later, abs=1e-9)
+    before, then = (replace(at, now=t) for t in (due - 2e-6, due))
+    assert guard.test(sheet.values(before), before) is (operator[0] == "<")
+    assert guard.test(sheet.values(then), then) is (operator[0] == ">")
+
+
+def test_a_guard_names_what_it_read_and_what_may_grow_stale():
+    at, sheet = scope(), Sheet()
+    sheet.add(Guard(Comparison("temperature", ">", 1.0)))
+    guard = sheet.add(Guard(Or((FALSE, Comparison("elapsed", ">", 3.0), FALSE)), held=2.0))
+    assert guard.held == 2.0
+    assert sheet.named(guard, sheet.values(at)) == (("depth", 5.0), ("elapsed", 11.0))
+    assert sheet.stale_after == (6.0, 30.0)
+
+
+@pytest.mark.parametrize("operator", ["<", "<=", ">", ">="])
+def test_where_nothing_is_uncertain_sure_is_plain(operator: str):
+    exact = scope(sigmas={"depth": 0.0})
+    for bound in (4.0, 5.0, 6.0):
+        plain = ask(Comparison("depth", operator, bound), exact)
+        assert ask(Comparison("depth", operator, bound, 0.9), exact) is plain
+
+
+@pytest.mark.parametrize(("operator", "less"), [("<", 1), ("<=", 1), (">", 0), (">=", 0)])
+def test_sure_means_either_side_of_a_distribution(operator: str, less: int):
+    at = scope(sigmas={"depth": 1.0, "heading": 0.1})
+    for name, value, sigma in (("depth", 5.0, 1.0), ("heading", 1.0, 0.1)):
+        for far in (-2.0, 2.0):
+            sure = ask(Comparison(name, operator, value + far * sigma, 0.9), at)
+            assert sure is ((far > 0) == bool(less))
+        assert ask(Comparison(name, operator, value, 0.5), at) is True  # just so sure
+        assert ask(Comparison(name, operator, value, 0.51), at) is False
+
+
+def test_sure_of_a_heading_asks_the_short_way_round():
+    at = scope(sigmas={"heading": 0.1})
+    at.telemetry = replace(REPORT, heading=0.1)
+    assert ask(Comparison("heading", ">", math.tau - 0.3, 0.9), at) is True
+    assert ask(Comparison("heading", "<", math.tau - 0.3, 0.9), at) is False
+
+
+def test_what_is_not_known_is_not_sure_either():
+    assert ask(Comparison("depth", "<", 1e9, 0.5), scope(doubt="depth")) is None
+    lost = scope(mode=NavigationMode.NONE)
+    assert ask(Comparison("range", "<", 1e9, 0.5), lost) is None
+
+
+@pytest.mark.parametrize(
+    ("operator", "at_it"), [("<", False), ("<=", True), (">", False), (">=", True)]
+)
+def test_at_its_bound_a_heading_is_compared_as_anything_else(operator: str, at_it: bool):
+    assert ask(Comparison("heading", operator, 1.0), scope()) is at_it
+    assert ask(Comparison("heading", operator, 1.0), scope(doubt="heading")) is None
 
 
 def test_each_variable_of_a_leg_is_read_once_and_no_other():
