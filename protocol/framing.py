@@ -23,6 +23,7 @@ import re
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, NamedTuple, cast
 
 from protocol.fields import FaultKind, FrameType, Values
@@ -45,6 +46,13 @@ class Frame(NamedTuple):
         return self.type.decode(self.raw)
 
 
+# What a place in the buffer turned out to be: bytes used (none: wait for more), the messages of
+# the frames there, and if there are none, the fault's kind.
+_Step = tuple[int, tuple[object, ...], FaultKind | None]
+_WAIT: _Step = (0, (), None)
+_NOTHING: _Step = (1, (), None)
+
+
 @dataclass(slots=True)
 class Counters:
     """What a link has carried so far; ``bad`` counts faults by kind."""
@@ -52,6 +60,10 @@ class Counters:
     good: int = 0
     skipped: int = 0  # bytes of these faults
     bad: dict[str, int] = field(default_factory=dict)
+
+    def note(self, kind: str, faults: int, length: int) -> None:
+        self.bad[kind] = self.bad.get(kind, 0) + faults
+        self.skipped += length
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,18 +74,24 @@ class Splice:
     guest: FrameType
 
 
+# Messages and faults in their order, how many of them are faults, and where the last frame ends.
+Stretch = tuple[Sequence[object], int, int]
+
+
 @dataclass(frozen=True, slots=True)
 class Shortcut:
     """Messages in place of Frames, and the frame that a link mostly carries read in one go.
 
-    ``read(data, at, t)`` is asked where at least ``length`` bytes stand and the first one is the
-    lead's. It gives the message of a whole and flawless frame, or None: the ordinary way decides,
-    whose frames ``message`` turns into messages.
+    ``read(data, at, last, base, t)`` is asked where the lead's first byte stands with at least
+    ``length`` bytes. From there it reads frames that begin at ``last`` at most and are flawless
+    beyond doubt, and the noise between them if no frame could begin in it; ``base`` is the offset
+    of ``data`` in the stream. All else goes the ordinary way, and ``message`` turns its frames
+    into messages.
     """
 
     lead: bytes
     length: int
-    read: Callable[[bytes, int, float], object | None]
+    read: Callable[[bytes, int, int, int, float], Stretch]
     message: Callable[[Frame], object]
 
 
@@ -117,19 +135,14 @@ class Framer:
         self.idle, self.splice, self.counters = idle, splice, Counters()
         self._shortcut = shortcut or _NO_SHORTCUT
         self._message = shortcut.message if shortcut is not None else None
-        self._by_start: dict[bytes, tuple[FrameType, ...]] = {}
-        for size in (1, 2):
-            for start in {t.lead[:size] for t in self.types}:
-                near = (t for t in self.types if t.lead[:size] == start[: len(t.lead)])
-                self._by_start[start] = tuple(near)
-        self._next_start = _finder({t.lead[:1] for t in self.types})
+        self._by_start = _by_start(self.types, splice)
+        self._finder = _finder({t.lead[:1] for t in self.types})
         self._buffer = b""
         self._base = 0  # offset of the buffer's first byte in the stream
         self._starts: list[int] = []  # offsets at which chunks began ...
         self._times: list[float] = []  # ... and when they came
-        self._run_offset = self._run_length = 0
-        self._run_kind: FaultKind | None = None
-        self._out: list[Any] = []
+        self._run: int | None = None  # where the open run of bytes that are no frame began ...
+        self._run_kind: FaultKind | None = None  # ... and what its first candidate failed by
 
     def receive(self, data: bytes, now: float) -> list[Frame | FrameFault]:
         if not data:
@@ -141,7 +154,7 @@ class Framer:
 
     def next_timer(self) -> float | None:
         """When unfinished bytes or an open run have been idle for long enough."""
-        if not self._buffer and not self._run_length:
+        if not self._buffer and self._run is None:
             return None
         return self._times[-1] + self.idle
 
@@ -154,47 +167,53 @@ class Framer:
 
     def _parse(self, *, final: bool) -> list[Any]:
         data, at, base = self._buffer, 0, self._base
-        end = len(data)
-        out, next_start = self._out, self._next_start
+        end, run, run_kind = len(data), self._run, self._run_kind
         read, length, lead = self._shortcut.read, self._shortcut.length, self._shortcut.lead[0]
         last = end - length  # where the shortcut's frame can begin at most
         newest, now = self._starts[-1] - base, self._times[-1]
-        direct = 0  # frames that took the shortcut
+        next_start, counters = self._finder(data), self.counters
+        out: list[Any] = []
         while at < end:
-            if at <= last and data[at] == lead:
-                message = read(data, at, now if at >= newest else self._time(base + at))
-                if message is not None:
-                    if self._run_length:
-                        self._close_run()
-                    out.append(message)
-                    direct += 1
-                    at += length
-                    continue
-            start = next_start(data, at)
-            if start != at:
-                stop = end if start < 0 else start
-                if not self._run_length:
-                    self._run_offset = base + at
-                self._run_length += stop - at
-                at = stop
-                continue
-            used = self._candidate(data, at, end, final)
-            if used is None:
-                break
-            at += used
-        self.counters.good += direct
-        self._base = base + at
-        self._buffer = data[at:]
-        if final:
-            self._close_run()
+            items: Sequence[object] = ()
+            gaps = 0
+            if data[at] == lead and at <= last:
+                if at < newest:  # one frame: the next one came with another chunk
+                    items, gaps, stop = read(data, at, at, base, self._time(base + at))
+                else:
+                    items, gaps, stop = read(data, at, last, base, now)
+            if not items:
+                start = next_start(at)
+                if start == at:
+                    used, items, kind = self._candidate(data, at, end, final)
+                    if not used:
+                        break
+                    run_kind, stop = run_kind or kind, at + used
+                else:
+                    stop = end if start < 0 else start
+            if items:
+                if run is not None:
+                    out.append(self._fault(run, run_kind, base + at))
+                    run = run_kind = None
+                out += items
+                counters.good += len(items) - gaps
+                if gaps:
+                    counters.note("bad_header", gaps, stop - at - length * (len(items) - gaps))
+            elif run is None:
+                run = base + at
+            at = stop
+        if final and run is not None:
+            out.append(self._fault(run, run_kind, base + at))
+            run = run_kind = None
+        self._run, self._run_kind = run, run_kind
+        self._base, self._buffer = base + at, data[at:]
         if len(self._times) > 1:
             self._forget()
-        self._out = []
         return out
 
-    def _candidate(self, data: bytes, at: int, end: int, final: bool) -> int | None:
-        """Bytes used: an accepted frame's, or one that is skipped; None to wait for more."""
-        near = self._by_start.get(data[at : at + 2]) or self._by_start.get(data[at : at + 1], ())
+    def _candidate(self, data: bytes, at: int, end: int, final: bool) -> _Step:
+        near = self._by_start.get(data[at : at + 2])
+        if near is None:
+            return _NOTHING
         kinds: list[FaultKind] = []  # in the order of the types: the first one counts
         complete: list[tuple[int, int, FrameType]] = []
         unfinished = False
@@ -217,33 +236,32 @@ class Framer:
             raw = data[at : at + length]
             kind = frame.check(raw)
             if kind is None:
-                self._emit(frame, raw, at)
-                return length
+                return length, (self._accepted(frame, raw, at),), None
             kinds[order] = kind
         if unfinished and not final:
-            return None
-        if self.splice is not None:
-            used = self._unsplice(data, at, end, final)
-            if used != 0:
-                return used
-        self._skip(at, kinds[0] if kinds else None)
-        return 1
+            return _WAIT
+        torn = None if self.splice is None else self._unsplice(data, at, end, final)
+        return torn or (1, (), kinds[0] if kinds else None)
 
-    def _emit(self, frame: FrameType, raw: bytes, at: int) -> None:
-        self._close_run()
+    def _accepted(self, frame: FrameType, raw: bytes, at: int) -> object:
         offset = self._base + at
         found = Frame(frame, raw, offset, self._time(offset))
-        self._out.append(found if self._message is None else self._message(found))
-        self.counters.good += 1
+        return found if self._message is None else self._message(found)
+
+    def _fault(self, run: int, kind: FaultKind | None, stop: int) -> FrameFault:
+        """The bytes from ``run`` to ``stop``, of which no frame came."""
+        name = "bad_header" if kind is None else kind.value
+        self.counters.note(name, 1, stop - run)
+        return fault(run, name, stop - run)
 
     # --- guests inside a host ---
 
-    def _unsplice(self, data: bytes, at: int, end: int, final: bool) -> int | None:
-        """Bytes used by a host and its guests, 0 if there is none, None to wait for more."""
+    def _unsplice(self, data: bytes, at: int, end: int, final: bool) -> _Step | None:
+        """A host and its guests, if they are there."""
         assert self.splice is not None
         host, guest = self.splice.host, self.splice.guest
         if not _may_be_torn(data, at, end, host.lead, guest.lead):
-            return 0
+            return None
         parts: list[bytes] = []
         guests: list[tuple[int, bytes]] = []
         missing, position = host.length, at  # missing: bytes of the host still to be found
@@ -264,33 +282,12 @@ class Framer:
         if at + used > end or (
             not final and _could_be_guest(data, position, at + used, end, guest)
         ):
-            return 0 if final else None
+            return None if final else _WAIT
         raw = b"".join(parts)
         if not guests or not raw.startswith(host.lead) or host.check(raw) is not None:
-            return 0
-        self._emit(host, raw, at)
-        for found, raw in guests:
-            self._emit(guest, raw, found)
-        return used
-
-    # --- runs of bytes that are no frame ---
-
-    def _skip(self, at: int, kind: FaultKind | None) -> None:
-        if not self._run_length:
-            self._run_offset = self._base + at
-        self._run_length += 1
-        if self._run_kind is None:
-            self._run_kind = kind
-
-    def _close_run(self) -> None:
-        if not self._run_length:
-            return
-        kind = "bad_header" if self._run_kind is None else self._run_kind.value
-        self._out.append(_fault(self._run_offset, kind, self._run_length))
-        counters = self.counters
-        counters.skipped += self._run_length
-        counters.bad[kind] = counters.bad.get(kind, 0) + 1
-        self._run_length, self._run_kind = 0, None
+            return None
+        torn = (self._accepted(guest, raw, found) for found, raw in guests)
+        return used, (self._accepted(host, raw, at), *torn), None
 
     # --- when a byte came ---
 
@@ -306,22 +303,44 @@ class Framer:
             del self._starts[:gone], self._times[:gone]
 
 
-def _finder(firsts: set[bytes]) -> Callable[[bytes, int], int]:
-    """Where the next frame can begin, -1 for nowhere."""
+def _by_start(
+    types: Sequence[FrameType], splice: Splice | None
+) -> dict[bytes, tuple[FrameType, ...]]:
+    """Which frames may begin with these two bytes, or with the buffer's last one."""
+    starts = {t.lead[:size] for t in types for size in (1, 2)}
+    for short in (t.lead for t in types if len(t.lead) == 1):
+        starts |= {short + bytes([second]) for second in range(256)}
+    if splice is not None:  # a host torn after its first byte
+        starts.add(splice.host.lead[:1] + splice.guest.lead[:1])
+    return {
+        start: tuple(t for t in types if t.lead.startswith(start) or start.startswith(t.lead))
+        for start in starts
+    }
+
+
+def _finder(firsts: set[bytes]) -> Callable[[bytes], Callable[[int], int]]:
+    """For the data: where the next frame can begin, -1 for nowhere."""
     if len(firsts) == 1:
         (first,) = firsts
-        return lambda data, at: data.find(first, at)
+        return lambda data: partial(data.find, first)
     search = re.compile(b"[" + b"".join(map(re.escape, sorted(firsts))) + b"]").search
 
-    def find(data: bytes, at: int) -> int:
-        found = search(data, at)
-        return -1 if found is None else found.start()
+    def finder(data: bytes) -> Callable[[int], int]:
+        def find(at: int) -> int:
+            found = search(data, at)
+            return -1 if found is None else found.start()
 
-    return find
+        return find
+
+    return finder
 
 
-# Longer than any buffer: nothing is read by it.
-_NO_SHORTCUT = Shortcut(b"\0", 1 << 62, lambda data, at, t: None, lambda frame: frame)
+def no_stretch(data: bytes, at: int, last: int, base: int, t: float) -> Stretch:
+    """Everything goes the ordinary way."""
+    return (), 0, at
+
+
+_NO_SHORTCUT = Shortcut(b"\0", 0, no_stretch, lambda frame: frame)
 
 
 class _Draft:
@@ -330,7 +349,7 @@ class _Draft:
     __slots__ = FrameFault.__slots__
 
 
-def _fault(offset: int, kind: str, length: int) -> FrameFault:
+def fault(offset: int, kind: str, length: int) -> FrameFault:
     draft: Any = _Draft()
     draft.offset, draft.kind, draft.length = offset, kind, length
     draft.__class__ = FrameFault

@@ -17,7 +17,7 @@ from protocol.codec import CannotEncode
 from protocol.messages import Ack, FrameFault, Order, Setpoint, Telemetry
 from protocol.tolerances import Tolerances
 from protocol.vehicles import auv, codec
-from protocol.vehicles.auv import SD, AuvCodec, shortcut, telemetry
+from protocol.vehicles.auv import SD, AuvCodec, sd_frame, shortcut, telemetry
 
 
 def values(**changes: float | None) -> dict[str, object]:
@@ -122,13 +122,41 @@ def test_the_shortcut_says_what_the_table_says_or_nothing(
     names = [name for name in SD.decode(CANONICAL) if name != "flags"]
     raw = SD.pack(dict(zip(names, [*floats, *words], strict=True)))
     scale = (0.5, 2.0)
-    quick = shortcut(Tolerances(), scale).read(raw, 0, 1.0)
+    quick, gaps, stop = shortcut(Tolerances(), scale).read(raw, 0, 0, 0, 1.0)
     slow = telemetry(raw, 1.0, scale)
-    assert quick is None or quick == slow
+    assert (list(quick), gaps, stop) in (([slow], 0, 86), ([], 0, 0))
     if slow.faults:
-        assert quick is None
+        assert not quick
     elif max(words[:7]) < 2500 and max(map(abs, floats[6:])) < 57:
-        assert type(quick) is Telemetry
+        assert type(quick[0]) is Telemetry
+
+
+def test_the_shortcut_reads_on_over_noise_in_which_no_frame_could_begin() -> None:
+    read = shortcut(Tolerances(), (1.0, 1.0)).read
+    data = CANONICAL + CANONICAL + b"noise" + CANONICAL + b"n@ise" + CANONICAL
+    last = len(data) - 86
+    items, gaps, stop = read(data, 0, last, 1000, 2.0)
+    message = telemetry(CANONICAL, 2.0)
+    assert items == [message, message, FrameFault(1172, "bad_header", 5), message]
+    assert (gaps, stop) == (1, 3 * 86 + 5)
+    assert read(data, 86, 86, 0, 2.0) == ([message], 0, 172)
+    assert read(data, 1, last, 0, 2.0) == ([], 0, 1)
+    assert read(CANONICAL + b"end" + bytes(83), 0, 86, 0, 2.0) == ([message], 0, 86)
+
+
+def test_the_shortcut_takes_no_frame_whose_head_tail_or_checksum_is_wrong() -> None:
+    read = shortcut(Tolerances(), (1.0, 1.0)).read
+    for at in range(86):
+        broken = bytearray(CANONICAL)
+        broken[at] ^= 0x80
+        assert read(bytes(broken), 0, 0, 0, 0.0) == ([], 0, 0)
+
+
+def test_another_checksum_goes_the_ordinary_way() -> None:
+    chosen = Tolerances({"sd_crc": "bytes/data"})
+    raw = sd_frame(chosen).encode(SD.decode(CANONICAL))
+    assert AuvCodec("as-built", chosen).receive(raw, 3.0) == [telemetry(CANONICAL, 3.0)]
+    assert shortcut(chosen, (1.0, 1.0)).read(raw, 0, 0, 0, 3.0) == ((), 0, 0)
 
 
 def test_the_shortcuts_telemetry_is_frozen_like_any_other() -> None:

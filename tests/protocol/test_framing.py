@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
+from typing import Any
 
 import pytest
 from canonical_auv import AUV, SD, VS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from protocol.fields import U8, BinaryFrame, Const
-from protocol.framing import Frame, Framer
+from protocol.fields import U8, BinaryFrame, Const, FaultKind
+from protocol.framing import Frame, Framer, Shortcut, Splice, fault
 from protocol.messages import FrameFault
 from protocol.tolerances import Tolerances
 from protocol.vehicles import LINKS, link
@@ -236,6 +238,74 @@ def test_times_of_chunks_that_are_gone_are_forgotten() -> None:
     assert len(framer._buffer) <= 86
 
 
+# --- the shortcut ---
+
+
+def read_b(
+    data: bytes, at: int, last: int, base: int, t: float
+) -> tuple[Sequence[object], int, int]:
+    """A reader of frames ``<b>`` which, like one, reads over full stops."""
+    items: list[object] = []
+    gaps, stop = 0, at
+    while at <= last and data.startswith(b"<b>", at):
+        if at > stop:
+            items.append(fault(base + stop, "bad_header", at - stop))
+            gaps += 1
+        items.append(("quick", base + at, t))
+        at = stop = at + 3
+        while at <= last and data[at] == ord("."):
+            at += 1
+    return items, gaps, stop
+
+
+LETTER = BinaryFrame("letter", "", (Const(b"<"), U8("letter", 97, 122), Const(b">")), command=True)
+B_QUICKLY = Shortcut(b"<b", 3, read_b, lambda frame: ("slow", frame.offset, frame.t))
+
+
+def quickly(chunks: Sequence[bytes]) -> tuple[list[Any], Framer]:
+    """Messages as offset and time, faults as they are."""
+    framer = Framer((LETTER,), shortcut=B_QUICKLY)
+    items: list[Any] = []
+    for i, chunk in enumerate(chunks):
+        items += framer.receive(chunk, float(i))
+    items += framer.flush(1e9)
+    return [item if isinstance(item, FrameFault) else item[1:] for item in items], framer
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.lists(st.lists(st.sampled_from(["<b>", "<c>", "<B>", "<", "b>", ".", ".."])), max_size=8))
+def test_a_shortcut_changes_neither_frames_nor_faults_nor_times_nor_counters(
+    parts: list[list[str]],
+) -> None:
+    chunks = ["".join(part).encode() for part in parts]
+    plain = Framer((LETTER,))
+    items = [item for i, chunk in enumerate(chunks) for item in plain.receive(chunk, float(i))]
+    items += plain.flush(1e9)
+    expected = [i if isinstance(i, FrameFault) else (i.offset, i.t) for i in items]
+    found, framer = quickly(chunks)
+    assert found == expected
+    assert framer.counters == plain.counters
+    assert framer._buffer == b""
+
+
+def test_the_shortcut_is_taken_wherever_it_can_be() -> None:
+    framer = Framer((LETTER,), shortcut=B_QUICKLY)
+    assert framer.receive(b"<b>..<b><c>.<b", 1.0) == [
+        ("quick", 0, 1.0),
+        FrameFault(3, "bad_header", 2),
+        ("quick", 5, 1.0),
+        ("slow", 8, 1.0),
+    ]
+    assert framer.receive(b"><b><b>", 2.0) == [
+        FrameFault(11, "bad_header", 1),
+        ("quick", 12, 1.0),
+        ("quick", 15, 2.0),
+        ("quick", 18, 2.0),
+    ]
+    assert (framer.counters.good, framer.counters.skipped) == (6, 3)
+    assert framer.counters.bad == {"bad_header": 2}
+
+
 # --- candidates of several lengths, one-byte leads ---
 
 
@@ -260,6 +330,107 @@ def test_leads_of_one_and_two_bytes_live_side_by_side() -> None:
         (3, "two", b"\xaa\xbb\x01\xee"),
         (7, "one", b"\xaa\x00\xdd"),
     ]
+
+
+def test_the_longest_lead_names_the_fault() -> None:
+    one = BinaryFrame("one", "", (Const(b"\xaa"), U8("a"), Const(b"\xdd")))
+    two = BinaryFrame("two", "", (Const(b"\xaa\xbb"), Const(b"\xcc", FaultKind.BAD_LENGTH)))
+    for types in ((one, two), (two, one)):
+        assert read(Framer(types), b"\xaa\xbb\xee") == [(0, "bad_length", 3)]
+
+
+def test_part_of_a_lead_is_waited_for_and_a_whole_other_lead_is_not() -> None:
+    long = BinaryFrame("long", "", (Const(b"<long>"), U8("a")))
+    framer = Framer((long,))
+    assert framer.receive(b"<lon", 0.0) == []
+    assert [shown(i) for i in framer.receive(b"d><long", 0.0)] == []
+    assert [shown(i) for i in framer.receive(b">!", 0.0)] == [
+        (0, "bad_header", 6),
+        (6, "long", b"<long>!"),
+    ]
+    assert read(Framer((long,)), b"<lo") == [(0, "truncated", 3)]
+    assert read(Framer((long,)), b"<loX") == [(0, "bad_header", 4)]
+
+
+def test_values_of_a_frame_are_those_of_its_table() -> None:
+    (frame,) = link("auv.to_pi").framer().receive(b"@MMF12$", 0.0)
+    assert isinstance(frame, Frame)
+    assert frame.values() == {"dir": "F", "speed": 12}
+
+
+# --- times and memory ---
+
+
+def test_only_the_chunks_whose_bytes_are_held_are_remembered() -> None:
+    framer = link("auv.from_stm32").framer()
+    framer.receive(SD[:10], 1.0)
+    framer.receive(SD[10:20], 2.0)
+    assert framer._times == [1.0, 2.0]
+    framer.receive(SD[20:] + SD[:5], 3.0)
+    assert (framer._times, framer._starts) == ([3.0], [20])
+    framer.receive(SD[5:], 4.0)
+    framer.receive(b"", 5.0)
+    assert framer._times == [4.0]
+    assert framer.next_timer() is None
+    framer.receive(b"@", 6.0)
+    assert framer.next_timer() == pytest.approx(6.05)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.integers(1, 60), max_size=12), st.integers(0, 3))
+def test_every_frame_has_the_time_of_the_chunk_in_which_it_began(
+    sizes: list[int], noise: int
+) -> None:
+    data = (b"." * noise + b"@ACK_ZAY$" + SD) * 3
+    cuts = [0, *(sum(sizes[: i + 1]) for i in range(len(sizes)))]
+    framer = link("auv.from_stm32").framer()
+    items: list[Any] = []
+    for i, (begin, end) in enumerate(zip(cuts, [*cuts[1:], len(data)], strict=True)):
+        items += framer.receive(data[begin:end], float(i))
+    frames = [item for item in items if isinstance(item, Frame)]
+    assert len(frames) == 6
+    for frame in frames:
+        assert frame.t == max(i for i, cut in enumerate(cuts) if cut <= frame.offset)
+
+
+# --- torn frames of the smallest size ---
+
+HOST = BinaryFrame("host", "", (Const(b"<h"), U8("a"), U8("b"), Const(b">")))
+GUEST = BinaryFrame("guest", "", (Const(b"{g"), U8("a"), Const(b"}")))
+
+
+def torn(*chunks: bytes) -> list[Item]:
+    return read(Framer((HOST, GUEST), splice=Splice(HOST, GUEST)), *chunks)
+
+
+@pytest.mark.parametrize("at", range(1, 5))
+@pytest.mark.parametrize("count", [1, 2, 4])
+def test_guests_are_taken_out_of_a_host_wherever_they_stand(at: int, count: int) -> None:
+    host, guests = b"<h12>", [b"{g%d}" % i for i in range(count)]
+    data = host[:at] + b"".join(guests) + host[at:]
+    expected = [(0, "host", host)] + [(at + 4 * i, "guest", g) for i, g in enumerate(guests)]
+    assert torn(data) == expected
+    assert torn(*(data[i : i + 1] for i in range(len(data)))) == expected
+    assert torn(b"." + data + host) == [
+        (0, "bad_header", 1),
+        *((offset + 1, name, raw) for offset, name, raw in expected),
+        (1 + len(data), "host", host),
+    ]
+
+
+def test_a_guest_behind_the_host_is_no_guest_inside() -> None:
+    assert torn(b"<h12>{g3}") == [(0, "host", b"<h12>"), (5, "guest", b"{g3}")]
+    assert torn(b"<h12{g3}") == [(0, "bad_tail", 4), (4, "guest", b"{g3}")]
+    assert torn(b"<h{g3}2>") == [
+        (0, "bad_tail", 2),
+        (2, "guest", b"{g3}"),
+        (6, "bad_header", 2),
+    ]
+
+
+def test_a_host_begins_as_its_lead_does_or_it_is_none() -> None:
+    assert torn(b"<{g1}x12>") == [(0, "bad_header", 1), (1, "guest", b"{g1}"), (5, "bad_header", 4)]
+    assert torn(b"<{g1}h12>") == [(0, "host", b"<h12>"), (1, "guest", b"{g1}")]
 
 
 # --- hostile streams ---
@@ -314,7 +485,7 @@ def test_a_million_hostile_bytes_cost_no_more_than_one_look_at_each(
     looks = 0
     candidate = Framer._candidate
 
-    def counted(self: Framer, data: bytes, at: int, end: int, final: bool) -> int | None:
+    def counted(self: Framer, data: bytes, at: int, end: int, final: bool) -> Any:
         nonlocal looks
         looks += 1
         return candidate(self, data, at, end, final)
