@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -73,28 +74,45 @@ def campaign(
         sys.exit(2)
     first = generated or 0
     numbers = range(first, first + count - len(claims))
-    work = functools.partial(_generated, seed)
-    made = results(work, numbers, workers)
+    made = results(functools.partial(_generated, seed), numbers, workers)
     claims += with_progress(made, len(numbers), "missions generated", tell)
     flown = range(flights) if flight is None else [flight]
     jobs: list[Job] = [(claim, seed, number) for claim in claims for number in flown]
-    totals = {"missions": len(claims), "flights": 0, "not_started": 0}
-    broken = dict.fromkeys(("time", "range", "depth", "end", "raised"), 0)
-    most = dict.fromkeys(("time", "range", "depth"), 0.0)
-    for (_, _, number), shown in zip(
-        jobs, with_progress(results(_show, jobs, workers), len(jobs), "flights", tell), strict=True
-    ):
-        totals["flights"] += 1
-        totals["not_started"] += not shown.started
-        for violation in shown.violations:
-            broken[violation.kind] += 1
-        for name in most:
-            share = getattr(shown.needed, name) / getattr(shown.proved, name)
-            most[name] = max(most[name], round(share, 3))
+    ended = with_progress(results(_show, jobs, workers), len(jobs), "flights", tell)
+    tally = _Tally(len(claims))
+    for (_, _, number), shown in zip(jobs, ended, strict=True):
+        tally.take(shown)
         if shown.violations or flight is not None:
             click.echo(_story(shown, seed, number))
-    click.echo(json.dumps({**totals, "violations": broken, "greatest_share": most}))
-    sys.exit(1 if any(broken.values()) else 0)
+    click.echo(json.dumps(tally.as_json()))
+    sys.exit(1 if any(tally.violations.values()) else 0)
+
+
+@dataclass(slots=True)
+class _Tally:
+    """``greatest_share``: of what the check proved, how much some flight needed."""
+
+    missions: int
+    flights: int = 0
+    not_started: int = 0
+    violations: dict[str, int] = field(
+        default_factory=lambda: dict.fromkeys(("time", "range", "depth", "end", "raised"), 0)
+    )
+    greatest_share: dict[str, float] = field(
+        default_factory=lambda: dict.fromkeys(("time", "range", "depth"), 0.0)
+    )
+
+    def take(self, shown: Shown) -> None:
+        self.flights += 1
+        self.not_started += not shown.started
+        for violation in shown.violations:
+            self.violations[violation.kind] += 1
+        for name, most in self.greatest_share.items():
+            share = getattr(shown.needed, name) / getattr(shown.proved, name)
+            self.greatest_share[name] = max(most, round(share, 3))
+
+    def as_json(self) -> dict[str, object]:
+        return asdict(self)
 
 
 def _claim(path: Path) -> Claim:
