@@ -10,21 +10,10 @@ Laying out twice is laying out once. What does not live here: another text of th
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
 from mission.language import is_yaml
-
-STEP = 2
-
-
-@dataclass(frozen=True, slots=True)
-class Row:
-    """One line: what it says and the comment behind it, ``#`` included. Either may be empty."""
-
-    code: str
-    comment: str = ""
+from mission.language.layout_row import Row
 
 
 def formatted(text: str, source: str = "") -> str:
@@ -33,7 +22,7 @@ def formatted(text: str, source: str = "") -> str:
     if is_yaml(text, source):
         from mission.language.layout_yaml import rows
     else:
-        rows = _line_rows
+        from mission.language.layout_lines import rows
     return "".join(f"{line}\n" for line in _squeezed(_aligned(rows(text))))
 
 
@@ -63,32 +52,3 @@ def _squeezed(lines: Iterable[str]) -> Iterator[str]:
             yield ""
         waiting, started = False, True
         yield line
-
-
-# --- the line script ----------------------------------------------------------------------------
-
-_SPACED = re.compile(r"\s*(->|<=|>=|<|>)\s*")
-_OPENS = re.compile(r"(?:repeat|group)\b.*:$")
-
-
-def _line_rows(text: str) -> Iterator[Row]:
-    depth = 0
-    for line in text.split("\n"):
-        code, mark, comment = line.partition("#")
-        code, comment = _tidy(code), (mark + comment).rstrip()
-        if code == "end":
-            depth = max(0, depth - 1)
-        more = 1 if code.startswith("+") else 0
-        indent = " " * (STEP * (depth + more)) if code or comment else ""
-        yield Row(indent + code, comment)
-        if _OPENS.match(code):
-            depth += 1
-
-
-def _tidy(code: str) -> str:
-    code = _SPACED.sub(r" \1 ", " ".join(code.split()))
-    code = re.sub(r"\(\s+", "(", re.sub(r"\s+([),])", r"\1", code))
-    code = re.sub(r"(?<=\w)\(", " (", re.sub(r",\s*", ", ", code))
-    code = re.sub(r"\)(?=\w)", ") ", code)
-    code = re.sub(r"^((?:repeat \S+ |group )?[A-Za-z_][\w-]*)\s*:\s*", r"\1: ", code)
-    return re.sub(r"^\+\s*", "+ ", code).strip()

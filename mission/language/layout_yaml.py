@@ -22,7 +22,7 @@ from yaml.tokens import (
     ValueToken,
 )
 
-from mission.language.layout import STEP, Row
+from mission.language.layout_row import STEP, Row
 
 _OPENING = (FlowMappingStartToken, FlowSequenceStartToken)
 _CLOSING = (FlowMappingEndToken, FlowSequenceEndToken)
