@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -36,14 +37,12 @@ def demo(
 
     Exit 0 only if the vehicle surfaced, the mission completed and every leg was left as planned.
     """
-    import shutil
-
-    from mission.commands.simulate import table
     from mission.graph.outline import outline
     from mission.graph.svg import svg
     from mission.operator.upload import OperatorError
     from mission.prepare import Unreadable, check_prepared, prepare
     from mission.simulation.demo import LEFT, Demo, DemoError, as_planned
+    from mission.simulation.legtable import table
     from mission.simulation.plot import draw_flight
 
     path = mission or Path("first-dive")
@@ -75,8 +74,9 @@ def demo(
     shown.end()
     draw_flight(flight, out / "track.png", prepared.mission.name)
     (out / "graph.svg").write_text(svg(outline(prepared.chart, None), False))
-    click.echo(table(flight))
-    click.echo(f"pictures and black box in {out}")
+    click.echo(table(flight, prepared.chart))
+    box = max((out / "pi" / "log").glob("*.mcap"))
+    click.echo(f"pictures in {out}, black box {box}")
     raise SystemExit(0 if as_planned(flight) else 1)
 
 
@@ -88,17 +88,14 @@ class _Shown:
         self._last = ""
 
     def show(self, progress: Progress) -> None:
-        place = (
-            "no fix yet"
-            if progress.position is None
-            else f"fix {progress.position[0]:+.0f} m north {progress.position[1]:+.0f} m east"
-        )
+        place = _place(progress)
         depth = "depth unknown" if progress.depth is None else f"{progress.depth:4.1f} m deep"
         left = "" if progress.left is None else f"at most {progress.left / 60:.1f} min left"
         where = f"{progress.state}/{progress.leg}".rstrip("/")
-        text = f"{where:28} {depth:14} {place:34} {left}"
+        text = f"{where:28} {depth:14} {place:36} {left}"
         if self._terminal:
-            click.echo(f"\r\x1b[2K{text}", nl=False)
+            width = shutil.get_terminal_size().columns - 1  # a wrapped line is not written over
+            click.echo(f"\r\x1b[2K{text[:width]}", nl=False)
         elif where != self._last:
             click.echo(text)
         self._last = where
@@ -106,3 +103,11 @@ class _Shown:
     def end(self) -> None:
         if self._terminal:
             click.echo()
+
+
+def _place(progress: Progress) -> str:
+    if progress.position is None:
+        return "no fix yet"
+    north, east = progress.position
+    within = "" if progress.uncertainty is None else f" within {progress.uncertainty:.0f} m"
+    return f"{north:+.0f} m north {east:+.0f} m east{within}"

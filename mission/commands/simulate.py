@@ -50,6 +50,7 @@ def simulate(
     from links.simulated.settings import SettingError, parse_settings
     from mission.prepare import Unreadable, parameters_of, prepare
     from mission.simulation.flight import fly
+    from mission.simulation.legtable import table
 
     try:
         prepared = prepare(mission, vehicle, parameters_of(parameters))
@@ -69,7 +70,7 @@ def simulate(
     except OSError as error:
         click.echo(f"the report cannot be written: {error}", err=True)
         sys.exit(UNREADABLE)
-    click.echo(json.dumps(flight.as_json()) if as_json else table(flight))
+    click.echo(json.dumps(flight.as_json()) if as_json else table(flight, prepared.chart))
     sys.exit(0 if flight.outcome == "completed" else 1)
 
 
@@ -85,33 +86,3 @@ def _draw(flight: Flight, folder: Path, name: str) -> None:
     from mission.simulation.plot import draw_flight
 
     draw_flight(flight, folder / "track.png", name)
-
-
-def table(flight: Flight) -> str:
-    """For people: legs, then what came of it."""
-    width = max([3, *(len(leg.name) for leg in flight.legs)])
-    far = f"{flight.max_range:.1f} m from home (true)"
-    rows = [f"{'leg':{width}}  {'entered':>9}  {'left':>9}  {'lasted':>9}  by"]
-    for leg in flight.legs:
-        times = (leg.entered, leg.left, leg.left - leg.entered)
-        cells = "  ".join(f"{t:7.1f} s" for t in times)
-        rows.append(f"{leg.name:{width}}  {cells}  {leg.by or '(active)'}")
-    error_end, error_p95 = flight.error_end, flight.error_p95
-    errors = (
-        "unknown"
-        if error_end is None
-        else f"{error_end:.1f} m at the end, 95 % below {error_p95:.1f} m"
-    )
-    speed = f", {flight.mission_time / flight.wall:.0f} times real time" if flight.wall else ""
-    return "\n".join(
-        [
-            *rows,
-            "",
-            f"outcome           {flight.outcome}: {flight.reason}",
-            f"final state       {flight.final_state}",
-            f"mission           {flight.mission_time:.1f} s, digest {flight.digest[:16]}",
-            f"depth, range      {flight.max_depth:.1f} m, {far}",
-            f"navigation error  {errors}",
-            f"flown in          {flight.wall:.2f} s{speed}",
-        ]
-    )

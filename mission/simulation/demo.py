@@ -19,6 +19,7 @@ import csv
 import json
 import math
 import queue
+import signal
 import subprocess
 import sys
 import threading
@@ -33,11 +34,12 @@ from links.simulated.geodesy import local
 from mission.blackbox import read_parts
 from mission.drive.records import ESTIMATE, START, STEP, estimate_of, read_start, step_of
 from mission.language import script
-from mission.model import Position, Step
+from mission.model import Estimate, NavigationMode, Position, Step
 from mission.operator.console import converse
 from mission.operator.upload import OperatorError, start, status, upload
 from mission.prepare import Prepared
 from mission.simulation.flightlog import Flight, FlightEnd, FlightLog, TruePlace
+from mission.simulation.plot import ellipse
 from protocol.messages import Status, StoreReport
 
 READY_S = 20.0  # real, for a process to say that it is there
@@ -66,10 +68,12 @@ class DemoError(RuntimeError):
 class Progress:
     """What the operator sees while it flies."""
 
+    lines: int = 0  # of the mission that are in the vehicle
     state: str = "idle"
     leg: str = ""
     depth: float | None = None
-    position: tuple[float, float] | None = None  # m north and east of home, by @VS
+    position: tuple[float, float] | None = None  # m north and east of home, as estimated
+    uncertainty: float | None = None  # m, the longer half axis of its 95 % ellipse
     started: float | None = None  # engine's time
     left: float | None = None  # s at most, by the check's worst case
     over: bool = False
@@ -91,12 +95,13 @@ class Demo:
     def fly(self) -> Flight:
         """Raises DemoError, and OperatorError for what the Pi refuses."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        with self._vehicle() as vehicle, self._serve(vehicle) as events:
+        began = time.monotonic()
+        with _told_to_end(), self._vehicle() as vehicle, self._serve(vehicle) as events:
             ready = events.take(READY_S)
             topside, box = ready["topside"], Path(ready["black_box"])
             self.tell(f"the Pi listens on {topside}; STM32 on {vehicle['vehicle']}")
             self._operate(topside, events)
-        return self._flight(box, vehicle["wall"])
+        return self._flight(box, vehicle["wall"], time.monotonic() - began)
 
     # --- the operator ------------------------------------------------------------------------
 
@@ -116,15 +121,24 @@ class Demo:
             time.sleep(POLL_S)
 
     def _line(self, have: int, total: int) -> None:
-        self.tell(f"  line {have} of {total} is in the vehicle")
+        if have > self.progress.lines:
+            self.progress.lines = have
+            self.tell(f"  line {have} of {total} is in the vehicle")
 
     def _hear(self, events: _Lines) -> None:
         for event in events.waiting():
             if "step" in event:
                 self._step(step_of(json.dumps(event["step"])))
-            elif "estimate" in event and self.progress.started is not None:
-                gone = float(event["estimate"]["t"]) - self.progress.started
-                self.progress.left = max(0.0, self.worst_time - gone)
+            elif "estimate" in event:
+                self._estimate(estimate_of(json.dumps(event["estimate"])))
+
+    def _estimate(self, estimate: Estimate) -> None:
+        progress = self.progress
+        if estimate.mode is not NavigationMode.NONE:
+            progress.position = (estimate.north, estimate.east)
+            progress.uncertainty = ellipse(estimate.covariance)[0] / 2.0
+        if progress.started is not None:
+            progress.left = max(0.0, self.worst_time - (estimate.t - progress.started))
 
     def _step(self, step: Step) -> None:
         progress = self.progress
@@ -137,11 +151,7 @@ class Demo:
             progress.over = progress.started is not None and ended
 
     def _told(self, told: Status, _: StoreReport | None) -> None:
-        progress, home = self.progress, self.prepared.mission.home
-        progress.depth = told.telemetry.depth if told.telemetry else None
-        if told.fix is not None and home is not None:
-            there = (told.fix.latitude, told.fix.longitude)
-            progress.position = local(_radians(home), *there)
+        self.progress.depth = told.telemetry.depth if told.telemetry else None
 
     # --- the other two processes ---------------------------------------------------------------
 
@@ -195,8 +205,9 @@ class Demo:
         log = self.folder / f"{name.split()[-1]}.log"
         with log.open("w", encoding="utf-8") as errors:
             process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True)
+            lines = _Lines(name, process, log)
             try:
-                yield _Lines(name, process, log)
+                yield lines
             finally:
                 process.terminate()
                 try:
@@ -204,10 +215,11 @@ class Demo:
                 except subprocess.TimeoutExpired:
                     process.kill()
                     process.wait()
+                lines.close()
 
     # --- what came of it -----------------------------------------------------------------------
 
-    def _flight(self, box: Path, vehicle_wall: float) -> Flight:
+    def _flight(self, box: Path, vehicle_wall: float, wall: float) -> Flight:
         """From the black box, with the true track beside it."""
         track = self._track()
         times = [place.t for place in track]
@@ -230,7 +242,7 @@ class Demo:
         shifted = tuple(TruePlace(p.t - offset, p.north, p.east, p.depth) for p in track)
         at_surface = track[-1].depth < 0.5
         digest = self.prepared.chart.digest
-        return log.flight("", FlightEnd(last, digest, 0.0, state, shifted, at_surface))
+        return log.flight("", FlightEnd(last, digest, wall, state, shifted, at_surface))
 
     def _track(self) -> list[TruePlace]:
         home = self.prepared.mission.home
@@ -261,19 +273,41 @@ def as_planned(flight: Flight) -> bool:
     return flight.at_surface and flight.outcome == "completed" and legs
 
 
+@contextmanager
+def _told_to_end() -> Iterator[None]:
+    """SIGTERM and a terminal that is closed end the other processes too, as ctrl-C does."""
+
+    def end(number: int, _: object) -> None:
+        raise SystemExit(128 + number)
+
+    before = {number: signal.signal(number, end) for number in (signal.SIGTERM, signal.SIGHUP)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
 class _Lines:
     """JSON lines of a process, read in a thread."""
 
     def __init__(self, name: str, process: subprocess.Popen[str], log: Path) -> None:
         self._name, self._process, self._log = name, process, log
         self._queue: queue.SimpleQueue[str | None] = queue.SimpleQueue()
-        threading.Thread(target=self._read, daemon=True).start()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
 
     def _read(self) -> None:
         assert self._process.stdout is not None
         for line in self._process.stdout:
             self._queue.put(line)
         self._queue.put(None)
+
+    def close(self) -> None:
+        """Once the process has ended."""
+        self._reader.join(STOP_S)
+        if self._process.stdout is not None and not self._reader.is_alive():
+            self._process.stdout.close()
 
     def take(self, seconds: float) -> dict[str, Any]:
         """The next one. Raises DemoError where none comes."""

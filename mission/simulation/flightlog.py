@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from mission.model import (
@@ -37,12 +37,19 @@ from mission.model import (
 
 @dataclass(frozen=True, slots=True)
 class LegFlown:
-    """``by`` is what it was left by, "" while it was active at the end; s from the start."""
+    """``by`` is what it was left by, "" while it was active at the end; s from the start.
+
+    ``trigger``: the chart's edge that was taken, "" where none was (an operator, a limit), and
+    then ``why`` has the reason. ``seen``: the values that the edge's guard saw.
+    """
 
     name: str
     entered: float
     left: float
     by: str
+    trigger: str = ""
+    seen: tuple[tuple[str, float | None], ...] = ()
+    why: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,10 +170,9 @@ class FlightLog:
             self.started = step.t
         if self.started is None:
             return
-        by = step.by.value if step.by else ""
         for path in step.exited:
             if self._open and path == self._open[0]:
-                self._close(step.t, by)
+                self._close(step.t, step)
         for path in step.entered:
             self._enter(path, step)
 
@@ -178,7 +184,7 @@ class FlightLog:
         start = self.started or 0.0
         last = self.ended if self.ended is not None else report.t
         if self._open:
-            self._close(last, "")
+            self._close(last, None)
         outcome, reason = self._outcome(operator_failure, report)
         mission_track = [p for p in report.track if self.started is not None and p.t >= start]
         return Flight(
@@ -221,13 +227,22 @@ class FlightLog:
             self.ended, self._ending = step.t, f"to {path} by {_why(step)}"
             self.completed = self.completed or step.by is By.END
 
-    def _close(self, t: float, by: str) -> None:
+    def _close(self, t: float, step: Step | None) -> None:
         assert self._open is not None
         path, entered = self._open
         start = self.started or 0.0
         name, visit = path.removeprefix(f"{AUTONOMOUS}/"), self._visits[path]
         numbered = name if visit == 1 else f"{name}#{visit}"
-        self.legs.append(LegFlown(numbered, entered - start, t - start, by))
+        left = LegFlown(numbered, entered - start, t - start, "")
+        if step is not None:
+            left = replace(
+                left,
+                by=step.by.value if step.by else "",
+                trigger=step.trigger,
+                seen=next((e.values for e in step.evaluations if e.trigger == step.trigger), ()),
+                why=_why(step),
+            )
+        self.legs.append(left)
         self._open = None
 
 

@@ -1,5 +1,8 @@
 """The picture of a flight: plan view with 95 % ellipses, depth over time with the legs coloured.
 
+Legs have a colour and a number, because there are more legs than colours that can be told apart:
+the number stands at the leg's middle in the plan, over its share of the profile, and in the key.
+
 matplotlib is imported when a picture is drawn, with the Agg back end: no display is needed.
 
 What does not live here: the state graph (graph), figures (flightlog).
@@ -8,7 +11,9 @@ What does not live here: the state graph (graph), figures (flightlog).
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +24,9 @@ if TYPE_CHECKING:
 
 _QUANTILE_95 = math.sqrt(-2.0 * math.log(0.05))  # of the plane: chi-square, two degrees of freedom
 _ELLIPSES = 12
+_NARROW = 0.012  # of the mission: a leg shorter than this has no room for its number
+_TITLE_WIDTH = 100  # characters
+_KEY_WIDTH = 150  # characters of the key in one row
 _TRUE, _ESTIMATE = "#2b2b2b", "#c1440e"
 _PALETTE = ("#88ccee", "#ddcc77", "#44aa99", "#cc6677", "#999933", "#aa4499", "#6699cc", "#117733")
 
@@ -34,11 +42,24 @@ def draw_flight(flight: Flight, path: Path, title: str) -> None:
     figure = Figure(figsize=(9.0, 10.0), layout="constrained")
     FigureCanvasAgg(figure)
     plan, profile = figure.subplots(2, 1, height_ratios=(2.2, 1.0))
-    colours = _leg_colours(flight.legs)
-    _draw_plan(plan, flight, colours)
-    _draw_profile(profile, flight, colours)
-    figure.suptitle(f"{title}: {flight.outcome}", fontsize=12)
+    marks = _marks(flight.legs)
+    _draw_plan(plan, flight, marks)
+    _draw_profile(profile, flight, marks)
+    figure.suptitle(_title(flight, title), fontsize=11)
     figure.savefig(path, dpi=110)
+
+
+def _title(flight: Flight, title: str) -> str:
+    rows = [f"{title}: {flight.outcome}"]
+    if flight.outcome != "completed":
+        rows += textwrap.wrap(flight.reason, _TITLE_WIDTH)
+    if flight.error_end is not None:
+        rows.append(
+            f"{flight.mission_time / 60:.1f} min, to {flight.max_depth:.1f} m deep and "
+            f"{flight.max_range:.0f} m from home; the estimate is {flight.error_end:.1f} m off "
+            "at the end"
+        )
+    return "\n".join(rows)
 
 
 def ellipse(covariance: tuple[float, float, float]) -> tuple[float, float, float]:
@@ -53,34 +74,34 @@ def ellipse(covariance: tuple[float, float, float]) -> tuple[float, float, float
     return 2.0 * _QUANTILE_95 * long_, 2.0 * _QUANTILE_95 * short, bearing
 
 
-def _leg_colours(legs: Sequence[LegFlown]) -> dict[str, str]:
+@dataclass(frozen=True, slots=True)
+class _Mark:
+    number: int
+    colour: str
+
+
+def _marks(legs: Sequence[LegFlown]) -> dict[str, _Mark]:
     names = dict.fromkeys(_plain(leg.name) for leg in legs)
-    return {name: _PALETTE[i % len(_PALETTE)] for i, name in enumerate(names)}
+    return {name: _Mark(i + 1, _PALETTE[i % len(_PALETTE)]) for i, name in enumerate(names)}
 
 
 def _plain(name: str) -> str:
     return name.partition("#")[0]
 
 
-def _draw_plan(axes: Axes, flight: Flight, colours: dict[str, str]) -> None:
+def _draw_plan(axes: Axes, flight: Flight, marks: dict[str, _Mark]) -> None:
     samples = flight.samples
     for leg in flight.legs:
-        flown = [s for s in samples if leg.entered <= s.t <= leg.left]
-        places = [s.estimate for s in flown]
-        axes.plot(
-            [e.east for e in places],
-            [e.north for e in places],
-            color=colours[_plain(leg.name)],
-            linewidth=5.0,
-            solid_capstyle="round",
-            alpha=0.8,
-        )
+        _draw_leg(axes, leg, [s for s in samples if leg.entered <= s.t <= leg.left], marks)
     axes.plot(
         [s.true.east for s in samples],
         [s.true.north for s in samples],
         color=_TRUE,
         linewidth=1.2,
-        label="true track",
+        label="true track, to its end",
+        marker="s",
+        markersize=5.0,
+        markevery=[len(samples) - 1] if samples else [],
     )
     axes.plot(
         [s.estimate.east for s in samples],
@@ -88,7 +109,10 @@ def _draw_plan(axes: Axes, flight: Flight, colours: dict[str, str]) -> None:
         color=_ESTIMATE,
         linewidth=1.0,
         linestyle="--",
-        label="estimate, with its 95 % ellipses",
+        label="estimate, with 95 % ellipses",
+        marker="s",
+        markersize=5.0,
+        markevery=[len(samples) - 1] if samples else [],
     )
     for sample in _spread(samples, _ELLIPSES):
         _draw_ellipse(axes, sample)
@@ -98,6 +122,31 @@ def _draw_plan(axes: Axes, flight: Flight, colours: dict[str, str]) -> None:
     axes.set_ylabel("north of home, m")
     axes.grid(alpha=0.3)
     axes.legend(loc="best", fontsize=9)
+
+
+def _draw_leg(axes: Axes, leg: LegFlown, flown: Sequence[Sample], marks: dict[str, _Mark]) -> None:
+    """By the estimate, as the guards saw it."""
+    mark = marks[_plain(leg.name)]
+    axes.plot(
+        [s.estimate.east for s in flown],
+        [s.estimate.north for s in flown],
+        color=mark.colour,
+        linewidth=5.0,
+        solid_capstyle="round",
+        alpha=0.8,
+    )
+    if flown and leg.name == _plain(leg.name):  # further rounds lie about there, too
+        at = flown[len(flown) // 2].estimate
+        axes.annotate(
+            str(mark.number),
+            (at.east, at.north),
+            xytext=(7, 7),
+            textcoords="offset points",
+            fontsize=9,
+            fontweight="bold",
+            color=_TRUE,
+            bbox={"boxstyle": "circle,pad=0.2", "fc": "white", "ec": mark.colour, "alpha": 0.85},
+        )
 
 
 def _draw_ellipse(axes: Axes, sample: Sample) -> None:
@@ -117,13 +166,25 @@ def _draw_ellipse(axes: Axes, sample: Sample) -> None:
     axes.add_patch(patch)
 
 
-def _draw_profile(axes: Axes, flight: Flight, colours: dict[str, str]) -> None:
+def _draw_profile(axes: Axes, flight: Flight, marks: dict[str, _Mark]) -> None:
     named: set[str] = set()
     for leg in flight.legs:
         name = _plain(leg.name)
-        label = None if name in named else name
+        mark = marks[name]
+        label = None if name in named else f"{mark.number}  {name}"
         named.add(name)
-        axes.axvspan(leg.entered, leg.left, color=colours[name], alpha=0.6, lw=0, label=label)
+        axes.axvspan(leg.entered, leg.left, color=mark.colour, alpha=0.6, lw=0, label=label)
+        if leg.left - leg.entered > _NARROW * flight.mission_time:
+            middle = (leg.entered + leg.left) / 2.0
+            axes.text(
+                middle,
+                1.01,
+                str(mark.number),
+                transform=axes.get_xaxis_transform(),
+                ha="center",
+                va="bottom",
+                fontsize=8,
+            )
     axes.plot(
         [s.t for s in flight.samples],
         [s.true.depth for s in flight.samples],
@@ -144,7 +205,9 @@ def _draw_profile(axes: Axes, flight: Flight, colours: dict[str, str]) -> None:
     axes.grid(alpha=0.3)
     if named:
         below = (0.5, -0.2)  # beside the curves it would hide one of them
-        axes.legend(loc="upper center", bbox_to_anchor=below, fontsize=8, ncols=min(len(named), 6))
+        longest = max(len(name) for name in named)
+        columns = max(1, min(len(named), 6, _KEY_WIDTH // (longest + 8)))
+        axes.legend(loc="upper center", bbox_to_anchor=below, fontsize=8, ncols=columns)
 
 
 def _spread(samples: Sequence[Sample], count: int) -> Sequence[Sample]:

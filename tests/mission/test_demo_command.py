@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
 from mission.commands import demo as command
-from mission.simulation.demo import Demo, DemoError
+from mission.simulation.demo import Demo, DemoError, Progress
 
 
 def test_a_folder_with_somebody_elses_files_is_left_alone(tmp_path: Path) -> None:
@@ -43,3 +46,73 @@ def test_a_mission_the_check_refuses_is_not_flown(tmp_path: Path) -> None:
     assert ran.exit_code == 1
     assert "refused by the check" in ran.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_progress_is_where_the_vehicle_takes_itself_to_be(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    shown = command._Shown()
+    flying = Progress(state="autonomous", leg="box/north", depth=5.04, left=774.0)
+    shown.show(flying)
+    flying.leg, flying.position, flying.uncertainty = "box/east", (12.3, -0.6), 7.9
+    shown.show(flying)
+    shown.show(flying)
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert rows == [
+        [
+            "autonomous/box/north",
+            "5.0",
+            "m",
+            "deep",
+            "no",
+            "fix",
+            "yet",
+            "at",
+            "most",
+            "12.9",
+            "min",
+            "left",
+        ],
+        [
+            "autonomous/box/east",
+            "5.0",
+            "m",
+            "deep",
+            "+12",
+            "m",
+            "north",
+            "-1",
+            "m",
+            "east",
+            "within",
+            "8",
+            "m",
+            "at",
+            "most",
+            "12.9",
+            "min",
+            "left",
+        ],
+    ]
+
+
+def test_a_demonstration_that_is_told_to_end_ends_its_processes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By SIGTERM as by ctrl-C, once both processes run."""
+    started: list[subprocess.Popen[str]] = []
+    popen = subprocess.Popen
+
+    def noted(*args: object, **more: object) -> subprocess.Popen[str]:
+        started.append(popen(*args, **more))  # type: ignore[call-overload]
+        return started[-1]
+
+    def operate(self: Demo, topside: str, events: object) -> None:
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    monkeypatch.setattr(subprocess, "Popen", noted)
+    monkeypatch.setattr(Demo, "_operate", operate)
+    ran = CliRunner().invoke(command.demo, ["--out", str(tmp_path / "out")])
+    assert ran.exit_code == 128 + signal.SIGTERM
+    assert len(started) == 2
+    assert all(process.poll() is not None for process in started)

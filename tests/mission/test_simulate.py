@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +20,9 @@ from mission.language import digest, parse
 from mission.model import STOPPED, SURFACED
 from mission.replay.replay import replay
 from mission.replay.rerun import drive_from, failed_writes, feed
+from mission.simulation import plot
 from mission.simulation.flight import fly
-from mission.simulation.flightlog import Flight
+from mission.simulation.flightlog import Flight, LegFlown
 from mission.simulation.plot import ellipse
 from mission.simulation.rehearsal import Said
 from mission.vehicle import load_vehicle
@@ -287,3 +290,31 @@ def test_the_ellipse_points_where_the_doubt_is(
     along, across, found = ellipse(covariance)
     assert along == pytest.approx(3.0 * across)
     assert math.degrees(found) == pytest.approx(bearing)
+
+
+def test_the_table_names_the_guard_and_what_it_saw(short: Path) -> None:
+    rows = run(short).stdout.splitlines()
+    assert re.search(r"^dive .* until +depth >= 3\.5 m \(depth \d+\.?\d* m\)$", rows[1])
+    assert re.search(r"^there/out .* for +after 20 s$", rows[2])
+    assert re.search(r"^up .* end +at the surface$", rows[4])
+    assert all(row.isascii() for row in rows)
+
+
+def test_the_table_says_why_a_leg_was_cut_short(short: Path) -> None:
+    rows = run(short, "--set", "fault=depth_frozen@40").stdout
+    assert re.search(r" limit +limit depth unknown: submerged", rows)
+
+
+def test_every_leg_of_a_picture_has_a_number_and_neighbours_differ_in_colour() -> None:
+    legs = [LegFlown(f"l{i}", float(i), i + 1.0, "for") for i in range(20)]
+    again = LegFlown("l3#2", 20.0, 21.0, "for")
+    marks = list(plot._marks([*legs, again]).values())
+    assert [mark.number for mark in marks] == list(range(1, 21))
+    assert all(a.colour != b.colour for a, b in itertools.pairwise(marks))
+
+
+def test_a_picture_of_a_flight_that_never_began_says_why(tmp_path: Path) -> None:
+    flight = flown(lines=["mission short vehicle auv", "a: depth 500 timeout 10"])
+    assert "refused" in plot._title(flight, "short")
+    plot.draw_flight(flight, tmp_path / "track.png", "short")
+    assert (tmp_path / "track.png").stat().st_size > 1000
