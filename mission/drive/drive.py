@@ -338,12 +338,15 @@ class Drive:
         chart = self._chart if isinstance(command, StartMission) else None
         if chart is not None and (why := self._latch.foresee(chart.initial)):
             return Verdict(False, why)
-        verdict = self._step(now, (command,))[-1]
-        if isinstance(command, ClearMission) and verdict.accepted:
+        clears = isinstance(command, ClearMission) and self._engine.may_clear
+        if clears:  # durable before it is done, or nothing is
             try:
                 self._store.keep_lines(())
             except StoreError as error:
                 return Verdict(False, str(error))
+            self._unjudged = ()
+        verdict = self._step(now, (command,))[-1]
+        if clears:
             self._load(None, now)
         return verdict
 

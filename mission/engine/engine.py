@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mission.engine.core import Core
-from mission.engine.orders import ORDERS, STICK_QUIET
+from mission.engine.orders import ORDERS, STICK_QUIET, may_clear
 from mission.engine.senses import Navigator
 from mission.engine.words import event_of, short
 from mission.envelope import Bounds, Limit, Response
@@ -328,6 +328,11 @@ class Engine:
     @property
     def round(self) -> int:
         return self._core.run.round if self._core.run else 1
+
+    @property
+    def may_clear(self) -> bool:
+        """An @AC would be accepted now."""
+        return may_clear(self._core)
 
     @property
     def under_way(self) -> str:

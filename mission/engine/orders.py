@@ -70,8 +70,12 @@ def manual(core: Core, command: Manual) -> Verdict:
     return ACCEPTED
 
 
+def may_clear(core: Core) -> bool:
+    return core.region == IDLE or core.active in (STOPPED, SURFACED)
+
+
 def clear(core: Core, command: ClearMission) -> Verdict:
-    if core.region == IDLE or core.active in (STOPPED, SURFACED):
+    if may_clear(core):
         core.clear()
         return ACCEPTED
     if core.region == EMERGENCY:

@@ -138,6 +138,11 @@ class FullDisk(MemoryStore):
             raise StoreError("no space left on device")
         super().keep_under_way(what)
 
+    def keep_lines(self, lines: tuple[str, ...]) -> None:
+        if self.full:
+            raise StoreError("no space left on device")
+        super().keep_lines(lines)
+
 
 def test_no_mission_starts_that_a_restart_would_not_know_of() -> None:
     store = FullDisk()
@@ -150,6 +155,20 @@ def test_no_mission_starts_that_a_restart_would_not_know_of() -> None:
     store.full = False
     assert boat.say(b"@AA$") == [b"@ACK_AAA$"]
     assert store.content.under_way.startswith("autonomous")
+
+
+def test_a_clear_is_durable_or_nothing_is_cleared() -> None:
+    store = FullDisk()
+    boat = Boat(store)
+    boat.upload()
+    store.full = True
+    assert boat.say(b"@AC$") == [b"@ACK_ACN$"]
+    assert boat.drive.state == "idle/ready"
+    assert boat.drive.engine.chart is not None
+    store.full = False
+    assert boat.say(b"@AC$") == [b"@ACK_ACC$"]
+    assert boat.drive.state == "idle/empty"
+    assert not store.content.lines
 
 
 def test_a_start_that_is_refused_leaves_no_latch() -> None:
