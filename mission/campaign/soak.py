@@ -2,8 +2,9 @@
 
 After each flight the vehicle is towed home and recharged: another simulated vehicle, the same
 drive (unless a fault kills it), the same store, the same black box. Memory is looked at after
-every mission, the black box is looked at whenever it goes on in another part: a part that is
-closed must be whole, and is then taken away.
+every mission in three ways: the objects that the collector knows, the blocks that Python has
+allocated (strings and numbers too), and what of the process is resident. The black box is looked
+at whenever it goes on in another part: a part that is closed must be whole, and is then taken away.
 
 What does not live here: what goes wrong (draw), what may not come of it (laws).
 """
@@ -12,7 +13,9 @@ from __future__ import annotations
 
 import gc
 import resource
+import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
@@ -33,7 +36,9 @@ LULL = 600.0  # s at most between two missions, adrift
 _MEGABYTE = 1 << 20
 _CLEAN = (b"@NSOOOCCO$", b"@SP,2000,240,100,10,$", b"@AC$")
 FLAT = 0.02  # share by which what is alive may differ between missions
-SETTLED = 5  # missions until everything that is kept once is there
+FLAT_RESIDENT = 0.05  # the same of the process: its allocator gives little back
+SETTLED = 5  # missions until everything that is kept once is there, at least
+_STATM = Path("/proc/self/statm")
 
 
 @dataclass(slots=True)
@@ -41,23 +46,41 @@ class Soaked:
     days: float = 0.0
     missions: int = 0
     totals: Totals = field(default_factory=Totals)
-    objects: list[int] = field(default_factory=list)  # alive after each mission
+    objects: list[float] = field(default_factory=list)  # alive after each mission
+    blocks: list[float] = field(default_factory=list)
+    resident: list[float] = field(default_factory=list)  # MB; empty where nobody tells
     parts: int = 1
     megabytes: float = 0.0  # of the parts that were taken away
     broken_parts: int = 0
 
     @property
-    def growth(self) -> float:
-        """Of the objects alive, from when everything was there to the end, as a share."""
-        if len(self.objects) <= 2 * SETTLED:
-            return 0.0
-        early = max(self.objects[SETTLED : 2 * SETTLED])
-        return min(self.objects[-SETTLED:]) / early - 1.0
+    def growth(self) -> dict[str, float]:
+        """From when everything was there to the end, as shares."""
+        series = {"objects": self.objects, "blocks": self.blocks, "resident": self.resident}
+        return {name: round(grown(values), 4) for name, values in series.items()}
 
     @property
-    def peak_megabytes(self) -> float:
-        """Of this process."""
-        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    def flat(self) -> bool:
+        growth = self.growth
+        alive = max(growth["objects"], growth["blocks"])
+        return alive < FLAT and growth["resident"] < FLAT_RESIDENT
+
+    def look_at_memory(self) -> None:
+        gc.collect()
+        self.objects.append(float(len(gc.get_objects())))
+        self.blocks.append(float(sys.getallocatedblocks()))
+        if _STATM.exists():
+            pages = int(_STATM.read_text().split()[1])
+            self.resident.append(pages * resource.getpagesize() / _MEGABYTE)
+
+
+def grown(values: Sequence[float]) -> float:
+    """The least of the last few over the greatest of the second tenth, less one: a leak shows,
+    a mission that is larger than the others does not. 0 for too few values."""
+    if len(values) <= 2 * SETTLED:
+        return 0.0
+    tenth = max(len(values) // 10, SETTLED)
+    return min(values[-SETTLED:]) / max(values[tenth : 2 * tenth]) - 1.0
 
 
 def soak(
@@ -68,9 +91,25 @@ def soak(
     folder: Path,
     told: Callable[[Soaked, Fared], None] = lambda soaked, fared: None,
 ) -> Soaked:
-    """``folder`` is for the black box."""
+    """``folder`` is for the black box. Ctrl-C ends it early; what was found so far is returned."""
     box = BlackBox(folder / "soak.mcap", limit=PART)
-    soaked, rng = Soaked(), Random(f"soak {seed}")
+    soaked = Soaked()
+    with suppress(KeyboardInterrupt):
+        _fly_on(soaked, days, seed, subjects, vehicle, box, told)
+    box.close()
+    return soaked
+
+
+def _fly_on(
+    soaked: Soaked,
+    days: float,
+    seed: int,
+    subjects: Sequence[Subject],
+    vehicle: Vehicle,
+    box: BlackBox,
+    told: Callable[[Soaked, Fared], None],
+) -> None:
+    rng = Random(f"soak {seed}")
     board = _board(vehicle, box)
     elapsed = 0.0
     while elapsed < days * DAY:
@@ -93,12 +132,9 @@ def soak(
         fared = fared_of(plan, trial, vehicle, vehicle.dialect)
         soaked.totals.add(fared)
         del trial
-        gc.collect()
-        soaked.objects.append(len(gc.get_objects()))
-        _take_away(soaked, box, folder)
+        soaked.look_at_memory()
+        _take_away(soaked, box)
         told(soaked, fared)
-    box.close()
-    return soaked
 
 
 def _board(vehicle: Vehicle, box: BlackBox) -> OnBoard:
@@ -112,9 +148,10 @@ def _board(vehicle: Vehicle, box: BlackBox) -> OnBoard:
     return board
 
 
-def _take_away(soaked: Soaked, box: BlackBox, folder: Path) -> None:
+def _take_away(soaked: Soaked, box: BlackBox) -> None:
     """Parts that are closed: whole, or counted as broken."""
-    while (part := part_path(folder / "soak.mcap", soaked.parts)) != box.path:
+    first = box.path.parent / "soak.mcap"
+    while (part := part_path(first, soaked.parts)) != box.path:
         whole = any(True for _ in read_records(part)) and part.stat().st_size <= 2 * PART
         soaked.broken_parts += not whole
         soaked.megabytes += part.stat().st_size / _MEGABYTE

@@ -93,14 +93,16 @@ def _soak(days: float, seed: int, known: Sequence[Subject], as_json: bool) -> in
                 f"{story}\n  again: auvmission faults --seed {seed} --soak {soaked.days:.2f}"
             )
         if soaked.missions % 20 == 0:
-            click.echo(f"{soaked.days:.2f} of {days:g} days, {soaked.missions} missions", err=True)
+            words = f"{soaked.days:.2f} of {days:g} days, {soaked.missions} missions"
+            click.echo(f"{words}, growth {soaked.growth}", err=True)
 
     with tempfile.TemporaryDirectory(prefix="soak-") as folder:
         soaked = soak.soak(days, seed, known, load_vehicle("auv"), Path(folder), told)
     found = soaked.totals.as_json() | {
         "days": round(soaked.days, 2),
-        "growth": round(soaked.growth, 4),
-        "peak_mb": round(soaked.peak_megabytes, 1),
+        "missions": soaked.missions,
+        "growth": soaked.growth,
+        "resident_mb": round(soaked.resident[-1], 1) if soaked.resident else None,
         "black_box": {
             "parts": soaked.parts,
             "broken": soaked.broken_parts,
@@ -108,8 +110,7 @@ def _soak(days: float, seed: int, known: Sequence[Subject], as_json: bool) -> in
         },
     }
     click.echo(json.dumps(found))
-    flat = soaked.growth < soak.FLAT and not soaked.broken_parts
-    return 0 if soaked.totals.clean and flat else 1
+    return 0 if soaked.totals.clean and soaked.flat and not soaked.broken_parts else 1
 
 
 def _recorders(folder: Path | None) -> Callable[[], Recorder | None]:
