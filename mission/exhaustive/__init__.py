@@ -5,9 +5,10 @@
 Everything happens at the drive: telemetry, fixes, acknowledgements and operators' commands are
 bytes that go through the real decoders, and what a law sees is bytes that left, the Steps on
 record, and the state. Laws are written from the design and protocols alone: they never ask the
-engine what is right. Two things reach behind the bytes, because a day would not do otherwise: a
-configuration is put in place by the engine's ``place`` (leg, rounds, time in the leg), and a drive
-is copied whole (fork), so that each cell begins at the same instant.
+engine what is right. Three things reach behind the bytes, because a day would not do otherwise: a
+configuration is put in place by the engine's ``place`` (leg, rounds, time in the leg), a path that
+a leg waits for is given to it (wishes), and a drive is copied whole (fork), so that each cell
+begins at the same instant.
 
     wire            what the vehicle and the GPS say, in bytes
     world           a drive with a vehicle on its line, and what was seen of it
@@ -15,7 +16,9 @@ is copied whole (fork), so that each cell begins at the same instant.
     configurations  the ways into every configuration
     commands        events: the rows of what operators say
     events          the others: limits, readings, answers, time, a restart
-    laws            the rows of laws: states; leg_laws legs, operator_laws what is answered
+    wishes          the event that a leg's exit waits for
+    laws            the rows of laws: states; proof_laws what is proved, line_laws what leaves when,
+                    leg_laws legs, operator_laws what is answered
     run             all of it, on several processes
 
 What does not live here: flights (a cell lasts seconds), bit errors on the lines (protocol, links).
