@@ -91,8 +91,9 @@ BENCHES = (
         "the wire",
         lambda module: module.main(),
         (
-            Figure("stream_ratio", "the stream decoder against pymavlink", "x", 5, True),
-            Figure("log_ratio", "a whole log against pymavlink", "x", 15, True),
+            Figure("stream_mavutil_ratio", "the stream decoder against mavutil", "x", 5, True),
+            Figure("stream_ratio", "the same against pymavlink's bare parser", "x", 5, True),
+            Figure("log_ratio", "a whole log against the parser without garbage", "x", 15, True),
         ),
     ),
     Bench(

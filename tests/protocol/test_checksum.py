@@ -19,6 +19,7 @@ from protocol.checksum import (
     crc32_stm32,
     find_sd_crc_profile,
     sd_profile,
+    stm32_checker,
     sum255,
     sum256,
     xor8,
@@ -60,6 +61,16 @@ def test_the_stm32_unit_eats_little_endian_words_filled_with_zeros(data: bytes) 
     padded = data + bytes(-len(data) % 4)
     words = [int.from_bytes(padded[i : i + 4], "little") for i in range(0, len(padded), 4)]
     assert crc32_stm32(data) == bitwise(words)
+
+
+@given(st.binary(min_size=8, max_size=8), st.binary(min_size=80, max_size=80), st.integers(0, 31))
+def test_a_checker_agrees_with_the_stm32_unit_alone(short: bytes, usual: bytes, bit: int) -> None:
+    for data in (short, usual):
+        agrees, crc = stm32_checker(len(data)), crc32_stm32(data)
+        for _ in range(2):  # nothing is left over from the one before
+            assert agrees(data, crc.to_bytes(4, "little"))
+            assert not agrees(data, (crc ^ 1 << bit).to_bytes(4, "little"))
+        assert not agrees(bytes([data[0] ^ 1]) + data[1:], crc.to_bytes(4, "little"))
 
 
 def test_published_check_values() -> None:
