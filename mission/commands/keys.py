@@ -10,7 +10,7 @@ import click
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--boat", "boats", multiple=True, default=("boat",), metavar="NAME",
-              help="An end that may command; may be given again.  [default: boat]")  # fmt: skip
+              help="A boat that may command the vehicle; repeatable.  [default: boat]")  # fmt: skip
 def keys(folder: Path, boats: tuple[str, ...]) -> None:
     """Make a small certificate authority in FOLDER, with an end for the vehicle and for each boat.
 
@@ -34,4 +34,4 @@ on the vehicle:  copy {folder / "vehicle"} to e.g. /etc/auvmission/keys, and con
                  topside: tls-listen://0.0.0.0:4000?keys=/etc/auvmission/keys
 on the boat:     copy {folder / boats[0]} to ~/.config/auvmission/keys, and say
                  auvmission status --to tls://VEHICLE:4000
-at home:         {folder / "authority"} signs further ends: keep it, and take it nowhere""")
+ashore:          keep {folder / "authority"}, which can sign more, and take it nowhere""")

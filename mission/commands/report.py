@@ -38,7 +38,8 @@ def report(log: Path, output: Path | None, vehicle: str | None, as_json: bool) -
         known = load_vehicle(vehicle) if vehicle else heard.vehicle
         track = smooth(heard.inputs, known)
     except (BlackBoxError, LogError, VehicleError, ValueError) as error:
-        click.echo(f"{log}: {error}", err=True)
+        named = isinstance(error, (BlackBoxError, LogError, VehicleError))
+        click.echo(str(error) if named else f"{log}: {error}", err=True)
         raise SystemExit(2) from None
     picture = output or log.with_suffix(".png")
     draw_track(track, picture, log.name)
