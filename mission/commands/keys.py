@@ -32,6 +32,6 @@ def keys(folder: Path, boats: tuple[str, ...]) -> None:
     click.echo(f"""
 on the vehicle:  copy {folder / "vehicle"} to e.g. /etc/auvmission/keys, and configure
                  topside: tls-listen://0.0.0.0:4000?keys=/etc/auvmission/keys
-on the boat:     copy {folder / boats[0]} to ~/.config/auvmission/keys, and say
+on the boat:     copy {folder / boats[0]} to ~/.config/auvmission/keys, then run
                  auvmission status --to tls://VEHICLE:4000
-ashore:          keep {folder / "authority"}, which can sign more, and take it nowhere""")
+ashore:          keep {folder / "authority"} there; it can sign further boats""")
