@@ -48,7 +48,8 @@ class TcpClient:
         try:
             connected = socket.create_connection((host, port), timeout=CONNECT_TIMEOUT)
         except OSError as error:
-            raise LinkAbsent(f"{name}: nobody answers at {self._where}: {error}") from error
+            why = error.strerror or error
+            raise LinkAbsent(f"{name}: nobody answers at {self._where}: {why}") from error
         peer = _address(connected.getpeername())
         if tls is not None:
             try:

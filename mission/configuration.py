@@ -32,6 +32,7 @@ from typing import Any
 import yaml
 
 from mission.units import UnitError, quantity
+from protocol.tolerances import Tolerances, UnknownTolerance
 
 
 class ConfigurationError(ValueError):
@@ -87,37 +88,41 @@ def load_configuration(path: Path | None) -> Configuration:
         return Configuration()
     try:
         return parse_configuration(path.read_text(encoding="utf-8"), str(path))
-    except (OSError, UnicodeDecodeError) as error:
-        raise ConfigurationError(f"{path}: cannot be read: {error}") from error
+    except UnicodeDecodeError as error:
+        raise ConfigurationError(f"{path}: cannot be read: it is not UTF-8") from error
+    except OSError as error:
+        raise ConfigurationError(f"{path}: cannot be read: {error.strerror or error}") from error
 
 
 def parse_configuration(text: str, where: str = "configuration") -> Configuration:
     try:
         data = yaml.safe_load(text)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        place = f"{where}:{mark.line + 1}:{mark.column + 1}" if mark else where
+        raise ConfigurationError(f"{place}: not YAML: {error.problem}") from error
     except yaml.YAMLError as error:
-        raise ConfigurationError(f"{where}: not YAML: {error}") from error
+        raise ConfigurationError(f"{where}: not YAML: {' '.join(str(error).split())}") from error
     data = {} if data is None else data
     if not isinstance(data, dict):
         raise ConfigurationError(f"{where}: a configuration is a table of keys, not {data!r}")
     faults: list[str] = []
-    values = _table(data, _KEYS, where, faults)
+    values = _table(data, _KEYS, faults)
     if faults:
-        raise ConfigurationError("\n".join(faults))
+        raise ConfigurationError("\n".join(f"{where}: {fault}" for fault in faults))
     return Configuration(**values)
 
 
-def _table(
-    data: Mapping[Any, Any], keys: Mapping[str, Any], where: str, faults: list[str]
-) -> dict[str, Any]:
+def _table(data: Mapping[Any, Any], keys: Mapping[str, Any], faults: list[str]) -> dict[str, Any]:
     values: dict[str, Any] = {}
     for key, value in data.items():
         if key not in keys:
-            faults.append(f"{where}: unknown key {key!r}; there are {', '.join(keys)}")
+            faults.append(f"unknown key {key!r}; there are {', '.join(keys)}")
             continue
         try:
             values[key] = keys[key](value)
         except (_Wrong, UnitError) as error:
-            faults.append(f"{where}: {key}: {error}")
+            faults.append(f"{key}: {error}")
     return values
 
 
@@ -165,7 +170,12 @@ def _folder(value: Any) -> Path:
 def _tolerances(value: Any) -> Mapping[str, str]:
     if not isinstance(value, dict):
         raise _Wrong(f"a table of names is needed, not {value!r}")
-    return {str(k): {True: "on", False: "off"}.get(v, str(v)) for k, v in value.items()}
+    found = {str(k): {True: "on", False: "off"}.get(v, str(v)) for k, v in value.items()}
+    try:
+        Tolerances.parse(found)
+    except UnknownTolerance as error:
+        raise _Wrong(str(error)) from None
+    return found
 
 
 def _links(value: Any) -> LinkUrls:
@@ -174,7 +184,7 @@ def _links(value: Any) -> LinkUrls:
     faults: list[str] = []
     required = {"vehicle", "topside"}
     keys = {f.name: _text if f.name in required else _text_or_none for f in fields(LinkUrls)}
-    values = _table(value, keys, "a link", faults)
+    values = _table(value, keys, faults)
     if faults:
         raise _Wrong("; ".join(faults))
     return LinkUrls(**values)

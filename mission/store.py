@@ -122,7 +122,9 @@ class DiskStore:
             for left_over in folder.glob("*.new"):
                 left_over.unlink()
         except OSError as error:
-            raise StoreError(f"the store {folder} cannot be used: {error}") from error
+            raise StoreError(
+                f"the store {folder} cannot be used: {error.strerror or error}"
+            ) from error
         self._content = self._read()
 
     @property
@@ -160,7 +162,9 @@ class DiskStore:
         except FileNotFoundError:
             return ""
         except OSError as error:
-            raise StoreError(f"the store's file {path} cannot be read: {error}") from error
+            raise StoreError(
+                f"the store's file {path} cannot be read: {error.strerror or error}"
+            ) from error
         head, newline, body = data.partition(b"\n")
         if newline and head == _sum(body):
             return body.decode()
@@ -180,7 +184,7 @@ class DiskStore:
         except OSError as error:
             with contextlib.suppress(OSError):
                 beside.unlink()
-            raise StoreError(f"{path} could not be written: {error}") from error
+            raise StoreError(f"{path} could not be written: {error.strerror or error}") from error
 
 
 def _sum(body: bytes) -> bytes:

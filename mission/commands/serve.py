@@ -80,7 +80,7 @@ def serve(
         flown = load_vehicle(configuration.vehicle)
         store = DiskStore(configuration.store)
     except (ConfigurationError, LinkError, VehicleError, StoreError) as error:
-        tell(str(error))
+        tell(f"fault: {error}")
         raise SystemExit(2) from None
     for damage in store.content.damage:
         tell(f"warning: {damage}")

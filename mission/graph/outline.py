@@ -199,7 +199,8 @@ def _joined(ways: list[Way]) -> tuple[Way, ...]:
         last = next((w for w in result if {w.by, way.by} == {By.TIMEOUT, By.ELSE}), None)
         if last is not None and last.target == way.target:
             timeout = last if last.by is By.TIMEOUT else way
-            text = f"{timeout.text}, or else"
+            # where it falls through there is no target behind the words
+            text = f"{timeout.text}, " + ("refused or blind" if last.falls else "or else")
             edges = last.edges + way.edges
             joined = Way(text, By.TIMEOUT, way.target, last.falls, last.again, edges)
             result[result.index(last)] = joined

@@ -6,7 +6,9 @@ from dataclasses import fields
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
+from mission.commands.serve import serve
 from mission.configuration import (
     _KEYS,
     Configuration,
@@ -66,3 +68,39 @@ def test_what_is_no_table_is_refused(text: str) -> None:
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
     with pytest.raises(ConfigurationError, match=r"absent\.yaml"):
         load_configuration(tmp_path / "absent.yaml")
+
+
+def test_a_tolerance_that_does_not_exist_is_told_before_anything_begins() -> None:
+    with pytest.raises(
+        ConfigurationError, match=r"serve.yaml: tolerances: .*'nope'.*aw_zero_based"
+    ):
+        parse_configuration("tolerances: {nope: 3}", "serve.yaml")
+
+
+def test_a_link_that_is_wrong_is_named_by_its_key() -> None:
+    with pytest.raises(ConfigurationError) as caught:
+        parse_configuration("links: {gps: 3}", "serve.yaml")
+    assert str(caught.value) == "serve.yaml: links: gps: a text is needed, not 3"
+
+
+def test_what_is_no_yaml_is_told_in_one_line_with_its_place(tmp_path: Path) -> None:
+    with pytest.raises(ConfigurationError, match=r"^serve.yaml:2:1: not YAML: .*'\]'") as caught:
+        parse_configuration("links: [a, b\n", "serve.yaml")
+    assert "\n" not in str(caught.value)
+    (tmp_path / "latin.yaml").write_bytes(b"folder: \xe9")
+    with pytest.raises(ConfigurationError, match="cannot be read: it is not UTF-8"):
+        load_configuration(tmp_path / "latin.yaml")
+    with pytest.raises(ConfigurationError, match="cannot be read: No such file"):
+        load_configuration(tmp_path / "absent.yaml")
+
+
+def test_serve_does_not_begin_with_a_wrong_configuration_and_calls_it_a_fault(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("JOURNAL_STREAM", raising=False)
+    path = tmp_path / "serve.yaml"
+    path.write_text("tolerances: {nope: 3}\n")
+    ran = CliRunner().invoke(serve, ["--config", str(path), "--folder", str(tmp_path / "pi")])
+    assert ran.exit_code == 2
+    assert f" fault   {path}: tolerances: " in ran.stderr
+    assert not (tmp_path / "pi").exists()

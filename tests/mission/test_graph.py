@@ -20,6 +20,7 @@ from mission.graph.raster import NoFont, fonts
 from mission.graph.svg import svg
 from mission.machine import Machine
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE
+from mission.prepare import prepare
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -190,3 +191,12 @@ def test_every_end_of_a_dot_edge_is_a_node_that_is_drawn() -> None:
         clusters = set(re.findall(r'subgraph "([^"]+)"', drawn))
         assert set(re.findall(r'l(?:head|tail)="([^"]+)"', drawn)) <= clusters
         assert any(start == "autonomous/*" for start, _ in ends)
+
+
+@pytest.mark.parametrize("name", ["first-dive", "transect", "shakedown"])
+def test_a_way_that_falls_through_to_the_next_leg_ends_in_no_open_sentence(name: str) -> None:
+    drawn = svg(outline(prepare(name).chart))
+    texts = re.findall(r"<text[^>]*>([^<]*)</text>", drawn)
+    assert any(text.startswith("timeout") and text.endswith("refused or blind") for text in texts)
+    ways = [way for node in outline(prepare(name).chart).walk() for way in node.ways]
+    assert not [way for way in ways if way.falls and way.text.endswith("or else")]
