@@ -27,7 +27,7 @@ from mission.configuration import Configuration
 from mission.drive import records as rec
 from mission.drive.commander import Commander
 from mission.drive.frontseat import GAP_S, Frontseat
-from mission.drive.judge import judge
+from mission.drive.judge import Judge
 from mission.drive.latch import Latch
 from mission.drive.nodes import LINK as NODES
 from mission.drive.nodes import Nodes, with_process
@@ -102,6 +102,7 @@ class Drive:
     ) -> None:
         self._configuration, self._vehicle = configuration, vehicle
         self._store = WatchedStore(store, self._failed_write)
+        self.judge = Judge(vehicle)
         self._recorder, self._observer = recorder, observer
         start = rec.Start(__version__, configuration, vehicle, store.content, wall)
         self._record(rec.start_record, start, 0.0)
@@ -194,6 +195,11 @@ class Drive:
                 first = due
         return first
 
+    def foresee(self, rx: Rx) -> tuple[str, ...]:
+        """The lines that these bytes would complete to a mission, () if to none: to be given to
+        ``judge`` before ``receive``, where that may take its time. Changes nothing."""
+        return self._topside.foresee(Peer(rx.link, rx.address), rx.data, rx.t)
+
     def make_navigation(self) -> Navigation:
         """About a second of imports: for a thread of the pump, whose result goes to
         ``set_navigation``. Made from what is on record alone."""
@@ -222,7 +228,7 @@ class Drive:
         lines, self._unjudged = self._unjudged, ()
         if lines:
             with contextlib.suppress(MissionRefused):  # @AQ shows it as refused
-                self._load(judge(lines, self._vehicle), now)
+                self._load(self.judge(lines), now)
 
     def _from_vehicle(self, messages: Sequence[Received], now: float) -> None:
         inputs: list[Input] = []
@@ -357,7 +363,7 @@ class Drive:
         self._frontseat.relay(frame, reason, manual)
 
     def accept(self, lines: tuple[str, ...], now: float) -> None:
-        chart = judge(lines, self._vehicle)
+        chart = self.judge(lines)
         self._store.keep_lines(lines)
         self._load(chart, now)
 

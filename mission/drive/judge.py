@@ -1,5 +1,10 @@
 """The last judge of a mission: its lines become a Chart, or are refused in one line of words (R3).
 
+A verdict follows from the lines and the vehicle alone, so it may be found in advance: ``Judge``
+keeps the last one. A shell that lets it think in a thread of its own, before the line that
+completes the mission is heard, keeps the drive from thinking for seconds (docket); a replay just
+thinks again.
+
 What does not live here: where the lines come from (staging, store), the rules (language, compiler,
 check).
 """
@@ -12,8 +17,29 @@ from mission.model import Chart
 from mission.vehicle import Vehicle
 
 
+class Judge:
+    """Of the missions of one vehicle."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self._vehicle = vehicle
+        self._last: tuple[tuple[str, ...], Chart | str] = ((), "there are no lines")
+
+    def __call__(self, lines: tuple[str, ...]) -> Chart:
+        """Raises MissionRefused, with the first thing that is wrong."""
+        known, verdict = self._last
+        if known != lines:
+            try:
+                verdict = judge(lines, self._vehicle)
+            except MissionRefused as refusal:
+                verdict = str(refusal)
+            self._last = lines, verdict
+        if isinstance(verdict, str):
+            raise MissionRefused(verdict)
+        return verdict
+
+
 def judge(lines: tuple[str, ...], vehicle: Vehicle) -> Chart:
-    """Raises MissionRefused, with the first thing that is wrong."""
+    """As above."""
     from mission.check import check_mission
     from mission.language import MissionErrors, digest, parse_script
 

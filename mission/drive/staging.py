@@ -65,6 +65,12 @@ class Staging:
             return Held()
         return Whole(tuple(self._lines[i] for i in range(1, self._total + 1)))
 
+    def copy(self) -> Staging:
+        """For a look at what would be."""
+        other = Staging()
+        other._lines, other._total, other._last = dict(self._lines), self._total, self._last
+        return other
+
     def forget(self, now: float) -> None:
         if self._total and now - self._last >= FORGOTTEN_AFTER_S:
             self.clear()

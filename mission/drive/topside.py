@@ -14,6 +14,7 @@ What does not live here: what a command does to the vehicle (engine, behind ``Ve
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -22,7 +23,7 @@ from mission.drive.commander import Commander
 from mission.drive.nodes import LINK as NODES
 from mission.drive.nodes import NAMES, OPEN, Nodes
 from mission.drive.paths import Heard, Path, Unfit
-from mission.drive.staging import Held, OutOfPlace, Staging
+from mission.drive.staging import Held, OutOfPlace, Staging, Whole
 from mission.drive.vessel import MODEM, Answer, MissionRefused, Peer, Vessel, one_line
 from mission.model import Outcome, Result, Tx, Verdict
 from mission.store import Store, StoreError
@@ -101,6 +102,21 @@ class Topside:
     def receive(self, peer: Peer, data: bytes, now: float) -> None:
         self.connected(peer)
         self._take(peer, self._paths[peer].receive(data, now), now)
+
+    def foresee(self, peer: Peer, data: bytes, now: float) -> tuple[str, ...]:
+        """The set of lines that these bytes would make whole, () if none. Changes nothing."""
+        staged = self._staging
+        may_begin = b"AW" in data or staged.total > 0
+        enough = staged.have + data.count(b"@") + 1 >= staged.total  # one may have begun before
+        if not (b"$" in data and may_begin and enough and self._is_idle and peer in self._paths):
+            return ()
+        staging, path = staged.copy(), copy.deepcopy(self._paths[peer])
+        for item in path.receive(data, now):
+            if isinstance(item, MissionLine):
+                held = staging.offer(item, self._store.content.lines, now)
+                if isinstance(held, Whole):
+                    return held.lines
+        return ()
 
     def changed(self, data: bytes, now: float) -> None:
         """Bytes of the link ``nodes``."""

@@ -21,8 +21,7 @@ import time
 import traceback
 from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
-from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from links import LinkAddressError
 from links.base import Rx
@@ -32,20 +31,20 @@ from mission.drive.nodes import LINK as NODES
 from mission.drive.vessel import Peer
 from mission.model import AUTONOMOUS, Tx
 from mission.serve import health
+from mission.serve.docket import Docket
+from mission.serve.heavy import prepare
 from mission.serve.journal import Journal, Several
 from mission.serve.listening import listening, open_to_all, reached_at
 from mission.serve.ports import Port
 from mission.serve.processes import Processes
 from mission.serve.recording import Recording
 from mission.serve.sieve import Sieve, host_of
+from mission.serve.systemclock import set_system_clock
 from mission.serve.watchdog import Watchdog
 from mission.store import Store
 from mission.vehicle import Vehicle
 from protocol.messages import Order
 from protocol.topside import EMERGENCIES
-
-if TYPE_CHECKING:
-    from mission.navigation import Navigation
 
 VEHICLE, GPS, TOPSIDE, MODEM = "vehicle", "gps", "topside", "modem"
 NODE_OF = {VEHICLE: "STM32", GPS: "BDGPS", MODEM: "UACM"}
@@ -81,7 +80,7 @@ class Server:
         self._tell, self._ready, self._speed = self._journal.warning, ready, speed
         self._observer = Several(self._journal, *([observer] if observer else []))
         self._sieve, self._began = Sieve(time.monotonic()), time.monotonic()
-        self._recording = Recording(self._tell)
+        self._recording, self._docket = Recording(self._tell), Docket(self._hear, self._spawn)
         self._commander: Peer | None = None
         self._drive: Drive | None = None
         self._zero = 0.0
@@ -162,7 +161,7 @@ class Server:
         """The filter's import takes a second and more: not in this thread."""
         loop = asyncio.get_running_loop()
         try:
-            navigation = await loop.run_in_executor(None, _prepare, drive)
+            navigation = await loop.run_in_executor(None, prepare, drive)
         except Exception:
             self._journal.fault("navigation cannot be loaded, no mission can start:")
             self._journal.fault(traceback.format_exc())
@@ -210,10 +209,16 @@ class Server:
         if port.name == TOPSIDE:
             heard = self._sifted(port, heard)
         for rx in heard:
-            self._do(lambda drive, rx=rx: drive.receive(rx, now))  # type: ignore[misc]
-            if self._drive is not None and self._drive.commander.knows(Peer(rx.link, rx.address)):
-                port.vouch(rx.address)
+            if port.name in (TOPSIDE, MODEM) and self._drive is not None:
+                self._docket.hear(rx, self._drive)
+            else:
+                self._hear(rx)
         self._part(port)
+
+    def _hear(self, rx: Rx) -> None:
+        self._do(lambda drive: drive.receive(rx, self.now()))
+        if self._drive is not None and self._drive.commander.knows(Peer(rx.link, rx.address)):
+            self._ports[rx.link].vouch(rx.address)
 
     def _sifted(self, port: Port, heard: list[Rx]) -> list[Rx]:
         """Less what floods; those with an X or W first."""
@@ -229,7 +234,7 @@ class Server:
         if port.link is None:
             self._part(port)
             if port.name == MODEM:
-                self._do(lambda drive: drive.disconnected(MODEM, "", self.now()))
+                self._disconnect(MODEM, "")
         elif port.name == TOPSIDE and not self._announced:
             self._announced = True
             self._ready(Ready(reached_at(port.url), self._recording.path))
@@ -251,7 +256,13 @@ class Server:
             self._peers[port.name] = self._peers[port.name] - {address}
             self._sieve.forget(address)
             self._journal.info(f"topside: {address} is gone", f"{host_of(address)} is gone")
-            self._do(lambda d, a=address: d.disconnected(port.name, a, self.now()))  # type: ignore[misc]
+            self._disconnect(port.name, address)
+
+    def _disconnect(self, link: str, address: str) -> None:
+        def told() -> None:
+            self._do(lambda drive: drive.disconnected(link, address, self.now()))
+
+        self._docket.part(link, address, told)
 
     def _schedule(self) -> None:
         """One timer for everything that is due next."""
@@ -294,7 +305,9 @@ class Server:
         if tx.link == NODES:
             self._spawn(self._switch(tx.data))
         elif tx.link == CLOCK:
-            self._set_system_clock(tx.data.decode("ascii"))
+            local, offset = tx.data.decode("ascii"), self._configuration.utc_offset
+            if why := set_system_clock(local, offset):
+                self._tell(f"the system's clock was not set: {why}")
         elif (port := self._ports.get(tx.link)) is not None:
             sent = port.send(tx.data, self.now(), tx.address)
             self._part(port)
@@ -310,13 +323,6 @@ class Server:
 
     def _changed_node(self, answer: bytes) -> None:
         self._do(lambda drive: drive.receive(Rx(self.now(), NODES, answer)))
-
-    def _set_system_clock(self, local: str) -> None:
-        there = datetime.fromisoformat(local).replace(tzinfo=UTC).timestamp()
-        try:
-            time.clock_settime(time.CLOCK_REALTIME, there - self._configuration.utc_offset)
-        except OSError as error:
-            self._tell(f"the system's clock was not set: {error.strerror}")
 
     def _health(self) -> health.Health | None:
         """How it is now; the counts of the journal's last minute are told as well."""
@@ -373,15 +379,6 @@ class Server:
         await self._processes.end()
         await self._recording.shut()
         self._recording.end()
-
-
-def _prepare(drive: Drive) -> Navigation:
-    """In a thread: everything heavy that a mission will need, before anybody waits for it."""
-    import mission.check
-    import mission.language.assembly
-    import mission.language.lines  # noqa: F401
-
-    return drive.make_navigation()
 
 
 def run(server: Server) -> None:

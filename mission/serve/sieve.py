@@ -30,7 +30,7 @@ REMEMBERED = 256  # addresses
 
 _ORDER = re.compile(b"|".join(re.escape(frame) for frame in EMERGENCIES.values()))
 _LONGEST = max(map(len, EMERGENCIES.values()))
-_BREAK = b"\xff\xff\xff\xff"  # neither text nor a counter of @AW that counts
+BREAK = b"\xff\xff\xff\xff"  # neither text nor a counter of @AW that counts
 
 
 @dataclass(slots=True)
@@ -94,7 +94,7 @@ class Sieve:
         begun = (passed or tail)[1 - _LONGEST :]
         source.tails[rx.address] = (tail + rx.data)[1 - _LONGEST :]
         if rx.address in source.cut and passed:
-            passed = _BREAK + _unfinished(tail) + passed
+            passed = BREAK + _unfinished(tail) + passed
             source.cut.discard(rx.address)
         if rest:
             source.cut.add(rx.address)
@@ -113,7 +113,7 @@ class Sieve:
         if not found or (found[-1] == source.order and now - source.ordered < SAME_ORDER_S):
             return b""
         source.order, source.ordered = found[-1], now
-        return _BREAK + source.order
+        return BREAK + source.order
 
     def _source(self, host: str, now: float) -> _Source:
         if host not in self._sources and len(self._sources) >= REMEMBERED:

@@ -213,11 +213,11 @@ def test_the_way_up_does_not_wait_for_the_judge_of_the_stored_mission(
 ) -> None:
     judged: list[tuple[str, ...]] = []
 
-    def slowly(lines: tuple[str, ...], vehicle: Vehicle) -> Chart:
+    def watched(lines: tuple[str, ...], vehicle: Vehicle) -> Chart:
         judged.append(lines)
         return judge(lines, vehicle)
 
-    monkeypatch.setattr("mission.drive.drive.judge", slowly)
+    monkeypatch.setattr("mission.drive.judge.judge", watched)
     boat = Boat(MemoryStore(Stored(LINES, under_way="autonomous/a")))
     boat.until(30.0)
     assert boat.to_vehicle()[0] == b"@ZAWF$"

@@ -49,6 +49,7 @@ out: heading 90 gear 6 for 20s
 up: surface timeout 3min
 """
 MISSION = parse(TEXT)
+LINES = script(MISSION)
 PATIENCE = 8.0  # s, real
 
 
@@ -294,7 +295,7 @@ def test_what_was_under_way_surfaces_after_a_restart(tmp_path: Path) -> None:
 
 
 def test_serve_that_is_ended_in_a_mission_leaves_a_vehicle_that_is_stopped(tmp_path: Path) -> None:
-    with simulated(16.0) as sea:
+    with simulated(4.0) as sea:
         stm32, gps = (f"serial://{path}" for path in sea.paths)
         heard: list[bytes] = []
         really = sea.vehicle.stm32.receive
@@ -304,7 +305,7 @@ def test_serve_that_is_ended_in_a_mission_leaves_a_vehicle_that_is_stopped(tmp_p
             really(data, now)
 
         sea.vehicle.stm32.receive = hear  # type: ignore[method-assign]
-        with running(tmp_path, stm32, gps=gps, speed=16.0) as pi:
+        with running(tmp_path, stm32, gps=gps, speed=4.0) as pi:
             converse(pi.url, upload(script(MISSION), digest(MISSION), quiet))
             converse(pi.url, start(patience=60))
             soon(lambda: b"@ZAS3$" in heard, "the mission")
