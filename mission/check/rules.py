@@ -132,7 +132,7 @@ def _no_bound(chart: Chart) -> Iterator[Refusal]:
         assert leg is not None
         bound = leg.duration is not None or leg.timeout is not None
         if not bound and not isinstance(leg.kind, Surface):
-            message = f"{_name(state.path)} is ended by no clock; add for or timeout"
+            message = f"{_name(state.path)} has no clock to end it; add for or timeout"
             yield Refusal("no-bound", leg.where, message)
 
 

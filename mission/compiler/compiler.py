@@ -147,7 +147,7 @@ class _Compiler:
                 "name-twice",
                 node.where,
                 node.name,
-                f"{node.name} stands twice in the same group",
+                f"{node.name} appears twice in the same group",
                 "choose another name",
             )
             return False

@@ -201,7 +201,7 @@ class Assembly:
         if not self._top(word, where):
             return False
         if word in self._seen:
-            message = f"{word} stands twice; the first is in line {self._seen[word].line}"
+            message = f"{word} appears twice; the first is in line {self._seen[word].line}"
             self._problems.add("twice", where, message, "keep one of them")
             return False
         self._seen[word] = where
@@ -217,7 +217,7 @@ class Assembly:
                 message = f"{statement.word} has no {name.text!r}"
                 self._problems.add("unknown-word", name.where, message, hint)
             elif name.text in seen:
-                message = f"{name.text} stands twice"
+                message = f"{name.text} appears twice"
                 self._problems.add("twice", name.where, message, "keep one of them")
             else:
                 seen.add(name.text)
@@ -308,7 +308,7 @@ class Assembly:
             message = f"{name.text} is what a leg without a name is called"
             self._problems.add("reserved-name", name.where, message, hint)
         elif name.text in names:
-            message = f"{name.text} stands twice; the first is in line {names[name.text].line}"
+            message = f"{name.text} appears twice; the first is in line {names[name.text].line}"
             hint = f"call this one for instance {name.text}_2"
             self._problems.add("duplicate-name", name.where, message, hint)
         names.setdefault(name.text, name.where)

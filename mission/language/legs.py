@@ -134,7 +134,9 @@ class Legs:
 
     def _once(self, parts: _Parts, word: Name) -> bool:
         if word.text in parts.seen:
-            self._problems.add("twice", word.where, f"{word.text} stands twice", "keep one of them")
+            self._problems.add(
+                "twice", word.where, f"{word.text} appears twice", "keep one of them"
+            )
             return False
         parts.seen[word.text] = word.where
         return True
@@ -182,7 +184,7 @@ class Legs:
 
     def _begin(self, parts: _Parts, word: Name) -> None:
         if parts.kind is not None:
-            message = f"one leg is one thing: {parts.kind.text} or {word.text}"
+            message = f"one leg does one thing: {parts.kind.text} or {word.text}"
             self._problems.add("two-kinds", word.where, message, "make two legs of it")
         else:
             parts.kind = word
@@ -310,7 +312,7 @@ class Legs:
         shallow, deep = parts.measures.get("shallow", 0), parts.measures.get("deep", math.inf)
         if shallow >= deep:
             where = parts.seen["shallow"]
-            self._problems.add("upside-down", where, "shallow is not above deep", "exchange them")
+            self._problems.add("upside-down", where, "shallow is not above deep", "swap them")
 
     def _check_times(self, parts: _Parts, word: str, where: Where) -> None:
         if word == "wait":

@@ -39,7 +39,7 @@ def read_parameters(
 def _check_name(statement: Parameter, found: Mapping[str, Amount], problems: Problems) -> None:
     name = statement.name
     if name.text in found:
-        message = f"parameter {name.text} stands twice"
+        message = f"parameter {name.text} appears twice"
         problems.add("twice", name.where, message, "keep one of them")
     elif name.text in _RESERVED:
         message = f"{name.text} is a word of the language"
@@ -63,7 +63,7 @@ def _override(found: dict[str, Amount], name: str, text: str, problems: Problems
     try:
         quantity(f"{match[1]} {unit}" if match else text, unit)
     except (UnitError, KeyError) as error:
-        message = f"parameter {name}: {text!r} does not do"
+        message = f"parameter {name}: {text!r} is no value for it"
         problems.add("parameter-value", NOWHERE, message, str(error))
         return
     if match is not None:

@@ -264,7 +264,7 @@ class _Form:
         if guard is None:
             return
         if held is not None and guard.held is not None:
-            message = "held stands twice"
+            message = "held appears twice"
             self._problems.add("twice", held.where, message, "keep one of them")
         elif held is not None:
             guard = type(guard)(guard.expression, held)

@@ -158,7 +158,7 @@ class Nodes:
     ) -> None:
         if name.text in items:
             first = items[name.text][0].where.line
-            message = f"{name.text} stands twice; the first is in line {first}"
+            message = f"{name.text} appears twice; the first is in line {first}"
             self._problems.add("twice", name.where, message, "keep one of them")
         elif known is not None and name.text not in known:
             hint = suggestion(name.text, known, "keys")

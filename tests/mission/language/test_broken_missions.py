@@ -92,8 +92,8 @@ def test_places_are_right_behind_quotes_and_in_other_scripts() -> None:
     ("parameters", "message"),
     [
         ({"lenght": "5"}, "there is no parameter 'lenght'"),
-        ({"length_1": "five"}, "'five' does not do"),
-        ({"length_1": "5 fathom"}, "'5 fathom' does not do"),
+        ({"length_1": "five"}, "'five' is no value for it"),
+        ({"length_1": "5 fathom"}, "'5 fathom' is no value for it"),
         ({"length_1": "5 s"}, "the unit does not fit"),
     ],
 )
