@@ -24,7 +24,7 @@ EMERGENCY = {"X": "0", "W": "F"}  # fixed characters, nothing else (E-V15)
 HEADING = Int("heading_deg", -180, 180)
 
 
-def _words(separator: str, gear_behind: bool) -> dict[str, tuple[tuple[Item, ...], ...]]:
+def _words(separators: str, gear_behind: bool) -> dict[str, tuple[tuple[Item, ...], ...]]:
     """The forms that each code may have; the first one that an encoder's values fill is sent."""
     gear = Int("gear", 0, 12)
     words: dict[str, tuple[tuple[Item, ...], ...]] = dict.fromkeys(GEARS, ((gear,),))
@@ -33,7 +33,8 @@ def _words(separator: str, gear_behind: bool) -> dict[str, tuple[tuple[Item, ...
     words["H"] = ((HEADING,),)
     if gear_behind:
         words["H"] = ((HEADING, Sep(","), gear), (HEADING,))
-    words["A"] = ((Int("pitch_deg", -180, 180), Sep(separator), Int("roll_deg", -90, 90)),)
+    pitch, roll = Int("pitch_deg", -180, 180), Int("roll_deg", -90, 90)
+    words["A"] = tuple((pitch, Sep(separator), roll) for separator in separators)
     words["V"] = ((Int("speed_mps", 0, 9999),),)
     return words
 
@@ -42,8 +43,8 @@ class MotionFrame(TextFrame):
     def __init__(self, tolerances: Tolerances, codes: str = "FBLRUDSEHAVXW") -> None:
         """``codes``: which of them this link carries."""
         super().__init__("auv.ZA", "000 tables 2.2.1 and 2.2.2", "@ZA")
-        separator = "," if tolerances.on("zaa_comma") else ";"
-        words = _words(separator, tolerances.on("zah_gear"))
+        separators = ",;" if tolerances.on("zaa_comma") else ";"
+        words = _words(separators, tolerances.on("zah_gear"))
         self.words = {code: words.get(code, ()) for code in codes}
 
     def parse(self, body: str) -> Values:

@@ -60,6 +60,12 @@ class Item:
     size: int
     low: int
     high: int
+    listed: bool = False  # what the numbers mean is listed: another one is a wrong code
+
+    def doubt(self, user: bytes) -> FaultKind | None:
+        if self.low <= self.read(user) <= self.high:
+            return None
+        return FaultKind.BAD_ENUM if self.listed else FaultKind.OUT_OF_RANGE
 
     def read(self, user: bytes) -> int:
         return int.from_bytes(user[self.at : self.at + self.size], "little", signed=self.low < 0)
@@ -105,7 +111,7 @@ COMMANDS = (
     Command(ROBOT, SPEED, "speed", (Item("speed_mm_s", 0, 2, -32768, 32767),)),
     Command(ROBOT, HANDSHAKE, "handshake"),
     Command(GIMBAL, 0, "centre"),
-    Command(GIMBAL, 1, "video", (Item("video", 0, 1, 1, 3),)),  # visible, infrared, both
+    Command(GIMBAL, 1, "video", (Item("video", 0, 1, 1, 3, True),)),  # visible, infrared, both
     Command(GIMBAL, 2, "angles", _ANGLES),
     Command(GIMBAL, 3, "zoom", (Item("zoom", 0, 1, 0, 255),)),
     *(Command(POWER, code, at, at=at) for code, at in enumerate(("AT", "AT+V", "AT+C", "AT+P"))),
@@ -154,8 +160,7 @@ class DownFrame(BinaryFrame):
         row = _ROWS.get((raw[1], raw[2]))
         if row is None:
             return FaultKind.BAD_ENUM
-        inside = all(item.low <= item.read(raw[4:10]) <= item.high for item in row.items)
-        return None if inside else FaultKind.OUT_OF_RANGE
+        return next(filter(None, (item.doubt(raw[4:10]) for item in row.items)), None)
 
     def decode(self, raw: bytes) -> Values:
         values = super().decode(raw)

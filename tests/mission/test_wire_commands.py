@@ -122,6 +122,17 @@ def test_encode_refuses_what_is_out_of_range() -> None:
     assert "outside 0..12" in run("encode", "auv.MM", '{"dir": "F", "speed": 13}', code=1)
 
 
+def test_encode_refuses_names_that_the_frame_does_not_have() -> None:
+    typed = '{"thruster": 1, "gear": 3, "speed": 2}'
+    says = run("encode", "auv.MT", typed, code=1)
+    assert "called speed" in says
+    assert "thruster, gear" in says
+    assert "called gear" in run("encode", "auv.ZA", '{"code": "X", "gear": 3}', code=1)
+    assert "are none" in run("encode", "auv.NI", '{"a": 1}', code=1)
+    shown = json.dumps({"switches": "COOCCCO", "effective": "OOOCOCO", "flags": []})
+    assert run("encode", "auv.RS", shown) == "@RSCOOCCCO$"
+
+
 def test_decode_and_encode_are_each_others_inverse() -> None:
     line = json.loads(run("decode", "--link", "auv.any", "--json", data=GOOD))
     assert run("encode", line["type"], json.dumps(line["values"]), "--hex").strip() == GOOD.hex()

@@ -423,7 +423,7 @@ def test_mod_256_and_either_while_commissioning() -> None:
         (robot_frame(1, 0x0B, 0), "bad_enum"),
         (robot_frame(2, 4, 0), "bad_enum"),
         (robot_frame(1, 0, 7), "out_of_range"),
-        (robot_frame(2, 1, 1, user=b"\x04"), "out_of_range"),
+        (robot_frame(2, 1, 1, user=b"\x04"), "bad_enum"),
         (robot_frame(4, 5, 1, user=b"\x06"), "out_of_range"),
         (robot_frame(4, 6, 4, user=(36_001).to_bytes(4, "little")), "out_of_range"),
     ],

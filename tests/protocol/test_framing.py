@@ -273,11 +273,18 @@ def quickly(chunks: Sequence[bytes]) -> tuple[list[Any], Framer]:
 
 
 @settings(max_examples=300, deadline=None)
-@given(st.lists(st.lists(st.sampled_from(["<b>", "<c>", "<B>", "<", "b>", ".", ".."])), max_size=8))
+@given(
+    st.lists(st.sampled_from(["<b>", "<b>", "<c>", "<B>", "<", "b>", ".", ".."]), max_size=30),
+    st.lists(st.integers(1, 7), max_size=30),
+)
 def test_a_shortcut_changes_neither_frames_nor_faults_nor_times_nor_counters(
-    parts: list[list[str]],
+    parts: list[str], sizes: list[int]
 ) -> None:
-    chunks = ["".join(part).encode() for part in parts]
+    data, chunks = "".join(parts).encode(), []
+    for size in sizes:
+        chunks.append(data[:size])
+        data = data[size:]
+    chunks.append(data)
     plain = Framer((LETTER,))
     items = [item for i, chunk in enumerate(chunks) for item in plain.receive(chunk, float(i))]
     items += plain.flush(1e9)
@@ -286,6 +293,12 @@ def test_a_shortcut_changes_neither_frames_nor_faults_nor_times_nor_counters(
     assert found == expected
     assert framer.counters == plain.counters
     assert framer._buffer == b""
+
+
+def test_a_frame_behind_a_false_start_has_the_time_of_its_own_first_byte() -> None:
+    for first, second in ((b"<<b", b"><b>"), (b"..<<", b"b>.<b>")):
+        found, _ = quickly([first, second])
+        assert [t for _, t in (item for item in found if isinstance(item, tuple))] == [0.0, 1.0]
 
 
 def test_the_shortcut_is_taken_wherever_it_can_be() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from canonical_auv import VS
+from canonical_auv import AUV, VS
 
 from protocol.codec import CannotEncode
 from protocol.framing import Frame
@@ -165,6 +165,31 @@ def test_a_tolerance_accepts_what_is_refused_without_it_and_back(
         assert {key: tolerant[key] for key in expected} == expected
     else:
         assert tolerant == expected
+
+
+def test_a_tolerance_refuses_nothing_that_is_right_without_it() -> None:
+    """Those that accept more; the others say which of two readings holds."""
+    more = (
+        "aw_nested",
+        "aw_decimal",
+        "st_compact",
+        "st_commas",
+        "ms_zero",
+        "zaa_comma",
+        "zah_gear",
+    )
+    more += ("rs_yn", "vs_no_vs", "vs_sep", "vs_29", "vs_empty")
+    right = [raw for _, _, raw in AUV] + [b"@ZAA5;-10$", b"@ZAH90$", b"@ST,2025,1,11,16,56,6,$"]
+    for raw in right:
+        for name in more:
+            assert decoded(raw, **{name: "on"}) == decoded(raw), (raw, name)
+        assert decoded(raw, **dict.fromkeys(more, "on")) == decoded(raw)
+
+
+def test_as_built_pitch_and_roll_are_sent_with_a_comma() -> None:
+    values = {"code": "A", "pitch_deg": 5, "roll_deg": -10}
+    assert frame_types(AS_BUILT)["auv.ZA"].encode(values) == b"@ZAA5,-10$"
+    assert frame_types()["auv.ZA"].encode(values) == b"@ZAA5;-10$"
 
 
 def test_the_documents_own_status_example_is_read_with_its_three_tolerances() -> None:
