@@ -14,7 +14,7 @@ from pathlib import Path
 
 from mission.check import Report, check_mission
 from mission.compiler.compiler import CompileErrors, compile_mission
-from mission.language import MissionErrors, digest, parse
+from mission.language import MissionErrors, digest, parse, read_file
 from mission.language.problems import Problem, Problems
 from mission.model import Chart, Mission
 from mission.vehicle import Vehicle, VehicleError, load_vehicle, missions_folder
@@ -44,18 +44,15 @@ def prepare(
     file = mission_file(path)
     source = str(file)
     try:
-        text = file.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        why = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
-        raise Unreadable(f"{source}: cannot be read: {why}") from None
-    try:
+        text = read_file(file)
         mission = parse(text, source, parameters or {})
         chosen = load_vehicle(vehicle or mission.vehicle)
         chart = compile_mission(mission, chosen, digest(mission))
     except MissionErrors as error:
         raise Unreadable(str(error), error.problems) from None
     except VehicleError as error:
-        raise Unreadable(str(error)) from None
+        nowhere = Problem(0, 0, 0, "", str(error), "", "vehicle")
+        raise Unreadable(str(error), (nowhere,)) from None
     except CompileErrors as error:
         placed = _placed(text, source, error)
         raise Unreadable(str(placed), placed.problems) from None

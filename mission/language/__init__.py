@@ -26,11 +26,13 @@ __all__ = [
     "load",
     "parse",
     "parse_script",
+    "read_file",
     "script",
     "to_lines",
     "to_yaml",
 ]
 
+MOST_BYTES = 4 << 20  # 9999 lines of 200 bytes are 2 MB
 _NONE: Mapping[str, str] = MappingProxyType({})
 _YAML_KEY = re.compile(r"""(?m)^(?:["']?(?:mission|legs)["']?\s*:(?:\s|$)|---|%YAML|\{)""")
 
@@ -71,19 +73,30 @@ def _parsed(text: str, source: str, parameters: Mapping[str, str], yaml: bool) -
 
 def load(path: str | Path, parameters: Mapping[str, str] = _NONE) -> Mission:
     """Raises MissionErrors, also for a file that cannot be read."""
+    return parse(read_file(path), str(path), parameters)
+
+
+def read_file(path: str | Path) -> str:
+    """A mission file's text. Raises MissionErrors where there is none: no such file, not UTF-8,
+    longer than any mission (a device may never end)."""
     from mission.language.problems import Problems
     from mission.model import NOWHERE
 
+    why, hint = "", "give a mission file"
     try:
-        data = Path(path).read_bytes()
-        text = data.decode("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        found = Problems("")
-        why = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
-        found.add("unreadable", NOWHERE, f"cannot be read: {why}", "give a mission file")
-        found.complain(str(path))
-        raise AssertionError from error
-    return parse(text, str(path), parameters)
+        with Path(path).open("rb") as file:
+            data = file.read(MOST_BYTES + 1)
+        if len(data) <= MOST_BYTES:
+            return data.decode("utf-8")
+        why = f"it is longer than {MOST_BYTES >> 20} MB, which no mission is"
+    except OSError as error:
+        why = error.strerror or str(error)
+    except UnicodeDecodeError:
+        why, hint = "it is not UTF-8", "save it as UTF-8; a mission needs ASCII alone"
+    found = Problems("")
+    found.add("unreadable", NOWHERE, f"cannot be read: {why}", hint)
+    found.complain(str(path))
+    raise AssertionError
 
 
 def parse_script(lines: Sequence[str], source: str = "script") -> Mission:

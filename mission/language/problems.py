@@ -38,7 +38,7 @@ class Problem:
         """Message, source line, underline, hint; tabs are kept so that the marks line up."""
         place = f"{source}:{self.line}:{self.column}: " if self.line else f"{source}: "
         rows = [f"{place}{self.message} [{self.rule}]"]
-        if self.line:
+        if self.line and self.text:
             lead = "".join("\t" if c == "\t" else " " for c in self.text[: self.column - 1])
             rows += [f"    {self.text}", f"    {lead}{'^' * max(1, self.length)}"]
         if self.hint:

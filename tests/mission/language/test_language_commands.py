@@ -16,7 +16,7 @@ from hypothesis import given
 from test_language_round_trip import SOME
 
 from mission.cli import main
-from mission.language import digest, layout, load, parse, to_yaml
+from mission.language import MOST_BYTES, MissionErrors, digest, layout, load, parse, to_yaml
 from mission.language.schema import schema
 from mission.model import Mission
 
@@ -236,3 +236,44 @@ def test_every_word_is_explained_on_hover() -> None:
             described(node, f"{name}.{word}")
     for word, node in made["properties"].items():
         described(node, word)
+
+
+@pytest.mark.parametrize("command", ["check", "convert", "fmt", "simulate"])
+def test_a_file_that_never_ends_or_is_no_text_is_refused_alike(
+    command: str, tmp_path: Path
+) -> None:
+    long = tmp_path / "long.yaml"
+    long.write_text("mission: m\n" + "# a comment\n" * (MOST_BYTES // 12))
+    binary = tmp_path / "binary.mission"
+    binary.write_bytes(bytes(range(256)))
+    for path, why in ((long, "longer than 4 MB"), (binary, "it is not UTF-8")):
+        ran = call(command, path)
+        assert ran.exit_code == 2
+        assert f"{path}: cannot be read: " in ran.stderr
+        assert why in ran.stderr
+        assert "codec" not in ran.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "rule"),
+    [(["absent.yaml"], "unreadable"), (["first-dive", "--vehicle", "nessie"], "vehicle")],
+)
+def test_a_program_is_told_too_why_nothing_could_be_read(arguments: list[str], rule: str) -> None:
+    ran = call("check", *arguments, "--json")
+    assert ran.exit_code == 2
+    (refusal,) = json.loads(ran.stdout)["refusals"]
+    assert (refusal["rule"], refusal["line"]) == (rule, 0)
+
+
+def test_a_place_alone_in_a_value_is_told_as_a_place() -> None:
+    with pytest.raises(MissionErrors) as caught:
+        parse("mission: m\nlegs: [{g: {goto: base, gear: 8, timeout: 60}}]\n")
+    (problem,) = caught.value.problems
+    assert (problem.rule, problem.offending) == ("place", "base")
+    assert "north 10 east 20" in problem.hint
+
+
+def test_an_empty_file_is_shown_without_an_empty_line() -> None:
+    with pytest.raises(MissionErrors) as caught:
+        parse("", "empty.yaml")
+    assert "^" not in str(caught.value)
