@@ -5,9 +5,9 @@ from __future__ import annotations
 import socket
 import struct
 import time
-from collections.abc import Callable
 
 import pytest
+from patience import until
 
 from links import LinkAddressError, open_link, parse_address
 from links.admission import (
@@ -22,13 +22,6 @@ from links.admission import (
 )
 from links.stream import READ, Stream
 from links.tcp import RECEIVE_BUFFER, TcpServer
-
-
-def until(holds: Callable[[], bool], seconds: float = 3.0) -> None:
-    end = time.monotonic() + seconds
-    while not holds():
-        assert time.monotonic() < end, "it did not happen in time"
-        time.sleep(0.002)
 
 
 def listening(**options: object) -> TcpServer:

@@ -15,6 +15,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
+from patience import until
 
 from links import LINKS, LinkAddressError, open_link, parse_address
 from links.admission import Admission
@@ -27,19 +28,12 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 VHANGUP = 0x5437  # Linux: as if the cable were pulled
 
 
-def until(true: Callable[[], bool], seconds: float = 3.0) -> None:
-    end = time.monotonic() + seconds
-    while not true():
-        assert time.monotonic() < end, "it did not happen in time"
-        time.sleep(0.002)
-
-
 def again(act: Callable[[], object], times: int = 1000) -> None:
     for _ in range(times):
         act()
 
 
-def read(link: Link, wanted: int, seconds: float = 3.0) -> bytes:
+def read(link: Link, wanted: int) -> bytes:
     """At least so many bytes, from whoever."""
     data = bytearray()
 
@@ -47,7 +41,7 @@ def read(link: Link, wanted: int, seconds: float = 3.0) -> bytes:
         data.extend(b"".join(rx.data for rx in link.receive(1.0)))
         return len(data) >= wanted
 
-    until(enough, seconds)
+    until(enough)
     return bytes(data)
 
 
@@ -361,7 +355,7 @@ def test_a_slow_peer_gets_everything_in_order(server: TcpServer) -> None:
             return False
         return len(got) == len(data)
 
-    until(complete, 10.0)
+    until(complete)
     assert bytes(got) == data
     client.close()
 

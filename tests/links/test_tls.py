@@ -8,10 +8,11 @@ import socket
 import ssl
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from patience import until
 
 from links import open_link
 from links.base import Link, LinkAbsent, LinkClosed
@@ -35,13 +36,6 @@ def server(keys: Path) -> Iterator[TcpServer]:
     assert isinstance(made, TcpServer)
     yield made
     made.close()
-
-
-def until(holds: Callable[[], bool], seconds: float = 3.0) -> None:
-    end = time.monotonic() + seconds
-    while not holds():
-        assert time.monotonic() < end, "it did not happen in time"
-        time.sleep(0.002)
 
 
 def command(server: TcpServer, keys: Path) -> None:
@@ -100,7 +94,7 @@ def test_both_ends_with_our_keys_talk_and_long_texts_arrive_whole(
             back.extend(b"".join(rx.data for rx in boat.receive(0.0)))
             return len(back) == len(said)
 
-        until(complete, 10.0)
+        until(complete)
         assert bytes(back) == said
         boat.close()
 
