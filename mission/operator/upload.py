@@ -18,6 +18,7 @@ What does not live here: sockets and clocks (console), the Pi's side (topside), 
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 
@@ -40,6 +41,7 @@ from protocol.topside import Answer, ConsoleCodec, encode
 ANSWER_S = 1.0
 TRIES = 3
 ROUNDS = 4  # in succession that brought nothing: then the line is called unusable
+WHAT_LISTENS = "is this a vehicle running auvmission serve?"
 ORDER_TRIES = 10  # an order is sent until the vehicle itself has answered
 
 
@@ -128,13 +130,39 @@ class Conversation:
 
 def upload(lines: Sequence[str], digest: str, progress: Callable[[int, int], None]) -> Script:
     """``lines`` as ``language.script`` gives them. ``progress``: lines that the Pi has, and all."""
+    sent: set[int] = set()
+    try:
+        return (yield from _missing(lines, digest, progress, sent))
+    except Refused:
+        if not 0 < len(sent) < len(lines):
+            raise
+    return (yield from _all(lines, digest, progress))
+
+
+def _all(lines: Sequence[str], digest: str, progress: Callable[[int, int], None]) -> Script:
+    """The Pi refused a set with lines that are not from this upload: somebody else's, or spoilt on
+    their way. Every line again; a refusal counts if it stands then."""
+    for number in range(1, len(lines) + 1):
+        with contextlib.suppress(Refused):
+            yield from _line(lines, number, set())
+        progress(number, len(lines))
+    report = yield from _store()
+    if report.digest == digest[:16] and report.state == "ready":
+        return f"{len(lines)} lines stored, digest {report.digest}"
+    raise Refused(report.refusal or "the vehicle does not say why")
+
+
+def _missing(
+    lines: Sequence[str], digest: str, progress: Callable[[int, int], None], sent: set[int]
+) -> Script:
+    """What the Pi has not got; ``sent`` gets the numbers of the lines that were sent."""
     report = yield from _store()
     if report.state == "running":
         raise Refused("the vehicle is under way: a mission can be uploaded in idle only")
     if report.state == "ready" and report.digest == digest[:16]:
         return f"the vehicle holds it already, digest {report.digest}"
     total, failed, most = len(lines), 0, -1
-    yield from _line(lines, 1)
+    yield from _line(lines, 1, sent)
     while failed < ROUNDS:
         report = yield from _store()
         if report.digest == digest[:16] and report.state == "ready":
@@ -145,16 +173,17 @@ def upload(lines: Sequence[str], digest: str, progress: Callable[[int, int], Non
         have = report.have if report.state == "staging" else 0
         failed, most = (0 if have > most else failed + 1), max(have, most)
         for number in missing:
-            yield from _line(lines, number)
+            yield from _line(lines, number, sent)
             progress(_have(number, missing, total), total)
         if not missing:  # whole, and yet not ours: its last line was refused, or it is another
-            yield from _line(lines, total)
+            yield from _line(lines, total, sent)
     why = f": {report.refusal}" if report.refusal else ""
     raise NoAnswer(f"the upload does not get on at {report.have} of {report.total} lines{why}")
 
 
-def _line(lines: Sequence[str], number: int) -> Generator[Ask, Answer | None, None]:
+def _line(lines: Sequence[str], number: int, sent: set[int]) -> Generator[Ask, Answer | None, None]:
     """Raises Refused if the Pi says why; a lost acknowledgement is no failure (see ``_store``)."""
+    sent.add(number)
     command = MissionLine(len(lines), number, lines[number - 1])
     answer = yield Ask(f"line {number}", command, _is_ack("A", "W"))
     if isinstance(answer, Ack) and not answer.ok:
@@ -220,7 +249,7 @@ def order(which: Order) -> Script:
 def status(took: Callable[[Status, StoreReport | None], None]) -> Script:
     answer = yield Ask("status", DataQuery(), lambda a: isinstance(a, Status))
     if not isinstance(answer, Status):
-        raise NoAnswer("no answer to @DU")
+        raise NoAnswer(f"no answer to @DU after {TRIES} tries; {WHAT_LISTENS}")
     report = yield Ask("store", StoreQuery(), _is_report)
     took(answer, report if isinstance(report, StoreReport) else None)
     return ""
@@ -229,9 +258,7 @@ def status(took: Callable[[Status, StoreReport | None], None]) -> Script:
 def _store() -> Generator[Ask, Answer | None, StoreReport]:
     report = yield Ask("store", StoreQuery(), _is_report)
     if not isinstance(report, StoreReport):
-        raise NoAnswer(
-            f"no answer after {TRIES} tries; is this a vehicle running auvmission serve?"
-        )
+        raise NoAnswer(f"no answer after {TRIES} tries; {WHAT_LISTENS}")
     return report
 
 

@@ -164,6 +164,17 @@ def test_garbage_between_the_answers_is_passed_over() -> None:
     assert wire.hold(upload(LINES, DIGEST, quiet)).failure is None
 
 
+def test_a_line_that_somebody_else_staged_is_replaced() -> None:
+    """Under the same line 1 and total: the sum refuses the set, and all of ours are sent."""
+    wire = Wire()
+    other = script(parse(TEXT.replace("heading 0", "heading 45")))
+    wire.cross(encode(MissionLine(len(LINES), 1, LINES[0])))
+    for number in range(2, len(LINES) + 1):
+        wire.cross(encode(MissionLine(len(LINES), number, other[number - 1])))
+    assert wire.hold(upload(LINES, DIGEST, quiet)).failure is None
+    assert wire.store.content.lines == tuple(LINES)
+
+
 def test_no_answer_after_three_tries_is_said_and_nothing_assumed() -> None:
     wire = Wire(lambda: True)
     talk = wire.hold(upload(LINES, DIGEST, quiet))
