@@ -24,7 +24,7 @@ from mission.campaign.onboard import Death
 from mission.drive.drive import VEHICLE
 from mission.language import digest, parse_script
 from mission.model import SURFACED, Tx
-from mission.operator.upload import Conversation, clear, order, start, upload
+from mission.operator.upload import Conversation, Refused, clear, order, start, upload
 from mission.regions import REGIONS
 from protocol.messages import MissionLine, Order
 from protocol.topside import encode
@@ -47,7 +47,7 @@ def quiet(have: int, total: int) -> None:
 
 
 @settings(
-    max_examples=20,
+    max_examples=30,
     stateful_step_count=25,
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow],
@@ -114,6 +114,21 @@ class ServeCore(RuleBasedStateMachine):
         if boat.talk is None or boat.talk.over:
             self.do(lambda: self.world.hold(boat, start(patience=2)))
             self.do(lambda: self.world.run(4.0))
+
+    @rule(known=KNOWN, full=st.booleans())
+    def has_a_mission_and_clears_it(self, known: Known, full: bool) -> None:
+        """Whole, or refused and then nothing of it."""
+        boat, store = self.boat(0), self.world.store
+        self.do(lambda: self.world.hold(boat, upload(known.lines, known.digest, quiet), known))
+        self.do(lambda: self.world.run(2.5))
+        if self.world.drive is not None:
+            store.full, before = full, (self.world.drive.state, store.content.lines)
+            held: list[Conversation] = []
+            self.do(lambda: held.append(self.world.hold(boat, clear())))
+            talk = held[0]
+            if isinstance(talk.failure, Refused) and self.world.drive is not None:
+                assert (self.world.drive.state, store.content.lines) == before
+            assert talk.result is None or store.content.lines == ()
 
     @rule(known=KNOWN, seconds=st.floats(0.0, 20.0))
     def flies(self, known: Known, seconds: float) -> None:
@@ -214,6 +229,10 @@ class ServeCore(RuleBasedStateMachine):
 
     def come_back(self) -> None:
         world, known = self.world, MISSIONS[0]
+        if world.drive.state.startswith("idle"):  # whatever is staged or stored
+            talk = self.held(upload(known.lines, known.digest, quiet))
+            assert talk.failure is None, talk.failure
+            assert world.store.content.lines == known.lines
         assert self.held(order(Order.SURFACE)).failure is None
         for _ in range(int(PATIENCE / 5.0)):
             if world.drive.state == SURFACED:
