@@ -64,7 +64,11 @@ class Vessel(Protocol):
     def set_clock(self, time: str, now: float) -> None: ...
 
 
+_CARRIED = str.maketrans({",": ";", "@": None, "$": None})
+
+
 def one_line(text: str) -> str:
-    """ASCII without comma, ``@`` and ``$``, at most 200 characters (R4)."""
-    kept = (c if " " <= c <= "~" and c not in ",@$" else " " for c in text)
+    """ASCII without comma, ``@`` and ``$``, at most 200 characters (R4); still to be read."""
+    text = text.translate(_CARRIED)
+    kept = (c if " " <= c <= "~" else " " for c in text)
     return " ".join("".join(kept).split())[:REFUSAL_CHARACTERS]

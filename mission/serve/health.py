@@ -215,8 +215,9 @@ def _serves(pid: int) -> bool:
 def as_lines(found: Mapping[str, Any]) -> Iterator[str]:
     """For people: what concerns the dive first."""
     for name in ("state", "leg", "reason", "mission_time_s", "mission", "commander"):
-        if found[name] not in ("", None):
-            yield f"{name:16} {found[name]}"
+        value = found[name]
+        if value not in ("", None):
+            yield f"{name:16} {value if isinstance(value, str) else f'{value:.1f}'}"
     for name in found["breached"]:
         yield f"{'BREACHED':16} {name}"
     for name, margin in found["margins"].items():

@@ -12,7 +12,7 @@ from mission.drive.nodes import Nodes
 from mission.drive.paths import path_over
 from mission.drive.staging import FORGOTTEN_AFTER_S
 from mission.drive.topside import SAME_COMMAND_S, Topside
-from mission.drive.vessel import MissionRefused, Peer
+from mission.drive.vessel import REFUSAL_CHARACTERS, MissionRefused, Peer, one_line
 from mission.model import Outcome, Result, Tx, Verdict
 from mission.store import MemoryStore, Stored
 from protocol.messages import (
@@ -198,7 +198,7 @@ def test_a_refusal_in_the_report_has_no_comma_and_at_most_200_characters(pi: Pi)
     answer = pi.hear(StoreQuery())[0]
     assert answer.count(b",") == 7
     (report,) = ConsoleCodec().receive(answer, 0.0)
-    assert report.refusal.startswith("AA: no never: x")  # type: ignore[union-attr]
+    assert report.refusal.startswith("AA: no; never: x")  # type: ignore[union-attr]
     assert len(report.refusal) == 200  # type: ignore[union-attr]
 
 
@@ -470,3 +470,11 @@ def test_an_absurd_reading_never_keeps_the_status_from_leaving(value: float) -> 
     frame = encode(Status("2025-01-19T23:26:25", fix, telemetry))
     assert frame.startswith(b"@VS2025-01-19-23:26:25,114.5915590,28.6478898,")
     assert len(frame) <= 400
+
+
+def test_a_reason_reads_well_although_its_signs_cannot_travel() -> None:
+    assert one_line("AA: an emergency: clear it (@AC), or take\nthe stick \u00e9") == (
+        "AA: an emergency: clear it (AC); or take the stick"
+    )
+    assert not set(one_line("".join(map(chr, range(300))))) & set(",@$")
+    assert len(one_line("x" * 999)) == REFUSAL_CHARACTERS
