@@ -27,6 +27,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
+from reprlib import repr as shown  # short, whatever aliases make of a value
 from typing import Any
 
 import yaml
@@ -97,6 +98,8 @@ def load_configuration(path: Path | None) -> Configuration:
 def parse_configuration(text: str, where: str = "configuration") -> Configuration:
     try:
         data = yaml.safe_load(text)
+    except RecursionError as error:
+        raise ConfigurationError(f"{where}: brackets are nested too deep") from error
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         place = f"{where}:{mark.line + 1}:{mark.column + 1}" if mark else where
@@ -105,7 +108,7 @@ def parse_configuration(text: str, where: str = "configuration") -> Configuratio
         raise ConfigurationError(f"{where}: not YAML: {' '.join(str(error).split())}") from error
     data = {} if data is None else data
     if not isinstance(data, dict):
-        raise ConfigurationError(f"{where}: a configuration is a table of keys, not {data!r}")
+        raise ConfigurationError(f"{where}: a configuration is a table of keys, not {shown(data)}")
     faults: list[str] = []
     values = _table(data, _KEYS, faults)
     if faults:
@@ -132,7 +135,7 @@ class _Wrong(ValueError):
 
 def _text(value: Any) -> str:
     if not isinstance(value, str) or not value:
-        raise _Wrong(f"a text is needed, not {value!r}")
+        raise _Wrong(f"a text is needed, not {shown(value)}")
     return value
 
 
@@ -142,14 +145,14 @@ def _text_or_none(value: Any) -> str | None:
 
 def _flag(value: Any) -> bool:
     if not isinstance(value, bool):
-        raise _Wrong(f"write true or false, not {value!r}")
+        raise _Wrong(f"write true or false, not {shown(value)}")
     return value
 
 
 def _seconds(value: Any) -> float:
     seconds = quantity(value, "s")
     if not 0.0 < seconds < 1e6:
-        raise _Wrong(f"a time above zero is needed, not {value!r}")
+        raise _Wrong(f"a time above zero is needed, not {shown(value)}")
     return seconds
 
 
@@ -159,7 +162,7 @@ def _seconds_or_none(value: Any) -> float | None:
 
 def _zone(value: Any) -> str:
     if not isinstance(value, str) or not re.fullmatch(r"[+-](0\d|1[0-4]):[0-5]\d", value):
-        raise _Wrong(f'write an offset such as "+08:00", in quotes, not {value!r}')
+        raise _Wrong(f'write an offset such as "+08:00", in quotes, not {shown(value)}')
     return value
 
 
@@ -169,7 +172,7 @@ def _folder(value: Any) -> Path:
 
 def _tolerances(value: Any) -> Mapping[str, str]:
     if not isinstance(value, dict):
-        raise _Wrong(f"a table of names is needed, not {value!r}")
+        raise _Wrong(f"a table of names is needed, not {shown(value)}")
     found = {str(k): {True: "on", False: "off"}.get(v, str(v)) for k, v in value.items()}
     try:
         Tolerances.parse(found)
@@ -180,7 +183,7 @@ def _tolerances(value: Any) -> Mapping[str, str]:
 
 def _links(value: Any) -> LinkUrls:
     if not isinstance(value, dict):
-        raise _Wrong(f"a table is needed, not {value!r}")
+        raise _Wrong(f"a table is needed, not {shown(value)}")
     faults: list[str] = []
     required = {"vehicle", "topside"}
     keys = {f.name: _text if f.name in required else _text_or_none for f in fields(LinkUrls)}

@@ -115,7 +115,7 @@ class Assembly:
             self._unclosed()
         self._resolve()
         top = self._scopes[0]
-        if not any(_legs(top.body)) and not len(self._problems):
+        if not len(self._problems) and not any(_legs(top.body)):
             where = statements[0].where if statements else Where(1, 1)
             hint = "add for instance a line  wait 30s"
             self._problems.add("empty-mission", where, "nothing in this mission takes time", hint)

@@ -94,6 +94,20 @@ def test_what_is_no_yaml_is_told_in_one_line_with_its_place(tmp_path: Path) -> N
         load_configuration(tmp_path / "absent.yaml")
 
 
+@pytest.mark.parametrize("form", ["- *a{last}\n", "folder: *a{last}\n", "camera: *a{last}\n"])
+def test_aliases_that_multiply_and_brackets_without_end_are_no_trap(form: str) -> None:
+    text = "x0: &a0 [x, x, x, x, x, x, x, x, x]\n"
+    for i in range(1, 10):
+        text += f"x{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]\n"
+    if form.startswith("-"):
+        text = "\n".join("- " + row.partition(": ")[2] for row in text.splitlines()) + "\n"
+    with pytest.raises(ConfigurationError) as caught:
+        parse_configuration(text + form.format(last=9), "serve.yaml")
+    assert len(str(caught.value)) < 20_000
+    with pytest.raises(ConfigurationError, match="nested too deep"):
+        parse_configuration("folder: " + "[" * 20_000, "serve.yaml")
+
+
 def test_serve_does_not_begin_with_a_wrong_configuration_and_calls_it_a_fault(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

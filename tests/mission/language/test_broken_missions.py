@@ -112,6 +112,11 @@ def test_groups_are_nested_at_most_twenty_deep() -> None:
     assert [p.rule for p in errors(text).problems] == ["too-deep"]
 
 
+def test_thousands_of_groups_in_each_other_are_refused_and_no_trap() -> None:
+    text = "repeat 2 g:\n" * 3000 + "wait 5\n" + "end\n" * 3000
+    assert "too-deep" in {p.rule for p in errors(text).problems}
+
+
 def test_aliases_that_repeat_themselves_are_no_trap() -> None:
     bomb = "mission: m\nx: &a [wait 5]\n"
     endless = "mission: m\nlegs: &a\n  - g: {legs: *a}\n"
