@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 from mission.legs import LEGS
 from mission.model import Axis, Leg, LegKind, Problem, Set, Setting, Where
+from mission.units import GEARS
 from protocol.messages import Setpoint
 
 _AXIS_OF = {
@@ -259,7 +260,7 @@ def _words(axis: Axis, value: Value) -> str:
     if axis is Axis.VERTICAL:
         return f"{value[0]} {float(value[1]):g}"
     if axis is Axis.HORIZONTAL:
-        return f"surge {float(value[0]) * 12:g} turn {float(value[1]) * 12:g} (gears)"
+        return f"surge {float(value[0]) * GEARS:g} turn {float(value[1]) * GEARS:g} (gears)"
     return f"pitch {math.degrees(float(value[0])):g} roll {math.degrees(float(value[1])):g}"
 
 
