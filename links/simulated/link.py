@@ -269,7 +269,7 @@ class _Side:
         self._closed = True
 
     def _received(self, chunks: list[Chunk]) -> list[Rx]:
-        return [Rx(chunk.start, self.name, chunk.data) for chunk in chunks]
+        return [Rx(chunk.start, self.name, chunk.data) for chunk in chunks] if chunks else []
 
     def _reach(self, now: float) -> None:
         if self._closed:

@@ -82,6 +82,16 @@ def _thrust_table(full: float, power: float) -> tuple[float, ...]:
 class Plant:
     """The state of the body; ``drive`` sets the actuators for a tick, ``run`` integrates."""
 
+    # More attributes than instances share the keys of: without slots each is a search.
+    # fmt: off
+    __slots__ = (
+        "_constants", "_forces", "_main", "_pwm", "_rudders", "_servos", "_settled", "_share",
+        "_target", "_thrust", "_vertical", "aground", "body", "buoyancy", "current_east",
+        "current_north", "depth", "depth_rate", "east", "floor", "north", "p", "pitch", "q", "r",
+        "roll", "strength", "u", "v", "w", "yaw",
+    )
+    # fmt: on
+
     def __init__(self, body: Body | None = None, *, floor: float = 30.0) -> None:
         self.body = body or Body()
         self.floor = floor

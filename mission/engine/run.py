@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Self
 
@@ -65,6 +65,8 @@ class Run:
         self._spent: dict[str, str] = {}  # handlers that acted and were not seen false since
         self._taken: set[str] = set()  # handlers that acted at all
         self._blind: dict[str, float] = {}
+        self._needed: tuple[str, ...] = ()
+        self._needed_by: Setpoint | None = None
         self._reckoned = now
 
     def clone(self) -> Self:
@@ -104,7 +106,7 @@ class Run:
         self.entered = self._reckoned = now
         self.travelled, self.refused = 0.0, False
         self.at_surface = False
-        self._blind = {}
+        self._blind, self._needed_by = {}, None
         if not history:
             self.rounds.update(dict.fromkeys((g for g in self._plan.groups if g in entered), 1))
             self._spent = {h: source for h, source in self._spent.items() if source not in entered}
@@ -258,15 +260,15 @@ class Run:
             else:
                 self._blind.setdefault(need, senses.now)
 
-    def _needs(self) -> set[str]:
+    def _needs(self) -> Iterable[str]:
+        """The readings without which the leg is blind."""
         if self.ascent is not None:
-            return set()
-        needs = set(self._plan.kind.needs)
-        sent = self.sent or self._plan.base
-        for need in ("depth", "altitude", "heading"):
-            if getattr(sent, need) is not None:
-                needs.add(need)
-        return needs
+            return ()
+        sent, needs = self.sent or self._plan.base, self._plan.kind.needs
+        if sent is not self._needed_by:  # the same set for minutes
+            held = [n for n in ("depth", "altitude", "heading") if getattr(sent, n) is not None]
+            self._needed_by, self._needed = sent, tuple(dict.fromkeys((*sorted(needs), *held)))
+        return self._needed
 
     def _wake_at(self, due: float | None) -> None:
         if due is not None and (self.wake is None or due < self.wake):

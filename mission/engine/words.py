@@ -39,15 +39,20 @@ _EVENTS: Mapping[type, str] = MappingProxyType(
 
 def event_of(inputs: Sequence[object]) -> str:
     """What made a step happen."""
+    if len(inputs) == 1:
+        return _event(inputs[0])
     return ", ".join(map(_event, inputs)) or "timer"
 
 
 def _event(one: object) -> str:
+    known = _EVENTS.get(type(one))
+    if known is not None:
+        return known
     if isinstance(one, Emergency):
         return "operator X" if one.order is Order.STOP else "operator W"
     if isinstance(one, Outcome):
         return f"{one.result.value} {one.frame.decode('ascii', 'replace')}"
-    return _EVENTS.get(type(one)) or type(one).__name__
+    return type(one).__name__
 
 
 def in_words(command: Setpoint | Order) -> str:

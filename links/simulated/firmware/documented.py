@@ -20,7 +20,7 @@ from random import Random
 
 from links.simulated.firmware.controllers import dive_gear, lean_gear, turn_gear
 from links.simulated.firmware.manual import THRUSTERS, Manual
-from links.simulated.firmware.stm32 import GEAR_MAX, Mode, Stm32, heading_of
+from links.simulated.firmware.stm32 import GEAR_MAX, Mode, Stm32, heading_of, pwm_of
 from links.simulated.plant import Plant
 from links.simulated.sensors import Sensors
 
@@ -129,14 +129,17 @@ class Documented(Stm32):
         if self.heading is not None:
             compass = self.sensors.heading(plant)
             turn = 0.0 if isnan(compass) else turn_gear(self.heading, compass, plant.r)
-        rear = front_left = front_right = self._vertical_gear(plant)
-        if self.attitude is not None:
-            pitch = lean_gear(self.attitude[0], plant.pitch, plant.q)
-            roll = lean_gear(self.attitude[1], plant.roll, plant.p)
-            rear -= pitch
-            front_left += pitch + roll
-            front_right += pitch - roll
-        self.drive(self.surge + turn, self.surge - turn, rear, front_left, front_right)
+        vertical, attitude = self._vertical_gear(plant), self.attitude
+        left, right = pwm_of(self.surge + turn), pwm_of(self.surge - turn)
+        if attitude is None:
+            up = pwm_of(vertical)
+            self.pwm = (left, right, up, up, up, *self.servo_pwm)
+            return
+        pitch = lean_gear(attitude[0], plant.pitch, plant.q)
+        roll = lean_gear(attitude[1], plant.roll, plant.p)
+        front = vertical + pitch
+        three = (pwm_of(gear) for gear in (vertical - pitch, front + roll, front - roll))
+        self.pwm = (left, right, *three, *self.servo_pwm)
 
     def _vertical_gear(self, plant: Plant) -> float:
         """Up positive; a sensor that says nothing stops the hold."""

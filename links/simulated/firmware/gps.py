@@ -66,7 +66,7 @@ class GpsReceiver:
         self.corrupt = 0.0  # share of epochs with a bit turned over
         self.offset = (0.0, 0.0)  # m north and east that fixes are beside the truth
         self._fix_at: float | None = errors.first_fix
-        self._told: tuple[str, float, float, float] | None = None  # place, knots, course, height
+        self._last: Look | None = None
         self._day = -1
         self._midnight = datetime(self.start.year, self.start.month, self.start.day, tzinfo=UTC)
         self._seconds = (self.start - self._midnight).total_seconds()
@@ -89,11 +89,12 @@ class GpsReceiver:
         if self.silent or not self.powered:
             return
         clock = self._clock(now)
-        if self.stuck and self._told is not None:
-            both = self._say(clock, self._told)
-        else:
-            both = self._fixed(clock, position, velocity) if fixed else self._blank(clock)
-        data = "".join(sentence(both[name]) for name in self.sentences).encode("ascii")
+        look = self._last if self.stuck else None
+        if look is None and fixed:
+            look = self._last = self._look(position, velocity)
+        data = "".join(
+            [sentence(_SAYS[name](clock, self._date, look)) for name in self.sentences]
+        ).encode("ascii")
         if self.corrupt and self.rng.random() < self.corrupt:
             data = turned_over(data, self.rng)
         self.queue.append(Chunk(now + LATENCY, now + COMPLETE, data))
@@ -111,15 +112,7 @@ class GpsReceiver:
             self._date = f"{self._midnight + timedelta(days=day):%d%m%y}"
         return f"{second // 3600:02d}{second // 60 % 60:02d}{second % 60:02d}.00"
 
-    def _blank(self, clock: str) -> dict[str, str]:
-        return {
-            "GGA": f"GPGGA,{clock},,,,,0,00,,,M,0.0,M,,",
-            "RMC": f"GPRMC,{clock},V,,,,,,,{self._date},,,N",
-        }
-
-    def _fixed(
-        self, clock: str, position: tuple[float, float], velocity: tuple[float, float]
-    ) -> dict[str, str]:
+    def _look(self, position: tuple[float, float], velocity: tuple[float, float]) -> Look:
         gauss, noise, slip = self.rng.gauss, self.errors.fix_noise, self.errors.speed_noise
         beside_north, beside_east = self.offset
         latitude, longitude = moved(
@@ -127,14 +120,25 @@ class GpsReceiver:
         )
         north, east = velocity[0] + gauss(0.0, slip), velocity[1] + gauss(0.0, slip)
         place = f"{_angle(latitude, 2, 'NS')},{_angle(longitude, 3, 'EW')}"
-        knots = hypot(north, east) / KNOT
         course = round(degrees(atan2(east, north)), 2) % 360.0
-        self._told = (place, knots, course, 0.3 + gauss(0.0, 2 * noise))
-        return self._say(clock, self._told)
+        return place, hypot(north, east) / KNOT, course, 0.3 + gauss(0.0, 2 * noise)
 
-    def _say(self, clock: str, told: tuple[str, float, float, float]) -> dict[str, str]:
-        place, knots, course, height = told
-        return {
-            "GGA": f"GPGGA,{clock},{place},1,09,1.0,{height:.1f},M,0.0,M,,",
-            "RMC": f"GPRMC,{clock},A,{place},{knots:.3f},{course:.2f},{self._date},,,A",
-        }
+
+Look = tuple[str, float, float, float]  # place, knots, course, height
+
+
+def _gga(clock: str, date: str, look: Look | None) -> str:
+    if look is None:
+        return f"GPGGA,{clock},,,,,0,00,,,M,0.0,M,,"
+    place, _, _, height = look
+    return f"GPGGA,{clock},{place},1,09,1.0,{height:.1f},M,0.0,M,,"
+
+
+def _rmc(clock: str, date: str, look: Look | None) -> str:
+    if look is None:
+        return f"GPRMC,{clock},V,,,,,,,{date},,,N"
+    place, knots, course, _ = look
+    return f"GPRMC,{clock},A,{place},{knots:.3f},{course:.2f},{date},,,A"
+
+
+_SAYS = {"GGA": _gga, "RMC": _rmc}

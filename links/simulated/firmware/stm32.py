@@ -198,15 +198,8 @@ class Stm32(ABC):
 
     def drive(self, left: float, right: float, rear: float, front_l: float, front_r: float) -> None:
         """Gears of the five thrusters (verticals up positive); the rudders as they are."""
-        vertical = pwm_of(rear)  # most of the time all three of them
-        self.pwm = (
-            pwm_of(left),
-            pwm_of(right),
-            vertical,
-            vertical if front_l == rear else pwm_of(front_l),
-            vertical if front_r == rear else pwm_of(front_r),
-            *self.servo_pwm,
-        )
+        five = map(pwm_of, (left, right, rear, front_l, front_r))
+        self.pwm = (*five, *self.servo_pwm)
 
     def move_servo(self, which: tuple[int, ...], angle: int, *, add: bool) -> None:
         for i in which:
