@@ -27,13 +27,17 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from reprlib import repr as shown  # short, whatever aliases make of a value
+from reprlib import Repr
 from typing import Any
 
 import yaml
 
 from mission.units import UnitError, quantity
 from protocol.tolerances import Tolerances, UnknownTolerance
+
+_shortened = Repr()  # whatever aliases make of a value
+_shortened.maxlevel = 2
+shown = _shortened.repr
 
 
 class ConfigurationError(ValueError):
