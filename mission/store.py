@@ -7,9 +7,10 @@
 
 StoreError             (the operator must act: disk full, no permission, not a folder)
 
-A file that does not match its own sum was damaged from outside. It never raises: the mission or
-the limits in it count as absent, a damaged ``under-way`` as something under way (the vehicle then
-surfaces), and ``Stored.damage`` says so in words.
+A file that does not match its own sum, or that the disk does not give back, is damaged. It never
+raises, but where rights are missing: the mission or the limits in it count as absent, a damaged
+``under-way`` as something under way (the vehicle then surfaces), and ``Stored.damage`` says so in
+words.
 
 What does not live here: staging, texts and their compilation (staging, language, compiler).
 """
@@ -150,10 +151,17 @@ class DiskStore:
         under_way = self._body("under-way", damage, UNKNOWN)
         return Stored(
             tuple(mission.split("\n")) if mission else (),
-            SetSafety(**json.loads(limits or "{}")),
+            self._limits(limits or "{}", damage),
             under_way,
             tuple(damage),
         )
+
+    def _limits(self, text: str, damage: list[str]) -> SetSafety:
+        try:
+            return SetSafety(**json.loads(text))
+        except (ValueError, TypeError):  # of another version
+            damage.append(f"{self._folder / 'limits'} is not understood and was not used")
+            return NO_LIMITS
 
     def _body(self, name: str, damage: list[str], if_damaged: str) -> str:
         path = self._folder / name
@@ -161,10 +169,13 @@ class DiskStore:
             data = path.read_bytes()
         except FileNotFoundError:
             return ""
-        except OSError as error:
+        except PermissionError as error:
             raise StoreError(
                 f"the store's file {path} cannot be read: {error.strerror or error}"
             ) from error
+        except OSError as error:  # a failing disk must not keep serve from surfacing a vehicle
+            damage.append(f"{path} cannot be read and was not used: {error.strerror or error}")
+            return if_damaged
         head, newline, body = data.partition(b"\n")
         if newline and head == _sum(body):
             return body.decode()

@@ -7,7 +7,16 @@ from pathlib import Path
 
 import pytest
 
-from mission.store import UNKNOWN, DiskStore, MemoryStore, Store, Stored, StoreError, WatchedStore
+from mission.store import (
+    NO_LIMITS,
+    UNKNOWN,
+    DiskStore,
+    MemoryStore,
+    Store,
+    Stored,
+    StoreError,
+    WatchedStore,
+)
 from protocol.messages import SetSafety
 
 LINES = ("mission a vehicle auv", "dive: ZAS10 timeout 2min")
@@ -81,6 +90,30 @@ def test_a_file_cut_at_any_byte_is_told_and_never_raises(tmp_path: Path, name: s
         assert [name in text for text in content.damage] == [True]
         assert content.lines == (() if name == "mission" else LINES)
         assert content.under_way == (UNKNOWN if name == "under-way" else "")
+
+
+def test_a_file_that_the_disk_does_not_give_back_counts_as_damaged(tmp_path: Path) -> None:
+    """As after a failing block; serve must begin, and surface what may be under way."""
+    store = DiskStore(tmp_path)
+    store.keep_lines(("a", "b"))
+    store.keep_under_way("autonomous/a")
+    (tmp_path / "under-way").unlink()
+    (tmp_path / "under-way").mkdir()
+    found = DiskStore(tmp_path).content
+    assert found.lines == ("a", "b")
+    assert found.under_way == UNKNOWN
+    assert "cannot be read" in found.damage[0]
+
+
+def test_limits_of_another_version_are_told_and_never_raise(tmp_path: Path) -> None:
+    store = DiskStore(tmp_path)
+    store.keep_lines(("a", "b"))
+    for text in ('{"unheard": 1}', "[1]", "{"):
+        store._write("limits", text)
+        found = DiskStore(tmp_path).content
+        assert found.limits == NO_LIMITS
+        assert found.lines == ("a", "b")
+        assert "not understood" in found.damage[0]
 
 
 def test_a_path_that_cannot_be_a_folder_is_refused_with_its_name(tmp_path: Path) -> None:
