@@ -462,6 +462,17 @@ def test_a_guard_that_decided_stands_in_its_step_with_what_it_saw():
     assert step.trigger == evaluation.trigger == "autonomous/a:until1"
 
 
+def test_what_a_leg_was_blind_to_is_told_in_one_order_whatever_the_hash_seed():
+    """Records are compared byte by byte, also with those of another process."""
+    held = sets(surge=0.5, heading=0.0, altitude=3.0)
+    world = flying(leg("a", settings=held, timeout=LONG, otherwise="b"), leg("b"))
+    for sensor in ("heading", "altitude"):
+        world.nav.doubt[sensor] = "frozen"
+    world.wait(8.0)
+    (step,) = [s for s in world.steps if s.by is By.ELSE]
+    assert [name for name, _ in step.evaluations[0].values] == ["elapsed", "altitude", "heading"]
+
+
 def test_a_dive_that_makes_no_progress_ends_by_its_timeout_and_says_so():
     world = flying(leg("a", when("depth", ">=", 4.5), timeout=30.0), depth=1.0)
     world.wait(30.0)
