@@ -49,9 +49,14 @@ def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
     click.echo(f"median of distance: {before:.1f} % before, {after:.1f} % after ({how})", err=True)
     if output is None:
         click.echo(section(done.vehicle), nl=False)
-    else:
-        output.write_text(section(done.vehicle), encoding="utf-8")
-    if plot is not None:
-        from mission.navigation.drawing import draw_calibration
+    try:
+        if output is not None:
+            output.write_text(section(done.vehicle), encoding="utf-8")
+        if plot is not None:
+            from mission.navigation.drawing import draw_calibration
 
-        draw_calibration(done, plot)
+            draw_calibration(done, plot)
+    except OSError as error:
+        name = error.filename or output or plot
+        click.echo(f"{name}: cannot be written: {error.strerror or error}", err=True)
+        raise SystemExit(2) from None

@@ -42,7 +42,11 @@ def report(log: Path, output: Path | None, vehicle: str | None, as_json: bool) -
         click.echo(str(error) if named else f"{log}: {error}", err=True)
         raise SystemExit(2) from None
     picture = output or log.with_suffix(".png")
-    draw_track(track, picture, log.name)
+    try:
+        draw_track(track, picture, log.name)
+    except OSError as error:
+        click.echo(f"{picture}: cannot be written: {error.strerror or error}", err=True)
+        raise SystemExit(2) from None
     click.echo(json.dumps(figures(track)) if as_json else text(track, picture))
 
 

@@ -47,8 +47,10 @@ def draw_track(track: Track, path: Path, title: str) -> None:
     _residuals(residual, track)
     _spells(sensors, track)
     for axes in (nis, residual, sensors):
-        axes.set_xlim(float(track.t[0]), float(track.t[-1]))
-    sensors.set_xlabel("s")
+        begin, end = float(track.t[0]), float(track.t[-1])
+        margin = max(0.01 * (end - begin), 1.0)  # fixes come first and last, as a rule
+        axes.set_xlim(begin - margin, end + margin)
+    sensors.set_xlabel("s since the black box began")
     figure.suptitle(title, fontsize=12)
     figure.savefig(path, dpi=110)
 
@@ -64,7 +66,7 @@ def _plan(axes: Axes, track: Track) -> None:
         for i in np.linspace(0, len(place) - 1, _ELLIPSES).astype(int).tolist():
             _ellipse(axes, place[i], covariance[i], colour)
     used = [f for f in track.fixes if f.used]
-    axes.plot([f.east for f in used], [f.north for f in used], ".", color=_FIX, ms=3, label="fixes")
+    axes.plot([f.east for f in used], [f.north for f in used], ".", color=_FIX, ms=5, label="fixes")
     refused = [f for f in track.fixes if not f.used]
     if refused:
         axes.plot([f.east for f in refused], [f.north for f in refused], "x", color="k", ms=5,
@@ -93,18 +95,29 @@ def _innovations(axes: Axes, track: Track) -> None:
         axes.plot([f.t for f in seen], [max(f.nis, 1e-3) for f in seen], mark, color=_FIX, ms=4)
     axes.axhline(_NIS_95, color="k", lw=0.7, ls="--")
     axes.set_yscale("log")
+    axes.set_ylim(min(0.1, *axes.get_ylim()), max(10.0, *axes.get_ylim()))
+    _plain_numbers(axes)
     axes.set_ylabel("NIS of fixes\n(dashed: 95 %)")
     axes.grid(alpha=0.3)
 
 
+def _plain_numbers(axes: Axes) -> None:
+    """0.3 and 10 at a logarithmic axis, not powers of ten."""
+    from matplotlib.ticker import StrMethodFormatter
+
+    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.yaxis.set_minor_formatter(StrMethodFormatter(""))
+
+
 def _residuals(axes: Axes, track: Track) -> None:
     t = [f.t for f in track.fixes]
-    axes.plot(t, [f.residual[0] for f in track.fixes], ".", ms=3, color=_FILTERED, label="north, m")
-    axes.plot(t, [f.residual[1] for f in track.fixes], ".", ms=3, color=_SMOOTHED, label="east, m")
+    axes.plot(t, [f.residual[0] for f in track.fixes], ".", ms=5, color=_FILTERED, label="north")
+    axes.plot(t, [f.residual[1] for f in track.fixes], "x", ms=4, color=_SMOOTHED, label="east")
     depth = track.depth_residual
-    axes.plot(depth[:, 0], depth[:, 1], lw=0.6, color=_RAW, label="depth, m")
+    axes.plot(depth[:, 0], depth[:, 1], lw=0.6, color=_RAW, label="depth")
     axes.set_yscale("symlog", linthresh=1.0)
-    axes.set_ylabel("residuals")
+    _plain_numbers(axes)
+    axes.set_ylabel("residuals, m\n(beyond 1: log)")
     axes.legend(fontsize=7, ncols=3)
     axes.grid(alpha=0.3)
 

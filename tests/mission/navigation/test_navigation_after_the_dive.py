@@ -177,6 +177,18 @@ def test_report_of_something_else_says_so(tmp_path: Path) -> None:
     assert "x.mcap" in result.output
 
 
+def test_a_picture_or_section_that_cannot_be_written_is_told(box: Path, tmp_path: Path) -> None:
+    nowhere = tmp_path / "absent" / "x.png"
+    for command, option in (
+        (report_command, "-o"),
+        (calibrate_command, "-o"),
+        (calibrate_command, "--plot"),
+    ):
+        result = CliRunner().invoke(command, [str(box), option, str(nowhere)])
+        assert result.exit_code == 2
+        assert f"{nowhere}: cannot be written: No such file or directory" in result.stderr
+
+
 def test_calibrate_prints_a_section_and_draws(box: Path, tmp_path: Path) -> None:
     picture = tmp_path / "cal.png"
     result = CliRunner().invoke(calibrate_command, [str(box), "--plot", str(picture)])
