@@ -46,7 +46,8 @@ def unreadable_object(problems: list[tuple[str, Where, str]]) -> dict[str, Any]:
     return {"ok": False, "refusals": refusals, "proved": None, "assumed": []}
 
 
-def as_text(source: str, report: Report) -> str:
+def as_text(source: str, report: Report, digest: str) -> str:
+    """``digest``: the canonical text's; its beginning is shown, as the vehicle tells it."""
     rows = []
     for refusal in report.refusals:
         place = f"{source}:{refusal.where.line}:{refusal.where.column}"
@@ -70,5 +71,5 @@ def as_text(source: str, report: Report) -> str:
             *(f"  {step}" for step in proved.path),
         ]
     rows += ["assumed", *(f"  {line}" for line in report.assumed)]
-    rows.append(f"{source}: {'ok' if report.ok else 'refused'}")
+    rows.append(f"{source}: {'ok' if report.ok else 'refused'}, digest {digest[:16]}")
     return "\n".join(rows)

@@ -26,7 +26,8 @@ def check(mission: str, vehicle: str | None, parameters: tuple[str, ...], as_jso
     from mission.prepare import Unreadable, check_prepared, parameters_of, prepare
 
     try:
-        report = check_prepared(prepare(mission, vehicle, parameters_of(parameters)))
+        prepared = prepare(mission, vehicle, parameters_of(parameters))
+        report = check_prepared(prepared)
     except Unreadable as error:
         click.echo(str(error), err=True)
         if as_json:
@@ -35,5 +36,6 @@ def check(mission: str, vehicle: str | None, parameters: tuple[str, ...], as_jso
             ]
             click.echo(json.dumps(unreadable_object(problems)))
         sys.exit(2)
-    click.echo(json.dumps(as_object(report)) if as_json else as_text(mission, report))
+    text = as_text(mission, report, prepared.chart.digest)
+    click.echo(json.dumps(as_object(report)) if as_json else text)
     sys.exit(0 if report.ok else 1)

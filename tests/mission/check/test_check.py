@@ -12,6 +12,7 @@ from mission.check import Report, check_mission
 from mission.cli import main
 from mission.compiler.compiler import compile_mission
 from mission.language import digest, parse
+from mission.prepare import prepare
 from mission.vehicle import load_vehicle
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -232,3 +233,8 @@ def test_a_refused_mission_exits_1_and_an_unreadable_one_2(tmp_path: Path) -> No
     assert unreadable.exit_code == 2
     assert "gear and seconds" in unreadable.stderr
     assert json.loads(unreadable.stdout)["refusals"][0]["line"] == 4
+
+
+def test_the_check_names_the_text_that_it_judged_as_the_vehicle_will() -> None:
+    told = CliRunner().invoke(main, ["check", "first-dive"]).stdout
+    assert told.endswith(f"digest {prepare('first-dive').chart.digest[:16]}\n")
