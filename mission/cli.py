@@ -56,6 +56,13 @@ class _Lazy(click.Group):
         found: click.Command = getattr(module, name.replace("-", "_"))
         return found
 
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Whole first sentences: click's own page cuts them off where the line ends."""
+        commands = [(name, self.get_command(ctx, name)) for name in self.list_commands(ctx)]
+        rows = [(name, found.get_short_help_str(limit=200)) for name, found in commands if found]
+        with formatter.section("Commands"):
+            formatter.write_dl(rows)
+
 
 def _exists(module: str) -> bool:
     return importlib.util.find_spec(f"mission.commands.{module}") is not None

@@ -1,0 +1,29 @@
+"""Laws of the help page: every command is there, and its sentence is whole."""
+
+from __future__ import annotations
+
+import pytest
+from click.testing import CliRunner
+
+from mission.cli import COMMANDS, main
+
+
+def test_the_page_has_every_command_with_a_whole_sentence() -> None:
+    page = CliRunner().invoke(main, ["--help"], terminal_width=80).stdout
+    rows = page.partition("Commands:\n")[2]
+    assert [row.split()[0] for row in rows.splitlines() if row[2:3] != " "] == list(COMMANDS)
+    assert "..." not in rows.replace("(auv.SD, ...)", "")
+    assert max(map(len, page.splitlines())) <= 80
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_option_of_every_command_says_what_it_is_for(name: str) -> None:
+    command = main.get_command(None, name)  # type: ignore[arg-type]
+    assert command is not None
+    assert CliRunner().invoke(main, [name, "--help"]).exit_code == 0
+    silent = [
+        option.name
+        for option in command.params
+        if option.param_type_name == "option" and not getattr(option, "help", None)
+    ]
+    assert not silent
