@@ -1,9 +1,12 @@
 """The same loop made of naive parts, to measure against: nothing of ours but the firmware.
 
 The plant in small numpy arrays, a byte-wise framer with a table CRC, pynmea2 on every line, an EKF
-by its book, every guard a condition of the machine, dispatched on every tick of 0.2 s. It flies
-the same legs on the same simulated boards, sends the same ZA words, and its guards see values that
-come from its own decoders and its own filter.
+by its book, every guard a condition of the machine, dispatched on every tick: the edges of the
+legs, and the limits that the mission and the vehicle file set, on the state around them. There is
+one tick for everything, that of the dynamics (0.05 s, as in the simulation that it is held to).
+It flies the same legs on the same simulated boards, sends the same ZA words, and its guards see
+values that come from its own decoders and its own filter. It does less than the engine where that
+costs it nothing: no acknowledge is awaited, no sensor doubted, nothing uploaded or logged.
 """
 
 from __future__ import annotations
@@ -17,18 +20,36 @@ import numpy as np
 import pynmea2
 from filterpy.kalman import ExtendedKalmanFilter
 from transitions.extensions import HierarchicalMachine
+from transitions.extensions.nesting import NestedState
 
 from links.simulated.link import SimulatedVehicle
-from links.simulated.plant import STEP, TICK, Plant
+from links.simulated.plant import STEP, Body, Plant
 from links.simulated.settings import Settings
-from mission.model import And, By, Chart, Comparison, Edge, Expression, Not, Or, Surface
+from mission.model import (
+    AUTONOMOUS,
+    And,
+    By,
+    Chart,
+    Comparison,
+    Edge,
+    Expression,
+    Not,
+    Or,
+    Surface,
+)
 from mission.vehicle import Vehicle
 
 RADIUS = 6371000.0
+SILENCE, BLIND, MARGIN = 5.0, 6.0, 1.0  # s without @SD, s without a reading, m beyond a depth
 
 
 class NaivePlant(Plant):
     """Fossen's equations as matrices of numpy, the same parameters."""
+
+    def __init__(self, body: Body, *, floor: float) -> None:
+        super().__init__(body, floor=floor)
+        b = body
+        self.mass = np.diag([b.mass_u, b.mass_v, b.mass_w, b.inertia_p, b.inertia_q, b.inertia_r])
 
     def run(self, steps: int) -> None:
         for _ in range(steps):
@@ -38,8 +59,7 @@ class NaivePlant(Plant):
         b = self.body
         nu = np.array([self.u, self.v, self.w, self.p, self.q, self.r])
         eta = np.array([self.north, self.east, self.depth, self.roll, self.pitch, self.yaw])
-        mass = np.diag([b.mass_u, b.mass_v, b.mass_w, b.inertia_p, b.inertia_q, b.inertia_r])
-        coriolis = self._coriolis(nu, mass)
+        coriolis = self._coriolis(nu, self.mass)
         damping = np.diag(np.array(b.linear) + np.array(b.quadratic) * np.abs(nu))
         damping[4, 4] += b.fin_damping * abs(nu[0])
         damping[5, 5] += b.fin_damping * abs(nu[0])
@@ -60,7 +80,7 @@ class NaivePlant(Plant):
             [surge, 0.0, z, roll + rudder_roll * nu[0] ** 2, pitch + rudder_pitch * nu[0] ** 2, yaw]
         )
         force = tau + fins - coriolis @ nu - damping @ nu - restoring
-        nu = nu + STEP * np.linalg.solve(mass, force)
+        nu = nu + STEP * np.linalg.solve(self.mass, force)
         eta_dot = self._transform(eta) @ nu
         eta_dot[:2] += (self.current_north, self.current_east)
         eta = eta + STEP * eta_dot
@@ -206,6 +226,14 @@ class NaiveFilter:
         self.kf.update(z, lambda x: h, lambda x: h @ x, R=np.eye(2) * 6.25)
 
 
+class _State(NestedState):
+    separator = "/"
+
+
+class _Machine(HierarchicalMachine):
+    state_cls = _State
+
+
 class NaiveFlight:
     """The chart of a mission of hold legs, as conditions of one machine, on one tick."""
 
@@ -222,7 +250,7 @@ class NaiveFlight:
         self.framer, self.filter = NaiveFramer(), NaiveFilter(vehicle)
         self.line = b""
         self.readings: dict[str, float] = {}
-        self.now, self.entered, self.travelled = 0.0, 0.0, 0.0
+        self.now, self.entered, self.travelled, self.heard = 0.0, 0.0, 0.0, 0.0
         self.rounds: dict[str, int] = {}
         self.queue: list[tuple[float, bytes]] = []
         self.left = 0
@@ -232,30 +260,44 @@ class NaiveFlight:
     # --- the machine: every edge a transition with conditions, all on the trigger "tick" -----
 
     def _machine(self) -> HierarchicalMachine:
-        legs = (s.path for s in self.chart.states if s.leg is not None)
-        states = [path.replace("/", ".") for path in legs]
-        transitions = []
-        states.append("over")
-        for edge in self.chart.edges:
-            if edge.by in (By.ON, By.UNCERTAIN, By.ELSE):
-                continue
-            transitions.append(
-                {
-                    "trigger": "tick",
-                    "source": edge.source.replace("/", "."),
-                    "dest": edge.target.replace("/", ".") if edge.target[0] == "a" else "over",
-                    "conditions": [self._condition(edge)],
-                    "after": [self._after(edge)],
-                }
-            )
-        return HierarchicalMachine(
+        transitions = [
+            {
+                "trigger": "tick",
+                "source": edge.source,
+                "dest": edge.target if edge.target.startswith(AUTONOMOUS) else "over",
+                "conditions": [self._condition(edge)],
+                "after": [self._after(edge)],
+            }
+            for edge in self.chart.edges
+            if edge.by not in (By.ON, By.UNCERTAIN)
+        ]
+        transitions += [
+            {"trigger": "tick", "source": AUTONOMOUS, "dest": "emergency", "conditions": [limit]}
+            for limit in self._limits()
+        ]
+        return _Machine(
             self,
-            states=states,
+            states=[self._tree(AUTONOMOUS), "over", "emergency"],
             transitions=transitions,
             auto_transitions=False,
-            initial=self.chart.initial.replace("/", "."),
+            initial=self.chart.initial,
             ignore_invalid_triggers=True,
         )
+
+    def _tree(self, path: str) -> dict[str, Any]:
+        inside = [self._tree(s.path) for s in self.chart.states if s.parent == path]
+        return {"name": path.rpartition("/")[2], "children": inside}
+
+    def _limits(self) -> list[Callable[[], bool]]:
+        safety, hard, seen = self.chart.mission.safety, self.vehicle.limits, self.readings
+        return [
+            lambda: seen.get("depth", 0.0) > (safety.depth or hard.depth) + MARGIN,
+            lambda: seen.get("depth", 0.0) > hard.depth + MARGIN,
+            lambda: seen.get("range", 0.0) > (safety.radius or hard.radius),
+            lambda: abs(seen.get("roll", 0.0)) > hard.roll,
+            lambda: self.now > (safety.time or hard.time),
+            lambda: self.now - self.heard > SILENCE,
+        ]
 
     def _condition(self, edge: Edge) -> Callable[[], bool]:
         leg = self.chart.state(edge.source).leg
@@ -270,6 +312,8 @@ class NaiveFlight:
             elapsed = self.now - self.entered
             if edge.guard is not None:
                 return self._true(edge.guard.expression)
+            if edge.by is By.ELSE:
+                return self.now - self.heard > BLIND
             if edge.by is By.FOR:
                 return elapsed >= (leg.duration or 0.0)
             if edge.by is By.TIMEOUT:
@@ -283,7 +327,7 @@ class NaiveFlight:
             for loop in edge.loops:
                 self.rounds[loop.group] = self.rounds.get(loop.group, 1) + 1 if loop.again else 1
             self.left += 1
-            if edge.target[0] == "a":
+            if edge.target.startswith(AUTONOMOUS):
                 self._enter(edge.target)
 
         return moved
@@ -317,8 +361,8 @@ class NaiveFlight:
     # --- the loop, tick by tick --------------------------------------------------------------
 
     def fly(self, until: float) -> None:
-        while self.now < until and self.state != "over":
-            self.now += TICK
+        while self.now < until and self.state.startswith(AUTONOMOUS):
+            self.now += STEP
             self._receive()
             while self.queue and self.queue[0][0] <= self.now:
                 self.sea.vehicle_link.send(self.queue.pop(0)[1], self.now)
@@ -339,11 +383,13 @@ class NaiveFlight:
     def _telemetry(self, sd: dict[str, float]) -> None:
         before = self.filter.kf.x[:2, 0].copy()
         self.filter.telemetry(self.now, sd)
+        self.heard = self.now
         moved = self.filter.kf.x[:2, 0] - before
         self.travelled += float(np.hypot(*moved))
         north, east = self.filter.kf.x[:2, 0]
         self.readings |= {
             "depth": sd["depth"],
+            "roll": math.radians(sd["roll"]),
             "altitude": sd["altitude"],
             "battery": sd["control"],
             "travelled": self.travelled,
