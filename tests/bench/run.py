@@ -62,7 +62,7 @@ BENCHES = (
     Bench(
         "bench_hour",
         "one hour of mission",
-        lambda module: module.main(3),
+        lambda module: module.main(),
         (
             Figure("hour_ratio", "an hour of mission, times as fast as naive parts", "x", 15, True),
             Figure("black_box_ratio", "the same with its black box", "x", 1.5),
