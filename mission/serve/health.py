@@ -207,7 +207,7 @@ def _written(folder: Path) -> dict[str, Any] | None:
 def _serves(pid: int) -> bool:
     """After a restart of the Pi the number may be another program's."""
     try:
-        return b"serve" in Path(f"/proc/{pid}/cmdline").read_bytes()
+        return b"serve" in Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")
     except OSError:
         return False
 

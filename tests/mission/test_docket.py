@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from test_serve import LINES, PATIENCE, Running, asked, read_now, running, silent_board, soon
+from served import LINES, PATIENCE, Running, asked, read_now, running, silent_board, soon
 
 from links.base import Rx
 from mission.blackbox import read_parts

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
-from test_serve import running, silent_board, simulated, soon
+from served import running, silent_board, simulated, soon
 
 from links.serial import SerialLink
 from mission.commands.doctor import doctor

@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
-from test_serve import PATIENCE, Running, asked, read_now, running, silent_board, soon
+from served import PATIENCE, Running, asked, read_now, running, silent_board, soon
 
 from mission.operator.console import Unreachable, converse
 from mission.operator.upload import status

@@ -10,7 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from test_serve import read_now, silent_board, soon
+from served import read_now, silent_board, soon
 
 from mission.serve.printer import PATIENCE_S, Printer
 

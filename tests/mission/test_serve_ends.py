@@ -1,0 +1,215 @@
+"""How serve begins and ends: after a restart, a fault of its own, at a stop; and who is told."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+from served import (
+    MISSION,
+    PATIENCE,
+    Running,
+    asked,
+    quiet,
+    read_now,
+    running,
+    silent_board,
+    simulated,
+    soon,
+)
+
+from mission.blackbox import read_parts
+from mission.drive.drive import Drive
+from mission.drive.records import RX
+from mission.language import digest, script
+from mission.operator.console import converse
+from mission.operator.upload import start, status, upload
+from mission.replay.replay import replay
+from mission.serve import ports
+from mission.serve import serve as shell
+from mission.store import MemoryStore
+
+
+def test_what_was_under_way_surfaces_after_a_restart(tmp_path: Path) -> None:
+    store = MemoryStore()
+    store.keep_under_way("autonomous/out")
+    with (
+        silent_board() as (master, device),
+        running(tmp_path, f"serial://{device}", store=store),
+    ):
+        heard = bytearray()
+
+        def read() -> bool:
+            heard.extend(read_now(master))
+            return b"@ZAWF$" in heard
+
+        soon(read, "W")
+
+
+def test_serve_that_is_ended_in_a_mission_leaves_a_vehicle_that_is_stopped(tmp_path: Path) -> None:
+    with simulated(4.0) as sea:
+        stm32, gps = (f"serial://{path}" for path in sea.paths)
+        heard: list[bytes] = []
+        really = sea.vehicle.stm32.receive
+
+        def hear(data: bytes, now: float) -> None:
+            heard.append(data)
+            really(data, now)
+
+        sea.vehicle.stm32.receive = hear  # type: ignore[method-assign]
+        with running(tmp_path, stm32, gps=gps, speed=4.0) as pi:
+            converse(pi.url, upload(script(MISSION), digest(MISSION), quiet))
+            converse(pi.url, start(patience=60))
+            soon(lambda: b"@ZAS3$" in heard, "the mission")
+        assert pi.has_told("stopped in autonomous/")
+        assert b"".join(heard).endswith(b"@ZAX0$")
+        assert pi.store.content.under_way.startswith("emergency"), "the next one surfaces"
+        assert pi.ready is not None
+        assert replay(list(read_parts(Path(pi.ready.black_box)))).identical
+
+
+def test_the_first_w_after_a_restart_is_not_lost_on_a_port_that_is_about_to_open(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opening = threading.Event()
+    really = ports.open_link
+
+    def slowly(name: str, url: str) -> object:
+        if name == "vehicle":
+            assert opening.wait(PATIENCE)
+        return really(name, url)
+
+    monkeypatch.setattr(ports, "open_link", slowly)
+    monkeypatch.setattr(shell, "FIRST_S", PATIENCE)
+    store = MemoryStore()
+    store.keep_under_way("autonomous/out")
+    with silent_board() as (master, device):
+        pi = Running(tmp_path, f"serial://{device}", store=store, wait=False)
+        threading.Timer(0.5, opening.set).start()
+        heard = bytearray()
+
+        def read() -> bool:
+            heard.extend(read_now(master))
+            return b"@ZAWF$" in heard
+
+        soon(read, "W")
+        pi.stop()
+    assert not pi.has_told("NOT SENT")
+
+
+def test_a_fault_of_the_program_begins_another_drive_that_surfaces(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    really = Drive.receive
+
+    def receive(drive: Drive, rx: object, now: float | None = None) -> object:
+        if b"boom" in rx.data:  # type: ignore[attr-defined]
+            raise ZeroDivisionError("a bug")
+        return really(drive, rx, now)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Drive, "receive", receive)
+    monkeypatch.setattr(shell, "REBIRTH_S", 0.1)
+    with (
+        silent_board() as (_, device),
+        running(tmp_path, f"serial://{device}") as pi,
+        pi.boat() as boat,
+    ):
+        assert asked(boat, b"@AQ$").startswith(b"@AR,")
+        boat.sendall(b"boom")
+        soon(lambda: pi.has_told("a bug"), "the fault")
+        soon(lambda: len(list((tmp_path / "log").iterdir())) == 2, "another black box")
+        assert asked(boat, b"@AQ$").startswith(b"@AR,")
+    assert all(replay(list(read_parts(p))).identical for p in (tmp_path / "log").iterdir())
+
+
+def test_what_was_recorded_before_a_stop_is_in_the_file_however_slow_the_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("mission.serve.health.write", lambda *_: time.sleep(1.0))
+    monkeypatch.setattr("mission.serve.health.EVERY_S", 0.01)
+    with silent_board() as (_, device), running(tmp_path, f"serial://{device}") as pi:
+        with pi.boat() as boat:
+            for _ in range(4):
+                asked(boat, b"@AQ$")
+                time.sleep(0.12)
+        assert pi.ready is not None
+    records = list(read_parts(Path(pi.ready.black_box)))
+    asks = [r for r in records if r.kind == RX and r.payload.endswith(b"@AQ$")]
+    assert len(asks) == 4
+    assert replay(records).identical
+
+
+def test_systemd_hears_ready_and_the_steps_of_the_drive(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    manager = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    manager.bind(str(tmp_path / "notify"))
+    manager.settimeout(PATIENCE)
+    monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "notify"))
+    monkeypatch.setenv("WATCHDOG_USEC", "600000")
+    with manager:
+        with silent_board() as (_, device), running(tmp_path, f"serial://{device}"):
+            heard = [manager.recv(100) for _ in range(6)]
+        while heard[-1] != b"STOPPING=1":
+            heard.append(manager.recv(100))
+    assert b"READY=1" in heard
+    assert heard.count(b"WATCHDOG=1") >= 4
+
+
+def test_the_program_tells_a_parent_where_it_listens_and_ends_by_sigterm(tmp_path: Path) -> None:
+    ready = tmp_path / "ready.json"
+    with silent_board() as (_, device):
+        call = [
+            sys.executable,
+            "-c",
+            "from mission.cli import main; main()",
+            "serve",
+            "--vehicle",
+            f"serial://{device}",
+        ]
+        call += ["--gps", "none", "--topside", "tcp://127.0.0.1:0", "--folder", str(tmp_path)]
+        child = subprocess.Popen(
+            [*call, "--ready-file", str(ready)], stdout=subprocess.PIPE, text=True
+        )
+        with child:
+            try:
+                soon(ready.exists, "the ready file")
+                where = json.loads(ready.read_text())
+                assert converse(where["topside"], status(lambda *_: None)) == ""
+            finally:
+                child.send_signal(signal.SIGTERM)
+            said, _ = child.communicate(timeout=PATIENCE)
+    assert child.returncode == 0
+    assert where["topside"] in said
+    assert replay(list(read_parts(Path(where["black_box"])))).identical
+
+
+def test_a_wall_clock_that_jumps_decides_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As when a GPS or a boat sets it, back and forth by years."""
+    jumps = itertools.cycle([1.7e9, 0.0, 4.0e9, 1.7e9 - 3600.0])
+    monkeypatch.setattr(shell.time, "time", lambda: next(jumps))
+    with silent_board() as (master, device), running(tmp_path, f"serial://{device}") as pi:
+        with pi.boat() as boat:
+            for order in (b"@ZAX0$", b"@ZAWF$"):
+                boat.sendall(order)
+                heard = bytearray()
+
+                def tried_again(order: bytes = order, heard: bytearray = heard) -> bool:
+                    heard.extend(read_now(master))
+                    return heard.count(order) >= 2
+
+                soon(tried_again, "timers run as before")
+            assert asked(boat, b"@AQ$").startswith(b"@AR,running")
+        assert pi.ready is not None
+    assert not pi.has_told("fault")
+    assert replay(list(read_parts(Path(pi.ready.black_box)))).identical
