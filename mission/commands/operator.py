@@ -161,7 +161,13 @@ def _status_here(config: Path | None, as_json: bool) -> None:
         raise SystemExit(2) from None
     found = health.read(folder, time.time())
     if found is None:
-        click.echo(f"no serve is running with the folder {folder}", err=True)
+        mute = health.mute(folder, time.time())
+        why = (
+            f"no serve is running with the folder {folder}"
+            if mute is None
+            else f"serve (process {mute}) runs, but has not told of its health: is {folder} full?"
+        )
+        click.echo(why, err=True)
         raise SystemExit(1)
     if as_json:
         click.echo(json.dumps(found))

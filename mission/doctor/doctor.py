@@ -207,7 +207,11 @@ def _ports(patient: Patient) -> Iterator[Finding]:
 def _of_running(running: Mapping[str, Any]) -> Iterator[Finding]:
     for name, link in running["links"].items():
         if not link["open"]:
-            yield fault(f"link {name}", f"{link['url']} is not open", "see the journal of serve")
+            yield fault(
+                f"link {name}",
+                f"{link['url']} is not open",
+                "the journal of serve says why; a node that @NS has closed, @NS opens",
+            )
         elif name in ("vehicle", "gps") and _silent(link) > SILENT_S:
             yield fault(
                 f"link {name}",
