@@ -247,6 +247,14 @@ LIMITS: tuple[Limit, ...] = (
         needs=frozenset({"depth"}),
     ),
     Limit(
+        "no progress",
+        "depth",
+        "120 s at more than 2 m from the depth asked for, and not 0.5 m nearer",
+        lambda w: w.progress.stuck,
+        lambda w: w.progress.words,
+        needs=frozenset({"depth"}),
+    ),
+    Limit(
         "depth unknown",
         "depth",
         f"{BLIND_TIME:g} s submerged without a depth to believe",

@@ -2,6 +2,7 @@
 
     descent    a depth that grows faster than the vehicle may dive, or while no command asked for it
     steering   a heading that runs away from the one that was asked for
+    progress   a depth that was asked for and does not come nearer
     course     where it goes over ground against where the bow points
 
 What does not live here: the rows and their bounds (envelope), responses (engine).
@@ -27,6 +28,8 @@ _STALE = 10.0  # s: two depths farther apart give no rate
 _TURNING_TIME = 10.0  # s of growing heading error (design: limits)
 _GROWTH, _LARGE, _NOISE = (math.radians(a) for a in (20.0, 30.0, 10.0))
 _NEW_HEADING = math.radians(15.0)
+_STUCK_TIME = 120.0  # s without coming nearer: a dive at a tenth of its pace does
+_NEARER, _OFF = 0.5, 2.0  # m: of that time, and what is not there yet
 _APART = math.radians(60.0)
 _UNDER_WAY = 0.4  # m/s through the water and over ground: a weaker one is no course
 _NEUTRAL = 0.02  # share of full thrust
@@ -95,6 +98,30 @@ class Steering:
         self.words = f"heading {math.degrees(error):.0f} deg off what was set, and growing"
 
 
+class Progress:
+    __slots__ = ("_nearest", "_since", "_wanted", "stuck", "words")
+
+    words: str
+
+    def __init__(self) -> None:
+        self._wanted: float | None = None
+        self._since, self._nearest = 0.0, 0.0
+        self.stuck: bool | None = None
+        self.words = ""
+
+    def take(self, t: float, depth: float | None, wanted: float | None) -> None:
+        self.stuck = None
+        if wanted is None:
+            self._wanted = None
+        if wanted is None or depth is None:
+            return
+        off = abs(depth - wanted)
+        if wanted != self._wanted or off <= self._nearest - _NEARER:
+            self._wanted, self._since, self._nearest = wanted, t, off
+        self.stuck = off > _OFF and t - self._since >= _STUCK_TIME
+        self.words = f"for {_STUCK_TIME:g} s no nearer to {wanted:g} m, at {depth:.1f} m"
+
+
 class Watch:
     """``sent`` is the set in force at the vehicle (None: nothing, or an order)."""
 
@@ -104,6 +131,7 @@ class Watch:
     lost: int
     descent: Descent
     steering: Steering
+    progress: Progress
 
     def __init__(self, vehicle: Vehicle, senses: Senses, bounds: Bounds) -> None:
         self.vehicle, self.senses, self.bounds = vehicle, senses, bounds
@@ -128,14 +156,15 @@ class Watch:
         self.blind_since: float | None = None
         self.ascending = False  # a leg proves its ascent: sinking is answered there already
         self.repeated = False  # after a brown-out the set was sent again
-        self.descent, self.steering = Descent(), Steering()
+        self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
         self.breaches: tuple[Limit, ...] = ()
         self._running: dict[str, float] = {}  # samples in a row, or since when
 
     def clone(self, senses: Senses) -> Self:
         other = copy.copy(self)
         other.senses = senses
-        other.descent, other.steering = copy.copy(self.descent), copy.copy(self.steering)
+        for name in ("descent", "steering", "progress"):
+            setattr(other, name, copy.copy(getattr(self, name)))
         other._running = dict(self._running)
         return other
 
@@ -144,7 +173,7 @@ class Watch:
         self.heard, self.lost, self.blind_since = now, 0, None
         self.topside_heard = now
         self._running, self.repeated, self.breaches = {}, False, ()
-        self.descent, self.steering = Descent(), Steering()
+        self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
 
     def set_sent(self, setpoint: Setpoint | None) -> None:
         self.sent, self.accepted_at = setpoint, None
@@ -161,6 +190,7 @@ class Watch:
         asked = self.ascending or self._dive_asked()
         self.descent.take(self.senses, asked, self.vehicle.limits.descent_rate)
         heading = report.heading if self.senses.health("heading").valid else None
+        self.progress.take(report.t, self.senses.depth, self.sent.depth if self.sent else None)
         self.steering.take(report.t, heading, self.sent.heading if self.sent else None)
 
     def look(self, reported: bool, fixed: bool) -> list[Limit]:

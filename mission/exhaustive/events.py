@@ -74,6 +74,10 @@ def _own_depth(world: World, configuration: Configuration, chart: Chart) -> None
     world.wait(12.5)
 
 
+def _stuck(world: World) -> None:
+    world.wait(124.5)
+
+
 def _topside_silent(world: World) -> None:
     world.engine.limit_topside_silence(3.0)
     world.wait(4.5)
@@ -143,6 +147,7 @@ LIMITS = (
     Event("limit depth", script(_too_deep), "SP", limit="depth"),
     Event("limit hard depth", script(_hard_depth), limit="hard depth"),
     Event("limit unexplained descent", script(_sinks), limit="unexplained descent"),
+    Event("limit no progress", script(_stuck), limit="no progress", also=frozenset({"minute"})),
     Event(
         "limit depth unknown", script(_blinded), limit="depth unknown", sensor="depth", after=6.0
     ),

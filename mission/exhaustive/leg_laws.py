@@ -8,6 +8,7 @@ from __future__ import annotations
 from functools import cache
 
 from mission.exhaustive.cell import Cell
+from mission.exhaustive.configurations import DEEP
 from mission.exhaustive.laws import Law, Verdict, wrong
 from mission.model import (
     IMPLICIT_SURFACE,
@@ -26,6 +27,7 @@ from protocol.messages import Setpoint
 from protocol.vehicles import codec
 
 _AHEAD = 4 / 12  # share of full thrust: slower, the course over ground tells nothing
+_OFF = 2.0  # m (limits: no progress)
 _TRIES = 3  # R1
 _PERIOD, _BLIND, _LATE = 2.0, 6.0, 0.1  # s: between reports; without a reading (design 4)
 _LOST = 3  # R8
@@ -69,6 +71,9 @@ def _real(cell: Cell) -> bool:
     plain = leg is not None and leg.leg is not None and isinstance(leg.leg.kind, Hold | Wait)
     if limit == "heading does not follow":
         return kept and plain and state is not None and state.heading is not None
+    if limit == "no progress":
+        asked = state.depth if state is not None else None
+        return kept and plain and asked is not None and abs(asked - DEEP) > _OFF
     if limit == "course against heading":
         return kept and plain and state is not None and state.surge >= _AHEAD
     if limit == "brown-out":

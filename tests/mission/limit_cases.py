@@ -88,6 +88,18 @@ def unasked(world: World, metres: float, seconds: float) -> None:
     sink(world, 0.0, 10.0)
 
 
+def stuck(world: World, metres: float, seconds: float) -> None:
+    """On the way to 20 m, from 10 m."""
+    sink(world, 0.25, (metres - 10.0) / 0.25)
+    world.wait(seconds)
+
+
+def slowly(world: World) -> None:
+    stuck(world, 15.0, 118.0)
+    world.depth = 15.5
+    world.wait(118.0)
+
+
 def blind(world: World, seconds: float) -> None:
     world.nav.doubt["depth"] = "frozen"
     world.tell(world.report())
@@ -216,6 +228,12 @@ CASES: dict[str, Case] = {
         lambda w: unasked(w, 2.0, 4.0),
         lambda w: unasked(w, 2.0, 2.0),
         lambda w: unasked(w, 2.0, 0.0),
+    ),
+    "no progress": Case(
+        "for 120 s no nearer to 20 m, at 17.5 m",
+        lambda w: stuck(w, 17.5, 120.0),
+        slowly,
+        lambda w: stuck(w, 18.0, 600.0),
     ),
     "depth unknown": _deadline(
         "submerged and without a depth to believe for 6 s", blind, BLIND_TIME

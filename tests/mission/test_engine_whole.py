@@ -300,6 +300,7 @@ def test_the_machine_is_told_what_fires_and_asked_for_nothing(
         return dispatch(model, trigger)
 
     monkeypatch.setattr(library, "trigger_event", counted)
+    world.depth = 5.0  # as asked for
     world.wait(590.0)
     assert told == []
     before = len(world.steps)

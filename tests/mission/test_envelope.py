@@ -204,7 +204,7 @@ def test_a_descent_that_nobody_asked_for_acts_also_in_idle():
 
 
 def test_the_topside_may_be_silent_for_ever_unless_told_otherwise():
-    world = flying()
+    world = flying(depth=20.0)
     world.wait(250.0)
     assert not tripped(world, "topside")
 
