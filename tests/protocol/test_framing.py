@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import random
 from collections.abc import Sequence
 from typing import Any
@@ -60,7 +61,8 @@ def test_a_mask_may_be_any_byte(mask: int) -> None:
 
 
 def test_a_failing_candidate_costs_one_byte() -> None:
-    assert on("auv.to_pi", b"@@@NI$") == [(0, "bad_header", 2), (2, "auv.NI", b"@NI$")]
+    for n in range(1, 5):
+        assert on("auv.to_pi", b"@" * n + b"@NI$") == [(0, "bad_header", n), (n, "auv.NI", b"@NI$")]
     assert on("auv.to_pi", b"@MMF1@MMF2$") == [(0, "bad_char", 5), (5, "auv.MM", b"@MMF2$")]
 
 
@@ -245,6 +247,8 @@ def read_b(
     data: bytes, at: int, last: int, base: int, t: float
 ) -> tuple[Sequence[object], int, int]:
     """A reader of frames ``<b>`` which, like one, reads over full stops."""
+    assert data[at] == ord("<")
+    assert at <= last <= len(data) - 3
     items: list[object] = []
     gaps, stop = 0, at
     while at <= last and data.startswith(b"<b>", at):
@@ -315,8 +319,22 @@ def test_the_shortcut_is_taken_wherever_it_can_be() -> None:
         ("quick", 15, 2.0),
         ("quick", 18, 2.0),
     ]
-    assert (framer.counters.good, framer.counters.skipped) == (6, 3)
+    assert framer.receive(b"<b>", 3.0) == [("quick", 21, 3.0)]
+    assert (framer.counters.good, framer.counters.skipped) == (7, 3)
     assert framer.counters.bad == {"bad_header": 2}
+
+
+def test_what_came_with_one_chunk_is_read_in_one_go() -> None:
+    asked: list[tuple[int, int]] = []
+
+    def noted(data: bytes, at: int, last: int, base: int, t: float) -> Any:
+        asked.append((base + at, base + last))
+        return read_b(data, at, last, base, t)
+
+    framer = Framer((LETTER,), shortcut=dataclasses.replace(B_QUICKLY, read=noted))
+    framer.receive(b"<b>" * 5 + b"<", 0.0)
+    framer.receive(b"b>" + b"<b>" * 5, 0.0)
+    assert asked == [(0, 13), (15, 15), (18, 30)]
 
 
 # --- candidates of several lengths, one-byte leads ---
@@ -355,12 +373,13 @@ def test_the_longest_lead_names_the_fault() -> None:
 def test_part_of_a_lead_is_waited_for_and_a_whole_other_lead_is_not() -> None:
     long = BinaryFrame("long", "", (Const(b"<long>"), U8("a")))
     framer = Framer((long,))
-    assert framer.receive(b"<lon", 0.0) == []
+    assert framer.receive(b"<", 0.0) == framer.receive(b"lon", 0.0) == []
     assert [shown(i) for i in framer.receive(b"d><long", 0.0)] == []
     assert [shown(i) for i in framer.receive(b">!", 0.0)] == [
         (0, "bad_header", 6),
         (6, "long", b"<long>!"),
     ]
+    assert read(Framer((long,)), b"<", b"long>!") == [(0, "long", b"<long>!")]
     assert read(Framer((long,)), b"<lo") == [(0, "truncated", 3)]
     assert read(Framer((long,)), b"<loX") == [(0, "bad_header", 4)]
 
