@@ -136,6 +136,9 @@ def _why_not_fly(core: Core, chart: Chart) -> str:
     return ""
 
 
+_ALLOW = "; 'start without fix' in the mission allows it"
+
+
 def _settle_home(core: Core, chart: Chart) -> str:
     """R9: where home is, and that it is near enough; tells navigation. Why not, or ""."""
     senses, mission, navigation = core.senses, chart.mission, core.senses.navigation
@@ -143,9 +146,9 @@ def _settle_home(core: Core, chart: Chart) -> str:
     home = mission.home or senses.home_from_fixes()
     fresh = senses.fix is not None and core.now - senses.fix.t <= FIX_AGE
     if home is None and not mission.start_without_fix:
-        return "no home: it takes five fixes in a row within 10 m and HDOP 3 at most"
+        return f"no home: it takes five fixes in a row within 10 m and HDOP 3 at most{_ALLOW}"
     if home is not None and not fresh and not mission.start_without_fix:
-        return "no fix for 5 s: how far home is cannot be told"
+        return f"no fix for 5 s: how far home is cannot be told{_ALLOW}"
     if home is not None and fresh:
         far = _from(home, core)
         radius = core.bounds_for(chart).radius

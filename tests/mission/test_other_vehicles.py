@@ -14,6 +14,7 @@ import pytest
 
 from mission.engine.senses import Senses
 from mission.engine.watch import Descent
+from mission.language import parse
 from mission.model import Health
 from mission.prepare import Prepared, Unreadable, prepare
 from mission.simulation.flight import fly
@@ -316,3 +317,10 @@ def test_on_the_ground_it_is_always_at_the_surface() -> None:
     senses.at(11.0)
     assert senses.surfaced(5.0)
     assert load_vehicle("robot").drives
+
+
+def test_a_start_refused_for_want_of_a_fix_says_what_allows_it() -> None:
+    text = "mission m vehicle rov\nhome 30 120\n{}a: gear 4 for 20\n"
+    refused = fly(parse(text.format("")), load_vehicle("rov"))
+    assert "'start without fix' in the mission allows it" in refused.reason
+    assert fly(parse(text.format("start without fix\n")), load_vehicle("rov")).legs
