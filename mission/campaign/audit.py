@@ -10,7 +10,8 @@ looked at. The rules, in the order of the events:
              @M only while the stick has the vehicle.
     a Step   that commands must be allowed to where it happens: a set only in a leg; the stop of
              ``stopped`` needs an X, surfacing a W, a limit, a restart or a forgotten stick, manual
-             an M, a start an @AA; a stop is repeated only until the STM32 acknowledged it.
+             an M, a start an @AA; a stop is repeated only until the STM32 acknowledged it, or
+             when a report says that a thruster turns all the same.
 
 What does not live here: whether a limit was right to act (the engine's tests), what may not come
 of a flight (laws).
@@ -20,6 +21,7 @@ from __future__ import annotations
 
 import math
 import re
+import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -55,6 +57,7 @@ _X, _W, _AA = re.compile(rb"@ZAX0\$"), re.compile(rb"@ZAWF\$"), re.compile(rb"@A
 _M = re.compile(rb"@M[^@$]{0,60}\$")
 _STOPPED_ACK = re.compile(rb"@ACK_Z[XA]Y\$")
 _LONGEST = 64
+_REPORT, _THRUSTERS, _NEUTRAL = 86, struct.Struct("<5H"), 10  # @SD; us
 _ORDERS = {"everything stopped": Order.STOP, "emergency surfacing": Order.SURFACE}
 _ANGLES = ("heading", "pitch", "roll")
 _UPWARD = -1.0
@@ -115,6 +118,8 @@ class _Auditor:
                     self._said(event)
                 case Heard():
                     self._acks += len(_STOPPED_ACK.findall(event.data))
+                    if _turns(event.data):
+                        self._acks = 0
                 case Done(t=t, act=Act.STALL):
                     self._stalled = t if self._stalled is None else self._stalled
                 case Done(t=t, act=Act.RUN):
@@ -258,6 +263,14 @@ class _Auditor:
             yield Spurious(tx.t, f"{tx.data!r} relayed in {self._state}")
         for permit in self._permits:
             permit.ends = min(permit.ends, tx.t)
+
+
+def _turns(data: bytes) -> bool:
+    """A report in which one of the five thrusters is on."""
+    at = data.find(b"@SD")
+    if at < 0 or len(data) < at + _REPORT:
+        return False
+    return any(abs(pwm - 1500) > _NEUTRAL for pwm in _THRUSTERS.unpack_from(data, at + 63))
 
 
 def _moves(frame: bytes) -> bool:

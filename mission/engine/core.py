@@ -37,7 +37,7 @@ from mission.model import (
     Result,
     Step,
 )
-from mission.regions import MANUAL
+from mission.regions import IDLE, MANUAL
 from mission.vehicle import Vehicle
 from protocol.messages import Order, Setpoint, SetSafety
 
@@ -57,6 +57,7 @@ class Core:
         self.run: Run | None = None  # also while it is interrupted by the stick
         self.ascent: Ascent | None = None  # the emergency's
         self.stop_at: float | None = None  # X0 goes out again then, unless it was acknowledged
+        self.stopped_at: float | None = None  # when a stop was acknowledged, and nothing since
         self.stick = -math.inf  # the last M
         self.auto = True  # node AUTO
         self.emergency_since_idle = False
@@ -172,7 +173,7 @@ class Core:
     def _fly(self, why: str, leaf: str, *, history: bool) -> None:
         assert self.run is not None
         self.watch.begin(self.now)
-        self.stop_at = None
+        self.stop_at = self.stopped_at = None
         self.reason = why
         moved = self.machine.move("start", leaf)
         self._enter(leaf, moved, "start", None, (), history=history)
@@ -249,7 +250,7 @@ class Core:
         self.renew_bounds()
 
     def _stop(self, why: str) -> tuple[Action, ...]:
-        self.stop_at = self.now + REPEAT_STOP
+        self.stop_at, self.stopped_at = self.now + REPEAT_STOP, None
         self.watch.set_sent(None)
         return (Action(Order.STOP, why),)
 
@@ -257,6 +258,13 @@ class Core:
         """Until it is acknowledged."""
         if self.stop_at is not None and self.now >= self.stop_at:
             self._record(self._stop(f"{self.reason}: no acknowledgement yet"))
+
+    def doubt_stop(self) -> None:
+        """An acknowledgement proves nothing, as in the ascent: a thruster that turns after it in a
+        state where everything is stopped is stopped again."""
+        rests = self.region == IDLE or self.active in (STOPPED, SURFACED, MANUAL_WAITING)
+        if self.stopped_at is not None and rests and self.watch.turning(self.stopped_at):
+            self._record(self._stop(f"{self.reason}: a thruster turns after it was stopped"))
 
     def emergency_stop(self, why: str) -> None:
         self._to_emergency()
@@ -270,7 +278,7 @@ class Core:
         run = self.flying
         begun = run.ascent if run is not None and run.climbing and by is By.LIMIT else None
         self._to_emergency()
-        self.stop_at = None
+        self.stop_at = self.stopped_at = None
         self.watch.set_sent(None)
         self.ascent = begun or Ascent(self.now, self.senses.depth, why)
         self._move(name, SURFACING, why, () if begun else self.ascent.first(), by, evaluations)
@@ -294,7 +302,7 @@ class Core:
 
     def take_stick(self) -> None:
         """manual/driving; a mission stays where it was interrupted."""
-        self.ascent, self.stop_at = None, None
+        self.ascent = self.stop_at = self.stopped_at = None
         self.watch.set_sent(None)
         self._move("stick", MANUAL_DRIVING, "the stick was moved", (), By.OPERATOR)
 
@@ -347,7 +355,7 @@ class Core:
         watch, run = self.watch, self.flying
         watch.lost = watch.lost + 1 if outcome.result is Result.LOST else 0
         if outcome.command is Order.STOP and outcome.result is Result.ACCEPTED:
-            self.stop_at = None
+            self.stop_at, self.stopped_at = None, self.now
         if outcome.command != watch.sent or run is None or run.sent is None:
             return
         if outcome.result is Result.ACCEPTED:

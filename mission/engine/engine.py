@@ -115,6 +115,8 @@ class Engine:
         self._mind_stick()
         core.climb()
         core.fly_on()
+        if reported:
+            core.doubt_stop()
         core.stop_again()
         self._timer = self._next_timer()
         return Outputs(tuple(core.actions), tuple(core.steps), tuple(verdicts))

@@ -258,6 +258,13 @@ class Watch:
             return False
         return abs(wrap(fix.course - e.heading)) > _APART
 
+    def turning(self, since: float) -> bool:
+        """A report from well after then says that a thruster is on."""
+        report = self.senses.telemetry
+        if report is None or not report.actuators or report.t < since + _SETTLE:
+            return False
+        return any(abs(a) > _NEUTRAL for a in report.actuators[:_THRUSTERS])
+
     def powerless(self) -> bool | None:
         """Thrust is set and acknowledged, and every thruster is neutral."""
         report, sent = self.senses.telemetry, self.sent

@@ -36,6 +36,7 @@ class Sea:
     temperature: float = 15.0
     control_v: int = 12
     powered: bool = True
+    stopped: bool = False  # by X0, which is obeyed whether it is answered or not
     north: float = 100.0  # m from home
     east: float = 0.0
     yaw_offset_deg: float = 0.0  # as no compass says it
@@ -62,7 +63,7 @@ class Sea:
             values[name] = self._said.get(name, values[name])
         self._said = dict(values)
         told = (math.nan if name in self.unknown else value for name, value in values.items())
-        width = _AHEAD if self.powered else _NEUTRAL
+        width = _AHEAD if self.powered and not self.stopped else _NEUTRAL
         raw = _SD.pack(b"@SD", *told, *_MAGNETIC, *(7 * (width,)), self.control_v, 48)
         return raw + _SUM.compute(raw[_SUM.first :]).to_bytes(4, "little") + b"$"
 

@@ -26,6 +26,7 @@ BOAT, TENDER = "boat", "tender"  # two connections of the operators
 TOPSIDE = "topside"
 _PERIOD = 2.0  # s between reports
 _LATENCY = 0.02  # s until the STM32 answers
+_STOP = b"@ZAX0$"
 _BUSY = 200  # inputs at one instant: more, and a timer is never done
 _CONFIGURATION = Configuration(links=LinkUrls(modem="memory://modem"))
 
@@ -159,6 +160,8 @@ class World:
                 continue
             if self.rises_by and tx.data.startswith(self.rises_by):
                 self.sea.depth, self.rises_by = 0.2, b""
+            if tx.data.startswith((b"@ZA", b"@M")):
+                self.sea.stopped = tx.data == _STOP
             if tx.data.startswith(b"@ZA") and self.answers:
                 data = answer(tx.data, self.answers, self.vehicle.dialect)
                 self._owed.append((self.now + _LATENCY, data))

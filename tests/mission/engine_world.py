@@ -111,6 +111,9 @@ class Navigation:
         self.__dict__.update(snapshot)
 
 
+NEUTRAL = (0.0, 0.0, 0.0, 0.0, 0.0)
+
+
 class World:
     """Drives an engine through time. The vehicle acknowledges everything unless told otherwise."""
 
@@ -124,6 +127,7 @@ class World:
         self.depth: float | None = 0.2
         self.heading, self.altitude, self.roll = 0.0, 20.0, 0.0
         self.actuators: tuple[float, ...] = (0.3, 0.3, 0.0, 0.0, 0.0)
+        self.stops = True  # a stop is obeyed, not acknowledged alone
         self.leak: bool | None = None
         self.answer: Result | None = Result.ACCEPTED
         self.steps: list = []
@@ -131,6 +135,10 @@ class World:
         self.verdicts: list = []
         if mission is not None:
             self.tell(Loaded(compiled(mission, vehicle)))
+
+    @property
+    def is_stopped(self) -> bool:
+        return bool(self.actions) and self.actions[-1][1].command is Order.STOP
 
     def tell(self, *inputs: Input) -> Outputs:
         """One step now; then what the vehicle answers to what was sent."""
@@ -155,7 +163,7 @@ class World:
             pitch=0.0,
             roll=self.roll,
             temperature_c=15.0,
-            actuators=self.actuators,
+            actuators=NEUTRAL if self.stops and self.is_stopped else self.actuators,
             batteries=(12.0, 48.0),
             leak=self.leak,
         )

@@ -303,6 +303,31 @@ def test_a_stop_is_under_way_in_idle_until_it_is_acknowledged():
     assert world.engine.under_way == ""
 
 
+@pytest.mark.parametrize("state", [STOPPED, SURFACED, IDLE_READY, "manual/waiting"])
+def test_a_thruster_that_turns_after_an_acknowledged_stop_is_stopped_again(state: str):
+    world = world_in("autonomous/a" if state == IDLE_READY else state)
+    if state == IDLE_READY:
+        world.tell(AutoNode(False))
+    assert world.state == state
+    before = len(world.actions)
+    world.wait(6.0)
+    assert not world.commands()[before:]  # it has stopped, and nothing more is said
+    world.stops = False
+    world.wait(6.0)
+    assert world.state == state
+    assert set(world.commands()[before:]) == {Order.STOP}
+    world.stops = True
+    before = len(world.actions)
+    world.wait(6.0)
+    assert not world.commands()[before:]
+
+
+def test_a_thruster_that_turns_in_idle_is_nothing_while_no_stop_was_said():
+    world = world_in(IDLE_READY)
+    world.wait(10.0)
+    assert not world.actions
+
+
 def test_clearing_does_not_end_a_stop_that_nobody_acknowledged():
     world = world_in("autonomous/a")
     world.answer = None
