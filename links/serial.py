@@ -124,6 +124,8 @@ def _why(name: str, device: str, error: serial.SerialException) -> LinkError:
         return LinkAbsent(
             f"{name}: no permission for {device}: add the user to its group, e.g. dialout"
         )
+    if number == errno.ENOTTY or os.strerror(errno.ENOTTY) in str(error):
+        return LinkAbsent(f"{name}: {device} is no serial port: see `ls /dev/tty*`")
     return LinkAbsent(f"{name}: {device} cannot be opened: {error}")
 
 

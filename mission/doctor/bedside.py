@@ -11,7 +11,7 @@ import select
 import time
 from collections.abc import Callable, Iterator, Sequence
 
-from links import open_link
+from links import LinkAddressError, open_link
 from links.base import Link, LinkBusy, LinkError
 from mission.doctor.findings import Finding, fault, ok, warning
 from mission.vehicle import Vehicle
@@ -48,6 +48,15 @@ def vehicle_findings(url: str, vehicle: Vehicle) -> list[Finding]:
         link.close()
     port = ok("vehicle port", f"{url} is there, permitted and free")
     return [port, *_of_vehicle(vehicle, heard, bytes(raw))]
+
+
+def port_finding(what: str, url: str) -> Finding:
+    """Whether it is there; nothing is sent, nobody is listened to."""
+    try:
+        open_link(what, url).close()
+    except LinkError as error:
+        return _not_open(what, url, error)
+    return ok(what, f"{url} is there, permitted and free")
 
 
 def gps_findings(url: str) -> list[Finding]:
@@ -118,7 +127,7 @@ def _listen(link: Link, vehicle: Vehicle, raw: bytearray) -> list[Received]:
 
 def _bytes(link: Link, over: Callable[[], bool]) -> Iterator[tuple[bytes, float]]:
     while not over():
-        select.select([link.fileno()], [], [], 0.1)
+        select.select([link.fileno()] if link.fileno() >= 0 else [], [], [], 0.1)
         now = time.monotonic()
         for rx in link.receive(now):
             yield rx.data, now
@@ -218,4 +227,6 @@ def _margins(report: Telemetry, vehicle: Vehicle) -> Iterator[Finding]:
 def _not_open(what: str, url: str, error: LinkError) -> Finding:
     if isinstance(error, LinkBusy):
         return fault(what, str(error), f"see who has it: fuser {url.partition('://')[2]}")
+    if isinstance(error, LinkAddressError):
+        return fault(what, str(error), "mend `links:` of the configuration, then run doctor again")
     return fault(what, str(error), "mend that, then run doctor again")

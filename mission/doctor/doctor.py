@@ -9,6 +9,7 @@ from __future__ import annotations
 import errno
 import math
 import os
+import shlex
 import shutil
 import tempfile
 import time
@@ -22,7 +23,7 @@ from links import parse_address
 from links.base import LinkError
 from mission.configuration import Configuration
 from mission.doctor import bedside
-from mission.doctor.findings import Finding, fault, ok, warning
+from mission.doctor.findings import Condition, Finding, fault, ok, warning
 from mission.envelope import LIMITS, in_force
 from mission.serve import health
 from mission.serve.listening import listening, open_to_all
@@ -100,7 +101,7 @@ def _remedy(error: OSError, folder: Path) -> str:
         return f"move old black boxes from {folder / 'log'} to another computer, now"
     if error.errno in (errno.EROFS, errno.EIO):
         return "the SD card is failing or was not unmounted: check it with fsck, or replace it"
-    return f"chown or chmod it for the user of serve, or set `folder:`: {folder}"
+    return f"chown or chmod {folder} for the user of serve, or name another by `folder:`"
 
 
 def _store(patient: Patient) -> Iterator[Finding]:
@@ -161,17 +162,28 @@ def _crc(patient: Patient) -> Iterator[Finding]:
 
 def _topside(patient: Patient) -> Iterator[Finding]:
     url = patient.configuration.links.topside
-    address = parse_address(listening(url))
-    if open_to_all(url):
+    try:
+        address = parse_address(listening(url))
+    except LinkError as error:
+        yield fault("topside", str(error), "mend links.topside of the configuration")
+        return
+    tls = address.scheme == "tls-listen"
+    keys = _keys(Path(address.options.get("keys") or _default_keys()).expanduser()) if tls else None
+    port = ok("topside", "")
+    if patient.running is None and patient.mute is None:
+        port = bedside.port_finding("topside", listening(url))
+    if keys is not None and keys.condition is Condition.FAULT:
+        yield keys
+    elif port.condition is not Condition.OK:
+        yield port
+    elif open_to_all(url):
         yield warning(
             "topside",
             f"whoever reaches {url} can command the vehicle",
             "listen with tls-listen:// (auvmission keys), or add ?allow=ADDRESSES",
         )
-    elif address.scheme == "tls-listen":
-        yield _keys(Path(address.options.get("keys") or _default_keys()).expanduser())
     else:
-        yield ok("topside", f"{url}: loopback or allowed addresses only")
+        yield keys or ok("topside", f"{url}: loopback or allowed addresses only")
 
 
 def _default_keys() -> str:
@@ -187,6 +199,9 @@ def _keys(folder: Path) -> Finding:
         context(folder, server=True)
     except LinkError as error:
         return fault("topside", str(error), "auvmission keys FOLDER, then copy FOLDER/vehicle here")
+    if (folder / "key.pem").stat().st_mode & 0o077:
+        says = f"{folder / 'key.pem'} can be read by others: whoever has it is the vehicle"
+        return warning("topside", says, f"chmod 600 {folder / 'key.pem'}")
     return ok("topside", f"TLS with the keys in {folder}")
 
 
@@ -202,6 +217,23 @@ def _ports(patient: Patient) -> Iterator[Finding]:
         yield warning("GPS", "none is configured", "every mission must say `start without fix`")
     else:
         yield from bedside.gps_findings(links.gps)
+    if links.modem is not None:
+        yield bedside.port_finding("modem port", links.modem)
+
+
+def _camera(patient: Patient) -> Iterator[Finding]:
+    command = patient.configuration.camera
+    if command is None:
+        return
+    try:
+        program = shlex.split(command)[0]
+    except (ValueError, IndexError) as error:
+        yield fault("camera", f"{command}: {error}", "mend `camera:` of the configuration")
+        return
+    if shutil.which(program) is None:
+        yield fault("camera", f"there is no program {program}", "install it, or mend `camera:`")
+    else:
+        yield ok("camera", f"{shutil.which(program)}; `@NS` opens and closes it")
 
 
 def _of_running(running: Mapping[str, Any]) -> Iterator[Finding]:
@@ -287,6 +319,7 @@ ROWS: tuple[Callable[[Patient], Iterable[Finding]], ...] = (
     _crc,
     _topside,
     _ports,
+    _camera,
     _limits,
     _assumed,
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import shutil
 import threading
 import time
 from collections.abc import Mapping
@@ -23,6 +24,7 @@ from mission.doctor import bedside
 from mission.doctor import doctor as rows
 from mission.doctor.findings import Condition, Finding
 from mission.serve import health
+from mission.serve.keys import make_keys
 from mission.store import DiskStore
 from mission.vehicle import load_vehicle
 from protocol.messages import Telemetry
@@ -174,9 +176,9 @@ def test_what_was_under_way_and_what_is_damaged_are_told(tmp_path: Path) -> None
 
 
 def test_an_open_topside_is_a_warning_and_missing_keys_a_fault(tmp_path: Path) -> None:
-    (one,) = judged(tmp_path, "_topside", links=LinkUrls(topside="tcp://0.0.0.0:4000"))
+    (one,) = judged(tmp_path, "_topside", links=LinkUrls(topside="tcp://0.0.0.0:0"))
     assert one.condition is Condition.WARNING
-    url = f"tls://0.0.0.0:4000?keys={tmp_path}"
+    url = f"tls://0.0.0.0:0?keys={tmp_path}"
     (one,) = judged(tmp_path, "_topside", links=LinkUrls(topside=url))
     assert one.condition is Condition.FAULT
     assert "auvmission keys" in one.todo
@@ -229,6 +231,61 @@ def test_a_folder_that_takes_nothing_has_the_remedy_of_its_cause(
     (one,) = judged(tmp_path, "_disk")
     assert os.strerror(number) in one.says
     assert todo in one.todo
+
+
+@pytest.mark.parametrize(
+    ("links", "what", "says"),
+    [
+        ({"topside": "foo"}, "topside", "is no link's URL"),
+        ({"topside": "tcp://127.0.0.1"}, "topside", "write tcp-listen://host:port"),
+        ({"topside": "tcp://127.0.0.1:0?allow=boat"}, "topside", "neither an address"),
+        ({"topside": "tls://127.0.0.1:0?keyz=1"}, "topside", "unknown option 'keyz'"),
+        ({"vehicle": "memory://alone"}, "vehicle", "0 bytes"),
+        ({"vehicle": "serial:///dev/null"}, "vehicle port", "is no serial port"),
+        ({"gps": "serial:///dev/x?baud=abc"}, "GPS port", "baud=abc"),
+        ({"modem": "serail:///dev/x"}, "modem port", "is no link's URL"),
+        ({"modem": "serial:///dev/ttyNOSUCH"}, "modem port", "no device"),
+    ],
+)
+def test_every_link_that_cannot_be_used_is_a_fault_and_never_a_crash(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, links: dict[str, str], what: str, says: str
+) -> None:
+    monkeypatch.setattr(bedside, "LISTEN_S", 0.2)
+    config = tmp_path / "serve.yaml"
+    ours = {"vehicle": "serial:///dev/ttyNOSUCH", "topside": "tcp://127.0.0.1:0", "gps": None}
+    config.write_text(f"folder: {tmp_path / 'pi'}\nlinks: {json.dumps(ours | links)}\n")
+    ran = CliRunner().invoke(doctor, ["-c", str(config), "--json"])
+    one = of(json.loads(ran.stdout), what)
+    assert one["state"] == "fault"
+    assert says in one["says"]
+    assert one["todo"]
+
+
+@pytest.mark.parametrize(
+    ("command", "condition"),
+    [
+        ("sh -c true", Condition.OK),
+        ("nosuchprogram -x", Condition.FAULT),
+        ("sh 'unclosed", Condition.FAULT),
+    ],
+)
+def test_a_camera_that_cannot_be_run_is_a_fault(
+    tmp_path: Path, command: str, condition: Condition
+) -> None:
+    (one,) = judged(tmp_path, "_camera", camera=command)
+    assert one.condition is condition
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl makes the keys")
+def test_a_key_that_others_can_read_is_told(tmp_path: Path) -> None:
+    make_keys(tmp_path / "k", [], lambda _: None)
+    url = f"tls://127.0.0.1:0?keys={tmp_path}/k/vehicle"
+    (one,) = judged(tmp_path, "_topside", links=LinkUrls(topside=url))
+    assert one.condition is Condition.OK
+    (tmp_path / "k" / "vehicle" / "key.pem").chmod(0o644)
+    (one,) = judged(tmp_path, "_topside", links=LinkUrls(topside=url))
+    assert one.condition is Condition.WARNING
+    assert "chmod 600" in one.todo
 
 
 def test_a_frozen_sensor_is_told_from_a_living_one() -> None:
