@@ -37,18 +37,20 @@ def demo(
 
     Exit 0 only if the vehicle surfaced, the mission completed and every leg was left as planned.
     """
+    from links.simulated.settings import SettingError, parse_settings
     from mission.graph.outline import outline
     from mission.graph.svg import svg
     from mission.operator.upload import OperatorError
     from mission.prepare import Unreadable, check_prepared, prepare
-    from mission.simulation.demo import LEFT, Demo, DemoError, as_planned
+    from mission.simulation.demo import LEFT, Demo, DemoError, not_as_planned
     from mission.simulation.legtable import table
     from mission.simulation.plot import draw_flight
 
     path = mission or Path("first-dive")
     try:
         prepared = prepare(path)
-    except Unreadable as error:
+        parse_settings(settings)
+    except (Unreadable, SettingError) as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
     report = check_prepared(prepared)
@@ -71,13 +73,20 @@ def demo(
         shown.end()
         click.echo(str(error), err=True)
         raise SystemExit(1) from None
+    except OSError as error:
+        shown.end()
+        click.echo(f"{error.filename or out}: {error.strerror or error}", err=True)
+        raise SystemExit(1) from None
     shown.end()
     draw_flight(flight, out / "track.png", prepared.mission.name)
     (out / "graph.svg").write_text(svg(outline(prepared.chart, None), False))
     click.echo(table(flight, prepared.chart))
     box = max((out / "pi" / "log").glob("*.mcap"))
     click.echo(f"pictures in {out}, black box {box}")
-    raise SystemExit(0 if as_planned(flight) else 1)
+    amiss = not_as_planned(flight)
+    if amiss:
+        click.echo(f"not as planned: {'; '.join(amiss)}", err=True)
+    raise SystemExit(1 if amiss else 0)
 
 
 class _Shown:

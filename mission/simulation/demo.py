@@ -267,10 +267,13 @@ def _radians(position: Position) -> tuple[float, float]:
     return math.radians(position.latitude_deg), math.radians(position.longitude_deg)
 
 
-def as_planned(flight: Flight) -> bool:
-    """At the surface, the mission completed, every leg left by what it was meant to be left by."""
-    legs = all(leg.by in PLANNED for leg in flight.legs)
-    return flight.at_surface and flight.outcome == "completed" and legs
+def not_as_planned(flight: Flight) -> list[str]:
+    """What keeps the demonstration from exit 0: where it ended, how, and by what a leg was left."""
+    found = [] if flight.at_surface else ["the vehicle is not at the surface"]
+    if flight.outcome != "completed":
+        found.append(f"the mission was not completed but {flight.outcome}")
+    odd = [leg for leg in flight.legs if leg.by not in PLANNED]
+    return found + [f"{leg.name} was left by {leg.by or 'nothing'}" for leg in odd]
 
 
 @contextmanager

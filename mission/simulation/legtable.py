@@ -52,7 +52,8 @@ def _because(leg: LegFlown, chart: Chart) -> str:
     states = {state.path: state for state in chart.states}
     source = states.get(edge.source)
     text = words.edge(edge, source.leg if source else None)
-    seen = ", ".join(_value(name, value) for name, value in leg.seen) if edge.guard else ""
+    told = [(name, value) for name, value in leg.seen if edge.guard or value is None]
+    seen = ", ".join(_value(name, value) for name, value in told)
     return (f"{text} ({seen})" if seen else text).translate(_SIGNS)
 
 

@@ -5,13 +5,15 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
 from mission.commands import demo as command
-from mission.simulation.demo import Demo, DemoError, Progress
+from mission.simulation.demo import Demo, DemoError, Progress, not_as_planned
+from mission.simulation.flightlog import Flight, LegFlown
 
 
 def test_a_folder_with_somebody_elses_files_is_left_alone(tmp_path: Path) -> None:
@@ -116,3 +118,26 @@ def test_a_demonstration_that_is_told_to_end_ends_its_processes(
     assert ran.exit_code == 128 + signal.SIGTERM
     assert len(started) == 2
     assert all(process.poll() is not None for process in started)
+
+
+def test_a_folder_that_cannot_be_made_and_a_sea_that_is_none_are_told(tmp_path: Path) -> None:
+    out = tmp_path / "file" / "out"
+    out.parent.write_text("")
+    ran = CliRunner().invoke(command.demo, ["--out", str(out)])
+    assert ran.exit_code == 1
+    assert f"{out}: Not a directory" in ran.stderr
+    left = tmp_path / "out"
+    (left / "pi").mkdir(parents=True)
+    ran = CliRunner().invoke(command.demo, ["--out", str(left), "--set", "curent=1"])
+    assert ran.exit_code == 2
+    assert "curent" in ran.stderr
+    assert left.exists()
+
+
+def test_what_is_not_as_planned_is_named() -> None:
+    legs = (LegFlown("dive", 0.0, 1.0, "until"), LegFlown("box/a#2", 1.0, 2.0, "timeout"))
+    flown = Flight("completed", "", "", 2.0, 1.0, "idle/ready", legs, 0, 0, (), (), (), (), True)
+    assert not_as_planned(flown) == ["box/a#2 was left by timeout"]
+    assert not_as_planned(replace(flown, legs=legs[:1])) == []
+    lost = replace(flown, legs=legs[:1], at_surface=False, outcome="emergency")
+    assert len(not_as_planned(lost)) == 2

@@ -6,6 +6,7 @@ import itertools
 import json
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +18,14 @@ from mission.blackbox import read_records
 from mission.commands.simulate import simulate
 from mission.drive.records import INPUTS, OUTPUTS, STEP, TX, ListRecorder, read_start, read_tx
 from mission.language import digest, parse
-from mission.model import STOPPED, SURFACED
+from mission.model import STOPPED, SURFACED, By
+from mission.prepare import prepare
 from mission.replay.replay import replay
 from mission.replay.rerun import drive_from, failed_writes, feed
 from mission.simulation import plot
 from mission.simulation.flight import fly
 from mission.simulation.flightlog import Flight, LegFlown
+from mission.simulation.legtable import table
 from mission.simulation.plot import ellipse
 from mission.simulation.rehearsal import Said
 from mission.vehicle import load_vehicle
@@ -318,3 +321,11 @@ def test_a_picture_of_a_flight_that_never_began_says_why(tmp_path: Path) -> None
     assert "refused" in plot._title(flight, "short")
     plot.draw_flight(flight, tmp_path / "track.png", "short")
     assert (tmp_path / "track.png").stat().st_size > 1000
+
+
+def test_the_table_names_the_reading_that_a_leg_was_blind_of() -> None:
+    ready = prepare("first-dive")
+    edge = next(e for e in ready.chart.edges if e.by is By.ELSE)
+    blind = LegFlown("dive", 0.0, 9.0, "else", edge.trigger, (("elapsed", 9.0), ("depth", None)))
+    flight = replace(flown(), legs=(blind,))
+    assert table(flight, ready.chart).splitlines()[1].endswith("refused or blind (depth unknown)")
