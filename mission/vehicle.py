@@ -130,10 +130,13 @@ class Calibration:
     speed_time: float = 30.0  # s, how slow
     surge_length: float = 2.0  # m: mass over drag
     turn_slip: float = 0.0  # s
+    turn_slip_time: float = 6.0  # s, until the slip has come to it, and is gone again
     sway_noise: float = 0.03  # share of the speed, quick, to either side
     turn_loss: float = 0.0  # s
     deviation: Deviation = Deviation()
     deviation_sigma: float = math.radians(2.0)  # of what the harmonics leave
+    compass_wander: float = math.radians(1.0)  # comes and goes within compass_wander_time
+    compass_wander_time: float = 300.0  # s
     current: tuple[float, float] = (0.0, 0.0)
     current_sigma: float | None = None
     surface_drift: float = 0.03  # m/s per axis, by wind and waves
@@ -146,9 +149,12 @@ _CALIBRATION_UNITS = {
     "speed_time": "s",
     "surge_length": "m",
     "turn_slip": "s",
+    "turn_slip_time": "s",
     "sway_noise": "",
     "turn_loss": "s",
     "deviation_sigma": "deg",
+    "compass_wander": "deg",
+    "compass_wander_time": "s",
     "current_sigma": "m/s",
     "surface_drift": "m/s",
 }

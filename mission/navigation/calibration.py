@@ -282,7 +282,10 @@ def _others(known: Calibration) -> str:
   surge_length: {known.surge_length:g} m
   turn_loss: {known.turn_loss:g} s
   turn_slip: {known.turn_slip:g} s
+  turn_slip_time: {known.turn_slip_time:g} s
   sway_noise: {known.sway_noise:g}
+  compass_wander: {_deg(known.compass_wander)}
+  compass_wander_time: {known.compass_wander_time:g} s
   surface_drift: {known.surface_drift:g} m/s
   current: {current}
 {sigma}"""

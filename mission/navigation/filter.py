@@ -31,6 +31,7 @@ from mission.navigation.model import (
     SCALE,
     SIN,
     STATES,
+    WANDER,
     WE,
     WN,
     E,
@@ -66,7 +67,8 @@ class Run(NamedTuple):
     thrusters' speed, ``along`` the share of the speed that makes way horizontally, ``sway`` the
     slip to starboard as a share of the speed, ``lost`` the extra heading variance times its
     correlation time (rad^2 s) while the compass cannot be believed, ``driven`` how much of the
-    speed's deviation there is (none at rest), ``turned`` the angle since the report before.
+    speed's deviation there is (none at rest), ``turned`` the angle since the report before,
+    ``skid`` the variance (to any side) that a turn adds, per second and (m/s)^2.
     """
 
     heading: float = 0.0
@@ -77,19 +79,20 @@ class Run(NamedTuple):
     driven: float = 1.0
     turned: float = 0.0
     surfaced: bool = False
+    skid: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class _Steady:
     """Of one length of step: how much of a current is kept, and for how long (s) what it began
-    with moves the vehicle; the compass's share of Q."""
+    with moves the vehicle; the wander's share of Q."""
 
     dt: float = -1.0
     kept: float = 1.0
     current: float = 0.0
     drift: float = 0.0
     deviation: float = 0.0
-    compass: float = 0.0
+    wander: float = 0.0
 
 
 class Filter:
@@ -104,6 +107,7 @@ class Filter:
         ) * 2
         sigma[SCALE], sigma[DEVIATION] = fig.scale, fig.deviation.sigma
         sigma[COMPASS], sigma[SIN], sigma[COS] = fig.compass.sigma, fig.harmonic, fig.harmonic
+        sigma[WANDER] = math.hypot(fig.wander.sigma, 0.5 * fig.harmonic)  # the second harmonic
         sigma[RATE] = fig.rate.sigma
         self._kf.x, self._kf.P = x, np.diag(sigma * sigma)
         self._kf.F, self._kf.Q = np.eye(STATES), np.zeros((STATES, STATES))
@@ -147,9 +151,9 @@ class Filter:
     def transition(self, dt: float, run: Run) -> tuple[float, float, float, float]:
         """Writes F and Q for ``dt``; position and current after it."""
         fig, f, q = self.figures, self._f, self._q
-        n, e, cn, ce, wn, we, scale, deviation, error, a, b, _, _, _ = self._kf.x.tolist()
+        n, e, cn, ce, wn, we, scale, deviation, error, a, b, wander, _, _, _ = self._kf.x.tolist()
         sm, cm = math.sin(run.heading), math.cos(run.heading)
-        true = run.heading - error - a * sm - b * cm
+        true = run.heading - error - a * sm - b * cm - wander
         c, s = math.cos(true), math.sin(true)
         speed = scale * run.expected + deviation * run.driven
         forward = speed * run.along
@@ -168,11 +172,13 @@ class Filter:
         f[N * STATES + COMPASS], f[E * STATES + COMPASS] = de, -dn
         f[N * STATES + SIN], f[E * STATES + SIN] = de * sm, -dn * sm
         f[N * STATES + COS], f[E * STATES + COS] = de * cm, -dn * cm
+        f[N * STATES + WANDER], f[E * STATES + WANDER] = de, -dn
         # pushed across the track by the compass's white noise, once per report, and by sway
         across = forward * forward * dt * (self._wander + 2.0 * run.lost)
-        q[N * STATES + N], q[E * STATES + E] = across * s * s, across * c * c
+        skid = run.skid * speed * speed * dt
+        q[N * STATES + N], q[E * STATES + E] = across * s * s + skid, across * c * c + skid
         q[N * STATES + E] = q[E * STATES + N] = -across * s * c
-        q[COMPASS * STATES + COMPASS] = steady.compass + self._harmonics(run)
+        q[WANDER * STATES + WANDER] = steady.wander + self._harmonics(run)
         q[BOTTOM * STATES + BOTTOM] = fig.slope**2 * fig.slope_length * (abs(speed) + 0.02) * dt
         mn, me = fig.current_mean
         late = t_dev - driven * dt  # the deviation fades within the step
@@ -191,6 +197,7 @@ class Filter:
             (fig.drift, (WN, WE)),
             (fig.deviation, (DEVIATION,)),
             (fig.compass, (COMPASS,)),
+            (fig.wander, (WANDER,)),
             (fig.rate, (RATE,)),
         ):
             kept = process.decay(dt)
@@ -208,7 +215,7 @@ class Filter:
             current=current,
             drift=0.5 * dt * (1.0 + drift),
             deviation=fig.deviation.time * (1.0 - fig.deviation.decay(dt)),
-            compass=float(q[COMPASS * STATES + COMPASS]),
+            wander=float(q[WANDER * STATES + WANDER]),
         )
 
     def _harmonics(self, run: Run) -> float:
@@ -277,7 +284,8 @@ class Filter:
         """Over ground, from a receiver's speed and course (rejected beyond 4 sigma)."""
         fig, x, p = self.figures, self._kf.x, self._kf.P
         sm, cm = math.sin(run.heading), math.cos(run.heading)
-        true = run.heading - float(x[COMPASS]) - float(x[SIN]) * sm - float(x[COS]) * cm
+        true = run.heading - float(x[COMPASS]) - float(x[WANDER])
+        true -= float(x[SIN]) * sm + float(x[COS]) * cm
         c, s = math.cos(true), math.sin(true)
         speed = float(x[SCALE]) * run.expected + float(x[DEVIATION]) * run.driven
         forward, sway = speed * run.along, speed * run.sway
@@ -291,6 +299,7 @@ class Filter:
             (SCALE, run.expected * run.along * c, run.expected * run.along * s),
             (DEVIATION, run.along * run.driven * c, run.along * run.driven * s),
             (COMPASS, ve, -vn),
+            (WANDER, ve, -vn),
             (SIN, ve * sm, -vn * sm),
             (COS, ve * cm, -vn * cm),
         ):

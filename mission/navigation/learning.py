@@ -1,14 +1,17 @@
 """What other recordings of the same vehicle teach, before one is scored: leave-one-out.
 
-For each of the other runs its own speed v and current c are fitted by least squares,
+For each of the other runs its speed v, current c and compass bias b are fitted by least squares,
 
-    d(north, east)/dt = v cos(pitch) ahead + c
+    d(north, east)/dt = v cos(pitch) (ahead - b to starboard) + c
 
 The mean of the v is the speed figure, their spread its sigma; what is left along the track is the
 slow noise about it (the part of which that each run's own v has swallowed is put back), what is
 left across it the sway. The mean of the c of runs in the same waters is what a vehicle's own
 black boxes would say about the current there, and their spread how far it is from that another
-day.
+day. Of both spreads a part is only what each fit errs by, since its noise is not white: that part
+(the covariance of least squares under the noise found) is taken off (random effects by moments:
+DerSimonian and Laird, Controlled Clinical Trials 7, 1986, 177-188). The b are as large as a bias is
+on another day; their mean is not taken off, a compass may be set anew.
 """
 
 from __future__ import annotations
@@ -29,7 +32,8 @@ Array = NDArray[np.float64]
 _SAME_WATERS = 20_000.0  # m between two starts
 _STEP = 5.0  # s over which velocities are taken from positions
 _RIDGE, _ROUGH = 0.2, 0.15  # m/s: how far a current is expected to be from none; of a velocity
-_KEPT = 200.0  # s: a speed is kept for minutes
+_KEPT, _SWAY = 200.0, 10.0  # s: a speed is kept for minutes, a sway is not
+_LEAST, _LEAST_BIAS = 0.05, math.radians(1.0)  # m/s, rad: nothing is known better for another day
 _FEW = 1.3  # on the spread of a handful of currents, itself uncertain (Student t against normal)
 
 
@@ -48,15 +52,17 @@ class Learned:
     current: tuple[float, float] = (0.0, 0.0)
     current_sigma: float = _RIDGE
     currents: int = 0
+    compass: float | None = None  # rad, one sigma of its bias; None: the vehicle file's
 
 
 @dataclass(frozen=True, slots=True)
 class _Fit:
     speed: float
+    bias: float
     current: NDArray[Any]
     along: float  # (m/s)^2, mean square of what is left
     across: float
-    swallowed: float  # the part of ``along`` that went into the speed
+    blurred: NDArray[Any]  # variances with which the noise went into speed, current (2), bias
 
 
 def learn(others: Sequence[Recording], waters_of: Recording) -> Learned:
@@ -67,13 +73,13 @@ def learn(others: Sequence[Recording], waters_of: Recording) -> Learned:
     k, speeds = len(fits), np.array([f.speed for f in fits])
     speed = float(np.mean(speeds))
     spread = float(np.std(speeds, ddof=1)) if k > 1 else 0.2 * speed
-    swallowed = float(np.mean([f.swallowed for f in fits]))
-    lasting = math.sqrt(max(spread**2 - swallowed, 0.0) * (1.0 + 1.0 / k)) / speed
+    blurred = float(np.mean([f.blurred[0] for f in fits]))
+    lasting = math.sqrt(max(spread**2 - blurred, 0.0) + spread**2 / k) / speed
     along = float(np.sqrt(np.mean([f.along for f in fits])))
     across = float(np.sqrt(np.mean([f.across for f in fits])))
     pairs = zip(fits, others, strict=True)
-    near = [f.current for f, run in pairs if _same_waters(run, waters_of)]
-    current, current_sigma = _waters(np.array(near))
+    near = [f for f, run in pairs if _same_waters(run, waters_of)]
+    current, current_sigma = _waters(near)
     return Learned(
         speed=speed,
         speed_sigma=max(lasting, 0.05),
@@ -82,17 +88,29 @@ def learn(others: Sequence[Recording], waters_of: Recording) -> Learned:
         current=current,
         current_sigma=current_sigma,
         currents=len(near),
+        compass=_bias(fits),
     )
 
 
-def _waters(currents: Array) -> tuple[tuple[float, float], float]:
+def _bias(fits: Sequence[_Fit]) -> float | None:
+    if len(fits) < 2:
+        return None
+    spread = float(np.mean([f.bias**2 for f in fits]))
+    blurred = float(np.mean([f.blurred[3] for f in fits]))
+    return max(_FEW * math.sqrt(max(spread - blurred, 0.0) + spread / len(fits)), _LEAST_BIAS)
+
+
+def _waters(near: Sequence[_Fit]) -> tuple[tuple[float, float], float]:
     """Mean and sigma per axis for another day; shrunk towards no current while they are few."""
-    n = len(currents)
+    n = len(near)
     if n < 2:
         return (0.0, 0.0), _RIDGE
-    spread = float(np.sqrt(np.mean(np.var(currents, axis=0, ddof=1))))
+    currents = np.array([f.current for f in near])
+    spread = float(np.mean(np.var(currents, axis=0, ddof=1)))
+    blurred = float(np.mean([f.blurred[1:3] for f in near]))
     mean = currents.mean(axis=0) * n / (n + 1.0)
-    return (float(mean[0]), float(mean[1])), max(spread * _FEW * math.sqrt(1.0 + 1.0 / n), 0.1)
+    sigma = _FEW * math.sqrt(max(spread - blurred, 0.0) + spread / n)
+    return (float(mean[0]), float(mean[1])), max(sigma, _LEAST)
 
 
 def _same_waters(one: Recording, other: Recording) -> bool:
@@ -101,7 +119,7 @@ def _same_waters(one: Recording, other: Recording) -> bool:
 
 
 def _fit(run: Recording) -> _Fit:
-    """Speed and current of one run, over means of ``_STEP`` s."""
+    """Speed, current and compass bias of one run, over means of ``_STEP`` s."""
     level = np.cos(run.pitch)
     at = np.arange(run.t[0], run.t[-1], _STEP)
     ahead = np.column_stack(
@@ -113,9 +131,10 @@ def _fit(run: Recording) -> _Fit:
     place = np.column_stack([np.interp(at, run.t, p) for p in (run.north, run.east)])
     velocity = np.diff(place, axis=0) / _STEP
     n = len(velocity)
-    rows = np.zeros((2 * n + 2, 3))
+    rows = np.zeros((2 * n + 2, 4))
     rows[:n, 0], rows[n : 2 * n, 0] = ahead[:, 0], ahead[:, 1]
     rows[:n, 1] = rows[n : 2 * n, 2] = 1.0
+    rows[:n, 3], rows[n : 2 * n, 3] = ahead[:, 1], -ahead[:, 0]  # a bias turns the bow to port
     rows[2 * n, 1] = rows[2 * n + 1, 2] = _ROUGH / _RIDGE
     values = np.concatenate((velocity[:, 0], velocity[:, 1], (0.0, 0.0)))
     x = np.linalg.lstsq(rows, values, rcond=None)[0]
@@ -123,8 +142,21 @@ def _fit(run: Recording) -> _Fit:
     bow = (ahead / np.linalg.norm(ahead, axis=1, keepdims=True)).T
     along, across = (left * bow).sum(axis=0), left[1] * bow[0] - left[0] * bow[1]
     unseen = _in_the_mean((at[-1] - at[0]) / _KEPT)
-    slow = float(np.mean(along * along)) / (1.0 - unseen)
-    return _Fit(float(x[0]), x[1:], slow, float(np.mean(across * across)), unseen * slow)
+    slow, sway = float(np.mean(along * along)) / (1.0 - unseen), float(np.mean(across * across))
+    blurred, v = _blur(rows, at[:-1], bow, slow, sway), float(x[0])
+    blurred[3] /= v * v
+    return _Fit(v, float(x[3]) / v, x[1:3], slow, sway, blurred)
+
+
+def _blur(rows: Array, at: Array, bow: Array, slow: float, sway: float) -> Array:
+    """Variances of what is found when the noise is ``slow`` along the bow, ``sway`` across."""
+    apart = np.abs(at[:, None] - at)
+    ahead, beam = bow.reshape(-1), np.concatenate((-bow[1], bow[0]))
+    noise = slow * np.outer(ahead, ahead) * np.tile(np.exp(-apart / _KEPT), (2, 2))
+    noise += sway * np.outer(beam, beam) * np.tile(np.exp(-apart / _SWAY), (2, 2))
+    gain = np.linalg.pinv(rows)[:, : len(noise)]
+    variances: Array = np.diag(gain @ noise @ gain.T).copy()
+    return variances
 
 
 def _in_the_mean(x: float) -> float:

@@ -1,17 +1,19 @@
 """The figures that the filter believes, and how the vehicle moves between two reports.
 
     x = north, east | current north, east | surface drift north, east
-        | speed scale, speed deviation | compass error, its deviation over the heading (sin, cos)
+        | speed scale, speed deviation
+        | compass error: lasting, over the heading (sin, cos), wandering
         | depth, depth rate | bottom depth
 
-    forward speed through the water  = scale * expected(thrusters) + deviation
-    true heading                     = compass + declination - error - a sin(m) - b cos(m)
-    velocity over ground             = water + current (+ surface drift while at the surface)
+    forward speed through the water = scale * expected(thrusters) + deviation
+    true heading             = compass + declination - error - a sin(m) - b cos(m) - wander
+    velocity over ground     = water + current (+ surface drift while at the surface)
 
 The surface drift (wind, waves, Stokes) is what a current learned at the surface is not, below.
-Current, drift, deviation, compass error and depth rate are first-order Gauss-Markov processes
-(Gelb, Applied Optimal Estimation, 1974, ch. 3.8): steady sigma, correlation time. The deviation
-over the heading is a random function of the heading with covariance sigma^2 cos(difference).
+Current, drift, deviation, compass error, its wander and depth rate are first-order Gauss-Markov
+processes (Gelb, Applied Optimal Estimation, 1974, ch. 3.8): steady sigma, correlation time. The
+deviation over the heading is a random function of the heading with covariance sigma^2
+cos(difference); its second harmonic, half as large, wanders with each turn.
 """
 
 from __future__ import annotations
@@ -22,8 +24,9 @@ from typing import Protocol
 
 from mission.vehicle import Vehicle
 
-N, E, CN, CE, WN, WE, SCALE, DEVIATION, COMPASS, SIN, COS, DEPTH, RATE, BOTTOM = range(14)
-STATES = 14
+N, E, CN, CE, WN, WE, SCALE, DEVIATION, COMPASS, SIN, COS, WANDER = range(12)
+DEPTH, RATE, BOTTOM = range(12, 15)
+STATES = 15
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +50,7 @@ class Figures:
     scale: float  # relative, one sigma at the start
     deviation: Markov  # m/s
     compass: Markov  # rad
+    wander: Markov  # rad
     harmonic: float  # rad
     heading: float  # rad, white, per report
     period: float  # s, of the reports
@@ -69,6 +73,7 @@ def figures(vehicle: Vehicle) -> Figures:
         scale=known.speed_scale_sigma,
         deviation=Markov(known.speed_noise, known.speed_time),
         compass=Markov(max(sensors.heading_bias, 1e-3), 8.0 * 3600.0),
+        wander=Markov(known.compass_wander, known.compass_wander_time),
         harmonic=known.deviation_sigma,
         heading=sensors.heading,
         period=sensors.telemetry_period,

@@ -8,6 +8,7 @@ it, takes it in, and takes the rest in again.
 from __future__ import annotations
 
 import math
+import operator
 from collections import deque
 from copy import copy
 from typing import TYPE_CHECKING, Any
@@ -178,7 +179,7 @@ class Navigation:
         heading, heading_var = None, math.pi**2
         if shown is not None:
             s, c = math.sin(shown), math.cos(shown)
-            heading = (shown - x[8] - x[9] * s - x[10] * c) % (2.0 * math.pi)
+            heading = (shown - x[8] - x[9] * s - x[10] * c - x[11]) % (2.0 * math.pi)
             heading_var = self._heading_variance(p, s, c) + core.heading_loss(now) ** 2
         w = core.driven
         speed_var = var[6] * u * u + 2.0 * u * w * float(p[6, 7]) + var[7] * w * w
@@ -186,18 +187,18 @@ class Navigation:
             t=now,
             north=x[0],
             east=x[1],
-            depth=x[11] if deep else None,
-            depth_rate=x[12] if deep else None,
-            altitude=x[13] - x[11] if high else None,
+            depth=x[12] if deep else None,
+            depth_rate=x[13] if deep else None,
+            altitude=x[14] - x[12] if high else None,
             heading=heading,
             speed=x[6] * u + x[7] * w,
             current_north=x[2],
             current_east=x[3],
             covariance=(var[0], float(p[0, 1]), var[1]),
             sigmas={
-                "depth": math.sqrt(var[11] + 0.5 * core.figures.depth**2),
-                "depth_rate": math.sqrt(var[12]),
-                "altitude": math.sqrt(max(var[11] + var[13] - 2.0 * float(p[11, 13]), 0.0)),
+                "depth": math.sqrt(var[12] + 0.5 * core.figures.depth**2),
+                "depth_rate": math.sqrt(var[13]),
+                "altitude": math.sqrt(max(var[12] + var[14] - 2.0 * float(p[12, 14]), 0.0)),
                 "heading": math.sqrt(heading_var),
                 "speed": math.sqrt(max(speed_var, 0.0)),
                 "current": math.sqrt(0.5 * (var[2] + var[3])),
@@ -209,8 +210,10 @@ class Navigation:
 
     def _heading_variance(self, p: Any, s: float, c: float) -> float:
         """Of one report: the compass's error over the heading, and its noise."""
-        (bb, bs, bc), (_, ss, sc), (_, _, cc) = p[8:11, 8:11].tolist()
-        error = bb + ss * s * s + cc * c * c + 2.0 * (bs * s + bc * c + sc * s * c)
+        lasting, sin, cos, wander = p[8:12, 8:12].tolist()
+        over = (1.0, s, c, 1.0)
+        rows = zip(over, (lasting, sin, cos, wander), strict=True)
+        error = sum(a * sum(map(operator.mul, over, row)) for a, row in rows)
         return float(max(error, 0.0) + self.core.figures.heading**2)
 
     def _mode(self, now: float) -> NavigationMode:

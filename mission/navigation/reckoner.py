@@ -32,6 +32,7 @@ _SURFACE = 0.7  # m of depth: shallower is moved by wind and waves
 _UNDER_WAY = 0.3  # m/s: slower, the speed's deviation fades with the speed
 _STEADY_SPEED, _STEADY_TURN = 0.1, 0.05  # m/s since the report before; rad/s
 _PENDING = 4  # velocities that wait for a report
+_SKID = 0.3  # of the slip in a turn: how far it differs from turn to turn, after one rad
 _LOST_TIME, _LOST_GROWTH, _LOST_MOST = 20.0, 0.05, 1.8  # s; rad per s; rad: no compass
 
 
@@ -45,6 +46,8 @@ class _Motion(NamedTuple):
     along: float = 1.0
     expected: float = 0.0  # m/s, mean since the report before
     surfaced: bool = False
+    sway: float = 0.0  # share of the speed, mean since the report before
+    skidding: float = 0.0  # the same, at the report
 
 
 class Reckoner:
@@ -107,8 +110,10 @@ class Reckoner:
         heading, heading_t, rate = self._turn(r)
         kept = 1.0 / (1.0 + self._calibration.turn_loss * abs(rate))
         surfaced = last.surfaced if r.depth is None else r.depth < _SURFACE
+        along = math.cos(pitch) * kept
+        sway, skidding = self._skid(rate, since)
         self._motion = _Motion(
-            r.t, heading, heading_t, rate, math.cos(pitch) * kept, expected, surfaced
+            r.t, heading, heading_t, rate, along, expected, surfaced, sway, skidding
         )
         self._advance(r.t)
         self._velocities(before)
@@ -126,6 +131,16 @@ class Reckoner:
         if last.heading is None or not 0.0 < since < 3.0 * self.figures.period:
             return r.heading, r.t, 0.0
         return r.heading, r.t, math.remainder(r.heading - last.heading, 2.0 * math.pi) / since
+
+    def _skid(self, rate: float, since: float) -> tuple[float, float]:
+        """Outward in a turn, and for some seconds after it: its mean, and what it has come to."""
+        known, began = self._calibration, self._motion.skidding
+        end = -known.turn_slip * rate
+        lag = since / max(known.turn_slip_time, 1e-3)
+        if not 0.0 < lag < 20.0:
+            return end, end
+        kept = math.exp(-lag)
+        return end + (began - end) * (1.0 - kept) / lag, end + (began - end) * kept
 
     def _advance(self, t: float) -> None:
         """Predicts to ``t`` along the straight line of headings through the last two reports."""
@@ -148,9 +163,10 @@ class Reckoner:
         turned = m.yaw_rate * min(0.5 * (t0 + t1) - m.heading_t, _EXTRAPOLATE)
         arc = m.yaw_rate * (t1 - t0)
         along = m.along * (1.0 - min(arc * arc, 4.0) / 24.0)  # the chord of the arc
-        sway = -self._calibration.turn_slip * m.yaw_rate
-        lost = self._lost(t1)
-        return Run(m.heading + turned, m.expected, along, sway, lost, driven, arc, m.surfaced)
+        slip = self._calibration.turn_slip
+        skid = (_SKID * slip) ** 2 * abs(m.yaw_rate)
+        lost, heading = self._lost(t1), m.heading + turned
+        return Run(heading, m.expected, along, m.sway, lost, driven, arc, m.surfaced, skid)
 
     def _lost(self, t: float) -> float:
         return self.heading_loss(t) ** 2 * _LOST_TIME

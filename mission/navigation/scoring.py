@@ -119,8 +119,7 @@ def score(
             scores += _glider(recording, _deprived(glider_vehicle(vehicle), without))
         else:
             others = [r for r in runs if r is not recording]
-            known = run_vehicle(vehicle, learn(others, recording))
-            scores += _run(recording, others, _deprived(known, without))
+            scores += _run(recording, others, vehicle, without)
     return scores
 
 
@@ -133,9 +132,14 @@ def _deprived(vehicle: Vehicle, without: Sequence[str]) -> Vehicle:
     return vehicle
 
 
-def _run(run: Recording, others: Sequence[Recording], known: Vehicle) -> list[Score]:
+def _run(
+    run: Recording, others: Sequence[Recording], vehicle: Vehicle, without: Sequence[str]
+) -> list[Score]:
     scores = []
-    for suffix, heading in (("", run.heading), ("+noise", noisy(run.heading))):
+    for suffix, compass in (("", lambda h: h), ("+noise", noisy)):
+        heading = compass(run.heading)
+        alike = [replace(o, heading=compass(o.heading)) for o in others]  # the same compass
+        known = _deprived(run_vehicle(vehicle, learn(alike, run)), without)
         for name, until in (("start", 0.0), ("150s", _LEARNING)):
             samples = _reckon_run(run, heading, until, known)
             if not samples:
@@ -164,6 +168,12 @@ def run_vehicle(vehicle: Vehicle, learned: Learned) -> Vehicle:
         speed_by_gear=Curve((0.0, 8.0, 12.0), (0.0, learned.speed, learned.speed)),
         declination=_RUN_HEADING,
         glides=False,
+        sensors=replace(
+            vehicle.sensors,
+            heading_bias=vehicle.sensors.heading_bias
+            if learned.compass is None
+            else learned.compass,
+        ),
         calibration=Calibration(
             speed_scale_sigma=learned.speed_sigma,
             speed_noise=learned.speed_noise,

@@ -32,6 +32,7 @@ from protocol.vehicles.auv import AuvCodec
 
 HOME = Position(30.2874595, 120.1535765)
 CHI2_95 = 5.991
+_FOR_EVER = 1e9  # s
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,19 +84,18 @@ def calibrated(vehicle: Vehicle, scale: float) -> Vehicle:
             depth=math.hypot(e.depth_noise, 0.05),
             altitude=e.altitude_noise,
             heading=e.compass_noise,
-            heading_bias=math.hypot(math.radians(10.0) / math.sqrt(3.0), e.compass_slow),
+            heading_bias=math.radians(10.0) / math.sqrt(3.0),  # as large as what is drawn
         ),
         calibration=replace(
             vehicle.calibration,
             speed_scale=scale,
-            speed_noise=0.025,
+            speed_noise=0.025,  # the table's shape, from gear to gear
             speed_time=150.0,
-            turn_slip=1.3,
-            turn_loss=0.9,
-            surge_length=1.8,
             surface_drift=0.002,
-            sway_noise=0.06,
-            deviation_sigma=0.6 * e.deviation,  # an amplitude, of two harmonics
+            sway_noise=0.02,
+            deviation_sigma=e.deviation / math.sqrt(2.0),  # an amplitude
+            compass_wander=e.compass_slow,
+            compass_wander_time=300.0,
         ),
     )
 
@@ -105,15 +105,15 @@ def truthful(vehicle: Vehicle) -> Figures:
     known = figures(vehicle)
     return replace(
         known,
-        current=Markov(known.current.sigma, 1e6),
-        compass=Markov(known.compass.sigma, 12.0 * 3600.0),
+        current=Markov(known.current.sigma, _FOR_EVER),
+        compass=Markov(known.compass.sigma, _FOR_EVER),
         slope=0.003,
         ground_velocity=SensorErrors().speed_noise,
     )
 
 
 def fly(seed: int, profile: str, *, learning: bool) -> Flight:
-    rng = Random(seed)
+    rng = Random(f"flight {seed}")  # not the numbers that the ship draws its noise from
     sea = Sea(current=(rng.uniform(0.0, 0.5), rng.uniform(0.0, 2.0 * math.pi)))
     errors = SensorErrors(
         declination=math.radians(-6.2), compass_bias=math.radians(rng.uniform(-10.0, 10.0))
@@ -161,7 +161,7 @@ class Flown:
 
 def fly_plan(seed: int, bias_deg: float, *, learning: bool) -> Flown:
     """What came in, for those who look at it afterwards."""
-    rng = Random(seed)
+    rng = Random(f"flight {seed}")
     sea = Sea(current=(rng.uniform(0.0, 0.3), rng.uniform(0.0, 2.0 * math.pi)))
     errors = SensorErrors(declination=math.radians(-6.2), compass_bias=math.radians(bias_deg))
     ship = SimulatedVehicle("as-built", seed, Settings(sea=sea, errors=errors))
