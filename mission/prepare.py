@@ -31,6 +31,7 @@ class Unreadable(ValueError):
 @dataclass(frozen=True, slots=True)
 class Prepared:
     source: str
+    text: str  # as its author wrote it
     mission: Mission
     vehicle: Vehicle
     chart: Chart
@@ -56,7 +57,7 @@ def prepare(
     except CompileErrors as error:
         placed = _placed(text, source, error)
         raise Unreadable(str(placed), placed.problems) from None
-    return Prepared(source, mission, chosen, chart)
+    return Prepared(source, text, mission, chosen, chart)
 
 
 def mission_file(name: str | Path) -> Path:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from mission.check.rules import Refusal, Report
+from mission.language.problems import Problem
 from mission.model import Where
 
 
@@ -46,12 +47,13 @@ def unreadable_object(problems: list[tuple[str, Where, str]]) -> dict[str, Any]:
     return {"ok": False, "refusals": refusals, "proved": None, "assumed": []}
 
 
-def as_text(source: str, report: Report, digest: str) -> str:
+def as_text(source: str, report: Report, digest: str, text: str = "") -> str:
+    """``text``: the mission as its author wrote it; refusals then show the place underlined."""
+    lines = text.split("\n")
     """``digest``: the canonical text's; its beginning is shown, as the vehicle tells it."""
     rows = []
     for refusal in report.refusals:
-        place = f"{source}:{refusal.where.line}:{refusal.where.column}"
-        rows.append(f"{place}: {refusal.message} [{refusal.rule}]")
+        rows.append(_placed(refusal, lines).rendered(source))
         rows += [f"    {step}" for step in refusal.path]
     proved = report.proved
     if proved is not None:
@@ -73,3 +75,10 @@ def as_text(source: str, report: Report, digest: str) -> str:
     rows += ["assumed", *(f"  {line}" for line in report.assumed)]
     rows.append(f"{source}: {'ok' if report.ok else 'refused'}, digest {digest[:16]}")
     return "\n".join(rows)
+
+
+def _placed(refusal: Refusal, lines: list[str]) -> Problem:
+    where = refusal.where
+    line = lines[where.line - 1].removesuffix("\r") if 0 < where.line <= len(lines) else ""
+    length = max(1, min(where.length, len(line) - where.column + 1))
+    return Problem(where.line, where.column, length, line, refusal.message, "", refusal.rule)

@@ -36,6 +36,6 @@ def check(mission: str, vehicle: str | None, parameters: tuple[str, ...], as_jso
             ]
             click.echo(json.dumps(unreadable_object(problems)))
         sys.exit(2)
-    text = as_text(mission, report, prepared.chart.digest)
+    text = as_text(prepared.source, report, prepared.chart.digest, prepared.text)
     click.echo(json.dumps(as_object(report)) if as_json else text)
     sys.exit(0 if report.ok else 1)

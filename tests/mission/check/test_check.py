@@ -238,3 +238,12 @@ def test_a_refused_mission_exits_1_and_an_unreadable_one_2(tmp_path: Path) -> No
 def test_the_check_names_the_text_that_it_judged_as_the_vehicle_will() -> None:
     told = CliRunner().invoke(main, ["check", "first-dive"]).stdout
     assert told.endswith(f"digest {prepare('first-dive').chart.digest[:16]}\n")
+
+
+def test_a_refusal_shows_the_line_it_is_about(tmp_path: Path) -> None:
+    deep = tmp_path / "deep.mission"
+    line = "way_down: depth 40 gear 4 heading 0 for 4min"
+    deep.write_text(HEAD + line + "\n")
+    told = CliRunner().invoke(main, ["check", str(deep)]).stdout.splitlines()
+    assert told[0].startswith(f"{deep}:4:1: ")
+    assert told[1:3] == [f"    {line}", "    " + "^" * len(line)]
