@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import asyncio
 import signal
+import sys
 import time
 import traceback
 from collections.abc import Callable, Coroutine
@@ -51,6 +52,7 @@ NODE_OF = {VEHICLE: "STM32", GPS: "BDGPS", MODEM: "UACM"}
 FIRST_S = 1.0  # real time, that the first W of a restart waits for its port
 LAST_WORDS_S = 1.0  # real time, for an answer to the last X and its further tries
 REBIRTH_S = 1.0  # real time, between a fault of the program and the next drive
+SWITCH_S = 0.0005  # the disk's and the judge's threads give way to the loop so soon, not in 5 ms
 EARLY_S = 0.002  # a timer that fires so much too early counts as in time
 
 
@@ -392,4 +394,5 @@ def run(server: Server) -> None:
             loop.add_signal_handler(signal.SIGHUP, server.hang_up)
         await server.run()
 
+    sys.setswitchinterval(SWITCH_S)
     asyncio.run(main())
