@@ -106,6 +106,10 @@ def test_a_heading_is_compared_the_short_way_round():
     north.telemetry = replace(REPORT, heading=math.radians(5.0))
     assert ask(Comparison("heading", ">", math.radians(355.0)), north) is True
     assert ask(Comparison("heading", "<", math.radians(10.0)), north) is True
+    for heading, below in ((170.0, False), (190.0, True), (260.0, True), (350.0, True)):
+        north.telemetry = replace(REPORT, heading=math.radians(heading))
+        assert ask(Comparison("heading", "<", 0.0), north) is below
+        assert ask(Comparison("heading", ">", 0.0), north) is not below
 
 
 def test_sure_asks_for_the_share_of_the_distribution():
