@@ -16,8 +16,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "mission")]
 
-from test_hostile_boat import LOCAL, OTHER, boat, flooding  # noqa: E402
 from served import read_now, running, silent_board, soon  # noqa: E402
+from test_hostile_boat import LOCAL, OTHER, boat, flooding  # noqa: E402
 
 FLOODS = (b"@DU$", b"\xff\x00noise", b"@ZAX", b"@MMF3$")
 
