@@ -21,12 +21,14 @@ from mission.simulation.flightlog import Flight, LegFlown, Sample
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _QUANTILE_95 = math.sqrt(-2.0 * math.log(0.05))  # of the plane: chi-square, two degrees of freedom
 _ELLIPSES = 12
-_NARROW = 0.012  # of the mission: a leg shorter than this has no room for its number
+_DIGIT = 0.011  # width of a number's digit over the profile, as a share of the mission
+_NEAR = 0.04  # of the plan's width: a number nearer than this to another would hide it
 _TITLE_WIDTH = 100  # characters
-_KEY_WIDTH = 150  # characters of the key in one row
+_KEY_WIDTH = 120  # characters of the key in one row
 _TRUE, _ESTIMATE = "#2b2b2b", "#c1440e"
 _PALETTE = ("#88ccee", "#ddcc77", "#44aa99", "#cc6677", "#999933", "#aa4499", "#6699cc", "#117733")
 
@@ -41,12 +43,16 @@ def draw_flight(flight: Flight, path: Path, title: str) -> None:
 
     figure = Figure(figsize=(9.0, 10.0), layout="constrained")
     FigureCanvasAgg(figure)
+    drawn(figure, flight, title)
+    figure.savefig(path, dpi=110)
+
+
+def drawn(figure: Figure, flight: Flight, title: str) -> None:
     plan, profile = figure.subplots(2, 1, height_ratios=(2.2, 1.0))
     marks = _marks(flight.legs)
     _draw_plan(plan, flight, marks)
     _draw_profile(profile, flight, marks)
     figure.suptitle(_title(flight, title), fontsize=11)
-    figure.savefig(path, dpi=110)
 
 
 def _title(flight: Flight, title: str) -> str:
@@ -91,8 +97,16 @@ def _plain(name: str) -> str:
 
 def _draw_plan(axes: Axes, flight: Flight, marks: dict[str, _Mark]) -> None:
     samples = flight.samples
-    for leg in flight.legs:
-        _draw_leg(axes, leg, [s for s in samples if leg.entered <= s.t <= leg.left], marks)
+    flown = [(leg, [s for s in samples if leg.entered <= s.t <= leg.left]) for leg in flight.legs]
+    for leg, seen in flown:  # by the estimate, as the guards saw it
+        axes.plot(
+            [s.estimate.east for s in seen],
+            [s.estimate.north for s in seen],
+            color=marks[_plain(leg.name)].colour,
+            linewidth=5.0,
+            solid_capstyle="round",
+            alpha=0.8,
+        )
     axes.plot(
         [s.true.east for s in samples],
         [s.true.north for s in samples],
@@ -116,6 +130,7 @@ def _draw_plan(axes: Axes, flight: Flight, marks: dict[str, _Mark]) -> None:
     )
     for sample in _spread(samples, _ELLIPSES):
         _draw_ellipse(axes, sample)
+    _number_legs(axes, flown, marks)
     axes.plot(0.0, 0.0, marker="*", markersize=14, color=_TRUE, linestyle="", label="home")
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("east of home, m")
@@ -124,19 +139,30 @@ def _draw_plan(axes: Axes, flight: Flight, marks: dict[str, _Mark]) -> None:
     axes.legend(loc="best", fontsize=9)
 
 
-def _draw_leg(axes: Axes, leg: LegFlown, flown: Sequence[Sample], marks: dict[str, _Mark]) -> None:
-    """By the estimate, as the guards saw it."""
-    mark = marks[_plain(leg.name)]
-    axes.plot(
-        [s.estimate.east for s in flown],
-        [s.estimate.north for s in flown],
-        color=mark.colour,
-        linewidth=5.0,
-        solid_capstyle="round",
-        alpha=0.8,
-    )
-    if flown and leg.name == _plain(leg.name):  # further rounds lie about there, too
-        at = flown[len(flown) // 2].estimate
+def _number_legs(
+    axes: Axes, flown: Sequence[tuple[LegFlown, Sequence[Sample]]], marks: dict[str, _Mark]
+) -> None:
+    """One a leg, about its middle, where there is room; further rounds lie about there, too."""
+    low, high = axes.get_xlim()
+    bottom, top = axes.get_ylim()
+    near = _NEAR * max(high - low, top - bottom)
+    placed: list[tuple[float, float]] = []
+    for leg, seen in flown:
+        if not seen or leg.name != _plain(leg.name):
+            continue
+        spots = (seen[int(share * (len(seen) - 1))].estimate for share in (0.5, 0.25, 0.75))
+        at = next(
+            (
+                spot
+                for spot in spots
+                if all(math.hypot(spot.east - e, spot.north - n) >= near for e, n in placed)
+            ),
+            None,
+        )
+        if at is None:
+            continue
+        placed.append((at.east, at.north))
+        mark = marks[leg.name]
         axes.annotate(
             str(mark.number),
             (at.east, at.north),
@@ -168,14 +194,17 @@ def _draw_ellipse(axes: Axes, sample: Sample) -> None:
 
 def _draw_profile(axes: Axes, flight: Flight, marks: dict[str, _Mark]) -> None:
     named: set[str] = set()
+    free = 0.0  # s from which on there is room for a number
     for leg in flight.legs:
         name = _plain(leg.name)
         mark = marks[name]
         label = None if name in named else f"{mark.number}  {name}"
         named.add(name)
         axes.axvspan(leg.entered, leg.left, color=mark.colour, alpha=0.6, lw=0, label=label)
-        if leg.left - leg.entered > _NARROW * flight.mission_time:
-            middle = (leg.entered + leg.left) / 2.0
+        middle = (leg.entered + leg.left) / 2.0
+        half = _DIGIT * flight.mission_time * (len(str(mark.number)) + 0.5) / 2.0
+        if middle - half >= free:
+            free = middle + half
             axes.text(
                 middle,
                 1.01,

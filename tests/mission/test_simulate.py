@@ -12,6 +12,8 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner, Result
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from links.simulated.settings import parse_settings
 from mission.blackbox import read_records
@@ -329,3 +331,23 @@ def test_the_table_names_the_reading_that_a_leg_was_blind_of() -> None:
     blind = LegFlown("dive", 0.0, 9.0, "else", edge.trigger, (("elapsed", 9.0), ("depth", None)))
     flight = replace(flown(), legs=(blind,))
     assert table(flight, ready.chart).splitlines()[1].endswith("refused or blind (depth unknown)")
+
+
+def test_forty_legs_fit_into_the_picture_and_no_number_hides_another() -> None:
+    flight = flown()
+    every = flight.mission_time / 40.0
+    legs = tuple(LegFlown(f"survey_line_{i}", i * every, (i + 1) * every, "for") for i in range(40))
+    figure = Figure(figsize=(9.0, 10.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    plot.drawn(figure, replace(flight, legs=legs), "many")
+    figure.canvas.draw()
+    plan, profile = figure.axes
+    legend = profile.get_legend()
+    assert legend is not None
+    key = legend.get_window_extent()
+    assert key.x0 >= 0.0
+    assert key.x1 <= figure.bbox.x1
+    for axes in (plan, profile):
+        boxes = [text.get_window_extent() for text in axes.texts]
+        assert len(boxes) >= 5
+        assert not [1 for a, b in itertools.combinations(boxes, 2) if a.overlaps(b)]
