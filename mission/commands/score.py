@@ -35,8 +35,6 @@ def score(folder: Path, vehicle: str, without: tuple[str, ...]) -> None:
     scores, refused = score_folder(folder, known, without)
     for reason in refused:
         click.echo(f"left out: {reason}", err=True)
-    if not scores:
-        click.echo(f"{folder}: no recording (*.csv) that can be scored below it", err=True)
     click.echo("file, scoring: end %, reference %, coverage, ellipse %", err=True)
     for s in scores:
         reference = "-" if s.reference_pct is None else f"{s.reference_pct:.1f}"
