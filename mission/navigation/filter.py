@@ -42,6 +42,7 @@ from mission.navigation.model import (
 Array = NDArray[np.float64]
 
 _UNKNOWN = 1e4  # m: no position, no depth yet
+_LOOSEST = 25.0  # times the variance before anything was heard (no position)
 _TURN = 0.15  # rad between two reports: less is noise
 _STEP = 5.0  # s, the longest piece of a prediction
 _POSITION = np.eye(2, STATES)
@@ -110,6 +111,8 @@ class Filter:
         sigma[WANDER] = math.hypot(fig.wander.sigma, 0.5 * fig.harmonic)  # the second harmonic
         sigma[RATE] = fig.rate.sigma
         self._kf.x, self._kf.P = x, np.diag(sigma * sigma)
+        self._loosest = _LOOSEST * (sigma * sigma)[:DEPTH]
+        self._loosest[N] = self._loosest[E] = math.inf
         self._kf.F, self._kf.Q = np.eye(STATES), np.zeros((STATES, STATES))
         self._f, self._q = self._kf.F.reshape(-1), self._kf.Q.reshape(-1)
         self._steady = _Steady()
@@ -253,9 +256,17 @@ class Filter:
         self._kf.update(np.array((north, east)), r, _POSITION)
 
     def widen(self, factor: float) -> None:
-        """Multiplies the covariance of all that moves the position; correlations stay."""
+        """Multiplies the covariance of all that moves the position; correlations stay. Compass,
+        thrusters and water never get much less known than before anything was heard: at rest
+        nothing would ever bring them back, and a filter cannot compute with what they grow to."""
         p = self._kf.P.copy()
-        p[:DEPTH, :DEPTH] *= factor
+        plane = p[:DEPTH, :DEPTH]
+        room = self._loosest / plane.diagonal()
+        if (room >= factor).all():
+            plane *= factor
+        else:  # what is added is positive: a share of the widening for each state
+            share = np.sqrt(np.clip((room - 1.0) / (factor - 1.0), 0.0, 1.0))
+            plane += (factor - 1.0) * share[:, None] * plane * share
         self._kf.P = p
 
     def loosen(self, variance: float) -> None:

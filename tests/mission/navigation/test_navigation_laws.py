@@ -242,3 +242,22 @@ def test_a_second_sentence_of_the_same_second_counts_once(
     assert once is not None
     assert twice is not None
     assert twice.covariance[0] == pytest.approx(once.covariance[0], rel=0.02)
+
+
+def test_a_receiver_that_contradicts_itself_leaves_a_filter_that_can_be_computed_with(
+    vehicle: Vehicle,
+) -> None:
+    """Its place stands still and its speed does not: the gate is opened again and again."""
+    import numpy as np
+
+    nav = Navigation(vehicle, HOME)
+    latitude, longitude = math.radians(HOME.latitude_deg), math.radians(HOME.longitude_deg)
+    before = nav.core.filter.covariance.diagonal()[2:12].copy()
+    for second in range(900):
+        t = float(second)
+        if second % 2 == 0:
+            nav.telemetry(Telemetry(t, depth=0.1, heading=1.0, pitch=0.0, actuators=(0.0,) * 5))
+        nav.fix(Fix(t + 0.3, latitude, longitude, 2.5, hdop=1.0, speed=0.7, course=0.67))
+    covariance = nav.core.filter.covariance
+    assert np.linalg.eigvalsh(covariance).min() > 0.0
+    assert (covariance.diagonal()[2:12] <= 26.0 * before).all()
