@@ -33,6 +33,7 @@ _GLIDER = ("unix_s", "depth_m", "heading_mag_deg", "pitch_deg", "roll_deg", "gps
 _EXTRA = ("altitude_m", "veh_temp_c", "speed_est_mps")
 _EVERY = 2.0  # s, of @SD
 _SURFACE = 0.5  # m: the antenna is out of the water
+SHORTEST, NEAREST = 30.0, 20.0  # s and m of a run that can be scored
 _UNDATED = datetime(2024, 1, 1, tzinfo=UTC)  # runs count from 0
 CRUISE_PWM, NEUTRAL_PWM = 1500 + round(500 * 8 / 12), 1500  # gear 8, and none
 
@@ -62,6 +63,7 @@ class Recording:
     altitude: Array
     temperature: Array
     own_speed: Array  # what the vehicle itself believed, m/s
+    skipped: int = 0  # rows that could not be used
 
     @property
     def path(self) -> Array:
@@ -72,19 +74,30 @@ class Recording:
 
 def read(file: Path) -> Recording:
     """Raises RecordingError for another format, or a file with nothing to score."""
+    try:
+        return _read(file)
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise RecordingError(f"{file}: no CSV text: {error}") from None
+
+
+def _read(file: Path) -> Recording:
     with file.open(newline="", encoding="utf-8") as stream:
         rows = csv.DictReader(stream)
         names = tuple(rows.fieldnames or ())
         glider = set(_GLIDER) <= set(names)
         if not glider and not set(_RUN) <= set(names):
-            missing = ", ".join(n for n in _RUN if n not in names)
-            raise RecordingError(f"{file}: no recording: the columns {missing} are missing")
+            run = ", ".join(n for n in _RUN if n not in names)
+            glide = ", ".join(n for n in _GLIDER if n not in names)
+            raise RecordingError(
+                f"{file}: no recording: for a run the columns {run} are missing, "
+                f"for a glider {glide}"
+            )
         wanted = (*(_GLIDER if glider else _RUN), *(n for n in _EXTRA if n in names))
         table: dict[str, list[float]] = {name: [] for name in wanted}
         for row in rows:
             for name in wanted:
                 table[name].append(_number(row[name]))
-    return _recording(file.name, glider, {name: np.array(v) for name, v in table.items()})
+    return _recording(str(file), file.name, glider, {n: np.array(v) for n, v in table.items()})
 
 
 def _number(text: str | None) -> float:
@@ -94,15 +107,17 @@ def _number(text: str | None) -> float:
         return math.nan
 
 
-def _recording(name: str, glider: bool, table: dict[str, Array]) -> Recording:
+def _recording(where: str, name: str, glider: bool, table: dict[str, Array]) -> Recording:
     time, lat, lon = ("unix_s", "gps_lat", "gps_lon") if glider else ("t", "lat", "lon")
     whole = [time] if glider else list(_RUN)
     good = np.all([np.isfinite(table[n]) for n in whole], axis=0)
+    good &= ~((np.abs(table[lat]) > 90.0) | (np.abs(table[lon]) > 180.0))
     good[good] &= np.concatenate(([True], np.diff(np.maximum.accumulate(table[time][good])) > 0.0))
+    skipped = int(np.sum(~good))
     table = {n: v[good] for n, v in table.items()}
     at = np.flatnonzero(np.isfinite(table[lat]) & np.isfinite(table[lon]))
     if len(at) < 2:
-        raise RecordingError(f"{name}: fewer than two positions")
+        raise RecordingError(f"{where}: fewer than two rows with a time and a position")
     t = table[time]
     start = datetime.fromtimestamp(t[0], UTC) if glider else _UNDATED
     origin = Position(float(table[lat][at[0]]), float(table[lon][at[0]]))
@@ -112,6 +127,8 @@ def _recording(name: str, glider: bool, table: dict[str, Array]) -> Recording:
             math.radians(float(table[lat][i])), math.radians(float(table[lon][i]))
         )
     unknown = np.full(len(t), np.nan)
+    if not glider:
+        _long_enough(where, t, np.hypot(np.diff(north), np.diff(east)).sum())
     return Recording(
         name=name,
         glider=glider,
@@ -127,7 +144,16 @@ def _recording(name: str, glider: bool, table: dict[str, Array]) -> Recording:
         altitude=table.get("altitude_m", unknown),
         temperature=table.get("veh_temp_c", unknown),
         own_speed=table.get("speed_est_mps", unknown),
+        skipped=skipped,
     )
+
+
+def _long_enough(where: str, t: Array, path: float) -> None:
+    if t[-1] - t[0] < SHORTEST or path < NEAREST:
+        raise RecordingError(
+            f"{where}: too short to be scored: {t[-1] - t[0]:.0f} s and {path:.0f} m; "
+            f"a run needs {SHORTEST:.0f} s and {NEAREST:.0f} m"
+        )
 
 
 def surfaced(recording: Recording) -> list[int]:

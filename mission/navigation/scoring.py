@@ -29,6 +29,7 @@ from mission.navigation.learning import Learned, learn
 from mission.navigation.navigator import Navigation
 from mission.navigation.recordings import (
     CRUISE_PWM,
+    NEAREST,
     NEUTRAL_PWM,
     Recording,
     RecordingError,
@@ -98,14 +99,27 @@ WITHOUT: Mapping[str, Callable[[Vehicle], Vehicle]] = MappingProxyType(
 def score_folder(
     folder: Path, vehicle: Vehicle, without: Sequence[str] = ()
 ) -> tuple[list[Score], list[str]]:
-    """Every CSV of the two formats below ``folder``; and what could not be read, and why."""
-    recordings, refused = [], []
+    """Every CSV of the two formats below ``folder``; and what of it is left out, and why."""
+    recordings: list[Recording] = []
+    refused: list[str] = []
     for file in sorted(folder.rglob("*.csv")):
         try:
-            recordings.append(read(file))
-        except (RecordingError, OSError, UnicodeDecodeError) as error:
+            found = read(file)
+        except (RecordingError, OSError) as error:
             refused.append(str(error))
-    return score(recordings, vehicle, without), refused
+            continue
+        recordings.append(found)
+        if found.skipped:
+            refused.append(
+                f"{file}: {found.skipped} rows without numbers, out of range or of order"
+            )
+    if not recordings:
+        refused.append(f"{folder}: no recording (.csv) in it or below it")
+    scores = score(recordings, vehicle, without)
+    scored = {s.file for s in scores}
+    idle = [r.name for r in recordings if r.name not in scored]
+    refused += [f"{name}: no dive between two fixes: nothing to score" for name in idle]
+    return scores, refused
 
 
 def score(
@@ -188,7 +202,9 @@ def run_vehicle(vehicle: Vehicle, learned: Learned) -> Vehicle:
 def _reckon_run(run: Recording, heading: Array, until: float, known: Vehicle) -> list[_Sample]:
     fixes = [i for i, t in enumerate(run.t.tolist()) if t <= until]
     nav, path, last = Navigation(known, run.origin), run.path, fixes[-1]
-    samples = []
+    samples: list[_Sample] = []
+    if path[-1] - path[last] < NEAREST:
+        return samples
     for item in wire(run, fixes, heading, CRUISE_PWM):
         _feed(nav, item)
         if isinstance(item, Telemetry) and item.t > run.t[last] + 10.0:
