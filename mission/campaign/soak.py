@@ -16,7 +16,7 @@ import resource
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from random import Random
 
@@ -26,8 +26,9 @@ from mission.campaign.deeds import Act, Deed
 from mission.campaign.draw import Subject, draw
 from mission.campaign.faults import Fared, Totals, fared_of
 from mission.campaign.onboard import FillableStore, OnBoard
-from mission.campaign.trial import try_out
+from mission.campaign.trial import Event, Trial, try_out
 from mission.drive.records import Recorder
+from mission.model import Step
 from mission.vehicle import Vehicle
 
 DAY = 86400.0
@@ -35,6 +36,7 @@ PART = 4 << 20  # bytes of one part of the black box
 LULL = 600.0  # s at most between two missions, adrift
 _MEGABYTE = 1 << 20
 _CLEAN = (b"@NSOOOCCO$", b"@SP,2000,240,100,10,$", b"@AC$")
+RECENT = 5.0  # s of the flight before that bytes of the next may come from
 FLAT = 0.02  # share by which what is alive may differ between missions
 FLAT_RESIDENT = 0.05  # the same of the process: its allocator gives little back
 SETTLED = 5  # missions until everything that is kept once is there, at least
@@ -112,6 +114,7 @@ def _fly_on(
     rng = Random(f"soak {seed}")
     board = _board(vehicle, box)
     elapsed = 0.0
+    earlier: tuple[Event, ...] = ()
     while elapsed < days * DAY:
         plan = draw(seed, soaked.missions, subjects)
         lull = rng.uniform(0.0, LULL)
@@ -129,12 +132,24 @@ def _fly_on(
         board.begin_again(trial.truth.t)
         elapsed += trial.truth.t
         soaked.days, soaked.missions = elapsed / DAY, soaked.missions + 1
-        fared = fared_of(plan, trial, vehicle, vehicle.dialect)
+        told_of = replace(trial, events=(*earlier, *trial.events))
+        earlier = _last_words(told_of)
+        fared = fared_of(plan, told_of, vehicle, vehicle.dialect)
+        fared = replace(fared, violations=tuple(v for v in fared.violations if v.t >= 0.0))
         soaked.totals.add(fared)
-        del trial
+        del trial, told_of
         soaked.look_at_memory()
         _take_away(soaked, box)
         told(soaked, fared)
+
+
+def _last_words(trial: Trial) -> tuple[Event, ...]:
+    """What the audit of the next flight must know of this one, at that one's times: the state
+    that was entered last, and what was said shortly before."""
+    end, events = trial.truth.t, trial.events
+    entered = [e for e in events if isinstance(e, Step) and e.entered][-1:]
+    words = [e for e in events if e.t > end - RECENT and e not in entered]
+    return tuple(replace(e, t=e.t - end) for e in (*entered, *words))
 
 
 def _board(vehicle: Vehicle, box: BlackBox) -> OnBoard:
