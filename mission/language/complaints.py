@@ -210,7 +210,9 @@ def _by_number(misfit: _Misfit) -> Complaint | None:
     labelled = re.match(r"\s*:", misfit.text[misfit.offset + len(part) :])
     if not misfit.word or not behind or labelled or _is_word(part):
         return None
-    close_word, close_unit = nearest(part, misfit.keywords()), nearest(part, UNITS)
+    # where a unit may stand, a long word is one unless it is nearly a word that fits
+    likeness = 0.75 if "UNIT" in expected and len(part) > 5 else 0.6
+    close_word, close_unit = nearest(part, misfit.keywords(), likeness), nearest(part, UNITS)
     if close_word and not misfit.glued and (len(part) > 3 or not close_unit):
         return misfit.says("unknown-word", f"unknown word {part!r}", f"did you mean {close_word}?")
     if "UNIT" not in expected and not misfit.glued:

@@ -86,10 +86,10 @@ class Problems:
             raise MissionErrors(list(self._found.values()), source)
 
 
-def nearest(word: str, known: Iterable[str]) -> str:
-    """The known name that ``word`` most likely means, or ""."""
+def nearest(word: str, known: Iterable[str], likeness: float = 0.6) -> str:
+    """The known name that ``word`` most likely means, or "" where none is that like it."""
     names = {name.lower(): name for name in known}
-    found = difflib.get_close_matches(word.lower(), names, n=1, cutoff=0.6)
+    found = difflib.get_close_matches(word.lower(), names, n=1, cutoff=likeness)
     return names[found[0]] if found else ""
 
 

@@ -21,7 +21,9 @@ def _lines(mission: Mission) -> Iterator[str]:
     yield f"mission: {_name(mission.name)}"
     yield f"vehicle: {_name(mission.vehicle)}"
     if mission.home is not None:
-        yield f"home: {_place(mission.home)}"
+        latitude = number_text(mission.home.latitude_deg)
+        longitude = number_text(mission.home.longitude_deg)
+        yield f"home: {{latitude: {latitude}, longitude: {longitude}}}"
     limits = [f"{word}: {value}" for word, value in render.safety_pairs(mission.safety, True)]
     if limits:
         yield f"safety: {_table(limits)}"
