@@ -298,9 +298,8 @@ class Framer:
 
     def _forget(self) -> None:
         """Chunks whose bytes are all gone; the newest one stays, for ``next_timer``."""
-        gone = min(bisect_right(self._starts, self._base) - 1, len(self._starts) - 1)
-        if gone > 0:
-            del self._starts[:gone], self._times[:gone]
+        gone = bisect_right(self._starts, self._base) - 1
+        del self._starts[:gone], self._times[:gone]
 
 
 def _by_start(

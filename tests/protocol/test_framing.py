@@ -460,6 +460,22 @@ def test_a_guest_behind_the_host_is_no_guest_inside() -> None:
     ]
 
 
+def test_a_torn_host_comes_as_soon_as_no_more_guests_can() -> None:
+    """What stands there whole and is no guest is waited for no longer."""
+    fields = (Const(b"<h"), *(U8(name) for name in "abcde"), Const(b">"))
+    wide = BinaryFrame("wide", "", fields)
+    framer = Framer((wide, GUEST), splice=Splice(wide, GUEST))
+    assert [shown(i) for i in framer.receive(b"<{g1}ha{g3x>", 0.0)] == [
+        (0, "wide", b"<ha{g3x>"),
+        (1, "guest", b"{g1}"),
+    ]
+    assert framer.receive(b"<{g1}habc{g>", 0.0) == []
+    assert [shown(i)[1:] for i in framer.receive(b".", 0.0)] == [
+        ("wide", b"<habc{g>"),
+        ("guest", b"{g1}"),
+    ]
+
+
 def test_a_host_begins_as_its_lead_does_or_it_is_none() -> None:
     assert torn(b"<{g1}x12>") == [(0, "bad_header", 1), (1, "guest", b"{g1}"), (5, "bad_header", 4)]
     assert torn(b"<{g1}h12>") == [(0, "host", b"<h12>"), (1, "guest", b"{g1}")]
