@@ -83,7 +83,7 @@ def granularity_problems(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iter
                 found.where,
                 leg.name,
                 f"{vehicle.name} cannot be told {found}: it would hold {found.nearest:g} {unit}",
-                f"write {found.word} {found.below:g} {unit} or {found.above:g} {unit}",
+                f"write {found.below:g} {unit} or {found.above:g} {unit}",
             )
 
 

@@ -40,7 +40,7 @@ def test_a_depth_that_cannot_be_told_is_refused_with_both_neighbours():
         (
             "between-steps",
             "auv cannot be told depth 4.5 m: it would hold 4 m",
-            "write depth 4 m or 5 m",
+            "write 4 m or 5 m",
         )
     ]
 
