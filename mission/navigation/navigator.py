@@ -80,7 +80,11 @@ class Navigation:
         if self._vehicle.declination is None and self.frame is not None:
             o = self.frame.origin
             lat, lon = math.radians(o.latitude_deg), math.radians(o.longitude_deg)
-            self._declination = declination(lat, lon, self._date and self._date[:10])
+            found = declination(lat, lon, self._date and self._date[:10])
+            if found != self._declination:
+                self.core.decline(found - self._declination)
+                self._declination = found
+                self._history.clear()  # its reports have the old one in them
 
     @property
     def declination(self) -> float:

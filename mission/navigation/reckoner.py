@@ -189,6 +189,12 @@ class Reckoner:
     def driven(self) -> float:
         return min(abs(self._propulsion.speed) / _UNDER_WAY, 1.0)
 
+    def decline(self, change: float) -> None:
+        """Another declination is no turn of the vehicle."""
+        heading = self._motion.heading
+        if heading is not None:
+            self._motion = self._motion._replace(heading=heading + change)
+
     # --- fixes -------------------------------------------------------------------------------
 
     def place(self, t: float, north: float, east: float, variance: float) -> None:

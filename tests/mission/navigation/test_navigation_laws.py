@@ -261,3 +261,21 @@ def test_a_receiver_that_contradicts_itself_leaves_a_filter_that_can_be_computed
     covariance = nav.core.filter.covariance
     assert np.linalg.eigvalsh(covariance).min() > 0.0
     assert (covariance.diagonal()[2:12] <= 26.0 * before).all()
+
+
+def test_the_declination_that_the_first_fix_brings_is_no_turn() -> None:
+    """At rest in a current: what receivers say of it is taken in as if there were none."""
+    east, learned = 0.3, []
+    for declination in (0.0, None):
+        nav = Navigation(replace(load_vehicle("auv"), declination=declination))
+        frame = LocalFrame(HOME)
+        for t in (0.0, 2.0, 4.0):
+            place = frame.to_geodetic(0.0, east * (t + 1.0))
+            nav.telemetry(Telemetry(t, 0.2, None, 1.0, 0.0, 0.0, actuators=(0.0,) * 5))
+            if t < 4.0:
+                nav.fix(Fix(t + 1.0, *place, 2.5, speed=east, course=math.pi / 2.0))
+        estimate = nav.estimate(4.0)
+        assert estimate is not None
+        learned.append(estimate.current_east)
+    assert learned[1] == pytest.approx(learned[0], rel=1e-3)
+    assert learned[1] > 0.2
