@@ -71,6 +71,9 @@ def _plan(axes: Axes, track: Track) -> None:
     if refused:
         axes.plot([f.east for f in refused], [f.north for f in refused], "x", color="k", ms=5,
                   label="fixes refused")  # fmt: skip
+    for i, mark, name in ((0, "^", "start"), (-1, "s", "end")):
+        north, east = track.smoothed[i]
+        axes.plot(east, north, mark, color="k", ms=6, mfc="w", label=f"{name}, smoothed")
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("east, m")
     axes.set_ylabel("north, m")
@@ -144,13 +147,25 @@ def draw_calibration(done: Calibrated, path: Path) -> None:
     for shift, name, colour in ((-0.2, "before", _RAW), (0.2, "after", _SMOOTHED)):
         values = [100.0 * getattr(s, name) / s.distance for s in known]
         dives.bar(at + shift, values, 0.4, color=colour, label=name)
-    dives.set_xticks(at, [f"{s.log + 1}: {s.begin:.0f} s" for s in known], fontsize=7)
+    dives.set_xticks(at, [f"log {s.log + 1}\ndive at {s.begin:.0f} s" for s in known], fontsize=7)
     dives.set_ylabel("error at the next fix, % of distance")
-    dives.legend()
+    dives.margins(y=0.2)  # room for the legend
+    held_out = ", after: calibrated on the other logs" if done.held_out else ""
+    dives.set_title(f"dead reckoning before and after calibration{held_out}", fontsize=10)
+    dives.legend(loc="upper right", ncols=2)
     shown = np.linspace(0.0, 2.0 * math.pi, 181)
     vehicle = done.vehicle
     error = [vehicle.compass_bias + vehicle.calibration.deviation.at(float(h)) for h in shown]
-    compass.plot(np.degrees(shown), np.degrees(error), color=_FILTERED)
+    _, bias, sin, cos = done.sigmas
+    turned = [(s, c) for s, c in zip(np.sin(shown), np.cos(shown), strict=True)]
+    sigma = np.array([math.sqrt(bias**2 + (sin * s) ** 2 + (cos * c) ** 2) for s, c in turned])
+    known_to = np.degrees(np.array(error) - sigma), np.degrees(np.array(error) + sigma)
+    compass.fill_between(np.degrees(shown), *known_to, color=_FILTERED, alpha=0.15,
+                         label="one sigma")  # fmt: skip
+    compass.plot(np.degrees(shown), np.degrees(error), color=_FILTERED, label="fitted")
+    compass.axhline(0.0, color="k", lw=0.6)
+    compass.set_title("error of the compass over what it reads", fontsize=10)
+    compass.legend(fontsize=8)
     compass.set_xlabel("compass, deg")
     compass.set_ylabel("reads too far clockwise by, deg")
     compass.set_xticks(range(0, 361, 45))
