@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from engine_world import World, leg, mission, when
 
-from mission.engine.ascent import UPWARD
+from mission.engine.ascent import UPWARD, Ascent
 from mission.model import IDLE_READY, SURFACED, SURFACING, Surface
 from protocol.messages import Emergency, Order, Setpoint
 
@@ -56,6 +56,38 @@ def test_what_makes_the_depth_fall_is_kept():
     world.wait(10.0)
     climb(world, 0.25, 60.0)
     assert sent(world) == [(10.0, UPWARD)]
+
+
+def test_upward_is_full_thrust_and_nothing_else():
+    assert Setpoint(heave=-1.0) == UPWARD
+
+
+def test_three_hundredths_of_a_metre_a_second_is_rising_and_less_is_not():
+    """At the instant when a way is judged; the numbers are exact in binary."""
+    for fallen, kept in ((0.3125, True), (0.28125, False)):
+        ascent = Ascent(0.0, 20.0, "why")
+        assert ascent.act(9.99, 20.0) == ()
+        assert (ascent.act(10.0, 20.0 - fallen) == ()) is kept
+
+
+def test_a_way_that_is_given_up_says_what_was_seen():
+    for before, after, seen in (
+        (20.0, 20.5, "is 20.5 m, no less"),
+        (None, 20.0, "is not known"),
+        (20.0, None, "is not known"),
+    ):
+        ascent = Ascent(0.0, before, "why")
+        (action,) = ascent.act(10.0, after)
+        assert action.reason == f"why: after 10 s the depth {seen}"
+        assert action.command == UPWARD
+
+
+def test_a_copy_of_an_ascent_goes_its_own_way():
+    ascent = Ascent(0.0, 20.0, "why")
+    copy = ascent.clone()
+    assert ascent.act(10.0, 20.0)
+    assert (copy.began, copy.next_timer()) == (0.0, 10.0)
+    assert copy.act(10.0, 20.0)[0].command == UPWARD
 
 
 def test_a_way_that_stops_working_is_changed_again():
