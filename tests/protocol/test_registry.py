@@ -11,10 +11,12 @@ from protocol.tolerances import TOLERANCES, Tolerances, UnknownTolerance
 from protocol.vehicles import (
     LINKS,
     VEHICLES,
+    UnknownDialect,
     UnknownVehicle,
     VehicleRow,
     codec,
     frame_types,
+    granularity,
     link,
 )
 
@@ -75,3 +77,18 @@ def test_an_unknown_name_says_which_there_are() -> None:
         link("auv.nowhere")
     with pytest.raises(UnknownTolerance):
         codec("auv", "as-built", {"nothing": "on"})
+
+
+@pytest.mark.parametrize("row", VEHICLES, ids=lambda row: row.name)
+def test_a_dialect_nobody_speaks_is_refused_with_those_there_are(row: VehicleRow) -> None:
+    with pytest.raises(UnknownDialect, match=f"no dialect 'klingon'.*{row.dialects[0]}"):
+        codec(row.name, "klingon", {})
+
+
+def test_every_vehicle_has_its_steps_and_no_other() -> None:
+    for row in VEHICLES:
+        assert granularity(row.name) is row.granularity
+    assert granularity("auv").depth == 1.0
+    assert granularity("auv").heading == pytest.approx(0.0174533)
+    with pytest.raises(UnknownVehicle, match="no vehicle 'zeppelin'; there are: auv"):
+        granularity("zeppelin")
