@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import struct
 
 import pytest
 
@@ -85,6 +86,17 @@ def test_a_stop_is_repeated_until_it_is_acknowledged() -> None:
     assert spurious(*STOP, *again) == 0
     acks = Heard(5.2, b"@ACK_ZAY$" * 4)
     assert spurious(*STOP, acks, again[0]) == 1
+
+
+def test_a_stop_is_said_again_when_a_report_shows_a_thruster_on() -> None:
+    again = step(9.0, "everything stopped: a thruster turns after it was stopped")
+    acks = Heard(5.2, b"@ACK_ZAY$" * 4)
+
+    def report(pwm: int) -> Heard:
+        return Heard(8.0, b"@SD" + bytes(60) + struct.pack("<7H", *(7 * (pwm,))) + bytes(9))
+
+    assert spurious(*STOP, acks, report(1500), again) == 1
+    assert spurious(*STOP, acks, report(1700), again) == 0
 
 
 def test_a_relay_is_what_an_operator_said_once() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+import random
 from pathlib import Path
 
 import pytest
@@ -11,21 +12,22 @@ from click.testing import CliRunner
 
 from links.simulated.faults import FAULTS
 from links.simulated.settings import Settings, parse_settings
-from mission.campaign.deeds import INCIDENTS, Act, Deed
-from mission.campaign.draw import MOST, OUT_OF_HAND, draw
+from mission.campaign.deeds import INCIDENTS, PORT, Act, Deed
+from mission.campaign.draw import CLUSTER, MOST, OUT_OF_HAND, draw
 from mission.campaign.faults import fare, fly_plan, shipped, subjects
-from mission.campaign.laws import LOST, OVERRUN, RAISED, violations
+from mission.campaign.laws import IGNORED, LOST, OVERRUN, RAISED, violations
 from mission.campaign.pool import results
-from mission.campaign.soak import soak
-from mission.campaign.trial import FOREVER, Done, Trial, try_out
+from mission.campaign.soak import Soaked, grown, soak
+from mission.campaign.trial import FOREVER, Done, Heard, Trial, try_out
 from mission.commands.faults import faults
 from mission.drive.frontseat import Frontseat
 from mission.engine.ascent import Ascent
 from mission.engine.engine import Engine
 from mission.engine.watch import Watch
 from mission.language import parse
-from mission.model import IDLE_EMPTY, IDLE_READY, SURFACED, SURFACING, Step, Tx
+from mission.model import IDLE_EMPTY, IDLE_READY, SURFACED, SURFACING, Action, Step, Tx
 from mission.vehicle import load_vehicle
+from protocol.messages import Order
 
 VEHICLE = load_vehicle("auv")
 KNOWN = tuple(subjects(shipped()))
@@ -54,9 +56,7 @@ def test_no_disturbed_flight_loses_overruns_or_sends_unasked(ten: int) -> None:
 
 @pytest.mark.parametrize("name", INCIDENTS)
 def test_an_incident_alone_breaks_no_law(name: str) -> None:
-    from random import Random
-
-    drawn = INCIDENTS[name].draw(Random(name), ("mission other vehicle auv", "wait 9"))
+    drawn = INCIDENTS[name].draw(random.Random(name), ("mission other vehicle auv", "wait 9"))
     deeds = [Deed(40.0 + d.after, d.act, d.data, d.link, d.address) for d in drawn]
     for profile in PROFILES:
         assert kinds_of(flown(deeds, profile), profile) == set()
@@ -178,14 +178,76 @@ def test_a_byte_that_nobody_asked_for_is_seen(monkeypatch: pytest.MonkeyPatch) -
     assert kinds_of(flown([])) == {"spurious"}
 
 
+def test_an_order_that_does_not_leave_at_once_is_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
+    honest, dropped = Frontseat.command, []
+
+    def forgetful(self: Frontseat, action: Action) -> object:
+        if action.command is Order.STOP and not dropped:
+            dropped.append(action)
+            return None
+        return honest(self, action)
+
+    monkeypatch.setattr(Frontseat, "command", forgetful)
+    assert IGNORED in kinds_of(flown([Deed(60.0, Act.SAY, b"@ZAX0$")]))
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_thruster_that_turns_at_the_end_is_a_loss(
+    profile: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A device on the port answers for the STM32, and nobody doubts it."""
+    cut = [Deed(59.5, Act.UNPLUG), Deed(70.0, Act.PLUG), Deed(60.0, Act.SAY, b"@ZAX0$")]
+    ack = [Deed(60.05, Act.SAY, b"@ACK_ZAY$", PORT, ""), Deed(60.06, Act.SAY, b"@ACK_ZXY$", PORT)]
+    assert kinds_of(flown([*cut, *ack], profile), profile) == set()
+    monkeypatch.setattr(Watch, "turning", lambda self, since: False)
+    assert LOST in kinds_of(flown([*cut, *ack], profile), profile)
+
+
+def test_a_quarter_of_the_flights_has_all_its_troubles_within_seconds() -> None:
+    begins = []
+    for plan in (draw(3, number, KNOWN) for number in range(400)):
+        at = [e.begin for e in plan.settings.faults] + [d.begin for d in plan.incidents]
+        if len(at) >= 3:
+            begins.append(max(at) - min(at))
+    assert 0.2 < sum(spread <= CLUSTER for spread in begins) / len(begins) < 0.4
+
+
+# --- what a trial does ---------------------------------------------------------------------------
+
+
+def test_a_program_that_stands_still_says_nothing_and_then_reads_everything_at_once() -> None:
+    events = flown([Deed(50.0, Act.STALL), Deed(54.5, Act.RUN)]).events
+    assert not [e for e in events if isinstance(e, Tx | Heard) and 50.0 < e.t < 54.5]
+    assert [e for e in events if isinstance(e, Heard) and e.t == 54.5 and len(e.data) > 86]
+
+
+def test_a_power_cut_takes_both_boards() -> None:
+    cut = INCIDENTS["power_cut"].draw(random.Random(1), ())
+    trial = flown([Deed(60.0 + d.after, d.act) for d in cut])
+    assert {Act.POWER, Act.KILL, Act.BOOT} <= {e.act for e in trial.events if isinstance(e, Done)}
+    assert trial.state == SURFACED
+
+
 # --- the soak ------------------------------------------------------------------------------------
 
 
 def test_one_program_lives_through_missions_in_a_row(tmp_path: Path) -> None:
-    soaked = soak(0.04, 0, KNOWN, VEHICLE, tmp_path)
+    soaked = soak(0.06, 0, KNOWN, VEHICLE, tmp_path)
     assert soaked.totals.clean
     assert soaked.missions >= 3
     assert soaked.totals.aborted["not started"] < soaked.missions
+    assert len(soaked.objects) == len(soaked.blocks) == soaked.missions
+    assert not soaked.broken_parts
+
+
+def test_a_leak_is_growth_and_one_large_mission_is_not() -> None:
+    flat = [100.0 + (i % 3) for i in range(60)]
+    assert grown(flat) <= 0.0
+    assert grown([*flat[:40], 150.0, *flat[41:]]) <= 0.0
+    assert grown([100.0 + i for i in range(60)]) > 0.3
+    leaking = Soaked(objects=flat, blocks=[100.0 + i for i in range(60)], resident=flat)
+    assert not leaking.flat
+    assert Soaked(objects=flat, blocks=flat, resident=flat).flat
 
 
 def test_surfacing_is_entered_for_a_reason_that_is_on_record() -> None:
