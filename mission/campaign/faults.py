@@ -120,10 +120,10 @@ def _aborts(trial: Trial) -> list[str]:
     for event in trial.events:
         if isinstance(event, Step) and event.entered:
             before, state = state, event.entered[-1]
-            if before.startswith(AUTONOMOUS) and state in (SURFACING, STOPPED):
-                reasons.append(_reason(event))
-            elif event.trigger == "restart":
+            if event.trigger == "restart":
                 reasons.append("restart")
+            elif before.startswith(AUTONOMOUS) and state in (SURFACING, STOPPED):
+                reasons.append(_reason(event))
     return reasons
 
 
