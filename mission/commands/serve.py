@@ -48,6 +48,7 @@ def serve(
     from links.base import LinkError
     from mission.configuration import ConfigurationError, load_configuration
     from mission.serve.journal import printed
+    from mission.serve.only import AnotherServe, only_one
     from mission.serve.printer import Printer
     from mission.serve.serve import Server, run
     from mission.store import DiskStore, StoreError
@@ -96,12 +97,15 @@ def serve(
         observer,
     )
     try:
-        run(server)
+        with only_one(configuration.folder):
+            run(server)
+    except AnotherServe as error:
+        server.refusal = str(error)
     finally:
         out.close()
         err.close()
     if server.refusal:
-        tell(server.refusal)
+        tell(f"fault: {server.refusal}")
         raise SystemExit(2)
 
 

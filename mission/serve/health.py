@@ -191,6 +191,12 @@ def mute(folder: Path, wall: float) -> int | None:
     return int(found["pid"])
 
 
+def process(folder: Path) -> int | None:
+    """Of the serve that told last, if it lives."""
+    found = _written(folder)
+    return None if found is None else int(found["pid"])
+
+
 def _written(folder: Path) -> dict[str, Any] | None:
     """By a process that lives."""
     try:
