@@ -93,7 +93,7 @@ BENCHES = (
         (
             Figure("stream_mavutil_ratio", "the stream decoder against mavutil", "x", 5, True),
             Figure("stream_ratio", "the same against pymavlink's bare parser", "x", 5, True),
-            Figure("log_ratio", "a whole log against the parser without garbage", "x", 15, True),
+            Figure("log_ratio", "a whole log against the bare parser", "x", 15, True),
         ),
     ),
     Bench(
