@@ -1,10 +1,11 @@
 """What may not come of a disturbed flight: a vehicle lost, a limit overrun, a program that raises.
 
 **Lost**: not at the surface, or with a thruster that turns, at the end, which comes
-``trial.ASCENT`` after the last fault is over and the last mission must have ended. Faults that make
-surfacing physically impossible all end before that (draw.OUT_OF_HAND, WEIGHT); what design.md,
-section 4 excludes (a dead Pi while the STM32 is in automatic, an STM32 that hangs for ever with its
-thrusters on) is not drawn.
+``trial.ASCENT`` after the last fault is over and the last mission must have ended. A thruster may
+turn while it still surfaces: without depth and fix it never knows that it has arrived (R7). Faults
+that make surfacing physically impossible all end before that (draw.OUT_OF_HAND, WEIGHT); what
+design.md, section 4 excludes (a dead Pi while the STM32 is in automatic, an STM32 that hangs for
+ever with its thrusters on) is not drawn.
 
 **Overrun**: truly beyond a limit in force (the tightest of the mission's, the vehicle's, and the
 operator's @SP that was acknowledged) while autonomous or surfacing, by more than detection and
@@ -85,7 +86,7 @@ def violations(
     elif trial.truth.depth > AFLOAT:
         says = f"{trial.truth.depth:.1f} m deep at the end, in {trial.state}"
         found.append(Violation(LOST, trial.truth.t, says))
-    elif trial.turning:
+    elif trial.turning and trial.state != SURFACING:
         says = f"its thrusters turn at the end, in {trial.state}"
         found.append(Violation(LOST, trial.truth.t, says))
     found += [Violation(IGNORED, i.t, i.says) for i in ignored(trial.events)]
