@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import gc
 import re
 from collections.abc import Callable, Coroutine
 from dataclasses import replace
@@ -61,8 +62,18 @@ class Docket:
     async def _judge(self, whose: tuple[str, str], lines: tuple[str, ...], drive: Drive) -> None:
         loop = asyncio.get_running_loop()
         with contextlib.suppress(Exception):  # the drive meets it again, and says so
-            await loop.run_in_executor(None, drive.judge, lines)
+            await loop.run_in_executor(None, _judged, drive, lines)
         for rx in self._held.pop(whose):
             self._pass_on(rx)
         if told := self._gone.pop(whose, None):
             told()
+
+
+def _judged(drive: Drive, lines: tuple[str, ...]) -> None:
+    """Without the collector: it looks through all that ten thousand lines became, again and
+    again, and nothing else runs meanwhile."""
+    gc.disable()
+    try:
+        drive.judge(lines)
+    finally:
+        gc.enable()
