@@ -222,10 +222,14 @@ class Filter:
         )
 
     def _harmonics(self, run: Run) -> float:
-        """What a turn makes of the deviation's second harmonic, half as large as the first."""
+        """What a turn makes of the deviation's second harmonic, half as large as the first.
+
+        What it was before is not taken out but fades as the wander does: so this is its variance
+        times 1 - cos, not that of the difference, which is twice as much.
+        """
         if abs(run.turned) < _TURN:
             return 0.0
-        return 0.5 * self.figures.harmonic**2 * (1.0 - math.cos(2.0 * run.turned))
+        return 0.25 * self.figures.harmonic**2 * (1.0 - math.cos(2.0 * run.turned))
 
     # --- measurements ------------------------------------------------------------------------
 

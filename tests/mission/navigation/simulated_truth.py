@@ -113,7 +113,7 @@ def truthful(vehicle: Vehicle) -> Figures:
 
 
 def fly(seed: int, profile: str, *, learning: bool) -> Flight:
-    rng = Random(f"flight {seed}")  # not the numbers that the ship draws its noise from
+    rng = Random(seed)
     sea = Sea(current=(rng.uniform(0.0, 0.5), rng.uniform(0.0, 2.0 * math.pi)))
     errors = SensorErrors(
         declination=math.radians(-6.2), compass_bias=math.radians(rng.uniform(-10.0, 10.0))
@@ -161,7 +161,7 @@ class Flown:
 
 def fly_plan(seed: int, bias_deg: float, *, learning: bool) -> Flown:
     """What came in, for those who look at it afterwards."""
-    rng = Random(f"flight {seed}")
+    rng = Random(seed)
     sea = Sea(current=(rng.uniform(0.0, 0.3), rng.uniform(0.0, 2.0 * math.pi)))
     errors = SensorErrors(declination=math.radians(-6.2), compass_bias=math.radians(bias_deg))
     ship = SimulatedVehicle("as-built", seed, Settings(sea=sea, errors=errors))
