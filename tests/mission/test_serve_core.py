@@ -229,7 +229,10 @@ class ServeCore(RuleBasedStateMachine):
 
     def come_back(self) -> None:
         world, known = self.world, MISSIONS[0]
-        if world.drive.state.startswith("idle"):  # whatever is staged or stored
+        if world.drive.state.startswith("idle"):  # whatever is stored, and with lines of another
+            mixed = [known.lines[0], *MISSIONS[1].lines[1:]]
+            lines = [MissionLine(len(mixed), i, line) for i, line in enumerate(mixed, 1)]
+            self.do(lambda: world.say(world.boats[0], [encode(line) for line in lines]))
             talk = self.held(upload(known.lines, known.digest, quiet))
             assert talk.failure is None, talk.failure
             assert world.store.content.lines == known.lines
@@ -248,11 +251,12 @@ class ServeCore(RuleBasedStateMachine):
 
     def held(self, talk) -> Conversation:
         world = self.world
-        conversation = world.hold(world.boats[0], talk)
+        begun: list[Conversation] = []
+        self.do(lambda: begun.append(world.hold(world.boats[0], talk)))
         for _ in range(100):
-            if conversation.over:
-                return conversation
-            world.run(1.0)
+            if begun[0].over:
+                return begun[0]
+            self.do(lambda: world.run(1.0))
         raise AssertionError("a conversation that does not end")
 
     def frames_keep_their_gap(self) -> None:
