@@ -127,7 +127,7 @@ class _Auditor:
                 case Done(t=t, act=Act.KILL | Act.BOOT):
                     self._stalled = None
                     self._permits, self._relays, self._tails = [], [], {}
-                    self._state, self._booted = "", t
+                    self._state, self._booted, self._acks = "", t, 0
                 case Step():
                     yield from self._step(event)
                 case Tx(link=link) if link == VEHICLE:

@@ -1,8 +1,8 @@
 """The latch: what a restart would interrupt, kept durable, so that the next program surfaces.
 
     a start      is durable before it happens, or it does not happen
-    a change     is written at once, an emergency's by the timer that follows at once: no disk
-                 stands before a STOP
+    a change     is written at once, an emergency's and the stick's by the timer that follows at
+                 once: no disk stands before a STOP or an M
     a failure    never stops the vehicle; it is tried again until the disk takes it
 
 What does not live here: files (store), what a restart does (engine).
@@ -10,6 +10,7 @@ What does not live here: files (store), what a restart does (engine).
 
 from __future__ import annotations
 
+from mission.engine.engine import STICK, UNANSWERED
 from mission.store import Store, StoreError
 
 AGAIN_S = 5.0  # until what could not be written is tried again
@@ -32,7 +33,7 @@ class Latch:
         if _region(under_way) == _region(self._kept):
             return
         self._kept = under_way
-        if under_way.startswith("emergency"):
+        if under_way == STICK or under_way.startswith("emergency"):
             self._due = now
         else:
             self._keep(now)
@@ -40,7 +41,7 @@ class Latch:
     def foresee(self, leaf: str) -> str:
         """Before a start: why it could not be made durable, or "". A start that is refused then
         is taken back by ``follow``."""
-        if self._kept:
+        if self._kept not in ("", STICK, UNANSWERED):
             return ""
         try:
             self._store.keep_under_way(leaf)

@@ -259,6 +259,11 @@ class Core:
         if self.stop_at is not None and self.now >= self.stop_at:
             self._record(self._stop(f"{self.reason}: no acknowledgement yet"))
 
+    def stop_quietly(self, why: str) -> None:
+        """Whatever the stick had asked for; the state stays. Not every board has a dead man."""
+        self.reason = why
+        self._record(self._stop(why))
+
     def doubt_stop(self) -> None:
         """An acknowledgement proves nothing, as in the ascent: a thruster that turns after it in a
         state where everything is stopped is stopped again."""

@@ -51,6 +51,7 @@ from protocol.messages import (
 
 MICROSTEPS = 200
 FORGOTTEN = 60.0  # s without M (R6)
+STICK = "the stick, without a mission"  # under way in manual: a restart stops, and is idle
 UNANSWERED = "a stop without its acknowledgement"  # under way in idle: thrusters may still turn
 
 Input = Telemetry | Fix | Outcome | Loaded | AutoNode | Restarted | Command
@@ -173,8 +174,10 @@ class Engine:
 
     def _restarted(self, before: Restarted) -> None:
         core = self._core
-        if before.during and core.region == IDLE:
-            why = f"the program restarted during {before.during}"
+        why = f"the program restarted during {before.during}"
+        if before.during == STICK and core.region == IDLE:
+            core.stop_quietly(why)
+        elif before.during and core.region == IDLE:
             core.surface("restart", why, By.LIMIT)
 
     def _guard_limits(self, reported: bool, fixed: bool) -> None:
@@ -342,6 +345,8 @@ class Engine:
         core = self._core
         if core.region in (AUTONOMOUS, EMERGENCY) or core.run is not None:
             return core.active
+        if core.region == MANUAL:
+            return STICK
         if core.region == IDLE and core.stop_at is not None:
             return UNANSWERED
         return ""

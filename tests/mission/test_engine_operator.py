@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from engine_world import HOME, World, compiled, leg, mission, sets, when
 
-from mission.engine.engine import UNANSWERED, Engine
+from mission.engine.engine import STICK, UNANSWERED, Engine
 from mission.model import (
     IDLE_EMPTY,
     IDLE_READY,
@@ -286,10 +286,20 @@ def test_a_restart_during_a_mission_or_an_emergency_surfaces(state: str):
         assert not fresh.tell(ClearMission()).verdicts[0].accepted
 
 
-def test_manual_without_a_mission_is_nothing_under_way():
-    world = World()
+def test_a_restart_while_the_stick_has_the_vehicle_without_a_mission_stops_and_is_idle():
+    world = world_in(IDLE_READY)
     world.tell(M)
-    assert world.engine.under_way == ""
+    during = world.engine.under_way
+    assert during == STICK
+    fresh = World(navigation=False)
+    fresh.answer = None
+    fresh.tell(Restarted(during))
+    assert fresh.state == IDLE_EMPTY
+    assert fresh.commands() == [Order.STOP]
+    fresh.wait(2.0)
+    assert len(fresh.commands()) > 3  # until it is acknowledged
+    fresh.tell(Outcome(Result.ACCEPTED, b"@ZAX0$", Order.STOP))
+    assert fresh.engine.under_way == ""
 
 
 def test_a_stop_is_under_way_in_idle_until_it_is_acknowledged():

@@ -127,6 +127,16 @@ def test_a_stop_that_was_cleared_before_its_answer_still_stops(profile: str) -> 
     assert trial.state == IDLE_EMPTY
 
 
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_program_killed_with_the_stick_held_leaves_no_thruster_on(profile: str) -> None:
+    stick = [Deed(200.0 + 0.2 * i, Act.SAY, b"@MMF9$") for i in range(20)]
+    killed = [Deed(204.1, Act.KILL), Deed(207.0, Act.BOOT), Deed(208.0, Act.JOIN)]
+    said = [Deed(60.0, Act.SAY, b"@ZAWF$"), Deed(150.0, Act.SAY, b"@AC$")]
+    trial = flown([*said, *stick, *killed], profile)
+    assert kinds_of(trial, profile) == set()
+    assert trial.state == IDLE_EMPTY
+
+
 # --- the laws bite -------------------------------------------------------------------------------
 
 
