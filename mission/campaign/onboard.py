@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 
 from links.base import Rx
@@ -81,10 +82,18 @@ class OnBoard:
         return self._drive.state if self._drive else DEAD
 
     def boot(self, now: float, navigation_after: float = NAVIGATION_AFTER) -> None:
+        """Who dies in the first write of a start is started again; the store kills once."""
         self._zero, wall = now, self._wall + now
-        self._drive = Drive(
-            Configuration(), self._vehicle, self.store, self._recorder(), wall=wall, observer=self
-        )
+        while self._drive is None:
+            with suppress(Died):
+                self._drive = Drive(
+                    Configuration(),
+                    self._vehicle,
+                    self.store,
+                    self._recorder(),
+                    wall=wall,
+                    observer=self,
+                )
         self._navigation_due = now + navigation_after
 
     def kill(self) -> None:

@@ -71,7 +71,8 @@ def test_orders_of_anybody_leave_and_others_are_served_while_a_mission_is_judged
 
                 soon(left, order.decode())
             thinking.over.set()
-            assert asked(boat, b"@NI$").endswith(b"@ACK_AWN$@ACK_NI\x23$"), "in idle only"
+            told = asked(boat, b"@NI$", until=b"@ACK_NI\x23$")
+            assert told.endswith(b"@ACK_AWN$@ACK_NI\x23$"), "in idle only"
             assert len(thinking.threads) == 1
             assert thinking.threads != [pi._thread.name]
         assert pi.store.content.lines == ()

@@ -272,3 +272,15 @@ TestServeCore = ServeCore.TestCase
 
 def test_every_fault_of_the_board_is_one_of_the_table() -> None:
     assert set(BOARD) <= set(FAULTS)
+
+
+def test_who_dies_in_the_first_write_of_a_start_is_started_again() -> None:
+    state = ServeCore()
+    state.begin("as-built", 0)
+    state.says(number=0, word=b"@MMF5$")
+    state.starts(number=0)
+    state.world.store.death = Death.BEFORE
+    state.is_killed()
+    assert state.world.store.death is None, "the start had something to write"
+    assert state.world.board.lives
+    state.teardown()
