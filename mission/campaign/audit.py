@@ -11,7 +11,8 @@ looked at. The rules, in the order of the events:
     a Step   that commands must be allowed to where it happens: a set only in a leg; the stop of
              ``stopped`` needs an X, surfacing a W, a limit, a restart or a forgotten stick, manual
              an M, a start an @AA; a stop is repeated only until the STM32 acknowledged it, or
-             when a report says that a thruster turns all the same.
+             when a report says that a thruster turns all the same. What acknowledges while two
+             frames or more may still be answered need not be believed: it may be the older one's.
 
 What does not live here: whether a limit was right to act (the engine's tests), what may not come
 of a flight (laws).
@@ -22,6 +23,7 @@ from __future__ import annotations
 import math
 import re
 import struct
+from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -44,6 +46,7 @@ from protocol.topside import TopsideCodec
 from protocol.vehicles.auv import AuvCodec
 
 TRIES = 3  # R1
+ANSWER = 0.3  # s after which a frame is answered no more (R1)
 STALE = 1.5  # s after which no try of an older set may be left
 RELAYED = 10.0  # s: 32 relays of 60 ms, behind 0.9 s of tries, and a modem's idle time
 HEARD = 2.0  # s from bytes to the Step they lead to: an unfinished frame before them (G3), modem
@@ -109,6 +112,7 @@ class _Auditor:
         self._last: dict[re.Pattern[bytes], float] = {}
         self._booted = -math.inf
         self._acks = 0  # of a stop, since the newest reason to stop
+        self._sent_at: deque[float] = deque(maxlen=2)  # the newest frames to the vehicle
         self._stalled: float | None = None
 
     def walk(self, events: Sequence[Event]) -> Iterator[Spurious]:
@@ -117,7 +121,8 @@ class _Auditor:
                 case Said():
                     self._said(event)
                 case Heard():
-                    self._acks += len(_STOPPED_ACK.findall(event.data))
+                    if not self._may_be_of_two(event.t):
+                        self._acks += len(_STOPPED_ACK.findall(event.data))
                     if _turns(event.data):
                         self._acks = 0
                 case Done(t=t, act=Act.STALL):
@@ -131,9 +136,13 @@ class _Auditor:
                 case Step():
                     yield from self._step(event)
                 case Tx(link=link) if link == VEHICLE:
+                    self._sent_at.append(event.t)
                     yield from self._sent(event)
                 case _:
                     pass
+
+    def _may_be_of_two(self, t: float) -> bool:
+        return len(self._sent_at) == 2 and t - self._sent_at[0] <= ANSWER
 
     def _run_again(self, t: float) -> None:
         """What was to be sent meanwhile is late by as much."""

@@ -88,6 +88,21 @@ def test_a_stop_is_repeated_until_it_is_acknowledged() -> None:
     assert spurious(*STOP, acks, again[0]) == 1
 
 
+def test_an_acknowledgement_that_may_be_an_older_frames_ends_no_repetition() -> None:
+    again = step(9.0, "everything stopped: no acknowledgement yet")
+    stops = [step(t, "everything stopped: no acknowledgement yet") for t in (6.0, 7.0, 8.0)]
+
+    def stopped(since_the_older: float) -> list[Event]:
+        told: list[Event] = []
+        for stop in stops:
+            older = sent(stop.t - since_the_older, b"@ZAX0$")
+            told += [older, stop, sent(stop.t, b"@ZAX0$"), Heard(stop.t, b"@ACK_ZAY$" * 2)]
+        return told
+
+    assert spurious(*STOP, *stopped(0.2), again) == 0
+    assert spurious(*STOP, *stopped(0.4), again) > 0
+
+
 def test_a_stop_is_said_again_when_a_report_shows_a_thruster_on() -> None:
     again = step(9.0, "everything stopped: a thruster turns after it was stopped")
     acks = Heard(5.2, b"@ACK_ZAY$" * 4)
