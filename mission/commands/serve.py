@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from mission.configuration import LinkUrls
+    from mission.configuration import Configuration, LinkUrls
     from mission.model import Estimate, Step
     from mission.serve.printer import Printer
     from mission.serve.serve import Ready
@@ -43,7 +43,6 @@ def serve(
     """
     import json
     import time
-    from dataclasses import replace
 
     from links.base import LinkError
     from mission.configuration import ConfigurationError, load_configuration
@@ -61,23 +60,14 @@ def serve(
         said = json.dumps({"topside": what.topside, "black_box": what.black_box})
         out.print(said if events else f"listening for the topside on {what.topside}")
         if ready_file is not None:
-            beside = ready_file.with_name(ready_file.name + ".new")
             try:
-                beside.write_text(said + "\n", encoding="utf-8")
-                beside.replace(ready_file)
+                _write_whole(ready_file, said + "\n")
             except OSError as error:  # a disk that is full is no reason to be deaf
                 err.print(printed(f"warning: {ready_file}: {error.strerror}", time.time()))
 
     given = {"vehicle": vehicle, "gps": gps, "topside": topside}
-    urls = {n: None if n == "gps" and u == "none" else u for n, u in given.items() if u}
     try:
-        configuration = load_configuration(config)
-        configuration = replace(
-            configuration,
-            links=replace(configuration.links, **urls),  # type: ignore[arg-type]
-            folder=folder or configuration.folder,
-        )
-        _check(configuration.links)
+        configuration = _configured(load_configuration(config), given, folder)
         flown = load_vehicle(configuration.vehicle)
         store = DiskStore(configuration.store)
     except (ConfigurationError, LinkError, VehicleError, StoreError) as error:
@@ -107,6 +97,25 @@ def serve(
     if server.refusal:
         tell(f"fault: {server.refusal}")
         raise SystemExit(2)
+
+
+def _configured(
+    configuration: Configuration, given: dict[str, str | None], folder: Path | None
+) -> Configuration:
+    """``given`` are the links of the command line. Raises LinkAddressError."""
+    from dataclasses import replace
+
+    urls = {n: None if n == "gps" and u == "none" else u for n, u in given.items() if u}
+    links = replace(configuration.links, **urls)  # type: ignore[arg-type]
+    _check(links)
+    return replace(configuration, links=links, folder=folder or configuration.folder)
+
+
+def _write_whole(path: Path, text: str) -> None:
+    """Whoever reads meanwhile finds all of it or nothing."""
+    beside = path.with_name(path.name + ".new")
+    beside.write_text(text, encoding="utf-8")
+    beside.replace(path)
 
 
 def _check(links: LinkUrls) -> None:

@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from urllib.parse import parse_qsl, urlencode
 
-from mission.operator.upload import Ask, NoAnswer, OperatorError, Refused, Script
+from mission.operator.upload import NoAnswer, OperatorError, Refused, Script, Scripted
 from protocol.arq import TRIES, Acoustics, Answered, Initiator
 from protocol.arq import NoAnswer as Unanswered
 from protocol.batch import BatchUpload, Declined, Silent, Stored
@@ -61,19 +61,13 @@ def _number(url: str, text: str | float, option: str, unit: str) -> float:
     return value
 
 
-class Submerged:
+class Submerged(Scripted):
     """As ``upload.Conversation``, over an Initiator."""
 
     def __init__(self, script: Script, acoustics: Acoustics) -> None:
-        self._script, self._arq = script, Initiator(acoustics)
-        self._ask: Ask | None = None
+        super().__init__(script)
+        self._arq = Initiator(acoustics)
         self._fitting: Answer | None = None
-        self.result: str | None = None
-        self.failure: OperatorError | None = None
-
-    @property
-    def over(self) -> bool:
-        return self.result is not None or self.failure is not None
 
     def begin(self, now: float) -> list[bytes]:
         return self._go(None, now)
@@ -93,17 +87,12 @@ class Submerged:
         return self._arq.outgoing(now)
 
     def _go(self, answer: Answer | None, now: float) -> list[bytes]:
-        try:
-            self._ask = next(self._script) if self._ask is None else self._script.send(answer)
-        except StopIteration as end:
-            self.result = end.value
+        ask = self._next(answer)
+        if ask is None:
             return []
-        except OperatorError as error:
-            self.failure = error
-            return []
-        command = self._ask.command
+        command = ask.command
         longest = LONG if isinstance(command, (DataQuery, StoreQuery)) else _ACK
-        tries = self._ask.tries if isinstance(command, Emergency) else min(TRIES, self._ask.tries)
+        tries = ask.tries if isinstance(command, Emergency) else min(TRIES, ask.tries)
         self._arq.ask(encode(command), longest, tries=tries, matches=self._fits)
         return self._arq.outgoing(now)
 

@@ -71,19 +71,39 @@ Script = Generator[Ask, Answer | None, str]
 """Gets None where no answer came; returns what is told to the operator."""
 
 
-class Conversation:
+class Scripted:
     """``result`` is what was achieved, ``failure`` why not; one of them is set at the end."""
 
     def __init__(self, script: Script) -> None:
-        self._script, self._codec = script, ConsoleCodec()
+        self._script = script
         self._ask: Ask | None = None
-        self._tries, self._due = 0, 0.0
         self.result: str | None = None
         self.failure: OperatorError | None = None
 
     @property
     def over(self) -> bool:
         return self.result is not None or self.failure is not None
+
+    def _next(self, answer: Answer | None) -> Ask | None:
+        """What the script asks for after this answer; None when it is over."""
+        try:
+            self._ask = next(self._script) if self._ask is None else self._script.send(answer)
+        except StopIteration as end:
+            self.result = end.value
+            return None
+        except OperatorError as error:
+            self.failure = error
+            return None
+        return self._ask
+
+
+class Conversation(Scripted):
+    """A script by radio: each request again after 300 ms without an answer (R1)."""
+
+    def __init__(self, script: Script) -> None:
+        super().__init__(script)
+        self._codec = ConsoleCodec()
+        self._tries, self._due = 0, 0.0
 
     def begin(self, now: float) -> list[bytes]:
         return self._go(None, now)
@@ -108,13 +128,7 @@ class Conversation:
         return out
 
     def _go(self, answer: Answer | None, now: float) -> list[bytes]:
-        try:
-            self._ask = next(self._script) if self._ask is None else self._script.send(answer)
-        except StopIteration as end:
-            self.result = end.value
-            return []
-        except OperatorError as error:
-            self.failure = error
+        if self._next(answer) is None:
             return []
         self._tries = 0
         return self._send(now)
