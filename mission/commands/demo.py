@@ -57,12 +57,7 @@ def demo(
     if not report.ok or report.proved is None:
         click.echo(f"{path}: refused by the check; see auvmission check {path}", err=True)
         raise SystemExit(1)
-    if out.exists():
-        others = sorted({path.name for path in out.iterdir()} - LEFT)
-        if others:
-            click.echo(f"{out} holds {others[0]}, not of a demo: name another folder", err=True)
-            raise SystemExit(2)
-        shutil.rmtree(out)
+    _clear(out, LEFT)
     worst = report.proved.worst_time
     click.echo(f"{path}: at most {worst / 60:.1f} min of mission, {speed:g} times real time")
     shown = _Shown()
@@ -87,6 +82,17 @@ def demo(
     if amiss:
         click.echo(f"not as planned: {'; '.join(amiss)}", err=True)
     raise SystemExit(1 if amiss else 0)
+
+
+def _clear(out: Path, left: frozenset[str]) -> None:
+    """Removes what an earlier demonstration ``left``, and nothing else."""
+    if not out.exists():
+        return
+    others = sorted({path.name for path in out.iterdir()} - left)
+    if others:
+        click.echo(f"{out} holds {others[0]}, not of a demo: name another folder", err=True)
+        raise SystemExit(2)
+    shutil.rmtree(out)
 
 
 class _Shown:
