@@ -55,6 +55,7 @@ CONTRADICTION = 1e-5  # rad (64 m) between the GGA and the RMC of one epoch
 _HALF_DAY, _DAY = 43200.0, 86400.0
 
 _END = re.compile(rb"[^\x20-\x23\x25-\x7e]")  # a line end, another $, or what no sentence holds
+_USED = {f"${talker}{kind},".encode(): kind for talker in TALKERS for kind in ("GGA", "RMC")}
 _HEX = {b"%02X" % n: n for n in range(256)} | {b"%02x" % n: n for n in range(256)}
 
 
@@ -203,12 +204,12 @@ class NmeaDecoder:
             missing = Refusal.NO_CHECKSUM if b"*" not in text else Refusal.CHECKSUM
             raise Refused(Refusal.CUT if cut else missing)
         self.counters.sentences += 1
-        kind, talker = text[3:7], text[1:3].decode("ascii")
-        if kind not in (b"GGA,", b"RMC,") or talker not in TALKERS:
+        kind = _USED.get(text[:7])
+        if kind is None:
             return None
         self.counters.used += 1
         fields = text[7:-3].decode("ascii").split(",")
-        return read_gga(fields) if kind == b"GGA," else read_rmc(fields, self._not_before)
+        return read_gga(fields) if kind == "GGA" else read_rmc(fields, self._not_before)
 
     # --- sentences to fixes ---------------------------------------------------------------
 

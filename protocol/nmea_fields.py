@@ -10,7 +10,6 @@ import enum
 import math
 import re
 from datetime import date, datetime, timedelta
-from functools import lru_cache
 from typing import NamedTuple
 
 import pynmea2
@@ -25,7 +24,7 @@ NO_MODES = frozenset("EMNS")
 KNOT = 1852.0 / 3600.0
 WEEK_ROLLOVER = timedelta(weeks=1024)
 _NUMBER = re.compile(r"-?(?:\d+\.?\d*|\.\d+)", re.ASCII)
-_TIME = re.compile(r"([01]\d|2[0-3])([0-5]\d)(60|[0-5]\d)(?:\.(\d*))?", re.ASCII)
+_TIME = re.compile(r"(?:[01]\d|2[0-3])[0-5]\d(?:60|[0-5]\d)(?:\.\d*)?", re.ASCII)
 _LATITUDE = re.compile(r"(\d\d)([0-5]\d(?:\.\d*)?)", re.ASCII)
 _LONGITUDE = re.compile(r"(\d\d\d)([0-5]\d(?:\.\d*)?)", re.ASCII)
 
@@ -82,6 +81,7 @@ class Rmc(NamedTuple):
 
 _G = pynmea2.GGA.name_to_idx
 _R = pynmea2.RMC.name_to_idx
+_GGA_TIME, _GGA_QUALITY = _G["timestamp"], _G["gps_qual"]
 _GGA_FIELDS = {len(pynmea2.GGA.fields) + n for n in range(2)}  # SiRF adds one of its own
 _RMC_FIELDS = {len(pynmea2.RMC.fields) - n for n in range(3)}  # before NMEA 2.3, 2.3, 4.1
 
@@ -89,7 +89,7 @@ _RMC_FIELDS = {len(pynmea2.RMC.fields) - n for n in range(3)}  # before NMEA 2.3
 def read_gga(fields: list[str]) -> Gga:
     if len(fields) not in _GGA_FIELDS:
         raise Refused(Refusal.FIELD_COUNT)
-    second, quality = _second(fields[_G["timestamp"]]), fields[_G["gps_qual"]]
+    second, quality = _second(fields[_GGA_TIME]), fields[_GGA_QUALITY]
     if quality in NO_QUALITY:
         return Gga(second, None)
     share = QUALITY.get(quality)
@@ -125,16 +125,13 @@ def read_rmc(fields: list[str], not_before: date | None) -> Rmc:
     )
 
 
-@lru_cache(maxsize=8)  # all sentences of an epoch say the same
 def _second(text: str) -> float:
     """Of the day; -1 for a receiver that has no time yet, which can only say that it has no fix."""
     if not text:
         return -1.0
-    match = _TIME.fullmatch(text)
-    if match is None:
+    if _TIME.fullmatch(text) is None:
         raise Refused(Refusal.RANGE if _NUMBER.fullmatch(text) else Refusal.NUMBER)
-    whole = int(match[1]) * 3600 + int(match[2]) * 60 + int(match[3])
-    return whole + float(f"0.{match[4]}") if match[4] else float(whole)
+    return int(text[:2]) * 3600 + int(text[2:4]) * 60 + float(text[4:])
 
 
 def _position(fields: list[str], at: int) -> tuple[float, float]:

@@ -156,7 +156,8 @@ class Plant:
 
     def drive(self, pwm: tuple[int, ...]) -> None:
         """Let the thrusters follow these seven PWMs (1000..2000) for one tick: first order lag."""
-        if pwm != self._pwm:
+        aimed = pwm != self._pwm
+        if aimed:
             self._aim(pwm)
         elif self._settled:
             return
@@ -168,10 +169,11 @@ class Plant:
         c -= rear
         d -= left
         e -= right
-        near = _NEAR
-        mains = -near < a < near and -near < b < near
-        if mains and -near < c < near and -near < d < near and -near < e < near:
-            self._settled, share = True, 1.0
+        if not aimed:
+            near = _NEAR
+            mains = -near < a < near and -near < b < near
+            if mains and -near < c < near and -near < d < near and -near < e < near:
+                self._settled, share = True, 1.0
         left_main += share * a
         right_main += share * b
         rear += share * c
@@ -200,7 +202,8 @@ class Plant:
             vertical[left - 1000] * strong_d,
             vertical[right - 1000] * strong_e,
         )
-        if (servo_left, servo_right) != self._servos:
+        known_left, known_right = self._servos
+        if servo_left != known_left or servo_right != known_right:
             self._turn_rudders(servo_left, servo_right)
 
     def _turn_rudders(self, left: int, right: int) -> None:

@@ -280,8 +280,10 @@ class Drive:
             self._judge_kept(now)
         for _ in range(MOST_ROUNDS):
             sent, outcomes = self._frontseat.poll(now)
-            self._out += sent
-            outcomes, self._refused = outcomes + self._refused, []
+            if sent:
+                self._out += sent
+            if self._refused:
+                outcomes, self._refused = outcomes + self._refused, []
             if not outcomes:
                 break
             for outcome in outcomes:
@@ -290,7 +292,9 @@ class Drive:
         if self._owes_report and self._has_news:
             self._has_news = False
             self._report_at_surface(now)
-        out, self._out = self._out + self._topside.outgoing(now), []
+        out = self._topside.outgoing(now)
+        if self._out:
+            out, self._out = self._out + out, []
         for peer, fault in self._topside.faults():
             self._record(rec.fault_record, now, peer.link, fault)
         for tx in out:

@@ -141,9 +141,9 @@ class Frontseat:
     def poll(self, now: float) -> tuple[list[Tx], list[Outcome]]:
         """Send what is due (at most one frame: the gap follows it), give up what was lost. What
         was lost is told before anything further leaves: it may be the reason for an order."""
-        if self.idle:
-            return [], []
         waiting = self._outstanding
+        if waiting is None and self.idle:
+            return [], []
         if waiting and now >= waiting.deadline and waiting.tries >= TRIES:
             self._outstanding = self._becoming = None
             return [], [Outcome(Result.LOST, waiting.frame.data, waiting.frame.command)]

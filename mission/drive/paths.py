@@ -76,7 +76,7 @@ class Path(Protocol):
 
     def send(self, answer: Answer, now: float, reason: str, unasked: bool = False) -> None: ...
 
-    def outgoing(self, now: float) -> list[tuple[bytes, str]]:
+    def outgoing(self, now: float) -> Sequence[tuple[bytes, str]]:
         """What leaves now, each with its reason."""
         ...
 
@@ -98,7 +98,9 @@ class StreamPath:
     def send(self, answer: Answer, now: float, reason: str, unasked: bool = False) -> None:
         self._out.append((encode(answer), reason))
 
-    def outgoing(self, now: float) -> list[tuple[bytes, str]]:
+    def outgoing(self, now: float) -> Sequence[tuple[bytes, str]]:
+        if not self._out:
+            return ()
         out, self._out = self._out, []
         return out
 

@@ -140,7 +140,8 @@ class Topside:
         """What leaves now."""
         out, self._out = self._out, []
         for peer, path in self._paths.items():
-            out += [Tx(now, peer.link, d, why, peer.address) for d, why in path.outgoing(now)]
+            for data, why in path.outgoing(now):
+                out.append(Tx(now, peer.link, data, why, peer.address))
         return out
 
     def faults(self) -> list[tuple[Peer, FrameFault]]:

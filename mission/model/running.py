@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from mission.model.chart import By, Chart
 from protocol.messages import Order, Setpoint
@@ -132,9 +133,9 @@ class Restarted:
     during: str
 
 
-@dataclass(frozen=True, slots=True)
-class Health:
-    """Whether a sensor can be believed, and if not why (missing, stale, frozen, absurd)."""
+class Health(NamedTuple):
+    """Whether a sensor can be believed, and if not why (missing, stale, frozen, absurd). A tuple,
+    because some are made for every report."""
 
     valid: bool
     reason: str

@@ -76,33 +76,34 @@ class _Monitor:
 
     def observe(self, row: Channel, t: float, value: float, moving: bool, doubt: bool) -> bool:
         """Takes one report in; whether it can be believed."""
-        self.repeated = value == self.value
-        self.same = 0 if value != self.value else self.same + moving
-        agrees = self._within(row, t, value, self.t, self.value)
+        before = self.value
+        self.repeated = again = value == before
+        self.same = self.same + moving if again else 0
+        agrees = _near(row, t - self.t, value, before)
         self.agreeing = self.agreeing + 1 if agrees else 1
-        usual = self.good_t == self.t and self.good == self.value  # the last one was believed
-        near = agrees if usual else self._within(row, t, value, self.good_t, self.good)
-        self.reason = self._judge(row, value, doubt, near)
+        usual = self.good_t == self.t and self.good == before  # the last one was believed
+        near = agrees if usual else _near(row, t - self.good_t, value, self.good)
         self.t, self.value = t, value
-        if not self.reason:
-            self.good_t, self.good = t, value
-        return not self.reason
-
-    def _judge(self, row: Channel, value: float, doubt: bool, near: bool) -> str:
         if doubt or not row.low <= value <= row.high:  # also what is not a number
-            return "absurd"
-        if row.freezes and self.same >= _SAME - 1:
-            return "frozen"
-        return "" if near or self.agreeing >= _AGREE else "absurd"
-
-    @staticmethod
-    def _within(row: Channel, t: float, value: float, since: float, other: float) -> bool:
-        if row.rate == math.inf or other != other:
+            self.reason = "absurd"
+        elif row.freezes and self.same >= _SAME - 1:
+            self.reason = "frozen"
+        elif near or self.agreeing >= _AGREE:
+            self.reason, self.good_t, self.good = "", t, value
             return True
-        change = value - other
-        if row.wraps:
-            change = math.remainder(change, 2.0 * math.pi)
-        return abs(change) <= row.rate * max(t - since, 1.0)
+        else:
+            self.reason = "absurd"
+        return False
+
+
+def _near(row: Channel, since: float, value: float, other: float) -> bool:
+    """Whether ``value`` may follow ``other`` within ``since`` seconds."""
+    if row.rate == math.inf or other != other:
+        return True
+    change = value - other
+    if row.wraps:
+        change = math.remainder(change, 2.0 * math.pi)
+    return abs(change) <= row.rate * max(since, 1.0)
 
 
 class SensorHealth:
@@ -114,8 +115,8 @@ class SensorHealth:
 
     def telemetry(self, t: Telemetry) -> frozenset[str]:
         """Takes a report in; the channels of it that can be believed."""
-        moving = t.actuators is None or any(abs(a) > _NEUTRAL for a in t.actuators[:5])
-        doubtful = {_channel_of(fault) for fault in t.faults}
+        moving = t.actuators is None or max(map(abs, t.actuators[:5]), default=0.0) > _NEUTRAL
+        doubtful = {_channel_of(fault) for fault in t.faults} if t.faults else ()
         good = []
         for name, value in (
             ("depth", t.depth),
@@ -159,13 +160,11 @@ class SensorHealth:
         return first
 
     def _channel(self, name: str, now: float) -> Health:
-        row, monitor = CHANNELS[name], self.monitors[name]
-        age = now - monitor.t
-        if monitor.t == -math.inf:
-            return Health(False, "missing", math.inf)
-        if age > row.max_age:
-            return Health(False, "stale", age)
-        return Health(not monitor.reason, monitor.reason, age)
+        monitor = self.monitors[name]
+        age, reason = now - monitor.t, monitor.reason
+        if age > CHANNELS[name].max_age:
+            reason = "missing" if age == math.inf else "stale"
+        return Health(not reason, reason, age)
 
 
 def _channel_of(fault: str) -> str:

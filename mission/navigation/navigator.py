@@ -8,7 +8,6 @@ it, takes it in, and takes the rest in again.
 from __future__ import annotations
 
 import math
-import operator
 from collections import deque
 from copy import copy
 from typing import TYPE_CHECKING, Any
@@ -214,11 +213,10 @@ class Navigation:
 
     def _heading_variance(self, p: Any, s: float, c: float) -> float:
         """Of one report: the compass's error over the heading, and its noise."""
-        lasting, sin, cos, wander = p[8:12, 8:12].tolist()
-        over = (1.0, s, c, 1.0)
-        rows = zip(over, (lasting, sin, cos, wander), strict=True)
-        error = sum(a * sum(map(operator.mul, over, row)) for a, row in rows)
-        return float(max(error, 0.0) + self.core.figures.heading**2)
+        (e, es, ec, ew), (_, ss, sc, sw), (_, _, cc, cw), (_, _, _, ww) = p[8:12, 8:12].tolist()
+        once = e + ww + s * s * ss + c * c * cc
+        twice = ew + s * (es + sw) + c * (ec + cw) + s * c * sc
+        return float(max(once + 2.0 * twice, 0.0) + self.core.figures.heading**2)
 
     def _mode(self, now: float) -> NavigationMode:
         if not self.core.located:

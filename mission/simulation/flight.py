@@ -136,10 +136,12 @@ class _LockStep:
     def _is_over(self) -> bool:
         if self.operator.failure:
             return True
-        if self.log.started is None or self._operator_due is not None:
+        started = self.log.started
+        if started is None or self._operator_due is not None:
             return False
-        stopped = self.drive.state == STOPPED and self.sea.truth().at_surface
-        return self.log.over or stopped or self.now - self.log.started > self._longest
+        if self.log.over or self.now - started > self._longest:
+            return True
+        return self.drive.state == STOPPED and self.sea.truth().at_surface
 
     def _is_under_way_up(self, end: float) -> bool:
         """A mission that was ended below leaves buoyancy to bring the vehicle up."""
@@ -158,7 +160,8 @@ class _LockStep:
         self.now = now = self._next_event()
         for link in (self.sea.vehicle_link, self.sea.gps_link):
             for rx in link.receive(now):
-                self._send(self.drive.receive(rx, now))
+                if sent := self.drive.receive(rx, now):
+                    self._send(sent)
         due = self._operator_due
         if due is not None and due <= now:
             for data in self.operator.handle_timer(now):
@@ -172,8 +175,6 @@ class _LockStep:
 
     def _send(self, sent: list[Tx]) -> None:
         """Answers to the operator are answered in turn, until nobody has anything to say."""
-        if not sent:
-            return
         waiting = deque(sent)
         while waiting:
             tx = waiting.popleft()

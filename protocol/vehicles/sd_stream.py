@@ -22,6 +22,7 @@ from protocol.messages import Telemetry
 LENGTH = 86
 _TURN = 2 * math.pi
 _DEGREE = math.pi / 180
+_NO_ECHO = ("altitude_m:nan",)
 _FRACTIONS = tuple((width - 1500) / 500 for width in range(3000))  # of a PWM width in us
 
 
@@ -50,7 +51,7 @@ def sd_reader(
             # fmt: on
             if head != b"@SD" or tail != b"$" or not agrees(data[at + 3 : at + 81] + b"\0\0", crc):
                 break
-            finite = temperature + depth + altitude
+            finite = temperature + depth
             if not (  # float constants: comparing with integers takes twice as long
                 -90.0 <= roll <= 90.0
                 and -180.0 <= pitch <= 180.0
@@ -71,7 +72,13 @@ def sd_reader(
                 break
             draft.t = t
             draft.depth = depth
-            draft.altitude = altitude
+            draft.faults = ()
+            if altitude - altitude == 0.0:
+                draft.altitude = altitude
+            elif altitude != altitude:  # an altimeter without an echo: every second frame, maybe
+                draft.altitude, draft.faults = None, _NO_ECHO
+            else:
+                break
             draft.heading = -(yaw * degree) % turn
             draft.pitch = pitch * degree
             draft.roll = roll * degree
@@ -82,7 +89,6 @@ def sd_reader(
             # fmt: on
             draft.batteries = (control * control_scale, power * power_scale)
             draft.position = draft.velocity = draft.leak = None
-            draft.faults = ()
             draft.__class__ = telemetry_class
             if at != stop:
                 items.append(fault(base + stop, "bad_header", at - stop))

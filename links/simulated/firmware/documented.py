@@ -55,8 +55,8 @@ class Documented(Stm32):
     def _forget(self) -> None:
         self.surge = self.turn = self.heave = 0.0  # gears; heave up positive
         self.heading: float | None = None
-        self.depth: int | None = None
-        self.altitude: int | None = None
+        self.depth: float | None = None
+        self.altitude: float | None = None
         self.attitude: tuple[float, float] | None = None  # rad, pitch and roll
 
     def halt(self) -> None:
@@ -100,17 +100,17 @@ class Documented(Stm32):
 
     def _move(self, code: str, gear: int) -> bool:
         if code in "FB":
-            self.surge = gear if code == "F" else -gear
+            self.surge = float(gear if code == "F" else -gear)
         elif code in "LR":
-            self.turn, self.heading = (gear if code == "R" else -gear), None
+            self.turn, self.heading = float(gear if code == "R" else -gear), None
         else:
-            self.heave = gear if code == "U" else -gear
+            self.heave = float(gear if code == "U" else -gear)
             self.depth = self.altitude = None
         return True
 
     def _level(self, code: str, level: int) -> bool:
         self.heave = 0.0
-        self.depth, self.altitude = (level, None) if code == "S" else (None, level)
+        self.depth, self.altitude = (float(level), None) if code == "S" else (None, float(level))
         return True
 
     def _lean(self, parameter: str) -> bool:
@@ -125,12 +125,12 @@ class Documented(Stm32):
             self.stick.steer(self.sensors.heading(plant), plant)
             self.drive(*self.stick.gears)
             return
-        turn = self.turn
+        surge, turn, attitude = self.surge, self.turn, self.attitude
         if self.heading is not None:
             compass = self.sensors.heading(plant)
-            turn = 0.0 if isnan(compass) else turn_gear(self.heading, compass, plant.r)
-        vertical, attitude = self._vertical_gear(plant), self.attitude
-        left, right = pwm_of(self.surge + turn), pwm_of(self.surge - turn)
+            turn = 0.0 if compass != compass else turn_gear(self.heading, compass, plant.r)
+        vertical = self._vertical_gear(plant)
+        left, right = pwm_of(surge + turn), pwm_of(surge - turn)
         if attitude is None:
             up = pwm_of(vertical)
             self.pwm = (left, right, up, up, up, *self.servo_pwm)
@@ -149,7 +149,7 @@ class Documented(Stm32):
             below = self.sensors.altitude(plant) - self.altitude
         else:
             return self.heave
-        return 0.0 if isnan(below) else -dive_gear(below, plant.depth_rate)
+        return 0.0 if below != below else -dive_gear(below, plant.depth_rate)
 
     def manual(self, code: str, parameter: str) -> None:
         way, numbers = parameter[:1], parameter[1:]

@@ -29,16 +29,17 @@ KNOT = 1852 / 3600
 _SCALE = 60_000_000  # counts of a millionth of a minute in a degree
 
 
-def checksum(body: str) -> int:
+def checksum(body: bytes) -> int:
     """XOR of all bytes, by folding one large number."""
-    n = int.from_bytes(body.encode("ascii"), "little")
+    n = int.from_bytes(body, "little")
     for shift in (512, 256, 128, 64, 32, 16, 8):
         n ^= n >> shift
     return n & 0xFF
 
 
-def sentence(body: str) -> str:
-    return f"${body}*{checksum(body):02X}\r\n"
+def sentence(text: str) -> bytes:
+    body = text.encode("ascii")
+    return b"$%b*%02X\r\n" % (body, checksum(body))
 
 
 def _angle(radians: float, width: int, letters: str) -> str:
@@ -92,9 +93,7 @@ class GpsReceiver:
         look = self._last if self.stuck else None
         if look is None and fixed:
             look = self._last = self._look(position, velocity)
-        data = "".join(
-            [sentence(_SAYS[name](clock, self._date, look)) for name in self.sentences]
-        ).encode("ascii")
+        data = b"".join([sentence(_SAYS[name](clock, self._date, look)) for name in self.sentences])
         if self.corrupt and self.rng.random() < self.corrupt:
             data = turned_over(data, self.rng)
         self.queue.append(Chunk(now + LATENCY, now + COMPLETE, data))

@@ -28,7 +28,8 @@ REPORT_PERIOD = 2.0  # s
 SERVO_LOW, SERVO_HIGH = -15, 22  # deg
 GEAR_MAX = 12
 
-_FULL, _NEUTRAL = float(GEAR_MAX), float(NEUTRAL_PWM)  # mixed with integers: twice the time
+_FULL = float(GEAR_MAX)  # mixed with integers: twice the time
+_NEUTRAL = NEUTRAL_PWM + 0.5  # rounds
 _DATA = Struct("<15f9H")
 _CRC = Struct("<I")
 _MICROTESLA = 1e6
@@ -47,7 +48,7 @@ def pwm_of(gear: float) -> int:
     """us; gears beyond +-12 are cut off, fractions allowed."""
     if not -_FULL <= gear <= _FULL:
         gear = _FULL if gear > 0.0 else -_FULL
-    return int(_NEUTRAL + gear * GEAR_PWM + 0.5)
+    return int(_NEUTRAL + gear * GEAR_PWM)
 
 
 class Stm32(ABC):
