@@ -1,30 +1,45 @@
 """Mutation testing of one module: change one thing at a time, and see whether its tests notice.
 
     python tests/mutation/run.py mission/machine.py tests/mission/test_machine.py ... [--seconds N]
+    python tests/mutation/run.py mission/machine.py tests/mission/test_machine.py ... --only 3,17
 
-Everything heavy is imported once; each mutant is a fork of that process in which the module is
-compiled from the mutated tree, so no file is ever changed. Prints a line per survivor, and the
-score. What is mutated: comparisons, boolean and arithmetic operators, ``not``, numbers, True and
-False, returned values, and calls that stand alone.
+The tests are collected once; each mutant is a fork of that process in which the functions get the
+bodies of the mutated tree, so no file is ever changed. What stands outside of functions is changed
+in a fork that has not imported the module yet. Prints a line per survivor with its number, and the
+score; ``--only`` tries those numbers again, with other tests or after new ones. Examples are the
+same ones in every run. What is mutated: comparisons, boolean and arithmetic
+operators, ``not``, numbers, True and False, returned values, and calls that stand alone.
 """
 
 from __future__ import annotations
 
+import argparse
 import ast
-import contextlib
 import copy
 import importlib.abc
 import importlib.machinery
 import importlib.util
-import io
+import itertools
+import math
 import os
 import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from types import FunctionType, ModuleType
+from typing import Any
+
+import pytest
+from _pytest.runner import runtestprotocol
+from hypothesis import settings
 
 LIMIT_S = 120  # of one mutant's tests: beyond, it hangs, which was noticed
+_HEAVY = (
+    *("hypothesis.stateful", "numpy", "scipy.linalg", "filterpy.kalman"),
+    *("transitions.extensions", "lark", "yaml"),
+)
 _OPTIONS = (
     "-x",
     "-q",
@@ -98,7 +113,7 @@ class _Put(ast.NodeTransformer):
 
     def __init__(self, wanted: int) -> None:
         self.wanted, self.seen = wanted, 0
-        self.words = ""
+        self.words, self.line = "", 0
 
     def visit(self, node: ast.AST) -> ast.AST:
         _strip(node)
@@ -106,18 +121,36 @@ class _Put(ast.NodeTransformer):
             return node
         for words, other in variants(node):
             if self.seen == self.wanted:
-                self.words = f"line {node.lineno}: {ast.unparse(node)}  ->  {words}"  # type: ignore[attr-defined]
+                self.line = node.lineno  # type: ignore[attr-defined]
+                self.words = f"line {self.line}: {ast.unparse(node)}  ->  {words}"
                 self.seen += 1
                 return ast.copy_location(other, node)
             self.seen += 1
         return super().generic_visit(node)
 
 
-def mutant(source: str, number: int) -> tuple[str, ast.Module] | None:
-    put = _Put(number)
-    tree = put.visit(ast.parse(source))
-    assert isinstance(tree, ast.Module)
-    return (put.words, ast.fix_missing_locations(tree)) if put.words else None
+@dataclass(frozen=True, slots=True)
+class Mutant:
+    number: int
+    words: str
+    tree: ast.Module
+    inside: bool  # a function's body: what was imported can be changed in place
+
+
+def mutants(source: str) -> Iterator[Mutant]:
+    bodies = [
+        range(f.body[0].lineno, (f.end_lineno or f.lineno) + 1)
+        for f in ast.walk(ast.parse(source))
+        if isinstance(f, ast.FunctionDef)
+    ]
+    for number in itertools.count():
+        put = _Put(number)
+        tree = put.visit(ast.parse(source))
+        if not put.words:
+            return
+        assert isinstance(tree, ast.Module)
+        inside = any(put.line in body for body in bodies)
+        yield Mutant(number, put.words, ast.fix_missing_locations(tree), inside)
 
 
 class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
@@ -134,23 +167,92 @@ class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         exec(compile(self.tree, str(self.path), "exec"), module.__dict__)
 
 
-def survives(path: Path, tree: ast.Module, tests: list[str]) -> bool:
-    """In a fork: whether all tests pass with this tree for the module."""
+def _in_fork(passes: Callable[[], bool], limit: float) -> bool:
     child = os.fork()
     if child == 0:
-        signal.alarm(LIMIT_S)
-        name = ".".join(path.with_suffix("").parts)
-        sys.meta_path.insert(0, _Finder(name, path, tree))
+        signal.alarm(math.ceil(limit))
+        silence = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(silence, 1)
+        os.dup2(silence, 2)
         code = 1
         try:
-            import pytest
-
-            quiet = io.StringIO()
-            with contextlib.redirect_stdout(quiet), contextlib.redirect_stderr(quiet):
-                code = pytest.main([*_OPTIONS, *tests])
+            code = 0 if passes() else 1
         finally:
-            os._exit(0 if code == 0 else 1)
+            os._exit(code)
     return os.waitpid(child, 0)[1] == 0
+
+
+def survives(path: Path, tree: ast.Module, tests: list[str]) -> bool:
+    """Whether all tests pass with this tree for the module, which nobody has imported yet."""
+
+    def passes() -> bool:
+        name = ".".join(path.with_suffix("").parts)
+        sys.meta_path.insert(0, _Finder(name, path, tree))
+        return pytest.main([*_OPTIONS, *tests]) == 0
+
+    return _in_fork(passes, LIMIT_S)
+
+
+# --- mutants of a function's body: the tests are collected once --------------------------------
+
+
+class Trials:
+    """A plugin that runs what was collected once per mutant, each time in a fork."""
+
+    def __init__(self, path: Path, tree: ast.Module, tries: list[Mutant], until: float) -> None:
+        self.path, self.tree, self.tries, self.until = path, tree, tries, until
+        self.survivors: list[Mutant] = []
+        self.tried = 0
+        self.sound = False
+
+    def pytest_runtestloop(self, session: pytest.Session) -> bool:
+        begun = time.monotonic()
+        self.sound = _in_fork(lambda: self._passes(self.tree, session), LIMIT_S)
+        limit = 10.0 + 5.0 * (time.monotonic() - begun)
+        for one in self.tries if self.sound else ():
+            if time.monotonic() > self.until:
+                break
+            self.tried += 1
+            if _in_fork(lambda one=one: self._passes(one.tree, session), limit):  # type: ignore[misc]
+                self.survivors.append(one)
+                tell(f"{self.path}: {one.number}: {one.words}")
+        return True
+
+    def _passes(self, tree: ast.Module, session: pytest.Session) -> bool:
+        name = ".".join(self.path.with_suffix("").parts)
+        other = ModuleType(name)
+        exec(compile(tree, str(self.path), "exec"), other.__dict__)
+        try:
+            _graft(vars(sys.modules[name]), vars(other), name)
+        except ValueError:  # another closure: it cannot be told like this, so it is told
+            return True
+        return _pass(session)
+
+
+def _pass(session: pytest.Session) -> bool:
+    every = session.items
+    for item, following in zip(every, (*every[1:], None), strict=True):
+        if any(report.failed for report in runtestprotocol(item, nextitem=following, log=False)):
+            return False
+    return True
+
+
+def _graft(old: Mapping[str, Any], new: Mapping[str, Any], module: str) -> None:
+    """The bodies of all functions, put into those that were imported long ago."""
+    for name, was in old.items():
+        for before, after in zip(_functions(was), _functions(new.get(name)), strict=True):
+            if before.__module__ == module:
+                before.__code__ = after.__code__
+        if isinstance(was, type) and was.__module__ == module:
+            _graft(vars(was), vars(new[name]), module)
+
+
+def _functions(one: object) -> list[FunctionType]:
+    if isinstance(one, property):
+        return [f for f in (one.fget, one.fset, one.fdel) if isinstance(f, FunctionType)]
+    if isinstance(one, classmethod | staticmethod):
+        return _functions(one.__func__)
+    return [one] if isinstance(one, FunctionType) else []
 
 
 def tell(line: str) -> None:
@@ -159,28 +261,35 @@ def tell(line: str) -> None:
 
 
 def main() -> int:
-    words = sys.argv[1:]
-    seconds = float(words[words.index("--seconds") + 1]) if "--seconds" in words else 1e9
-    words = words[: words.index("--seconds")] if "--seconds" in words else words
-    path, tests = Path(words[0]), words[1:]
+    asked = argparse.ArgumentParser()
+    asked.add_argument("module", type=Path)
+    asked.add_argument("tests", nargs="+")
+    asked.add_argument("--seconds", type=float, default=math.inf)
+    asked.add_argument("--only", type=lambda t: [int(n) for n in t.split(",")])
+    given = asked.parse_args()
+    path, tests, until = given.module, given.tests, time.monotonic() + given.seconds
     sys.path[:0] = [str(Path.cwd()), str(Path.cwd() / "tests" / "mission")]
-    for heavy in ("pytest", "hypothesis", "numpy", "filterpy.kalman", "transitions.extensions"):
+    for heavy in _HEAVY:
         importlib.import_module(heavy)
-    source, begun = path.read_text(encoding="utf-8"), time.monotonic()
-    if not survives(path, ast.parse(source), tests):
+    settings.register_profile("mutants", derandomize=True, database=None)
+    settings.load_profile("mutants")  # neither chance nor an earlier mutant's failures decide
+    source = path.read_text(encoding="utf-8")
+    every = list(mutants(source))
+    chosen = [m for m in every if given.only is None or m.number in given.only]
+    tried = survived = 0
+    for one in chosen:
+        if not one.inside and time.monotonic() < until:
+            tried += 1
+            if survives(path, one.tree, tests):
+                survived += 1
+                tell(f"{path}: {one.number}: {one.words}")
+    trials = Trials(path, ast.parse(source), [m for m in chosen if m.inside], until)
+    pytest.main([*_OPTIONS, "-s", *tests], plugins=[trials])
+    if not trials.sound:
         tell(f"{path}: its tests fail without any change")
         return 2
-    number = killed = 0
-    while (found := mutant(source, number)) and time.monotonic() - begun < seconds:
-        number += 1
-        if survives(path, found[1], tests):
-            tell(f"{path}: {found[0]}")
-        else:
-            killed += 1
-    total = number
-    while mutant(source, total):
-        total += 1
-    tell(f"{path}: {killed} of {number} noticed, {total} mutants in all")
+    tried, survived = tried + trials.tried, survived + len(trials.survivors)
+    tell(f"{path}: {tried - survived} of {tried} noticed, {len(every)} mutants in all")
     return 0
 
 
