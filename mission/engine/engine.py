@@ -13,6 +13,7 @@ the mission under way (run), bytes, retries and paths (drive).
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -201,17 +202,16 @@ class Engine:
 
     def _run_mission(self) -> None:
         core = self._core
-        for _ in range(MICROSTEPS):
+        for taken in itertools.count():
             run = core.flying
-            if run is None:
-                return
-            found = run.look(core.senses)
+            found = None if run is None else run.look(core.senses)
             if found is None:
                 return
+            if taken == MICROSTEPS:
+                why = f"more than {MICROSTEPS} transitions in one step, at {short(core.active)}"
+                core.surface("limit", why, By.LIMIT)
+                return
             core.follow(*found)
-        if core.flying is not None:
-            why = f"more than {MICROSTEPS} transitions in one step, at {short(core.active)}"
-            core.surface("limit", why, By.LIMIT)
 
     def _mind_stick(self) -> None:
         core = self._core

@@ -98,7 +98,8 @@ class Navigation:
     def health(self, sensor: str, now: float) -> Health:
         if sensor in self.doubt:
             return Health(False, self.doubt[sensor], 0.0)
-        name = {"attitude": "roll", "battery": "batteries"}.get(sensor, sensor)
+        fields = {"attitude": "roll", "battery": "batteries", "temperature": "temperature_c"}
+        name = fields.get(sensor, sensor)
         if self.report is None or getattr(self.report, name) is None:
             return Health(False, "missing", math.inf)
         age = now - self.report.t
