@@ -16,7 +16,7 @@ from mission.engine.run import Run
 from mission.engine.senses import SURFACE_DEPTH, Navigator, Senses
 from mission.engine.watch import Watch
 from mission.engine.words import in_words
-from mission.envelope import Bounds, Limit, admit, in_force
+from mission.envelope import Limit, admit, in_force
 from mission.machine import Machine
 from mission.model import (
     AUTONOMOUS,
@@ -55,7 +55,7 @@ class Core:
         self.operator = SetSafety()
         self.watch = Watch(vehicle, self.senses, in_force(vehicle, None, self.operator))
         self.run: Run | None = None  # also while it is interrupted by the stick
-        self.ascent: Ascent | None = None  # the emergency's
+        self.ascent: Ascent | None = None  # the emergency's, in emergency/surfacing alone
         self.stop_at: float | None = None  # X0 goes out again then, unless it was acknowledged
         self.stopped_at: float | None = None  # when a stop was acknowledged, and nothing since
         self.stick = -math.inf  # the last M
@@ -141,42 +141,37 @@ class Core:
             self._move("clear", IDLE_EMPTY, "no mission is stored", (), None)
 
     def clear(self) -> None:
-        self.halt_run()
-        self.chart = None  # and a stop goes on until it is acknowledged
+        """Without a run, so not out of one; a stop goes on until it is acknowledged."""
+        self.chart = None
         if self.active != IDLE_EMPTY:
             self._move("clear", IDLE_EMPTY, "cleared by the operator", (), By.OPERATOR)
-        active = self.active
         self.machine = Machine()
-        self.machine.restore(active)
         self.emergency_since_idle = False
         self.renew_bounds()
 
     def renew_bounds(self) -> None:
+        """Whenever the mission or the operator's limits are others."""
         own = self.chart.mission.safety if self.chart else None
         self.watch.bounds = in_force(self.vehicle, own, self.operator)
-
-    def bounds_for(self, chart: Chart) -> Bounds:
-        return in_force(self.vehicle, chart.mission.safety, self.operator)
 
     def begin(self, chart: Chart) -> None:
         """The mission from its first leg."""
         self.run = Run(chart, self.now)
-        self.uncertain = False
-        self.renew_bounds()
         self.watch.started = self.now
-        self._fly("mission started", chart.initial, history=False)
+        self._fly("mission started", chart.initial)
 
     def resume(self, run: Run) -> None:
         """The interrupted leg anew; rounds and the mission's clock went on."""
-        self._fly("mission resumed", run.leaf, history=True)
+        self._fly("mission resumed", run.leaf)
 
-    def _fly(self, why: str, leaf: str, *, history: bool) -> None:
+    def _fly(self, why: str, leaf: str) -> None:
+        """With the history that the run has: a new one has none."""
         assert self.run is not None
         self.watch.begin(self.now)
         self.stop_at = self.stopped_at = None
         self.reason = why
         moved = self.machine.move("start", leaf)
-        self._enter(leaf, moved, "start", None, (), history=history)
+        self._enter(leaf, moved, "start", None, (), history=True)
 
     def follow(self, edge: Edge, evaluations: tuple[Evaluation, ...]) -> None:
         """Along an edge of the mission, or out of it at its end."""
@@ -185,7 +180,6 @@ class Core:
             moved = self.machine.fire(edge.trigger)
             self.halt_run()
             self.reason = "the mission is over"
-            self.emergency_since_idle = False
             stop = self._stop("the mission is over")
             self._record(stop, moved, trigger=edge.trigger, by=edge.by, evaluations=evaluations)
             return
@@ -247,7 +241,6 @@ class Core:
         self.run = None
         self.watch.started = None
         self.watch.blind_since = None
-        self.renew_bounds()
 
     def _stop(self, why: str) -> tuple[Action, ...]:
         self.stop_at, self.stopped_at = self.now + REPEAT_STOP, None
@@ -296,7 +289,7 @@ class Core:
 
     def climb(self) -> None:
         """The emergency's ascent goes on, or has reached the surface."""
-        if self.active != SURFACING or self.ascent is None:
+        if self.ascent is None:
             return
         if self.senses.surfaced(self.ascent.began):
             why = f"{self.reason}; at the surface"

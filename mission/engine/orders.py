@@ -124,7 +124,7 @@ def _why_not_fly(core: Core, chart: Chart) -> str:
     if "depth" in core.vehicle.reports and core.senses.depth is None:
         why = core.senses.health("depth").reason or "missing"
         return f"the depth is not to be believed ({why}): no limit of depth could act"
-    bounds = core.bounds_for(chart)
+    bounds = core.watch.bounds
     for state in chart.states:
         if state.leg is None or state.setpoint is None or state.path == IMPLICIT_SURFACE:
             continue
@@ -151,7 +151,7 @@ def _settle_home(core: Core, chart: Chart) -> str:
         return f"no fix for 5 s: how far home is cannot be told{_ALLOW}"
     if home is not None and fresh:
         far = _from(home, core)
-        radius = core.bounds_for(chart).radius
+        radius = core.watch.bounds.radius
         if far > radius:
             return f"home is {far:.0f} m away, the radius in force is {radius:g} m"
     if home is not None:

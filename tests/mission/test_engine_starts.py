@@ -1,0 +1,185 @@
+"""R5, R6, R9 at their bounds: what an operator may order, to the last second and metre."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+from engine_world import HOME, VEHICLE, World, leg, mission, sets
+
+from mission.engine.senses import metres
+from mission.model import IDLE_READY, MANUAL_DRIVING, STOPPED, NavigationMode, Yoyo
+from protocol.messages import ClearMission, Emergency, Manual, Order, SetSafety, StartMission
+
+X = Emergency(Order.STOP)
+M = Manual("MM", b"@MMF5$")
+MISSION = mission(leg("a", timeout=600.0), leg("b"))
+
+
+def refusal(world: World, command: object) -> str:
+    """Why not; "" if it was accepted."""
+    (verdict,) = world.tell(command).verdicts
+    assert verdict.accepted or verdict.why
+    return verdict.why if not verdict.accepted else ""
+
+
+# --- the stick ------------------------------------------------------------------------------
+
+
+def test_the_stick_takes_over_from_an_emergency_after_just_two_seconds_without_one():
+    for pause, may in ((1.999, False), (2.0, True)):
+        world = World()
+        world.tell(world.report(), M)
+        world.tell(X)
+        world.wait(pause, reports=False)
+        assert (refusal(world, M) == "") is may
+        assert (world.state == MANUAL_DRIVING) is may
+
+
+def test_the_first_m_ever_takes_over_from_an_emergency_but_not_in_the_step_that_began_it():
+    world = World()
+    together = world.tell(X, M).verdicts
+    assert [v.accepted for v in together] == [True, False]
+    world = World()
+    world.tell(X)
+    world.t += 0.001
+    assert refusal(world, M) == ""
+
+
+def test_an_m_that_is_refused_counts_as_the_stick_too():
+    world = World()
+    world.tell(X, M)
+    world.wait(1.5)
+    assert "let the stick go for 2 s" in refusal(world, M)
+    world.wait(1.5)
+    assert refusal(world, M) != ""
+    world.wait(2.0)
+    assert refusal(world, M) == ""
+
+
+def test_a_mission_starts_just_two_seconds_after_the_stick():
+    for pause, may in ((1.999, False), (2.0, True)):
+        world = World(MISSION)
+        world.tell(world.report(), world.fix())
+        world.tell(M)
+        world.wait(pause, reports=False)
+        assert (refusal(world, StartMission()) == "") is may
+
+
+# --- limits ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("bad", [0.0, -1.0, math.inf, math.nan])
+@pytest.mark.parametrize("name", ["radius", "time", "depth", "voltage"])
+def test_a_limit_is_a_number_greater_than_0(name: str, bad: float):
+    world = World()
+    before = world.engine.bounds
+    assert "greater than 0" in refusal(world, SetSafety(**{name: bad}))
+    assert world.engine.bounds == before
+    assert refusal(world, SetSafety(**{name: 5e-324})) == ""
+
+
+def test_what_may_be_cleared_is_said_and_what_may_not_too():
+    world = World(MISSION)
+    assert world.engine.may_clear
+    assert world.start()
+    assert not world.engine.may_clear
+    assert "a mission runs" in refusal(world, ClearMission())
+    world.tell(Emergency(Order.SURFACE))
+    world.depth = 5.0
+    assert "wait until it is at the surface" in refusal(world, ClearMission())
+
+
+# --- start ----------------------------------------------------------------------------------
+
+
+def test_a_vehicle_that_was_heard_five_seconds_ago_may_start_and_later_not():
+    for age, may in ((5.0, True), (5.001, False)):
+        world = World(MISSION)
+        world.tell(world.report())
+        world.t += age
+        world.tell(world.fix())
+        assert (refusal(world, StartMission()) == "") is may
+
+
+def test_a_vehicle_without_a_depth_of_its_own_needs_none_to_start():
+    bare = replace(VEHICLE, reports=VEHICLE.reports - {"depth"})
+    body = mission(leg("a", settings=sets(surge=0.5, heading=0.0)))
+    for vehicle, may in ((VEHICLE, False), (bare, True)):
+        world = World(body, vehicle=vehicle)
+        world.depth = None
+        world.tell(world.report(), world.fix())
+        assert (refusal(world, StartMission()) == "") is may
+    assert "missing" in refusal(_without_depth(), StartMission())
+
+
+def _without_depth() -> World:
+    world = World(MISSION)
+    world.depth = None
+    world.tell(world.report(), world.fix())
+    return world
+
+
+def test_no_mission_starts_that_would_send_a_depth_beyond_the_limit_in_any_leg():
+    yoyo = leg("y", kind=Yoyo(3.0, 9.0, 2), settings=sets(surge=0.5, heading=0.0))
+    for limit, may in ((9.0, True), (8.9, False)):
+        world = World(mission(leg("a"), yoyo))
+        world.tell(world.report(), world.fix())
+        world.tell(SetSafety(depth=limit))
+        why = refusal(world, StartMission())
+        assert (why == "") is may
+        assert may or why.startswith("y: depth 9 m")
+
+
+def test_home_may_be_as_far_as_the_radius_in_force():
+    world = World(MISSION)
+    fix = world.fix(north=30.0, east=40.0)
+    home = (math.radians(HOME.latitude_deg), math.radians(HOME.longitude_deg))
+    far = metres(*home, fix.latitude, fix.longitude)
+    assert far == pytest.approx(50.0, abs=0.01)
+    world.tell(world.report(), fix)
+    world.tell(SetSafety(radius=math.nextafter(far, 0.0)))
+    assert refusal(world, StartMission()).startswith("home is 50 m away")
+    world.tell(SetSafety(radius=far))
+    assert refusal(world, StartMission()) == ""
+    assert world.nav.frame.origin == HOME
+
+
+def test_how_far_home_is_must_be_known_by_a_fix_of_the_last_five_seconds():
+    for age, may in ((None, False), (5.0, True), (5.001, False)):
+        world = World(MISSION)
+        if age is not None:
+            world.tell(world.fix())
+            world.t += age
+        world.tell(world.report())
+        why = refusal(world, StartMission())
+        assert (why == "") is may
+        assert may or "start without fix" in why
+        assert world.nav.mode is NavigationMode.FIX  # it was not told to reckon from here
+
+
+def test_without_a_fix_a_mission_that_allows_it_reckons_from_where_it_is():
+    for home, frame in ((HOME, HOME), (None, None)):
+        world = World(mission(leg("a"), home=home, start_without_fix=True))
+        world.tell(world.report())
+        assert refusal(world, StartMission()) == ""
+        assert world.nav.mode is NavigationMode.DEAD_RECKONING
+        assert (world.nav.frame.origin if world.nav.frame else None) == frame
+        assert world.engine.estimate.mode is NavigationMode.DEAD_RECKONING
+
+
+def test_a_mission_that_allows_it_still_does_not_start_far_from_home_where_that_is_known():
+    world = World(mission(leg("a"), start_without_fix=True))
+    world.tell(SetSafety(radius=200.0))
+    world.tell(world.report(), world.fix(north=250.0))
+    assert "250 m away" in refusal(world, StartMission())
+    assert world.state == IDLE_READY
+
+
+def test_a_start_in_an_emergency_or_without_a_mission_says_what_to_do():
+    world = World()
+    assert refusal(world, StartMission()) == "no mission is stored"
+    world.tell(X)
+    assert "clear it" in refusal(world, StartMission())
+    assert world.state == STOPPED
