@@ -7,7 +7,7 @@ import pytest
 from mission.drive.repeater import Repeater
 from mission.model import Action, Outcome, Result
 from protocol.codec import CannotEncode
-from protocol.messages import Order, Setpoint
+from protocol.messages import Ack, Order, Setpoint
 
 LEG, NEXT = Setpoint(surge=0.5), Setpoint(surge=0.2)
 FRAMES: dict[Setpoint | Order, list[bytes]] = {LEG: [b"A", b"B"], NEXT: [b"C"], Order.STOP: [b"X"]}
@@ -65,3 +65,54 @@ def test_a_manual_frame_ends_the_repetition(line: Repeater) -> None:
     line.relay(b"M", "stick", manual=True)
     assert frames(line, 1.0) == [b"M"]
     assert line.next_timer() is None
+
+
+def test_a_relayed_frame_goes_first_and_at_once_and_ends_nothing_unless_it_is_manual(
+    line: Repeater,
+) -> None:
+    line.relay(b"R", "operator")
+    assert line.next_timer() == 0.0
+    assert frames(line, 1.0) == [b"R"]
+    assert line.next_timer() is None
+    line.command(Action(LEG, "leg"))
+    line.relay(b"R", "operator")
+    assert frames(line, 2.0) == [b"R", b"A", b"B"]
+    line.relay(b"R", "operator")
+    assert line.next_timer() == 0.0
+    assert frames(line, 2.05) == [b"R"]
+    assert frames(line, 2.1) == [b"A", b"B"]
+
+
+def test_a_command_that_waits_is_due_at_once_and_a_manual_frame_takes_its_place(
+    line: Repeater,
+) -> None:
+    line.command(Action(LEG, "leg"))
+    assert line.next_timer() == 0.0
+    line.relay(b"M", "stick", manual=True)
+    sent, outcomes = line.poll(1.0)
+    assert [tx.data for tx in sent] == [b"M"]
+    assert outcomes == []
+
+
+def test_a_frame_says_why_it_is_sent_and_whether_it_was_said_before(line: Repeater) -> None:
+    line.command(Action(NEXT, "leg"))
+    line.relay(b"R", "operator")
+    said = [(tx.t, tx.link, tx.reason) for now in (1.0, 2.0) for tx in line.poll(now)[0]]
+    assert said == [
+        (1.0, "vehicle", "operator"),
+        (1.0, "vehicle", "leg"),
+        (2.0, "vehicle", "leg (held)"),
+    ]
+
+
+def test_every_frame_of_a_command_counts_as_accepted_and_no_answer_changes_that(
+    line: Repeater,
+) -> None:
+    assert line.command(Action(LEG, "leg")) is None
+    _, outcomes = line.poll(1.0)
+    assert [(o.result, o.frame, o.command) for o in outcomes] == [
+        (Result.ACCEPTED, b"A", LEG),
+        (Result.ACCEPTED, b"B", LEG),
+    ]
+    assert line.answer(Ack(1.05, "Z", "A", ord("N")), 1.05) is None
+    assert line.poll(1.1)[1] == []
