@@ -212,10 +212,11 @@ class Run:
 
     def open(self, edge: Edge) -> bool:
         """Whether the rounds say so."""
-        return all(
-            (self.rounds.get(loop.group, 1) < repeat_of(self.chart, loop.group)) is loop.again
-            for loop in edge.loops
-        )
+        for loop in edge.loops:
+            left = self.rounds.get(loop.group, 1) < repeat_of(self.chart, loop.group)
+            if left is not loop.again:
+                return False
+        return True
 
     def _due(self, edge: Edge, senses: Senses) -> float | None:
         """When the edge is due by its kind alone; None if nothing says so."""

@@ -67,8 +67,9 @@ class Descent:
         rate, deeper = (depth - before) / since, depth - self._shallowest
         sinks = not asked and deeper > _ALLOWANCE and rate > _SINKING
         self.unexplained = sinks or rate > fastest
-        asked_words = "" if asked else ", and nothing asked for it"
-        self.words = f"sinking at {rate:.2f} m/s at {depth:.1f} m{asked_words}"
+        if self.unexplained:
+            asked_words = "" if asked else ", and nothing asked for it"
+            self.words = f"sinking at {rate:.2f} m/s at {depth:.1f} m{asked_words}"
 
 
 class Steering:
@@ -95,7 +96,8 @@ class Steering:
         self._peak = max(error, self._peak)
         grown = error - self._from
         self.astray = t - self._since >= _TURNING_TIME and grown >= _GROWTH and error > _LARGE
-        self.words = f"heading {math.degrees(error):.0f} deg off what was set, and growing"
+        if self.astray:
+            self.words = f"heading {math.degrees(error):.0f} deg off what was set, and growing"
 
 
 class Progress:
@@ -119,7 +121,8 @@ class Progress:
         if wanted != self._wanted or off <= self._nearest - _NEARER:
             self._wanted, self._since, self._nearest = wanted, t, off
         self.stuck = off > _OFF and t - self._since >= _STUCK_TIME
-        self.words = f"for {_STUCK_TIME:g} s no nearer to {wanted:g} m, at {depth:.1f} m"
+        if self.stuck:
+            self.words = f"for {_STUCK_TIME:g} s no nearer to {wanted:g} m, at {depth:.1f} m"
 
 
 class Watch:

@@ -35,6 +35,7 @@ from mission.store import MemoryStore, Stored
 
 if TYPE_CHECKING:
     from mission.drive.records import Recorder
+    from mission.navigation import LocalFrame
     from mission.vehicle import Vehicle
 
 BOAT = "boat"
@@ -98,7 +99,8 @@ class _LockStep:
         )
         self.operator = operator
         self.now = 0.0
-        self._position = position
+        self._home = position
+        self._frame: LocalFrame | None = None  # of the estimate, when it was last looked at
         self._longest = LONGEST_S if mission.safety.time is None else 2.0 * mission.safety.time
         self._digest = digest(mission)
         self._navigation = self.drive.make_navigation()
@@ -200,8 +202,7 @@ class _LockStep:
     def _from_home(self, latitude: float, longitude: float) -> tuple[float, float]:
         """Against the frame of the estimate, by the simulator's own geodesy."""
         frame = self._navigation.frame
-        if frame is None:
-            return local(self._position, latitude, longitude)
-        origin = frame.origin
-        there = math.radians(origin.latitude_deg), math.radians(origin.longitude_deg)
-        return local(there, latitude, longitude)
+        if frame is not self._frame and frame is not None:
+            origin, self._frame = frame.origin, frame
+            self._home = math.radians(origin.latitude_deg), math.radians(origin.longitude_deg)
+        return local(self._home, latitude, longitude)

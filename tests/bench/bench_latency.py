@@ -5,6 +5,8 @@
 latency    A scripted STM32 on a pseudo-terminal says ``@SD`` with a heading that opens a guard each
            time, the last byte goes out at a known instant, and the first byte of ``@ZA`` that comes
            back is timed. Nothing paces the pseudo-terminal, so what is measured is beyond the wire.
+bare       The same with a process that answers each report with one byte and does nothing else:
+           what the machine itself takes to wake a process and to move the bytes.
 idle       The share of a core and the memory of a serve that hears an ``@SD`` every 2 s and two GPS
            sentences every second, without a mission, for some seconds after everything is loaded.
 start      ``auvmission --help`` and ``import mission.cli``, the median of some processes.
@@ -49,6 +51,12 @@ end
 up: surface timeout 2min
 """
 PAUSE_S = 0.12  # between the last answer and the next report
+BARE = """
+import os, select, sys
+fd = os.open(sys.argv[1], os.O_RDWR | os.O_NOCTTY)
+while select.select([fd], [], []) and os.read(fd, 4096):
+    os.write(fd, b"x")
+"""
 WORD = re.compile(rb"@Z([A-Z])[^$]*\$")
 IDLE_S, SETTLE_S = 20.0, 4.0
 TICKS = os.sysconf("SC_CLK_TCK")
@@ -154,6 +162,32 @@ def latency(board: Board, address: str, reports: int) -> list[float]:
     return found
 
 
+def bare(reports: int) -> list[float]:
+    """s, as ``latency``; the reports are as far apart."""
+    board, found = Board(), []
+    process = subprocess.Popen([sys.executable, "-c", BARE, board.paths[0]])
+    try:
+        time.sleep(1.0)
+        for _ in range(reports):
+            asked = board.report(90.0)
+            answered = board.listen(5.0)
+            if answered is None:
+                raise RuntimeError("the bare process says nothing")
+            found.append(answered - asked)
+            board.quiet(PAUSE_S)
+    finally:
+        process.kill()
+        process.wait()
+        board.close()
+    return found
+
+
+def percentiles(found: list[float]) -> tuple[float, float, float]:
+    """Median, 99th and the greatest, ms."""
+    ordered = sorted(1e3 * s for s in found)
+    return ordered[len(ordered) // 2], ordered[int(0.99 * (len(ordered) - 1))], ordered[-1]
+
+
 def idle(board: Board, pid: int) -> tuple[float, float]:
     """Share of a core, and MB."""
     begun = spent = 0.0
@@ -193,12 +227,14 @@ def main(reports: int = 200) -> dict[str, float]:
         with serving(board, folder) as (pid, address):
             share, memory = idle(board, pid)
             say(f"idle for {IDLE_S:.0f} s: {100 * share:.2f} % of a core, {memory:.0f} MB\n")
-            found = sorted(1e3 * s for s in latency(board, address, reports))
+            p50, p99, most = percentiles(latency(board, address, reports))
         board.close()
-    p50, p99 = found[len(found) // 2], found[int(0.99 * (len(found) - 1))]
     say(f"{reports} @SD on a pty, last byte in to first byte of @ZA out: p50 {p50:.2f} ms, ")
-    say(f"p99 {p99:.2f} ms, most {found[-1]:.2f} ms\n")
-    figures |= {"latency_p50_ms": p50, "latency_p99_ms": p99}
+    say(f"p99 {p99:.2f} ms, most {most:.2f} ms\n")
+    bare50, bare99, bare_most = percentiles(bare(reports))
+    say(f"  a bare process that answers: p50 {bare50:.2f} ms, p99 {bare99:.2f} ms, ")
+    say(f"most {bare_most:.2f} ms\n")
+    figures |= {"latency_p50_ms": p50, "latency_p99_ms": p99, "bare_p99_ms": bare99}
     figures |= {"idle_cpu": 100 * share, "idle_rss": memory}
     figures["help_s"] = started(["-m", "mission", "--help"])
     figures["import_s"] = started(["-c", "import mission.cli"])

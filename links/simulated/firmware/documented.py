@@ -132,8 +132,8 @@ class Documented(Stm32):
         vertical = self._vertical_gear(plant)
         left, right = pwm_of(surge + turn), pwm_of(surge - turn)
         if attitude is None:
-            up = pwm_of(vertical)
-            self.pwm = (left, right, up, up, up, *self.servo_pwm)
+            up, (servo_left, servo_right) = pwm_of(vertical), self.servo_pwm
+            self.pwm = (left, right, up, up, up, servo_left, servo_right)
             return
         pitch = lean_gear(attitude[0], plant.pitch, plant.q)
         roll = lean_gear(attitude[1], plant.roll, plant.p)
