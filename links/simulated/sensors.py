@@ -202,8 +202,9 @@ class Sensors:
     def _batteries(self, plant: Plant) -> tuple[float, float]:
         """Volts of a 900 Wh thruster pack and of a 300 Wh control pack at 35 W."""
         body, thrust = plant.body, plant.thrust
-        pair = (abs(thrust[0]) + abs(thrust[1])) / (2 * body.main_thrust)
-        three = sum(map(abs, thrust[2:])) / (3 * body.vertical_thrust)
+        port, starboard, rear, left, right = thrust
+        pair = (abs(port) + abs(starboard)) / (2 * body.main_thrust)
+        three = (abs(rear) + abs(left) + abs(right)) / (3 * body.vertical_thrust)
         self._used += PERIOD * (600.0 * pair * sqrt(pair) + 300.0 * three)
         self._age += 1
         control = 12.8 - 2.5 * self._age * PERIOD * 35.0 / (300.0 * 3600.0)

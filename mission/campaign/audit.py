@@ -10,9 +10,10 @@ looked at. The rules, in the order of the events:
              @M only while the stick has the vehicle.
     a Step   that commands must be allowed to where it happens: a set only in a leg; the stop of
              ``stopped`` needs an X, surfacing a W, a limit, a restart or a forgotten stick, manual
-             an M, a start an @AA; a stop is repeated only until the STM32 acknowledged it, or
-             when a report says that a thruster turns all the same. What acknowledges while two
-             frames or more may still be answered need not be believed: it may be the older one's.
+             an M, a start an @AA. The stick is as silent as who holds it, whatever others or a
+             modem say (R6, R12). A stop is repeated only until the STM32 acknowledged it, or when a
+             report says that a thruster turns all the same. What acknowledges while two frames or
+             more may still be answered need not be believed: it may be the older one's.
 
 What does not live here: whether a limit was right to act (the engine's tests), what may not come
 of a flight (laws).
@@ -30,6 +31,7 @@ from dataclasses import dataclass
 from mission.campaign.deeds import Act
 from mission.campaign.trial import Done, Event, Heard, Said
 from mission.drive.drive import VEHICLE
+from mission.drive.vessel import MODEM, Peer
 from mission.model import (
     AUTONOMOUS,
     IDLE_READY,
@@ -57,7 +59,6 @@ _SAME = 1e-3  # s
 _FRAME = re.compile(rb"@ZA([A-Z])(-?\d*)[,;]?(-?\d*)\$")
 _RELAYED = re.compile(rb"@[MRD][^@$]{0,60}\$")
 _X, _W, _AA = re.compile(rb"@ZAX0\$"), re.compile(rb"@ZAWF\$"), re.compile(rb"@AA\$")
-_M = re.compile(rb"@M[^@$]{0,60}\$")
 _STOPPED_ACK = re.compile(rb"@ACK_Z[XA]Y\$")
 _LONGEST = 64
 _REPORT, _THRUSTERS, _NEUTRAL = 86, struct.Struct("<5H"), 10  # @SD; us
@@ -107,8 +108,10 @@ class _Auditor:
         self._encode = AuvCodec(dialect).encode
         self._state = ""
         self._permits: list[_Permit] = []
-        self._relays: list[tuple[float, bytes]] = []
-        self._tails: dict[tuple[str, str], bytes] = {}
+        self._relays: list[tuple[float, bytes, Peer]] = []
+        self._sticks: dict[Peer, float] = {}  # the last M of each
+        self._holder: Peer | None = None  # whose M the vehicle follows
+        self._tails: dict[Peer, bytes] = {}
         self._last: dict[re.Pattern[bytes], float] = {}
         self._booted = -math.inf
         self._acks = 0  # of a stop, since the newest reason to stop
@@ -149,7 +152,7 @@ class _Auditor:
         late, self._stalled = t - (t if self._stalled is None else self._stalled), None
         for permit in self._permits:
             permit.ends += late
-        self._relays = [(said + late, frame) for said, frame in self._relays]
+        self._relays = [(said + late, frame, peer) for said, frame, peer in self._relays]
         for pattern in (_X, _W, _AA):
             if pattern in self._last:
                 self._last[pattern] += late
@@ -157,25 +160,32 @@ class _Auditor:
     # --- asked for -----------------------------------------------------------------------------
 
     def _said(self, said: Said) -> None:
-        peer = (said.link, said.address)
+        peer = Peer(said.link, said.address)
         stream = self._tails.get(peer, b"") + said.data
         fresh = len(stream) - len(said.data)
         for found in _RELAYED.finditer(stream):
             if found.end() > fresh:
-                self._relays.append((said.t, found[0]))
-        for pattern in (_X, _W, _AA, _M):
-            frames = [f[0] for f in pattern.finditer(stream) if f.end() > fresh]
-            if any(pattern is not _M or _moves(frame) for frame in frames):
+                self._relays.append((said.t, found[0], peer))
+                if said.link != MODEM and found[0].startswith(b"@M") and _moves(found[0]):
+                    self._sticks[peer] = said.t
+        for pattern in (_X, _W, _AA):
+            if any(found.end() > fresh for found in pattern.finditer(stream)):
                 self._last[pattern] = said.t
         self._tails[peer] = stream[-_LONGEST:]
 
     def _was_said(self, pattern: re.Pattern[bytes], t: float, within: float = HEARD) -> bool:
         return t - self._last.get(pattern, -math.inf) <= within
 
+    def _is_held(self, t: float, within: float) -> bool:
+        """Whether an M came since then from whoever has the stick."""
+        return self._holder is not None and t - self._sticks[self._holder] <= within
+
     def _step(self, step: Step) -> Iterator[Spurious]:
         before, moved = self._state, bool(step.entered)
         if moved:
             self._state = step.entered[-1]
+        if moved and self._state == MANUAL_DRIVING:
+            self._holder = max(self._sticks, key=self._sticks.__getitem__, default=None)
         try:
             commands = [command_of(words) for words in step.actions]
         except (TypeError, ValueError):
@@ -208,14 +218,14 @@ class _Auditor:
             return "without an @AA"
         if state == STOPPED and not self._was_said(_X, t):
             return "without an X"
-        if state == MANUAL_DRIVING and not self._was_said(_M, t):
+        if state == MANUAL_DRIVING and not self._is_held(t, HEARD):
             return "without an M"
-        if state == MANUAL_WAITING and self._was_said(_M, t, STICK - _SAME):
+        if state == MANUAL_WAITING and self._is_held(t, STICK - _SAME):
             return "with an M less than 2 s ago"
         if state == SURFACING:
             limit = any(e.trigger.startswith("limit ") and e.result for e in step.evaluations)
             restarted = step.trigger == "restart" and t - self._booted <= _SAME
-            forgotten = step.trigger == "forgotten" and not self._was_said(_M, t, 59.0)
+            forgotten = step.trigger == "forgotten" and not self._is_held(t, 59.0)
             runaway = step.trigger == "limit"
             if not (limit or restarted or forgotten or runaway or self._was_said(_W, t)):
                 return "without a W, a limit, a restart or a forgotten stick"
@@ -260,14 +270,17 @@ class _Auditor:
             yield Spurious(tx.t, f"{tx.data!r} while the stick is held ({tx.reason})")
 
     def _relayed(self, tx: Tx) -> Iterator[Spurious]:
-        self._relays = [(t, frame) for t, frame in self._relays if tx.t - t <= RELAYED]
-        found = next((i for i, (_, frame) in enumerate(self._relays) if frame == tx.data), None)
-        if found is None:
+        self._relays = [relay for relay in self._relays if tx.t - relay[0] <= RELAYED]
+        found = [i for i, (_, frame, _) in enumerate(self._relays) if frame == tx.data]
+        if not found:
             yield Spurious(tx.t, f"{tx.data!r} in {self._state}: no operator said it ({tx.reason})")
             return
-        del self._relays[found]
+        _, _, peer = self._relays[found[-1]]
+        del self._relays[found[0]]
         if not tx.data.startswith(b"@M"):
             return
+        if peer in self._sticks:
+            self._holder = peer
         if self._state != MANUAL_DRIVING:
             yield Spurious(tx.t, f"{tx.data!r} relayed in {self._state}")
         for permit in self._permits:

@@ -67,6 +67,9 @@ class Outputs:
     verdicts: tuple[Verdict, ...] = ()
 
 
+NOTHING = Outputs()
+
+
 @dataclass(frozen=True, slots=True)
 class Snapshot:
     """Everything that decides what the engine does next. Opaque; may be restored many times."""
@@ -121,6 +124,8 @@ class Engine:
             core.doubt_stop()
         core.stop_again()
         self._timer = self._next_timer()
+        if not (core.actions or core.steps or verdicts):
+            return NOTHING
         return Outputs(tuple(core.actions), tuple(core.steps), tuple(verdicts))
 
     # --- the parts of a step, in their order ---------------------------------------------------

@@ -141,7 +141,7 @@ class Watch:
         self.rows = tuple(row for row in LIMITS if not row.disarmed(vehicle))
         self._looked = {
             (reported, fixed): tuple(
-                row
+                (row.breached, row)
                 for row in self.rows
                 if {On.CLOCK: True, On.REPORT: reported, On.FIX: fixed}[row.on]
             )
@@ -202,15 +202,16 @@ class Watch:
         self._look_for_depth()
         rows = self._looked[reported, fixed]
         found = []
-        for row in rows:
-            breached = row.breached(self)
+        for is_breached, row in rows:
+            breached = is_breached(self)
             if breached:
                 if self._lasts(row):
                     found.append(row)
             elif breached is not None and self._running:
                 self._running.pop(row.name, None)
         if found or self.breaches:
-            kept = [row for row in self.breaches if row not in rows]
+            looked = [row for _, row in rows]
+            kept = [row for row in self.breaches if row not in looked]
             self.breaches = (*kept, *found)
         return found
 

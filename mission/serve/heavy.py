@@ -24,9 +24,7 @@ def prepare(drive: Drive) -> Navigation:
         import mission.language.lines  # noqa: F401
 
         navigation = drive.make_navigation()
-        if (
-            not gc.get_freeze_count()
-        ):  # a further drive is no reason to keep what the first one left
+        if not gc.get_freeze_count():  # a further drive: its predecessor may be garbage by now
             gc.freeze()
         return navigation
     finally:

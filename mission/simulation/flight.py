@@ -108,6 +108,9 @@ class _LockStep:
         self._send(self.drive.connected(TOPSIDE, BOAT, 0.0))
         self._drive_due = self.drive.next_timer()
         self._operator_due = operator.next_timer()
+        links = self.sea.vehicle_link, self.sea.gps_link
+        self._foretell = tuple(link.next_event for link in links)
+        self._receive = tuple(link.receive for link in links)
 
     def run(self) -> None:
         while not self._is_over():
@@ -150,18 +153,21 @@ class _LockStep:
         return self.now < end + AFLOAT_S and not self.sea.truth().at_surface
 
     def _next_event(self) -> float:
-        links = (self.sea.vehicle_link.next_event(), self.sea.gps_link.next_event())
         first = math.inf
-        for due in (*links, self._drive_due, self._operator_due):
+        for foretell in self._foretell:
+            due = foretell()
             if due is not None and due < first:
                 first = due
-        return max(self.now, first)
+        for due in (self._drive_due, self._operator_due):
+            if due is not None and due < first:
+                first = due
+        return first if first > self.now else self.now
 
     def _to_next_event(self) -> None:
         """Bytes before timers: what has arrived by then is known by then."""
         self.now = now = self._next_event()
-        for link in (self.sea.vehicle_link, self.sea.gps_link):
-            for rx in link.receive(now):
+        for receive in self._receive:
+            for rx in receive(now):
                 if sent := self.drive.receive(rx, now):
                     self._send(sent)
         due = self._operator_due

@@ -16,7 +16,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from mission.model import (
     AUTONOMOUS,
@@ -52,8 +52,7 @@ class LegFlown:
     why: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class TruePlace:
+class TruePlace(NamedTuple):
     """m north and east of home, m below the surface, of the true vehicle."""
 
     t: float
@@ -62,8 +61,7 @@ class TruePlace:
     depth: float
 
 
-@dataclass(frozen=True, slots=True)
-class Sample:
+class Sample(NamedTuple):
     """Estimate and truth at one telemetry of the mission."""
 
     t: float  # s from the start

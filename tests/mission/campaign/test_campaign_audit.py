@@ -135,3 +135,16 @@ def test_a_stick_out_of_its_range_holds_nothing() -> None:
     waits = step(5.0, "everything stopped: no M for 2 s", entered=MANUAL_WAITING, trigger="silent")
     assert spurious(said(3.0, b"@MMF5$"), driving, said(4.0, b"@MMF90$"), waits) == 0
     assert spurious(said(3.0, b"@MMF5$"), driving, said(4.0, b"@MMF9$"), waits) == 1
+
+
+def test_the_stick_is_as_silent_as_who_holds_it() -> None:
+    """Others may say M as often as they like, and nobody drives over a modem."""
+    driving = step(3.0, entered=MANUAL_DRIVING, trigger="stick")
+    waits = step(5.0, "everything stopped: no M for 2 s", entered=MANUAL_WAITING, trigger="silent")
+    held = (said(3.0, b"@MMF5$"), driving, sent(3.0, b"@MMF5$"))
+    other = Said(4.0, "topside", "other boat", b"@MMF6$")
+    assert spurious(*held, other, waits) == 0
+    assert spurious(*held, Said(4.0, "modem", "", b"#\x02\x06\x00\x01@MMD9$_6"), waits) == 0
+    assert spurious(Said(3.0, "modem", "", b"@MMF5$"), driving) == 1
+    # the first boat has gone, and what the other one says is passed on: now it has the stick
+    assert spurious(*held, other, sent(4.0, b"@MMF6$"), waits) == 1
