@@ -22,11 +22,13 @@ def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
 
     Prints the sections of a vehicle file that replace sensors, compass and calibration. How good
     they are goes to stderr: the error at the end of each dive, before and after; with two logs or
-    more, after calibration on the others. Exit 2 where the logs cannot be used.
+    more, after calibration on the others. What the logs do not teach stays as the vehicle file has
+    it, and is told with what would teach it. Exit 2 where the logs cannot be used.
     """
     from mission.blackbox import BlackBoxError
-    from mission.navigation.calibration import CalibrationError, section
+    from mission.navigation.calibration import CalibrationError
     from mission.navigation.calibration import calibrate as fit
+    from mission.navigation.lessons import kept, section, untaught
     from mission.serve.heard import LogError, read_log
     from mission.vehicle import VehicleError, load_vehicle
 
@@ -47,11 +49,16 @@ def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
     before, after = done.percent()
     how = "calibrated on the other logs" if done.held_out else "on the log it was fitted to"
     click.echo(f"median of distance: {before:.1f} % before, {after:.1f} % after ({how})", err=True)
+    if after > before:
+        click.echo("the error has grown: keep the old figures, calibrate with more logs", err=True)
+    for line in untaught(done):
+        click.echo(line, err=True)
+    text = section(done.vehicle, kept(done))
     if output is None:
-        click.echo(section(done.vehicle), nl=False)
+        click.echo(text, nl=False)
     try:
         if output is not None:
-            output.write_text(section(done.vehicle), encoding="utf-8")
+            output.write_text(text, encoding="utf-8")
         if plot is not None:
             from mission.navigation.drawing import draw_calibration
 

@@ -6,9 +6,12 @@ and Control 1, 1979, ch. 5.7: information adds over independent data), so logs o
 up. White noise of a sensor is what is left of its third differences (a ramp and a bend of it
 cancel; Brockwell and Davis, Time Series, 1991, ch. 1.4).
 
+A figure is taken over only where the logs know it better than the vehicle file says it is known, or
+contradict that; else it stays as it was, and so does its sigma (FIGURES: what would teach it).
+
 The proof is the error with which each dive ends: the estimate against the first fix that comes
 again, with the vehicle file before and after; with several logs, "after" is calibrated on the
-others.
+others. What does not live here: the texts (lessons).
 """
 
 from __future__ import annotations
@@ -23,20 +26,51 @@ import numpy as np
 from mission.navigation.filter import Array
 from mission.navigation.model import COMPASS, COS, SCALE, SIN, STATES
 from mission.navigation.navigator import Navigation
-from mission.vehicle import Calibration, Deviation, Sensors, Vehicle
+from mission.vehicle import Sensors, Vehicle
 from protocol.messages import Fix, Telemetry
 
 Inputs = Sequence[Telemetry | Fix]
 
-_WIDE_SCALE, _WIDE_BIAS, _WIDE_DEVIATION = 0.3, math.radians(15.0), math.radians(4.0)
-_LEAST_SCALE, _LEAST_BIAS, _LEAST_DEVIATION = 0.02, math.radians(1.0), math.radians(0.5)
 _FITTED = (SCALE, COMPASS, SIN, COS)
+_CONTRADICTS = 3.0  # sigmas between logs and vehicle file
 _DIVE = 60.0  # s without a fix
-_ENOUGH = 20  # differences without which a noise figure stays as it was
+ENOUGH = 20  # differences without which a noise figure stays as it was
 
 
 class CalibrationError(ValueError):
     """The operator must act: these logs cannot calibrate; says what is missing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A row of what is fitted: which of ``_FITTED``, how wide the logs may look for it, the least
+    sigma that is believed, and what a log must hold to teach it."""
+
+    name: str
+    states: tuple[int, ...]
+    wide: float
+    least: float
+    fly: str
+
+
+FIGURES = (
+    Figure("speed_scale", (0,), 0.3, 0.02,
+           "legs of a minute or more there and back at the gears of the missions"),
+    Figure("heading_bias", (1,), math.radians(15.0), math.radians(1.0),
+           "legs of a minute or more on two headings or more"),
+    Figure("deviation", (2, 3), math.radians(4.0), math.radians(0.5),
+           "legs of a minute or more on four headings or more, all round"),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Lesson:
+    """One sigma of a figure in the vehicle file and by the logs alone; whether theirs is taken."""
+
+    figure: Figure
+    before: float
+    logs: float
+    taken: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +91,8 @@ class Calibrated:
     sigmas: tuple[float, float, float, float]  # of scale, bias, and the deviation's sin and cos
     stretches: tuple[Stretch, ...]
     held_out: bool  # "after" was calibrated on other logs
+    lessons: tuple[Lesson, ...]
+    unheard: tuple[str, ...]  # sensors of which the logs hold too little for a noise figure
 
     def percent(self) -> tuple[float, float]:
         """Median error before and after, in % of distance."""
@@ -73,15 +109,15 @@ def calibrate(logs: Sequence[Inputs], vehicle: Vehicle) -> Calibrated:
     if not any(len([i for i in log if isinstance(i, Fix)]) >= 2 for log in logs):
         raise CalibrationError("no log has two fixes: there is nothing to compare with")
     taught = [_information(log, vehicle) for log in logs]
-    fitted, sigmas = _fit(vehicle, taught)
-    done = _noise(fitted, logs)
+    fit = _fit(vehicle, taught)
+    done, unheard = _noise(fit.vehicle, logs)
     held_out = len(logs) > 1
     stretches: list[Stretch] = []
     for i, log in enumerate(logs):
         others = [t for j, t in enumerate(taught) if j != i]
-        tried = _fit(vehicle, others)[0] if held_out else fitted
+        tried = _fit(vehicle, others).vehicle if held_out else fit.vehicle
         stretches += _compare(i, log, vehicle, tried)
-    return Calibrated(done, sigmas, tuple(stretches), held_out)
+    return Calibrated(done, fit.sigmas, tuple(stretches), held_out, fit.lessons, unheard)
 
 
 # --- fit -----------------------------------------------------------------------------------------
@@ -94,18 +130,26 @@ class _Information:
     declination: float
 
 
-def _prior() -> Array:
-    wide = (_WIDE_SCALE, _WIDE_BIAS, _WIDE_DEVIATION, _WIDE_DEVIATION)
+def _believed(vehicle: Vehicle) -> tuple[float, float, float]:
+    """One sigma of each of ``FIGURES`` in the vehicle file."""
+    known = vehicle.calibration
+    return known.speed_scale_sigma, vehicle.sensors.heading_bias, known.deviation_sigma
+
+
+def _precision(sigmas: Sequence[float]) -> Array:
+    """Diagonal, of the four; ``sigmas`` of ``FIGURES``."""
+    wide = [s for row, s in zip(FIGURES, sigmas, strict=True) for _ in row.states]
     return np.diag([1.0 / s**2 for s in wide])
 
 
 def _information(log: Inputs, vehicle: Vehicle) -> _Information:
     """Of the four, about (scale - 1, bias, sin, cos), beyond the prior."""
+    scale, bias, deviation = (row.wide for row in FIGURES)
     wide = replace(
         vehicle,
-        sensors=replace(vehicle.sensors, heading_bias=_WIDE_BIAS),
+        sensors=replace(vehicle.sensors, heading_bias=bias),
         calibration=replace(
-            vehicle.calibration, speed_scale_sigma=_WIDE_SCALE, deviation_sigma=_WIDE_DEVIATION
+            vehicle.calibration, speed_scale_sigma=scale, deviation_sigma=deviation
         ),
     )
     nav = Navigation(wide)
@@ -116,55 +160,94 @@ def _information(log: Inputs, vehicle: Vehicle) -> _Information:
             nav.telemetry(item)
     x = nav.core.filter.x - np.eye(STATES)[SCALE]
     p = nav.core.filter.covariance[np.ix_(_FITTED, _FITTED)]
-    matrix = np.linalg.inv(p)
-    return _Information(matrix - _prior(), matrix @ x[list(_FITTED)], nav.declination)
+    matrix, prior = np.linalg.inv(p), _precision([row.wide for row in FIGURES])
+    return _Information(matrix - prior, matrix @ x[list(_FITTED)], nav.declination)
 
 
-def _fit(
-    vehicle: Vehicle, taught: Sequence[_Information]
-) -> tuple[Vehicle, tuple[float, float, float, float]]:
-    matrix = _prior() + sum((t.matrix for t in taught), np.zeros((4, 4)))
-    covariance = np.linalg.inv(matrix)
-    x = covariance @ sum((t.vector for t in taught), np.zeros(4))
-    scale, bias, a, b = x.tolist()
-    sigmas = np.sqrt(np.diag(covariance)).tolist()
-    known, old = vehicle.calibration, vehicle.calibration.deviation
+@dataclass(frozen=True, slots=True)
+class _Fit:
+    vehicle: Vehicle
+    sigmas: tuple[float, float, float, float]
+    lessons: tuple[Lesson, ...]
+
+
+def _fit(vehicle: Vehicle, taught: Sequence[_Information]) -> _Fit:
+    """What is kept counts as sure as the vehicle file says while the others are fitted; of those
+    that the logs do not teach the least taught is kept first, the others may be clear then."""
+    before = [max(s, 1e-4) for s in _believed(vehicle)]
+    kept: dict[int, Lesson] = {}
+    while True:
+        priors = [before[i] if i in kept else row.wide for i, row in enumerate(FIGURES)]
+        x, sigmas = _solved(priors, taught)
+        free = [i for i in range(len(FIGURES)) if i not in kept]
+        heard = {i: _lesson(FIGURES[i], before[i], x, sigmas) for i in free}
+        open_ = [i for i in free if not heard[i].taken]
+        if not open_:
+            break
+        least = max(open_, key=lambda i: heard[i].logs / before[i])
+        kept[least] = heard[least]
+    for i in kept:
+        states = list(FIGURES[i].states)
+        x[states], sigmas[states] = 0.0, before[i]
+    lessons = tuple((heard | kept)[i] for i in range(len(FIGURES)))
     turn = taught[0].declination - vehicle.compass_bias if taught else 0.0
-    c, s = math.cos(turn), math.sin(turn)  # the filter's phase is the corrected heading's
-    deviation = replace(old, sin1=old.sin1 + a * c - b * s, cos1=old.cos1 + a * s + b * c)
+    a, b, c, d = sigmas.tolist()
+    return _Fit(_with(vehicle, lessons, x, turn), (a, b, c, d), lessons)
+
+
+def _solved(priors: Sequence[float], taught: Sequence[_Information]) -> tuple[Array, Array]:
+    """The four and their sigmas."""
+    matrix = _precision(priors) + sum((t.matrix for t in taught), np.zeros((4, 4)))
+    covariance = np.linalg.inv(matrix)
+    x: Array = covariance @ sum((t.vector for t in taught), np.zeros(4))
+    return x, np.sqrt(np.diag(covariance))
+
+
+def _lesson(row: Figure, before: float, x: Array, sigmas: Array) -> Lesson:
+    logs = max(float(sigmas[i]) for i in row.states)
+    off = max(abs(float(x[i])) / math.hypot(before, float(sigmas[i])) for i in row.states)
+    return Lesson(row, before, logs, logs < before or off > _CONTRADICTS)
+
+
+def _with(vehicle: Vehicle, lessons: Sequence[Lesson], x: Array, turn: float) -> Vehicle:
+    """``turn``: the filter's phase of the deviation is the corrected heading's."""
+    scale, bias, a, b = x.tolist()
+    known, old = vehicle.calibration, vehicle.calibration.deviation
+    c, s = math.cos(turn), math.sin(turn)
+    told = [
+        max(lesson.logs, min(lesson.figure.least, lesson.before)) if lesson.taken else before
+        for lesson, before in zip(lessons, _believed(vehicle), strict=True)
+    ]
     return replace(
         vehicle,
         compass_bias=vehicle.compass_bias + bias,
-        sensors=replace(vehicle.sensors, heading_bias=max(sigmas[1], _LEAST_BIAS)),
+        sensors=replace(vehicle.sensors, heading_bias=told[1]),
         calibration=replace(
             known,
             speed_scale=known.speed_scale * (1.0 + scale),
-            speed_scale_sigma=max(sigmas[0], _LEAST_SCALE),
-            deviation=deviation,
-            deviation_sigma=max(*sigmas[2:], _LEAST_DEVIATION),
+            speed_scale_sigma=told[0],
+            deviation=replace(old, sin1=old.sin1 + a * c - b * s, cos1=old.cos1 + a * s + b * c),
+            deviation_sigma=told[2],
         ),
-    ), (sigmas[0], sigmas[1], sigmas[2], sigmas[3])
+    )
 
 
 # --- noise ---------------------------------------------------------------------------------------
 
 
-def _noise(vehicle: Vehicle, logs: Sequence[Inputs]) -> Vehicle:
+def _noise(vehicle: Vehicle, logs: Sequence[Inputs]) -> tuple[Vehicle, tuple[str, ...]]:
+    """And the sensors of which there is too little to tell."""
     reports = [[i for i in log if isinstance(i, Telemetry)] for log in logs]
-    old = vehicle.sensors
     depth = _white(reports, lambda t: t.depth)
-    sensors: Sensors = replace(
-        old,
-        depth=old.depth if depth is None else max(depth * math.sqrt(2.0), 0.01),
-        altitude=_or(_white(reports, lambda t: t.altitude), old.altitude, 0.01),
-        heading=_or(_white(reports, lambda t: t.heading, circular=True), old.heading, 2e-3),
-        fix=_or(_fix_noise(logs, vehicle), old.fix, 0.01),
-    )
-    return replace(vehicle, sensors=sensors)
-
-
-def _or(found: float | None, kept: float, least: float) -> float:
-    return kept if found is None else max(found, least)
+    found = {
+        "depth": (None if depth is None else depth * math.sqrt(2.0), 0.01),
+        "altitude": (_white(reports, lambda t: t.altitude), 0.01),
+        "heading": (_white(reports, lambda t: t.heading, circular=True), 2e-3),
+        "fix": (_fix_noise(logs, vehicle), 0.01),
+    }
+    heard = {name: max(s, least) for name, (s, least) in found.items() if s is not None}
+    sensors: Sensors = replace(vehicle.sensors, **heard)
+    return replace(vehicle, sensors=sensors), tuple(n for n in found if n not in heard)
 
 
 def _white(
@@ -183,7 +266,7 @@ def _white(
             a, b, c, d = (float(v) for v in values if v is not None)
             third = d - 3.0 * c + 3.0 * b - a
             found.append(abs(math.remainder(third, 2.0 * math.pi) if circular else third))
-    if len(found) < _ENOUGH:
+    if len(found) < ENOUGH:
         return None
     return median(found) / 0.6745 / math.sqrt(20.0)  # of |normal|; 1 + 9 + 9 + 1
 
@@ -201,7 +284,7 @@ def _fix_noise(logs: Sequence[Inputs], vehicle: Vehicle) -> float | None:
             nav.fix(item)
             if last is not None and item.t - last < 1.5 and nav.core.fix_nis is not None:
                 squares.append(item.accuracy**2 * nav.core.fix_nis / 2.0)
-    return math.sqrt(sum(squares) / len(squares)) if len(squares) >= _ENOUGH else None
+    return math.sqrt(sum(squares) / len(squares)) if len(squares) >= ENOUGH else None
 
 
 # --- proof ---------------------------------------------------------------------------------------
@@ -243,53 +326,3 @@ def _missed(log: Inputs, vehicle: Vehicle) -> list[_Dive]:
         nav.fix(item)
         last, swum = item.t, 0.0
     return found
-
-
-# --- text ----------------------------------------------------------------------------------------
-
-
-def section(vehicle: Vehicle) -> str:
-    """The part of a vehicle file that calibration replaces."""
-    s, c = vehicle.sensors, vehicle.calibration
-    deviation = ", ".join(f"{name}: {_deg(value)}" for name, value in _harmonics(c.deviation))
-    declination = "auto" if vehicle.declination is None else f"{_deg(vehicle.declination)}"
-    return f"""sensors:                     # one sigma (calibrated)
-  depth: {s.depth:.3f} m
-  altitude: {s.altitude:.3f} m
-  heading: {_deg(s.heading)}
-  heading_bias: {_deg(s.heading_bias)}
-  fix: {s.fix:.2f} m
-  telemetry_period: {s.telemetry_period:g} s
-compass: {{declination: {declination}, bias_deg: {math.degrees(vehicle.compass_bias):.2f}}}
-calibration:
-  speed_scale: {c.speed_scale:.4f}        # on speed_by_gear
-  speed_scale_sigma: {c.speed_scale_sigma:.4f}
-  deviation: {{{deviation}}}
-  deviation_sigma: {_deg(c.deviation_sigma)}
-{_others(c)}"""
-
-
-def _harmonics(deviation: Deviation) -> list[tuple[str, float]]:
-    return [(name, getattr(deviation, name)) for name in ("sin1", "cos1", "sin2", "cos2")]
-
-
-def _others(known: Calibration) -> str:
-    """What calibration leaves as it was, so that the section is whole."""
-    current = f"{{north: {known.current[0]:g}, east: {known.current[1]:g}}}"
-    sigma = "" if known.current_sigma is None else f"  current_sigma: {known.current_sigma:g} m/s\n"
-    return f"""  speed_noise: {known.speed_noise:g} m/s
-  speed_time: {known.speed_time:g} s
-  surge_length: {known.surge_length:g} m
-  turn_loss: {known.turn_loss:g} s
-  turn_slip: {known.turn_slip:g} s
-  turn_slip_time: {known.turn_slip_time:g} s
-  sway_noise: {known.sway_noise:g}
-  compass_wander: {_deg(known.compass_wander)}
-  compass_wander_time: {known.compass_wander_time:g} s
-  surface_drift: {known.surface_drift:g} m/s
-  current: {current}
-{sigma}"""
-
-
-def _deg(value: float) -> str:
-    return f"{math.degrees(value):.2f} deg"

@@ -17,10 +17,11 @@ from simulated_truth import HOME, Flown, fly_plan
 from mission.commands.calibrate import calibrate as calibrate_command
 from mission.commands.report import report as report_command
 from mission.navigation import LocalFrame, Navigation
-from mission.navigation.calibration import CalibrationError, calibrate, section
+from mission.navigation.calibration import Calibrated, CalibrationError, calibrate
+from mission.navigation.lessons import kept, section, untaught
 from mission.navigation.smoothing import Track, smooth
 from mission.serve.heard import Heard
-from mission.vehicle import load_vehicle, missions_folder
+from mission.vehicle import Vehicle, load_vehicle, missions_folder
 from protocol.messages import Fix, Telemetry
 
 VEHICLE = load_vehicle("auv")
@@ -136,6 +137,71 @@ def test_the_section_is_read_back_as_it_was_meant(flown: Flown, tmp_path: Path) 
     assert read.sensors.heading_bias == pytest.approx(done.vehicle.sensors.heading_bias, abs=1e-3)
 
 
+def told(vehicle: Vehicle) -> tuple[object, ...]:
+    """What calibration fits, and how sure it is of it."""
+    c = vehicle.calibration
+    bias = vehicle.compass_bias, vehicle.sensors.heading_bias
+    return (c.speed_scale, c.speed_scale_sigma), bias, (c.deviation, c.deviation_sigma)
+
+
+def test_what_the_logs_do_not_teach_stays_as_the_vehicle_file_has_it() -> None:
+    """One fix, a dive, and a fix: nothing tells a current from a bias or a wrong speed."""
+    done = calibrate([fly_plan(3, bias_deg=7.0, learning=False).items], VEHICLE)
+    assert told(done.vehicle) == told(VEHICLE)
+    lines = untaught(done)
+    assert [next(n for n in ("speed", "bias", "deviation") if n in line) for line in lines] == [
+        "speed",
+        "bias",
+        "deviation",
+    ]
+    assert all("kept as it was; to teach it fly" in line for line in lines)
+
+
+def test_no_figure_is_less_known_by_logs_that_agree_with_the_vehicle_file(flown: Flown) -> None:
+    sure = replace(
+        VEHICLE,
+        compass_bias=math.radians(7.0),
+        sensors=replace(VEHICLE.sensors, heading_bias=math.radians(2.0)),
+    )
+    done = calibrate([flown.items], sure)
+    assert told(done.vehicle)[1] == told(sure)[1]
+    assert kept(done) == {"heading_bias", "deviation"}
+    assert done.vehicle.calibration.speed_scale_sigma < VEHICLE.calibration.speed_scale_sigma
+    assert done.vehicle.calibration.deviation_sigma == VEHICLE.calibration.deviation_sigma
+
+
+def test_calibrating_again_with_the_same_logs_makes_nothing_surer(flown: Flown) -> None:
+    once = calibrate([flown.items], OFF).vehicle
+    again = calibrate([flown.items], once).vehicle
+    assert again.calibration.speed_scale_sigma > 0.9 * once.calibration.speed_scale_sigma
+    assert again.sensors.heading_bias > 0.9 * once.sensors.heading_bias
+    assert again.calibration.speed_scale == pytest.approx(once.calibration.speed_scale, rel=0.02)
+
+
+def test_logs_that_contradict_a_sure_vehicle_file_are_believed(flown: Flown) -> None:
+    wrong = replace(
+        VEHICLE,
+        compass_bias=math.radians(-18.0),  # set anew, by 25 deg
+        sensors=replace(VEHICLE.sensors, heading_bias=math.radians(1.0)),
+    )
+    done = calibrate([flown.items], wrong)
+    assert "heading_bias" not in kept(done)
+    assert math.degrees(done.vehicle.compass_bias) == pytest.approx(7.0, abs=5.0)
+    assert done.vehicle.sensors.heading_bias > math.radians(1.0)
+
+
+def test_a_log_too_short_for_a_noise_figure_leaves_it_and_says_so(flown: Flown) -> None:
+    brief = [i for i in flown.items if i.t < 40.0 and not (isinstance(i, Fix) and i.t > 20.0)]
+    done = calibrate([brief], VEHICLE)
+    assert {"depth", "heading", "fix"} <= set(done.unheard)
+    assert done.vehicle.sensors.depth == VEHICLE.sensors.depth
+    assert done.vehicle.sensors.fix == VEHICLE.sensors.fix
+    assert any("noise of fix" in line and "every second" in line for line in untaught(done))
+    assert f"depth: {VEHICLE.sensors.depth:.3f} m   # as it was" in section(
+        done.vehicle, kept(done)
+    )
+
+
 def test_logs_without_fixes_cannot_calibrate() -> None:
     with pytest.raises(CalibrationError, match="two fixes"):
         calibrate([[Telemetry(1.0, depth=1.0)]], VEHICLE)
@@ -195,6 +261,19 @@ def test_calibrate_prints_a_section_and_draws(box: Path, tmp_path: Path) -> None
     assert result.exit_code == 0, result.output
     assert "speed_scale" in yaml.safe_load(result.stdout)["calibration"]
     assert picture.exists()
+
+
+def test_calibrate_tells_what_it_kept_and_when_the_error_has_grown(
+    box: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Calibrated, "percent", lambda _: (11.1, 12.6))
+    result = CliRunner().invoke(calibrate_command, [str(box)])
+    assert result.exit_code == 0
+    assert "keep the old figures" in result.stderr
+    assert "too little about deviation" in result.stderr
+    assert "# as it was" in result.stdout
+    deviation = yaml.safe_load(result.stdout)["calibration"]["deviation_sigma"]
+    assert deviation == f"{math.degrees(VEHICLE.calibration.deviation_sigma):.2f} deg"
 
 
 def test_a_plan_is_the_same_for_the_same_seed() -> None:
