@@ -69,7 +69,8 @@ class Run(NamedTuple):
     slip to starboard as a share of the speed, ``lost`` the extra heading variance times its
     correlation time (rad^2 s) while the compass cannot be believed, ``driven`` how much of the
     speed's deviation there is (none at rest), ``turned`` the angle since the report before,
-    ``skid`` the variance (to any side) that a turn adds, per second and (m/s)^2.
+    ``skid`` the variance (to any side) that a turn adds, per second and (m/s)^2, ``heave`` the way
+    ahead (m/s) that a pitched hull makes by sinking or rising otherwise than along its bow.
     """
 
     heading: float = 0.0
@@ -81,6 +82,7 @@ class Run(NamedTuple):
     turned: float = 0.0
     surfaced: bool = False
     skid: float = 0.0
+    heave: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +161,7 @@ class Filter:
         true = run.heading - error - a * sm - b * cm - wander
         c, s = math.cos(true), math.sin(true)
         speed = scale * run.expected + deviation * run.driven
-        forward = speed * run.along
+        forward = speed * run.along + run.heave
         sway = run.sway * speed
         dn, de = (forward * c - sway * s) * dt, (forward * s + sway * c) * dt
         if dt != self._steady.dt:
@@ -303,7 +305,7 @@ class Filter:
         true -= float(x[SIN]) * sm + float(x[COS]) * cm
         c, s = math.cos(true), math.sin(true)
         speed = float(x[SCALE]) * run.expected + float(x[DEVIATION]) * run.driven
-        forward, sway = speed * run.along, speed * run.sway
+        forward, sway = speed * run.along + run.heave, speed * run.sway
         vn, ve = forward * c - sway * s, forward * s + sway * c
         h = np.zeros((2, STATES))
         for column, n, e in (

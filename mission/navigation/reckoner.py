@@ -31,6 +31,7 @@ _EXTRAPOLATE = 1.0  # s beyond a report for which its yaw rate is believed
 _SURFACE = 0.7  # m of depth: shallower is moved by wind and waves
 _UNDER_WAY = 0.3  # m/s: slower, the speed's deviation fades with the speed
 _STEADY_SPEED, _STEADY_TURN = 0.1, 0.05  # m/s since the report before; rad/s
+_STEEP = 1.0  # rad of pitch: steeper, a depth rate says nothing of the way ahead
 _PENDING = 4  # velocities that wait for a report
 _SKID = 0.3  # of the slip in a turn: how far it differs from turn to turn, after one rad
 _LOST_TIME, _LOST_GROWTH, _LOST_MOST = 20.0, 0.05, 1.8  # s; rad per s; rad: no compass
@@ -48,6 +49,7 @@ class _Motion(NamedTuple):
     surfaced: bool = False
     sway: float = 0.0  # share of the speed, mean since the report before
     skidding: float = 0.0  # the same, at the report
+    heave: float = 0.0  # m/s ahead, of a pitched hull that sinks or rises upright
 
 
 class Reckoner:
@@ -111,9 +113,10 @@ class Reckoner:
         kept = 1.0 / (1.0 + self._calibration.turn_loss * abs(rate))
         surfaced = last.surfaced if r.depth is None else r.depth < _SURFACE
         along = math.cos(pitch) * kept
+        heave = (sinking + expected * math.sin(pitch)) * math.tan(min(max(pitch, -_STEEP), _STEEP))
         sway, skidding = self._skid(rate, since)
         self._motion = _Motion(
-            r.t, heading, heading_t, rate, along, expected, surfaced, sway, skidding
+            r.t, heading, heading_t, rate, along, expected, surfaced, sway, skidding, heave
         )
         self._advance(r.t)
         self._velocities(before)
@@ -166,7 +169,7 @@ class Reckoner:
         slip = self._calibration.turn_slip
         skid = (_SKID * slip) ** 2 * abs(m.yaw_rate)
         lost, heading = self._lost(t1), m.heading + turned
-        return Run(heading, m.expected, along, m.sway, lost, driven, arc, m.surfaced, skid)
+        return Run(heading, m.expected, along, m.sway, lost, driven, arc, m.surfaced, skid, m.heave)
 
     def _lost(self, t: float) -> float:
         return self.heading_loss(t) ** 2 * _LOST_TIME

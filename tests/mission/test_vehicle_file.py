@@ -40,7 +40,7 @@ def test_a_shipped_file_says_of_every_sensor_and_axis_whether_it_is_there(path: 
         ("power: 1.0}", "thrusters: 1.0}", "battery_scale: no key thrusters"),
         ("hotel: 35", "house: 35", "battery: no key house"),
         ("  fix: 2.5 m", "  gps: 2.5 m", "sensors: no key gps"),
-        ("  turn_slip: 1.5 s", "  slip: 1.5 s", "calibration: no key slip"),
+        ("  turn_slip: 1.8 s", "  slip: 1.8 s", "calibration: no key slip"),
     ],
 )
 def test_a_key_nobody_knows_is_refused_with_those_there_are(

@@ -91,8 +91,8 @@ def calibrated(vehicle: Vehicle, scale: float) -> Vehicle:
             speed_scale=scale,
             speed_noise=0.025,  # the table's shape, from gear to gear
             speed_time=150.0,
-            surface_drift=0.002,
-            sway_noise=0.02,
+            surface_drift=1e-4,  # no wind, no waves
+            sway_noise=0.007,  # of the hull on a steady course: 0.7 %, for some ten seconds
             deviation_sigma=e.deviation / math.sqrt(2.0),  # an amplitude
             compass_wander=e.compass_slow,
             compass_wander_time=300.0,

@@ -279,3 +279,27 @@ def test_the_declination_that_the_first_fix_brings_is_no_turn() -> None:
         learned.append(estimate.current_east)
     assert learned[1] == pytest.approx(learned[0], rel=1e-3)
     assert learned[1] > 0.2
+
+
+@pytest.mark.parametrize("gear", [0.0, 8.0])
+def test_a_pitched_hull_goes_where_its_depth_rate_says(vehicle: Vehicle, gear: float) -> None:
+    """Sinking upright it drifts ahead; sinking along its bow it makes the cosine of its speed."""
+    speed = vehicle.speed_by_gear.at(gear)
+    pitch = -0.3 if gear else 0.2
+    sinking = speed * math.sin(-pitch) if gear else 0.3
+    nav = Navigation(vehicle, HOME)
+    for second in range(0, 62, 2):
+        report = Telemetry(
+            float(second),
+            depth=2.0 + sinking * second,
+            heading=0.001 * second,
+            pitch=pitch + 1e-4 * (second % 4),
+            actuators=(gear / 12.0,) * 2 + (0.0,) * 3,
+        )
+        nav.telemetry(report)
+        if second == 0:
+            nav.start_here(0.0)
+    estimate = nav.estimate(60.0)
+    assert estimate is not None
+    ahead = speed * math.cos(pitch) if gear else sinking * math.tan(pitch)
+    assert estimate.north == pytest.approx(60.0 * ahead, rel=0.08)  # the depth rate is found first
