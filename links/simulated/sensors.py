@@ -118,10 +118,10 @@ class Sensors:
     # --- what the control loops read -------------------------------------------------------
 
     def depth(self, plant: Plant) -> float:
-        if self.health and Sensor.DEPTH in self.health:
-            return self.last[4]
         depth = plant.depth + self.depth_bias
-        return self._as_bent(4, depth) if self.bent else depth
+        if not (self.health or self.bent):
+            return depth
+        return self.last[4] if Sensor.DEPTH in self.health else self._as_bent(4, depth)
 
     def altitude(self, plant: Plant) -> float:
         if not self._echo or (self.health and Sensor.ALTITUDE in self.health):
@@ -130,10 +130,10 @@ class Sensors:
 
     def heading(self, plant: Plant) -> float:
         """Not wrapped."""
-        if self.health and Sensor.HEADING in self.health:
-            return self.last[2]
         heading = plant.yaw + self._heading_error
-        return self._as_bent(2, heading) if self.bent else heading
+        if not (self.health or self.bent):
+            return heading
+        return self.last[2] if Sensor.HEADING in self.health else self._as_bent(2, heading)
 
     # --- what is reported ------------------------------------------------------------------
 

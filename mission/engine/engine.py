@@ -236,15 +236,15 @@ class Engine:
     def _next_timer(self) -> float | None:
         core = self._core
         due: list[float | None] = [core.stop_at]
-        if core.region == MANUAL:
+        if (run := core.flying) is not None:
+            due += run.next_timer(core.senses)
+            due.append(core.watch.next_timer())
+        elif core.region == MANUAL:
             due.append(core.stick + self._forgotten_after)
             if core.active == MANUAL_DRIVING:
                 due.append(core.stick + STICK_QUIET)
         if core.ascent is not None:
             due += [core.ascent.next_timer(), core.senses.surface_due(core.ascent.began)]
-        if (run := core.flying) is not None:
-            due += run.next_timer(core.senses)
-            due.append(core.watch.next_timer())
         now, first = core.now, None
         for at in due:
             if at is not None and at > now and (first is None or at < first):
