@@ -184,6 +184,7 @@ class Vehicle:
     declination: float | None  # rad; None: from the world magnetic model
     compass_bias: float  # rad
     calibration: Calibration = Calibration()
+    stale_after: float = 6.0  # s: an older report is not believed (design: three were missed)
     glides: bool = False  # no thruster: moves forward by sinking and rising
     drives: bool = False  # on the ground: it is at the surface wherever it is
 
@@ -332,6 +333,7 @@ def _vehicle(keys: _Keys) -> Vehicle:
         declination=None if declination == "auto" else compass.number("declination", "deg"),
         compass_bias=compass.number("bias_deg", "deg"),
         calibration=_calibration(keys),
+        stale_after=keys.number("stale_after", "s") if "stale_after" in keys.data else 6.0,
         glides=keys.flag("glides") if "glides" in keys.data else False,
         drives=keys.flag("drives") if "drives" in keys.data else False,
     )

@@ -49,7 +49,7 @@ Moved = tuple[tuple[str, ...], tuple[str, ...]]
 class Core:
     def __init__(self, vehicle: Vehicle, navigation: Navigator | None) -> None:
         self.vehicle = vehicle
-        self.senses = Senses(navigation, grounded=vehicle.drives)
+        self.senses = Senses(navigation, grounded=vehicle.drives, stale_after=vehicle.stale_after)
         self.machine = Machine()
         self.chart: Chart | None = None
         self.operator = SetSafety()

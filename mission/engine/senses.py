@@ -21,7 +21,6 @@ from protocol.messages import Fix, Setpoint, Telemetry
 
 SURFACE_DEPTH = 0.5  # m (R7)
 SURFACE_TIME = 6.0  # s (R7)
-_FRESH = 6.0  # s, without navigation
 _POSITION_PERIOD = 1.0  # s: the errors of one second's positions are one error
 _ESTIMATE_AGE = 2.5  # s: older, and it is reckoned on to now
 _MEDIAN_OF = 5  # fixes (R9)
@@ -58,9 +57,17 @@ class Navigator(Protocol):
 
 
 class Senses:
-    def __init__(self, navigation: Navigator | None = None, *, grounded: bool = False) -> None:
-        """``grounded``: the vehicle drives on the ground, where the depth is 0."""
+    def __init__(
+        self,
+        navigation: Navigator | None = None,
+        *,
+        grounded: bool = False,
+        stale_after: float = 6.0,
+    ) -> None:
+        """``grounded``: the vehicle drives on the ground, where the depth is 0. ``stale_after``:
+        s, the age at which a report is believed no more."""
         self.navigation = navigation
+        self._stale_after = stale_after
         self._grounded = grounded
         self.now = 0.0
         self.telemetry: Telemetry | None = None
@@ -161,7 +168,7 @@ class Senses:
         if self.telemetry is None or not isinstance(value, float):
             return Health(False, "missing", math.inf)
         age = self.now - self.telemetry.t
-        if age > _FRESH:
+        if age > self._stale_after:
             return Health(False, "stale", age)
         return Health(math.isfinite(value), "" if math.isfinite(value) else "absurd", age)
 

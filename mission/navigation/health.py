@@ -1,7 +1,8 @@
 """Whether each sensor can be believed: missing, stale, frozen or absurd, else valid.
 
     missing  never reported (or the vehicle file says that it is not there)
-    stale    the last report is older than the row's max age
+    stale    the last report is older than the row's max age, or than the vehicle file's
+             ``stale_after``
     frozen   identical to the last bit for 5 reports while the vehicle moves (some rows only:
              batteries and temperature may well be constant)
     absurd   not finite (a codec tells None and a fault), out of the physical range, faster than
@@ -107,9 +108,14 @@ def _near(row: Channel, since: float, value: float, other: float) -> bool:
 
 
 class SensorHealth:
-    """One monitor per channel. ``reports`` are the sensors that the vehicle file declares."""
+    """One monitor per channel. ``reports`` are the sensors that the vehicle file declares,
+    ``stale_after`` its age of telemetry, s."""
 
-    def __init__(self, reports: frozenset[str]) -> None:
+    def __init__(self, reports: frozenset[str], stale_after: float = _TELEMETRY) -> None:
+        self._max_age = {
+            name: stale_after if row.max_age == _TELEMETRY else row.max_age
+            for name, row in CHANNELS.items()
+        }
         self._declared = frozenset(n for n, row in CHANNELS.items() if row.sensor in reports)
         self.monitors = {name: _Monitor() for name in CHANNELS}
 
@@ -162,7 +168,7 @@ class SensorHealth:
     def _channel(self, name: str, now: float) -> Health:
         monitor = self.monitors[name]
         age, reason = now - monitor.t, monitor.reason
-        if age > CHANNELS[name].max_age:
+        if age > self._max_age[name]:
             reason = "missing" if age == math.inf else "stale"
         return Health(not reason, reason, age)
 

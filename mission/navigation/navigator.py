@@ -44,7 +44,7 @@ class Navigation:
 
         self._vehicle = vehicle
         self._date = date
-        self._health = SensorHealth(vehicle.reports)
+        self._health = SensorHealth(vehicle.reports, vehicle.stale_after)
         self.core = Reckoner(vehicle, figures or believed(vehicle))
         self._history: deque[tuple[Item, tuple[Any, ...]]] = deque(maxlen=_KEEP)
         self.dropped = 0  # items that came too late to be of use

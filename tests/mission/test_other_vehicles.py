@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from mission.engine.engine import Engine
 from mission.engine.senses import Senses
 from mission.engine.watch import Descent
 from mission.language import parse
@@ -324,3 +325,14 @@ def test_a_start_refused_for_want_of_a_fix_says_what_allows_it() -> None:
     refused = fly(parse(text.format("")), load_vehicle("rov"))
     assert "'start without fix' in the mission allows it" in refused.reason
     assert fly(parse(text.format("start without fix\n")), load_vehicle("rov")).legs
+
+
+def test_before_the_filter_is_loaded_reports_grow_as_old_as_the_vehicle_file_allows() -> None:
+    for vehicle in ("coreboard", "auv"):
+        engine = Engine(load_vehicle(vehicle))
+        engine.step(1.0, (Telemetry(1.0, depth=3.0),))
+        age = load_vehicle(vehicle).stale_after
+        engine.step(1.0 + age)
+        assert engine.depth == 3.0
+        engine.step(1.01 + age)
+        assert engine.depth is None

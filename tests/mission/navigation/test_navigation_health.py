@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 
 from mission.navigation.health import SENSORS, SensorHealth
+from mission.vehicle import load_vehicle
 from protocol.messages import Fix, Telemetry
 
 _MOVING = (0.5, 0.5, 0.0, 0.0, 0.0)
@@ -142,3 +143,19 @@ def test_what_the_vehicle_file_says_is_absent_is_missing() -> None:
     health = SensorHealth(_ALL - {"altitude"})
     health.telemetry(report(0))
     assert health.of("altitude", 0.0).reason == "missing"
+
+
+@pytest.mark.parametrize("sensor", ["depth", "altitude", "heading", "attitude", "leak"])
+def test_the_vehicle_file_says_when_its_reports_are_stale(sensor: str) -> None:
+    """R16: those of the core board after 1 s; slow quantities and fixes keep their own age."""
+    health = SensorHealth(_ALL, load_vehicle("coreboard").stale_after)
+    health.telemetry(report(5))
+    health.fix(Fix(10.0, 0.5, 2.0, 2.5))
+    assert health.of(sensor, 11.0).valid
+    assert health.of(sensor, 11.01).reason == "stale"
+    for slow in ("temperature", "battery", "position"):
+        assert health.of(slow, 15.0).valid
+    usual = SensorHealth(_ALL, load_vehicle("auv").stale_after)
+    usual.telemetry(report(5))
+    assert usual.of(sensor, 16.0).valid
+    assert usual.of(sensor, 16.01).reason == "stale"
