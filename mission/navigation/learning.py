@@ -30,7 +30,7 @@ from mission.navigation.recordings import Recording
 Array = NDArray[np.float64]
 
 _SAME_WATERS = 20_000.0  # m between two starts
-_TEACHES = 60.0  # s: what a shorter run says of its speed is not worth much
+_TEACHES = 60.0  # s: what a shorter run says of its speed is not worth much beside others
 _STEP = 5.0  # s over which velocities are taken from positions
 _RIDGE, _ROUGH = 0.2, 0.15  # m/s: how far a current is expected to be from none; of a velocity
 _KEPT, _SWAY = 200.0, 10.0  # s: a speed is kept for minutes, a sway is not
@@ -68,7 +68,7 @@ class _Fit:
 
 def learn(others: Sequence[Recording], waters_of: Recording) -> Learned:
     """From ``others`` (runs) for one that is not among them."""
-    others = [o for o in others if o.t[-1] - o.t[0] >= _TEACHES]
+    others = [o for o in others if o.t[-1] - o.t[0] >= _TEACHES] or list(others)
     if not others:
         return Learned()
     fits = [_fit(run) for run in others]

@@ -50,6 +50,7 @@ class _Motion(NamedTuple):
     sway: float = 0.0  # share of the speed, mean since the report before
     skidding: float = 0.0  # the same, at the report
     heave: float = 0.0  # m/s ahead, of a pitched hull that sinks or rises upright
+    gap: float = 0.0  # s between this heading and the one before
 
 
 class Reckoner:
@@ -115,8 +116,9 @@ class Reckoner:
         along = math.cos(pitch) * kept
         heave = (sinking + expected * math.sin(pitch)) * math.tan(min(max(pitch, -_STEEP), _STEEP))
         sway, skidding = self._skid(rate, since)
+        gap = 0.0 if last.heading is None else heading_t - last.heading_t
         self._motion = _Motion(
-            r.t, heading, heading_t, rate, along, expected, surfaced, sway, skidding, heave
+            r.t, heading, heading_t, rate, along, expected, surfaced, sway, skidding, heave, gap
         )
         self._advance(r.t)
         self._velocities(before)
@@ -160,19 +162,25 @@ class Reckoner:
         """How it moves between two times."""
         m = self._motion
         driven = min(abs(m.expected) / _UNDER_WAY, 1.0)
-        if m.heading is None:
-            lost = _LOST_MOST**2 * _LOST_TIME
-            return Run(0.0, m.expected, m.along, 0.0, lost, driven, 0.0, m.surfaced)
+        if m.heading is None:  # to any side, and to none in the mean
+            skid = 2.0 * _LOST_MOST**2 * _LOST_TIME
+            return Run(0.0, m.expected, 0.0, 0.0, 0.0, driven, 0.0, m.surfaced, skid)
         turned = m.yaw_rate * min(0.5 * (t0 + t1) - m.heading_t, _EXTRAPOLATE)
         arc = m.yaw_rate * (t1 - t0)
         along = m.along * (1.0 - min(arc * arc, 4.0) / 24.0)  # the chord of the arc
         slip = self._calibration.turn_slip
         skid = (_SKID * slip) ** 2 * abs(m.yaw_rate)
         lost, heading = self._lost(t1), m.heading + turned
+        if lost > 0.0:  # and, the less is known of the heading, ahead and back as well
+            gone = 1.0 - math.exp(-lost / _LOST_TIME)
+            skid += 2.0 * lost * gone * gone
         return Run(heading, m.expected, along, m.sway, lost, driven, arc, m.surfaced, skid, m.heave)
 
     def _lost(self, t: float) -> float:
-        return self.heading_loss(t) ** 2 * _LOST_TIME
+        """Up to the last heading by how far apart it is from the one before, half way."""
+        m = self._motion
+        loss = self.heading_loss(t if t > m.heading_t else m.heading_t + 0.5 * m.gap)
+        return loss * loss * _LOST_TIME
 
     def heading_loss(self, t: float) -> float:
         """Extra sigma of the heading, rad, where the compass has not been believed for a while."""

@@ -32,8 +32,12 @@ _RUN = ("t", "lat", "lon", "depth", "roll_deg", "pitch_deg", "heading_deg")
 _GLIDER = ("unix_s", "depth_m", "heading_mag_deg", "pitch_deg", "roll_deg", "gps_lat", "gps_lon")
 _EXTRA = ("altitude_m", "veh_temp_c", "speed_est_mps")
 _EVERY = 2.0  # s, of @SD
+_SELDOM = 10.0  # s: a heading is not known for longer than that, however seldom it is reported
 _SURFACE = 0.5  # m: the antenna is out of the water
 SHORTEST, NEAREST = 30.0, 20.0  # s and m of a run that can be scored
+_FASTEST, _BESIDE = 10.0, 20.0  # m/s, m: what is farther than that from a track is not of it
+UNUSABLE = "without numbers, out of range, of order or of the track"
+_TRACKS = 8  # that are gone on with at once
 _UNDATED = datetime(2024, 1, 1, tzinfo=UTC)  # runs count from 0
 CRUISE_PWM, NEUTRAL_PWM = 1500 + round(500 * 8 / 12), 1500  # gear 8, and none
 
@@ -63,7 +67,21 @@ class Recording:
     altitude: Array
     temperature: Array
     own_speed: Array  # what the vehicle itself believed, m/s
+    places: frozenset[tuple[int, int]] = frozenset()  # 1e-7 deg
     skipped: int = 0  # rows that could not be used
+
+    def overlaps(self, other: Recording) -> bool:
+        """Both were cut from one: a tenth of the places of the shorter are in the other as well."""
+        fewer = min(len(self.places), len(other.places))
+        return 10 * len(self.places & other.places) > fewer
+
+    @property
+    def period(self) -> float:
+        """s between two reports, as a rule."""
+        at = self.t[np.isfinite(self.heading)]
+        if len(at) < 2:
+            return _EVERY
+        return min(max(_EVERY, float(np.median(np.diff(at)))), _SELDOM)
 
     @property
     def path(self) -> Array:
@@ -81,16 +99,17 @@ def read(file: Path) -> Recording:
 
 
 def _read(file: Path) -> Recording:
-    with file.open(newline="", encoding="utf-8") as stream:
+    with file.open(newline="", encoding="utf-8-sig") as stream:
         rows = csv.DictReader(stream)
-        names = tuple(rows.fieldnames or ())
+        names = tuple(name.strip().lower() for name in rows.fieldnames or ())
+        rows.fieldnames = names
         glider = set(_GLIDER) <= set(names)
         if not glider and not set(_RUN) <= set(names):
             run = ", ".join(n for n in _RUN if n not in names)
             glide = ", ".join(n for n in _GLIDER if n not in names)
             raise RecordingError(
                 f"{file}: no recording: for a run the columns {run} are missing, "
-                f"for a glider {glide}"
+                f"for a glider {glide}; there are: {', '.join(names)[:80] or 'none'}"
             )
         wanted = (*(_GLIDER if glider else _RUN), *(n for n in _EXTRA if n in names))
         table: dict[str, list[float]] = {name: [] for name in wanted}
@@ -107,19 +126,35 @@ def _number(text: str | None) -> float:
         return math.nan
 
 
-def _recording(where: str, name: str, glider: bool, table: dict[str, Array]) -> Recording:
-    time, lat, lon = ("unix_s", "gps_lat", "gps_lon") if glider else ("t", "lat", "lon")
+def _usable(glider: bool, table: dict[str, Array]) -> tuple[NDArray[np.bool_], int]:
+    """Which rows; and how many not, or not with their place (taken out of ``table``)."""
+    time, lat, lon = (_GLIDER[0], *_GLIDER[-2:]) if glider else _RUN[:3]
     whole = [time] if glider else list(_RUN)
+    table[lon] = np.where(table[lon] > 180.0, table[lon] - 360.0, table[lon])  # 0 to 360
+    nowhere = (table[lat] == 0.0) & (table[lon] == 0.0)  # as some say where there is no fix
+    table[lat] = np.where(nowhere, np.nan, table[lat])
     good = np.all([np.isfinite(table[n]) for n in whole], axis=0)
     good &= ~((np.abs(table[lat]) > 90.0) | (np.abs(table[lon]) > 180.0))
     good[good] &= np.concatenate(([True], np.diff(np.maximum.accumulate(table[time][good])) > 0.0))
-    skipped = int(np.sum(~good))
-    table = {n: v[good] for n, v in table.items()}
+    found = np.flatnonzero(good & np.isfinite(table[lat]) & np.isfinite(table[lon]))
+    wild = found[~_one_track(table[time][found], table[lat][found], table[lon][found])]
+    skipped = int(np.sum(~good)) + len(wild)
+    if glider:
+        table[lat][wild] = np.nan  # a fix less, but a row
+    else:
+        good[wild] = False
+    return good, skipped
+
+
+def _recording(where: str, name: str, glider: bool, raw: dict[str, Array]) -> Recording:
+    good, skipped = _usable(glider, raw)
+    table = {n: v[good] for n, v in raw.items()}
+    time, lat, lon = (_GLIDER[0], *_GLIDER[-2:]) if glider else _RUN[:3]
     at = np.flatnonzero(np.isfinite(table[lat]) & np.isfinite(table[lon]))
     if len(at) < 2:
-        raise RecordingError(f"{where}: fewer than two rows with a time and a position")
+        raise RecordingError(_too_few(where, raw, skipped))
     t = table[time]
-    start = datetime.fromtimestamp(t[0], UTC) if glider else _UNDATED
+    start = _date(where, float(t[0])) if glider else _UNDATED
     origin = Position(float(table[lat][at[0]]), float(table[lon][at[0]]))
     frame, north, east = LocalFrame(origin), np.full(len(t), np.nan), np.full(len(t), np.nan)
     for i in at:
@@ -144,8 +179,53 @@ def _recording(where: str, name: str, glider: bool, table: dict[str, Array]) -> 
         altitude=table.get("altitude_m", unknown),
         temperature=table.get("veh_temp_c", unknown),
         own_speed=table.get("speed_est_mps", unknown),
+        places=frozenset(zip(_fine(table[lat][at]), _fine(table[lon][at]), strict=True)),
         skipped=skipped,
     )
+
+
+def _fine(degrees: Array) -> list[int]:
+    found: list[int] = np.round(1e7 * degrees).astype(np.int64).tolist()
+    return found
+
+
+def _one_track(t: Array, lat: Array, lon: Array) -> NDArray[np.bool_]:
+    """Which places (deg) belong to the longest track that one vehicle can have made."""
+    tracks: list[list[int]] = []
+    places = list(zip(t.tolist(), lat.tolist(), lon.tolist(), strict=True))
+    for i, (now, here, there) in enumerate(places):
+        for track in tracks[-_TRACKS:]:
+            before, a, b = places[track[-1]]
+            north = 60.0 * 1852.0 * (here - a)
+            east = 60.0 * 1852.0 * math.remainder(there - b, 360.0) * math.cos(math.radians(here))
+            if math.hypot(north, east) <= _FASTEST * (now - before) + _BESIDE:
+                track.append(i)
+                break
+        else:
+            tracks.append([i])
+    mask = np.zeros(len(t), dtype=np.bool_)
+    mask[max(tracks, key=len, default=[])] = True
+    return mask
+
+
+def _too_few(where: str, table: dict[str, Array], skipped: int) -> str:
+    rows = max(len(v) for v in table.values())
+    empty = [n for n, v in table.items() if n not in _EXTRA and not np.isfinite(v).any()]
+    why = f"{rows} rows"
+    if skipped:
+        why += f", {skipped} {UNUSABLE}"
+    if rows and empty:
+        why += f"; there is no number in {', '.join(empty)}"
+    return f"{where}: fewer than two rows with a time and a position: {why}"
+
+
+def _date(where: str, seconds: float) -> datetime:
+    try:
+        return datetime.fromtimestamp(seconds, UTC)
+    except (ValueError, OverflowError, OSError):
+        raise RecordingError(
+            f"{where}: unix_s begins with {seconds:g}, which is no date in s since 1970"
+        ) from None
 
 
 def _long_enough(where: str, t: Array, path: float) -> None:

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mission.navigation.recordings import Recording, held
+from mission.navigation.recordings import NEAREST, Recording, held
 
 Array = NDArray[np.float64]
 
@@ -74,11 +74,13 @@ def _place(run: Recording) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class Dive:
-    """Between the rows of two fixes. ``path`` is what the vehicle believed to have swum, m."""
+    """Between the rows of two fixes. ``path`` is what the vehicle believed to have swum, m; where
+    its own speed was not recorded, the way from fix to fix (``reckoned`` is False)."""
 
     begin: int
     end: int
     path: float
+    reckoned: bool = True
 
 
 def dives(glider: Recording, fixes: Sequence[int], deep: float, long: float) -> list[Dive]:
@@ -88,17 +90,24 @@ def dives(glider: Recording, fixes: Sequence[int], deep: float, long: float) -> 
     for a, b in itertools.pairwise(fixes):
         depth, t = glider.depth[a : b + 1], glider.t[a : b + 1]
         if t[-1] - t[0] >= long and np.nanmax(np.append(depth, 0.0)) >= deep:
-            found.append(Dive(a, b, float(np.nansum(speed[a:b] * np.diff(t)))))
+            path = float(np.nansum(speed[a:b] * np.diff(t)))
+            if path < NEAREST:
+                ends = _place(glider)[[a, b]]
+                path = max(float(np.hypot(*(ends[1] - ends[0]))), NEAREST)
+                found.append(Dive(a, b, path, reckoned=False))
+                continue
+            found.append(Dive(a, b, path))
     return found
 
 
 def glider_errors(
     glider: Recording, found: Sequence[Dive], declination: float, *, causal: bool
 ) -> list[float]:
-    """One figure a dive; with ``causal``, the current of the dive before is taken for this one."""
+    """One figure a dive that was reckoned; with ``causal``, the current of the dive before is taken
+    for this one."""
     speed, heading = held(glider.own_speed), held(glider.heading) + declination
     errors, current = [], np.zeros(2)
-    for dive in found:
+    for dive in (d for d in found if d.reckoned):
         rows = slice(dive.begin, dive.end)
         dt = np.diff(glider.t[dive.begin : dive.end + 1])
         swum = np.array([np.nansum(speed[rows] * f(heading[rows]) * dt) for f in (np.cos, np.sin)])

@@ -31,6 +31,7 @@ from mission.navigation.recordings import (
     CRUISE_PWM,
     NEAREST,
     NEUTRAL_PWM,
+    UNUSABLE,
     Recording,
     RecordingError,
     read,
@@ -102,17 +103,16 @@ def score_folder(
     """Every CSV of the two formats below ``folder``; and what of it is left out, and why."""
     recordings: list[Recording] = []
     refused: list[str] = []
-    for file in sorted(folder.rglob("*.csv")):
+    files = (f for f in sorted(folder.rglob("*")) if f.suffix.lower() == ".csv" and f.is_file())
+    for file in files:
         try:
-            found = read(file)
+            found = replace(read(file), name=file.relative_to(folder).as_posix())
         except (RecordingError, OSError) as error:
             refused.append(str(error))
             continue
         recordings.append(found)
         if found.skipped:
-            refused.append(
-                f"{file}: {found.skipped} rows without numbers, out of range or of order"
-            )
+            refused.append(f"{file}: {found.skipped} rows {UNUSABLE}")
     if not recordings:
         refused.append(f"{folder}: no recording (.csv) in it or below it")
     scores = score(recordings, vehicle, without)
@@ -130,9 +130,11 @@ def score(
     scores: list[Score] = []
     for recording in recordings:
         if recording.glider:
-            scores += _glider(recording, _deprived(glider_vehicle(vehicle), without))
+            scores += _glider(
+                recording, _deprived(glider_vehicle(vehicle, recording.period), without)
+            )
         else:
-            others = [r for r in runs if r is not recording]
+            others = [r for r in runs if r is not recording and not r.overlaps(recording)]
             scores += _run(recording, others, vehicle, without)
     return scores
 
@@ -153,7 +155,7 @@ def _run(
     for suffix, compass in (("", lambda h: h), ("+noise", noisy)):
         heading = compass(run.heading)
         alike = [replace(o, heading=compass(o.heading)) for o in others]  # the same compass
-        known = _deprived(run_vehicle(vehicle, learn(alike, run)), without)
+        known = _deprived(run_vehicle(vehicle, learn(alike, run), run.period), without)
         for name, until in (("start", 0.0), ("150s", _LEARNING)):
             samples = _reckon_run(run, heading, until, known)
             if not samples:
@@ -175,8 +177,9 @@ def noisy(heading: Array) -> Array:
     return noised
 
 
-def run_vehicle(vehicle: Vehicle, learned: Learned) -> Vehicle:
-    """The vehicle file with what the other runs taught; cruising is gear 8."""
+def run_vehicle(vehicle: Vehicle, learned: Learned, period: float) -> Vehicle:
+    """The vehicle file with what the other runs taught; cruising is gear 8. ``period`` is that of
+    the reports."""
     return replace(
         vehicle,
         speed_by_gear=Curve((0.0, 8.0, 12.0), (0.0, learned.speed, learned.speed)),
@@ -184,6 +187,7 @@ def run_vehicle(vehicle: Vehicle, learned: Learned) -> Vehicle:
         glides=False,
         sensors=replace(
             vehicle.sensors,
+            telemetry_period=period,
             heading_bias=vehicle.sensors.heading_bias
             if learned.compass is None
             else learned.compass,
@@ -219,13 +223,14 @@ def _reckon_run(run: Recording, heading: Array, until: float, known: Vehicle) ->
 # --- gliders -------------------------------------------------------------------------------------
 
 
-def glider_vehicle(vehicle: Vehicle) -> Vehicle:
+def glider_vehicle(vehicle: Vehicle, period: float) -> Vehicle:
     """No thrusters; a light, slow hull that wind moves at the surface."""
     return replace(
         vehicle,
         glides=True,
         declination=None,
         current=0.06,
+        sensors=replace(vehicle.sensors, telemetry_period=period),
         calibration=Calibration(speed_scale_sigma=0.15, speed_noise=0.03, surface_drift=0.25),
     )
 
@@ -251,8 +256,8 @@ def _glider(glider: Recording, vehicle: Vehicle) -> list[Score]:
     turned = references.glider_errors(glider, found, true, causal=False)
     causal = references.glider_errors(glider, found, true, causal=True)
     rows = {"naive": naive, "declination": turned, "causal_current": causal}
-    medians = {name: float(np.median(v)) for name, v in rows.items()}
-    one = _sum_up(glider.name, "dives", samples, medians["causal_current"], medians)
+    medians = {name: float(np.median(v)) for name, v in rows.items() if v}
+    one = _sum_up(glider.name, "dives", samples, medians.get("causal_current"), medians)
     return [replace(one, end_pct=one.median_pct)]
 
 

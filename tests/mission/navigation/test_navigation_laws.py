@@ -303,3 +303,38 @@ def test_a_pitched_hull_goes_where_its_depth_rate_says(vehicle: Vehicle, gear: f
     assert estimate is not None
     ahead = speed * math.cos(pitch) if gear else sinking * math.tan(pitch)
     assert estimate.north == pytest.approx(60.0 * ahead, rel=0.08)  # the depth rate is found first
+
+
+def test_a_silence_of_the_vehicle_is_not_taken_for_a_straight_course(vehicle: Vehicle) -> None:
+    """It turns while nothing is heard of it: the ellipse holds it when it is heard again."""
+    for silence in (20.0, 60.0, 100.0):
+        nav = Navigation(vehicle, HOME)
+        track = list(sail(replace(Sea(), heading_noise=0.0), 60.0, 300.0, 2))
+        heard = [i for i in track if not 80.0 < i[0].t <= 80.0 + silence]
+        upto = next(k for k, i in enumerate(heard) if i[0].t > 80.0 + silence) + 1
+        before = feed(Navigation(vehicle, HOME), [i for i in heard if i[0].t <= 80.0])
+        feed(nav, heard[:upto])
+        truth, estimate = heard[upto - 1][0], nav.estimate(heard[upto - 1][0].t)
+        asked = before.estimate(truth.t)
+        assert estimate is not None
+        assert asked is not None
+        a, b, d = estimate.covariance
+        n, e = truth.north - estimate.north, truth.east - estimate.east
+        assert (d * n * n - 2.0 * b * n * e + a * e * e) / (a * d - b * b) < 5.991
+        assert a + d > 0.2 * (asked.covariance[0] + asked.covariance[2])
+
+
+def test_a_vehicle_without_any_compass_may_be_on_any_side(vehicle: Vehicle) -> None:
+    nav = Navigation(vehicle, HOME)
+    track = sail(Sea(current=(0.0, 0.0), bias=0.0), 10.0, 80.0, 3)
+    dumb = [
+        (t, replace(i, heading=None) if isinstance(i, Telemetry) else i)
+        for t, i in track
+        if t.t < 80.0
+    ]
+    feed(nav, dumb)
+    truth, estimate = dumb[-1][0], nav.estimate(dumb[-1][0].t)
+    assert estimate is not None
+    assert math.sqrt(min(estimate.covariance[0], estimate.covariance[2])) > 40.0
+    assert math.hypot(estimate.north, estimate.east) < 30.0
+    assert error(nav, truth) < 2.5 * math.sqrt(estimate.covariance[0])
