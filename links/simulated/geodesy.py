@@ -7,8 +7,10 @@ earth-centred coordinates instead. What does not live here: the estimate's proje
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 from math import cos, sin, sqrt
+from typing import Any
 
 SEMI_MAJOR = 6378137.0  # m, WGS84
 FLATTENING = 1 / 298.257223563
@@ -23,11 +25,11 @@ def moved(latitude: float, longitude: float, north: float, east: float) -> tuple
     return latitude + north / meridian, longitude + east / (prime * cos(latitude))
 
 
-def _earth_centred(latitude: float, longitude: float) -> tuple[float, float, float]:
-    prime = SEMI_MAJOR / sqrt(1 - ECCENTRICITY_2 * sin(latitude) ** 2)
-    across = prime * cos(latitude)
-    z = prime * (1 - ECCENTRICITY_2) * sin(latitude)
-    return across * cos(longitude), across * sin(longitude), z
+def _earth_centred(latitude: Any, longitude: Any, by: Any = math) -> tuple[Any, Any, Any]:
+    prime = SEMI_MAJOR / by.sqrt(1 - ECCENTRICITY_2 * by.sin(latitude) ** 2)
+    across = prime * by.cos(latitude)
+    z = prime * (1 - ECCENTRICITY_2) * by.sin(latitude)
+    return across * by.cos(longitude), across * by.sin(longitude), z
 
 
 @lru_cache(maxsize=16)
@@ -38,10 +40,13 @@ def _tangent(origin: tuple[float, float]) -> tuple[float, ...]:
     return (*_earth_centred(latitude, longitude), *turn)
 
 
-def local(origin: tuple[float, float], latitude: float, longitude: float) -> tuple[float, float]:
-    """North and east in the tangent plane at ``origin`` (latitude, longitude), m."""
+def local(
+    origin: tuple[float, float], latitude: Any, longitude: Any, by: Any = math
+) -> tuple[Any, Any]:
+    """North and east in the tangent plane at ``origin`` (latitude, longitude), m: of one place, or
+    of arrays of places with ``by`` numpy."""
     x0, y0, z0, slat, clat, slon, clon = _tangent(origin)
-    x1, y1, z1 = _earth_centred(latitude, longitude)
+    x1, y1, z1 = _earth_centred(latitude, longitude, by)
     dx, dy, dz = x1 - x0, y1 - y0, z1 - z0
     east = -slon * dx + clon * dy
     north = -slat * (clon * dx + slon * dy) + clat * dz

@@ -17,7 +17,7 @@ import time
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from links.base import Rx
 from links.simulated.boards import BOARDS, SimulatedBoard
@@ -128,10 +128,7 @@ class _LockStep:
             self._digest,
             wall,
             self.drive.state,
-            tuple(
-                TruePlace(p.t, *self._from_home(p.latitude, p.longitude), p.depth)
-                for p in self.sea.track
-            ),
+            self._true_track(),
             truth.at_surface,
         )
         return self.log.flight(self.operator.failure, end)
@@ -205,10 +202,20 @@ class _LockStep:
         sea = self.sea
         return TruePlace(sea.now, *self._from_home(*sea.place()), sea.plant.depth)
 
-    def _from_home(self, latitude: float, longitude: float) -> tuple[float, float]:
+    def _true_track(self) -> tuple[TruePlace, ...]:
+        import numpy as np
+
+        track = self.sea.track
+        latitudes = np.array([p.latitude for p in track])
+        longitudes = np.array([p.longitude for p in track])
+        north, east = self._from_home(latitudes, longitudes, np)
+        times, depths = (p.t for p in track), (p.depth for p in track)
+        return tuple(map(TruePlace, times, north.tolist(), east.tolist(), depths))
+
+    def _from_home(self, latitude: Any, longitude: Any, by: Any = math) -> tuple[Any, Any]:
         """Against the frame of the estimate, by the simulator's own geodesy."""
         frame = self._navigation.frame
         if frame is not self._frame and frame is not None:
             origin, self._frame = frame.origin, frame
             self._home = math.radians(origin.latitude_deg), math.radians(origin.longitude_deg)
-        return local(self._home, latitude, longitude)
+        return local(self._home, latitude, longitude, by)
