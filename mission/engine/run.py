@@ -52,7 +52,7 @@ class Run:
         self.entered = now
         self.travelled = 0.0
         self.rounds: dict[str, int] = {}
-        self.sent: Setpoint | None = None
+        self.sent: Setpoint | None = None  # while it ascends: none
         self.refused = False  # the vehicle answered N to the set
         self.wake: float | None = None  # by the last look
         self.ascent: Ascent | None = None
@@ -142,7 +142,6 @@ class Run:
         """The rounds that an edge counts; before its leg is entered."""
         for loop in edge.loops:
             self.rounds[loop.group] = self.rounds.get(loop.group, 1) + 1 if loop.again else 1
-        self._held.pop(edge.trigger, None)
 
     def look(self, senses: Senses) -> tuple[Edge, tuple[Evaluation, ...]] | None:
         """The edge that is due, with the evaluation that decided it; sets ``wake``."""
@@ -220,10 +219,9 @@ class Run:
 
     def _due(self, edge: Edge, senses: Senses) -> float | None:
         """When the edge is due by its kind alone; None if nothing says so."""
-        if edge.by is By.FOR:
-            return self.entered + (self.leg.duration or 0.0)
-        if edge.by is By.TIMEOUT:
-            return self.entered + (self.leg.timeout or 0.0)
+        if edge.by is By.FOR or edge.by is By.TIMEOUT:
+            lasts = self.leg.duration if edge.by is By.FOR else self.leg.timeout
+            return None if lasts is None else self.entered + lasts
         if edge.by is By.END:
             return senses.now if self._ended(senses) else None
         if self.refused:
@@ -262,10 +260,10 @@ class Run:
                 self._blind.setdefault(need, senses.now)
 
     def _needs(self) -> Iterable[str]:
-        """The readings without which the leg is blind."""
-        if self.ascent is not None:
+        """The readings without which the leg is blind; an ascent needs none."""
+        sent, needs = self.sent, self._plan.kind.needs
+        if sent is None:
             return ()
-        sent, needs = self.sent or self._plan.base, self._plan.kind.needs
         if sent is not self._needed_by:  # the same set for minutes
             held = [n for n in ("depth", "altitude", "heading") if getattr(sent, n) is not None]
             self._needed_by, self._needed = sent, tuple(dict.fromkeys((*sorted(needs), *held)))

@@ -245,8 +245,8 @@ class Watch:
         if sent.depth is not None:
             return depth < sent.depth + SURFACE_DEPTH
         if sent.altitude is not None:
-            known = report.altitude is not None and self.senses.health("altitude").valid
-            return not known or (report.altitude or 0.0) > sent.altitude - SURFACE_DEPTH
+            above = report.altitude if self.senses.health("altitude").valid else None
+            return above is None or above > sent.altitude - SURFACE_DEPTH
         return sent.heave is not None and sent.heave > 0.0
 
     def course_apart(self) -> bool | None:

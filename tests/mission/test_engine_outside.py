@@ -234,6 +234,7 @@ def test_a_placed_leg_has_its_set_as_accepted_and_nothing_is_sent_again():
     world = flying()
     before = len(world.actions)
     world.engine.place("autonomous/b", {})
+    assert world.engine.readings["elapsed"].value == 0.0
     world.actuators = (0.0,) * 5
     for _ in range(3):
         world.t += 2.0

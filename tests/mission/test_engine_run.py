@@ -43,10 +43,10 @@ def entered(world: World) -> list[str]:
 
 
 def test_a_steered_heading_is_sent_again_when_it_changed_by_two_degrees_and_a_half():
-    go = leg("go", kind=Goto(Local(1000.0, 0.0), 5.0), settings=sets(surge=0.5), timeout=LONG)
     assert pytest.approx(math.radians(2.5)) == NEW_HEADING
     for turned, again in ((2.49, False), (2.51, True), (-2.51, True), (-2.49, False)):
-        world = flying(go)
+        east = leg("go", kind=Goto(Local(0.0, 1e6), 5.0), settings=sets(surge=0.5), timeout=LONG)
+        world = flying(east)
         before = len(world.actions)
         estimate = world.nav.estimate
         off = math.radians(turned)
@@ -58,7 +58,7 @@ def test_a_steered_heading_is_sent_again_when_it_changed_by_two_degrees_and_a_ha
         for _, action in world.actions[before:]:
             assert action.steers
             assert action.reason == "go steers"
-            assert action.command.heading == pytest.approx(off % math.tau)
+            assert action.command.heading == pytest.approx(math.pi / 2 + off)
 
 
 def test_another_depth_of_a_pilot_is_sent_whatever_the_heading():
@@ -76,6 +76,9 @@ def test_without_a_compass_a_goto_does_not_set_off():
     world.nav.estimate = lambda now: replace(estimate(now), heading=None)
     assert world.start()
     assert world.commands()[-1] == Setpoint(surge=0.0, heading=None)
+    world.nav.estimate = estimate
+    world.wait(2.0)
+    assert world.commands()[-1] == Setpoint(surge=0.5, heading=0.0)
 
 
 def test_a_steered_set_forgives_that_an_older_one_was_refused():
@@ -98,6 +101,27 @@ def test_a_steered_set_forgives_that_an_older_one_was_refused():
 
 
 # --- waiting --------------------------------------------------------------------------------
+
+
+def test_without_a_guard_that_waits_nothing_is_due_when_readings_grow_old():
+    world = flying(leg("a", when("altitude", "<", 3.0, held=60.0), timeout=1000.0), leg("b"))
+    world.engine._core.watch.heard = math.inf  # no limit of silence may hide it
+    world.tell()
+    assert world.engine.next_timer() == 1100.0
+
+
+def test_a_handler_does_not_wait_in_the_leg_it_leads_to():
+    """Low since 104; 3 s in a, 3 s in the handler's own leg, then in b."""
+    near = Handler(guard("altitude", "<", 3.0, held=5.0), "own")
+    a = leg("a", timeout=None, duration=7.0)
+    own = leg("own", settings=sets(heading=1.0), timeout=None, duration=3.0)
+    world = flying(a, own, leg("b", timeout=LONG), handlers=(near,))
+    world.until(103.0)
+    world.altitude = 1.0
+    world.until(114.9)
+    assert entered(world) == ["a", "own", "b"]
+    world.until(115.1)
+    assert entered(world) == ["a", "own", "b", "own"]
 
 
 def test_a_leg_without_a_time_of_its_own_waits_for_nothing_but_reports():
@@ -182,6 +206,13 @@ def test_the_round_that_is_told_is_that_of_the_innermost_group_that_repeats():
         told.append(world.engine.round)
     assert told == [1, 2, 3, 1]
     assert world.state == "autonomous/end"
+
+
+def test_a_group_that_is_all_of_another_begins_anew_in_each_of_its_rounds():
+    inner = Group("in", 3, (leg("x", timeout=None, duration=4.0),))
+    world = flying(Group("out", 2, (inner,)), leg("end", timeout=LONG))
+    world.wait(40.0)
+    assert entered(world) == ["out/in/x"] * 6 + ["end"]
 
 
 def test_rounds_can_be_asked_for_by_a_guard():
@@ -293,6 +324,26 @@ def test_while_a_leg_climbs_the_next_deadline_is_its_judging_or_the_surface():
     assert world.state == "autonomous/b"
 
 
+def test_from_an_ascent_that_was_given_up_deep_the_next_one_begins_anew():
+    up = leg("up", kind=Surface(), settings=(), timeout=7.0)
+    world = flying(leg("a", timeout=None, duration=4.0), up, depth=20.0)
+    world.until(111.5)
+    assert world.state == "autonomous/surface"
+    assert world.commands().count(Order.SURFACE) == 2
+    world.until(121.5)
+    assert world.commands()[-1] == Setpoint(heave=-1.0)
+
+
+def test_at_the_surface_a_leg_waits_for_its_time_alone():
+    up = leg("up", kind=Surface(), settings=(), timeout=None, duration=90.0)
+    world = flying(leg("a", timeout=None, duration=4.0), up, leg("b", timeout=LONG), depth=0.2)
+    world.until(111.0)  # up since 110: the ascent would be judged at 114
+    assert world.state == "autonomous/up"
+    world.engine._core.watch.heard = math.inf  # no limit of silence may hide it
+    world.tell()
+    assert world.engine.next_timer() == 194.0
+
+
 def test_two_surface_legs_in_succession_climb_once_and_stop_once():
     one = leg("one", kind=Surface(), settings=(), timeout=LONG)
     two = leg("two", kind=Surface(), settings=(), timeout=None, duration=20.0)
@@ -318,7 +369,16 @@ def test_the_path_over_ground_is_counted_from_the_entry_and_only_forward():
     run = world.engine._core.run
     world.until(107.0)
     assert run.travelled == pytest.approx(6.0)  # the report of 106
-    assert world.engine.readings["travelled"].value == pytest.approx(6.0)
+    world.heading, world.nav.current = math.pi / 2, (0.0, 0.4)
+    world.until(109.0)
+    assert run.travelled == pytest.approx(8.0)
+    world.heading, world.nav.current = 0.0, (0.4, 0.0)
+    world.until(111.0)
+    assert run.travelled == pytest.approx(10.0)
+    world.nav.speed = 0.0
+    world.until(113.0)
+    assert run.travelled == pytest.approx(10.8)
+    assert world.engine.readings["travelled"].value == pytest.approx(10.8)
 
 
 def test_without_a_heading_nothing_is_counted_and_nothing_is_made_up_for():
@@ -338,3 +398,42 @@ def test_without_a_heading_nothing_is_counted_and_nothing_is_made_up_for():
     senses.estimate = None
     run.reckon(senses)
     assert run.travelled == pytest.approx(4.0)
+
+
+# --- records and copies --------------------------------------------------------------------------
+
+
+def test_what_ended_a_leg_by_itself_is_on_record_as_true_with_what_was_seen():
+    """Times to the microsecond, so that a deadline computed the other way round is met."""
+    world = flying(leg("a", timeout=None, duration=4.0), leg("b", timeout=6.123456789))
+    world.wait(12.0)
+    for by, elapsed in ((By.FOR, 4.0), (By.TIMEOUT, 6.123457)):
+        (step,) = [s for s in world.steps if s.by is by]
+        (seen,) = step.evaluations
+        assert (seen.trigger, seen.result) == (step.trigger, True)
+        assert dict(seen.values) == {"elapsed": elapsed, "depth": 5.0}
+
+
+def test_an_uncertain_position_takes_its_own_way_and_no_handlers():
+    near = Handler(guard("altitude", "<", 3.0), "near")
+    legs = [leg(name, timeout=LONG) for name in ("a", "near", "away")]
+    world = flying(*legs, handlers=(near,), on_uncertain="away")
+    world.nav.north, world.nav.covariance = 1990.0, (1e6, 0.0, 1e6)
+    world.wait(6.0)
+    assert entered(world) == ["a", "away"]
+
+
+def test_a_run_and_its_clone_share_nothing_that_changes():
+    yoyo = leg("y", kind=Yoyo(3.0, 9.0, 2), settings=sets(surge=0.5, heading=0.0), timeout=LONG)
+    up = leg("up", kind=Surface(), settings=(), timeout=LONG)
+    for body in (yoyo, up):
+        run = flying(body, depth=9.0).engine._core.run
+        other = run.clone()
+        mutable = {
+            name
+            for name, value in vars(run).items()
+            if isinstance(value, dict | set | list) or name in ("_pilot", "ascent")
+        }
+        shared = {n for n in mutable if getattr(run, n) is getattr(other, n) is not None}
+        assert shared == {"_plans"}, "what is compiled once, for all"
+        assert vars(other).keys() == vars(run).keys()

@@ -157,6 +157,27 @@ def test_submerged_is_what_was_last_believed_and_no_fix_since():
     assert senses.submerged
 
 
+def test_of_two_reports_within_a_step_the_later_is_believed():
+    navigation = Navigation()
+    senses = told(Senses(navigation), 10.0)
+    assert senses.depth == 0.2
+    navigation.doubt["altitude"] = "frozen"
+    senses.take_telemetry(report(10.0, depth=3.0))
+    assert senses.depth == 3.0
+    assert not senses.believable("altitude")
+
+
+def test_a_clone_asks_anew_and_believes_by_its_own_navigation():
+    senses = told(Senses(Navigation()), 10.0)
+    assert (senses.depth, senses.health("depth").valid) == (0.2, True)
+    other = senses.clone()
+    doubting = Navigation()
+    doubting.doubt["depth"] = "frozen"
+    other.navigation = doubting
+    assert (other.depth, other.health("depth").reason) == (None, "frozen")
+    assert (senses.depth, senses.health("depth").valid) == (0.2, True)
+
+
 # --- position ------------------------------------------------------------------------------------
 
 
