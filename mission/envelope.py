@@ -158,9 +158,8 @@ def _uncertain(watch: Watch) -> bool | None:
     here, e = _position(watch), watch.senses.estimate
     if here is None or e is None:
         return None
-    north, _, east = e.covariance
-    reach = math.hypot(*here) + _PLANE_95 * math.sqrt(max(north + east, 0.0))
-    if reach <= watch.bounds.radius:  # more than the longest axis: enough, and cheap
+    reach = math.hypot(*here) + _PLANE_95 * distribution.principal(e.covariance)[0]
+    if reach <= watch.bounds.radius:  # more than enough, and cheap
         return False
     return distribution.within(watch.bounds.radius, *here, e.covariance) < 0.95
 
