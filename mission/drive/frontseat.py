@@ -165,10 +165,11 @@ class Frontseat:
     def next_timer(self) -> float | None:
         """When ``poll`` has something to do."""
         waiting = self._outstanding
-        if self.idle:
-            return None
-        if waiting is None and self._urgent:
-            return self._free
+        if waiting is None:
+            if self._urgent:
+                return self._free
+            if not (self._relays or self._queue):
+                return None
         due = [self._free] if self._relays else []
         if waiting:
             # The last wait ends by the clock alone; another try needs the line.

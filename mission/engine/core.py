@@ -93,7 +93,7 @@ class Core:
     @property
     def flying(self) -> Run | None:
         """The run, while it is not interrupted."""
-        return self.run if self.region == AUTONOMOUS else None
+        return self.run if self.machine.region == AUTONOMOUS else None
 
     # --- records -------------------------------------------------------------------------------
 

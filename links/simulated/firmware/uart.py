@@ -85,6 +85,7 @@ class Receiver:
     def __init__(self) -> None:
         self._bursts: deque[Chunk] = deque()
         self._free = 0.0
+        self.due = inf  # asked for much more often than anything is sent
 
     def feed(self, data: bytes, now: float) -> None:
         """The sender writes at ``now``; its UART sends at the line's pace."""
@@ -96,13 +97,16 @@ class Receiver:
             last.end = end
         else:
             self._bursts.append(Chunk(start, end, data))
-
-    @property
-    def due(self) -> float:
-        return self._bursts[0].end + BURST_GAP if self._bursts else inf
+        self._look()
 
     def take(self) -> bytes:
-        return self._bursts.popleft().data
+        burst = self._bursts.popleft()
+        self._look()
+        return burst.data
 
     def clear(self) -> None:
         self._bursts.clear()
+        self._look()
+
+    def _look(self) -> None:
+        self.due = self._bursts[0].end + BURST_GAP if self._bursts else inf
