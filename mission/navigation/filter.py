@@ -61,6 +61,11 @@ def _inverse(s: Array) -> Array:
     return np.array(((d * k, -b * k), (-c * k, a * k)))
 
 
+def _across(fig: Figures) -> float:
+    """Density (rad^2 s) of what pushes the vehicle across its heading."""
+    return fig.heading**2 * fig.period + 2.0 * fig.sway.sigma**2 * fig.sway.time
+
+
 class Run(NamedTuple):
     """How the vehicle moves over a stretch of time, as far as it knows.
 
@@ -121,7 +126,7 @@ class Filter:
         depth, altitude = 0.5 * fig.depth**2, fig.altitude**2
         self._depth_and_altitude = np.diag((depth, altitude))
         self._depth_alone, self._altitude_alone = np.diag((depth,)), np.diag((altitude,))
-        self._wander = fig.heading**2 * fig.period + 2.0 * fig.sway.sigma**2 * fig.sway.time
+        self._wander = _across(fig)
 
     @property
     def x(self) -> Array:
@@ -139,6 +144,14 @@ class Filter:
 
     def load(self, saved: tuple[Array, Array]) -> None:
         self._kf.x, self._kf.P = saved
+
+    def trust(self, figures: Figures, share: float) -> None:
+        """Believes ``figures`` from now on, and to be ``share`` times as far off as it did."""
+        self.figures, self._steady, self._wander = figures, _Steady(), _across(figures)
+        p = self._kf.P.copy()
+        p[:DEPTH, :] *= share
+        p[:, :DEPTH] *= share
+        self._kf.P = p
 
     # --- time ------------------------------------------------------------------------------
 

@@ -12,6 +12,9 @@ day. Of both spreads a part is only what each fit errs by, since its noise is no
 (the covariance of least squares under the noise found) is taken off (random effects by moments:
 DerSimonian and Laird, Controlled Clinical Trials 7, 1986, 177-188). The b are as large as a bias is
 on another day; their mean is not taken off, a compass may be set anew.
+
+Of a glider, ``spread`` learns from the dives before one how large what moves it is beside its
+figures, by the mean of their normalised misses.
 """
 
 from __future__ import annotations
@@ -35,6 +38,7 @@ _STEP = 5.0  # s over which velocities are taken from positions
 _RIDGE, _ROUGH = 0.2, 0.15  # m/s: how far a current is expected to be from none; of a velocity
 _KEPT, _SWAY = 200.0, 10.0  # s: a speed is kept for minutes, a sway is not
 _LEAST, _LEAST_BIAS = 0.05, math.radians(1.0)  # m/s, rad: nothing is known better for another day
+_FIGURED = 4.0
 _FEW = 1.3  # on the spread of a handful of currents, itself uncertain (Student t against normal)
 
 
@@ -92,6 +96,12 @@ def learn(others: Sequence[Recording], waters_of: Recording) -> Learned:
         currents=len(near),
         compass=_bias(fits),
     )
+
+
+def spread(misses: Sequence[float]) -> float:
+    """Sigmas are to be multiplied by it. ``misses`` of earlier dives: normalised squares over their
+    degrees of freedom, 1 where the figures are right; the figures count as ``_FIGURED`` dives."""
+    return math.sqrt((_FIGURED + sum(misses)) / (_FIGURED + len(misses)))
 
 
 def _bias(fits: Sequence[_Fit]) -> float | None:

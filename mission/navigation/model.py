@@ -19,7 +19,7 @@ cos(difference); its second harmonic, half as large, wanders with each turn.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from mission.vehicle import Vehicle
@@ -61,6 +61,25 @@ class Figures:
     slope: float = 0.15  # of the bottom, rise over run
     slope_length: float = 20.0  # m over which the slope persists
     ground_velocity: float = 0.1  # m/s, of a receiver's speed and course
+
+    def times(self, share: float) -> Figures:
+        """All that makes a position wrong below ``share`` times as large."""
+        moved = (self.current, self.drift, self.deviation, self.compass, self.wander, self.sway)
+        current, drift, deviation, compass, wander, sway = (
+            Markov(share * m.sigma, m.time) for m in moved
+        )
+        return replace(
+            self,
+            current=current,
+            drift=drift,
+            deviation=deviation,
+            compass=compass,
+            wander=wander,
+            sway=sway,
+            scale=share * self.scale,
+            harmonic=share * self.harmonic,
+            heading=share * self.heading,
+        )
 
 
 def figures(vehicle: Vehicle) -> Figures:

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from mission.model import Estimate
 from mission.navigation import references
 from mission.navigation.declination import declination
-from mission.navigation.learning import Learned, learn
+from mission.navigation.learning import Learned, learn, spread
 from mission.navigation.navigator import Navigation
 from mission.navigation.recordings import (
     CRUISE_PWM,
@@ -67,7 +67,7 @@ class Score:
 @dataclass(frozen=True, slots=True)
 class _Sample:
     error: float
-    inside: bool
+    nees: float
     radius: float  # of the 95 % ellipse, geometric mean
     path: float
 
@@ -241,15 +241,7 @@ def _glider(glider: Recording, vehicle: Vehicle) -> list[Score]:
     if not found:
         return []
     ends = {float(glider.t[d.end]): d for d in found}
-    nav = Navigation(vehicle, glider.origin, date=glider.start.isoformat())
-    samples = []
-    for item in wire(glider, at, glider.heading, NEUTRAL_PWM):
-        if isinstance(item, Fix) and item.t in ends:
-            dive, estimate = ends[item.t], nav.estimate(item.t)
-            assert estimate is not None
-            truth = float(glider.north[dive.end]), float(glider.east[dive.end])
-            samples.append(_sample(estimate, *truth, dive.path, item.accuracy**2))
-        _feed(nav, item)
+    samples = _reckon_glider(glider, at, ends, vehicle)
     lat, lon = math.radians(glider.origin.latitude_deg), math.radians(glider.origin.longitude_deg)
     true = declination(lat, lon, glider.start.isoformat())
     naive = references.glider_errors(glider, found, 0.0, causal=False)
@@ -259,6 +251,29 @@ def _glider(glider: Recording, vehicle: Vehicle) -> list[Score]:
     medians = {name: float(np.median(v)) for name, v in rows.items() if v}
     one = _sum_up(glider.name, "dives", samples, medians.get("causal_current"), medians)
     return [replace(one, end_pct=one.median_pct)]
+
+
+def _reckon_glider(
+    glider: Recording, at: Sequence[int], ends: Mapping[float, references.Dive], vehicle: Vehicle
+) -> list[_Sample]:
+    """One sample a dive; what each missed tells the next ones how far to trust the figures."""
+    nav = Navigation(vehicle, glider.origin, date=glider.start.isoformat())
+    believed, share = nav.core.figures, 1.0
+    samples: list[_Sample] = []
+    misses: list[float] = []
+    for item in wire(glider, at, glider.heading, NEUTRAL_PWM):
+        if not isinstance(item, Fix) or item.t not in ends:
+            _feed(nav, item)
+            continue
+        dive, estimate = ends[item.t], nav.estimate(item.t)
+        assert estimate is not None
+        truth = float(glider.north[dive.end]), float(glider.east[dive.end])
+        samples.append(_sample(estimate, *truth, dive.path, item.accuracy**2))
+        _feed(nav, item)
+        misses.append(0.5 * samples[-1].nees * share * share)
+        nav.core.filter.trust(believed.times(spread(misses)), spread(misses) / share)
+        share = spread(misses)
+    return samples
 
 
 # --- both ----------------------------------------------------------------------------------------
@@ -278,7 +293,7 @@ def _sample(e: Estimate, north: float, east: float, path: float, variance: float
     det = a * d - b * b
     nees = (d * dn * dn - 2.0 * b * dn * de + a * de * de) / det
     radius = math.sqrt(CHI2_95 * math.sqrt(det))
-    return _Sample(math.hypot(dn, de), nees < CHI2_95, radius, max(path, 1.0))
+    return _Sample(math.hypot(dn, de), nees, radius, max(path, 1.0))
 
 
 def _sum_up(
@@ -294,7 +309,7 @@ def _sum_up(
         scoring=scoring,
         end_pct=relative[-1],
         median_pct=float(np.median(relative)),
-        coverage=float(np.mean([s.inside for s in samples])),
+        coverage=float(np.mean([s.nees < CHI2_95 for s in samples])),
         samples=len(samples),
         ellipse_pct=float(np.mean([100.0 * s.radius / s.path for s in samples[-20:]])),
         reference_pct=reference,

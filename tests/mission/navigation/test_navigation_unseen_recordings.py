@@ -14,7 +14,8 @@ from click.testing import CliRunner
 
 from mission.commands.score import score as command
 from mission.model import Position
-from mission.navigation import LocalFrame
+from mission.navigation import LocalFrame, scoring
+from mission.navigation.learning import spread
 from mission.navigation.recordings import RecordingError, read
 from mission.navigation.scoring import Score, as_object, score_folder
 from mission.vehicle import load_vehicle
@@ -191,6 +192,24 @@ def test_a_glider_that_did_not_record_its_speed_has_figures_and_no_reference(
     assert scores[0].references == {}
     assert 0.0 < scores[0].end_pct < 60.0
     json.dumps(as_object(scores), allow_nan=False)
+
+
+def test_a_few_dives_tell_little_of_how_far_to_trust_the_figures_and_many_tell_it() -> None:
+    assert spread([]) == 1.0
+    assert 0.85 < spread([0.0]) < 1.0
+    assert spread([0.25] * 100) == pytest.approx(0.5, abs=0.05)
+    assert spread([4.0] * 100) == pytest.approx(2.0, abs=0.05)
+
+
+def test_dives_that_missed_little_narrow_the_ellipse_of_later_ones_and_move_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    learned, _ = scored(tmp_path, ("g.csv", glider(HOME, 5.0)))
+    monkeypatch.setattr(scoring, "spread", lambda misses: 1.0)
+    believed, _ = scored(tmp_path, ("g.csv", glider(HOME, 5.0)))
+    assert learned[0].ellipse_pct < 0.97 * believed[0].ellipse_pct
+    assert learned[0].coverage == 1.0
+    assert learned[0].end_pct == pytest.approx(believed[0].end_pct, abs=1.0)
 
 
 @pytest.mark.parametrize(
