@@ -4,11 +4,13 @@
     python tests/mutation/run.py mission/machine.py tests/mission/test_machine.py ... --only 3,17
 
 The tests are collected once; each mutant is a fork of that process in which the functions get the
-bodies of the mutated tree, so no file is ever changed. What stands outside of functions is changed
-in a fork that has not imported the module yet. Prints a line per survivor with its number, and the
-score; ``--only`` tries those numbers again, with other tests or after new ones. Examples are the
-same ones in every run. What is mutated: comparisons, boolean and arithmetic
-operators, ``not``, numbers, True and False, returned values, and calls that stand alone.
+bodies of the mutated tree, so no file is ever changed. What stands outside of functions, or within
+one that another made, is changed in a fork that has not imported the module yet; so is everything
+with ``--fresh``. Prints a line per survivor with its number, and the score; ``--only`` tries those
+numbers again, with other tests or after new ones. Examples are the same ones in every run.
+
+What is mutated: comparisons, boolean and arithmetic operators, ``not``, numbers, True and False,
+returned values, and calls that stand alone.
 """
 
 from __future__ import annotations
@@ -134,22 +136,19 @@ class Mutant:
     number: int
     words: str
     tree: ast.Module
-    inside: bool  # a function's body: what was imported can be changed in place
+    inside: bool  # a function's body, and of none within it: changed in place where imported
 
 
 def mutants(source: str) -> Iterator[Mutant]:
-    bodies = [
-        range(f.body[0].lineno, (f.end_lineno or f.lineno) + 1)
-        for f in ast.walk(ast.parse(source))
-        if isinstance(f, ast.FunctionDef)
-    ]
+    functions = [f for f in ast.walk(ast.parse(source)) if isinstance(f, ast.FunctionDef)]
+    bodies = [range(f.body[0].lineno, (f.end_lineno or f.lineno) + 1) for f in functions]
     for number in itertools.count():
         put = _Put(number)
         tree = put.visit(ast.parse(source))
         if not put.words:
             return
         assert isinstance(tree, ast.Module)
-        inside = any(put.line in body for body in bodies)
+        inside = sum(put.line in body for body in bodies) == 1
         yield Mutant(number, put.words, ast.fix_missing_locations(tree), inside)
 
 
@@ -266,6 +265,7 @@ def main() -> int:
     asked.add_argument("tests", nargs="+")
     asked.add_argument("--seconds", type=float, default=math.inf)
     asked.add_argument("--only", type=lambda t: [int(n) for n in t.split(",")])
+    asked.add_argument("--fresh", action="store_true")
     given = asked.parse_args()
     path, tests, until = given.module, given.tests, time.monotonic() + given.seconds
     sys.path[:0] = [str(Path.cwd()), str(Path.cwd() / "tests" / "mission")]
@@ -276,16 +276,21 @@ def main() -> int:
     source = path.read_text(encoding="utf-8")
     every = list(mutants(source))
     chosen = [m for m in every if given.only is None or m.number in given.only]
+    inside = [] if given.fresh else [m for m in chosen if m.inside]
+    outside = [m for m in chosen if m not in inside]
     tried = survived = 0
-    for one in chosen:
-        if not one.inside and time.monotonic() < until:
+    sound = not outside or survives(path, ast.parse(source), tests)
+    for one in outside if sound else ():
+        if time.monotonic() < until:
             tried += 1
             if survives(path, one.tree, tests):
                 survived += 1
                 tell(f"{path}: {one.number}: {one.words}")
-    trials = Trials(path, ast.parse(source), [m for m in chosen if m.inside], until)
-    pytest.main([*_OPTIONS, "-s", *tests], plugins=[trials])
-    if not trials.sound:
+    trials = Trials(path, ast.parse(source), inside, until)
+    if inside and sound:
+        pytest.main([*_OPTIONS, "-s", *tests], plugins=[trials])
+        sound = trials.sound
+    if not sound:
         tell(f"{path}: its tests fail without any change")
         return 2
     tried, survived = tried + trials.tried, survived + len(trials.survivors)
