@@ -34,12 +34,13 @@ class Compiled:
     timed: tuple[tuple[int, float], ...]
 
     def next_change(self, values: list[Value], now: float) -> float | None:
-        """When, by the clock alone, a comparison of the guard changes; None if it does not."""
+        """When, by the clock alone, a comparison of the guard changes; None if it does not. Times
+        have whole microseconds: before the next one nothing that is compared is another."""
         due = None
         for place, bound in self.timed:
             value = values[place]
             if value is not None and value < bound:
-                at = now + bound - value
+                at = now + max(bound - value, STRICT_S)
                 due = at if due is None or at < due else due
         return due
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 from engine_world import World, guard, leg, mission, sets, when
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from mission.model import (
@@ -251,6 +251,8 @@ def test_a_reading_that_goes_stale_while_held_begins_anew():
 
 
 @settings(max_examples=30, deadline=None)
+@example(0.5000000000000001, "until")
+@example(0.5000000004, "until>")
 @given(st.floats(0.5, 50.0), st.sampled_from(["until", "until>", "for", "timeout"]))
 def test_a_timer_fires_when_it_is_due_and_not_at_the_next_report(seconds: float, by: str):
     kinds = {

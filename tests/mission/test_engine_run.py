@@ -110,6 +110,20 @@ def test_without_a_guard_that_waits_nothing_is_due_when_readings_grow_old():
     assert world.engine.next_timer() == 1100.0
 
 
+@pytest.mark.parametrize("seconds", [0.5, 0.5000000000000001, 0.5000000009])
+def test_a_bound_between_two_microseconds_is_waited_for_once(seconds: float):
+    world = World(mission(leg("a", when("elapsed", ">=", seconds), timeout=LONG), leg("b")))
+    assert world.start()
+    timers = 0
+    while world.state == "autonomous/a":
+        timer = world.engine.next_timer()
+        assert timer is not None
+        world.t, timers = timer, timers + 1
+        world.tell()
+    assert world.t == pytest.approx(100.5, abs=2e-6)
+    assert timers <= 2
+
+
 def test_a_handler_does_not_wait_in_the_leg_it_leads_to():
     """Low since 104; 3 s in a, 3 s in the handler's own leg, then in b."""
     near = Handler(guard("altitude", "<", 3.0, held=5.0), "own")
