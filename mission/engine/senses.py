@@ -72,6 +72,7 @@ class Senses:
         self.now = 0.0
         self.telemetry: Telemetry | None = None
         self.fixes: tuple[Fix, ...] = ()  # the last five, oldest first
+        self._fixed_at = -math.inf  # of the last one that was not the same as the one before
         self.estimate: Estimate | None = None
         self.believed_depth: float | None = None  # the last one that could be believed
         self._believed_at = -math.inf
@@ -144,6 +145,9 @@ class Senses:
             self.estimate = self.navigation.estimate(report.t)
 
     def take_fix(self, fix: Fix) -> None:
+        last = self.fix
+        if last is None or (fix.latitude, fix.longitude) != (last.latitude, last.longitude):
+            self._fixed_at = fix.t
         self.fixes = (*self.fixes[1 - _MEDIAN_OF :], fix)
         if self.navigation:
             self.navigation.fix(fix)
@@ -188,7 +192,7 @@ class Senses:
         """As far as is known: the last depth that could be believed, and no fix since."""
         if self.believed_depth is None or self.believed_depth < SURFACE_DEPTH:
             return False
-        return self.fix is None or self.fix.t <= self._believed_at
+        return self._fixed_at <= self._believed_at
 
     def believable(self, need: str) -> bool:
         """A sensor, or ``position``: estimated from anything at all, fixes or dead reckoning."""
@@ -204,7 +208,9 @@ class Senses:
         return due is not None and self.now >= due and self.depth is not None
 
     def fixed(self, since: float) -> bool:
-        return self.fix is not None and self.fix.t > since
+        """A fix that says another place than the one before: a receiver that goes on saying its
+        last one, under water too, proves nothing."""
+        return self._fixed_at > since
 
     def surface_due(self, since: float) -> float | None:
         if self._shallow_since is None:

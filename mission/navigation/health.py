@@ -4,7 +4,8 @@
     stale    the last report is older than the row's max age, or than the vehicle file's
              ``stale_after``
     frozen   identical to the last bit for 5 reports while the vehicle moves (some rows only:
-             batteries and temperature may well be constant)
+             batteries and temperature may well be constant); so is a receiver that goes on saying
+             its last place, under water too
     absurd   not finite (a codec tells None and a fault), out of the physical range, faster than
              the row's rate, or marked doubtful by the codec. A value that is out of rate is
              believed again once three reports in a row agree with each other: the sensor has
@@ -52,7 +53,7 @@ CHANNELS: Mapping[str, Channel] = MappingProxyType({
     "temperature": Channel("temperature", _SLOW, -5.0, 60.0),
     "battery": Channel("battery", _SLOW, 0.0, 1000.0),
     "leak": Channel("leak", _TELEMETRY),
-    "position": Channel("position", _GPS),
+    "position": Channel("position", _GPS, freezes=True),
 })
 # fmt: on
 SENSORS = tuple(dict.fromkeys(row.sensor for row in CHANNELS.values()))
@@ -85,16 +86,17 @@ class _Monitor:
         usual = self.good_t == self.t and self.good == before  # the last one was believed
         near = agrees if usual else _near(row, t - self.good_t, value, self.good)
         self.t, self.value = t, value
+        self.reason = self._judge(row, value, doubt, near)
+        if not self.reason:
+            self.good_t, self.good = t, value
+        return not self.reason
+
+    def _judge(self, row: Channel, value: float, doubt: bool, near: bool) -> str:
         if doubt or not row.low <= value <= row.high:  # also what is not a number
-            self.reason = "absurd"
-        elif row.freezes and self.same >= _SAME - 1:
-            self.reason = "frozen"
-        elif near or self.agreeing >= _AGREE:
-            self.reason, self.good_t, self.good = "", t, value
-            return True
-        else:
-            self.reason = "absurd"
-        return False
+            return "absurd"
+        if row.freezes and self.same >= _SAME - 1:
+            return "frozen"
+        return "" if near or self.agreeing >= _AGREE else "absurd"
 
 
 def _near(row: Channel, since: float, value: float, other: float) -> bool:
@@ -118,10 +120,13 @@ class SensorHealth:
         }
         self._declared = frozenset(n for n, row in CHANNELS.items() if row.sensor in reports)
         self.monitors = {name: _Monitor() for name in CHANNELS}
+        self.moving = False  # by the last report
+        self.place: tuple[float, float] | None = None  # of the last fix
 
     def telemetry(self, t: Telemetry) -> frozenset[str]:
         """Takes a report in; the channels of it that can be believed."""
         moving = t.actuators is None or max(map(abs, t.actuators[:5]), default=0.0) > _NEUTRAL
+        self.moving = moving
         doubtful = {_channel_of(fault) for fault in t.faults} if t.faults else ()
         good = []
         for name, value in (
@@ -145,8 +150,14 @@ class SensorHealth:
                 good.append(name)
         return frozenset(good)
 
-    def fix(self, f: Fix) -> None:
-        self.monitors["position"].observe(CHANNELS["position"], f.t, 0.0, False, False)
+    def fix(self, f: Fix) -> bool:
+        """Takes a fix in; whether it can be believed. The channel's value is a number that changes
+        with the place."""
+        monitor, before = self.monitors["position"], self.place
+        self.place = f.latitude, f.longitude
+        known = 0.0 if before is None else monitor.value
+        value = known if self.place == before else known + 1.0
+        return monitor.observe(CHANNELS["position"], f.t, value, self.moving, False)
 
     def repeated(self, channel: str) -> bool:
         """The last report says nothing new: an altimeter without an echo repeats its last one."""

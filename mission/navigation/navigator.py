@@ -114,7 +114,8 @@ class Navigation:
         return compass + self._declination - known
 
     def fix(self, f: Fix) -> None:
-        self._health.fix(f)
+        if not self._health.fix(f):
+            return
         if self._date is None and f.utc is not None:
             self._date = f.utc
             self._decline()
@@ -231,11 +232,13 @@ class Navigation:
         """Everything that ``restore`` needs to go on from here, to the last bit."""
         monitors = {name: copy(m) for name, m in self._health.monitors.items()}
         kept = (self.frame, self._date, self._declination, self.dropped)
-        return self.core.save(), monitors, tuple(self._history), kept
+        seen = self._health.moving, self._health.place
+        return self.core.save(), monitors, tuple(self._history), kept, seen
 
     def restore(self, snapshot: Any) -> None:
-        core, monitors, history, kept = snapshot
+        core, monitors, history, kept, seen = snapshot
         self.core.load(core)
         self._health.monitors = {name: copy(m) for name, m in monitors.items()}
+        self._health.moving, self._health.place = seen
         self._history = deque(history, maxlen=_KEEP)
         self.frame, self._date, self._declination, self.dropped = kept

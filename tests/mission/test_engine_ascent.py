@@ -136,9 +136,19 @@ def test_a_fix_is_the_surface_too_even_without_a_depth():
     world = surfacing()
     world.nav.doubt["depth"] = "frozen"
     world.wait(5.0)
-    world.tell(world.fix())
+    world.tell(world.fix(north=3.0))
     assert world.state == SURFACED
     assert world.commands()[-1] is Order.STOP
+
+
+def test_a_receiver_that_goes_on_saying_its_last_place_proves_no_surface():
+    world = surfacing()
+    for _ in range(10):  # as it said before the dive, to the last bit
+        world.wait(1.0)
+        world.tell(world.fix())
+    assert world.state == SURFACING
+    world.tell(world.fix(north=0.2))
+    assert world.state == SURFACED
 
 
 def test_a_fix_from_before_is_not():
@@ -205,7 +215,7 @@ def test_until_fix_waits_at_the_surface_with_everything_stopped():
     world.wait(60.0)
     assert world.state == "autonomous/up"
     assert [c for c in world.commands() if c is Order.STOP] == [Order.STOP]
-    world.tell(world.fix())
+    world.tell(world.fix(north=3.0))
     assert world.state == "autonomous/b"
 
 

@@ -150,7 +150,9 @@ def test_submerged_is_what_was_last_believed_and_no_fix_since():
     told(senses, 12.0, depth=0.1)
     assert senses.submerged
     assert senses.believed_depth == 5.0
-    senses.take_fix(fix(12.5))
+    senses.take_fix(fix(12.5))  # what it said before the dive
+    assert senses.submerged
+    senses.take_fix(fix(12.6, north=1.0))
     assert not senses.submerged
     navigation.doubt.clear()
     told(senses, 14.0, depth=5.0)

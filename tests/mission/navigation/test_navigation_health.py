@@ -159,3 +159,27 @@ def test_the_vehicle_file_says_when_its_reports_are_stale(sensor: str) -> None:
     usual.telemetry(report(5))
     assert usual.of(sensor, 16.0).valid
     assert usual.of(sensor, 16.01).reason == "stale"
+
+
+def stuck(thrust: float, fixes: int = 8) -> tuple[SensorHealth, list[bool]]:
+    """A receiver that says one place for ever, second by second, and what is believed of it."""
+    health, believed = SensorHealth(_ALL), []
+    for i in range(fixes):
+        if i % 2 == 0:
+            health.telemetry(replace(report(i // 2), actuators=(thrust,) * 2 + (0.0,) * 3))
+        believed.append(health.fix(Fix(float(i), 0.5, 2.0, 2.5)))
+    return health, believed
+
+
+def test_a_receiver_that_says_one_place_while_the_vehicle_moves_is_frozen():
+    health, believed = stuck(0.5)
+    assert believed == [True] * 4 + [False] * 4
+    assert health.of("position", 8.0).reason == "frozen"
+    assert health.fix(Fix(8.0, 0.5, 2.0 + 1e-9, 2.5))
+    assert health.of("position", 8.0).valid
+
+
+def test_at_rest_a_receiver_may_say_one_place_for_ever():
+    health, believed = stuck(0.0, 60)
+    assert all(believed)
+    assert health.of("position", 60.0).valid

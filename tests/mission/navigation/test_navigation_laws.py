@@ -338,3 +338,30 @@ def test_a_vehicle_without_any_compass_may_be_on_any_side(vehicle: Vehicle) -> N
     assert math.sqrt(min(estimate.covariance[0], estimate.covariance[2])) > 40.0
     assert math.hypot(estimate.north, estimate.east) < 30.0
     assert error(nav, truth) < 2.5 * math.sqrt(estimate.covariance[0])
+
+
+def test_a_receiver_that_got_stuck_teaches_the_thrusters_nothing(vehicle: Vehicle) -> None:
+    """Nor the current: two minutes at 0.7 m/s, and it says where it was at first."""
+    nav, gear = Navigation(vehicle, HOME), 8.0
+    speed = vehicle.speed_by_gear.at(gear)
+    lat, lon = math.radians(HOME.latitude_deg), math.radians(HOME.longitude_deg)
+    for second in range(122):
+        if second % 2 == 0:
+            nav.telemetry(
+                Telemetry(
+                    float(second),
+                    depth=0.2 + 0.001 * (second % 7),
+                    heading=0.001 * second,
+                    pitch=1e-4 * second,
+                    actuators=(gear / 12.0,) * 2 + (0.0,) * 3,
+                )
+            )
+        nav.fix(Fix(second + 0.1, lat, lon, 2.5))
+        if second == 60:
+            nav.restore(nav.snapshot())
+    estimate = nav.estimate(121.0)
+    assert estimate is not None
+    assert nav.health("position", 121.0).reason == "frozen"
+    off = abs(estimate.north - 121.0 * speed)
+    assert off < 2.0 * math.sqrt(estimate.covariance[0])  # it knows what it does not know
+    assert off < 0.3 * 121.0 * speed
