@@ -14,6 +14,7 @@ from protocol.checksum import (
     READINGS,
     SD_DEFAULT,
     SD_PROFILES,
+    Reading,
     crc16_modbus,
     crc32_mpeg2,
     crc32_stm32,
@@ -131,3 +132,75 @@ def test_profiles_are_every_reading_over_data_and_over_the_frame() -> None:
     rows = {(p.name, p.first) for p in SD_PROFILES}
     both = {(f"{r.name}/{c}", at) for r in READINGS for c, at in (("data", 3), ("frame", 0))}
     assert rows == both - {("field-a-word/frame", 0)}
+
+
+def bytewise(data: bytes, crc: int = 0xFFFFFFFF) -> int:
+    """CRC-32 of 0x04C11DB7, highest bit first, bit by bit."""
+    for byte in data:
+        crc ^= byte << 24
+        for _ in range(8):
+            crc = (crc << 1 ^ (0x04C11DB7 if crc >> 31 else 0)) & 0xFFFFFFFF
+    return crc
+
+
+def mirrored(value: int, bits: int) -> int:
+    return int(f"{value:0{bits}b}"[::-1], 2)
+
+
+def ethernet(data: bytes) -> int:
+    return mirrored(bytewise(bytes(mirrored(byte, 8) for byte in data)), 32) ^ 0xFFFFFFFF
+
+
+def whole(data: bytes) -> bytes:
+    return data[: len(data) // 4 * 4]
+
+
+def filled(data: bytes, filler: bytes) -> bytes:
+    while len(data) % 4:
+        data += filler
+    return data
+
+
+def little(data: bytes) -> bytes:
+    """Words of four bytes, each from its other end."""
+    return b"".join(data[i : i + 4][::-1] for i in range(0, len(data), 4))
+
+
+def spread(data: bytes) -> bytes:
+    singles = [data[i : i + 2] + b"\0\0" for i in range(60, len(data), 2)]
+    return filled(data[:60] + b"".join(singles), b"\0")
+
+
+SPOKEN = {
+    "words": lambda d: bytewise(little(filled(d, b"\0"))),
+    "words-truncated": lambda d: bytewise(little(whole(d))),
+    "words-ff": lambda d: bytewise(little(filled(d, b"\xff"))),
+    "words-tail-bytes": lambda d: bytewise(little(whole(d)) + d[len(whole(d)) :]),
+    "words-tail-dropped": lambda d: bytewise(little(whole(d)) + bytes(4) * (len(d) % 4 > 0)),
+    "words-inverted": lambda d: bytewise(little(filled(d, b"\0"))) ^ 0xFFFFFFFF,
+    "words-reflected": lambda d: ethernet(filled(d, b"\0")),
+    "big-words": lambda d: bytewise(filled(d, b"\0")),
+    "big-words-truncated": lambda d: bytewise(whole(d)),
+    "big-words-ff": lambda d: bytewise(filled(d, b"\xff")),
+    "bytes": bytewise,
+    "bytes-inverted": lambda d: bytewise(d) ^ 0xFFFFFFFF,
+    "bytes-from-0": lambda d: bytewise(d, 0),
+    "ethernet": ethernet,
+    "ethernet-not-inverted": lambda d: ethernet(d) ^ 0xFFFFFFFF,
+    "byte-a-word": lambda d: bytewise(b"".join(bytes((0, 0, 0, byte)) for byte in d)),
+    "field-a-word": lambda d: bytewise(little(spread(d))),
+}
+
+
+@pytest.mark.parametrize("reading", READINGS, ids=lambda r: r.name)
+def test_every_reading_is_what_its_name_says(reading: Reading) -> None:
+    """Computed slowly and from the name alone; for every length of the last word."""
+    data = bytes((7 * i + 13 * (i % 5)) & 0xFF for i in range(85))
+    for length in (*range(10), 60, 62, *range(75, 86)):
+        assert reading.compute(data[:length]) == SPOKEN[reading.name](data[:length]), length
+
+
+def test_a_profile_is_found_by_its_name() -> None:
+    assert [sd_profile(profile.name) for profile in SD_PROFILES] == list(SD_PROFILES)
+    with pytest.raises(KeyError):
+        sd_profile("words")
