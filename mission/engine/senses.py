@@ -26,6 +26,7 @@ _ESTIMATE_AGE = 2.5  # s: older, and it is reckoned on to now
 _MEDIAN_OF = 5  # fixes (R9)
 _SCATTER = 10.0  # m (R9)
 _HDOP = 3.0  # (R9)
+_BREAK = 5.0  # s without a fix (R9: older is none)
 _EARTH = 6371008.8  # m, mean radius
 
 
@@ -72,7 +73,7 @@ class Senses:
         self.now = 0.0
         self.telemetry: Telemetry | None = None
         self.fixes: tuple[Fix, ...] = ()  # the last five, oldest first
-        self._fixed_at = -math.inf  # of the last one that was not the same as the one before
+        self._fixed_at = -math.inf  # of the last one that did not go on with the one before
         self.estimate: Estimate | None = None
         self.believed_depth: float | None = None  # the last one that could be believed
         self._believed_at = -math.inf
@@ -145,8 +146,7 @@ class Senses:
             self.estimate = self.navigation.estimate(report.t)
 
     def take_fix(self, fix: Fix) -> None:
-        last = self.fix
-        if last is None or (fix.latitude, fix.longitude) != (last.latitude, last.longitude):
+        if not _goes_on(self.fix, fix):
             self._fixed_at = fix.t
         self.fixes = (*self.fixes[1 - _MEDIAN_OF :], fix)
         if self.navigation:
@@ -208,8 +208,8 @@ class Senses:
         return due is not None and self.now >= due and self.depth is not None
 
     def fixed(self, since: float) -> bool:
-        """A fix that says another place than the one before: a receiver that goes on saying its
-        last one, under water too, proves nothing."""
+        """By a fix that is new: a receiver that goes on saying its last place, under water too,
+        proves nothing."""
         return self._fixed_at > since
 
     def surface_due(self, since: float) -> float | None:
@@ -241,6 +241,13 @@ class Senses:
         if any(metres(latitude, longitude, f.latitude, f.longitude) > _SCATTER for f in self.fixes):
             return None
         return Position(math.degrees(latitude), math.degrees(longitude))
+
+
+def _goes_on(last: Fix | None, fix: Fix) -> bool:
+    """The same place, to the last bit, without a break such as a dive makes."""
+    if last is None or fix.t - last.t > _BREAK:
+        return False
+    return (fix.latitude, fix.longitude) == (last.latitude, last.longitude)
 
 
 def _good(fix: Fix) -> bool:

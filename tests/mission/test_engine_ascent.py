@@ -136,18 +136,36 @@ def test_a_fix_is_the_surface_too_even_without_a_depth():
     world = surfacing()
     world.nav.doubt["depth"] = "frozen"
     world.wait(5.0)
-    world.tell(world.fix(north=3.0))
+    world.tell(world.fix())
     assert world.state == SURFACED
     assert world.commands()[-1] is Order.STOP
 
 
 def test_a_receiver_that_goes_on_saying_its_last_place_proves_no_surface():
-    world = surfacing()
-    for _ in range(10):  # as it said before the dive, to the last bit
-        world.wait(1.0)
+    world = World(mission(leg("a", timeout=LONG)))
+    assert world.start()
+    world.depth = 5.0
+    for second in range(30):  # to the last bit, second by second
         world.tell(world.fix())
+        if second == 5:
+            world.tell(W)
+        world.wait(1.0)
     assert world.state == SURFACING
     world.tell(world.fix(north=0.2))
+    assert world.state == SURFACED
+
+
+def test_behind_a_break_the_same_place_is_a_fix():
+    world = World(mission(leg("a", timeout=LONG)))
+    assert world.start()
+    world.depth = 5.0
+    world.tell(world.fix())
+    world.tell(W)
+    world.wait(4.9)
+    world.tell(world.fix())
+    assert world.state == SURFACING
+    world.wait(5.1)
+    world.tell(world.fix())
     assert world.state == SURFACED
 
 
@@ -215,7 +233,7 @@ def test_until_fix_waits_at_the_surface_with_everything_stopped():
     world.wait(60.0)
     assert world.state == "autonomous/up"
     assert [c for c in world.commands() if c is Order.STOP] == [Order.STOP]
-    world.tell(world.fix(north=3.0))
+    world.tell(world.fix())
     assert world.state == "autonomous/b"
 
 
