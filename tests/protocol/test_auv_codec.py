@@ -421,3 +421,13 @@ def test_every_word_is_a_frame_of_its_own_that_fits_one_burst() -> None:
 def test_an_unknown_dialect_says_which_there_are() -> None:
     with pytest.raises(ValueError, match="as-built"):
         AuvCodec("nothing")
+
+
+def test_a_report_behind_a_false_start_has_the_time_of_its_own_first_byte() -> None:
+    """The false start kept it waiting; it came with the first chunk all the same."""
+    codec = AuvCodec("documented")
+    false = SD.lead + b"\x01" * 17
+    for begun in (0.0, 100.0):  # nothing before it in the stream, and something
+        heard = codec.receive(false + CANONICAL[:30], begun + 1.0)
+        heard += codec.receive(CANONICAL[30:] + CANONICAL, begun + 2.0)
+        assert [m.t for m in heard if isinstance(m, Telemetry)] == [begun + 1.0, begun + 2.0]
