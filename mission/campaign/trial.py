@@ -294,6 +294,8 @@ class _Loop:
                 self._lived = True
             case Act.UNPLUG | Act.PLUG:
                 self.plugged = deed.act is Act.PLUG
+                if self.plugged:
+                    self._send(self.board.connected(VEHICLE, "", now))
             case Act.FILL | Act.FREE:
                 self.board.store.full = deed.act is Act.FILL
 

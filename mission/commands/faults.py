@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -56,7 +57,8 @@ def faults(
         sys.exit(_soak(soak, seed, known, as_json))
     totals = Totals()
     if flight is not None:
-        fared = fare(seed, flight, known, _recorders(report))
+        with _recorders(report) as recorder:
+            fared = fare(seed, flight, known, recorder)
         totals.add(fared)
         click.echo(_story(seed, fared), err=as_json)
     else:
@@ -113,22 +115,27 @@ def _soak(days: float, seed: int, known: Sequence[Subject], as_json: bool) -> in
     return 0 if soaked.totals.clean and soaked.flat and not soaked.broken_parts else 1
 
 
-def _recorders(folder: Path | None) -> Callable[[], Recorder | None]:
-    """A black box for each life of the program."""
+@contextmanager
+def _recorders(folder: Path | None) -> Iterator[Callable[[], Recorder | None]]:
+    """A black box for each life of the program, all of them whole at the end."""
     if folder is None:
-        return lambda: None
-    from itertools import count
-
+        yield lambda: None
+        return
     from mission.blackbox import BlackBox
 
-    lives = count(1)
+    lives: list[BlackBox] = []
 
     def make() -> BlackBox:
-        path = folder / f"life{next(lives)}.mcap"
+        path = folder / f"life{len(lives) + 1}.mcap"
         path.unlink(missing_ok=True)
-        return BlackBox(path)
+        lives.append(BlackBox(path))
+        return lives[-1]
 
-    return make
+    try:
+        yield make
+    finally:
+        for box in lives:
+            box.close()
 
 
 def _story(seed: int, fared: Fared) -> str:

@@ -43,6 +43,7 @@ from mission.model import (
     AutoNode,
     Chart,
     Estimate,
+    LineOpened,
     Loaded,
     Outcome,
     Record,
@@ -158,9 +159,13 @@ class Drive:
         return self._leave(now)
 
     def connected(self, link: str, address: str, now: float) -> list[Tx]:
+        """An operator, or the vehicle's port that was away."""
         self._now = now = max(self._now, now)
         self._record(rec.input_record, now, rec.CONNECTED, link, address)
-        self._topside.connected(Peer(link, address))
+        if link == VEHICLE:
+            self._step(now, (LineOpened(),))
+        else:
+            self._topside.connected(Peer(link, address))
         return self._leave(now)
 
     def disconnected(self, link: str, address: str, now: float) -> list[Tx]:

@@ -257,12 +257,24 @@ class Core:
         self.reason = why
         self._record(self._stop(why))
 
+    @property
+    def _rests(self) -> bool:
+        """A state where everything is stopped."""
+        return self.region == IDLE or self.active in (STOPPED, SURFACED, MANUAL_WAITING)
+
     def doubt_stop(self) -> None:
         """An acknowledgement proves nothing, as in the ascent: a thruster that turns after it in a
         state where everything is stopped is stopped again."""
-        rests = self.region == IDLE or self.active in (STOPPED, SURFACED, MANUAL_WAITING)
-        if self.stopped_at is not None and rests and self.watch.turning(self.stopped_at):
+        if self.stopped_at is not None and self._rests and self.watch.turning(self.stopped_at):
             self._record(self._stop(f"{self.reason}: a thruster turns after it was stopped"))
+
+    def doubt_line(self) -> None:
+        """Nor does it prove who gave it: behind a line that was away a stop that was acknowledged
+        and a leg's set are said again. Not the stick's: it is said all the time."""
+        if self._rests and self.stopped_at is not None:
+            self._record(self._stop(f"{self.reason}: the line to the vehicle was away"))
+        else:
+            self.repeat_set("the line to the vehicle was away: the whole set again")
 
     def emergency_stop(self, why: str) -> None:
         self._to_emergency()

@@ -32,6 +32,7 @@ from mission.model import (
     By,
     Chart,
     Estimate,
+    LineOpened,
     Loaded,
     Outcome,
     Reading,
@@ -55,7 +56,7 @@ FORGOTTEN = 60.0  # s without M (R6)
 STICK = "the stick, without a mission"  # under way in manual: a restart stops, and is idle
 UNANSWERED = "a stop without its acknowledgement"  # under way in idle: thrusters may still turn
 
-Input = Telemetry | Fix | Outcome | Loaded | AutoNode | Restarted | Command
+Input = Telemetry | Fix | Outcome | Loaded | AutoNode | LineOpened | Restarted | Command
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +166,8 @@ class Engine:
                     core.load(one.chart)
             elif isinstance(one, AutoNode):
                 self._switch_auto(one)
+            elif isinstance(one, LineOpened):
+                core.doubt_line()
             elif isinstance(one, Restarted):
                 self._restarted(one)
             elif i not in given and not isinstance(one, Telemetry | Fix | Outcome):

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
-from mission.model import AutoNode, Loaded, Outcome, Restarted
+from mission.model import AutoNode, LineOpened, Loaded, Outcome, Restarted
 from protocol.messages import (
     ClearMission,
     Emergency,
@@ -32,6 +32,7 @@ _EVENTS: Mapping[type, str] = MappingProxyType(
         Manual: "operator M",
         Loaded: "store",
         AutoNode: "node AUTO",
+        LineOpened: "the line is back",
         Restarted: "restart",
     }
 )

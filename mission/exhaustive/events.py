@@ -327,6 +327,12 @@ def _restarts(world: World) -> None:
     world.wait(SETTLE)
 
 
+def _line_is_back(world: World) -> None:
+    world.wait(0.05)
+    world.line_is_back()
+    world.wait(2.0)
+
+
 _SILENCE = frozenset({"silence", "minute"})
 OTHERS = (
     Event("ACK Y", _answers("Y")),
@@ -341,6 +347,7 @@ OTHERS = (
     Event("W, and it rises", script(_rises), "W", "rises"),
     Event("W does not stick, U12 does", script(_rises_by_thrust), "W", "rises"),
     Event("X, answered late", script(_unanswered_stop), "X", also=frozenset({"deaf"})),
+    Event("the line is back", script(_line_is_back), also=frozenset({"line"})),
     Event("restart", script(_restarts), also=frozenset({"restart"})),
 )
 

@@ -25,6 +25,7 @@ from mission.model import (
     STOPPED,
     SURFACED,
     SURFACING,
+    Surface,
 )
 
 X, W = b"@ZAX0$", b"@ZAWF$"
@@ -286,9 +287,25 @@ def _quiet_idle(cell: Cell) -> Verdict:
     """In idle, nothing leaves that nobody asked for."""
     if cell.configuration.region != "idle" or cell.region != "idle" or len(cell.states) > 1:
         return None
-    if cell.event.causes & {"restart"}:
+    if cell.event.causes & {"restart", "line"}:
         return None
     return wrong((bool(cell.frames(b"@Z")), f"{cell.frames(b'@Z')[:1]} left in idle"))
+
+
+def _line_was_away(cell: Cell) -> Verdict:
+    """What was acknowledged meanwhile need not have been heard: a stop and a leg's set are said
+    again (an ascent says its own all the time). Nothing else leaves."""
+    if "line" not in cell.event.causes or cell.region != cell.configuration.region:
+        return None
+    left = [t.data for t in cell.frames(b"@Z")]
+    stopped = cell.state in (STOPPED, SURFACED)
+    if stopped or cell.region == "idle":
+        return wrong((set(left) > {X} or (stopped and not left), f"{left} left in {cell.state}"))
+    if cell.region == "manual":
+        return wrong((cell.state == MANUAL_DRIVING and bool(left), f"{left} left under the stick"))
+    leg = cell.leg.leg if cell.leg else None
+    flies = leg is not None and not isinstance(leg.kind, Surface) and len(cell.states) == 1
+    return wrong((flies and not left, "the set was not said again"))
 
 
 def _to_the_surface(cell: Cell) -> Verdict:
@@ -346,6 +363,7 @@ STATE_LAWS: tuple[Law, ...] = (
     Law("after stopped nothing leaves but what is allowed", "R7", _after_stopped),
     Law("X0 every 500 ms until it is acknowledged", "R7", _stop_repeats),
     Law("in idle nothing leaves that nobody asked for", "design 4", _quiet_idle),
+    Law("behind a line that was away what holds is said again", "R7, R8", _line_was_away),
     Law("from everywhere to the surface by W", "R7", _to_the_surface),
     Law("who is left alone comes up", "R6, R8", _comes_up_alone),
     Law("a mission ends out of the implicit leg, stopped", "design 5", _implicit_end),

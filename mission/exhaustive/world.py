@@ -111,6 +111,10 @@ class World:
         self.last_fix = self.now
         self._take(self.drive.receive(Rx(self.now, GPS, self.sea.sentences(self.home, self.now))))
 
+    def line_is_back(self) -> None:
+        """The vehicle's port was away, for no time at all."""
+        self._take(self.drive.connected(VEHICLE, "", self.now))
+
     def node(self, line: bytes) -> None:
         """What a node's process reports."""
         self._take(self.drive.receive(Rx(self.now, "nodes", line, "")))

@@ -120,6 +120,12 @@ class Loaded:
 
 
 @dataclass(frozen=True, slots=True)
+class LineOpened:
+    """The vehicle's port is open again. Meanwhile something else may have been on it, and may have
+    acknowledged what the vehicle never heard."""
+
+
+@dataclass(frozen=True, slots=True)
 class AutoNode:
     """The node AUTO was opened or closed (R13)."""
 

@@ -237,6 +237,8 @@ class Server:
             self._part(port)
             if port.name == MODEM:
                 self._disconnect(MODEM, "")
+        elif port.name == VEHICLE:  # it was away: the first opening comes before the drive
+            self._do(lambda drive: drive.connected(VEHICLE, "", self.now()))
         elif port.name == TOPSIDE and not self._announced:
             self._announced = True
             self._ready(Ready(reached_at(port.url), self._recording.path))

@@ -20,6 +20,7 @@ from mission.drive.records import ESTIMATE, FAULT, RX, STEP, STORE, TIMER, ListR
 from mission.language import parse, script
 from mission.model import SURFACING, Chart, Tx
 from mission.navigation import Navigation
+from mission.replay.replay import replay
 from mission.store import MemoryStore, Stored, StoreError
 from mission.vehicle import Vehicle, load_vehicle
 from protocol.messages import MissionLine, SetSafety
@@ -471,3 +472,51 @@ def test_a_board_that_answers_nothing_hears_the_stop_again_and_again(name: str) 
     assert len({tx.data for tx in to_vehicle}) <= 2
     assert len(to_vehicle) > 10
     assert drive.state == "emergency/stopped"
+
+
+# --- a line that was away ------------------------------------------------------------------------
+
+
+def test_behind_a_line_that_was_away_what_was_stopped_is_stopped_again() -> None:
+    """Whoever acknowledged the stop need not have been the vehicle."""
+    for state, order in (("idle/empty", b""), ("emergency/stopped", b"@ZAX0$")):
+        again = [order] if order else []
+        boat = Boat()
+        boat.until(4.0)
+        boat.say(order)
+        boat.until(8.0)
+        assert boat.drive.state == state
+        before = boat.to_vehicle()
+        boat._leave(boat.drive.connected("vehicle", "", 8.0))
+        assert boat.to_vehicle()[len(before) :] == again
+        boat.until(12.0)
+        assert boat.to_vehicle()[len(before) :] == again  # acknowledged, and no more
+        assert boat.drive.state == state
+        assert replay(boat.recorder.records).identical
+
+
+def test_behind_a_line_that_was_away_a_leg_says_its_whole_set_again() -> None:
+    boat = Boat()
+    boat.upload()
+    boat.until(4.0)
+    boat.say(b"@AA$")
+    boat.until(8.0)
+    assert boat.drive.state.startswith("autonomous/")
+    before = len(boat.sent)
+    boat._leave(boat.drive.connected("vehicle", "", boat.now))
+    boat.until(boat.now + 3.0)
+    again = [tx for tx in boat.sent[before:] if tx.link == "vehicle"]
+    first = [tx.data for tx in boat.sent[:before] if tx.link == "vehicle"]
+    assert [tx.data for tx in again] == first[-len(again) :]
+    assert len(again) >= 2
+    assert all("the line to the vehicle was away" in tx.reason for tx in again)
+
+
+def test_the_stick_is_not_disturbed_by_a_line_that_was_away() -> None:
+    boat = Boat()
+    boat.until(4.0)
+    boat.say(b"@MMF5$")
+    before = boat.to_vehicle()
+    boat._leave(boat.drive.connected("vehicle", "", 4.5))
+    boat.until(5.5)
+    assert boat.to_vehicle() == before
