@@ -241,3 +241,18 @@ def leg(name: str, *exits: Exit, timeout: float | None = 60.0, **more) -> Leg:
 def mission(*body: Node, **more) -> Mission:
     more.setdefault("home", HOME)
     return Mission("test", "auv", body, **more)
+
+
+def flying(*body: object, depth: float = 5.0, **more: object) -> World:
+    """The mission under way for 2 s, at this depth."""
+    world = World(mission(*body, **more))  # type: ignore[arg-type]
+    assert world.start()
+    world.depth = depth
+    world.wait(2.0)
+    return world
+
+
+def legs_of(world: World) -> list[str]:
+    """Every leg entered, in order, as people call it."""
+    leaves = [s.entered[-1] for s in world.steps if s.entered]
+    return [p.partition("/")[2] for p in leaves if p.startswith("autonomous/")]

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from engine_world import World, guard, leg, mission, sets, when
+from engine_world import World, flying, guard, leg, legs_of, mission, sets, when
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -33,20 +33,6 @@ from mission.model import (
 from protocol.messages import Order, Setpoint
 
 LONG = 20000.0
-
-
-def flying(*body, depth: float = 5.0, **more) -> World:
-    world = World(mission(*body, **more))
-    assert world.start()
-    world.depth = depth
-    world.wait(2.0)
-    return world
-
-
-def legs_of(world: World) -> list[str]:
-    """Every leg entered, in order, as people call it."""
-    leaves = [s.entered[-1] for s in world.steps if s.entered]
-    return [p.partition("/")[2] for p in leaves if p.startswith("autonomous/")]
 
 
 # --- order --------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from engine_world import World, compiled, guard, leg, mission, sets, when
+from engine_world import World, compiled, flying, guard, leg, legs_of, mission, sets, when
 
 from mission.engine.run import MISSED, NEW_HEADING, Run
 from mission.engine.senses import Senses
@@ -24,19 +24,6 @@ from mission.model import (
 from protocol.messages import Order, Setpoint
 
 LONG = 20000.0
-
-
-def flying(*body, depth: float = 5.0, **more) -> World:
-    world = World(mission(*body, **more))
-    assert world.start()
-    world.depth = depth
-    world.wait(2.0)
-    return world
-
-
-def entered(world: World) -> list[str]:
-    leaves = [s.entered[-1] for s in world.steps if s.entered]
-    return [p.partition("/")[2] for p in leaves if p.startswith("autonomous/")]
 
 
 # --- steering -------------------------------------------------------------------------------
@@ -133,9 +120,9 @@ def test_a_handler_does_not_wait_in_the_leg_it_leads_to():
     world.until(103.0)
     world.altitude = 1.0
     world.until(114.9)
-    assert entered(world) == ["a", "own", "b"]
+    assert legs_of(world) == ["a", "own", "b"]
     world.until(115.1)
-    assert entered(world) == ["a", "own", "b", "own"]
+    assert legs_of(world) == ["a", "own", "b", "own"]
 
 
 def test_a_leg_without_a_time_of_its_own_waits_for_nothing_but_reports():
@@ -204,8 +191,8 @@ def test_an_exits_wait_begins_anew_when_its_leg_is_entered_again():
     world = flying(a, b, c, back)
     world.altitude = 1.0
     world.wait(40.0)
-    assert "b" not in entered(world)
-    assert entered(world).count("a") > 4
+    assert "b" not in legs_of(world)
+    assert legs_of(world).count("a") > 4
 
 
 # --- rounds ---------------------------------------------------------------------------------
@@ -226,14 +213,14 @@ def test_a_group_that_is_all_of_another_begins_anew_in_each_of_its_rounds():
     inner = Group("in", 3, (leg("x", timeout=None, duration=4.0),))
     world = flying(Group("out", 2, (inner,)), leg("end", timeout=LONG))
     world.wait(40.0)
-    assert entered(world) == ["out/in/x"] * 6 + ["end"]
+    assert legs_of(world) == ["out/in/x"] * 6 + ["end"]
 
 
 def test_rounds_can_be_asked_for_by_a_guard():
     x = leg("x", when("round", ">=", 2.0, "end"), timeout=None, duration=4.0)
     world = flying(Group("g", 5, (x,)), leg("end", timeout=LONG))
     world.wait(10.0)
-    assert entered(world) == ["g/x", "g/x", "end"]
+    assert legs_of(world) == ["g/x", "g/x", "end"]
 
 
 # --- blindness ------------------------------------------------------------------------------
@@ -434,7 +421,7 @@ def test_an_uncertain_position_takes_its_own_way_and_no_handlers():
     world = flying(*legs, handlers=(near,), on_uncertain="away")
     world.nav.north, world.nav.covariance = 1990.0, (1e6, 0.0, 1e6)
     world.wait(6.0)
-    assert entered(world) == ["a", "away"]
+    assert legs_of(world) == ["a", "away"]
 
 
 def test_a_run_and_its_clone_share_nothing_that_changes():
