@@ -22,14 +22,13 @@ from types import MappingProxyType
 from mission import distribution
 from mission.legs.base import Track, wrap
 from mission.model import Estimate, Health, NavigationMode, Reading
-from mission.vehicle import REPORTS
+from mission.vehicle import REPORTS, STALE_AFTER
 from protocol.messages import Telemetry
 
 CLOCK = "clock"
 SOURCES = REPORTS | {CLOCK}  # what a variable may be known by
 
 _TRACK = ("heading", "position")  # what dead reckoning needs
-_TELEMETRY = 6.0  # s: three reports of the vehicle missed (design: readings are three-valued)
 
 
 @dataclass(slots=True)
@@ -251,23 +250,23 @@ def _distance_share(scope: Scope, bound: float) -> Value:
 
 # fmt: off
 _ROWS = (
-    Variable("depth", "m", ("depth",), _TELEMETRY, "below the surface",
+    Variable("depth", "m", ("depth",), STALE_AFTER, "below the surface",
              read=_estimated("depth"), sigma=_sigma("depth")),
-    Variable("depth_rate", "m/s", ("depth",), _TELEMETRY, "change of depth, positive downward",
+    Variable("depth_rate", "m/s", ("depth",), STALE_AFTER, "change of depth, positive downward",
              read=_estimated("depth_rate"), sigma=_sigma("depth_rate")),
-    Variable("altitude", "m", ("altitude",), _TELEMETRY, "above the bottom",
+    Variable("altitude", "m", ("altitude",), STALE_AFTER, "above the bottom",
              read=_estimated("altitude"), sigma=_sigma("altitude")),
-    Variable("heading", "deg", ("heading",), _TELEMETRY, "where the bow points, 0 to 360", True,
+    Variable("heading", "deg", ("heading",), STALE_AFTER, "where the bow points, 0 to 360", True,
              read=_reported("heading"), sigma=_sigma("heading")),
     Variable("course", "deg", _TRACK, math.inf, "where it goes over ground, 0 to 360", True,
              read=_course, sigma=_course_sigma),
-    Variable("pitch", "deg", ("attitude",), _TELEMETRY, "positive nose up",
+    Variable("pitch", "deg", ("attitude",), STALE_AFTER, "positive nose up",
              read=_reported("pitch")),
-    Variable("roll", "deg", ("attitude",), _TELEMETRY, "positive to starboard",
+    Variable("roll", "deg", ("attitude",), STALE_AFTER, "positive to starboard",
              read=_reported("roll")),
-    Variable("speed", "m/s", (CLOCK,), _TELEMETRY, "through the water, estimated",
+    Variable("speed", "m/s", (CLOCK,), STALE_AFTER, "through the water, estimated",
              read=_estimated("speed"), sigma=_sigma("speed")),
-    Variable("ground_speed", "m/s", ("heading",), _TELEMETRY, "over ground, estimated",
+    Variable("ground_speed", "m/s", ("heading",), STALE_AFTER, "over ground, estimated",
              read=ground_speed, sigma=_ground_speed_sigma),
     Variable("north", "m", _TRACK, math.inf, "position north of home",
              read=_position("north"), sigma=_toward(0.0)),
@@ -281,7 +280,7 @@ _ROWS = (
              read=_distance, sigma=_greatest, share=_distance_share),
     Variable("cross_track", "m", _TRACK, math.inf, "off the leg's line, positive to starboard",
              read=_cross_track, sigma=_cross_sigma),
-    Variable("travelled", "m", ("heading",), _TELEMETRY, "path over ground since the leg began",
+    Variable("travelled", "m", ("heading",), STALE_AFTER, "path over ground since the leg began",
              read=lambda scope: scope.travelled, sigma=_greatest),
     Variable("current", "m/s", _TRACK, math.inf, "speed of the estimated current",
              read=_current, sigma=_sigma("current")),
@@ -293,7 +292,7 @@ _ROWS = (
              read=_reported("temperature_c")),
     Variable("battery", "V", ("battery",), 30.0, "control battery", read=_battery(0)),
     Variable("battery_power", "V", ("battery",), 30.0, "power battery", read=_battery(1)),
-    Variable("leak", "", ("leak",), _TELEMETRY, "1 when water was found inside, else 0",
+    Variable("leak", "", ("leak",), STALE_AFTER, "1 when water was found inside, else 0",
              read=_leak),
     Variable("elapsed", "s", (CLOCK,), math.inf, "time since the leg began",
              read=_elapsed, timed=True),

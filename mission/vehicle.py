@@ -36,6 +36,7 @@ REPORTS = frozenset(
         "position",
     }
 )
+STALE_AFTER = 6.0  # s: three reports missed (design: readings are three-valued)
 FOLLOWS = frozenset({"surge", "turn", "heave", "heading", "depth", "altitude", "attitude"})
 
 
@@ -184,7 +185,7 @@ class Vehicle:
     declination: float | None  # rad; None: from the world magnetic model
     compass_bias: float  # rad
     calibration: Calibration = Calibration()
-    stale_after: float = 6.0  # s: an older report is not believed (design: three were missed)
+    stale_after: float = STALE_AFTER  # s: an older report is not believed
     glides: bool = False  # no thruster: moves forward by sinking and rising
     drives: bool = False  # on the ground: it is at the surface wherever it is
 
@@ -333,7 +334,7 @@ def _vehicle(keys: _Keys) -> Vehicle:
         declination=None if declination == "auto" else compass.number("declination", "deg"),
         compass_bias=compass.number("bias_deg", "deg"),
         calibration=_calibration(keys),
-        stale_after=keys.number("stale_after", "s") if "stale_after" in keys.data else 6.0,
+        stale_after=keys.number("stale_after", "s") if "stale_after" in keys.data else STALE_AFTER,
         glides=keys.flag("glides") if "glides" in keys.data else False,
         drives=keys.flag("drives") if "drives" in keys.data else False,
     )

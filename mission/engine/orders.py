@@ -18,7 +18,7 @@ from types import MappingProxyType
 from typing import Any
 
 from mission.engine.core import Core
-from mission.engine.senses import metres
+from mission.engine.senses import FIX_AGE, metres
 from mission.envelope import SILENCE, admit
 from mission.legs import LEGS
 from mission.model import (
@@ -36,7 +36,6 @@ from mission.regions import EMERGENCY, IDLE, MANUAL
 from protocol.messages import ClearMission, Emergency, Manual, Order, SetSafety, StartMission
 
 STICK_QUIET = 2.0  # s (R6)
-FIX_AGE = 5.0  # s (R9)
 
 ACCEPTED = Verdict(True)
 

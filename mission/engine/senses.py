@@ -17,6 +17,7 @@ from typing import Any, Protocol, Self
 
 from mission.legs.base import Point, wrap
 from mission.model import Estimate, Health, Local, NavigationMode, Place, Position
+from mission.vehicle import STALE_AFTER
 from protocol.messages import Fix, Setpoint, Telemetry
 
 SURFACE_DEPTH = 0.5  # m (R7)
@@ -26,7 +27,7 @@ _ESTIMATE_AGE = 2.5  # s: older, and it is reckoned on to now
 _MEDIAN_OF = 5  # fixes (R9)
 _SCATTER = 10.0  # m (R9)
 _HDOP = 3.0  # (R9)
-_BREAK = 5.0  # s without a fix (R9: older is none)
+FIX_AGE = 5.0  # s: an older fix is none (R9)
 _EARTH = 6371008.8  # m, mean radius
 
 
@@ -63,7 +64,7 @@ class Senses:
         navigation: Navigator | None = None,
         *,
         grounded: bool = False,
-        stale_after: float = 6.0,
+        stale_after: float = STALE_AFTER,
     ) -> None:
         """``grounded``: the vehicle drives on the ground, where the depth is 0. ``stale_after``:
         s, the age at which a report is believed no more."""
@@ -245,7 +246,7 @@ class Senses:
 
 def _goes_on(last: Fix | None, fix: Fix) -> bool:
     """The same place, to the last bit, without a break such as a dive makes."""
-    if last is None or fix.t - last.t > _BREAK:
+    if last is None or fix.t - last.t > FIX_AGE:
         return False
     return (fix.latitude, fix.longitude) == (last.latitude, last.longitude)
 

@@ -22,12 +22,13 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from mission.model import Health
+from mission.vehicle import STALE_AFTER
 from protocol.messages import Fix, Telemetry
 
 _SAME = 5  # identical reports that make a sensor frozen (design: readings are three-valued)
 _AGREE = 3  # reports that agree with each other and win against the rate limit
 _NEUTRAL = 0.02  # thruster fraction below which nothing moves
-_TELEMETRY, _SLOW, _GPS = 6.0, 30.0, 5.0  # s: three reports missed; slow quantities; protocols R9
+_SLOW, _GPS = 30.0, 5.0  # s: of slow quantities; protocols R9
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,14 +46,14 @@ class Channel:
 
 # fmt: off
 CHANNELS: Mapping[str, Channel] = MappingProxyType({
-    "depth": Channel("depth", _TELEMETRY, -3.0, 1000.0, 4.0, freezes=True),
-    "altitude": Channel("altitude", _TELEMETRY, 1e-6, 300.0, 15.0, freezes=True),  # 0: no echo
-    "heading": Channel("heading", _TELEMETRY, 0.0, 2.0 * math.pi, 1.6, freezes=True, wraps=True),
-    "pitch": Channel("attitude", _TELEMETRY, -1.6, 1.6, 1.6, freezes=True),
-    "roll": Channel("attitude", _TELEMETRY, -3.2, 3.2, 3.2, freezes=True, wraps=True),
+    "depth": Channel("depth", STALE_AFTER, -3.0, 1000.0, 4.0, freezes=True),
+    "altitude": Channel("altitude", STALE_AFTER, 1e-6, 300.0, 15.0, freezes=True),  # 0: no echo
+    "heading": Channel("heading", STALE_AFTER, 0.0, 2.0 * math.pi, 1.6, freezes=True, wraps=True),
+    "pitch": Channel("attitude", STALE_AFTER, -1.6, 1.6, 1.6, freezes=True),
+    "roll": Channel("attitude", STALE_AFTER, -3.2, 3.2, 3.2, freezes=True, wraps=True),
     "temperature": Channel("temperature", _SLOW, -5.0, 60.0),
     "battery": Channel("battery", _SLOW, 0.0, 1000.0),
-    "leak": Channel("leak", _TELEMETRY),
+    "leak": Channel("leak", STALE_AFTER),
     "position": Channel("position", _GPS, freezes=True),
 })
 # fmt: on
@@ -113,9 +114,9 @@ class SensorHealth:
     """One monitor per channel. ``reports`` are the sensors that the vehicle file declares,
     ``stale_after`` its age of telemetry, s."""
 
-    def __init__(self, reports: frozenset[str], stale_after: float = _TELEMETRY) -> None:
+    def __init__(self, reports: frozenset[str], stale_after: float = STALE_AFTER) -> None:
         self._max_age = {
-            name: stale_after if row.max_age == _TELEMETRY else row.max_age
+            name: stale_after if row.max_age == STALE_AFTER else row.max_age
             for name, row in CHANNELS.items()
         }
         self._declared = frozenset(n for n, row in CHANNELS.items() if row.sensor in reports)

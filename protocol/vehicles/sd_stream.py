@@ -60,6 +60,7 @@ def sd_reader(
                 and lx * lx + ly * ly + lz * lz <= 1e4
                 and rx * rx + ry * ry + rz * rz <= 1e4
                 and finite - finite == 0.0
+                and (altitude - altitude == 0.0 or altitude != altitude)  # not infinite
             ):
                 break
             draft: Any = draft_of()
@@ -72,13 +73,8 @@ def sd_reader(
                 break
             draft.t = t
             draft.depth = depth
-            draft.faults = ()
-            if altitude - altitude == 0.0:
-                draft.altitude = altitude
-            elif altitude != altitude:  # an altimeter without an echo: every second frame, maybe
-                draft.altitude, draft.faults = None, _NO_ECHO
-            else:
-                break
+            echo = altitude == altitude  # none: every second frame, maybe
+            draft.altitude, draft.faults = (altitude, ()) if echo else (None, _NO_ECHO)
             draft.heading = -(yaw * degree) % turn
             draft.pitch = pitch * degree
             draft.roll = roll * degree

@@ -30,10 +30,12 @@ from mission.model import (
     Setting,
 )
 from mission.vehicle import load_vehicle
-from protocol.messages import Fix, Order, Setpoint, StartMission, Telemetry
+from protocol.messages import Emergency, Fix, Manual, Order, Setpoint, StartMission, Telemetry
 
 VEHICLE = load_vehicle("auv")
 HOME = Position(30.0, 120.0)
+X, W = Emergency(Order.STOP), Emergency(Order.SURFACE)
+M = Manual("MM", b"@MMF5$")
 _METRE = 1.0 / 6371008.8
 
 

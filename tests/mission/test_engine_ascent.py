@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import pytest
-from engine_world import World, leg, mission, when
+from engine_world import W, World, leg, mission, when
 
 from mission.engine.ascent import UPWARD, Ascent
 from mission.model import IDLE_READY, SURFACED, SURFACING, Surface
-from protocol.messages import Emergency, Order, Setpoint
+from protocol.messages import Order, Setpoint
 
-W = Emergency(Order.SURFACE)
 LONG = 20000.0
 
 

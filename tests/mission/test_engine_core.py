@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from engine_world import World, compiled, leg, mission, sets
+from engine_world import M, W, World, X, compiled, leg, mission, sets
 from limit_cases import flying as flying_with_limits
 from limit_cases import unsure
 
@@ -22,14 +22,11 @@ from mission.model import (
 from protocol.messages import (
     ClearMission,
     Emergency,
-    Manual,
     Order,
     SetSafety,
     StartMission,
 )
 
-X, W = Emergency(Order.STOP), Emergency(Order.SURFACE)
-M = Manual("MM", b"@MMF5$")
 MISSION = mission(leg("a", timeout=600.0), leg("b"))
 
 

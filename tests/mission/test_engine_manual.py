@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from engine_world import World, leg, mission, when
+from engine_world import M, W, World, X, leg, mission, when
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -15,10 +15,7 @@ from mission.model import (
     SURFACING,
     Group,
 )
-from protocol.messages import Emergency, Manual, Order, Setpoint, StartMission
-
-M = Manual("MM", b"@MMF5$")
-X, W = Emergency(Order.STOP), Emergency(Order.SURFACE)
+from protocol.messages import Emergency, Order, Setpoint, StartMission
 
 
 def flying() -> World:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from engine_world import HOME, World, compiled, leg, mission, sets, when
+from engine_world import HOME, M, W, World, X, compiled, leg, mission, sets, when
 
 from mission.engine.engine import STICK, UNANSWERED, Engine
 from mission.model import (
@@ -24,15 +24,12 @@ from protocol.messages import (
     ClearMission,
     DataQuery,
     Emergency,
-    Manual,
     Order,
     Setpoint,
     SetSafety,
     StartMission,
 )
 
-X, W = Emergency(Order.STOP), Emergency(Order.SURFACE)
-M = Manual("MM", b"@MMF5$")
 MISSION = mission(leg("a", timeout=600.0), leg("b"))
 
 

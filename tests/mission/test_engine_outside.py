@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from engine_world import NEUTRAL, World, compiled, guard, leg, mission, sets, when
+from engine_world import NEUTRAL, M, W, World, X, compiled, guard, leg, mission, sets, when
 
 from mission.engine.engine import MICROSTEPS, STICK, Engine
 from mission.model import (
@@ -30,14 +30,11 @@ from protocol.messages import (
     ClearMission,
     DataQuery,
     Emergency,
-    Manual,
     Order,
     SetSafety,
     StartMission,
 )
 
-X, W = Emergency(Order.STOP), Emergency(Order.SURFACE)
-M = Manual("MM", b"@MMF5$")
 LONG = 20000.0
 MISSION = mission(leg("a", timeout=LONG), leg("b"))
 

@@ -6,14 +6,12 @@ import math
 from dataclasses import replace
 
 import pytest
-from engine_world import HOME, VEHICLE, World, leg, mission, sets
+from engine_world import HOME, VEHICLE, M, World, X, leg, mission, sets
 
 from mission.engine.senses import metres
 from mission.model import IDLE_READY, MANUAL_DRIVING, STOPPED, NavigationMode, Yoyo
-from protocol.messages import ClearMission, Emergency, Manual, Order, SetSafety, StartMission
+from protocol.messages import ClearMission, Emergency, Order, SetSafety, StartMission
 
-X = Emergency(Order.STOP)
-M = Manual("MM", b"@MMF5$")
 MISSION = mission(leg("a", timeout=600.0), leg("b"))
 
 

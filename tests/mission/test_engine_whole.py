@@ -6,7 +6,7 @@ from __future__ import annotations
 import random
 
 import pytest
-from engine_world import World, guard, leg, mission, sets, when
+from engine_world import M, World, guard, leg, mission, sets, when
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
@@ -34,7 +34,6 @@ from mission.regions import REGIONS
 from protocol.messages import (
     ClearMission,
     Emergency,
-    Manual,
     Order,
     Setpoint,
     SetSafety,
@@ -63,7 +62,6 @@ MISSION = mission(
     handlers=(Handler(guard("battery", "<", 11.0, held=4.0), "surface"),),
 )
 LEAVES = {leaf for leaves in REGIONS.values() for leaf in leaves}
-M = Manual("MM", b"@MMF5$")
 
 
 def random_input(rng: random.Random, world: World) -> list[object]:
