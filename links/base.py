@@ -8,8 +8,7 @@ LinkError                 (the operator or the hardware must act)
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 
 class LinkError(OSError):
@@ -28,8 +27,7 @@ class LinkClosed(LinkError):
     pass
 
 
-@dataclass(frozen=True, slots=True)
-class Rx:
+class Rx(NamedTuple):
     """Bytes that arrived: ``t`` is the engine's time of the first of them."""
 
     t: float

@@ -147,9 +147,12 @@ class Framer:
     def receive(self, data: bytes, now: float) -> list[Frame | FrameFault]:
         if not data:
             return []
-        self._starts.append(self._base + len(self._buffer))
-        self._times.append(now)
-        self._buffer = self._buffer + data if self._buffer else bytes(data)
+        if self._buffer:
+            self._starts.append(self._base + len(self._buffer))
+            self._times.append(now)
+            self._buffer += data
+        else:
+            self._starts, self._times, self._buffer = [self._base], [now], bytes(data)
         return self._parse(final=False)
 
     def next_timer(self) -> float | None:

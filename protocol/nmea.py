@@ -54,6 +54,7 @@ CONTRADICTION = 1e-5  # rad (64 m) between the GGA and the RMC of one epoch
 
 _HALF_DAY, _DAY = 43200.0, 86400.0
 
+_LINE_ENDS = (b"\r\n", b"")
 _END = re.compile(rb"[^\x20-\x23\x25-\x7e]")  # a line end, another $, or what no sentence holds
 _USED = {f"${talker}{kind},".encode(): kind for talker in TALKERS for kind in ("GGA", "RMC")}
 _HEX = {b"%02X" % n: n for n in range(256)} | {b"%02x" % n: n for n in range(256)}
@@ -123,7 +124,8 @@ class NmeaDecoder:
             self._sentence(buffer[start:stop], start, buffer[stop : stop + 1], first, out)
             pos = stop
         else:
-            self._outside(buffer[pos:], pos)
+            if (rest := buffer[pos:]) not in _LINE_ENDS:
+                self._outside(rest, pos)
             pos = len(buffer)
         self._begun = begun if pos < held else now
         self._buffer = buffer[pos:]
@@ -189,7 +191,8 @@ class NmeaDecoder:
             self.counters.refusals[refused.reason] += 1
             self._fault(at, at + len(text), refused.reason)
             return
-        self._close_run(out)
+        if self._run is not None:
+            self._close_run(out)
         if found is not None:
             self._admit(found, first, out)
 
@@ -214,13 +217,13 @@ class NmeaDecoder:
     # --- sentences to fixes ---------------------------------------------------------------
 
     def _admit(self, found: Gga | Rmc, first: float, out: list[Fix | FrameFault]) -> None:
-        if self._epoch is None or self._epoch.second != found.second:
+        epoch = self._epoch
+        if epoch is None or epoch.second != found.second:
             self._close_epoch(out)
             if found.position is not None and (reason := self._out_of_order(found.second)):
                 self.counters.refusals[reason] += 1
                 return
-            self._epoch = _Epoch(first, found.second)
-        epoch = self._epoch
+            self._epoch = epoch = _Epoch(first, found.second)
         if found.position is None:
             self.counters.refusals[Refusal.NO_FIX] += 1
             epoch.spoilt = True

@@ -112,6 +112,7 @@ class SimulatedVehicle:
         self.gps_link = GpsLink(self)
         self._tick = 0
         self._next_report, self._next_second = FIRST_REPORT, SECOND_TICKS
+        self._foretell()
         self._anchor = (*position, 0.0, 0.0)  # latitude, longitude at plant north, east
         self._edges = self._schedule()
         self._next_edge = self._edges[-1][0] if self._edges else _NEVER
@@ -160,6 +161,7 @@ class SimulatedVehicle:
         if tick == self._next_report:
             self._next_report += REPORT_TICKS
             self.stm32.report(self.plant, tick * TICK)
+        self._foretell()
 
     def _second(self, now: float) -> None:
         plant = self.plant
@@ -178,7 +180,7 @@ class SimulatedVehicle:
             share = min(max(plant.depth / sea.floor, 0.0), 1.0)
             north += share * (speed * cos(direction) - north)
             east += share * (speed * sin(direction) - east)
-        plant.current_north, plant.current_east = north, east
+        plant.current_north, plant.current_east = self._water = north, east
 
     # --- faults ----------------------------------------------------------------------------
 
@@ -232,25 +234,20 @@ class SimulatedVehicle:
             plant.depth_rate,
             hypot(over_north, over_east),
             atan2(over_east, over_north) % TWO_PI,
-            (plant.current_north, plant.current_east),
+            self._water,
             plant.aground,
         )
 
     # --- what the links foretell -----------------------------------------------------------
 
+    def _foretell(self) -> None:
+        """When the next of each is through, with nothing in its way."""
+        self.report_through = self._next_report * TICK + REPORT_TIME
+        self.epoch_through = self._next_second * TICK + COMPLETE
+
     def next_start(self) -> float:
         """The earliest time at which something new can begin to be sent."""
         return min(self.stm32.due, min(self._next_report, self._next_second) * TICK)
-
-    def next_vehicle_event(self) -> float:
-        stm32 = self.stm32
-        event = min(self._next_report * TICK + REPORT_TIME, stm32.due)
-        queue = stm32.tx.queue
-        return min(event, queue[0].end) if queue else event
-
-    def next_gps_event(self) -> float:
-        queue = self.gps.queue
-        return queue[0].end if queue else self._next_second * TICK + COMPLETE
 
 
 class _Side:
@@ -291,7 +288,11 @@ class VehicleLink(_Side):
         self._vehicle.stm32.receive(data, now)
 
     def next_event(self) -> float | None:
-        return self._vehicle.next_vehicle_event()
+        stm32 = self._vehicle.stm32
+        queue, event, due = stm32.tx.queue, self._vehicle.report_through, stm32.due
+        if queue and queue[0].end < event:
+            event = queue[0].end
+        return due if due < event else event
 
 
 class GpsLink(_Side):
@@ -307,4 +308,5 @@ class GpsLink(_Side):
         self._reach(now)
 
     def next_event(self) -> float | None:
-        return self._vehicle.next_gps_event()
+        queue = self._vehicle.gps.queue
+        return queue[0].end if queue else self._vehicle.epoch_through

@@ -153,4 +153,4 @@ class OnBoard:
         self._tell_step(replace(step, t=step.t + self._zero))
 
     def estimate(self, estimate: Estimate) -> None:
-        self._tell_estimate(replace(estimate, t=estimate.t + self._zero))
+        self._tell_estimate(estimate._replace(t=estimate.t + self._zero))

@@ -30,7 +30,8 @@ class Latch:
 
     def follow(self, under_way: str, now: float) -> None:
         """After every step; only another region is worth a write."""
-        if _region(under_way) == _region(self._kept):
+        kept = self._kept
+        if under_way == kept or _region(under_way) == _region(kept):
             return
         self._kept = under_way
         if under_way == STICK or under_way.startswith("emergency"):

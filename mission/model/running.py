@@ -17,8 +17,7 @@ class NavigationMode(enum.Enum):
     DEAD_RECKONING = "dead reckoning"
 
 
-@dataclass(frozen=True, slots=True)
-class Estimate:
+class Estimate(NamedTuple):
     """Where the vehicle is, in metres north and east of the origin, and how sure that is.
 
     ``covariance`` is the 2 x 2 of (north, east) as (nn, ne, ee), m^2. ``sigmas`` are standard

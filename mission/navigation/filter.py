@@ -11,6 +11,7 @@ What does not live here: which readings are believed, gates, lateness, frames.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -51,6 +52,14 @@ _DEPTH[0, DEPTH] = 1.0
 _BOTH = np.zeros((2, STATES))  # depth; altitude = bottom - depth
 _BOTH[0, DEPTH], _BOTH[1, BOTTOM], _BOTH[1, DEPTH] = 1.0, 1.0, -1.0
 _ALTITUDE = _BOTH[1:]
+_COMPASS = (COMPASS, SIN, COS, WANDER)
+_PAIRS = (
+    *((N, N), (N, E), (E, E), (CN, CN), (CE, CE)),
+    *((SCALE, SCALE), (SCALE, DEVIATION), (DEVIATION, DEVIATION)),
+    *((DEPTH, DEPTH), (DEPTH, BOTTOM), (BOTTOM, BOTTOM), (RATE, RATE)),
+    *itertools.combinations_with_replacement(_COMPASS, 2),
+)
+_TOLD = np.array([i * STATES + k for i, k in _PAIRS])
 
 
 def _inverse(s: Array) -> Array:
@@ -141,6 +150,10 @@ class Filter:
     def save(self) -> tuple[Array, Array]:
         """The arrays are replaced, never written to, by what follows."""
         return self._kf.x, self._kf.P
+
+    def told(self) -> tuple[list[float], list[float]]:
+        """The state, and what an estimate says of the covariance, in the order of ``_TOLD``."""
+        return self._kf.x.tolist(), self._kf.P.take(_TOLD).tolist()
 
     def load(self, saved: tuple[Array, Array]) -> None:
         self._kf.x, self._kf.P = saved

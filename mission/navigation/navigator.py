@@ -167,26 +167,28 @@ class Navigation:
         core = self.core
         if core.t is None:
             return None
+        dt = now - core.t
+        if dt <= 0.0:
+            return self._estimate(now, *core.filter.told())
         before = core.filter.save()
-        dt = max(now - core.t, 0.0)
-        if dt > 0.0:
-            core.filter.predict(dt, core.run(core.t, core.t + dt))
-        x, p = core.filter.save()
+        core.filter.predict(dt, core.run(core.t, core.t + dt))
+        told = core.filter.told()
         core.filter.load(before)
-        return self._estimate(now, x.tolist(), p)
+        return self._estimate(now, *told)
 
-    def _estimate(self, now: float, x: list[float], p: Any) -> Estimate:
+    def _estimate(self, now: float, x: list[float], p: list[float]) -> Estimate:
+        """Of what the filter told."""
         core = self.core
-        var = p.diagonal().tolist()
+        nn, ne, ee, cn, ce, aa, ab, bb, dd, dg, gg, rr, *compass = p
         u, shown = core.expected, core.heading
         deep, high = core.depth_seen, core.depth_seen and core.altitude_seen
         heading, heading_var = None, math.pi**2
         if shown is not None:
             s, c = math.sin(shown), math.cos(shown)
             heading = (shown - x[8] - x[9] * s - x[10] * c - x[11]) % (2.0 * math.pi)
-            heading_var = self._heading_variance(p, s, c) + core.heading_loss(now) ** 2
+            heading_var = self._heading_variance(compass, s, c) + core.heading_loss(now) ** 2
         w = core.driven
-        speed_var = var[6] * u * u + 2.0 * u * w * float(p[6, 7]) + var[7] * w * w
+        speed_var = aa * u * u + 2.0 * u * w * ab + bb * w * w
         return Estimate(
             t=now,
             north=x[0],
@@ -198,26 +200,26 @@ class Navigation:
             speed=x[6] * u + x[7] * w,
             current_north=x[2],
             current_east=x[3],
-            covariance=(var[0], float(p[0, 1]), var[1]),
+            covariance=(nn, ne, ee),
             sigmas={
-                "depth": math.sqrt(var[12] + 0.5 * core.figures.depth**2),
-                "depth_rate": math.sqrt(var[13]),
-                "altitude": math.sqrt(max(var[12] + var[14] - 2.0 * float(p[12, 14]), 0.0)),
+                "depth": math.sqrt(dd + 0.5 * core.figures.depth**2),
+                "depth_rate": math.sqrt(rr),
+                "altitude": math.sqrt(max(dd + gg - 2.0 * dg, 0.0)),
                 "heading": math.sqrt(heading_var),
                 "speed": math.sqrt(max(speed_var, 0.0)),
-                "current": math.sqrt(0.5 * (var[2] + var[3])),
+                "current": math.sqrt(0.5 * (cn + ce)),
             },
             nis=core.nis,
             fix_age=None if core.last_fix is None else now - core.last_fix,
             mode=self._mode(now),
         )
 
-    def _heading_variance(self, p: Any, s: float, c: float) -> float:
+    def _heading_variance(self, compass: list[float], s: float, c: float) -> float:
         """Of one report: the compass's error over the heading, and its noise."""
-        (e, es, ec, ew), (_, ss, sc, sw), (_, _, cc, cw), (_, _, _, ww) = p[8:12, 8:12].tolist()
+        e, es, ec, ew, ss, sc, sw, cc, cw, ww = compass
         once = e + ww + s * s * ss + c * c * cc
         twice = ew + s * (es + sw) + c * (ec + cw) + s * c * sc
-        return float(max(once + 2.0 * twice, 0.0) + self.core.figures.heading**2)
+        return max(once + 2.0 * twice, 0.0) + self.core.figures.heading**2
 
     def _mode(self, now: float) -> NavigationMode:
         if not self.core.located:

@@ -19,7 +19,6 @@ import contextlib
 import gc
 import re
 from collections.abc import Callable, Coroutine
-from dataclasses import replace
 from typing import Any
 
 from links.base import Rx
@@ -44,8 +43,8 @@ class Docket:
         whose = rx.link, rx.address
         if (held := self._held.get(whose)) is not None:
             for order in _ORDER.findall(rx.data):
-                self._pass_on(replace(rx, data=BREAK + order))
-            held.append(replace(rx, data=_ORDER.sub(BREAK, rx.data)))
+                self._pass_on(rx._replace(data=BREAK + order))
+            held.append(rx._replace(data=_ORDER.sub(BREAK, rx.data)))
         elif lines := drive.foresee(rx):
             self._held[whose] = [rx]
             self._spawn(self._judge(whose, lines, drive))

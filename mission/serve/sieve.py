@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from links.admission import Allowance
 from links.base import Rx
@@ -79,7 +79,7 @@ class Sieve:
                 self.dropped += dropped
                 flooded(host_of(rx.address))
             if data:
-                out.append(replace(rx, data=data))
+                out.append(rx._replace(data=data))
         return sorted(out, key=lambda rx: _ORDER.search(rx.data) is None)
 
     def passes(self, rx: Rx, now: float) -> tuple[bytes, int]:

@@ -223,8 +223,7 @@ class Demo:
         """From the black box, with the true track beside it."""
         track = self._track()
         times = [place.t for place in track]
-        here = track[0]
-        log = FlightLog(self.prepared.mission, lambda: here)
+        log = FlightLog(self.prepared.mission)
         offset, last, state = 0.0, 0.0, "idle/ready"
         for record in read_parts(box):
             last = max(last, record.t)
@@ -235,14 +234,13 @@ class Demo:
                 log.step(step)
                 state = step.entered[-1] if step.entered else state
             elif record.kind == ESTIMATE:
-                estimate = estimate_of(record.payload)
-                at = bisect.bisect_left(times, estimate.t + offset)
-                here = track[min(at, len(track) - 1)]
-                log.estimate(estimate)
+                log.estimate(estimate_of(record.payload))
+        beside = (bisect.bisect_left(times, e.t + offset) for e in log.estimates)
+        seen = tuple(track[min(at, len(track) - 1)] for at in beside)
         shifted = tuple(TruePlace(p.t - offset, p.north, p.east, p.depth) for p in track)
         at_surface = track[-1].depth < 0.5
         digest = self.prepared.chart.digest
-        return log.flight("", FlightEnd(last, digest, wall, state, shifted, at_surface))
+        return log.flight("", FlightEnd(last, digest, wall, state, shifted, seen, at_surface))
 
     def _track(self) -> list[TruePlace]:
         home = self.prepared.mission.home

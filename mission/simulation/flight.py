@@ -12,12 +12,15 @@ vehicle's physics (links.simulated).
 
 from __future__ import annotations
 
+import contextlib
+import gc
+import itertools
 import math
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from links.base import Rx
 from links.simulated.boards import BOARDS, SimulatedBoard
@@ -40,6 +43,7 @@ if TYPE_CHECKING:
 
 BOAT = "boat"
 TOPSIDE = "topside"
+_Seen = tuple[float, float, float, float, float, float]  # home, t, latitude, longitude, depth
 LONGEST_S = 12 * 3600.0  # of a flight whose mission names no safety time
 AFTER_S = 2.0  # what the last commands need to arrive
 AFLOAT_S = 600.0  # what buoyancy alone may need
@@ -69,6 +73,19 @@ def fly(
     return loop.flight(time.perf_counter() - begun)
 
 
+@contextlib.contextmanager
+def _uncollected() -> Iterator[None]:
+    """A flight makes records by the ten thousand, and hardly any garbage in circles: to look for
+    that all the time takes 3 % of it."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
+
+
 class _LockStep:
     def __init__(
         self,
@@ -88,7 +105,7 @@ class _LockStep:
             if vehicle.codec in BOARDS
             else SimulatedVehicle(vehicle.dialect, seed, settings, position=position)
         )
-        self.log = FlightLog(mission, self._true_place)
+        self.log = FlightLog(mission)
         self.drive = Drive(
             Configuration(),
             vehicle,
@@ -99,7 +116,8 @@ class _LockStep:
         )
         self.operator = operator
         self.now = 0.0
-        self._home = position
+        self._home = position  # of the frame of the estimate
+        self._seen: list[_Seen] = []  # at each of the log's estimates
         self._frame: LocalFrame | None = None  # of the estimate, when it was last looked at
         self._longest = LONGEST_S if mission.safety.time is None else 2.0 * mission.safety.time
         self._digest = digest(mission)
@@ -108,11 +126,14 @@ class _LockStep:
         self._send(self.drive.connected(TOPSIDE, BOAT, 0.0))
         self._drive_due = self.drive.next_timer()
         self._operator_due = operator.next_timer()
-        links = self.sea.vehicle_link, self.sea.gps_link
-        self._foretell = tuple(link.next_event for link in links)
-        self._receive = tuple(link.receive for link in links)
+        self._links = self.sea.vehicle_link, self.sea.gps_link
+        self._arrivals: list[float | None] = [None, None]  # as each of the two foretells
 
     def run(self) -> None:
+        with _uncollected():
+            self._fly()
+
+    def _fly(self) -> None:
         while not self._is_over():
             self._to_next_event()
         end = self.now
@@ -122,14 +143,16 @@ class _LockStep:
             self._to_next_event()
 
     def flight(self, wall: float) -> Flight:
-        truth = self.sea.truth()
+        home = self._frame_home()
+        track = [(*home, p.t, p.latitude, p.longitude, p.depth) for p in self.sea.track]
         end = FlightEnd(
             self.now,
             self._digest,
             wall,
             self.drive.state,
-            self._true_track(),
-            truth.at_surface,
+            _places(track),
+            _places(self._seen),
+            self._is_at_surface(),
         )
         return self.log.flight(self.operator.failure, end)
 
@@ -141,18 +164,22 @@ class _LockStep:
         started = self.log.started
         if started is None or self._operator_due is not None:
             return False
-        if self.log.over or self.now - started > self._longest:
+        if self.log.ended is not None or self.now - started > self._longest:
             return True
-        return self.drive.state == STOPPED and self.sea.truth().at_surface
+        return self.drive.state == STOPPED and self._is_at_surface()
 
     def _is_under_way_up(self, end: float) -> bool:
         """A mission that was ended below leaves buoyancy to bring the vehicle up."""
-        return self.now < end + AFLOAT_S and not self.sea.truth().at_surface
+        return self.now < end + AFLOAT_S and not self._is_at_surface()
+
+    def _is_at_surface(self) -> bool:
+        self.sea.advance(self.now)
+        return self.sea.truth().at_surface
 
     def _next_event(self) -> float:
         first = math.inf
-        for foretell in self._foretell:
-            due = foretell()
+        for at, link in enumerate(self._links):
+            self._arrivals[at] = due = link.next_event()
             if due is not None and due < first:
                 first = due
         for due in (self._drive_due, self._operator_due):
@@ -163,10 +190,14 @@ class _LockStep:
     def _to_next_event(self) -> None:
         """Bytes before timers: what has arrived by then is known by then."""
         self.now = now = self._next_event()
-        for receive in self._receive:
-            for rx in receive(now):
+        for link, due in zip(self._links, self._arrivals, strict=True):
+            if due is None or due > now:
+                continue
+            for rx in link.receive(now):
                 if sent := self.drive.receive(rx, now):
                     self._send(sent)
+            if len(self.log.estimates) > len(self._seen):
+                self._look_beside()
         due = self._operator_due
         if due is not None and due <= now:
             for data in self.operator.handle_timer(now):
@@ -198,24 +229,26 @@ class _LockStep:
 
     # --- truth -----------------------------------------------------------------------------------
 
-    def _true_place(self) -> TruePlace:
+    def _look_beside(self) -> None:
+        """Where it truly is, for the estimate that the log has got, against the estimate's home."""
         sea = self.sea
-        return TruePlace(sea.now, *self._from_home(*sea.place()), sea.plant.depth)
+        self._seen.append((*self._frame_home(), sea.now, *sea.place(), sea.plant.depth))
 
-    def _true_track(self) -> tuple[TruePlace, ...]:
-        import numpy as np
-
-        track = self.sea.track
-        latitudes = np.array([p.latitude for p in track])
-        longitudes = np.array([p.longitude for p in track])
-        north, east = self._from_home(latitudes, longitudes, np)
-        times, depths = (p.t for p in track), (p.depth for p in track)
-        return tuple(map(TruePlace, times, north.tolist(), east.tolist(), depths))
-
-    def _from_home(self, latitude: Any, longitude: Any, by: Any = math) -> tuple[Any, Any]:
-        """Against the frame of the estimate, by the simulator's own geodesy."""
+    def _frame_home(self) -> tuple[float, float]:
         frame = self._navigation.frame
         if frame is not self._frame and frame is not None:
             origin, self._frame = frame.origin, frame
             self._home = math.radians(origin.latitude_deg), math.radians(origin.longitude_deg)
-        return local(self._home, latitude, longitude, by)
+        return self._home
+
+
+def _places(seen: Sequence[_Seen]) -> tuple[TruePlace, ...]:
+    """By the simulator's own geodesy, those of one home together."""
+    import numpy as np
+
+    found: list[TruePlace] = []
+    for home, group in itertools.groupby(seen, key=lambda s: s[:2]):
+        _, _, times, latitudes, longitudes, depths = zip(*group, strict=True)
+        north, east = local(home, np.array(latitudes), np.array(longitudes), np)
+        found += map(TruePlace, times, north.tolist(), east.tolist(), depths)
+    return tuple(found)

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -138,29 +138,26 @@ class FlightEnd:
     wall: float
     state: str
     track: tuple[TruePlace, ...]
+    beside: tuple[TruePlace, ...]  # where it truly was at each of the log's estimates
     at_surface: bool
 
 
 class FlightLog:
-    """An Observer of the drive. ``truth`` tells the true place now."""
+    """An Observer of the drive."""
 
-    def __init__(self, mission: Mission, truth: Callable[[], TruePlace]) -> None:
-        self._leg_paths, self._truth = leg_paths(mission), truth
+    def __init__(self, mission: Mission) -> None:
+        self._leg_paths = leg_paths(mission)
         self._visits: Counter[str] = Counter()
         self._open: tuple[str, float] | None = None
         self.legs: list[LegFlown] = []
         self.steps: list[Step] = []
-        self.samples: list[Sample] = []
+        self.estimates: list[Estimate] = []  # those of the mission
         self.sent: list[Tx] = []
         self.started: float | None = None
         self.ended: float | None = None
         self.emergency = ""
         self.completed = False
         self._ending = ""
-
-    @property
-    def over(self) -> bool:
-        return self.ended is not None
 
     def step(self, step: Step) -> None:
         self.steps.append(step)
@@ -176,7 +173,7 @@ class FlightLog:
 
     def estimate(self, estimate: Estimate) -> None:
         if self.started is not None and self.ended is None:
-            self.samples.append(Sample(estimate.t - self.started, estimate, self._truth()))
+            self.estimates.append(estimate)
 
     def flight(self, operator_failure: str, report: FlightEnd) -> Flight:
         start = self.started or 0.0
@@ -195,7 +192,10 @@ class FlightLog:
             legs=tuple(self.legs),
             max_depth=max((p.depth for p in mission_track), default=0.0),
             max_range=max((math.hypot(p.north, p.east) for p in mission_track), default=0.0),
-            samples=tuple(self.samples),
+            samples=tuple(
+                Sample(estimate.t - start, estimate, true)
+                for estimate, true in zip(self.estimates, report.beside, strict=True)
+            ),
             track=report.track,
             steps=tuple(self.steps),
             sent=tuple(self.sent),

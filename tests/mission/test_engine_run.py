@@ -37,8 +37,8 @@ def test_a_steered_heading_is_sent_again_when_it_changed_by_two_degrees_and_a_ha
         before = len(world.actions)
         estimate = world.nav.estimate
         off = math.radians(turned)
-        world.nav.estimate = lambda now, e=estimate, off=off: replace(
-            e(now), heading=(e(now).heading - off) % math.tau
+        world.nav.estimate = lambda now, e=estimate, off=off: e(now)._replace(
+            heading=(e(now).heading - off) % math.tau
         )
         world.wait(2.0)
         assert len(world.actions) == before + again
@@ -60,7 +60,7 @@ def test_without_a_compass_a_goto_does_not_set_off():
     go = leg("go", kind=Goto(Local(1000.0, 0.0), 5.0), settings=sets(surge=0.5), timeout=LONG)
     world = World(mission(go))
     estimate = world.nav.estimate
-    world.nav.estimate = lambda now: replace(estimate(now), heading=None)
+    world.nav.estimate = lambda now: estimate(now)._replace(heading=None)
     assert world.start()
     assert world.commands()[-1] == Setpoint(surge=0.0, heading=None)
     world.nav.estimate = estimate
@@ -389,11 +389,11 @@ def test_without_a_heading_nothing_is_counted_and_nothing_is_made_up_for():
     run = Run(compiled(mission(leg("a"))), 10.0)
     world.nav.report = world.report()
     for t, heading, travelled in ((12.0, 0.0, 2.0), (14.0, None, 2.0), (16.0, 0.0, 4.0)):
-        senses.estimate = replace(world.nav.estimate(t), heading=heading)
+        senses.estimate = world.nav.estimate(t)._replace(heading=heading)
         run.reckon(senses)
         run.reckon(senses)
         assert run.travelled == pytest.approx(travelled)
-    senses.estimate = replace(world.nav.estimate(15.0), heading=0.0)
+    senses.estimate = world.nav.estimate(15.0)._replace(heading=0.0)
     run.reckon(senses)
     assert run.travelled == pytest.approx(4.0)
     senses.estimate = None

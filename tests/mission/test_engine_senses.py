@@ -265,7 +265,7 @@ def test_the_compass_says_a_true_heading_with_what_it_is_off_now():
     senses = Senses(navigation)
     off = 0.5
     estimate = navigation.estimate
-    navigation.estimate = lambda now: replace(estimate(now), heading=6.0)
+    navigation.estimate = lambda now: estimate(now)._replace(heading=6.0)
     told(senses, 10.0, heading=(6.0 + off) % math.tau)
     assert senses.compass(1.0) == pytest.approx(1.0 + off)
     assert senses.compass(6.2) == pytest.approx(6.2 + off - math.tau)

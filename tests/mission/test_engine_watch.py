@@ -336,7 +336,7 @@ def test_without_a_fix_a_set_or_an_estimate_no_course_is_apart():
     assert one.course_apart() is None
     one = at_the_surface()
     assert one.senses.estimate is not None
-    one.senses.estimate = replace(one.senses.estimate, heading=None)
+    one.senses.estimate = one.senses.estimate._replace(heading=None)
     assert one.course_apart() is None
     one.senses.estimate = None
     assert one.course_apart() is None
@@ -346,7 +346,7 @@ def test_a_course_is_held_against_where_the_bow_points():
     for heading, apart in ((100.0, False), (61.0, False), (-1.0, True), (123.0, True)):
         one = at_the_surface()
         assert one.senses.estimate is not None
-        one.senses.estimate = replace(one.senses.estimate, heading=heading * DEG)
+        one.senses.estimate = one.senses.estimate._replace(heading=heading * DEG)
         assert one.course_apart() is apart
 
 

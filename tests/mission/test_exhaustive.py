@@ -329,7 +329,7 @@ def _guesses_an_order(patch: pytest.MonkeyPatch) -> None:
     receive = Drive.receive
 
     def lenient(self: Drive, rx: Rx) -> object:
-        return receive(self, replace(rx, data=rx.data.replace(b"@ZAX1$", b"@ZAX0$")))
+        return receive(self, rx._replace(data=rx.data.replace(b"@ZAX1$", b"@ZAX0$")))
 
     patch.setattr(Drive, "receive", lenient)
 

@@ -35,7 +35,7 @@ def scope(*, doubt: str = "", now: float = 101.0, **estimate: object) -> Scope:
     """Depth 5, altitude 8, heading 1; ``doubt`` names the sensor that is not to be believed."""
     nav = Navigation()
     nav.report, nav.speed, nav.north, nav.east, nav.fix_t = REPORT, 1.0, 30.0, 40.0, 90.0
-    believed = replace(nav.estimate(100.0), **estimate)
+    believed = nav.estimate(100.0)._replace(**estimate)
 
     def health(sensor: str) -> Health:
         return Health(sensor != doubt, "frozen" if sensor == doubt else "", now - 100.0)

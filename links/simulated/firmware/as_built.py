@@ -23,7 +23,14 @@ from random import Random
 
 from links.simulated.firmware.controllers import dive_gear, turn_gear
 from links.simulated.firmware.manual import THRUSTERS, Manual
-from links.simulated.firmware.stm32 import GEAR_MAX, Mode, Stm32, heading_of, pwm_of
+from links.simulated.firmware.stm32 import (
+    GEAR_MAX,
+    Mode,
+    Stm32,
+    heading_of,
+    level_pwm,
+    pwm_of,
+)
 from links.simulated.plant import Plant
 from links.simulated.sensors import Sensors
 
@@ -152,12 +159,11 @@ class AsBuilt(Stm32):
         speed = self.speed
         if self.horizontal is Horizontal.HEADING:
             turn = turn_gear(self.heading, self.sensors.heading(plant), plant.r)
-            left, right = pwm_of(speed + turn), pwm_of(speed - turn)
+            left, right = speed + turn, speed - turn
         else:
             sign_left, sign_right = self._signs
-            left, right = pwm_of(speed * sign_left), pwm_of(speed * sign_right)
-        up = pwm_of(self._vertical_gear(plant))
-        self.pwm = (left, right, up, up, up, *self.servo_pwm)
+            left, right = speed * sign_left, speed * sign_right
+        self.pwm = level_pwm(left, right, self._vertical_gear(plant), self.servo_pwm)
 
     def _vertical_gear(self, plant: Plant) -> float:
         """Up positive."""

@@ -20,7 +20,7 @@ from random import Random
 from typing import Any
 
 from links.simulated.firmware.controllers import dive_gear, turn_gear
-from links.simulated.firmware.stm32 import GEAR_MAX, pwm_of
+from links.simulated.firmware.stm32 import GEAR_MAX, level_pwm
 from links.simulated.ground import Ground
 from links.simulated.plant import NEUTRAL, NEUTRAL_PWM, Plant
 from protocol.framing import Frame, LinkRow
@@ -87,8 +87,7 @@ class WaterBoard(Board):
 
 def _pwms(surge: float, turn: float, up: float) -> tuple[int, ...]:
     """Gears, turn to starboard positive; the rudders in the middle."""
-    mains = pwm_of(surge + turn), pwm_of(surge - turn)
-    return (*mains, *(pwm_of(up),) * 3, NEUTRAL_PWM, NEUTRAL_PWM)
+    return level_pwm(surge + turn, surge - turn, up, (NEUTRAL_PWM, NEUTRAL_PWM))
 
 
 class CoreBoard(WaterBoard):

@@ -20,7 +20,7 @@ from random import Random
 
 from links.simulated.firmware.controllers import dive_gear, lean_gear, turn_gear
 from links.simulated.firmware.manual import THRUSTERS, Manual
-from links.simulated.firmware.stm32 import GEAR_MAX, Mode, Stm32, heading_of, pwm_of
+from links.simulated.firmware.stm32 import GEAR_MAX, Mode, Stm32, heading_of, level_pwm
 from links.simulated.plant import Plant
 from links.simulated.sensors import Sensors
 
@@ -130,16 +130,14 @@ class Documented(Stm32):
             compass = self.sensors.heading(plant)
             turn = 0.0 if compass != compass else turn_gear(self.heading, compass, plant.r)
         vertical = self._vertical_gear(plant)
-        left, right = pwm_of(surge + turn), pwm_of(surge - turn)
+        left, right = surge + turn, surge - turn
         if attitude is None:
-            up, (servo_left, servo_right) = pwm_of(vertical), self.servo_pwm
-            self.pwm = (left, right, up, up, up, servo_left, servo_right)
+            self.pwm = level_pwm(left, right, vertical, self.servo_pwm)
             return
         pitch = lean_gear(attitude[0], plant.pitch, plant.q)
         roll = lean_gear(attitude[1], plant.roll, plant.p)
         front = vertical + pitch
-        three = (pwm_of(gear) for gear in (vertical - pitch, front + roll, front - roll))
-        self.pwm = (left, right, *three, *self.servo_pwm)
+        self.drive(left, right, vertical - pitch, front + roll, front - roll)
 
     def _vertical_gear(self, plant: Plant) -> float:
         """Up positive; a sensor that says nothing stops the hold."""

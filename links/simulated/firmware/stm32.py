@@ -51,6 +51,17 @@ def pwm_of(gear: float) -> int:
     return int(_NEUTRAL + gear * GEAR_PWM)
 
 
+def level_pwm(left: float, right: float, up: float, servos: tuple[int, int]) -> tuple[int, ...]:
+    """us of gears: the two mains, the three verticals alike, and the rudders as they are."""
+    full, (servo_left, servo_right) = _FULL, servos
+    if -full <= left <= full and -full <= right <= full and -full <= up <= full:
+        port, starboard = int(_NEUTRAL + left * GEAR_PWM), int(_NEUTRAL + right * GEAR_PWM)
+        vertical = int(_NEUTRAL + up * GEAR_PWM)
+    else:
+        port, starboard, vertical = pwm_of(left), pwm_of(right), pwm_of(up)
+    return (port, starboard, vertical, vertical, vertical, servo_left, servo_right)
+
+
 class Stm32(ABC):
     """One board. Sub-classes are the profiles."""
 
