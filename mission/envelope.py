@@ -158,7 +158,8 @@ def _uncertain(watch: Watch) -> bool | None:
     here, e = _position(watch), watch.senses.estimate
     if here is None or e is None:
         return None
-    reach = math.hypot(*here) + _PLANE_95 * distribution.principal(e.covariance)[0]
+    north, _, east = e.covariance
+    reach = math.hypot(*here) + _PLANE_95 * math.sqrt(north + east)
     if reach <= watch.bounds.radius:  # more than enough, and cheap
         return False
     return distribution.within(watch.bounds.radius, *here, e.covariance) < 0.95

@@ -57,6 +57,7 @@ CHANNELS: Mapping[str, Channel] = MappingProxyType({
     "position": Channel("position", _GPS, freezes=True),
 })
 # fmt: on
+_IN_TELEMETRY = tuple(name for name in CHANNELS if name != "position")
 SENSORS = tuple(dict.fromkeys(row.sensor for row in CHANNELS.values()))
 _CHANNELS_OF = {
     sensor: tuple(name for name, row in CHANNELS.items() if row.sensor == sensor)
@@ -82,27 +83,28 @@ class _Monitor:
         before = self.value
         self.repeated = again = value == before
         self.same = self.same + moving if again else 0
-        agrees = _near(row, t - self.t, value, before)
-        self.agreeing = self.agreeing + 1 if agrees else 1
-        usual = self.good_t == self.t and self.good == before  # the last one was believed
-        near = agrees if usual else _near(row, t - self.good_t, value, self.good)
+        near = row.rate == math.inf
+        if not near:
+            near = agrees = _near(row, t - self.t, value, before)
+            self.agreeing = self.agreeing + 1 if agrees else 1
+            if self.good_t != self.t or self.good != before:  # the last one was not believed
+                near = _near(row, t - self.good_t, value, self.good)
         self.t, self.value = t, value
-        self.reason = self._judge(row, value, doubt, near)
-        if not self.reason:
-            self.good_t, self.good = t, value
-        return not self.reason
-
-    def _judge(self, row: Channel, value: float, doubt: bool, near: bool) -> str:
         if doubt or not row.low <= value <= row.high:  # also what is not a number
-            return "absurd"
-        if row.freezes and self.same >= _SAME - 1:
-            return "frozen"
-        return "" if near or self.agreeing >= _AGREE else "absurd"
+            self.reason = "absurd"
+        elif row.freezes and self.same >= _SAME - 1:
+            self.reason = "frozen"
+        elif near or self.agreeing >= _AGREE:
+            self.reason, self.good_t, self.good = "", t, value
+            return True
+        else:
+            self.reason = "absurd"
+        return False
 
 
 def _near(row: Channel, since: float, value: float, other: float) -> bool:
     """Whether ``value`` may follow ``other`` within ``since`` seconds."""
-    if row.rate == math.inf or other != other:
+    if other != other:
         return True
     change = value - other
     if row.wraps:
@@ -119,7 +121,10 @@ class SensorHealth:
             name: stale_after if row.max_age == STALE_AFTER else row.max_age
             for name, row in CHANNELS.items()
         }
-        self._declared = frozenset(n for n, row in CHANNELS.items() if row.sensor in reports)
+        self._rows = tuple(
+            (name, CHANNELS[name] if CHANNELS[name].sensor in reports else None)
+            for name in _IN_TELEMETRY
+        )
         self.monitors = {name: _Monitor() for name in CHANNELS}
         self.moving = False  # by the last report
         self.place: tuple[float, float] | None = None  # of the last fix
@@ -130,19 +135,13 @@ class SensorHealth:
         self.moving = moving
         doubtful = {_channel_of(fault) for fault in t.faults} if t.faults else ()
         good = []
-        for name, value in (
-            ("depth", t.depth),
-            ("altitude", t.altitude),
-            ("heading", t.heading),
-            ("pitch", t.pitch),
-            ("roll", t.roll),
-            ("temperature", t.temperature_c),
-            ("battery", t.batteries[0] if t.batteries else None),
-            ("leak", None if t.leak is None else float(t.leak)),
-        ):
-            if name not in self._declared:
+        battery = t.batteries[0] if t.batteries else None
+        leak = None if t.leak is None else float(t.leak)
+        values = (t.depth, t.altitude, t.heading, t.pitch, t.roll, t.temperature_c, battery, leak)
+        for (name, row), value in zip(self._rows, values, strict=True):
+            if row is None:
                 continue
-            row, monitor = CHANNELS[name], self.monitors[name]
+            monitor = self.monitors[name]
             if value is None:
                 if name in doubtful:
                     monitor.reason = "absurd"

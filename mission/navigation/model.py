@@ -138,7 +138,9 @@ class Thrust:
         if not actuators:
             return self.speed
         port, starboard = actuators[0], actuators[min(1, len(actuators) - 1)]
-        drive = 0.5 * (self._drive(port) + self._drive(starboard))
+        drive = self._drive(port)
+        if starboard != port:
+            drive = 0.5 * (drive + self._drive(starboard))
         if dt == math.inf:
             self.speed = math.copysign(math.sqrt(abs(drive)), drive)
             return self.speed
