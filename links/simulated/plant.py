@@ -243,15 +243,16 @@ class Plant:
             level = lift * cp_
             un, vn = u, v
             wn, pn, qn = w, p, q
+            muu, mvv, mww = mu * u, mv * v, mw * w
             au = u if u > 0.0 else -u
-            uu = u * au
-            u += du * (surge + mv * v * r - mw * w * q - u * xu - uu * xuu + lift * sp)
+            uu, fin_au = u * au, fin * au
+            u += du * (surge + mvv * r - mww * q - u * xu - uu * xuu + lift * sp)
             v += dv * (
-                mw * wn * p - mu * un * r
+                mww * p - muu * r
                 - v * (yv + yvv * (v if v > 0.0 else -v)) - level * sr
             )  # fmt: skip
             w += dw * (
-                z + mu * un * q - mv * vn * p
+                z + muu * q - mvv * p
                 - w * (zw + zww * (w if w > 0.0 else -w)) - level * cr_
             )  # fmt: skip
             p += dp * (
@@ -260,11 +261,11 @@ class Plant:
             )  # fmt: skip
             q += dq * (
                 pitch_moment + cq * un * wn + gq * pn * r + rudder_pitch * uu
-                - q * (mq + fin * au + mqq * (q if q > 0.0 else -q)) - righting * sp
+                - q * (mq + fin_au + mqq * (q if q > 0.0 else -q)) - righting * sp
             )  # fmt: skip
             r += dr * (
                 yaw_moment + cr * un * vn + gr * pn * qn
-                - r * (nr + fin * au + nrr * (r if r > 0.0 else -r))
+                - r * (nr + fin_au + nrr * (r if r > 0.0 else -r))
             )  # fmt: skip
             across = v * cr_ - w * sr
             below = v * sr + w * cr_

@@ -168,20 +168,14 @@ class SensorHealth:
         names = _CHANNELS_OF.get(sensor)
         if names is None:
             raise KeyError(f"no sensor {sensor}; there are {', '.join(SENSORS)}")
-        first = self._channel(names[0], now)
-        if first.valid:
-            for name in names[1:]:
-                further = self._channel(name, now)
-                if not further.valid:
-                    return further
-        return first
-
-    def _channel(self, name: str, now: float) -> Health:
-        monitor = self.monitors[name]
-        age, reason = now - monitor.t, monitor.reason
-        if age > self._max_age[name]:
-            reason = "missing" if age == math.inf else "stale"
-        return Health(not reason, reason, age)
+        for name in names:
+            monitor = self.monitors[name]
+            age, reason = now - monitor.t, monitor.reason
+            if age > self._max_age[name]:
+                reason = "missing" if age == math.inf else "stale"
+            if reason:
+                return Health(False, reason, age)
+        return Health(True, "", now - self.monitors[names[0]].t)
 
 
 def _channel_of(fault: str) -> str:

@@ -69,8 +69,9 @@ def fly(
         mission, flown, operator, seed, settings or Settings(), recorder, stored or Stored()
     )
     begun = time.perf_counter()
-    loop.run()
-    return loop.flight(time.perf_counter() - begun)
+    with _uncollected():
+        loop.run()
+        return loop.flight(time.perf_counter() - begun)
 
 
 @contextlib.contextmanager
@@ -130,10 +131,6 @@ class _LockStep:
         self._arrivals: list[float | None] = [None, None]  # as each of the two foretells
 
     def run(self) -> None:
-        with _uncollected():
-            self._fly()
-
-    def _fly(self) -> None:
         while not self._is_over():
             self._to_next_event()
         end = self.now

@@ -26,6 +26,7 @@ ANTENNA = 0.3  # m, depth of the pressure sensor below which the antenna is unde
 LATENCY = 0.1  # s from the epoch to the first byte
 COMPLETE = 0.3  # s from the epoch until all has been sent (150 bytes at 9600 take 0.16)
 KNOT = 1852 / 3600
+_TWO = tuple(f"{n:02d}" for n in range(60))
 _SCALE = 60_000_000  # counts of a millionth of a minute in a degree
 
 
@@ -109,7 +110,8 @@ class GpsReceiver:
         if day != self._day:
             self._day = day
             self._date = f"{self._midnight + timedelta(days=day):%d%m%y}"
-        return f"{second // 3600:02d}{second // 60 % 60:02d}{second % 60:02d}.00"
+        minute, second = divmod(second, 60)
+        return _TWO[minute // 60] + _TWO[minute % 60] + _TWO[second] + ".00"
 
     def _look(self, position: tuple[float, float], velocity: tuple[float, float]) -> Look:
         gauss, noise, slip = self.rng.gauss, self.errors.fix_noise, self.errors.speed_noise
