@@ -12,13 +12,11 @@ vehicle's physics (links.simulated).
 
 from __future__ import annotations
 
-import contextlib
-import gc
 import itertools
 import math
 import time
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -69,22 +67,8 @@ def fly(
         mission, flown, operator, seed, settings or Settings(), recorder, stored or Stored()
     )
     begun = time.perf_counter()
-    with _uncollected():
-        loop.run()
-        return loop.flight(time.perf_counter() - begun)
-
-
-@contextlib.contextmanager
-def _uncollected() -> Iterator[None]:
-    """A flight makes records by the ten thousand, and hardly any garbage in circles: to look for
-    that all the time takes 3 % of it."""
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if enabled:
-            gc.enable()
+    loop.run()
+    return loop.flight(time.perf_counter() - begun)
 
 
 class _LockStep:
