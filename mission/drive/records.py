@@ -183,7 +183,7 @@ def fault_record(t: float, link: str, fault: FrameFault) -> Record:
     return Record(t, FAULT, text.encode())
 
 
-# --- dataclasses and named tuples as JSON and back, by their type hints -----------------------
+# --- dataclasses as JSON and back, by their type hints ---------------------------------------
 
 _D = TypeVar("_D")
 
@@ -192,8 +192,6 @@ def to_plain(value: Any) -> Any:
     """Lists, tables, texts and numbers that ``from_plain`` turns back into an equal value."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {f.name: to_plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
-    if isinstance(value, tuple) and hasattr(value, "_asdict"):
-        return {name: to_plain(part) for name, part in value._asdict().items()}
     if isinstance(value, Mapping):
         return {str(k): to_plain(v) for k, v in value.items()}
     if isinstance(value, frozenset):
@@ -212,7 +210,8 @@ def from_plain(kind: type[_D], data: Any) -> _D:
 
 def _from_plain(kind: Any, data: Any) -> Any:
     origin, args = get_origin(kind), get_args(kind)
-    if isinstance(kind, type) and (dataclasses.is_dataclass(kind) or hasattr(kind, "_fields")):
+    named = dataclasses.is_dataclass(kind) or hasattr(kind, "_fields")  # or a named tuple
+    if named and isinstance(kind, type):
         hints = typing.get_type_hints(kind)
         return kind(**{name: _from_plain(hints[name], value) for name, value in data.items()})
     if origin in (types.UnionType, typing.Union):

@@ -18,7 +18,7 @@ from links.base import Rx
 from links.simulated.geodesy import local, moved
 from links.simulated.link import HOME, SimulatedVehicle
 from links.simulated.plant import Plant
-from links.simulated.sensors import Health, Sensor, SensorErrors, Sensors
+from links.simulated.sensors import Health, Sensor, SensorErrors, Sensors, normals
 from links.simulated.settings import Sea, Settings
 
 QUIET = replace(
@@ -39,6 +39,14 @@ def samples(
     plant.depth, plant.yaw = depth, yaw
     sensors = Sensors(errors, Random(1), repeats_when_silent=repeats)
     return [sensors.sample(plant) for _ in range(n)]
+
+
+def test_noise_is_drawn_as_the_generator_draws_it() -> None:
+    ours, its_own = Random(5), Random(5)
+    for count in (1, 15, 4, 2, 15, 1, 0, 3):
+        assert normals(ours, count) == [its_own.gauss() for _ in range(count)]
+        assert ours.getstate() == its_own.getstate()
+        assert ours.random() == its_own.random()  # whoever draws in between
 
 
 def test_depth_noise_and_bias_are_those_that_were_set() -> None:

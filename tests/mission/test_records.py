@@ -12,6 +12,8 @@ from mission.configuration import Configuration, LinkUrls
 from mission.drive.records import (
     CONNECTED,
     Start,
+    estimate_of,
+    estimate_record,
     input_record,
     read_rx,
     read_start,
@@ -22,7 +24,7 @@ from mission.drive.records import (
     start_record,
     tx_record,
 )
-from mission.model import Tx
+from mission.model import Estimate, NavigationMode, Tx
 from mission.store import Stored
 from mission.vehicle import load_vehicle
 from protocol.messages import SetSafety
@@ -48,6 +50,30 @@ def test_an_output_comes_back_with_its_reason(
 ) -> None:
     tx = Tx(t, link, data, reason, address)
     assert read_tx(tx_record(tx)) == tx
+
+
+numbers = st.floats(allow_nan=False, allow_infinity=False)
+readings = st.none() | numbers
+estimates = st.builds(
+    Estimate,
+    t=times,
+    depth=readings,
+    depth_rate=readings,
+    altitude=readings,
+    heading=readings,
+    **dict.fromkeys(("north", "east", "speed", "current_north", "current_east"), numbers),
+    covariance=st.tuples(numbers, numbers, numbers),
+    sigmas=st.dictionaries(names, numbers, max_size=3),
+    nis=st.none() | st.tuples(numbers, st.integers(1, 2)),
+    fix_age=readings,
+    mode=st.sampled_from(NavigationMode),
+)
+
+
+@given(estimates)
+@settings(max_examples=50)
+def test_an_estimate_comes_back(estimate: Estimate) -> None:
+    assert estimate_of(estimate_record(estimate).payload) == estimate
 
 
 @given(times, names, names)
