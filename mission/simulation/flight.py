@@ -41,7 +41,8 @@ if TYPE_CHECKING:
 
 BOAT = "boat"
 TOPSIDE = "topside"
-_Seen = tuple[float, float, float, float, float, float]  # home, t, latitude, longitude, depth
+Home = tuple[float, float]  # latitude, longitude
+Seen = tuple[float, float, float, float]  # t, latitude, longitude, depth
 LONGEST_S = 12 * 3600.0  # of a flight whose mission names no safety time
 AFTER_S = 2.0  # what the last commands need to arrive
 AFLOAT_S = 600.0  # what buoyancy alone may need
@@ -102,7 +103,8 @@ class _LockStep:
         self.operator = operator
         self.now = 0.0
         self._home = position  # of the frame of the estimate
-        self._seen: list[_Seen] = []  # at each of the log's estimates
+        self._seen: list[tuple[Home, list[Seen]]] = []  # at each of the log's estimates
+        self._looks = 0
         self._frame: LocalFrame | None = None  # of the estimate, when it was last looked at
         self._longest = LONGEST_S if mission.safety.time is None else 2.0 * mission.safety.time
         self._digest = digest(mission)
@@ -124,15 +126,14 @@ class _LockStep:
             self._to_next_event()
 
     def flight(self, wall: float) -> Flight:
-        home = self._frame_home()
-        track = [(*home, p.t, p.latitude, p.longitude, p.depth) for p in self.sea.track]
+        track = [(p.t, p.latitude, p.longitude, p.depth) for p in self.sea.track]
         end = FlightEnd(
             self.now,
             self._digest,
             wall,
             self.drive.state,
-            _places(track),
-            _places(self._seen),
+            _places(self._frame_home(), track),
+            tuple(itertools.chain.from_iterable(_places(*part) for part in self._seen)),
             self._is_at_surface(),
         )
         return self.log.flight(self.operator.failure, end)
@@ -177,7 +178,7 @@ class _LockStep:
             for rx in link.receive(now):
                 if sent := self.drive.receive(rx, now):
                     self._send(sent)
-            if len(self.log.estimates) > len(self._seen):
+            if len(self.log.estimates) > self._looks:
                 self._look_beside()
         due = self._operator_due
         if due is not None and due <= now:
@@ -212,10 +213,13 @@ class _LockStep:
 
     def _look_beside(self) -> None:
         """Where it truly is, for the estimate that the log has got, against the estimate's home."""
-        sea = self.sea
-        self._seen.append((*self._frame_home(), sea.now, *sea.place(), sea.plant.depth))
+        sea, home = self.sea, self._frame_home()
+        if not self._seen or home != self._seen[-1][0]:
+            self._seen.append((home, []))
+        self._seen[-1][1].append((sea.now, *sea.place(), sea.plant.depth))
+        self._looks += 1
 
-    def _frame_home(self) -> tuple[float, float]:
+    def _frame_home(self) -> Home:
         frame = self._navigation.frame
         if frame is not self._frame and frame is not None:
             origin, self._frame = frame.origin, frame
@@ -223,13 +227,10 @@ class _LockStep:
         return self._home
 
 
-def _places(seen: Sequence[_Seen]) -> tuple[TruePlace, ...]:
-    """By the simulator's own geodesy, those of one home together."""
+def _places(home: Home, seen: Sequence[Seen]) -> tuple[TruePlace, ...]:
+    """By the simulator's own geodesy."""
     import numpy as np
 
-    found: list[TruePlace] = []
-    for home, group in itertools.groupby(seen, key=lambda s: s[:2]):
-        _, _, times, latitudes, longitudes, depths = zip(*group, strict=True)
-        north, east = local(home, np.array(latitudes), np.array(longitudes), np)
-        found += map(TruePlace, times, north.tolist(), east.tolist(), depths)
-    return tuple(found)
+    times, latitudes, longitudes, depths = zip(*seen, strict=True)
+    north, east = local(home, np.array(latitudes), np.array(longitudes), np)
+    return tuple(map(TruePlace, times, north.tolist(), east.tolist(), depths))
