@@ -287,6 +287,10 @@ def _apart(gga: Gga | None, rmc: Rmc | None) -> bool:
 def _xor(body: bytes) -> int:
     """XOR of all bytes, by folding one big number: a tenth of the time of a loop."""
     n = int.from_bytes(body, "little")
-    for shift in (512, 256, 128, 64, 32, 16, 8):
-        n ^= n >> shift
-    return n & 0xFF
+    n ^= n >> 512
+    n ^= n >> 256
+    n ^= n >> 128
+    n ^= n >> 64
+    n ^= n >> 32
+    n ^= n >> 16
+    return (n ^ n >> 8) & 0xFF

@@ -33,9 +33,13 @@ _SCALE = 60_000_000  # counts of a millionth of a minute in a degree
 def checksum(body: bytes) -> int:
     """XOR of all bytes, by folding one large number."""
     n = int.from_bytes(body, "little")
-    for shift in (512, 256, 128, 64, 32, 16, 8):
-        n ^= n >> shift
-    return n & 0xFF
+    n ^= n >> 512
+    n ^= n >> 256
+    n ^= n >> 128
+    n ^= n >> 64
+    n ^= n >> 32
+    n ^= n >> 16
+    return (n ^ n >> 8) & 0xFF
 
 
 def sentence(text: str) -> bytes:
