@@ -158,8 +158,7 @@ def _uncertain(watch: Watch) -> bool | None:
     here, e = _position(watch), watch.senses.estimate
     if here is None or e is None:
         return None
-    north, _, east = e.covariance
-    reach = math.hypot(*here) + _PLANE_95 * math.sqrt(north + east)
+    reach = math.hypot(*here) + _PLANE_95 * distribution.principal(e.covariance)[0]
     if reach <= watch.bounds.radius:  # more than enough, and cheap
         return False
     return distribution.within(watch.bounds.radius, *here, e.covariance) < 0.95
