@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import gc
 import itertools
 import json
 import math
@@ -20,7 +22,7 @@ from mission.blackbox import read_records
 from mission.commands.simulate import simulate
 from mission.drive.records import INPUTS, OUTPUTS, STEP, TX, ListRecorder, read_start, read_tx
 from mission.language import digest, parse
-from mission.model import STOPPED, SURFACED, By
+from mission.model import STOPPED, SURFACED, By, Record
 from mission.prepare import prepare
 from mission.replay.replay import replay
 from mission.replay.rerun import drive_from, failed_writes, feed
@@ -124,6 +126,41 @@ def test_the_same_seed_gives_the_same_bytes(profile: str) -> None:
     assert first.samples == second.samples
     other = flown(profile, 8, settings=sea)
     assert [s.true for s in other.samples] != [s.true for s in first.samples]
+
+
+class _Collecting(ListRecorder):
+    """Looks for garbage itself, and counts it once the mission is compiled; raises ``error``."""
+
+    def __init__(self, error: Exception | None = None) -> None:
+        super().__init__()
+        self.error, self.enabled, self.garbage = error, set[bool](), 0
+
+    def record(self, record: Record) -> None:
+        super().record(record)
+        self.enabled.add(gc.isenabled())
+        if len(self.records) % 50 == 0:
+            found = gc.collect()
+            self.garbage += found if len(self.records) > 50 else 0
+        if self.error and len(self.records) == 200:
+            raise self.error
+
+
+@pytest.mark.parametrize("enabled", [True, False])
+@pytest.mark.parametrize("error", [None, KeyError("a fault of the program")])
+def test_a_flight_needs_no_collector_and_leaves_it_as_it_was(
+    enabled: bool, error: Exception | None
+) -> None:
+    recorder = _Collecting(error)
+    gc.collect()
+    (gc.enable if enabled else gc.disable)()
+    try:
+        with pytest.raises(KeyError) if error else contextlib.nullcontext():
+            flown(recorder=recorder)
+        assert gc.isenabled() is enabled
+    finally:
+        gc.enable()
+    assert recorder.enabled == {False}
+    assert recorder.garbage == 0
 
 
 def test_every_byte_to_the_vehicle_has_a_reason() -> None:
