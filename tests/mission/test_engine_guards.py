@@ -376,7 +376,7 @@ def test_a_goto_steers_by_this_vehicles_own_compass():
 
     def corrected(now: float):
         e = estimate(now)
-        return None if e is None else replace(e, heading=(e.heading - off) % math.tau)
+        return None if e is None else e._replace(heading=(e.heading - off) % math.tau)
 
     world.nav.estimate = corrected
     assert world.start()

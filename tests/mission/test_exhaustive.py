@@ -29,7 +29,7 @@ from mission.exhaustive.fork import Fork
 from mission.exhaustive.run import ALL_LAWS, Found, examine_ground, unasked
 from mission.exhaustive.world import World
 from mission.model import AUTONOMOUS, STOPPED, Action, Verdict
-from mission.navigation.health import SensorHealth
+from mission.navigation.health import SensorHealth, _Monitor
 from mission.vehicle import Vehicle, missions_folder
 from protocol.messages import Order, SetSafety
 
@@ -138,7 +138,14 @@ def _limits_sleep(patch: pytest.MonkeyPatch) -> None:
 
 
 def _believe_all(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr("mission.navigation.health._Monitor._judge", lambda *_: "")
+    observe = _Monitor.observe
+
+    def believed(self, row, t, value, moving, doubt):
+        observe(self, row, t, value, moving, doubt)
+        self.reason, self.good_t, self.good = "", t, value
+        return True
+
+    patch.setattr(_Monitor, "observe", believed)
 
 
 def _a_gap_is_no_doubt(patch: pytest.MonkeyPatch) -> None:
