@@ -85,8 +85,8 @@ class _Monitor:
         self.same = self.same + moving if again else 0
         near = row.rate == math.inf
         if not near:
-            near = agrees = _near(row, t - self.t, value, before)
-            self.agreeing = self.agreeing + 1 if agrees else 1
+            near = _near(row, t - self.t, value, before)
+            self.agreeing = self.agreeing + 1 if near else 1
             if self.good_t != self.t or self.good != before:  # the last one was not believed
                 near = _near(row, t - self.good_t, value, self.good)
         self.t, self.value = t, value

@@ -125,16 +125,11 @@ class Documented(Stm32):
             self.stick.steer(self.sensors.heading(plant), plant)
             self.drive(*self.stick.gears)
             return
-        sensors, turn, vertical, attitude = self.sensors, self.turn, self.heave, self.attitude
-        if self.heading is not None:  # a sensor that says nothing stops the hold
-            compass = sensors.heading(plant)
+        turn, attitude = self.turn, self.attitude
+        if self.heading is not None:
+            compass = self.sensors.heading(plant)
             turn = 0.0 if compass != compass else turn_gear(self.heading, compass, plant.r)
-        if self.depth is not None:
-            below = self.depth - sensors.depth(plant)
-            vertical = 0.0 if below != below else -dive_gear(below, plant.depth_rate)
-        elif self.altitude is not None:
-            below = sensors.altitude(plant) - self.altitude
-            vertical = 0.0 if below != below else -dive_gear(below, plant.depth_rate)
+        vertical = self._vertical_gear(plant)
         left, right = self.surge + turn, self.surge - turn
         if attitude is None:
             self.pwm = level_pwm(left, right, vertical, self.servo_pwm)
@@ -143,6 +138,16 @@ class Documented(Stm32):
         roll = lean_gear(attitude[1], plant.roll, plant.p)
         front = vertical + pitch
         self.drive(left, right, vertical - pitch, front + roll, front - roll)
+
+    def _vertical_gear(self, plant: Plant) -> float:
+        """Up positive; a sensor that says nothing stops the hold."""
+        if self.depth is not None:
+            below = self.depth - self.sensors.depth(plant)
+        elif self.altitude is not None:
+            below = self.sensors.altitude(plant) - self.altitude
+        else:
+            return self.heave
+        return 0.0 if below != below else -dive_gear(below, plant.depth_rate)
 
     def manual(self, code: str, parameter: str) -> None:
         way, numbers = parameter[:1], parameter[1:]
