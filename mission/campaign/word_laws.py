@@ -1,0 +1,308 @@
+"""Laws of words and moves over the whole flight: who may do what, and what must have left.
+
+    set        the whole set of a leg has left within 5 s of its entry
+    clock      a leg lasts no longer than its clock allows
+    stop       an X0 goes out again until it is acknowledged; and where a report shows a thruster on
+    restart    what was under way surfaces; an emergency that had ended is latched
+    surface    surfaced is said only of what is at the surface
+    clear      an emergency is cleared at the surface (or by the second @AC, up to 2 m)
+    start      a mission begins at the surface (without a fix: up to 2 m)
+    stick      no stick that is held, and none in neutral, takes an emergency over (R6); 2 s without
+               M everything is stopped, a minute later manual is left
+    commander  one connection commands while it is heard (R12)
+    AUTO       closed, and no mission goes on (R13)
+
+What does not live here: who asked for a byte (audit), an X or W in time (obedience).
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import re
+from collections.abc import Iterator, Mapping
+
+from mission.campaign.audit import alike, command_of, moves
+from mission.campaign.deeds import MODEM, TOPSIDE, Act
+from mission.campaign.depth_laws import DEPTH_FAULTS
+from mission.campaign.laws import Violation
+from mission.campaign.onboard import DEAD
+from mission.campaign.story import STOP_WORD, UPWARD_WORDS, Report, Stay, Story
+from mission.campaign.trial import AUTO_NODE, Said
+from mission.compiler.compiler import compile_mission
+from mission.language import digest
+from mission.model import (
+    AUTONOMOUS,
+    IMPLICIT_SURFACE,
+    MANUAL_DRIVING,
+    MANUAL_WAITING,
+    STOPPED,
+    SURFACED,
+    SURFACING,
+    Mission,
+    Tx,
+)
+from mission.regions import EMERGENCY, MANUAL
+from mission.vehicle import Vehicle
+from protocol.messages import Order
+from protocol.topside import TopsideCodec
+from protocol.vehicles.auv import AuvCodec
+
+UNSENT, UNLAWFUL = "unsent", "unlawful"
+_SET = 5.3  # s (R7: 5), and the gap on the line
+_CLOCK = 0.6  # s
+_STOP_AGAIN = 1.6  # s: every 0.5 s, behind three tries of another word
+_TURNS = 3  # reports with a thruster on
+_UPWARD = 2.0  # s after a restart
+_DURABLE = 1.5  # s after which a state is on disk
+_SHALLOW, _AFLOAT, _FIXED = 1.0, 4.0, 0.4  # m within s before, m that allow a fix
+_START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
+_CLEAR_AGAIN = 4.5, 30.5  # s
+_QUIET, _SILENT, _FORGOTTEN = 1.9, 2.6, 61.5  # s
+_COMMANDS = 9.5  # s
+_M, _AC = re.compile(rb"@M[TDMRSP][^@$]*\$"), re.compile(rb"@AC\$")
+_ACKNOWLEDGED = re.compile(rb"@ACK_Z[XA]Y\$")
+_ACCEPTED = re.compile(rb"@ACK_(?:AA|AC|SP|ST|AW|NS)[^N]\$")
+_ORDER = re.compile(rb"@ZA(X0|WF)\$")
+_UNDETECTED = ("depth_too", "depth_drifting", "depth_late", "depth_stuck", "depth_inter")
+
+
+def word_laws(story: Story) -> Iterator[Violation]:
+    clocks = _clocks(story.mission, story.vehicle)
+    for stay in story.stays:
+        if stay.autonomous:
+            yield from _set_leaves(story, stay)
+            yield from _ends_in_time(story, stay, clocks)
+            yield from _starts_at_surface(story, stay)
+        if stay.rests and stay.step is not None:
+            yield from _stops(story, stay)
+        if stay.state == SURFACED and stay.before == SURFACING:
+            yield from _is_at_surface(story, stay)
+        if stay.state.startswith("idle"):
+            yield from _is_cleared(story, stay)
+        if stay.state == MANUAL_DRIVING and stay.before.startswith(EMERGENCY):
+            yield from _takes_over(story, stay)
+        if stay.state.startswith(MANUAL):
+            yield from _lets_go(story, stay)
+        if stay.before == DEAD:
+            yield from _begins_again(story, stay)
+    yield from _one_commands(story)
+    yield from _auto_closed(story)
+
+
+# --- legs ----------------------------------------------------------------------------------------
+
+
+def _set_leaves(story: Story, stay: Stay) -> Iterator[Violation]:
+    due = stay.begin + _SET
+    if stay.step is None or not stay.step.actions or stay.end < due:
+        return
+    command = command_of(stay.step.actions[-1])
+    if isinstance(command, Order) or story.hindered(stay.begin - 0.1, due):
+        return
+    sent = [word.data for word in story.words_in(stay.begin, due)]
+    for frame in AuvCodec(story.profile).encode(command):
+        if not any(alike(frame, data) for data in sent):
+            says = f"{frame!r} of {stay.state} has not left within {_SET:g} s"
+            yield Violation(UNSENT, due, says)
+
+
+@functools.lru_cache(maxsize=32)
+def _clocks(mission: Mission, vehicle: Vehicle) -> Mapping[str, float]:
+    """The longest stay in each leg, s."""
+    chart = compile_mission(mission, vehicle, digest(mission))
+    legs = {state.path: state.leg for state in chart.states if state.leg is not None}
+    clocks = {
+        path: min(leg.duration or math.inf, leg.timeout or math.inf) for path, leg in legs.items()
+    }
+    clocks.pop(IMPLICIT_SURFACE, None)
+    return clocks
+
+
+def _ends_in_time(story: Story, stay: Stay, clocks: Mapping[str, float]) -> Iterator[Violation]:
+    due = stay.begin + clocks.get(stay.state, math.inf)
+    if stay.end > due + _CLOCK and not story.hindered(due - 0.1, due + _CLOCK):
+        says = (
+            f"{stay.end - stay.begin:.0f} s in {stay.state}, its clock says {due - stay.begin:g} s"
+        )
+        yield Violation(UNLAWFUL, due, says)
+
+
+def _starts_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
+    if not stay.before.startswith("idle") or story.faulty(
+        DEPTH_FAULTS, stay.begin - 10.0, stay.begin
+    ):
+        return
+    depth = story.depth(stay.begin)
+    if depth > (_START_FREE if story.mission.start_without_fix else _START):
+        yield Violation(UNLAWFUL, stay.begin, f"a mission begins {depth:.1f} m deep")
+
+
+# --- stops ---------------------------------------------------------------------------------------
+
+
+def _stops(story: Story, stay: Stay) -> Iterator[Violation]:
+    assert stay.step is not None
+    if not any(a.startswith("everything stopped") for a in stay.step.actions):
+        return
+    end = min(stay.end, story.end)
+    if story.hindered(stay.begin - 0.1, end):
+        return
+    stops = [w.t for w in story.words_in(stay.begin, end) if w.data == STOP_WORD]
+    answered = next(
+        (h.t for h in story.heard if h.t > stay.begin and _ACKNOWLEDGED.search(h.data)), end
+    )
+    last = stay.begin
+    for t in [*(t for t in stops if t < answered), min(answered, end)]:
+        if t - last > _STOP_AGAIN:
+            yield Violation(UNSENT, t, f"no X0 for {t - last:.1f} s in {stay.state}, unanswered")
+            return
+        last = t
+    yield from _doubts(story, stay, stops, end)
+
+
+def _doubts(story: Story, stay: Stay, stops: list[float], end: float) -> Iterator[Violation]:
+    turning: list[Report] = []
+    for report in story.reports:
+        if not stay.begin + 2.0 < report.t < end:
+            continue
+        turning = [*turning, report] if report.turning else []
+        if len(turning) > _TURNS and not any(turning[0].t <= t for t in stops):
+            says = f"a thruster is on in {len(turning)} reports in {stay.state}: no X0"
+            yield Violation(UNSENT, report.t, says)
+            return
+
+
+# --- the program begins again --------------------------------------------------------------------
+
+
+def _begins_again(story: Story, stay: Stay) -> Iterator[Violation]:
+    """What was under way long enough to be on the disk, and the disk had room."""
+    dead = next(s for s in reversed(story.stays) if s.state == DEAD and s.end <= stay.begin)
+    was = next(s for s in reversed(story.stays) if s.end <= dead.begin and s.begin < dead.begin)
+    full = any(done.act is Act.FILL and done.t < stay.begin for done in story.done)
+    due = stay.begin + _UPWARD
+    again = any(done.act is Act.KILL and stay.begin <= done.t <= due for done in story.done)
+    if was.end - was.begin < _DURABLE or full or again or due > story.end:
+        return
+    now = story.stay_at(stay.begin + 1e-6).state
+    if was.state in (STOPPED, SURFACED) and not now.startswith(EMERGENCY):
+        yield Violation(UNLAWFUL, stay.begin, f"restarted out of {was.state} into {now}")
+    if not (was.autonomous or was.state == SURFACING):
+        return
+    words = {word.data for word in story.words_in(stay.begin, due)}
+    if words.isdisjoint(UPWARD_WORDS) and now != MANUAL_DRIVING:
+        says = f"no upward word within {_UPWARD:g} s of a restart during {was.state}"
+        yield Violation(UNSENT, due, says)
+
+
+# --- the surface ---------------------------------------------------------------------------------
+
+
+def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
+    """By 6 s of shallow depth, or by a fix, which takes the antenna out of the water for a while."""
+    t = stay.begin
+    shallow = story.deepest(t - _AFLOAT, t) <= _SHALLOW
+    fixed = story.deepest(t - 2.0, t) <= _FIXED
+    if not (shallow or fixed) and not story.faulty(_UNDETECTED, t - 10.0, t):
+        says = (
+            f"surfaced, said {story.depth(t):.1f} m deep, {story.depth(t - _AFLOAT):.1f} m before"
+        )
+        yield Violation(UNLAWFUL, t, says)
+
+
+def _is_cleared(story: Story, stay: Stay) -> Iterator[Violation]:
+    if stay.step is None or stay.step.trigger != "clear" or not stay.before.startswith(EMERGENCY):
+        return
+    t, depth = stay.begin, story.depth(stay.begin)
+    if stay.before == SURFACING:
+        yield Violation(UNLAWFUL, t, "cleared while it surfaces")
+    early, late = t - _CLEAR_AGAIN[1], t - _CLEAR_AGAIN[0]
+    asked = any(early <= s.t <= late and _AC.search(s.data) for s in story.said)
+    bound = _START_FREE if asked else _CLEAR
+    if depth > bound and not story.faulty(DEPTH_FAULTS, t - 10.0, t):
+        yield Violation(UNLAWFUL, t, f"cleared {depth:.1f} m deep")
+
+
+# --- the stick -----------------------------------------------------------------------------------
+
+
+def _takes_over(story: Story, stay: Stay) -> Iterator[Violation]:
+    t = stay.begin
+    sticks = [(s, found) for s in story.said if s.link != MODEM for found in _M.findall(s.data)]
+    now = [found for s, found in sticks if abs(s.t - t) < 0.01]
+    if now and all(_neutral(found) for found in now):
+        yield Violation(UNLAWFUL, t, f"{now[-1]!r} takes over {stay.before}")
+    held = [s.t for s, found in sticks if t - _QUIET < s.t < t - 0.01 and moves(found)]
+    if held and not story.hindered(t - _QUIET, t):
+        says = f"a stick heard {t - held[-1]:.1f} s before takes over {stay.before}"
+        yield Violation(UNLAWFUL, t, says)
+    emergency = next(s for s in reversed(story.stays) if s.end <= t and s.state == stay.before)
+    if t - emergency.begin < _QUIET and emergency.before.startswith((AUTONOMOUS, MANUAL, "idle")):
+        yield Violation(UNLAWFUL, t, f"{stay.before} taken over after {t - emergency.begin:.1f} s")
+
+
+def _neutral(frame: bytes) -> bool:
+    heard = TopsideCodec().receive(frame, 0.0)
+    return all(getattr(one, "neutral", False) for one in heard)
+
+
+def _lets_go(story: Story, stay: Stay) -> Iterator[Violation]:
+    last = max(
+        (w.t for w in story.words if w.t < stay.end and w.data[:2] == b"@M"), default=math.nan
+    )
+    driving = stay.state == MANUAL_DRIVING
+    due = last + (_SILENT if driving else _FORGOTTEN)
+    if stay.end > due and not story.hindered(last - 0.1, due):
+        says = f"{stay.end - last:.1f} s without M, and still in {stay.state}"
+        yield Violation(UNLAWFUL, due, says)
+    words = story.words_in(stay.begin, stay.begin + 1.5)
+    if stay.state == MANUAL_WAITING and stay.end > stay.begin + 1.5:
+        if not story.hindered(stay.begin - 0.1, stay.begin + 1.5):
+            if not any(word.data == STOP_WORD for word in words):
+                yield Violation(UNSENT, stay.begin, "the stick is silent, and no X0 has left")
+
+
+# --- operators -----------------------------------------------------------------------------------
+
+
+def _one_commands(story: Story) -> Iterator[Violation]:
+    """By what was acknowledged to whom; X and W hand the command over."""
+    commander, heard = "", -math.inf
+    for event in story.trial.events:
+        if isinstance(event, Said):
+            if event.link == TOPSIDE and _ORDER.search(event.data):
+                commander = event.address
+            if event.address == commander:
+                heard = event.t
+            elif event.link == MODEM:
+                commander = ""  # who commands over it is not read here
+        elif isinstance(event, Tx) and event.link == TOPSIDE and _ACCEPTED.search(event.data):
+            other = commander and event.address != commander and event.t - heard < _COMMANDS
+            if other and not story.hindered(event.t - _COMMANDS, event.t):
+                says = f"{event.data!r} to {event.address!r} while {commander!r} commands"
+                yield Violation(UNLAWFUL, event.t, says)
+            commander, heard = event.address, event.t
+        elif not isinstance(event, Said | Tx) and getattr(event, "act", None) in (
+            Act.PART,
+            Act.KILL,
+        ):
+            commander = ""
+
+
+def _auto_closed(story: Story) -> Iterator[Violation]:
+    """Once it is acknowledged."""
+    for said in story.said:
+        found = AUTO_NODE.fullmatch(said.data)
+        if found is None or found[1] == b"O":
+            continue
+        answer = next(
+            (a.t for a in story.answers if a.t >= said.t and a.data == b"@ACK_NSS$"), math.inf
+        )
+        opened = any(
+            said.t < other.t <= answer + 1.0 and b"@NS" in other.data for other in story.said
+        )
+        if answer > said.t + 6.0 or opened or story.hindered(said.t, answer + 1.0):
+            continue
+        if story.stay_at(answer + 1.0).autonomous:
+            yield Violation(UNLAWFUL, answer, "node AUTO is closed, and the mission goes on")
