@@ -299,6 +299,7 @@ FAULTS: dict[str, Fault] = {
         )
         for word in "WUX"
     },
+    "refuses": _board_with("refuses", "FHS", "", "sets are answered N"),
     "dives_until_up": _dives_until("U", "U"),
     "dives_until_stop": _dives_until("X", "X"),
     "obeys_late": Fault("commands are obeyed late", _slow, _prompt, 1.0, "s"),

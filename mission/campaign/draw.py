@@ -32,7 +32,9 @@ HORIZON = 0.4  # of the proved time: about what a mission really takes
 AT_START, TOGETHER = 0.1, 0.4  # shares of the disturbances
 CLUSTERED, CLUSTER = 0.25, 5.0  # share of the flights, s: everything at nearly the same time
 FOR_EVER = 0.15  # share of the faults that may
-OUT_OF_HAND = frozenset({"stm32_hang", "command_lost", "command_corrupted", "unexplained_dive"})
+OUT_OF_HAND = frozenset(
+    {"stm32_hang", "command_lost", "command_corrupted", "unexplained_dive", "deaf_to_x", "refuses"}
+)
 WEIGHT = frozenset({"heavy", "light"})
 STAGED, BESIDE = 0.5, 0.4  # shares: of the flights, and of those with something else beside
 SCENE_TIME, SCENE_FLOOR = 160.0, 30.0  # s that matter, m
@@ -123,8 +125,7 @@ def _staged(rng: Random, seed: int, number: int, subjects: Sequence[Subject]) ->
     if rng.random() < BESIDE:
         other = rng.choices(KINDS, WEIGHTS)[0]
         _disturb(rng, other, rng.uniform(8.0, SCENE_TIME / 2.0), subjects, faults, incidents)
-    floor = max(sea.floor, SCENE_FLOOR)
-    settings = Settings(sea=Sea(current, None, floor), faults=tuple(faults))
+    settings = Settings(sea=Sea(current, None, SCENE_FLOOR), faults=tuple(faults))
     return Plan(
         seed,
         number,

@@ -58,6 +58,7 @@ def limit_laws(story: Story) -> Iterator[Violation]:
         yield from _unanswered(story, begin, end)
         yield from _voltage(story, begin, end)
         yield from _blind(story, begin, end)
+        yield from _false_alarm(story, flight[-1])
         for stay in flight:
             yield from _no_progress(story, stay)
             yield from _unasked_descent(story, stay)
@@ -93,6 +94,23 @@ _BY_REPORT = (
     _Limit("depth", _depth, 2, DEPTH_FAULTS),
     _Limit("roll", _roll, 2, ("attitude_", "roll_")),
 )
+
+
+def _false_alarm(story: Story, stay: Stay) -> Iterator[Violation]:
+    """A mission that a limit ended, of which the truth knows nothing, with that sensor healthy; or
+    with one at full scale, which says nothing about anything."""
+    step = next((s for s in story.steps if s.t == stay.end and s.trigger == "limit"), None)
+    names = {e.trigger for e in step.evaluations if e.result} if step is not None else set()
+    if "limit depth" in names and not story.faulty(DEPTH_FAULTS, stay.end - 20.0, stay.end):
+        bound = min(s.bounds.depth for s in story.spans if s.end >= stay.end - 8.0)
+        if story.deepest(stay.end - 8.0, stay.end) < bound + 0.5:
+            yield Violation(UNANSWERED, stay.end, "a limit of depth that was not passed")
+    odd = [
+        f for f in story.faults(("attitude_", "roll_"), 0.0, stay.end) if "full_scale" not in f.name
+    ]
+    if "limit roll-over" in names and not odd:
+        if max(story.roll(stay.end - i) for i in range(9)) < story.vehicle.limits.roll - _ROLL:
+            yield Violation(UNANSWERED, stay.end, "a limit of roll that was not passed")
 
 
 # --- by the clock --------------------------------------------------------------------------------
@@ -145,10 +163,13 @@ def _blind(story: Story, begin: float, end: float) -> Iterator[Violation]:
     """A depth at full scale, or silent by the board that says so, is known to be none at once."""
     for fault in story.settings.faults:
         silent = fault.name == "depth_silent" and story.profile == "documented"
-        if not (silent or fault.name == "depth_full_scale") or fault.begin < begin + 10.0:
+        frozen = fault.name == "depth_frozen"
+        if not (silent or frozen or fault.name == "depth_full_scale"):
+            continue
+        if fault.begin < begin + 10.0:
             continue
         until = min(fault_ends(fault), end, FOREVER)
-        known = fault.begin + 10.0 + _BLIND
+        known = fault.begin + 10.0 + _BLIND + (10.0 if frozen else 0.0)
         under = min(story.depth(t) for t in (fault.begin - 6.0, fault.begin, known)) > _UNDER
         alone = len(story.faults(("depth_",), fault.begin - 10.0, until)) == 1
         told = len(story.told_in(fault.begin, known)) > 6

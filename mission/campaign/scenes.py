@@ -45,6 +45,11 @@ TEXTS: Mapping[str, str] = {
     + "safety radius 900 time 30min depth 20 voltage 10\nassume current 0.5\n"
     "dive: depth 14 heading 0 gear 4 until depth >= 13.5 timeout 4min\n"
     "stand: depth 14 heading 0 gear 4 for 4min\n" + _PASS,
+    # Above a floor at 30 m.
+    "bottom": "mission bottom vehicle auv\n" + _HOME
+    + "safety radius 900 time 30min depth 29 voltage 10\nassume current 0.5 floor 30\n"
+    "dive: depth 6 heading 0 gear 4 until depth >= 5.5 timeout 90\n"
+    "follow: altitude 20 heading 0 gear 4 for 3min else up\n" + _PASS,
     # At the surface, under way.
     "transit": "mission transit vehicle auv\n" + _HOME
     + "safety radius 900 time 30min depth 20 voltage 10\nassume current 0.5\n"
@@ -203,6 +208,10 @@ def _turns_after_a_stop(rng: Random) -> Scene:
     )
 
 
+def _refused(rng: Random) -> Scene:
+    return Scene("there", (_fault("refuses", rng.uniform(60.0, 80.0), 120.0),))
+
+
 def _no_answers(rng: Random) -> Scene:
     return Scene("there", (_fault("ack_lost", rng.uniform(DOWN, 80.0), 60.0),))
 
@@ -337,6 +346,12 @@ def _started_below(rng: Random) -> Scene:
     return Scene(rng.choice(["deep", "pool"]), (), (*said, *starts))
 
 
+def _started_with_auto_closed(rng: Random) -> Scene:
+    """It comes up by itself; then somebody starts it all the same."""
+    t = rng.uniform(DOWN, 60.0)
+    return Scene("there", (), (_say(t, _AUTO_CLOSED), *_repeated(t + 40.0, t + 60.0, 4.0, _AA)))
+
+
 def _auto_closed(rng: Random) -> Scene:
     return Scene("there", (), (_say(rng.uniform(DOWN, 60.0), _AUTO_CLOSED),))
 
@@ -345,6 +360,11 @@ def _late_copy(rng: Random) -> Scene:
     """A copy of @AA, or of a looser @SP, by modem, when the mission is over or the bound tighter."""
     start = Deed(STARTED + rng.uniform(20.0, 100.0), Act.SAY, wrap(_AA, Sender.TOPSIDE), MODEM, "")
     return Scene("there", (), (_say(DOWN, _W), _say(75.0, _AC), _say(82.0, _AC), start))
+
+
+def _modem_stick(rng: Random) -> Scene:
+    said = Deed(rng.uniform(DOWN, 60.0), Act.SAY, wrap(b"@MMD6$", Sender.TOPSIDE), MODEM, "")
+    return Scene("there", (), (said,))
 
 
 # --- the program ---------------------------------------------------------------------------------
@@ -397,6 +417,7 @@ SCENES: Mapping[str, SceneRow] = {
     "deaf_to_x": SceneRow("X, and no answer", _deaf_to_x),
     "garbled_x": SceneRow("X, and what arrives is garbled", _acknowledged_and_garbled),
     "turns_after_a_stop": SceneRow("at rest, and it dives by itself", _turns_after_a_stop),
+    "refused": SceneRow("sets are answered N", _refused),
     "no_answers": SceneRow("no command is answered", _no_answers),
     "brown_out": SceneRow("the board forgets everything", _brown_out),
     "silent": SceneRow("the board is heard no more", _silent),
@@ -421,6 +442,13 @@ SCENES: Mapping[str, SceneRow] = {
     "cleared_below": SceneRow("@AC under water", _cleared_below),
     "started_below": SceneRow("@AA under water", _started_below),
     "auto_closed": SceneRow("AUTO is closed under way", _auto_closed),
+    "started_with_auto_closed": SceneRow("@AA with AUTO closed", _started_with_auto_closed),
+    "modem_stick": SceneRow("an M by modem", _modem_stick),
+    "blind_compass": SceneRow("the compass fails under way",
+                              _sensor("heading_full_scale", "heading_frozen")),
+    "blind_altimeter": SceneRow("the altimeter fails above the floor",
+                                _sensor("altitude_full_scale", "altitude_frozen", text="bottom")),
+    "full_scale_roll": SceneRow("roll and pitch are garbage", _sensor("attitude_full_scale")),
     "late_copy": SceneRow("a copy of a word, late", _late_copy),
     "restarted": SceneRow("killed in a mission", _restarted(b"")),
     "restarted_after_w": SceneRow("killed in an ascent", _restarted(_W)),

@@ -10,7 +10,10 @@
     stick      no stick that is held, and none in neutral, takes an emergency over (R6); 2 s without
                M everything is stopped, a minute later manual is left
     commander  one connection commands while it is heard (R12)
-    AUTO       closed, and no mission goes on (R13)
+    AUTO       closed, and no mission goes on or begins, and nothing at rest turns by itself (R13)
+    gap        20 ms between two frames on the line
+    refused    a set that is answered N: the leg's else (R8)
+    blind      a leg that needs a reading which fails is left within 6 s of that being known
 
 What does not live here: who asked for a byte (audit), an X or W in time (obedience).
 """
@@ -21,16 +24,18 @@ import functools
 import math
 import re
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 
+from links.simulated.firmware.uart import BYTE_TIME
 from mission.campaign.audit import alike, command_of, moves
 from mission.campaign.deeds import MODEM, TOPSIDE, Act
 from mission.campaign.depth_laws import DEPTH_FAULTS
 from mission.campaign.laws import Violation
 from mission.campaign.onboard import DEAD
 from mission.campaign.story import STOP_WORD, UPWARD_WORDS, Report, Stay, Story
-from mission.campaign.trial import AUTO_NODE, Said
+from mission.campaign.trial import AUTO_NODE, Said, fault_ends
 from mission.compiler.compiler import compile_mission
-from mission.language import digest
+from mission.language import digest, parse, script
 from mission.model import (
     AUTONOMOUS,
     IMPLICIT_SURFACE,
@@ -39,11 +44,10 @@ from mission.model import (
     STOPPED,
     SURFACED,
     SURFACING,
-    Mission,
     Tx,
 )
 from mission.regions import EMERGENCY, MANUAL
-from mission.vehicle import Vehicle
+from mission.vehicle import load_vehicle
 from protocol.messages import Order
 from protocol.topside import TopsideCodec
 from protocol.vehicles.auv import AuvCodec
@@ -58,22 +62,27 @@ _DURABLE = 1.5  # s after which a state is on disk
 _SHALLOW, _AFLOAT, _FIXED = 1.0, 4.0, 0.4  # m within s before, m that allow a fix
 _START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
 _CLEAR_AGAIN = 4.5, 30.5  # s
+_BLIND, _FROZEN = 14.0, 12.0  # s: 6 s (R8), and what three reports more may take
 _QUIET, _SILENT, _FORGOTTEN = 1.9, 2.6, 61.5  # s
 _COMMANDS = 9.5  # s
 _M, _AC = re.compile(rb"@M[TDMRSP][^@$]*\$"), re.compile(rb"@AC\$")
 _ACKNOWLEDGED = re.compile(rb"@ACK_Z[XA]Y\$")
 _ACCEPTED = re.compile(rb"@ACK_(?:AA|AC|SP|ST|AW|NS)[^N]\$")
+_REFUSED = re.compile(rb"@ACK_Z[A-Z]N\$")
+_GAP, _NODE = 0.02, 1.0  # s
 _ORDER = re.compile(rb"@ZA(X0|WF)\$")
 _UNDETECTED = ("depth_too", "depth_drifting", "depth_late", "depth_stuck", "depth_inter")
 
 
 def word_laws(story: Story) -> Iterator[Violation]:
-    clocks = _clocks(story.mission, story.vehicle)
+    text = "\n".join(script(story.mission)) + "\n"
+    clocks = _clocks(text, story.mission.vehicle)
     for stay in story.stays:
         if stay.autonomous:
             yield from _set_leaves(story, stay)
             yield from _ends_in_time(story, stay, clocks)
             yield from _starts_at_surface(story, stay)
+            yield from _is_left_blind(story, stay)
         if stay.rests and stay.step is not None:
             yield from _stops(story, stay)
         if stay.state == SURFACED and stay.before == SURFACING:
@@ -88,6 +97,8 @@ def word_laws(story: Story) -> Iterator[Violation]:
             yield from _begins_again(story, stay)
     yield from _one_commands(story)
     yield from _auto_closed(story)
+    yield from _keeps_the_gap(story)
+    yield from _heeds_refusals(story)
 
 
 # --- legs ----------------------------------------------------------------------------------------
@@ -107,16 +118,17 @@ def _set_leaves(story: Story, stay: Stay) -> Iterator[Violation]:
             yield Violation(UNSENT, due, says)
 
 
-@functools.lru_cache(maxsize=32)
-def _clocks(mission: Mission, vehicle: Vehicle) -> Mapping[str, float]:
+@functools.lru_cache(maxsize=64)
+def _clocks(text: str, vehicle: str) -> Mapping[str, float]:
     """The longest stay in each leg, s."""
-    chart = compile_mission(mission, vehicle, digest(mission))
+    mission = parse(text)
+    chart = compile_mission(mission, load_vehicle(vehicle), digest(mission))
     legs = {state.path: state.leg for state in chart.states if state.leg is not None}
-    clocks = {
-        path: min(leg.duration or math.inf, leg.timeout or math.inf) for path, leg in legs.items()
+    return {
+        path: min(leg.duration or math.inf, leg.timeout or math.inf)
+        for path, leg in legs.items()
+        if path != IMPLICIT_SURFACE
     }
-    clocks.pop(IMPLICIT_SURFACE, None)
-    return clocks
 
 
 def _ends_in_time(story: Story, stay: Stay, clocks: Mapping[str, float]) -> Iterator[Violation]:
@@ -136,6 +148,26 @@ def _starts_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
     depth = story.depth(stay.begin)
     if depth > (_START_FREE if story.mission.start_without_fix else _START):
         yield Violation(UNLAWFUL, stay.begin, f"a mission begins {depth:.1f} m deep")
+
+
+def _is_left_blind(story: Story, stay: Stay) -> Iterator[Violation]:
+    """Full scale is known to be none at once, frozen by five reports while a thruster turns."""
+    if stay.step is None or not stay.step.actions or stay.ascends:
+        return
+    command = command_of(stay.step.actions[-1])
+    for fault in story.settings.faults:
+        sensor, _, how = fault.name.partition("_")
+        needed = not isinstance(command, Order) and getattr(command, sensor, None) is not None
+        if not needed or how not in ("full_scale", "frozen"):
+            continue
+        begin = max(fault.begin, stay.begin)
+        due = begin + _BLIND + (_FROZEN if how == "frozen" else 0.0)
+        turned = all(r.turning for r in story.reports if begin - 2.0 <= r.t <= due)
+        told = len(story.told_in(begin, due)) >= (due - begin) / 2.0 - 2.0
+        alone = len(story.faults((sensor,), begin - 10.0, due)) == 1
+        if min(stay.end, fault_ends(fault)) > due and turned and told and alone:
+            if not story.hindered(begin, due):
+                yield Violation(UNLAWFUL, due, f"{fault.name}, and still in {stay.state}")
 
 
 # --- stops ---------------------------------------------------------------------------------------
@@ -291,18 +323,64 @@ def _one_commands(story: Story) -> Iterator[Violation]:
 
 
 def _auto_closed(story: Story) -> Iterator[Violation]:
-    """Once it is acknowledged."""
+    """Once it is acknowledged, and until somebody opens it."""
     for said in story.said:
         found = AUTO_NODE.fullmatch(said.data)
         if found is None or found[1] == b"O":
             continue
-        answer = next(
-            (a.t for a in story.answers if a.t >= said.t and a.data == b"@ACK_NSS$"), math.inf
-        )
-        opened = any(
-            said.t < other.t <= answer + 1.0 and b"@NS" in other.data for other in story.said
-        )
-        if answer > said.t + 6.0 or opened or story.hindered(said.t, answer + 1.0):
+        answers = (a.t for a in story.answers if a.t >= said.t and a.data == b"@ACK_NSS$")
+        closed = next(answers, math.inf) + _NODE
+        others = (s.t for s in story.said if s.t > said.t and b"@NS" in s.data)
+        until = min(next(others, math.inf), *(d.t for d in story.done if d.t > said.t), story.end)
+        if closed > said.t + 6.0 + _NODE or closed >= until:
             continue
-        if story.stay_at(answer + 1.0).autonomous:
-            yield Violation(UNLAWFUL, answer, "node AUTO is closed, and the mission goes on")
+        for stay in story.stays:
+            inside = max(stay.begin, closed) < min(stay.end, until)
+            turned = stay.state == SURFACING and stay.begin >= closed and _at_rest(stay.before)
+            if inside and (stay.autonomous or (turned and _by_limit(stay))):
+                yield Violation(UNLAWFUL, closed, f"node AUTO is closed, and then {stay.state}")
+                return
+
+
+def _at_rest(state: str) -> bool:
+    return state.startswith("idle") or state in (STOPPED, SURFACED, MANUAL_WAITING)
+
+
+def _by_limit(stay: Stay) -> bool:
+    return stay.step is not None and stay.step.trigger == "limit"
+
+
+# --- the line ------------------------------------------------------------------------------------
+
+
+def _keeps_the_gap(story: Story) -> Iterator[Violation]:
+    for one, other in pairwise(story.words):
+        free = one.t + len(one.data) * BYTE_TIME + _GAP
+        if other.t < free - 1e-6:
+            says = f"{other.data!r} leaves {free - other.t:.3f} s too soon behind {one.data!r}"
+            yield Violation(UNLAWFUL, other.t, says)
+            return
+
+
+def _heeds_refusals(story: Story) -> Iterator[Violation]:
+    """Where nothing else can be meant: one word alone in the second before."""
+    for heard in story.heard:
+        if not _REFUSED.search(heard.data):
+            continue
+        words = story.words_in(heard.t - 1.0, heard.t)
+        stay = story.stay_at(heard.t)
+        if (
+            len(words) != 1
+            or not stay.autonomous
+            or stay.ascends
+            or story.hindered(heard.t - 1.0, heard.t)
+        ):
+            continue
+        if (
+            words[0].data.startswith(b"@ZA")
+            and stay.end > heard.t + 0.5
+            and stay.begin < words[0].t
+        ):
+            says = f"{words[0].data!r} was answered N, and still in {stay.state}"
+            yield Violation(UNLAWFUL, heard.t, says)
+            return

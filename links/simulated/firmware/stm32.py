@@ -66,6 +66,7 @@ class Stm32(ABC):
     """One board. Sub-classes are the profiles."""
 
     reports_in_manual: bool
+    says_a: bool  # answers every @ZA with the code A
     dead_man: float  # s without an M command in manual mode, inf: none
 
     def __init__(self, sensors: Sensors, rng: Random) -> None:
@@ -84,6 +85,7 @@ class Stm32(ABC):
         self.runaway = False  # dives at full power whatever is asked ...
         self.tamed_by = ""  # ... until one of these codes is heard
         self.ignores = ""  # codes of @ZA that it does not hear
+        self.refuses = ""  # codes of @ZA that it answers N
         self.late = 0.0  # s from a command until it is obeyed
         self.splice = 0.0  # chance that an answer lands inside the @SD being sent
         self._dead_man_at = inf
@@ -180,6 +182,9 @@ class Stm32(ABC):
         if text.startswith("ZA"):
             code = text[2:3]
             if code and code in self.ignores:
+                return
+            if code and code in self.refuses:
+                self.acknowledge(b"ZAN" if self.says_a else b"Z%bN" % code.encode("ascii"), now)
                 return
             self.runaway = self.runaway and code not in self.tamed_by
             if self.mode is not Mode.AUTO:
