@@ -103,7 +103,7 @@ class Plant:
         self.depth_rate = 0.0
         self.current_north = self.current_east = 0.0
         self.buoyancy = self.body.buoyancy
-        self.righting = self.body.righting  # N m, in roll; below 0 it lies upside down
+        self.righting = self.body.righting  # N m; below 0 it lies upside down
         self.strength = [1.0] * 5  # share of its thrust that each thruster still has
         self.aground = False
         self._main = _thrust_table(self.body.main_thrust, self.body.main_power)
@@ -129,7 +129,7 @@ class Plant:
             b.mass_w - b.mass_u - b.fin_pitch,
             b.mass_u - b.mass_v + b.fin_yaw,
             *(b.inertia_q - b.inertia_r, b.inertia_r - b.inertia_p, b.inertia_p - b.inertia_q),
-            *(b.fin_damping, self.righting, b.righting, b.draft, b.waterplane, b.surface_damping),
+            *(b.fin_damping, self.righting, b.draft, b.waterplane, b.surface_damping),
             *b.linear,
             *b.quadratic,
         )
@@ -157,7 +157,7 @@ class Plant:
         self._pwm = ()  # so that the next ``drive`` looks at its targets again
 
     def load(self, righting: float) -> None:
-        """Ballast that moved: another righting moment in roll. A hull is never quite level."""
+        """Ballast that moved: another righting moment. A hull is never quite level."""
         self.righting = righting
         self.roll += HEEL
         self._constants = self._per_step()
@@ -228,7 +228,7 @@ class Plant:
         """Integrate with constant forces. One function with local names: this is the hot loop."""
         dt = STEP
         (
-            mu, mv, mw, du, dv, dw, dp, dq, dr, cp, cq, cr, gp, gq, gr, fin, upright, righting,
+            mu, mv, mw, du, dv, dw, dp, dq, dr, cp, cq, cr, gp, gq, gr, fin, righting,
             draft, waterplane, radiation, xu, yv, zw, kp, mq, nr, xuu, yvv, zww, kpp, mqq, nrr,
         ) = self._constants  # fmt: skip
         surge, heave, roll_moment, pitch_moment, yaw_moment = self._forces
@@ -265,7 +265,7 @@ class Plant:
             )  # fmt: skip
             p += dp * (
                 roll_moment + cp * vn * wn + gp * q * r + rudder_roll * uu
-                - p * (kp + kpp * (p if p > 0.0 else -p)) - upright * cp_ * sr
+                - p * (kp + kpp * (p if p > 0.0 else -p)) - righting * cp_ * sr
             )  # fmt: skip
             q += dq * (
                 pitch_moment + cq * un * wn + gq * pn * r + rudder_pitch * uu

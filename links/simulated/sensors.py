@@ -169,7 +169,7 @@ class Sensors:
         self._echo = height < errors.altitude_range and self.rng.random() >= errors.altitude_drop
         high, roll, pitch, compass, warm, deep, *magnetic = normals(self.rng, 15)
         values = [
-            _half_circle(plant.roll) + roll * noise,
+            _half_circle(plant.roll + roll * noise),
             plant.pitch + pitch * noise,
             (yaw + error + compass * errors.compass_noise) % TWO_PI,
             errors.temperature - 0.05 * plant.depth + warm * errors.temperature_noise,

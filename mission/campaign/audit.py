@@ -210,7 +210,8 @@ class _Auditor:
             if not self._fits(command, state):
                 yield Spurious(t, f"{step.actions} in {state}")
         repeats = commands == [Order.STOP] and not moved
-        if repeats and not state.startswith(AUTONOMOUS) and self._acks > UNBELIEVED:
+        ways = state == SURFACING or state.startswith(AUTONOMOUS)  # letting go is a way up
+        if repeats and not ways and self._acks > UNBELIEVED:
             yield Spurious(t, f"a stop repeated in {state} after {self._acks} acknowledgements")
 
     def _unasked(self, step: Step, before: str) -> str:

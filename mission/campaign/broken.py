@@ -35,6 +35,7 @@ from mission.model import Action, By, Edge, Health, Outcome, Result, Safety, Tx
 from mission.navigation.health import SensorHealth
 from mission.vehicle import Vehicle
 from protocol.messages import UPWARD, Manual, Order, SetSafety
+from protocol.vehicles import vehicle_row
 
 
 class Surgery:
@@ -125,7 +126,7 @@ def _never_acts(name: str) -> Break:
 
 
 def _without_way(way: Any) -> Break:
-    honest = core.vehicle_row
+    honest = vehicle_row
 
     def fewer(codec: str) -> Any:
         row = honest(codec)

@@ -3,7 +3,7 @@
 By the true depth and the words on the wire, from R7 alone:
 
     at rest    what sinks where everything is stopped is brought up: over 2 m deep (in surfaced 1 m)
-               and deeper than it has been, it is surfacing by the third report
+               and 0.5 m deeper than it has been, it is surfacing by the fourth report
     stopped    over 2 m, and not risen by 0.5 m in 20 s: the same
     held       what sank out of surfaced and is brought up does not sink out of it again
     upward     whatever begins an ascent, an upward word leaves within 3 s
@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 
 from mission.campaign.laws import Violation
 from mission.campaign.story import DOWN_WORD, STOP_WORD, UPWARD_WORDS, Stay, Story
@@ -28,8 +29,9 @@ SUNK = "sunk"
 DEPTH_FAULTS = ("depth_",)
 _ERROR = 0.4  # m of the depth sensor
 _DEEP, _DEEP_AGAIN = 2.0 + _ERROR, 1.0 + _ERROR  # m
-_DEEPER = 2.0  # m deeper than it has been: 0.5, the sensor, and 6 s of smoothing while it rose
-_REPORTS = 4  # two in a row, and what noise may cost
+_DEEPER = 0.5 + _ERROR  # m deeper than it has been
+_ROSE = 1.1  # m more, where it rose before: 6 s of smoothing
+_REPORTS = 3  # two in a row, and what noise may cost
 _STALE = 9.0  # s without a report: it begins anew
 _RISE = 22, 0.3  # s and m: less than 0.5 m in 20 s, by reports that come every 2 s
 _NEVER_RISEN = 70.0  # s: two times of that at least, whenever they begin
@@ -40,6 +42,7 @@ _OVERTURNED_ROUND = 110.0  # s: D12 comes once a minute, behind the last way
 _SHALLOW = 1.5  # m: so near to the surface nothing need be tried
 _NOT_LIFTED = 60.0  # s: a round, and 10 s more
 _UPRIGHT, _OVERTURNED = math.radians(60.0), math.radians(130.0)
+_MOSTLY = 0.9  # of the seconds
 _SPARE = 8.0  # N of lift that make a rise within a turn
 _OUT_OF_HAND = (
     *("stm32_", "command_", "unexplained_dive", "deaf_to", "dives_until", "obeys_late"),
@@ -49,7 +52,7 @@ _OUT_OF_HAND = (
 
 def depth_laws(story: Story) -> Iterator[Violation]:
     for stay in story.stays:
-        if stay.rests:
+        if stay.rests and stay.state != STOPPED:
             yield from _sinks_from_rest(story, stay)
         if stay.state == STOPPED:
             yield from _stays_down(story, stay)
@@ -72,12 +75,13 @@ def _excused(story: Story, begin: float, end: float) -> bool:
 def _sinks_from_rest(story: Story, stay: Stay) -> Iterator[Violation]:
     deep = _DEEP_AGAIN if stay.state == SURFACED else _DEEP
     shallowest, seen, last = math.inf, 0, -math.inf
+    deeper = _DEEPER + (_ROSE if story.depth(stay.begin) > 1.0 else 0.0)
     for told in story.told_in(stay.begin, stay.end):
         depth = story.depth(told.t)
         if told.t - last > _STALE:
             shallowest, seen = math.inf, 0
         shallowest, last = min(shallowest, depth), told.t
-        seen = seen + 1 if depth > deep and depth > shallowest + _DEEPER else 0
+        seen = seen + 1 if depth > deep and depth > shallowest + deeper else 0
         if seen > _REPORTS and not _excused(story, told.t - 20.0, told.t):
             yield Violation(SUNK, told.t, f"sinks in {stay.state}, {depth:.1f} m deep: no response")
             return
@@ -94,7 +98,7 @@ def _stays_down(story: Story, stay: Stay) -> Iterator[Violation]:
 
 def _pauses(story: Story, begin: float, end: float) -> list[tuple[float, float]]:
     times = [begin, *(told.t for told in story.told_in(begin, end)), end]
-    return list(zip(times, times[1:], strict=False))
+    return list(pairwise(times))
 
 
 def _begins_upward(story: Story, stay: Stay) -> Iterator[Violation]:
@@ -103,7 +107,7 @@ def _begins_upward(story: Story, stay: Stay) -> Iterator[Violation]:
     end = stay.begin + _FIRST
     if goes_on or stay.end < end or story.hindered(stay.begin - 1.0, end):
         return
-    if story.roll(stay.begin) > _UPRIGHT or story.faulty(("attitude_", "roll_"), stay.begin, end):
+    if story.tilt(stay.begin) > _UPRIGHT or story.faulty(("attitude_", "roll_"), stay.begin, end):
         return
     if not any(word.data in UPWARD_WORDS for word in story.words_in(stay.begin, end)):
         yield Violation(SUNK, end, f"no upward word within {_FIRST:g} s of {stay.state}")
@@ -127,10 +131,11 @@ def _missing(story: Story, begin: float, end: float) -> list[str]:
     missing = [word.decode() for word in UPWARD_WORDS if word not in sent]
     if not any(_lets_go(story, word.t) for word in words if word.data == STOP_WORD):
         missing.append("letting go")
-    overturned = all(story.roll(begin + i) > _OVERTURNED for i in range(int(end - begin)))
-    if overturned and end - begin > _OVERTURNED_ROUND and DOWN_WORD not in sent:
-        if not story.faulty(("attitude_", "roll_"), begin, end):
-            missing.append(DOWN_WORD.decode())
+    seconds = int(end - begin)
+    over = sum(story.tilt(begin + i) > _OVERTURNED for i in range(seconds)) > _MOSTLY * seconds
+    known = not story.faulty(("attitude_", "roll_"), begin, end)
+    if over and known and seconds > _OVERTURNED_ROUND and DOWN_WORD not in sent:
+        missing.append(DOWN_WORD.decode())
     return missing
 
 

@@ -20,7 +20,8 @@ from random import Random
 from links.simulated.faults import FAULTS
 from links.simulated.settings import FaultEvent, Sea, Settings, setting_of
 from mission.campaign.deeds import INCIDENTS, Deed
-from mission.campaign.scenes import SCENES, mission_of
+from mission.campaign.scene_texts import mission_of
+from mission.campaign.scenes import SCENES
 from mission.campaign.trial import FOREVER
 from mission.language import script
 from mission.model import Mission

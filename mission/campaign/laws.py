@@ -48,7 +48,7 @@ from mission.campaign.deeds import Act
 from mission.campaign.obedience import ignored
 from mission.campaign.trial import FOREVER, Done, Event, Said, Told, Trial, fault_ends, from_home
 from mission.envelope import SILENCE, Bounds, in_force
-from mission.model import AUTONOMOUS, STOPPED, SURFACING, Mission, Step, Tx
+from mission.model import AUTONOMOUS, STOPPED, SURFACED, SURFACING, Mission, Step, Tx
 from mission.vehicle import Vehicle
 from protocol.messages import SetSafety
 
@@ -57,6 +57,7 @@ AFLOAT = 0.5  # m (R7)
 HELD, SLIGHT = 3.0, 1.0  # m of a body that its thrusters hold up; N that may lift too slowly
 DEPTH_MARGIN, DEPTH_ERROR = 1.0, 0.4  # m
 SAMPLES, UNPROVED, TURNED, BLIND = 4.2, 11.0, 3.0, 18.0  # s
+ROUND = 30.0  # s of an ascent's three ways
 WAY, FIX_ERROR, SHARE = 8.0, 15.0, 0.25  # s, m, of the way
 LATE = 1.0  # s
 DOWN = 8.0  # s that a killed program is down at most (deeds)
@@ -87,7 +88,7 @@ def violations(
     elif trial.truth.depth > (AFLOAT if _floats(settings) else HELD):
         says = f"{trial.truth.depth:.1f} m deep at the end, in {trial.state}"
         found.append(Violation(LOST, trial.truth.t, says))
-    elif trial.turning and trial.state != SURFACING and _floats(settings):
+    elif trial.turning and trial.state != SURFACING and not _may_be_held(trial, settings):
         says = f"its thrusters turn at the end, in {trial.state}"
         found.append(Violation(LOST, trial.truth.t, says))
     found += [Violation(IGNORED, i.t, i.says) for i in ignored(trial.events)]
@@ -102,6 +103,12 @@ def _floats(settings: Settings) -> bool:
     """At the end its buoyancy alone brings it up."""
     endless = [f for f in settings.faults if f.name == "heavy" and fault_ends(f) >= FOREVER]
     return settings.body.buoyancy > sum(f.value or 8.0 for f in endless) + SLIGHT
+
+
+def _may_be_held(trial: Trial, settings: Settings) -> bool:
+    """It sank out of surfaced, or so its sensor said: a thruster holds it up (R7, at rest)."""
+    said = any(f.name.startswith("depth_") for f in settings.faults)
+    return trial.state == SURFACED and (said or not _floats(settings))
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,6 +190,10 @@ def _dive(settings: Settings, profile: str, trial: Trial) -> float:
     for fault in settings.faults:
         if fault.name in _OUT_OF_HAND:
             seconds += (fault.duration or 0.0) + UNPROVED
+        if fault.name == "capsized":  # until that is known; with it what is heavy cannot be lifted
+            seconds += ROUND
+        if fault.name in ("capsized", "verticals_dead") and heavy > 0.0:
+            seconds += min(fault.duration or 0.0, 300.0)
     seconds += len(_acts(trial, Act.KILL)) * (DOWN + UNPROVED)
     pulled = zip(_acts(trial, Act.UNPLUG), _acts(trial, Act.PLUG), strict=False)
     seconds += sum(plug - unplug + UNPROVED for unplug, plug in pulled)

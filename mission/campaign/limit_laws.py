@@ -28,7 +28,7 @@ _SPARE = 2  # reports, beside those that the rule asks for
 _DEPTH, _ROLL = 1.0 + 0.5, math.radians(6.0)  # m and rad beyond the bound
 _NEARER, _OFF, _STUCK = 0.3, 2.6, 136.0  # m, m, s: 0.5 m, 2 m and 120 s (R5)
 _UNASKED, _SINKING = 3.0, 0.2  # m and m/s: 2 m and 0.1 m/s (R5)
-_BLIND, _UNDER = 12.0, 1.2  # s and m: 6 s without a depth, under water by more than a swell
+_BLIND, _UNDER = 10.5, 1.0  # s and m: 6 s without a depth, from the next report on
 _TOPSIDE = 1.0  # s
 _LOST = 12  # frames: three commands of three tries, and one that a set replaced
 _LOW, _LOW_TIME = 0.6, 16.0  # V and s: 10 s, and three reports
@@ -36,7 +36,11 @@ _ASTRAY, _GROWN, _STEERED = 40.0, 28.0, 14.0  # deg, deg, s: 30, 20 and 10 (R5)
 _APART, _UNDER_WAY, _DRIFTS = math.radians(75.0), 0.7, 32.0  # rad, m/s, s: 60 deg, 0.4, 20 s
 _SURE = 1.645  # of a normal: 95 %
 _ANSWER = re.compile(rb"@ACK_Z")
-_HEADING_FAULTS = ("heading_", "capsized")
+_NO_COURSE = (
+    *("gps_", "depth_", "heading_absurd", "heading_full", "heading_silent", "heading_frozen"),
+    "heading_inter",
+)
+_SAYS_THE_SAME = ("heading_frozen", "heading_silent", "heading_inter")
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +91,7 @@ def _depth(story: Story, stay: Stay, told: Told) -> bool:
 
 
 def _roll(story: Story, stay: Stay, told: Told) -> bool:
-    return story.roll(told.t) > story.vehicle.limits.roll + _ROLL
+    return story.tilt(told.t) > story.vehicle.limits.roll + _ROLL
 
 
 _BY_REPORT = (
@@ -108,9 +112,9 @@ def _false_alarm(story: Story, stay: Stay) -> Iterator[Violation]:
     odd = [
         f for f in story.faults(("attitude_", "roll_"), 0.0, stay.end) if "full_scale" not in f.name
     ]
-    if "limit roll-over" in names and not odd:
-        if max(story.roll(stay.end - i) for i in range(9)) < story.vehicle.limits.roll - _ROLL:
-            yield Violation(UNANSWERED, stay.end, "a limit of roll that was not passed")
+    worst = max(story.tilt(stay.end - i) for i in range(9))
+    if "limit roll-over" in names and not odd and worst < story.vehicle.limits.roll - _ROLL:
+        yield Violation(UNANSWERED, stay.end, "a limit of roll that was not passed")
 
 
 # --- by the clock --------------------------------------------------------------------------------
@@ -131,11 +135,11 @@ def _unanswered(story: Story, begin: float, end: float) -> Iterator[Violation]:
     answers = [h.t for h in story.heard if _ANSWER.search(h.data)]
     for quiet, until in gaps(answers, begin, end):
         words = [w for w in story.words_in(quiet, until) if w.data.startswith(b"@ZA")]
-        if len(words) > _LOST and until > words[_LOST].t + 1.0:
-            if not story.hindered(quiet, until):
-                says = f"{len(words)} words without an answer, and still autonomous"
-                yield Violation(UNANSWERED, until, says)
-                return
+        lost = len(words) > _LOST and until > words[_LOST].t + 1.0
+        if lost and not story.hindered(quiet, until):
+            says = f"{len(words)} words without an answer, and still autonomous"
+            yield Violation(UNANSWERED, until, says)
+            return
 
 
 def _voltage(story: Story, begin: float, end: float) -> Iterator[Violation]:
@@ -169,10 +173,10 @@ def _blind(story: Story, begin: float, end: float) -> Iterator[Violation]:
         if fault.begin < begin + 10.0:
             continue
         until = min(fault_ends(fault), end, FOREVER)
-        known = fault.begin + 10.0 + _BLIND + (10.0 if frozen else 0.0)
+        known = fault.begin + _BLIND + (10.0 if frozen else 0.0)
         under = min(story.depth(t) for t in (fault.begin - 6.0, fault.begin, known)) > _UNDER
         alone = len(story.faults(("depth_",), fault.begin - 10.0, until)) == 1
-        told = len(story.told_in(fault.begin, known)) > 6
+        told = len(story.told_in(fault.begin, known)) > 3
         if until > known and under and alone and told and not story.hindered(fault.begin, known):
             yield Violation(UNANSWERED, known, "under water without a depth, and still autonomous")
 
@@ -180,12 +184,15 @@ def _blind(story: Story, begin: float, end: float) -> Iterator[Violation]:
 # --- by the set in force -------------------------------------------------------------------------
 
 
+def _is_plain(story: Story, begin: float, end: float, faults: tuple[str, ...]) -> bool:
+    """Nothing excuses."""
+    return not (story.hindered(begin, end) or story.faulty(faults, begin, end))
+
+
 def _sets(story: Story, stay: Stay) -> list[tuple[float, float, Setpoint]]:
     """The sets of a leg, from when to when."""
-    found: list[tuple[float, Setpoint]] = []
-    for step in story.steps:
-        if stay.begin <= step.t < stay.end and (command := _set_of(step)) is not None:
-            found.append((step.t, command))
+    steps = [step for step in story.steps if stay.begin <= step.t < stay.end]
+    found = [(step.t, command) for step in steps if (command := _set_of(step)) is not None]
     ends = [*(t for t, _ in found[1:]), stay.end][: len(found)]
     return [(t, end, command) for (t, command), end in zip(found, ends, strict=True)]
 
@@ -210,17 +217,16 @@ def _no_progress(story: Story, stay: Stay) -> Iterator[Violation]:
             off = abs(story.depth(told.t) - wanted)
             if off <= max(nearest - _NEARER, _OFF):
                 since, nearest = told.t, off
-            if told.t - since > _STUCK and not story.hindered(since, told.t):
-                if not story.faulty(DEPTH_FAULTS, since, told.t):
-                    says = f"no nearer to {wanted:g} m for {told.t - since:.0f} s"
-                    yield Violation(UNANSWERED, told.t, f"{says}, and still in {stay.state}")
-                    return
+            if told.t - since > _STUCK and _is_plain(story, since, told.t, DEPTH_FAULTS):
+                says = f"no nearer to {wanted:g} m for {told.t - since:.0f} s"
+                yield Violation(UNANSWERED, told.t, f"{says}, and still in {stay.state}")
+                return
 
 
 def _unasked_descent(story: Story, stay: Stay) -> Iterator[Violation]:
     if stay.ascends:
         return
-    shallowest, before, seen = math.inf, 0.0, 0
+    shallowest, seen = math.inf, 0
     sets = _sets(story, stay)
     for told in story.told_in(stay.begin, stay.end):
         depth = story.depth(told.t)
@@ -230,11 +236,10 @@ def _unasked_descent(story: Story, stay: Stay) -> Iterator[Violation]:
         shallowest = min(shallowest, depth)
         sinks = depth > shallowest + _UNASKED and story.depth(told.t - 2.0) < depth - 2.0 * _SINKING
         seen = seen + 1 if sinks else 0
-        if seen > 2 + _SPARE and not story.hindered(told.t - 12.0, told.t):
-            if not story.faulty(DEPTH_FAULTS, told.t - 20.0, told.t):
-                says = f"{depth:.1f} m and sinking, which nothing asks for, in {stay.state}"
-                yield Violation(UNANSWERED, told.t, says)
-                return
+        if seen > 2 + _SPARE and _is_plain(story, told.t - 20.0, told.t, DEPTH_FAULTS):
+            says = f"{depth:.1f} m and sinking, which nothing asks for, in {stay.state}"
+            yield Violation(UNANSWERED, told.t, says)
+            return
 
 
 def _asks_down(command: Setpoint, depth: float) -> bool:
@@ -259,13 +264,10 @@ def _heading_astray(story: Story, stay: Stay) -> Iterator[Violation]:
             grown = error - errors[0][1] > _GROWN and error >= last - 4.0
             late = t - errors[0][0] > _STEERED and error > _ASTRAY
             seen = seen + 1 if grown and late else 0
-            if seen > _SPARE + 1 and not story.hindered(t - 10.0, t):
-                if not story.faulty(
-                    ("heading_frozen", "heading_silent", "heading_inter"), begin, t
-                ):
-                    says = f"heading {error:.0f} deg off and growing, and still in {stay.state}"
-                    yield Violation(UNANSWERED, t, says)
-                    return
+            if seen > _SPARE + 1 and _is_plain(story, t - 10.0, t, _SAYS_THE_SAME):
+                says = f"heading {error:.0f} deg off and growing, and still in {stay.state}"
+                yield Violation(UNANSWERED, t, says)
+                return
 
 
 def _without_power(story: Story, stay: Stay) -> Iterator[Violation]:
@@ -331,10 +333,7 @@ def _course_apart(story: Story, stay: Stay) -> Iterator[Violation]:
             since = None
         elif since is None:
             since = told.t
-        elif told.t - since > _DRIFTS and not story.hindered(since - 10.0, told.t):
-            others = ("gps_", "heading_absurd", "heading_full", "heading_silent", "heading_frozen",
-                      "heading_inter", "depth_")  # fmt: skip
-            if not story.faulty(others, since, told.t):
-                says = f"course and heading apart for {told.t - since:.0f} s in {stay.state}"
-                yield Violation(UNANSWERED, told.t, says)
-                return
+        elif told.t - since > _DRIFTS and _is_plain(story, since - 10.0, told.t, _NO_COURSE):
+            says = f"course and heading apart for {told.t - since:.0f} s in {stay.state}"
+            yield Violation(UNANSWERED, told.t, says)
+            return

@@ -48,6 +48,7 @@ from mission.model import (
 )
 from mission.vehicle import Vehicle
 
+SAME = 1e-3  # s
 TRACES = 30.0  # s for which a fault that is over may still be felt
 AGAIN = 1.5  # s from the end of a hindrance until all is as before
 UPWARD_WORDS = (b"@ZAWF$", b"@ZAU12$")
@@ -155,7 +156,8 @@ class Story:
             for found in _REPORT.finditer(heard.data):
                 values = _DATA.unpack(found[1])
                 if all(map(math.isfinite, values[:3])):
-                    yield Report(heard.t, *values[:3], values[4], values[15:20])
+                    roll, pitch, yaw, _, depth = values[:5]
+                    yield Report(heard.t, roll, pitch, yaw, depth, values[15:20])
 
     def _hindrances(self) -> Iterator[tuple[float, float]]:
         pairs = {
@@ -197,10 +199,10 @@ class Story:
         inside = self._depths[math.ceil(max(begin, 0.0)) : int(end) + 1]
         return max([*inside, self.depth(begin), self.depth(end)])
 
-    def roll(self, t: float) -> float:
-        """rad away from upright, by roll or pitch, whichever is more."""
+    def tilt(self, t: float) -> float:
+        """rad away from upright."""
         place = self.trial.track[min(int(t), len(self.trial.track) - 1)]
-        return max(abs(math.remainder(place.roll, math.tau)), abs(place.pitch))
+        return math.acos(math.cos(place.roll) * math.cos(place.pitch))
 
     def told_in(self, begin: float, end: float) -> Sequence[Told]:
         """After ``begin`` and before ``end``."""
@@ -211,11 +213,9 @@ class Story:
         return self.told[low:high]
 
     def words_in(self, begin: float, end: float) -> Sequence[Tx]:
-        """From ``begin`` to ``end``, both with it."""
-        low, high = (
-            bisect.bisect_left(self._word_at, begin),
-            bisect.bisect_right(self._word_at, end),
-        )
+        """From ``begin`` to ``end``, both with it, but for what rounding moves."""
+        low = bisect.bisect_left(self._word_at, begin - SAME)
+        high = bisect.bisect_right(self._word_at, end + SAME)
         return self.words[low:high]
 
     def faults(self, names: Iterable[str], begin: float, end: float) -> list[FaultEvent]:

@@ -32,7 +32,7 @@ from mission.campaign.deeds import MODEM, TOPSIDE, Act
 from mission.campaign.depth_laws import DEPTH_FAULTS
 from mission.campaign.laws import Violation
 from mission.campaign.onboard import DEAD
-from mission.campaign.story import STOP_WORD, UPWARD_WORDS, Report, Stay, Story
+from mission.campaign.story import SAME, STOP_WORD, UPWARD_WORDS, Report, Stay, Story
 from mission.campaign.trial import AUTO_NODE, Said, fault_ends
 from mission.compiler.compiler import compile_mission
 from mission.language import digest, parse, script
@@ -49,7 +49,6 @@ from mission.model import (
 from mission.regions import EMERGENCY, MANUAL
 from mission.vehicle import load_vehicle
 from protocol.messages import Order
-from protocol.topside import TopsideCodec
 from protocol.vehicles.auv import AuvCodec
 
 UNSENT, UNLAWFUL = "unsent", "unlawful"
@@ -151,7 +150,7 @@ def _starts_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _is_left_blind(story: Story, stay: Stay) -> Iterator[Violation]:
-    """Full scale is known to be none at once, frozen by five reports while a thruster turns."""
+    """Frozen is known by five reports while a thruster turns, and so is a heading at full scale."""
     if stay.step is None or not stay.step.actions or stay.ascends:
         return
     command = command_of(stay.step.actions[-1])
@@ -161,13 +160,13 @@ def _is_left_blind(story: Story, stay: Stay) -> Iterator[Violation]:
         if not needed or how not in ("full_scale", "frozen"):
             continue
         begin = max(fault.begin, stay.begin)
-        due = begin + _BLIND + (_FROZEN if how == "frozen" else 0.0)
+        due = begin + _BLIND + _FROZEN
         turned = all(r.turning for r in story.reports if begin - 2.0 <= r.t <= due)
         told = len(story.told_in(begin, due)) >= (due - begin) / 2.0 - 2.0
         alone = len(story.faults((sensor,), begin - 10.0, due)) == 1
-        if min(stay.end, fault_ends(fault)) > due and turned and told and alone:
-            if not story.hindered(begin, due):
-                yield Violation(UNLAWFUL, due, f"{fault.name}, and still in {stay.state}")
+        known = turned and told and alone and not story.hindered(begin, due)
+        if known and min(stay.end, fault_ends(fault)) > due:
+            yield Violation(UNLAWFUL, due, f"{fault.name}, and still in {stay.state}")
 
 
 # --- stops ---------------------------------------------------------------------------------------
@@ -232,7 +231,7 @@ def _begins_again(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
-    """By 6 s of shallow depth, or by a fix, which takes the antenna out of the water for a while."""
+    """By 6 s of shallow depth, or by a fix: its antenna is out of the water for a while."""
     t = stay.begin
     shallow = story.deepest(t - _AFLOAT, t) <= _SHALLOW
     fixed = story.deepest(t - 2.0, t) <= _FIXED
@@ -275,8 +274,9 @@ def _takes_over(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _neutral(frame: bytes) -> bool:
-    heard = TopsideCodec().receive(frame, 0.0)
-    return all(getattr(one, "neutral", False) for one in heard)
+    """Speed or force come first in MS and MP, in all others the last number moves."""
+    numbers = re.findall(rb"-?\d+", frame[3:])
+    return bool(numbers) and int(numbers[0 if frame[2:3] in b"SP" else -1]) == 0
 
 
 def _lets_go(story: Story, stay: Stay) -> Iterator[Violation]:
@@ -288,11 +288,11 @@ def _lets_go(story: Story, stay: Stay) -> Iterator[Violation]:
     if stay.end > due and not story.hindered(last - 0.1, due):
         says = f"{stay.end - last:.1f} s without M, and still in {stay.state}"
         yield Violation(UNLAWFUL, due, says)
-    words = story.words_in(stay.begin, stay.begin + 1.5)
-    if stay.state == MANUAL_WAITING and stay.end > stay.begin + 1.5:
-        if not story.hindered(stay.begin - 0.1, stay.begin + 1.5):
-            if not any(word.data == STOP_WORD for word in words):
-                yield Violation(UNSENT, stay.begin, "the stick is silent, and no X0 has left")
+    due = stay.begin + 1.5
+    if stay.state != MANUAL_WAITING or stay.end < due or story.hindered(stay.begin - 0.1, due):
+        return
+    if not any(word.data == STOP_WORD for word in story.words_in(stay.begin, due)):
+        yield Violation(UNSENT, stay.begin, "the stick is silent, and no X0 has left")
 
 
 # --- operators -----------------------------------------------------------------------------------
@@ -367,7 +367,7 @@ def _heeds_refusals(story: Story) -> Iterator[Violation]:
     for heard in story.heard:
         if not _REFUSED.search(heard.data):
             continue
-        words = story.words_in(heard.t - 1.0, heard.t)
+        words = story.words_in(heard.t - 1.0, heard.t - 0.005)
         stay = story.stay_at(heard.t)
         if (
             len(words) != 1
@@ -379,7 +379,7 @@ def _heeds_refusals(story: Story) -> Iterator[Violation]:
         if (
             words[0].data.startswith(b"@ZA")
             and stay.end > heard.t + 0.5
-            and stay.begin < words[0].t
+            and stay.begin < words[0].t + SAME
         ):
             says = f"{words[0].data!r} was answered N, and still in {stay.state}"
             yield Violation(UNLAWFUL, heard.t, says)
