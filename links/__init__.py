@@ -18,7 +18,10 @@ from urllib.parse import parse_qsl, urlsplit
 
 from links.base import Link, LinkError
 
-__all__ = ["LINKS", "Address", "LinkAddressError", "LinkRow", "open_link", "parse_address"]
+__all__ = ["LINKS", "Address", "LinkAddressError", "LinkRow", "baud_of", "open_link",
+           "parse_address"]  # fmt: skip
+
+SERIAL_BAUD = 9600
 
 
 class LinkAddressError(LinkError):
@@ -98,6 +101,16 @@ def parse_address(url: str) -> Address:
         allowed = ", ".join(row.options) or "none"
         raise LinkAddressError(f"{url}: unknown option {unknown[0]!r}; there are: {allowed}")
     return Address(url, parts.scheme, parts.hostname or "", port, parts.path, options)
+
+
+def baud_of(url: str, otherwise: float) -> float:
+    """Of the line behind a link; ``otherwise`` where its URL does not tell, or is none."""
+    try:
+        address = parse_address(url)
+        default = SERIAL_BAUD if address.scheme == "serial" else otherwise
+        return address.number("baud", default, 1.0, 1e9)
+    except LinkAddressError:
+        return otherwise
 
 
 def open_link(name: str, url: str) -> Link:

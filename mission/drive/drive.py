@@ -26,13 +26,12 @@ from mission import __version__
 from mission.configuration import Configuration
 from mission.drive import records as rec
 from mission.drive.commander import Commander
-from mission.drive.frontseat import GAP_S, Frontseat
 from mission.drive.judge import Judge
 from mission.drive.latch import Latch
+from mission.drive.line import line_to
 from mission.drive.nodes import LINK as NODES
 from mission.drive.nodes import Nodes, with_process
-from mission.drive.paths import path_over
-from mission.drive.repeater import Repeater
+from mission.drive.paths import paths
 from mission.drive.topside import Topside
 from mission.drive.vessel import MissionRefused, Peer
 from mission.drive.wallclock import WallClock
@@ -112,18 +111,13 @@ class Drive:
             vehicle.codec, vehicle.dialect, vehicle.tolerances, vehicle.battery_scale
         )
         self._gps = NmeaDecoder()
-        period: float | None = getattr(self._codec, "period", None)  # boards that answer nothing
-        self._frontseat: Frontseat | Repeater = (
-            Frontseat(self._codec.encode, VEHICLE)
-            if period is None
-            else Repeater(self._codec.encode, period, VEHICLE)
-        )
-        tolerances = Tolerances.parse(configuration.tolerances)
+        links = configuration.links
+        self._frontseat = line_to(self._codec, VEHICLE, links.vehicle)
         self._topside = Topside(
             self,
             self._store,
-            lambda link: path_over(link, tolerances),
-            Nodes(with_process(configuration.links)),
+            paths(Tolerances.parse(configuration.tolerances), links.modem),
+            Nodes(with_process(links)),
             configuration.answer_no,
         )
         self._engine = Engine(vehicle, forgotten_after=configuration.manual_for)
@@ -339,7 +333,7 @@ class Drive:
     @property
     def gap(self) -> float:
         """s that the line needs between two frames; those of a repeater are delimited."""
-        return GAP_S if isinstance(self._frontseat, Frontseat) else 0.0
+        return self._frontseat.gap
 
     @property
     def commander(self) -> Commander:
@@ -368,8 +362,12 @@ class Drive:
     def switch_auto(self, is_open: bool, now: float) -> None:
         self._step(now, (AutoNode(is_open),))
 
-    def relay(self, frame: bytes, reason: str, manual: bool) -> None:
-        self._frontseat.relay(frame, reason, manual)
+    def relay(self, frame: bytes, reason: str, manual: bool) -> str:
+        return self._frontseat.relay(frame, reason, manual)
+
+    @property
+    def cannot_relay(self) -> str:
+        return self._frontseat.cannot_relay
 
     def accept(self, lines: tuple[str, ...], now: float) -> None:
         chart = self.judge(lines)

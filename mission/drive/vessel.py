@@ -53,7 +53,14 @@ class Vessel(Protocol):
 
     def switch_auto(self, is_open: bool, now: float) -> None: ...
 
-    def relay(self, frame: bytes, reason: str, manual: bool) -> None: ...
+    @property
+    def cannot_relay(self) -> str:
+        """Why the vehicle takes no M, R and D at all, "" if it has them (R14)."""
+        ...
+
+    def relay(self, frame: bytes, reason: str, manual: bool) -> str:
+        """Why it will not leave, "" if it will."""
+        ...
 
     def accept(self, lines: tuple[str, ...], now: float) -> None:
         """Compile, check, store and load a mission; raises MissionRefused or StoreError."""

@@ -361,16 +361,17 @@ class Core:
             self.follow(edge, (seen,))
 
     def take_outcome(self, outcome: Outcome) -> None:
-        """What became of a frame: counts, acknowledged stops, refused and lost sets."""
+        """What became of a frame: counts, acknowledged stops, refused, late and lost sets."""
         watch, run = self.watch, self.flying
-        watch.lost = watch.lost + 1 if outcome.result is Result.LOST else 0
+        if outcome.result is not Result.LATE:
+            watch.lost = watch.lost + 1 if outcome.result is Result.LOST else 0
         if outcome.command is Order.STOP and outcome.result is Result.ACCEPTED:
             self.stop_at, self.stopped_at = None, self.now
         if outcome.command != watch.sent or run is None or run.sent is None:
             return
         if outcome.result is Result.ACCEPTED:
             watch.accepted_at = self.now
-        elif outcome.result is Result.REFUSED:
+        elif outcome.result in (Result.REFUSED, Result.LATE):
             run.refused = True
         else:
             self.repeat_set("no answer to one of its frames: the whole set again")

@@ -92,11 +92,13 @@ class Result(enum.Enum):
     ACCEPTED = "accepted"  # ACK Y
     REFUSED = "refused"  # ACK N
     LOST = "lost"  # no answer after all tries (R1)
+    LATE = "late"  # a set of which something has not left in time
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """Reported to the engine for every Z frame, in the order they were sent."""
+    """Reported to the engine for every Z frame, in the order they were sent; a frame that is
+    LATE may be sent yet."""
 
     result: Result
     frame: bytes

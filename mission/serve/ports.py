@@ -16,11 +16,11 @@ import re
 from collections import Counter
 from collections.abc import Callable
 
-from links import LinkAddressError, open_link
+from links import LinkAddressError, baud_of, open_link
 from links.admission import Refusal
 from links.base import Link, LinkError, Rx
 from links.tcp import TcpServer
-from mission.serve.pace import BAUD, Pace, baud_of
+from mission.serve.pace import BAUD, Pace
 
 RETRY_S = 1.0  # real time
 
@@ -110,7 +110,7 @@ class Port:
 
     def keep_gaps(self, gap: float) -> None:
         """Of so many s between any two frames that are sent."""
-        self._pace = Pace(gap, baud_of(self.url))
+        self._pace = Pace(gap, baud_of(self.url, BAUD))
 
     def receive(self, now: float) -> list[Rx]:
         for frame in self._pace.due(now):
