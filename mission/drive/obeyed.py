@@ -13,7 +13,6 @@ What does not live here: envelopes (protocol.modem), frames (protocol.topside).
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Sequence
 from typing import TypeVar
 
@@ -59,7 +58,12 @@ class Obeyed:
         self, found: Sequence[Order], heard: Sequence[object], now: float
     ) -> list[Emergency]:
         """Of those found, what is not among the commands that are heard now."""
-        orders = Counter(item.order for item in heard if isinstance(item, Emergency))
-        missing = list((Counter(found) - orders).elements())
+        known = [item.order for item in heard if isinstance(item, Emergency)]
+        missing = []
+        for order in found:
+            if order in known:
+                known.remove(order)
+            else:
+                missing.append(order)
         self._early += [(order, now) for order in missing]
         return [Emergency(order) for order in missing]
