@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.drive.paths import Path, paths
@@ -93,6 +93,7 @@ def test_a_nested_mission_line_is_no_order() -> None:
     assert commands(path.receive(W, 0.1)) == [SURFACE]
 
 
+@settings(max_examples=100, deadline=None)
 @given(st.binary(max_size=40), st.binary(max_size=40), st.integers(1, 20), st.booleans())
 def test_between_any_bytes_every_order_is_heard_once(before, after, size: int, framed) -> None:
     order = wrap(X, Sender.TOPSIDE) if framed else X

@@ -6,7 +6,7 @@ import re
 from collections import defaultdict
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.drive.relays import INCREMENTS, Relays
@@ -117,6 +117,7 @@ def board(frames: list[bytes]) -> dict[str, object]:
     return dict(state)
 
 
+@settings(max_examples=150, deadline=None)
 @given(st.lists(st.tuples(WORDS, st.integers(0, 2)), max_size=120))
 def test_whatever_comes_however_fast_the_vehicle_ends_as_it_was_told(script) -> None:
     """Between any two words the line may take some. What was not refused ends as if all of it
@@ -133,6 +134,7 @@ def test_whatever_comes_however_fast_the_vehicle_ends_as_it_was_told(script) -> 
     assert sorted(increments) == sorted(f for f in sent if f.startswith((b"@DA", b"@MDA")))
 
 
+@settings(max_examples=150, deadline=None)
 @given(st.lists(st.tuples(WORDS, st.booleans()), min_size=60, max_size=120))
 def test_no_thruster_or_servo_waits_for_ever_however_the_others_are_moved(script) -> None:
     """The line takes every fourth: within as many as can wait, a word for it has left."""

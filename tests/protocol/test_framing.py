@@ -588,7 +588,7 @@ def test_bytes_that_come_before_the_timer_complete_a_frame_however_late() -> Non
     assert isinstance(found, Frame)
 
 
-@settings(max_examples=200)
+@settings(max_examples=200, deadline=None)
 @given(st.lists(st.tuples(st.binary(max_size=6), st.floats(0.0, 0.9)), max_size=60))
 def test_the_timer_always_moves_on(chunks: list[tuple[bytes, float]]) -> None:
     framer, now = link("auv.any").framer(), 0.0
