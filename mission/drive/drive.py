@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from links.base import Rx
 from mission import __version__
@@ -41,7 +41,6 @@ from mission.model import (
     SURFACING,
     AutoNode,
     Chart,
-    Estimate,
     LineOpened,
     Loaded,
     Outcome,
@@ -77,16 +76,6 @@ MOST_ROUNDS = 10  # of outcomes that lead to commands that lead to outcomes, at 
 CLOCK = "clock"  # a Tx to it asks the pump to set the system's clock (R10)
 
 
-class Observer(Protocol):
-    """Who wants to see what was decided as it is decided."""
-
-    def step(self, step: Step) -> None: ...
-
-    def estimate(self, estimate: Estimate) -> None:
-        """One per telemetry."""
-        ...
-
-
 class Drive:
     """``wall`` is the wall clock at the engine's time 0, in s since 1970 UTC."""
 
@@ -98,7 +87,7 @@ class Drive:
         recorder: rec.Recorder | None = None,
         navigation: Navigation | None = None,
         wall: float = 0.0,
-        observer: Observer | None = None,
+        observer: rec.Observer | None = None,
     ) -> None:
         self._configuration, self._vehicle = configuration, vehicle
         self._store = WatchedStore(store, self._failed_write)
@@ -347,6 +336,8 @@ class Drive:
         chart = self._chart if isinstance(command, StartMission) else None
         if chart is not None and (why := self._latch.foresee(chart.initial)):
             return Verdict(False, why)
+        if isinstance(command, ClearMission):
+            self._step(now, ())  # whether it may be cleared is asked of this instant
         clears = isinstance(command, ClearMission) and self._engine.may_clear
         if clears:  # durable before it is done, or nothing is
             try:
@@ -361,6 +352,9 @@ class Drive:
 
     def switch_auto(self, is_open: bool, now: float) -> None:
         self._step(now, (AutoNode(is_open),))
+
+    def hear_stick(self, now: float) -> None:
+        self._engine.hear_stick(now)
 
     def relay(self, frame: bytes, reason: str, manual: bool) -> str:
         return self._frontseat.relay(frame, reason, manual)

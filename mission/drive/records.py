@@ -59,6 +59,16 @@ class Recorder(Protocol):
     def record(self, record: Record) -> None: ...
 
 
+class Observer(Protocol):
+    """Who wants to see what was decided as it is decided."""
+
+    def step(self, step: Step) -> None: ...
+
+    def estimate(self, estimate: Estimate) -> None:
+        """One per telemetry."""
+        ...
+
+
 class ListRecorder:
     """All records in memory."""
 

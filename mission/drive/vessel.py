@@ -53,6 +53,10 @@ class Vessel(Protocol):
 
     def switch_auto(self, is_open: bool, now: float) -> None: ...
 
+    def hear_stick(self, now: float) -> None:
+        """An M that was refused: a stick is held somewhere (R6)."""
+        ...
+
     @property
     def cannot_relay(self) -> str:
         """Why the vehicle takes no M, R and D at all, "" if it has them (R14)."""

@@ -27,8 +27,9 @@ from typing import Any
 from links import LinkAddressError
 from links.base import Rx
 from mission.configuration import Configuration
-from mission.drive.drive import CLOCK, Drive, Observer
+from mission.drive.drive import CLOCK, Drive
 from mission.drive.nodes import LINK as NODES
+from mission.drive.records import Observer
 from mission.drive.vessel import Peer
 from mission.model import AUTONOMOUS, Tx
 from mission.serve import health

@@ -28,6 +28,7 @@ class FakeVessel:
     relayed: list[bytes] = field(default_factory=list)
     accepted: list[tuple[str, ...]] = field(default_factory=list)
     auto: list[bool] = field(default_factory=list)
+    sticks: list[float] = field(default_factory=list)  # that were refused
     clock: str = ""
     refuses: str = ""  # what decide says
     refuses_mission: str = ""
@@ -46,6 +47,9 @@ class FakeVessel:
 
     def switch_auto(self, is_open: bool, now: float) -> None:
         self.auto.append(is_open)
+
+    def hear_stick(self, now: float) -> None:
+        self.sticks.append(now)
 
     def relay(self, frame: bytes, reason: str, manual: bool) -> str:
         if self.refuses_relay:
