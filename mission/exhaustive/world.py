@@ -96,7 +96,10 @@ class World:
 
     def say_below(self, frame: bytes) -> None:
         """Over the acoustic modem, in its envelope."""
-        data = wrap(frame, Sender.TOPSIDE)
+        self.hear_modem(wrap(frame, Sender.TOPSIDE))
+
+    def hear_modem(self, data: bytes) -> None:
+        """Whatever comes from there."""
         self._take(self.drive.receive(Rx(self.now, MODEM, data, "")))
 
     def hear(self, data: bytes) -> None:
