@@ -2,30 +2,29 @@
 
     accepted less than 2 min ago, that or this by modem    -->  a copy
     refused less than 2 min ago, and this by modem         -->  a copy
-    @AA, accepted less than 5 s ago, both by the network   -->  a copy
     a copy:  it is in force still   -->  answered as done, not executed
              it is not              -->  refused: who said it meant what was then
 
 Bytes do not tell a copy from a new wish. Who means it says it by the network, and once more 5 s
 after that was refused (one who asks by the network asks for 3 s alone); or waits until the 2 min
 are over; or says something else. A refused @AC and a refused line of a mission may be said again
-at once, which is their rule (R7, R3). X, W and M are never copies.
+at once, which is their rule (R7, R3). X, W and M are never copies, nor is @ST, which is refused by
+modem. By the network alone nothing is: a connection keeps its order, and asks one thing at a time.
 
 What does not live here: what is in force (topside), who may command (commander).
 """
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 
 from mission.drive.vessel import MODEM, Peer
 from mission.model import Verdict
-from protocol.messages import ClearMission, Command, MissionLine, Relay, StartMission
+from protocol.messages import ClearMission, Command, MissionLine, Relay, SetTime
 
 LATE_S = 120.0  # a copy may come so much later
-SAME_COMMAND_S = 5.0  # by the network
+TWICE_S = 5.0  # an increment by both paths
 AGAIN_S = 5.0  # after a refusal: longer than the tries of one command last
 REMEMBERED = 20_000  # commands: two of the longest uploads
 
@@ -44,15 +43,15 @@ class Copies:
     def __init__(self, in_force: Callable[[Command], bool | None]) -> None:
         """``in_force``: None where nothing but the newest command of its kind tells."""
         self._in_force = in_force
-        self._said: OrderedDict[Command, _Said] = OrderedDict()  # the newest last
+        self._said: dict[Command, _Said] = {}  # the newest last
 
     def note(self, peer: Peer, command: Command, accepted: bool, now: float) -> None:
         """It was executed, or refused."""
         kept = self._said
+        kept.pop(command, None)
         kept[command] = _Said(peer, now, accepted)
-        kept.move_to_end(command)
-        while len(kept) > REMEMBERED or now - next(iter(kept.values())).t >= LATE_S:
-            kept.popitem(last=False)
+        while now - kept[oldest := next(iter(kept))].t >= LATE_S or len(kept) > REMEMBERED:
+            del kept[oldest]
 
     def age(self, command: Command, now: float) -> float:
         """s since it was said. KeyError if it was not."""
@@ -65,7 +64,7 @@ class Copies:
             return None
         in_force = self._in_force(command)
         if in_force is None:
-            lasts = not _adds(command) or now - said.t < SAME_COMMAND_S
+            lasts = not _adds(command) or now - said.t < TWICE_S
             in_force = lasts and self._is_newest(command)
         if in_force:
             return Verdict(True, "accepted before")
@@ -93,11 +92,10 @@ def _adds(command: Command) -> bool:
 
 
 def _may_be_copy(said: _Said, peer: Peer, command: Command, now: float) -> bool:
-    age = now - said.t
-    if MODEM not in (peer.link, said.peer.link):
-        return isinstance(command, StartMission) and said.accepted and age < SAME_COMMAND_S
+    if MODEM not in (peer.link, said.peer.link) or isinstance(command, SetTime):
+        return False
     if isinstance(command, MissionLine) and peer.link != MODEM:
         return False
     if not said.accepted and (peer.link != MODEM or isinstance(command, _REPEATED)):
         return False
-    return age < LATE_S
+    return now - said.t < LATE_S

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from topside_world import BOAT, LINES, OTHER, WATER, Pi, opened
+from topside_world import BOAT, LINES, WATER, Pi, opened
 
-from mission.drive.copies import AGAIN_S, LATE_S, SAME_COMMAND_S
+from mission.drive.copies import AGAIN_S, LATE_S
 from protocol.messages import (
     ClearMission,
     Emergency,
@@ -162,13 +162,16 @@ def test_an_increment_by_both_paths_is_passed_on_once(pi: Pi, late: float) -> No
     assert pi.vessel.relayed == [b"@DA1,-2$"] * 2
 
 
-@pytest.mark.parametrize("peer", [BOAT, OTHER])
-def test_a_start_said_again_by_the_network_is_meant_unless_it_is_a_retry(pi: Pi, peer) -> None:
-    pi.hear(StartMission(), 0.0, BOAT)
-    pi.vessel.state = "idle/ready"
-    assert pi.hear(StartMission(), SAME_COMMAND_S - 0.1, peer) == [b"@ACK_AAN$"]
-    pi.topside.disconnected(BOAT)
-    assert pi.hear(StartMission(), SAME_COMMAND_S + 0.1, peer) == [b"@ACK_AAA$"]
+def test_by_the_network_alone_everything_is_meant(pi: Pi) -> None:
+    """A mission that was over at once, a limit to and fro: one connection keeps its order."""
+    for now in (0.0, 1.0, 2.0):
+        pi.vessel.state = "idle/ready"
+        assert pi.hear(StartMission(), now, BOAT) == [b"@ACK_AAA$"]
+    for now in (3.0, 3.1):
+        assert pi.hear(WIDE, now, BOAT) == [b"@ACK_SPP$"]
+        assert pi.hear(NARROW, now, BOAT) == [b"@ACK_SPP$"]
+    assert pi.vessel.store.content.limits.depth == 5.0
+    assert len(pi.vessel.decided) == 7
 
 
 def test_by_the_network_a_copy_of_the_modems_is_refused_and_obeyed_when_said_again(pi: Pi) -> None:
