@@ -12,11 +12,13 @@ from click.testing import CliRunner
 
 from links.base import Rx
 from mission.cli import main
-from mission.drive import topside
 from mission.drive.commander import Commander
+from mission.drive.copies import Copies
 from mission.drive.drive import Drive
 from mission.drive.frontseat import Frontseat
+from mission.drive.obeyed import Obeyed
 from mission.drive.staging import Staging
+from mission.drive.uploads import Uploads
 from mission.engine import core, orders, run, senses
 from mission.engine.ascent import UPWARD, Ascent
 from mission.engine.watch import Watch
@@ -28,7 +30,7 @@ from mission.exhaustive.events import EVENTS
 from mission.exhaustive.fork import Fork
 from mission.exhaustive.run import ALL_LAWS, Found, examine_ground, unasked
 from mission.exhaustive.world import World
-from mission.model import AUTONOMOUS, STOPPED, Action, Verdict
+from mission.model import AUTONOMOUS, STOPPED, Action, Tx, Verdict
 from mission.navigation.health import SensorHealth, _Monitor
 from mission.vehicle import Vehicle, missions_folder
 from protocol.messages import Order, SetSafety
@@ -175,7 +177,7 @@ def _half_a_set(patch: pytest.MonkeyPatch) -> None:
 
 
 def _lines_always(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(topside.Topside, "_is_idle", property(lambda self: True))
+    patch.setattr(Uploads, "is_idle", property(lambda self: True))
 
 
 def _others_command(patch: pytest.MonkeyPatch) -> None:
@@ -227,6 +229,25 @@ def _x_comes_last(patch: pytest.MonkeyPatch) -> None:
         return outcome
 
     patch.setattr(Frontseat, "command", keeps)
+
+
+def _relays_first(patch: pytest.MonkeyPatch) -> None:
+    following = Frontseat._next
+
+    def polite(self: Frontseat, now: float) -> list[Tx]:
+        if self._relays and not self._urgent:
+            return [self._transmit(*self._relays.take(), now)]
+        return following(self, now)
+
+    patch.setattr(Frontseat, "_next", polite)
+
+
+def _copies_are_meant(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Copies, "judge", lambda *_: None)
+
+
+def _orders_in_contents_alone(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Obeyed, "found", lambda self, data: [])
 
 
 def _surface_by_faith(patch: pytest.MonkeyPatch) -> None:
@@ -370,6 +391,9 @@ BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_refusal_ignored, "autonomous/dive , Z outstanding", "a refused Z leads to the leg's else"),
     (_x_comes_last, OUTSTANDING, "in stopped nothing leaves but X0 and relays"),
     (_x_comes_last, OUTSTANDING, "in surfacing nothing leaves but W, X0, U12 and relays"),
+    (_relays_first, "surfacing", "both halves of an ascent leave under a slider"),
+    (_copies_are_meant, "ready", "a late copy does nothing that is not in force"),
+    (_orders_in_contents_alone, "ready", "W acts from everywhere within the step"),
     (_thrust_at_the_surface, "surfacing", "in surfaced nothing leaves but X0 and relays"),
     (_surface_by_faith, "surfacing", "at the surface is who is there"),
     (_gives_up, "surfacing", "an ascent tries both ways and never gives up"),
