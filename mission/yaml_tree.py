@@ -20,7 +20,6 @@ from yaml.events import (
     CollectionEndEvent,
     DocumentStartEvent,
     MappingStartEvent,
-    NodeEvent,
     ScalarEvent,
     SequenceStartEvent,
 )
@@ -74,7 +73,7 @@ class _Tree:
         elif isinstance(event, DocumentStartEvent) and self.root is not None:
             raise _fault(event, "but found another document")
 
-    def _scalar(self, event: ScalarEvent) -> Node:
+    def _scalar(self, event: Any) -> Node:
         tag = event.tag
         if tag is None or tag == "!":
             tag = self.resolve(ScalarNode, event.value, event.implicit)
@@ -100,7 +99,7 @@ class _Tree:
             raise _fault(event, "an alias holds itself", "too-deep")
         return _Branch(branch.node, None, branch.size, branch.height)
 
-    def _add(self, branch: _Branch, event: NodeEvent) -> None:
+    def _add(self, branch: _Branch, event: Any) -> None:
         """A node that is whole, to the one it stands in."""
         if branch.anchor is not None:
             self.anchors[branch.anchor] = branch
