@@ -170,8 +170,7 @@ def read_vehicle(text: str, where: str) -> Vehicle:
     try:
         root = tree(text)
     except YamlFault as fault:
-        place = f"{where}:{fault.line}:{fault.column}"
-        raise VehicleError(f"{place}: cannot be read: {fault.message}") from None
+        raise VehicleError(f"{where}:{fault}") from None
     if not isinstance(root, MappingNode):
         raise VehicleError(f"{where}: a vehicle file is a table of keys")
     file = _File(where, root)
