@@ -33,7 +33,7 @@ DEEPEST_GROUP = Extent(16, "groups in each other")
 DEEPEST_GUARD = Extent(20, "nots and parentheses in each other")
 NAME = Extent(40, "characters in a name")
 PLACES = Extent(500, "places in a follow")
-HANDLERS = Extent(200, "handlers in a mission")
+HANDLERS = Extent(64, "handlers in a mission")
 WATCHED = Extent(200, "comparisons watched in a leg: its own, and those of the handlers around it")
 PROBLEMS = Extent(100, "errors told at once")
 

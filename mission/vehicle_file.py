@@ -227,7 +227,8 @@ class _File:
         node = self._leaves.get(key)
         if node is not None:
             return self._value(key, RANGES[key], node)
-        self._good[key] = default
+        if key in _MAY_LACK:
+            self._good[key] = default
         return default
 
     def curve(self, table: str) -> Curve:
