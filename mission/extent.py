@@ -35,6 +35,7 @@ NAME = Extent(40, "characters in a name")
 PLACES = Extent(500, "places in a follow")
 HANDLERS = Extent(64, "handlers in a mission")
 WATCHED = Extent(200, "comparisons watched in a leg: its own, and those of the handlers around it")
+PICTURE = Extent(1_000, "legs and groups in a graph")
 PROBLEMS = Extent(100, "errors told at once")
 
 EXTENTS = (
@@ -51,5 +52,6 @@ EXTENTS = (
     PLACES,
     HANDLERS,
     WATCHED,
+    PICTURE,
     PROBLEMS,
 )
