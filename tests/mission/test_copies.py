@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from topside_world import BOAT, LINES, WATER, Pi, opened
+from topside_world import BOAT, LINES, OTHER, WATER, Pi, opened
 
-from mission.drive.copies import AGAIN_S, LATE_S
+from mission.drive.copies import AGAIN_S, LATE_S, REMEMBERED, Copies
 from protocol.messages import (
     ClearMission,
     Emergency,
@@ -208,3 +208,68 @@ def test_x_and_w_are_obeyed_however_late_and_often_they_come(pi: Pi, order: Orde
         pi.hear(Emergency(order), now, WATER)
         pi.hear(Emergency(order), now + 0.01, BOAT)
     assert pi.vessel.decided == [Emergency(order)] * 8
+
+
+def test_an_increment_by_the_network_behind_the_modems_is_doubted_once(pi: Pi) -> None:
+    step = b"@DA1,-2$"
+    pi.hear(step, 100.0, WATER)
+    pi.hear(step, 104.9, BOAT)  # by both paths
+    assert pi.vessel.relayed == [step]
+    pi.hear(b"@AQ$", 105.0, BOAT)
+    assert b"say it again in 5 s" not in pi.hear(b"@AQ$", 105.0, BOAT)[0]
+    pi.hear(step, 105.0, BOAT)
+    assert pi.vessel.relayed == [step]
+    assert b"say it again in 5 s" in pi.hear(b"@AQ$", 106.0, BOAT)[0]
+    for now in (111.0, 111.1, 111.2):
+        pi.hear(step, now, BOAT)
+    assert pi.vessel.relayed == [step] * 4
+
+
+def test_only_another_switch_of_power_undoes_one(pi: Pi) -> None:
+    switch = b"@RSOOOOOOO$"
+    for now, other in ((0.0, switch), (1.0, b"@RI$"), (2.0, b"@DS1,5$"), (3.0, b"@NI$")):
+        pi.hear(other, now, BOAT)
+    pi.hear(switch, 22.0, WATER)
+    assert pi.vessel.relayed == [switch, b"@RI$", b"@DS1,5$", switch]
+
+
+def test_a_refused_switch_of_power_undoes_none(pi: Pi) -> None:
+    old, new = b"@RSOOOOOOO$", b"@RSOOOOOOC$"
+    pi.hear(old, 0.0, BOAT)
+    pi.hear(new, 1.0, OTHER)  # who does not command
+    pi.hear(old, 22.0, WATER)
+    assert pi.vessel.relayed == [old, old]
+
+
+def test_a_mission_may_be_sent_by_the_network_that_was_sent_by_modem_before(pi: Pi) -> None:
+    other = ("mission other vehicle auv", "ZAF1", "wait 1s")
+    for number, line in enumerate(LINES, 1):
+        assert by_modem(pi, MissionLine(3, number, line), 100.0 + number) == b"@ACK_AWW$"
+    assert pi.upload(other, 120.0) == [b"@ACK_AWW$"] * 3
+    assert pi.upload(LINES, 121.0) == [b"@ACK_AWW$"] * 3
+    assert pi.vessel.accepted == [LINES, other, LINES]
+
+
+@pytest.mark.parametrize("begin", [100.0, 1e6])
+def test_two_minutes_are_counted_from_when_it_was_said(pi: Pi, begin: float) -> None:
+    pi.hear(WIDE, begin, BOAT)
+    pi.hear(NARROW, begin + 1.0, BOAT)
+    pi.hear(b"@DU$", begin + 119.0, BOAT)
+    assert by_modem(pi, WIDE, begin + 119.0) == b"@ACK_SPN$"
+    pi.topside.disconnected(BOAT)
+    assert by_modem(pi, WIDE, begin + LATE_S) == b"@ACK_SPP$"
+
+
+def test_what_was_said_anew_is_remembered_anew(pi: Pi) -> None:
+    for now in (0.0, 100.0):
+        pi.hear(WIDE, now, BOAT)
+        pi.hear(NARROW, now + 1.0, BOAT)
+    assert by_modem(pi, WIDE, 150.0) == b"@ACK_SPN$"
+
+
+def test_more_than_is_remembered_drops_the_oldest_alone() -> None:
+    copies = Copies(lambda command: False)
+    for depth in range(REMEMBERED + 1):
+        copies.note(BOAT, SetSafety(depth=float(depth)), True, 0.0)
+    assert copies.judge(WATER, SetSafety(depth=0.0), 1.0) is None
+    assert copies.judge(WATER, SetSafety(depth=1.0), 1.0) is not None

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mission.drive.obeyed import LATE_S
 from mission.drive.paths import Path, paths
 from mission.drive.vessel import MODEM
 from protocol.messages import ClearMission, DataQuery, Emergency, Order, StartMission
@@ -82,6 +83,21 @@ def test_an_order_said_again_is_obeyed_again() -> None:
         heard += commands(path.receive(X, now + 0.02))  # bare, which no content will hold
         heard += commands(path.receive(raw, now + 0.03))
     assert heard == [STOP] * 9
+
+
+def test_an_order_within_a_content_and_one_beside_it_are_two() -> None:
+    raw = wrap(encode(DataQuery()) + X, Sender.TOPSIDE)
+    assert commands(modem().receive(raw + X, 0.0)) == [STOP, DataQuery(), STOP]
+
+
+def test_what_an_order_overtook_is_overtaken_in_its_own_content_alone() -> None:
+    raw = wrap(encode(DataQuery()) + X, Sender.TOPSIDE)
+    path = modem()
+    assert commands(path.receive(raw[:-1], 0.0)) == [STOP]
+    assert commands(path.receive(raw[-1:], 0.01)) == []
+    assert commands(path.receive(raw, 0.02)) == [DataQuery(), STOP]
+    assert commands(path.receive(X, 1.0)) == [STOP]  # bare: no content will come
+    assert commands(path.receive(raw, 1.0 + LATE_S)) == [DataQuery(), STOP]
 
 
 def test_a_nested_mission_line_is_no_order() -> None:

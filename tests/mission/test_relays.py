@@ -71,6 +71,9 @@ def test_more_increments_than_the_line_takes_soon_are_refused_and_no_other_word_
     assert "set the angle" in told[-1]
     relays.take()
     assert add(relays, b"@DA1,1$") == [""]
+    relays.clear()
+    assert len(relays) == 0
+    assert INCREMENTS * (len(b"@MDA3,-37$") * 10 / 9600 + 0.02) < 0.3  # s: what a stick waits
 
 
 def test_the_stick_goes_before_rudders_and_power() -> None:
