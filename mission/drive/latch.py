@@ -39,11 +39,13 @@ class Latch:
         self._keep(now)
 
     def follow(self, under_way: str, now: float) -> None:
-        """After every step."""
+        """After every step; each state of an emergency is worth a write, for a restart leads back
+        to its end."""
         if under_way == self._is:
             return
         self._is = under_way
-        if _region(under_way) == _region(self._kept):
+        ended = under_way.startswith("emergency")
+        if _region(under_way) == _region(self._kept) and not ended:
             self._follow_leg(now)
             return
         self._kept = under_way
