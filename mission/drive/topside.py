@@ -25,6 +25,7 @@ from mission.drive.copies import Copies
 from mission.drive.nodes import LINK as NODES
 from mission.drive.nodes import NAMES, OPEN, Nodes
 from mission.drive.paths import Heard, Path, Unfit
+from mission.drive.refusals import Refusals
 from mission.drive.uploads import Uploads
 from mission.drive.vessel import MODEM, Answer, Peer, Vessel, one_line
 from mission.model import AUTONOMOUS, Outcome, Result, Tx, Verdict
@@ -75,7 +76,7 @@ class Topside:
         self._copies = Copies(self._in_force)
         self._awaited = Awaited()
         self._switching: tuple[list[Peer], NodeSwitch] | None = None
-        self._refusal = ""
+        self._refusals = Refusals()
         self._told = -math.inf  # when a refused relay was
         self._out: list[Tx] = []
         self._faults: list[tuple[Peer, FrameFault]] = []
@@ -165,7 +166,7 @@ class Topside:
 
     def _refuse_unfit(self, peer: Peer, unfit: Unfit, now: float) -> None:
         self._faults.append((peer, unfit.fault))
-        self._refusal = f"{unfit.code}: {unfit.fault.kind}"
+        self._refusals.note(unfit.code, unfit.fault.kind, now)
         if self._answer_no:
             self._send(peer, answer(unfit.code, False, now), now, unfit.fault.kind)
 
@@ -196,7 +197,8 @@ class Topside:
             return self._vessel.status(now)
         if isinstance(command, NodeQuery):
             return Ack(now, "N", "I", self._nodes.mask)
-        return self._uploads.report(self._refusal, now)
+        refusal = self._refusals.told(now, self._vessel.doubted_at)
+        return self._uploads.report(refusal, now)
 
     def _execute(self, peer: Peer, command: Command, now: float) -> Verdict | None:
         """The verdict, or None if it is not known yet."""
@@ -204,7 +206,8 @@ class Topside:
             return self._switch(peer, command, now)
         if isinstance(command, MissionLine):
             verdict, stored = self._uploads.take(command, now)
-            self._refusal = "" if stored else self._refusal
+            if stored:
+                self._refusals.end()
             return verdict
         if isinstance(command, SetTime):
             return self._set_time(peer, command, now)
@@ -231,8 +234,10 @@ class Topside:
         self._answer(peer, command, verdict, now)
 
     def _answer(self, peer: Peer, command: Command, verdict: Verdict, now: float) -> None:
-        if not verdict.accepted:
-            self._refusal = one_line(f"{_NAMES[type(command)]}: {verdict.why}")
+        if verdict.accepted:
+            self._refusals.accepted(_NAMES[type(command)])
+        else:
+            self._refusals.note(_NAMES[type(command)], verdict.why, now)
         ack = _acknowledge(command, verdict.accepted, now)
         if ack is not None and (verdict.accepted or self._answer_no):
             self._send(peer, ack, now, verdict.why or "accepted")

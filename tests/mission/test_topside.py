@@ -105,6 +105,16 @@ def test_no_is_silent_for_a_topside_that_cannot_bear_it() -> None:
     assert pi.hear(StartMission()) == []
 
 
+def test_an_old_refusal_is_told_with_its_age_and_ends_with_what_is_accepted(pi: Pi) -> None:
+    pi.vessel.refuses = "no mission is stored"
+    pi.hear(StartMission())
+    assert b",AA: no mission is stored,$" in pi.hear(StoreQuery())[0]
+    assert b",AA: no mission is stored; 10 min ago,$" in pi.hear(StoreQuery(), 600.0)[0]
+    pi.vessel.refuses = ""
+    pi.hear(StartMission(), 600.0)
+    assert b",,$" in pi.hear(StoreQuery(), 600.0)[0]
+
+
 def test_a_refusal_in_the_report_has_no_comma_and_at_most_200_characters(pi: Pi) -> None:
     pi.vessel.refuses = "no, never: " + "\u00e9" * 3 + "x" * 300
     pi.hear(StartMission())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 from mission.drive.nodes import Nodes
@@ -24,6 +25,7 @@ GOOD, BAD = b"@ACK_%b$", b"@ACK_%bN$"
 class FakeVessel:
     state: str = "idle/empty"
     digest: str = ""
+    doubted_at: float = -math.inf
     decided: list[Command] = field(default_factory=list)
     relayed: list[bytes] = field(default_factory=list)
     accepted: list[tuple[str, ...]] = field(default_factory=list)
