@@ -76,6 +76,14 @@ REGION_EDGES = (
     RegionEdge("limit", IDLE, SURFACING, "hard depth, unexplained descent"),
     RegionEdge("limit", AUTONOMOUS, SURFACING, "any limit"),
     RegionEdge("restart", IDLE, SURFACING, "the program restarted during a mission or emergency"),
+    RegionEdge("restart", IDLE, STOPPED, "in emergency/stopped, or nobody knows in what"),
+    RegionEdge("restart", IDLE, SURFACED, "in emergency/surfaced"),
+    RegionEdge("restart", STOPPED, SURFACING, "nobody knows in what, and it is deep"),
+    RegionEdge("end", AUTONOMOUS, SURFACING, "the program is to end"),
+    RegionEdge("end", AUTONOMOUS, SURFACED, "the program is to end, at a proved surface"),
+    RegionEdge("end", MANUAL, SURFACING, "the program is to end, the stick is silent"),
+    RegionEdge("end", MANUAL, SURFACED, "the same, at a proved surface"),
+    RegionEdge("end", SURFACED, SURFACING, "the program has to end, and it has sunk again"),
     RegionEdge("surfaced", SURFACING, SURFACED, "the surface is reached"),
 )
 # fmt: on

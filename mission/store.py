@@ -26,9 +26,9 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
+from mission.model import UNKNOWN
 from protocol.messages import SetSafety
 
-UNKNOWN = "something that a damaged file does not tell"
 NO_LIMITS = SetSafety()
 _V = TypeVar("_V")
 

@@ -39,14 +39,17 @@ def serve(
 ) -> None:
     """Receive missions, fly them, answer the boat: the program that runs on the Pi.
 
-    Ends with SIGINT or SIGTERM. Links given here overrule the configuration's.
+    Ends with SIGINT or SIGTERM: with the vehicle under way it brings it up first, and ends at once
+    if told again. Links given here overrule the configuration's.
     """
     import json
+    import os
     import time
 
     from links.base import LinkError
     from mission.configuration import ConfigurationError, load_configuration
     from mission.serve.journal import printed
+    from mission.serve.leaving import time_to_leave
     from mission.serve.only import AnotherServe, only_one
     from mission.serve.printer import Printer
     from mission.serve.serve import Server, run
@@ -85,6 +88,7 @@ def serve(
         ready,
         speed,
         observer,
+        time_to_leave(os.environ),
     )
     try:
         with only_one(configuration.folder):

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from links.base import Rx
 from mission import __version__
@@ -42,7 +42,7 @@ from mission.model import (
     SURFACING,
     AutoNode,
     Chart,
-    Estimate,
+    Ending,
     LineOpened,
     Loaded,
     Outcome,
@@ -78,16 +78,6 @@ MOST_ROUNDS = 10  # of outcomes that lead to commands that lead to outcomes, at 
 CLOCK = "clock"  # a Tx to it asks the pump to set the system's clock (R10)
 
 
-class Observer(Protocol):
-    """Who wants to see what was decided as it is decided."""
-
-    def step(self, step: Step) -> None: ...
-
-    def estimate(self, estimate: Estimate) -> None:
-        """One per telemetry."""
-        ...
-
-
 class Drive:
     """``wall`` is the wall clock at the engine's time 0, in s since 1970 UTC."""
 
@@ -99,7 +89,7 @@ class Drive:
         recorder: rec.Recorder | None = None,
         navigation: Navigation | None = None,
         wall: float = 0.0,
-        observer: Observer | None = None,
+        observer: rec.Observer | None = None,
     ) -> None:
         self._configuration, self._vehicle = configuration, vehicle
         self._store = WatchedStore(store, self._failed_write)
@@ -186,6 +176,18 @@ class Drive:
         if _is_due(self._engine.next_timer(), now):
             self._step(now, ())
         return self._leave(now)
+
+    def end(self, now: float, *, at_once: bool = False) -> list[Tx]:
+        """The program is to end: when the engine is settled, or ``at_once`` with its last words."""
+        self._now = now = max(self._now, now)
+        self._record(rec.input_record, now, rec.ENDING, *([rec.AT_ONCE] if at_once else []))
+        self._step(now, (Ending(at_once),))
+        return self._leave(now)
+
+    @property
+    def said_all(self) -> bool:
+        """Nothing waits to be sent to the vehicle, or for its answer."""
+        return self._frontseat.next_timer() is None
 
     def next_timer(self) -> float | None:
         first = self._latch.next_timer()
@@ -321,11 +323,6 @@ class Drive:
             self._owes_report = False
             self._topside.report_unasked(now, "at the surface")
 
-    # --- durable --------------------------------------------------------------------------------
-
-    def _failed_write(self, number: int, why: str) -> None:
-        self._record(rec.input_record, self._now, rec.STORE, str(number), why)
-
     # --- what Topside asks (Vessel) ---------------------------------------------------------------
 
     @property
@@ -390,6 +387,9 @@ class Drive:
         self._step(now, (Loaded(chart),))
 
     # --- record -----------------------------------------------------------------------------------
+
+    def _failed_write(self, number: int, why: str) -> None:
+        self._record(rec.input_record, self._now, rec.STORE, str(number), why)
 
     def _record(self, make: Callable[..., Record], *values: object) -> None:
         if self._recorder is not None:

@@ -10,7 +10,9 @@ What does not live here: files (store), what a restart does (engine).
 
 from __future__ import annotations
 
-from mission.engine.engine import STICK, UNANSWERED
+from mission.engine.engine import UNANSWERED
+from mission.engine.restart import STICK
+from mission.regions import EMERGENCY
 from mission.store import Store, StoreError
 
 AGAIN_S = 5.0  # until what could not be written is tried again
@@ -29,12 +31,12 @@ class Latch:
             self._keep(now)
 
     def follow(self, under_way: str, now: float) -> None:
-        """After every step; only another region is worth a write."""
+        """After every step; another leg is not worth a write."""
         kept = self._kept
         if under_way == kept or _region(under_way) == _region(kept):
             return
         self._kept = under_way
-        if under_way == STICK or under_way.startswith("emergency"):
+        if under_way == STICK or under_way.startswith(EMERGENCY):
             self._due = now
         else:
             self._keep(now)
@@ -60,4 +62,6 @@ class Latch:
 
 
 def _region(path: str) -> str:
-    return path.partition("/")[0]
+    """A restart leaves what is stopped or surfaced as it is, and no other emergency."""
+    region = path.partition("/")[0]
+    return path if region == EMERGENCY else region

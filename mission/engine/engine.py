@@ -18,8 +18,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from mission.engine import ending
 from mission.engine.core import Core
 from mission.engine.orders import ORDERS, STICK_QUIET, may_clear
+from mission.engine.restart import STICK, begin_again, doubt
 from mission.engine.senses import Navigator
 from mission.engine.words import event_of, short
 from mission.envelope import Bounds, Limit, Response
@@ -27,10 +29,12 @@ from mission.machine import Machine
 from mission.model import (
     AUTONOMOUS,
     MANUAL_DRIVING,
+    UNKNOWN,
     Action,
     AutoNode,
     By,
     Chart,
+    Ending,
     Estimate,
     LineOpened,
     Loaded,
@@ -53,10 +57,9 @@ from protocol.messages import (
 
 MICROSTEPS = 200
 FORGOTTEN = 60.0  # s without M (R6)
-STICK = "the stick, without a mission"  # under way in manual: a restart stops, and is idle
 UNANSWERED = "a stop without its acknowledgement"  # under way in idle: thrusters may still turn
 
-Input = Telemetry | Fix | Outcome | Loaded | AutoNode | LineOpened | Restarted | Command
+Input = Telemetry | Fix | Outcome | Loaded | AutoNode | LineOpened | Restarted | Ending | Command
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +122,10 @@ class Engine:
         self._guard_limits(reported, fixed)
         self._run_mission()
         self._mind_stick()
+        if reported:
+            doubt(core)
+        if core.ending:
+            ending.go_on(core)
         core.climb()
         core.fly_on()
         if reported:
@@ -169,7 +176,9 @@ class Engine:
             elif isinstance(one, LineOpened):
                 core.doubt_line()
             elif isinstance(one, Restarted):
-                self._restarted(one)
+                begin_again(core, one)
+            elif isinstance(one, Ending):
+                self._end(one)
             elif i not in given and not isinstance(one, Telemetry | Fix | Outcome):
                 order = ORDERS.get(type(one))
                 refusal = Verdict(False, f"{type(one).__name__} is not for the engine")
@@ -181,13 +190,10 @@ class Engine:
             self._core.auto_off()
         self._core.auto = node.open
 
-    def _restarted(self, before: Restarted) -> None:
-        core = self._core
-        why = f"the program restarted during {before.during}"
-        if before.during == STICK and core.region == IDLE:
-            core.stop_quietly(why)
-        elif before.during and core.region == IDLE:
-            core.surface("restart", why, By.LIMIT)
+    def _end(self, order: Ending) -> None:
+        self._core.ending = True
+        if order.now:
+            ending.last_words(self._core)
 
     def _guard_limits(self, reported: bool, fixed: bool) -> None:
         core = self._core
@@ -343,6 +349,11 @@ class Engine:
         return self._core.run.round if self._core.run else 1
 
     @property
+    def settled(self) -> bool:
+        """The program may end: nobody has to stay with the vehicle."""
+        return ending.settled(self._core)
+
+    @property
     def may_clear(self) -> bool:
         """An @AC would be accepted now."""
         return may_clear(self._core)
@@ -351,6 +362,8 @@ class Engine:
     def under_way(self) -> str:
         """What a restart would interrupt, for the store; "" if nothing."""
         core = self._core
+        if core.deep_reports is not None:
+            return UNKNOWN
         if core.region in (AUTONOMOUS, EMERGENCY) or core.run is not None:
             return core.active
         if core.region == MANUAL:

@@ -54,6 +54,7 @@ class Running:
         speed: float = 1.0,
         topside: str = "tcp://127.0.0.1:0",
         wait: bool = True,
+        leave_within: float = 0.0,
         **more: object,
     ) -> None:
         links = LinkUrls(vehicle=vehicle, gps=gps, topside=topside)
@@ -63,6 +64,7 @@ class Running:
         self.server: Server | None = None
         self.store = store or DiskStore(configuration.store)
         self._configuration, self._speed = configuration, speed
+        self._leave_within = leave_within
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
@@ -82,6 +84,7 @@ class Running:
             self.told.append,
             self._announce,
             self._speed,
+            leave_within=self._leave_within,
         )
         await self.server.run()
 
@@ -100,9 +103,13 @@ class Running:
     def has_told(self, words: str) -> bool:
         return any(words in line for line in self.told)
 
-    def stop(self) -> None:
+    def tell_to_end(self) -> None:
+        """As by SIGTERM."""
         if self.server is not None and self._thread.is_alive():
             self._loop.call_soon_threadsafe(self.server.stop)
+
+    def stop(self) -> None:
+        self.tell_to_end()
         self._thread.join(PATIENCE)
         assert not self._thread.is_alive()
 

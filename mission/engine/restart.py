@@ -1,0 +1,46 @@
+"""A program that begins again: what was under way comes up, what was at rest is left at rest.
+
+    a mission, an ascent     --> emergency/surfacing, at once
+    stopped, surfaced        --> the same again, everything stopped: the vehicle may be on deck
+    the stick alone          --> stopped, idle
+    the store cannot tell    --> stopped, and up as soon as two reports in a row say a depth to
+                                 believe beyond 2 m: on deck no thruster turns, under water it rises
+
+What does not live here: what is under way (Engine.under_way), who keeps it (latch, store).
+"""
+
+from __future__ import annotations
+
+from mission.engine.core import Core
+from mission.engine.ending import DEEP
+from mission.model import STOPPED, SURFACED, UNKNOWN, By, Restarted
+from mission.regions import IDLE
+
+STICK = "the stick, without a mission"  # under way in manual: a restart stops, and is idle
+REPORTS = 2
+
+
+def begin_again(core: Core, before: Restarted) -> None:
+    if not before.during or core.region != IDLE:
+        return
+    why = f"the program restarted during {before.during}"
+    if before.during == STICK:
+        core.stop_quietly(why)
+    elif before.during in (STOPPED, SURFACED):
+        core.rest("restart", before.during, why)
+    elif before.during == UNKNOWN:
+        core.rest("restart", STOPPED, why)
+        core.deep_reports = 0
+    else:
+        core.surface("restart", why, By.LIMIT)
+
+
+def doubt(core: Core) -> None:
+    """With every report, while nobody knows what was under way."""
+    depth, count = core.senses.depth, core.deep_reports
+    if count is None or depth is None:
+        return
+    core.deep_reports = count + 1 if depth > DEEP else 0
+    if core.deep_reports >= REPORTS:
+        why = f"{core.reason}, and it is {depth:.1f} m deep"
+        core.surface("restart", why, By.LIMIT)
