@@ -21,7 +21,7 @@ from typing import Any
 from mission.engine import ending
 from mission.engine.core import Core
 from mission.engine.orders import ORDERS, STICK_QUIET, may_clear
-from mission.engine.restart import STICK, begin_again, doubt
+from mission.engine.restart import STICK, begin_again, doubt, unsure
 from mission.engine.senses import Navigator
 from mission.engine.words import event_of, short
 from mission.envelope import Bounds, Limit, Response
@@ -362,7 +362,7 @@ class Engine:
     def under_way(self) -> str:
         """What a restart would interrupt, for the store; "" if nothing."""
         core = self._core
-        if core.deep_reports is not None:
+        if unsure(core):
             return UNKNOWN
         if core.region in (AUTONOMOUS, EMERGENCY) or core.run is not None:
             return core.active

@@ -35,12 +35,16 @@ def begin_again(core: Core, before: Restarted) -> None:
         core.surface("restart", why, By.LIMIT)
 
 
+def unsure(core: Core) -> bool:
+    return core.deep_reports is not None and core.active == STOPPED
+
+
 def doubt(core: Core) -> None:
-    """With every report, while nobody knows what was under way."""
+    """With every report, while nobody knows what was under way, and no operator has said."""
     depth, count = core.senses.depth, core.deep_reports
-    if count is None or depth is None:
+    if depth is None or not unsure(core):
         return
-    core.deep_reports = count + 1 if depth > DEEP else 0
+    core.deep_reports = (count or 0) + 1 if depth > DEEP else 0
     if core.deep_reports >= REPORTS:
         why = f"{core.reason}, and it is {depth:.1f} m deep"
         core.surface("restart", why, By.LIMIT)

@@ -146,10 +146,10 @@ _MOVES: dict[tuple[str, str], frozenset[str]] = {
     ("idle", "manual"): frozenset({"M"}),
     ("idle", "emergency"): frozenset({"X", "W", "limit"}),
     ("autonomous", "manual"): frozenset({"M"}),
-    ("autonomous", "emergency"): frozenset({"X", "W", "restart"}) | _LIMITED,
+    ("autonomous", "emergency"): frozenset({"X", "W", "restart", "end"}) | _LIMITED,
     ("autonomous", "idle"): frozenset({"NS", ""}),
     ("manual", "autonomous"): frozenset({"AA"}),
-    ("manual", "emergency"): frozenset({"X", "W", "minute", "restart"}),
+    ("manual", "emergency"): frozenset({"X", "W", "minute", "restart", "end"}),
     ("manual", "idle"): frozenset({"minute", "restart"}),
     ("emergency", "manual"): frozenset({"M"}),
     ("emergency", "idle"): frozenset({"AC"}),
@@ -188,10 +188,8 @@ def _emergency(cell: Cell) -> Verdict:
         asked = ""
         causes = allowed.get((here, there), frozenset())
         causes |= {STOPPED: {"X"}, SURFACING: {"W"}, MANUAL_DRIVING: {"M"}}.get(there, set())
-        if there == SURFACING and here == SURFACED and "restart" in cell.event.causes:
-            continue
-        if there == SURFACING and "restart" in cell.event.causes:
-            continue
+        if "restart" in cell.event.causes:
+            continue  # another program: end_laws
         if not (causes & cell.event.causes or "" in causes):
             return f"{here} -> {there}"
     return "" if cell.configuration.region == "emergency" else asked
@@ -225,22 +223,6 @@ def _under_way(cell: Cell) -> Verdict:
         (latched and not kept, f"nothing is kept in {cell.state}"),
         (region == "idle" and kept not in ("", UNANSWERED), f"{kept} is kept in idle"),
     )
-
-
-def _restarts(cell: Cell) -> Verdict:
-    """During a mission or an emergency: surfacing; otherwise idle."""
-    if "restart" not in cell.event.causes:
-        return None
-    c = cell.configuration
-    if c.region in ("autonomous", "emergency") or (c.region == "manual" and c.leaf):
-        left = cell.frames(b"@ZA")
-        first = [t for t in left if t.t < AT_ONCE]
-        return wrong(
-            (cell.state != SURFACING, f"the state is {cell.state}"),
-            (W not in [t.data for t in first], f"{left} left"),
-        )
-    idle = IDLE_READY if c.loaded else IDLE_EMPTY
-    return wrong((cell.state != idle, f"the state is {cell.state}"))
 
 
 # --- what leaves ------------------------------------------------------------------------------
@@ -358,7 +340,6 @@ STATE_LAWS: tuple[Law, ...] = (
     Law("no exit from an emergency but R7's", "R7", _emergency),
     Law("every change of state is on record", "design 4", _recorded),
     Law("what is under way is kept for a restart", "design 4", _under_way),
-    Law("a restart under way surfaces, otherwise idle", "design 4", _restarts),
     Law("no command without a reason", "design 4", _reasons),
     Law("after stopped nothing leaves but what is allowed", "R7", _after_stopped),
     Law("X0 every 500 ms until it is acknowledged", "R7", _stop_repeats),

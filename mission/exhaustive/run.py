@@ -18,6 +18,7 @@ from pathlib import Path
 
 from mission.exhaustive.cell import Cell, Configuration, Event, before
 from mission.exhaustive.configurations import PROFILES, Ground, configurations, ground
+from mission.exhaustive.end_laws import END_LAWS
 from mission.exhaustive.events import EVENTS
 from mission.exhaustive.fork import Fork
 from mission.exhaustive.laws import STATE_LAWS
@@ -27,7 +28,7 @@ from mission.exhaustive.operator_laws import OPERATOR_LAWS
 from mission.exhaustive.proof_laws import PROOF_LAWS
 from mission.exhaustive.world import World
 
-ALL_LAWS = (*STATE_LAWS, *PROOF_LAWS, *LINE_LAWS, *OPERATOR_LAWS, *LEG_LAWS)
+ALL_LAWS = (*STATE_LAWS, *PROOF_LAWS, *LINE_LAWS, *OPERATOR_LAWS, *LEG_LAWS, *END_LAWS)
 KEPT = 200  # violations in words; all are counted
 
 Progress = Callable[[str], None]

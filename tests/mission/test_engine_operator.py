@@ -272,15 +272,18 @@ def test_closing_auto_in_an_emergency_changes_nothing():
 
 
 @pytest.mark.parametrize("state", STATES)
-def test_a_restart_during_a_mission_or_an_emergency_surfaces(state: str):
+def test_a_restart_surfaces_what_was_under_way_and_stops_what_was_stopped(state: str):
     during = world_in(state).engine.under_way
     assert bool(during) == (not state.startswith("idle"))
     fresh = World(navigation=False)
     fresh.tell(Loaded(compiled(MISSION)), Restarted(during))
-    assert fresh.state == (SURFACING if during else IDLE_READY)
-    if during:
-        assert fresh.commands() == [Order.SURFACE]
+    if state in (STOPPED, SURFACED):
+        assert (fresh.state, fresh.commands()) == (state, [Order.STOP])
+    elif during:
+        assert (fresh.state, fresh.commands()) == (SURFACING, [Order.SURFACE])
         assert not fresh.tell(ClearMission()).verdicts[0].accepted
+    else:
+        assert (fresh.state, fresh.commands()) == (IDLE_READY, [])
 
 
 def test_a_restart_while_the_stick_has_the_vehicle_without_a_mission_stops_and_is_idle():

@@ -110,7 +110,7 @@ def test_serve_that_has_no_time_to_bring_the_vehicle_up_leaves_its_thrust_upward
 
 
 def test_told_to_end_twice_serve_ends_at_once_with_its_last_words(tmp_path: Path) -> None:
-    with diving(tmp_path, PATIENCE) as (pi, sea, heard):
+    with diving(tmp_path, PATIENCE) as (pi, _, heard):
         pi.tell_to_end()
         soon(lambda: b"@ZAWF$" in heard, "on its way up")
         pi.stop()
@@ -119,7 +119,7 @@ def test_told_to_end_twice_serve_ends_at_once_with_its_last_words(tmp_path: Path
 
 
 def test_while_serve_ends_the_operator_is_heard_and_no_mission_starts(tmp_path: Path) -> None:
-    with diving(tmp_path, PATIENCE) as (pi, sea, heard):
+    with diving(tmp_path, PATIENCE) as (pi, _, heard):
         with pi.boat() as boat:
             pi.tell_to_end()
             soon(lambda: b"@ZAWF$" in heard, "on its way up")
