@@ -18,7 +18,15 @@ from urllib.parse import parse_qsl, urlsplit
 
 from links.base import Link, LinkError
 
-__all__ = ["LINKS", "Address", "LinkAddressError", "LinkRow", "open_link", "parse_address"]
+__all__ = [
+    "LINKS",
+    "Address",
+    "LinkAddressError",
+    "LinkRow",
+    "check_url",
+    "open_link",
+    "parse_address",
+]
 
 
 class LinkAddressError(LinkError):
@@ -54,7 +62,8 @@ class Address:
 
 @dataclass(frozen=True, slots=True)
 class LinkRow:
-    """``module`` has a function ``open_url(name, address) -> Link``."""
+    """``module`` has ``open_url(name, address) -> Link``, and ``settings(address)``: what of an
+    address it uses; both raise LinkAddressError."""
 
     module: str
     example: str
@@ -98,6 +107,12 @@ def parse_address(url: str) -> Address:
         allowed = ", ".join(row.options) or "none"
         raise LinkAddressError(f"{url}: unknown option {unknown[0]!r}; there are: {allowed}")
     return Address(url, parts.scheme, parts.hostname or "", port, parts.path, options)
+
+
+def check_url(url: str) -> None:
+    """Raises LinkAddressError for what could never be opened, whatever is plugged in."""
+    address = parse_address(url)
+    importlib.import_module(LINKS[address.scheme].module).settings(address)
 
 
 def open_link(name: str, url: str) -> Link:

@@ -322,8 +322,13 @@ def host_and_port(address: Address) -> tuple[str, int]:
     return address.host, address.port
 
 
+def settings(address: Address) -> tuple[str, int, Admission]:
+    """Host, port and, for who listens, who may connect. Raises LinkAddressError."""
+    return *host_and_port(address), admission_of(address)
+
+
 def open_url(name: str, address: Address) -> Link:
-    host, port = host_and_port(address)
+    host, port, admission = settings(address)
     if address.scheme == "tcp-listen":
-        return TcpServer(name, host, port, admission=admission_of(address))
+        return TcpServer(name, host, port, admission=admission)
     return TcpClient(name, host, port)

@@ -30,8 +30,6 @@ from pathlib import Path
 from reprlib import Repr
 from typing import Any
 
-import yaml
-
 from mission.units import UnitError, quantity
 from protocol.tolerances import Tolerances, UnknownTolerance
 
@@ -70,6 +68,7 @@ class Configuration:
     set_system_clock: bool = False
     camera: str | None = None
     tolerances: Mapping[str, str] = field(default_factory=lambda: _NO_TOLERANCES)
+    ascent_only: str = ""  # no key of the file: why nothing but an ascent is served
 
     @property
     def utc_offset(self) -> float:
@@ -100,6 +99,8 @@ def load_configuration(path: Path | None) -> Configuration:
 
 
 def parse_configuration(text: str, where: str = "configuration") -> Configuration:
+    import yaml  # a Pi without it still brings its vehicle up (provision)
+
     try:
         data = yaml.safe_load(text)
     except RecursionError as error:

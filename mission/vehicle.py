@@ -18,8 +18,6 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from mission.units import UnitError, quantity
 from protocol.vehicles import codec
 
@@ -199,6 +197,8 @@ def missions_folder() -> Path:
 
 def load_vehicle(name: str | Path) -> Vehicle:
     """A vehicle by the name of a shipped file or by path. Raises VehicleError."""
+    import yaml  # a Pi without it still brings its vehicle up (serve: provision)
+
     path = Path(name)
     if path.suffix not in (".yaml", ".yml"):
         path = missions_folder() / "vehicles" / f"{name}.yaml"

@@ -93,7 +93,7 @@ class Drive:
     ) -> None:
         self._configuration, self._vehicle = configuration, vehicle
         self._store = WatchedStore(store, self._failed_write)
-        self.judge = Judge(vehicle)
+        self.judge = Judge(vehicle, configuration.ascent_only)
         self._recorder, self._observer = recorder, observer
         start = rec.Start(__version__, configuration, vehicle, store.content, wall)
         self._record(rec.start_record, start, 0.0)

@@ -24,9 +24,7 @@ from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from typing import Any
 
-from links import LinkAddressError
 from links.base import Rx
-from mission.configuration import Configuration
 from mission.drive.drive import CLOCK, Drive
 from mission.drive.nodes import LINK as NODES
 from mission.drive.records import Observer
@@ -40,12 +38,11 @@ from mission.serve.leaving import MARGIN_S, USUAL_S, Leaving
 from mission.serve.listening import listening, open_to_all, reached_at
 from mission.serve.ports import Port
 from mission.serve.processes import Processes
+from mission.serve.provision import Provision
 from mission.serve.recording import Recording
 from mission.serve.sieve import Sieve, host_of
 from mission.serve.systemclock import set_system_clock
 from mission.serve.watchdog import Watchdog
-from mission.store import Store
-from mission.vehicle import Vehicle
 
 VEHICLE, GPS, TOPSIDE, MODEM = "vehicle", "gps", "topside", "modem"
 NODE_OF = {VEHICLE: "STM32", GPS: "BDGPS", MODEM: "UACM"}
@@ -68,16 +65,15 @@ class Server:
 
     def __init__(
         self,
-        configuration: Configuration,
-        vehicle: Vehicle,
-        store: Store,
+        got: Provision,
         tell: Callable[[str], None],
         ready: Callable[[Ready], None] = lambda ready: None,
         speed: float = 1.0,
         observer: Observer | None = None,
         leave_within: float = USUAL_S - MARGIN_S,
     ) -> None:
-        self._configuration, self._vehicle, self._store = configuration, vehicle, store
+        self._got = got
+        self._configuration, self._vehicle, self._store = got.configuration, got.vehicle, got.store
         self._journal = Journal(tell, time.monotonic)
         self._tell, self._ready, self._speed = self._journal.warning, ready, speed
         self._observer = Several(self._journal, *([observer] if observer else []))
@@ -91,7 +87,6 @@ class Server:
         self._tasks: set[asyncio.Task[None]] = set()
         self._leaving = Leaving(leave_within, lambda: self._drive, self._order_end, self._tell)
         self._announced = False
-        self.refusal = ""  # why it cannot serve at all
         self._watchdog = Watchdog()
 
     async def run(self) -> None:
@@ -119,6 +114,7 @@ class Server:
                 self._spawn(port.keep_open())
         self._spawn(self._recording.keep_box())
         self._spawn(self._recording.keep_status(self._configuration.folder, self._health))
+        self._spawn(self._recording.keep_working(self._got, self._is_heard))
         self._watchdog.ready()  # the drive lives, whether or not topside can be listened to
         await self._leaving.ordered.wait()
         await self._end()
@@ -126,6 +122,9 @@ class Server:
     def stop(self) -> None:
         """The first time in order: up first (leaving)."""
         self._leaving.signal()
+
+    def _is_heard(self) -> bool:
+        return self._ports[VEHICLE].heard is not None
 
     def hang_up(self) -> None:
         self._tell("the terminal that serve was started from is gone; serve goes on")
@@ -343,6 +342,8 @@ class Server:
             links=health.of_ports(self._ports, self.now(), faults, dropped),
             **health.of_drive(self._drive, self._vehicle),
             **health.of_box(self._recording.box),
+            broken=(*self._got.faults, *self._got.damage),
+            ascent_only=self._configuration.ascent_only,
         )
 
     # --- tasks -------------------------------------------------------------------------------
@@ -356,11 +357,7 @@ class Server:
         self._tasks.discard(task)
         if task.cancelled() or (error := task.exception()) is None:
             return
-        if not isinstance(error, LinkAddressError):
-            self._journal.fault("".join(traceback.format_exception(error)))
-            return
-        self.refusal = str(error)
-        self.stop()
+        self._journal.fault("".join(traceback.format_exception(error)))
 
     def _order_end(self, at_once: bool) -> None:
         self._do(lambda drive: drive.end(self.now(), at_once=at_once))

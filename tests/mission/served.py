@@ -18,7 +18,9 @@ from links.simulated.pty import PtyVehicle
 from links.simulated.settings import Settings
 from mission.configuration import Configuration, LinkUrls
 from mission.language import parse, script
+from mission.serve.provision import Provision
 from mission.serve.serve import Ready, Server
+from mission.serve.working import Homes
 from mission.store import DiskStore, Store
 from mission.vehicle import load_vehicle
 
@@ -40,6 +42,11 @@ def soon(holds: Callable[[], bool], what: str, within: float = PATIENCE) -> None
     while not holds():
         assert time.monotonic() < end, f"not within {within} s: {what}"
         time.sleep(0.01)
+
+
+def provided(configuration: Configuration, store: Store) -> Provision:
+    homes = Homes(None, configuration.folder, {})
+    return Provision(configuration, load_vehicle("auv"), store, homes)
 
 
 class Running:
@@ -78,9 +85,7 @@ class Running:
 
     async def _main(self) -> None:
         self.server = Server(
-            self._configuration,
-            load_vehicle("auv"),
-            self.store,
+            provided(self._configuration, self.store),
             self.told.append,
             self._announce,
             self._speed,

@@ -15,6 +15,7 @@ from click.testing import CliRunner
 from served import (
     MISSION,
     asked,
+    provided,
     quiet,
     read_now,
     running,
@@ -35,7 +36,6 @@ from mission.replay.replay import replay
 from mission.serve import ports
 from mission.serve.serve import Server
 from mission.store import MemoryStore
-from mission.vehicle import load_vehicle
 
 
 def test_a_mission_goes_over_tcp_and_serial_and_its_black_box_replays(tmp_path: Path) -> None:
@@ -154,7 +154,7 @@ def test_a_second_server_on_the_same_port_says_so_and_waits(tmp_path: Path) -> N
         told: list[str] = []
         links = LinkUrls(vehicle=f"serial://{device}", gps=None, topside=pi.url)
         configuration = replace(Configuration(), links=links, folder=tmp_path / "second")
-        second = Server(configuration, load_vehicle("auv"), MemoryStore(), told.append)
+        second = Server(provided(configuration, MemoryStore()), told.append)
 
         async def briefly() -> None:
             task = asyncio.ensure_future(second.run())
