@@ -138,6 +138,8 @@ class DiskStore:
             for left_over in folder.glob("*.new"):
                 with contextlib.suppress(OSError):  # a medium that is read-only can be read
                     left_over.unlink()
+        except FileExistsError as error:
+            raise StoreError(f"the store {folder} cannot be used: it is no folder") from error
         except OSError as error:
             raise StoreError(
                 f"the store {folder} cannot be used: {error.strerror or error}"

@@ -25,7 +25,7 @@ from mission.drive.records import from_plain, to_plain
 from mission.engine.ascent import UPWARD
 from mission.store import read_summed, write_summed
 from mission.vehicle import Vehicle
-from protocol.messages import Order, Setpoint
+from protocol.messages import Order
 from protocol.vehicles import codec
 
 FILE = "working"
@@ -98,13 +98,9 @@ def _said_folder(config: Path | None) -> str:
 def _plain(working: Working) -> dict[str, object]:
     c, v = working.configuration, working.vehicle
     encode = codec(v.codec, v.dialect, v.tolerances, v.battery_scale).encode
-    words: dict[str, Order | Setpoint] = {
-        "stop": Order.STOP,
-        "surface": Order.SURFACE,
-        "up": UPWARD,
-    }
+    words = (("stop", Order.STOP), ("surface", Order.SURFACE), ("up", UPWARD))
     ways: dict[str, list[str]] = {}
-    for name, command in words.items():
+    for name, command in words:
         with contextlib.suppress(ValueError):  # the robot on land has no word for up
             ways[name] = [frame.hex() for frame in encode(command)]
     return {"configuration": to_plain(c), "vehicle": to_plain(v), "ways": ways}

@@ -174,7 +174,6 @@ class Demo:
         config = self.folder / "serve.yaml"
         config.write_text(
             f"vehicle: {json.dumps(self._vehicle_file())}\n"
-            f"folder: {json.dumps(str((self.folder / 'pi').resolve()))}\n"
             "links:\n"
             f"  vehicle: serial://{vehicle['vehicle']}?baud=9600\n"
             f"  gps: serial://{vehicle['gps']}?baud=9600\n"
@@ -182,6 +181,7 @@ class Demo:
             encoding="utf-8",
         )
         command = [sys.executable, "-m", "mission", "serve", "--config", str(config)]
+        command += ["--folder", str((self.folder / "pi").resolve())]
         command += ["--speed", str(self.speed), "--events"]
         with self._process("auvmission serve", command) as lines:
             yield lines
