@@ -30,6 +30,7 @@ from pathlib import Path
 from reprlib import Repr
 from typing import Any
 
+from mission.kept import default_folder
 from mission.units import UnitError, quantity
 from protocol.tolerances import Tolerances, UnknownTolerance
 
@@ -60,7 +61,7 @@ _LINKS = LinkUrls()
 class Configuration:
     vehicle: str = "auv"
     links: LinkUrls = _LINKS
-    folder: Path = field(default_factory=lambda: Path("~/.local/state/auvmission").expanduser())
+    folder: Path = field(default_factory=default_folder)
     time_zone: str = "+08:00"
     answer_no: bool = True
     manual_for: float = 60.0  # s

@@ -17,14 +17,13 @@ What does not live here: staging, texts and their compilation (staging, language
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import json
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
+from mission.kept import read_summed, write_summed
 from mission.model import UNKNOWN
 from protocol.messages import SetSafety
 
@@ -194,44 +193,11 @@ class DiskStore:
         return if_damaged
 
     def _write(self, name: str, text: str) -> None:
-        write_summed(self._folder / name, text)
-
-
-def read_summed(path: Path) -> str:
-    """Raises OSError, or ValueError where it is not whole."""
-    head, newline, body = path.read_bytes().partition(b"\n")
-    if not newline or head != _sum(body):
-        raise ValueError(f"{path} is damaged")
-    return body.decode()
-
-
-def write_summed(path: Path, text: str) -> None:
-    """All of it or nothing; its folder is made where it is absent. Raises StoreError."""
-    body, beside = text.encode(), path.with_name(path.name + ".new")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with beside.open("wb") as file:
-            file.write(_sum(body) + b"\n" + body)
-            file.flush()
-            os.fsync(file.fileno())
-        beside.replace(path)
-        _sync_folder(path.parent)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            beside.unlink()
-        raise StoreError(f"{path} could not be written: {error.strerror or error}") from error
-
-
-def _sum(body: bytes) -> bytes:
-    return b"sha256 " + hashlib.sha256(body).hexdigest().encode()
-
-
-def _sync_folder(folder: Path) -> None:
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
+        path = self._folder / name
+        try:
+            write_summed(path, text)
+        except OSError as error:
+            raise StoreError(f"{path} could not be written: {error.strerror or error}") from error
 
 
 def _limits(limits: SetSafety) -> dict[str, Any]:

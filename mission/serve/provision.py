@@ -30,8 +30,9 @@ from mission.configuration import (
     LinkUrls,
     load_configuration,
 )
+from mission.kept import Homes
 from mission.serve.listening import listening
-from mission.serve.working import Homes, Working
+from mission.serve.working import Working, find, keep
 from mission.store import DiskStore, LostStore, Store, StoreError
 from mission.vehicle import Vehicle, VehicleError, load_vehicle
 
@@ -55,9 +56,9 @@ class Provision:
     damage: tuple[str, ...] = ()
 
     def keep(self) -> None:
-        """It worked; what only brings a vehicle up is not kept. Raises StoreError."""
+        """It worked; what only brings a vehicle up is not kept. Raises OSError."""
         if not self.configuration.ascent_only:
-            self.homes.keep(Working(self.configuration, self.vehicle))
+            keep(Working(self.configuration, self.vehicle), self.homes)
 
 
 def provide(
@@ -123,7 +124,7 @@ def _fall_back(
     homes: Homes,
     faults: list[str],
 ) -> tuple[Configuration, Vehicle, Store]:
-    kept = homes.find()
+    kept = find(homes)
     base = configuration or _old(kept, given, homes)
     known = configuration is not None or kept is not None or homes.folder is not None
     store = _left_behind(base.store, known)

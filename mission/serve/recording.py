@@ -18,7 +18,7 @@ from mission.blackbox import FLUSH_S, BlackBox, file_name, new_path
 from mission.serve import health
 from mission.serve.journal import Tally
 from mission.serve.provision import Provision
-from mission.store import StoreError
+from mission.serve.working import find
 
 
 class Recording:
@@ -68,12 +68,12 @@ class Recording:
     async def keep_working(self, got: Provision, heard: Callable[[], bool]) -> None:
         """The configuration, once it has worked; runs until then."""
         loop = asyncio.get_running_loop()
-        is_first = got.homes.find() is None
+        is_first = find(got.homes) is None
         while not (is_first or heard()):
             await asyncio.sleep(health.EVERY_S)
         try:
             await loop.run_in_executor(self._disk, got.keep)
-        except StoreError as error:
+        except OSError as error:
             self._tell(f"should the configuration break, this one cannot be kept for then: {error}")
 
     async def shut(self) -> None:

@@ -17,10 +17,10 @@ from links.simulated.link import SimulatedVehicle
 from links.simulated.pty import PtyVehicle
 from links.simulated.settings import Settings
 from mission.configuration import Configuration, LinkUrls
+from mission.kept import Homes
 from mission.language import parse, script
 from mission.serve.provision import Provision
 from mission.serve.serve import Ready, Server
-from mission.serve.working import Homes
 from mission.store import DiskStore, Store
 from mission.vehicle import load_vehicle
 
