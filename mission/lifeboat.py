@@ -62,7 +62,8 @@ class Climb:
     def __init__(self, plan: Plan, now: float) -> None:
         self._plan, self._climbs = plan, plan.climbs
         self._ways = (plan.surface, plan.up or plan.surface)
-        self._turn, self._start = 0, None  # type: tuple[int, float | None]
+        self._turn = 0
+        self._start: float | None = None
         self._since, self._due, self._left = now, now, TIMES
         self._depth, self._heard = math.nan, -math.inf
         self._shallow: float | None = None
@@ -79,6 +80,7 @@ class Climb:
 
     def hear(self, depth: float, now: float) -> None:
         self._depth, self._heard = depth, now
+        self._start = depth if self._start is None else self._start
         self._deep = self._deep + 1 if depth > DEEP_M else 0
         if depth >= SHALLOW_M:
             self._shallow = None
