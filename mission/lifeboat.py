@@ -1,6 +1,6 @@
 """The last way up, when serve cannot be loaded: of the standard library alone, in one loop.
 
-    the store says under way              --> surface, and up with thrust, TURN_S each in turn;
+    the store says under way              --> up with thrust, let go, surface: TURN_S each in turn;
                                               what makes the depth fall is kept; stop at the surface
     it says at rest, or nothing is known  --> stop; as above by DEEP_REPORTS that say deep
     it says nothing                       --> nothing: the error that led here is all
@@ -61,7 +61,7 @@ class Climb:
 
     def __init__(self, plan: Plan, now: float) -> None:
         self._plan, self._climbs = plan, plan.climbs
-        self._ways = (plan.surface, plan.up or plan.surface)
+        self._ways = (plan.up or plan.surface, plan.stop, plan.surface)
         self._turn = 0
         self._start: float | None = None
         self._since, self._due, self._left = now, now, TIMES
@@ -71,12 +71,12 @@ class Climb:
 
     @property
     def way(self) -> Way:
-        return self._ways[self._turn % 2] if self._climbs else self._plan.stop
+        return self._ways[self._turn % len(self._ways)] if self._climbs else self._plan.stop
 
     @property
     def last_words(self) -> Way:
         """What may stay in force when nobody is there."""
-        return self._ways[1] if self._climbs else ()
+        return self._ways[0] if self._climbs else ()
 
     def hear(self, depth: float, now: float) -> None:
         self._depth, self._heard = depth, now

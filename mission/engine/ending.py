@@ -13,8 +13,8 @@ What does not live here: for how long the program may stay (serve), the ascent (
 
 from __future__ import annotations
 
-from mission.engine.ascent import UPWARD
 from mission.engine.core import Core
+from mission.engine.rest import DEEP
 from mission.engine.senses import SURFACE_DEPTH, SURFACE_TIME
 from mission.model import (
     AUTONOMOUS,
@@ -24,18 +24,25 @@ from mission.model import (
     SURFACING,
     Action,
     By,
+    Ending,
 )
 from mission.regions import IDLE, MANUAL
+from protocol.messages import UPWARD
 
-DEEP = 2.0  # m: a believed depth beyond it is no place to be left alone in
 WHY = "the program is ended"
+
+
+def begin(core: Core, order: Ending) -> None:
+    core.ending = True
+    if order.now:
+        last_words(core)
 
 
 def go_on(core: Core) -> None:
     """To be called in every step once the end was ordered."""
     if core.region == AUTONOMOUS or (core.active != MANUAL_DRIVING and _ascends_from_stick(core)):
         if _at_surface(core):
-            core.rest("end", SURFACED, f"{WHY}, at the surface")
+            core.stop_in("end", SURFACED, f"{WHY}, at the surface")
         else:
             core.surface("end", f"{WHY}: up first", By.LIMIT)
     elif core.region == MANUAL and core.stop_at is None and core.stopped_at is None:
@@ -56,7 +63,7 @@ def last_words(core: Core) -> None:
     if settled(core) or core.region == IDLE or core.active == STOPPED:
         return
     if core.active != SURFACING and _at_surface(core):
-        core.rest("end", SURFACED, f"{WHY}, at the surface")
+        core.stop_in("end", SURFACED, f"{WHY}, at the surface")
     else:
         core.say_last(Action(UPWARD, f"{WHY} before the surface is proved"))
 

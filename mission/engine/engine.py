@@ -20,8 +20,8 @@ from typing import Any
 
 from mission.engine import ending
 from mission.engine.core import Core
-from mission.engine.orders import ORDERS, STICK_QUIET, may_clear
-from mission.engine.restart import STICK, begin_again, doubt, unsure
+from mission.engine.orders import ORDERS, STICK_QUIET, why_not_clear
+from mission.engine.restart import begin_again, doubt, under_way
 from mission.engine.senses import Navigator
 from mission.engine.words import event_of, short
 from mission.envelope import Bounds, Limit, Response
@@ -29,7 +29,6 @@ from mission.machine import Machine
 from mission.model import (
     AUTONOMOUS,
     MANUAL_DRIVING,
-    UNKNOWN,
     Action,
     AutoNode,
     By,
@@ -44,7 +43,7 @@ from mission.model import (
     Step,
     Verdict,
 )
-from mission.regions import EMERGENCY, IDLE, MANUAL
+from mission.regions import MANUAL
 from mission.variables import VARIABLES, Scope, reading_of
 from mission.vehicle import Vehicle
 from protocol.messages import (
@@ -57,7 +56,6 @@ from protocol.messages import (
 
 MICROSTEPS = 200
 FORGOTTEN = 60.0  # s without M (R6)
-UNANSWERED = "a stop without its acknowledgement"  # under way in idle: thrusters may still turn
 
 Input = Telemetry | Fix | Outcome | Loaded | AutoNode | LineOpened | Restarted | Ending | Command
 
@@ -105,6 +103,11 @@ class Engine:
         """R5: off unless configured."""
         self._core.watch.topside_silence = seconds
 
+    def hear_stick(self, now: float) -> None:
+        """Somebody's M that was refused before it came here: no emergency is taken over by a stick
+        that is held (R6)."""
+        self._core.any_stick = now
+
     def hear_topside(self, now: float) -> None:
         """Some operator said something that is a frame."""
         self._core.watch.topside_heard = now
@@ -129,6 +132,7 @@ class Engine:
         core.climb()
         core.fly_on()
         if reported:
+            core.mind_rest()
             core.doubt_stop()
         core.stop_again()
         self._timer = self._next_timer()
@@ -178,7 +182,7 @@ class Engine:
             elif isinstance(one, Restarted):
                 begin_again(core, one)
             elif isinstance(one, Ending):
-                self._end(one)
+                ending.begin(core, one)
             elif i not in given and not isinstance(one, Telemetry | Fix | Outcome):
                 order = ORDERS.get(type(one))
                 refusal = Verdict(False, f"{type(one).__name__} is not for the engine")
@@ -190,11 +194,6 @@ class Engine:
             self._core.auto_off()
         self._core.auto = node.open
 
-    def _end(self, order: Ending) -> None:
-        self._core.ending = True
-        if order.now:
-            ending.last_words(self._core)
-
     def _guard_limits(self, reported: bool, fixed: bool) -> None:
         core = self._core
         found = core.watch.look(reported, fixed)
@@ -203,7 +202,7 @@ class Engine:
         if not found:
             return
         for row in sorted(found, key=lambda r: r.response is not Response.SURFACING):
-            if core.region not in row.acts:
+            if not self._acts(row):
                 continue
             if row.response is Response.UNCERTAIN:
                 core.take_uncertain(row)
@@ -213,6 +212,13 @@ class Engine:
                 core.repeat_set(f"limit {row.name}: {row.why(core.watch)}")
             else:
                 core.limit(row)
+
+    def _acts(self, row: Limit) -> bool:
+        """While node AUTO is closed nothing turns a thruster by itself out of rest."""
+        core = self._core
+        if core.region == AUTONOMOUS:
+            return AUTONOMOUS in row.acts
+        return core.auto and not row.acts.isdisjoint((core.region, core.active))
 
     def _run_mission(self) -> None:
         core = self._core
@@ -356,21 +362,12 @@ class Engine:
     @property
     def may_clear(self) -> bool:
         """An @AC would be accepted now."""
-        return may_clear(self._core)
+        return not why_not_clear(self._core)
 
     @property
     def under_way(self) -> str:
         """What a restart would interrupt, for the store; "" if nothing."""
-        core = self._core
-        if unsure(core):
-            return UNKNOWN
-        if core.region in (AUTONOMOUS, EMERGENCY) or core.run is not None:
-            return core.active
-        if core.region == MANUAL:
-            return STICK
-        if core.region == IDLE and core.stop_at is not None:
-            return UNANSWERED
-        return ""
+        return under_way(self._core)
 
     @property
     def readings(self) -> Mapping[str, Reading]:

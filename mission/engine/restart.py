@@ -6,18 +6,32 @@
     the store cannot tell    --> stopped, and up as soon as two reports in a row say a depth to
                                  believe beyond 2 m: on deck no thruster turns, under water it rises
 
-What does not live here: what is under way (Engine.under_way), who keeps it (latch, store).
+What does not live here: who keeps what is under way (latch, store).
 """
 
 from __future__ import annotations
 
 from mission.engine.core import Core
-from mission.engine.ending import DEEP
-from mission.model import STOPPED, SURFACED, UNKNOWN, By, Restarted
-from mission.regions import IDLE
+from mission.engine.rest import DEEP
+from mission.model import AUTONOMOUS, STOPPED, SURFACED, UNKNOWN, By, Restarted
+from mission.regions import EMERGENCY, IDLE, MANUAL
 
 STICK = "the stick, without a mission"  # under way in manual: a restart stops, and is idle
+UNANSWERED = "a stop without its acknowledgement"  # under way in idle: thrusters may still turn
 REPORTS = 2
+
+
+def under_way(core: Core) -> str:
+    """What this program would interrupt if it ended now; "" if nothing."""
+    if unsure(core):
+        return UNKNOWN
+    if core.region in (AUTONOMOUS, EMERGENCY) or core.run is not None:
+        return core.active
+    if core.region == MANUAL:
+        return STICK
+    if core.region == IDLE and core.stop_at is not None:
+        return UNANSWERED
+    return ""
 
 
 def begin_again(core: Core, before: Restarted) -> None:
@@ -27,9 +41,9 @@ def begin_again(core: Core, before: Restarted) -> None:
     if before.during == STICK:
         core.stop_quietly(why)
     elif before.during in (STOPPED, SURFACED):
-        core.rest("restart", before.during, why)
+        core.stop_in("restart", before.during, why)
     elif before.during == UNKNOWN:
-        core.rest("restart", STOPPED, why)
+        core.stop_in("restart", STOPPED, why)
         core.deep_reports = 0
     else:
         core.surface("restart", why, By.LIMIT)

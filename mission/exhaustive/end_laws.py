@@ -7,10 +7,9 @@ What does not live here: what is kept for a restart (laws), how long the program
 from __future__ import annotations
 
 from mission.exhaustive.cell import Cell
-from mission.exhaustive.laws import AT_ONCE, AT_SURFACE, Law, Verdict, W, X, wrong
+from mission.exhaustive.laws import AT_ONCE, AT_SURFACE, U12, Law, Verdict, X, wrong
 from mission.model import IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, STOPPED, SURFACED, SURFACING
 
-UP = b"@ZAU12$"
 _AT_REST = (STOPPED, SURFACED)
 
 
@@ -28,7 +27,7 @@ def _restarts(cell: Cell) -> Verdict:
     if _under_way(cell, c.state):
         return wrong(
             (cell.state != SURFACING, f"the state is {cell.state}"),
-            (W not in first, f"{first} left"),
+            (first[:2] != [X, U12], f"{first} left"),  # no depth is known yet
         )
     idle = IDLE_READY if c.loaded else IDLE_EMPTY
     return wrong(
@@ -72,7 +71,7 @@ def _last_words(cell: Cell) -> Verdict:
     left = [t.data for t in cell.frames(b"@Z")]
     return wrong(
         (cell.state != SURFACING, f"the state is {cell.state}"),
-        (left[-2:] != [X, UP], f"{left[-2:]} left last"),
+        (left[-2:] != [X, U12], f"{left[-2:]} left last"),
     )
 
 

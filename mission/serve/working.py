@@ -19,10 +19,9 @@ from pathlib import Path
 
 from mission.configuration import Configuration
 from mission.drive.records import from_plain, to_plain
-from mission.engine.ascent import UPWARD
 from mission.kept import Homes, read_summed, write_summed
 from mission.vehicle import Vehicle
-from protocol.messages import Order
+from protocol.messages import UPWARD, Order
 from protocol.vehicles import codec
 
 

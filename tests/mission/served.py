@@ -19,6 +19,7 @@ from links.simulated.settings import Settings
 from mission.configuration import Configuration, LinkUrls
 from mission.kept import Homes
 from mission.language import parse, script
+from mission.serve.journal import AGAIN_S
 from mission.serve.provision import Provision
 from mission.serve.serve import Ready, Server
 from mission.store import DiskStore, Store
@@ -72,6 +73,7 @@ class Running:
         self.store = store or DiskStore(configuration.store)
         self._configuration, self._speed = configuration, speed
         self._leave_within = leave_within
+        self._began = time.monotonic()
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
@@ -107,6 +109,13 @@ class Running:
 
     def has_told(self, words: str) -> bool:
         return any(words in line for line in self.told)
+
+    def tells_within_its_rate(self, words: str, things: int = 1) -> bool:
+        """At least once; of each of so many things a line and a count a minute, however long this
+        has run, and however fast."""
+        minutes = 1 + int((time.monotonic() - self._began) // AGAIN_S)
+        told = sum(words in line for line in self.told)
+        return 1 <= told <= 2 * things * minutes
 
     def tell_to_end(self) -> None:
         """As by SIGTERM."""

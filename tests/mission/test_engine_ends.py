@@ -209,11 +209,13 @@ def test_an_x_of_an_operator_is_no_longer_something_that_nobody_knows():
     world = begun(0.2)
     world.tell(X)
     assert world.engine.under_way == STOPPED
+    world.wait(9.0)
     world.tell(ClearMission())
     assert (world.state, world.engine.under_way) == (IDLE_EMPTY, "")
 
 
 def test_what_nobody_knows_can_be_cleared_and_is_then_known():
     world = begun(0.2)
+    world.wait(9.0)
     world.tell(ClearMission())
     assert (world.state, world.engine.under_way) == (IDLE_EMPTY, "")

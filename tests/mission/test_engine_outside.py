@@ -7,7 +7,8 @@ import math
 import pytest
 from engine_world import NEUTRAL, M, W, World, X, compiled, guard, leg, mission, sets, when
 
-from mission.engine.engine import MICROSTEPS, STICK, Engine
+from mission.engine.engine import MICROSTEPS, Engine
+from mission.engine.restart import STICK
 from mission.model import (
     IDLE_EMPTY,
     IDLE_READY,
@@ -293,6 +294,7 @@ def test_in_manual_the_interrupted_leg_and_its_readings_are_told():
 def test_every_state_has_its_region_and_its_reason():
     world = World(MISSION)
     assert (world.engine.region, world.engine.reason) == ("idle", "a mission is stored")
+    world.tell(world.report())
     world.tell(X)
     assert (world.engine.region, world.engine.reason) == ("emergency", "X from the operator")
     world.tell(ClearMission())
