@@ -40,12 +40,13 @@ def begin(core: Core, order: Ending) -> None:
 
 def go_on(core: Core) -> None:
     """To be called in every step once the end was ordered."""
-    if core.region == AUTONOMOUS or (core.active != MANUAL_DRIVING and _ascends_from_stick(core)):
+    leaves_below = _ascends_from_stick(core)
+    if core.region == AUTONOMOUS or (leaves_below and core.active != MANUAL_DRIVING):
         if _at_surface(core):
             core.stop_in("end", SURFACED, f"{WHY}, at the surface")
         else:
             core.surface("end", f"{WHY}: up first", By.LIMIT)
-    elif core.region == MANUAL and core.stop_at is None and core.stopped_at is None:
+    elif core.region == MANUAL and not leaves_below and core.stop_at is core.stopped_at is None:
         core.stop_quietly(WHY)
 
 

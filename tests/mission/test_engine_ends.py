@@ -94,8 +94,10 @@ def test_nobody_leaves_what_is_deep_in_idle_or_stopped():
 def test_the_stick_keeps_what_it_has_until_it_is_silent_for_two_seconds():
     world = flying_at(5.0)
     world.tell(M)
+    before = len(world.actions)
     world.tell(Ending())
     assert (world.state, world.engine.settled) == (MANUAL_DRIVING, False)
+    assert since(world, before) == []
     world.wait(2.5)
     assert world.state == SURFACING
 
