@@ -193,7 +193,7 @@ def test_a_library_that_cannot_be_imported_costs_features_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     config = begun(tmp_path)
-    monkeypatch.setitem(__import__("sys").modules, "yaml", None)
+    monkeypatch.setitem(__import__("sys").modules, "mission.yaml_tree", None)
     got = provide(config, NONE, None, {})
     assert (got.configuration.links.vehicle, got.vehicle.name) == (URL, "auv")
     assert "yaml" in got.faults[0]
