@@ -12,9 +12,9 @@ looked at. The rules, in the order of the events:
              ``stopped`` needs an X, surfacing a W, a limit, a restart, an ordered end
              or a forgotten stick, manual an M, a start an @AA. The stick is as silent as who
              holds it, whatever others or a modem say (R6, R12). A stop is repeated only until the
-             STM32 acknowledged it, when a report says that a thruster turns all the same, or when the line was away. What
-             acknowledges while two frames or more may still be answered need not be believed: it
-             may be the older one's.
+             STM32 acknowledged it, when a report says that a thruster turns all the same, or when
+             the line was away. What acknowledges while two frames or more may still be answered
+             need not be believed: it may be the older one's.
 
 What does not live here: whether a limit was right to act (the engine's tests), what may not come
 of a flight (laws).
