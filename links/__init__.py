@@ -18,8 +18,16 @@ from urllib.parse import parse_qsl, urlsplit
 
 from links.base import Link, LinkError
 
-__all__ = ["LINKS", "Address", "LinkAddressError", "LinkRow", "baud_of", "open_link",
-           "parse_address"]  # fmt: skip
+__all__ = [
+    "LINKS",
+    "Address",
+    "LinkAddressError",
+    "LinkRow",
+    "baud_of",
+    "check_url",
+    "open_link",
+    "parse_address",
+]
 
 SERIAL_BAUD = 9600
 
@@ -57,7 +65,8 @@ class Address:
 
 @dataclass(frozen=True, slots=True)
 class LinkRow:
-    """``module`` has a function ``open_url(name, address) -> Link``."""
+    """``module`` has ``open_url(name, address) -> Link``, and ``settings(address)``: what of an
+    address it uses; both raise LinkAddressError."""
 
     module: str
     example: str
@@ -111,6 +120,12 @@ def baud_of(url: str, otherwise: float) -> float:
         return address.number("baud", default, 1.0, 1e9)
     except LinkAddressError:
         return otherwise
+
+
+def check_url(url: str) -> None:
+    """Raises LinkAddressError for what could never be opened, whatever is plugged in."""
+    address = parse_address(url)
+    importlib.import_module(LINKS[address.scheme].module).settings(address)
 
 
 def open_link(name: str, url: str) -> Link:

@@ -128,7 +128,8 @@ def _why(name: str, device: str, error: serial.SerialException) -> LinkError:
     return LinkAbsent(f"{name}: {device} cannot be opened: {error}")
 
 
-def open_url(name: str, address: Address) -> SerialLink:
+def settings(address: Address) -> tuple[str, int]:
+    """The device and its bit rate. Raises LinkAddressError."""
     if address.host or not address.path:
         raise LinkAddressError(
             f"{address.url}: write three slashes and a device, e.g. serial:///dev/ttyUSB0?baud=9600"
@@ -136,4 +137,8 @@ def open_url(name: str, address: Address) -> SerialLink:
     device = address.path
     if sys.platform == "win32":
         device = device.lstrip("/")  # serial:///COM3
-    return SerialLink(name, device, int(address.number("baud", SERIAL_BAUD, 50, 4_000_000)))
+    return device, int(address.number("baud", SERIAL_BAUD, 50, 4_000_000))
+
+
+def open_url(name: str, address: Address) -> SerialLink:
+    return SerialLink(name, *settings(address))

@@ -9,8 +9,9 @@ looked at. The rules, in the order of the events:
     @M @D @R was said by an operator within the last ``RELAYED`` s, each byte for byte and once;
              @M only while the stick has the vehicle.
     a Step   that commands must be allowed to where it happens: a set only in a leg; the stop of
-             ``stopped`` needs an X, surfacing a W, a limit, a restart or a forgotten stick, manual
-             an M, a start an @AA that is no copy by modem (R12). The stick is as silent as who
+             ``stopped`` needs an X, surfacing a W, a limit, a restart, an ordered end or a
+             forgotten stick, manual an M, a start an @AA that is no copy by modem (R12). The stick
+             is as silent as who
              holds it, whatever others or a modem say (R6, R12). A stop is repeated only until the
              STM32 acknowledged it, when a report says that a thruster turns all the same, or when
              the line was away. What acknowledges while two frames or more may still be answered
@@ -122,6 +123,7 @@ class _Auditor:
         self._acks = 0  # of a stop, since the newest reason to stop
         self._sent_at: deque[float] = deque(maxlen=2)  # the newest frames to the vehicle
         self._stalled: float | None = None
+        self._ends = False  # the program was told to
 
     def walk(self, events: Sequence[Event]) -> Iterator[Spurious]:
         for event in events:
@@ -140,8 +142,10 @@ class _Auditor:
                 case Done(t=t, act=Act.KILL | Act.BOOT):
                     self._stalled = None
                     self._permits, self._relays, self._tails = [], [], {}
-                    self._state, self._booted, self._acks = "", t, 0
+                    self._state, self._booted, self._acks, self._ends = "", t, 0, False
                     self._starts.clear()
+                case Done(act=Act.END):
+                    self._ends = True
                 case Done(act=Act.PLUG):
                     self._acks = 0  # who knows whose they were
                 case Step():
@@ -245,7 +249,8 @@ class _Auditor:
             limit = any(e.trigger.startswith("limit ") and e.result for e in step.evaluations)
             forgotten = step.trigger == "forgotten" and not self._is_held(t, 59.0)
             runaway = step.trigger == "limit"
-            if not (limit or restarted or forgotten or runaway or self._was_said(_W, t)):
+            ends = step.trigger == "end" and self._ends
+            if not (limit or ends or restarted or forgotten or runaway or self._was_said(_W, t)):
                 return "without a W, a limit, a restart or a forgotten stick"
         return ""
 
@@ -254,7 +259,7 @@ class _Auditor:
             return True
         if state == SURFACING:
             return isinstance(command, Order) or command in (UPWARD, DOWNWARD)
-        return state != MANUAL_DRIVING and command is Order.STOP
+        return (state != MANUAL_DRIVING or self._ends) and command is Order.STOP
 
     def _permit(self, command: Setpoint | Order, t: float) -> None:
         order = isinstance(command, Order)
@@ -283,7 +288,7 @@ class _Auditor:
             yield Spurious(
                 tx.t, f"{tx.data!r} in {self._state}: no step asked for it ({tx.reason})"
             )
-        if self._state == MANUAL_DRIVING:
+        if self._state == MANUAL_DRIVING and not self._ends:
             yield Spurious(tx.t, f"{tx.data!r} while the stick is held ({tx.reason})")
 
     def _relayed(self, tx: Tx) -> Iterator[Spurious]:

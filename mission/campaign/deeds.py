@@ -45,6 +45,8 @@ class Act(enum.Enum):
     PART = "loses its connection"
     KILL = "the program is killed"
     BOOT = "the program begins anew"
+    END = "the program is told to end, and begins anew when it has"
+    HURRY = "the program is told to end at once"
     UNPLUG = "the cable to the STM32 is pulled"
     PLUG = "the cable to the STM32 is back"
     FILL = "the disk is full"
@@ -315,6 +317,12 @@ def _killed_twice(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
     return [*(d for d in _killed(rng, lines) if d.after < again), *second]
 
 
+def _ended(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    """By SIGTERM; now and then by a second one, before the vehicle is up."""
+    hurry = [Deed(rng.uniform(0.0, 60.0), Act.HURRY)] if rng.random() < 0.3 else []
+    return [Deed(0.0, Act.END), *hurry]
+
+
 def _killed_in_a_write(rng: Random, _: tuple[str, ...]) -> list[Deed]:
     """Of its store, the next that there will be; the trial begins it anew."""
     return [Deed(0.0, rng.choice([Act.DIE_BEFORE, Act.DIE_AFTER]))]
@@ -388,6 +396,7 @@ INCIDENTS: dict[str, Incident] = {
     "modem_garbled": Incident("envelopes of the modem that are damaged", _modem_garbled),
     "killed": Incident("the program is killed and begun anew", _killed),
     "killed_twice": Incident("twice within a minute", _killed_twice),
+    "ended": Incident("the program is ended in order, and begun anew", _ended),
     "killed_in_a_write": Incident("killed while it makes something durable", _killed_in_a_write),
     "power_cut": Incident("Pi and STM32 lose their power, and have it again", _power_cut),
     "stalled": Incident("the program stands still for seconds", _stalled),

@@ -41,6 +41,7 @@ from mission.model import (
     SURFACING,
     AutoNode,
     Chart,
+    Ending,
     LineOpened,
     Loaded,
     Outcome,
@@ -91,7 +92,7 @@ class Drive:
     ) -> None:
         self._configuration, self._vehicle = configuration, vehicle
         self._store = WatchedStore(store, self._failed_write)
-        self.judge = Judge(vehicle)
+        self.judge = Judge(vehicle, configuration.ascent_only)
         self._recorder, self._observer = recorder, observer
         start = rec.Start(__version__, configuration, vehicle, store.content, wall)
         self._record(rec.start_record, start, 0.0)
@@ -169,6 +170,18 @@ class Drive:
         if _is_due(self._engine.next_timer(), now):
             self._step(now, ())
         return self._leave(now)
+
+    def end(self, now: float, *, at_once: bool = False) -> list[Tx]:
+        """The program is to end: when the engine is settled, or ``at_once`` with its last words."""
+        self._now = now = max(self._now, now)
+        self._record(rec.input_record, now, rec.ENDING, *([rec.AT_ONCE] if at_once else []))
+        self._step(now, (Ending(at_once),))
+        return self._leave(now)
+
+    @property
+    def said_all(self) -> bool:
+        """Nothing waits to be sent to the vehicle, or for its answer."""
+        return self._frontseat.next_timer() is None
 
     def next_timer(self) -> float | None:
         first = self._latch.next_timer()
@@ -304,11 +317,6 @@ class Drive:
             self._owes_report = False
             self._topside.report_unasked(now, "at the surface")
 
-    # --- durable --------------------------------------------------------------------------------
-
-    def _failed_write(self, number: int, why: str) -> None:
-        self._record(rec.input_record, self._now, rec.STORE, str(number), why)
-
     # --- what Topside asks (Vessel) ---------------------------------------------------------------
 
     @property
@@ -386,6 +394,9 @@ class Drive:
         self._step(now, (Loaded(chart),))
 
     # --- record -----------------------------------------------------------------------------------
+
+    def _failed_write(self, number: int, why: str) -> None:
+        self._record(rec.input_record, self._now, rec.STORE, str(number), why)
 
     def _record(self, make: Callable[..., Record], *values: object) -> None:
         if self._recorder is not None:

@@ -24,8 +24,10 @@ from mission.model.chart import (
     State,
 )
 from mission.model.running import (
+    UNKNOWN,
     Action,
     AutoNode,
+    Ending,
     Estimate,
     Evaluation,
     Health,
@@ -90,6 +92,7 @@ __all__ = [
     "SURFACE",
     "SURFACED",
     "SURFACING",
+    "UNKNOWN",
     "Action",
     "And",
     "AutoNode",
@@ -98,6 +101,7 @@ __all__ = [
     "Chart",
     "Comparison",
     "Edge",
+    "Ending",
     "Estimate",
     "Evaluation",
     "Exit",

@@ -135,9 +135,20 @@ class AutoNode:
 
 @dataclass(frozen=True, slots=True)
 class Restarted:
-    """The program starts: ``during`` is what ``Engine.under_way`` said last ("" if nothing was)."""
+    """The program starts: ``during`` is what ``Engine.under_way`` said last ("" if nothing was,
+    UNKNOWN where the store cannot tell)."""
 
     during: str
+
+
+UNKNOWN = "something that the store does not tell"
+
+
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """The program is to end, in order: up first. ``now``: it has no more time for that."""
+
+    now: bool = False
 
 
 class Health(NamedTuple):

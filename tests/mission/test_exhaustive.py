@@ -19,7 +19,7 @@ from mission.drive.frontseat import Frontseat
 from mission.drive.obeyed import Obeyed
 from mission.drive.staging import Staging
 from mission.drive.uploads import Uploads
-from mission.engine import core, orders, run, senses
+from mission.engine import core, ending, orders, run, senses
 from mission.engine.ascent import Ascent
 from mission.engine.watch import Watch
 from mission.envelope import LIMITS, Bounds, Limit
@@ -30,7 +30,7 @@ from mission.exhaustive.events import EVENTS
 from mission.exhaustive.fork import Fork
 from mission.exhaustive.run import ALL_LAWS, Found, examine_ground, unasked
 from mission.exhaustive.world import World
-from mission.model import AUTONOMOUS, STOPPED, Action, Tx, Verdict
+from mission.model import AUTONOMOUS, STOPPED, SURFACED, Action, By, Tx, Verdict
 from mission.navigation.health import SensorHealth, _Monitor
 from mission.vehicle import Vehicle, missions_folder
 from protocol.messages import UPWARD, Order, SetSafety
@@ -362,6 +362,36 @@ def _guesses_an_order(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Drive, "receive", lenient)
 
 
+def _ends_with_a_stop(patch: pytest.MonkeyPatch) -> None:
+    stop = lambda c: None if c.region == "emergency" else c.stop_in("end", SURFACED, "over")  # noqa: E731
+    patch.setattr(ending, "go_on", stop)
+
+
+def _ends_as_it_is(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(ending, "settled", lambda c: True)
+
+
+def _ends_with_w_everywhere(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(ending, "go_on", lambda c: c.surface("W", "over", By.OPERATOR))
+
+
+def _restart_only_stops(patch: pytest.MonkeyPatch) -> None:
+    quietly = lambda c, before: c.stop_quietly("a restart")  # noqa: E731
+    patch.setattr("mission.engine.engine.begin_again", quietly)
+    patch.setattr("mission.exhaustive.world._BEGUN", {})
+
+
+def _ascent_after_the_last_words(patch: pytest.MonkeyPatch) -> None:
+    say = core.Core.say_last
+
+    def goes_on(self: core.Core, action: Action) -> None:
+        kept = self.ascent
+        say(self, action)
+        self.ascent = kept
+
+    patch.setattr(core.Core, "say_last", goes_on)
+
+
 BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_refuse_x, "surfacing", "X acts from everywhere within the step"),
     (_refuse_x, "surfacing", "W acts from everywhere within the step"),
@@ -408,6 +438,11 @@ BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_loosest, "autonomous/dive , quiet", "a breach leads to its response where it acts, and only there"),
     (_at_the_first_sample, "autonomous/dive , quiet", "from region to region only for a cause"),
     (_unknown_is_shallow, "waiting", "60 s after the stick: idle at the surface, surfacing where deep"),
+    (_ends_with_a_stop, "autonomous/dive , quiet", "an ordered end brings up what is under way first"),
+    (_ends_as_it_is, "autonomous/dive , quiet", "an ordered end brings up what is under way first"),
+    (_ends_with_w_everywhere, "ready", "an ordered end turns nothing where nothing is under way"),
+    (_restart_only_stops, "autonomous/dive , quiet", "a restart surfaces what was under way and leaves the rest at rest"),
+    (_ascent_after_the_last_words, "surfacing", "the last words of a program are X0 and U12"),
     (_guesses_an_order, "ready", "no other Z of an operator's does anything"),
     (_refusal_ignored, "autonomous/dive , two Z lost, one outstanding", "three Z without an answer surface"),
 )  # fmt: skip
