@@ -18,8 +18,9 @@ from types import MappingProxyType
 from typing import Any
 
 from mission.engine.core import Core
-from mission.engine.senses import FIX_AGE, metres
+from mission.engine.senses import FIX_AGE
 from mission.envelope import SILENCE, admit
+from mission.fixes import metres
 from mission.legs import LEGS
 from mission.model import (
     AUTONOMOUS,

@@ -24,6 +24,7 @@ from mission.model.chart import (
     State,
 )
 from mission.model.running import (
+    CONTRADICTED,
     Action,
     AutoNode,
     Estimate,
@@ -40,6 +41,7 @@ from mission.model.running import (
     Step,
     Tx,
     Verdict,
+    Vertical,
 )
 from mission.model.texts import (
     HOME,
@@ -78,6 +80,7 @@ from mission.model.texts import (
 )
 
 __all__ = [
+    "CONTRADICTED",
     "AUTONOMOUS",
     "HOME",
     "IDLE_EMPTY",
@@ -138,6 +141,7 @@ __all__ = [
     "Surface",
     "Tx",
     "Verdict",
+    "Vertical",
     "Wait",
     "Where",
     "Yoyo",
