@@ -36,7 +36,7 @@ _OFFSET_TIME = 30.0  # s of such fixes that contradict a depth
 _PUSHES, _HARD = 0.6, 0.75  # share of full thrust: short of what is asked, and in any case
 _SHORT, _NEAR = 1.0, 0.5  # m short of what is asked; at the surface where fixes have ended
 _NEUTRAL, _STILL = 0.1, 0.1  # share of full thrust, vertical and ahead
-_GROUND = 1.0  # m of altitude: it may lie on the ground
+_GROUND, _LIES = 1.0, 60.0  # m of altitude, s since it was heard: it may lie on the ground
 _FIXES_GO = 3.0  # s without one: the antenna is under water
 _HAD = 60.0  # s ago at most, that there were some
 _BODY = 1.25  # m/s: no body is faster up or down
@@ -65,7 +65,7 @@ class DepthBelief:
         self._samples: tuple[_Sample, ...] = ()
         self._way, self._pushed_at = 0, -math.inf  # of a push that should move it, down positive
         self._calm_at = self._still_at = math.inf  # since when nothing pushes down; drives
-        self._moved_at = -math.inf
+        self._moved_at = self._grounded_at = -math.inf
         self._doubted_at = -math.inf
         self._low = self._high = math.nan  # of its means, since then
 
@@ -106,7 +106,7 @@ class DepthBelief:
         if self.reason:
             self._reconsider(t, after, after - before, receiver)
         else:
-            self._doubt(t, depth, after - before, receiver)
+            self._doubt(t, after, after - before, receiver)
 
     # --- what is going on ----------------------------------------------------------------------
 
@@ -120,9 +120,11 @@ class DepthBelief:
         receiver: Receiver,
     ) -> None:
         quiet = receiver.quiet(t)
+        if altitude is not None:
+            self._grounded_at = t if altitude <= _GROUND else -math.inf
         gone = quiet is not None and _FIXES_GO < quiet <= _HAD
         if way := self._push(depth, push, _NEAR if gone and abs(depth) < SHALLOW else _SHORT):
-            at_ground = altitude is not None and altitude <= _GROUND
+            at_ground = t - self._grounded_at <= _LIES
             afloat = abs(depth) < SHALLOW and quiet is not None and quiet <= _FIXES_GO
             if (at_ground or afloat) if way > 0 else depth < SHALLOW:
                 way = 0
