@@ -80,8 +80,8 @@ from mission.model.texts import (
 )
 
 __all__ = [
-    "CONTRADICTED",
     "AUTONOMOUS",
+    "CONTRADICTED",
     "HOME",
     "IDLE_EMPTY",
     "IDLE_READY",
