@@ -7,7 +7,8 @@ never twice the same. What speaks against it, over the last ``WINDOW`` seconds:
     altimeter the ground comes nearer, or goes, evenly, while the depth stands and nothing drives
     leaps     it is elsewhere at once, and stays there
     rate      it moves faster than a body does
-    offset    fixes come as at the surface, nothing pushes down, and it stands 0.8 m or more off 0
+    offset    fixes come as at the surface, nothing pushes down, and it is 0.8 m or more off 0, and
+              stands, or does not fall though the verticals push up
 
 What explains a depth that stands is no contradiction: fixes that come in at the surface (the dive
 fails), the ground under the vehicle, the surface above it. A depth that was contradicted is
@@ -22,6 +23,7 @@ be seen this way: docs/navigation.md.
 from __future__ import annotations
 
 import copy
+import itertools
 import math
 from typing import NamedTuple, Self
 
@@ -33,8 +35,10 @@ STANDS = 0.4  # m between the means of the window's two halves, 8 s apart
 SHALLOW = 0.8  # m: the surface's 0.5 m and three sigma of the sensor
 AGREES = 10.0  # s of fixes as at the surface that make a shallow depth believed again
 _OFFSET_TIME = 30.0  # s of such fixes that contradict a depth
-_PUSHES, _HARD = 0.6, 0.75  # share of full thrust: short of what is asked, and in any case
-_SHORT, _NEAR = 1.0, 0.5  # m short of what is asked; at the surface where fixes have ended
+_LIFTED = 8.0  # s of push upward meanwhile: then it need not even stand
+_PUSHES, _HARD = 0.55, 0.75  # share of full thrust: short of what is asked, and in any case
+_SHORT = 0.5  # m short of what is asked that must move a vehicle whose verticals so report
+_UNREPORTED = 1.0  # m, where they do not report: a hold may be so far off for ever
 _NEUTRAL, _STILL = 0.1, 0.1  # share of full thrust, vertical and ahead
 _GROUND, _LIES = 1.0, 60.0  # m of altitude, s since it was heard: it may lie on the ground
 _FIXES_GO = 3.0  # s without one: the antenna is under water
@@ -68,6 +72,7 @@ class DepthBelief:
         self._moved_at = self._grounded_at = -math.inf
         self._doubted_at = -math.inf
         self._low = self._high = math.nan  # of its means, since then
+        self._afloat, self._lifted = (math.inf, math.inf), 0.0  # since when, from what depth; s
 
     def clone(self) -> Self:
         return copy.copy(self)
@@ -122,8 +127,8 @@ class DepthBelief:
         quiet = receiver.quiet(t)
         if altitude is not None:
             self._grounded_at = t if altitude <= _GROUND else -math.inf
-        gone = quiet is not None and _FIXES_GO < quiet <= _HAD
-        if way := self._push(depth, push, _NEAR if gone and abs(depth) < SHALLOW else _SHORT):
+        gone = quiet is not None and _FIXES_GO < quiet <= _HAD and abs(depth) < SHALLOW
+        if way := self._push(depth, push, gone):
             at_ground = t - self._grounded_at <= _LIES
             afloat = abs(depth) < SHALLOW and quiet is not None and quiet <= _FIXES_GO
             if (at_ground or afloat) if way > 0 else depth < SHALLOW:
@@ -135,15 +140,16 @@ class DepthBelief:
         self._calm_at = math.inf if pushes_down else min(self._calm_at, t)
         self._still_at = math.inf if mains > _STILL else min(self._still_at, t)
 
-    def _push(self, depth: float, push: Vertical, short: float) -> int:
-        """1 down, -1 up; 0 where the depth may well stand."""
+    def _push(self, depth: float, push: Vertical, gone: bool) -> int:
+        """1 down, -1 up; 0 where the depth may well stand. ``gone``: it says that it is at the
+        surface, and fixes have ended."""
         down, asked = push
         if down is not None and abs(down) >= _HARD:
             return 1 if down > 0.0 else -1
         if asked is None or (down is not None and abs(down) < _PUSHES):
             return 0
         off = asked - depth
-        if abs(off) <= short:
+        if abs(off) <= (_UNREPORTED if down is None and not gone else _SHORT):
             return 0
         way = 1 if off > 0.0 else -1
         return way if down is None or down * way > 0.0 else 0
@@ -167,18 +173,27 @@ class DepthBelief:
         if abs(moved) > _BODY * 0.5 * WINDOW:
             rate = abs(moved) / (0.5 * WINDOW)
             self._contradict(t, f"{rate:.1f} m/s up or down, which no body has", moves=False)
+        elif self._is_off(t, depth, abs(moved) < STANDS, receiver):
+            self._contradict(t, f"fixes come and it says {depth:.1f} m", moves=False)
         elif abs(moved) >= STANDS:
             return
         elif self._way and self._pushed_at <= whole:
             way = "down" if self._way > 0 else "up"
             says = f"the verticals push {way} and it stands at {depth:.1f} m"
-            self._contradict(t, says, moves=True)
+            self._contradict(t, says, moves=self._way > 0)
         elif self._still_at <= whole and t - self._moved_at >= _AT_REST and (by := self._ground(t)):
             says = f"the ground comes nearer by {by:.1f} m and it stands at {depth:.1f} m"
             self._contradict(t, says, moves=True)
-        elif abs(depth) >= SHALLOW and self._calm_at <= whole:
-            if receiver.settled(t) >= _OFFSET_TIME:
-                self._contradict(t, f"it stands at {depth:.1f} m and fixes come", moves=False)
+
+    def _is_off(self, t: float, depth: float, stands: bool, receiver: Receiver) -> bool:
+        """Fixes as at the surface, nothing pushes down, and a depth that is not 0, nor falls."""
+        floats = self._calm_at < math.inf and receiver.settled(t) > 0.0
+        if not floats or depth < self._afloat[1] - STANDS:
+            self._afloat, self._lifted = (t, depth if floats else math.inf), 0.0
+            return False
+        self._lifted += (self._way < 0) * (t - self._samples[-2].t)
+        lasts = t - self._afloat[0] >= _OFFSET_TIME
+        return lasts and abs(depth) >= SHALLOW and (stands or self._lifted >= _LIFTED)
 
     def _ground(self, t: float) -> float:
         """m by which the ground came nearer (negative: went) between the halves, evenly; 0: not."""
@@ -191,7 +206,7 @@ class DepthBelief:
         if abs(nearer) < _CLOSING:
             return 0.0
         way, (rate, noise) = math.copysign(1.0, nearer), _EVENLY
-        for (at, a), (bt, b) in zip(seen, seen[1:], strict=False):
+        for (at, a), (bt, b) in itertools.pairwise(seen):
             if not -noise <= (a - b) * way <= rate * (bt - at) + noise:
                 return 0.0
         return nearer
