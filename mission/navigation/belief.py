@@ -222,10 +222,17 @@ class DepthBelief:
         if self._samples[0].t < self._doubted_at:
             return
         self._low, self._high = min(self._low, mean), max(self._high, mean)
-        if self._moves and _FOLLOWS <= abs(moved) <= _BODY * 0.5 * WINDOW:
+        if self._moves and abs(moved) >= _FOLLOWS and self._evenly():
             buoyed = self._way == 0 and moved < 0.0 and self._calm_at <= self._samples[0].t
             if moved * self._way > 0.0 or buoyed:
                 self.reason = ""
         shallow = abs(mean) < SHALLOW and self._high - self._low >= _MOVED
         if shallow and receiver.settled(t) >= AGREES:
             self.reason = ""
+
+    def _evenly(self) -> bool:
+        """No step of the depth that a body does not make."""
+        return all(
+            abs(b.depth - a.depth) <= _BODY * (b.t - a.t) + STANDS
+            for a, b in itertools.pairwise(self._samples)
+        )
