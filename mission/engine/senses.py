@@ -15,6 +15,7 @@ import statistics
 from dataclasses import replace
 from typing import Any, Protocol, Self
 
+from mission.engine.attitude import Attitude
 from mission.fixes import SETTLED, Receiver, metres
 from mission.legs.base import Point, wrap
 from mission.model import (
@@ -89,6 +90,7 @@ class Senses:
         self.receiver = Receiver()
         self._fixed_at = -math.inf  # of the last one that proves the surface
         self.estimate: Estimate | None = None
+        self.attitude = Attitude()
         self.believed_depth: float | None = None  # the last one that could be believed
         self._believed_at = -math.inf
         self.command: Setpoint | None = None  # in force at the vehicle
@@ -121,6 +123,7 @@ class Senses:
 
     def take_telemetry(self, report: Telemetry) -> None:
         self.telemetry = report
+        self.attitude = self.attitude.after(report)
         if self.navigation:
             push = Vertical(_downward(report), self._asked())
             self.navigation.telemetry(self._with_thrust(report), push)
@@ -218,6 +221,11 @@ class Senses:
             seen = None if report is None else report.depth
             self._depth = seen if seen is not None and self.health("depth").valid else None
         return self._depth
+
+    @property
+    def overturned(self) -> bool:
+        """Upside down, by three reports that agree."""
+        return self.attitude.overturned
 
     @property
     def submerged(self) -> bool:
