@@ -182,6 +182,9 @@ class SensorHealth:
         value = known + 1.0 if self.receiver.fresh else known
         return monitor.observe(CHANNELS["position"], f.t, value, self.moving, False)
 
+    def forget(self, channel: str) -> None:
+        self.monitors[channel] = _Monitor()
+
     def repeated(self, channel: str) -> bool:
         """The last report says nothing new: an altimeter without an echo repeats its last one."""
         return self.monitors[channel].repeated
