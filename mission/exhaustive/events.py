@@ -38,8 +38,13 @@ def _too_deep(world: World) -> None:
 
 
 def _hard_depth(world: World) -> None:
-    world.sea.depth = 103.0
+    world.come_to(103.0)
     world.wait(12.5)
+
+
+def _pushes_in_vain(world: World) -> None:
+    world.sea.dives = True
+    world.wait(18.5)
 
 
 def _sinks(world: World) -> None:
@@ -85,7 +90,7 @@ def _own_depth(world: World, configuration: Configuration, chart: Chart) -> None
     world.say(encode(SetSafety(depth=60000.0)))
     own, hard = chart.mission.safety, world.vehicle.limits
     bound = hard.depth if own is None or own.depth is None else min(own.depth, hard.depth)
-    world.sea.depth = bound + 1.2
+    world.come_to(bound + 1.2)
     world.wait(12.5)
 
 
@@ -163,6 +168,7 @@ LIMITS = (
     Event("limit hard depth", script(_hard_depth), limit="hard depth"),
     Event("limit unexplained descent", script(_sinks), limit="unexplained descent"),
     Event("limit no progress", script(_stuck), limit="no progress", also=frozenset({"minute"})),
+    Event("limit depth contradicted", script(_pushes_in_vain), limit="depth contradicted"),
     Event(
         "limit depth unknown", script(_blinded), limit="depth unknown", sensor="depth", after=6.0
     ),

@@ -88,6 +88,13 @@ class World:
         for address in (BOAT, TENDER):
             self._take(self.drive.connected(TOPSIDE, address, self.now))
 
+    def come_to(self, depth: float) -> None:
+        """There, as if it had come there long ago: nothing is remembered of another depth."""
+        self.sea.depth = depth
+        navigation = self.engine._core.senses.navigation
+        if isinstance(navigation, Navigation):
+            navigation.forget_depth()
+
     # --- what comes in -------------------------------------------------------------------------
 
     def say(self, data: bytes, address: str = BOAT) -> None:

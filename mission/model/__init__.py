@@ -24,6 +24,7 @@ from mission.model.chart import (
     State,
 )
 from mission.model.running import (
+    CONTRADICTED,
     UNKNOWN,
     Action,
     AutoNode,
@@ -42,6 +43,7 @@ from mission.model.running import (
     Step,
     Tx,
     Verdict,
+    Vertical,
 )
 from mission.model.texts import (
     HOME,
@@ -81,6 +83,7 @@ from mission.model.texts import (
 
 __all__ = [
     "AUTONOMOUS",
+    "CONTRADICTED",
     "HOME",
     "IDLE_EMPTY",
     "IDLE_READY",
@@ -142,6 +145,7 @@ __all__ = [
     "Surface",
     "Tx",
     "Verdict",
+    "Vertical",
     "Wait",
     "Where",
     "Yoyo",

@@ -31,6 +31,7 @@ from mission.exhaustive.fork import Fork
 from mission.exhaustive.run import ALL_LAWS, Found, examine_ground, unasked
 from mission.exhaustive.world import World
 from mission.model import AUTONOMOUS, STOPPED, SURFACED, Action, By, Tx, Verdict
+from mission.navigation.belief import DepthBelief
 from mission.navigation.health import SensorHealth, _Monitor
 from mission.vehicle import Vehicle, missions_folder
 from protocol.messages import UPWARD, Order, SetSafety
@@ -148,11 +149,16 @@ def _believe_all(patch: pytest.MonkeyPatch) -> None:
         return True
 
     patch.setattr(_Monitor, "observe", believed)
+    patch.setattr(DepthBelief, "_contradict", lambda *_, **__: None)
 
 
 def _a_gap_is_no_doubt(patch: pytest.MonkeyPatch) -> None:
     telemetry = SensorHealth.telemetry
-    patch.setattr(SensorHealth, "telemetry", lambda self, t: telemetry(self, replace(t, faults=())))
+    patch.setattr(
+        SensorHealth,
+        "telemetry",
+        lambda self, t, push: telemetry(self, replace(t, faults=()), push),
+    )
 
 
 def _no_timeout(patch: pytest.MonkeyPatch) -> None:
