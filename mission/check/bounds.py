@@ -22,11 +22,13 @@ from dataclasses import dataclass, replace
 
 from mission.check.assumptions import (
     ASCENT_TRIES,
+    FROZEN,
     LATE,
     OVERSHOOT,
     SPEED_SHARE,
     STICKS,
     SURFACED,
+    TURNED,
     TWO_SIGMA,
     Assumptions,
 )
@@ -57,8 +59,7 @@ from mission.units import GEARS
 from mission.vehicle import Vehicle
 from protocol.messages import Setpoint
 
-FROZEN = 10.0  # s until a reading is known to be frozen: five reports alike, 2 s apart
-TURNED = 3.0  # s until thrusters and buoyancy have turned a dive round
+_AFLOAT: Interval = (0.0, 0.5)  # m (R7)
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,12 +87,14 @@ class Bounds:
     made_east: Interval
     since: float = 0.0  # s since then
     path: float = 0.0  # m through the water since then
+    fastest: float = 0.0  # m/s through the water since then
+    blind: float = 0.0  # m deep at most, the truth, where the sensor of a hold fails unseen
     trail: Trail | None = None
 
     @staticmethod
     def start(within: float, fix: float) -> Bounds:
         box, none = (-within, within), (0.0, 0.0)
-        return Bounds(0.0, 0.0, box, box, (0.0, 0.5), within + fix, fix, box, box, none, none)
+        return Bounds(0.0, 0.0, box, box, _AFLOAT, within + fix, fix, box, box, none, none)
 
     def join(self, other: Bounds) -> Bounds:
         later = self if self.time >= other.time else other
@@ -109,6 +112,8 @@ class Bounds:
             made_east=hull(self.made_east, other.made_east),
             since=max(self.since, other.since),
             path=max(self.path, other.path),
+            fastest=max(self.fastest, other.fastest),
+            blind=max(self.blind, other.blind),
             trail=later.trail,
         )
 
@@ -135,12 +140,12 @@ class LegBounds:
         """s at most in this leg, entered with these bounds."""
         leg = self.leg
         limits = [t for t in (leg.duration, leg.timeout) if t is not None]
+        if isinstance(leg.kind, Surface) and not limits:
+            limits.append(ascent_time(entry.depth[1], self.vehicle))
         for way in leg.exits:
             clock = opens_at(way.guard.expression, "elapsed")
             if clock is not None:
                 limits.append(clock + way.guard.held)
-        if isinstance(leg.kind, Surface):
-            limits.append(ascent_time(entry.depth[1], self.vehicle))
         return min(limits)
 
     def _vertical(self) -> float:
@@ -173,6 +178,8 @@ class LegBounds:
             depth=self._depth(entry, time),
             since=entry.since + time,
             path=entry.path + self.speed * time,
+            fastest=max(entry.fastest, self.speed),
+            blind=self._blind(entry, time),
             trail=Trail(self.path, by, time, entry.trail),
         )
         if isinstance(self.leg.kind, Surface):
@@ -187,7 +194,9 @@ class LegBounds:
         made = reach(at.made_north, at.made_east)
         constant = math.hypot(SPEED_SHARE, TWO_SIGMA * sensors.heading_bias)
         drift = self.assume.current * at.since
-        return TWO_SIGMA * sensors.fix + made * constant + at.path * sensors.heading + drift
+        lost = at.fastest * min(at.since, FROZEN + LATE)  # without a compass, until that is known
+        noise = TWO_SIGMA * sensors.fix + at.path * sensors.heading
+        return noise + made * constant + lost + drift
 
     def _surfaced(self, after: Bounds, time: float, by: By) -> Bounds:
         farthest = after.range + self.assume.current * time
@@ -195,7 +204,8 @@ class LegBounds:
         if by is not By.END:
             return replace(after, error=self._error(after), range=farthest)
         if not self.leg.kind.until_fix:
-            return replace(after, error=self._error(after), range=farthest, depth=(0.0, 0.5))
+            up = replace(after, range=farthest, depth=_AFLOAT, blind=_AFLOAT[1])
+            return replace(up, error=self._error(up))
         error = self._error(after)
         north, east = grown(after.north, error), grown(after.east, error)
         fresh = Bounds.start(0.0, TWO_SIGMA * self.vehicle.sensors.fix)
@@ -234,14 +244,31 @@ class LegBounds:
             deepest = min(deepest, max(high, self.assume.floor - s.altitude) + OVERSHOOT)
         return 0.0, max(high, deepest)
 
-    def blind(self, deepest: float) -> float:
-        """m at most, from ``deepest``, if the sensor that a hold goes by fails: it pushes down
-        until that is known, and until the ascent has turned the dive round."""
-        s = self.setpoint
-        holds = s.depth is not None or s.altitude is not None or isinstance(self.leg.kind, Yoyo)
-        if not holds and not (s.heave is not None and s.heave > 0):
+    def blind(self, entry: Bounds) -> float:
+        """m at most if the sensor that a hold goes by fails: it pushes down until that is known,
+        and until the ascent has turned the dive round."""
+        deepest = max(self._depth(entry, self.duration(entry))[1], entry.blind)
+        if not self._pushes_down:
             return deepest
-        deeper = deepest + self.vehicle.dive_rate * (FROZEN + LATE + STICKS + TURNED)
+        failed = max(self.duration(entry), FROZEN + LATE) + STICKS + TURNED
+        return self._above_floor(deepest, deepest + self.vehicle.dive_rate * failed)
+
+    def _blind(self, entry: Bounds, time: float) -> float:
+        """Near the depth that is asked for nothing can see that a reading stands: a hold then
+        pushes down for as long as it lasts, and the next one goes on from there."""
+        if not self._pushes_down:
+            return entry.blind
+        deepest = max(entry.blind, self._depth(entry, time)[1])
+        return self._above_floor(deepest, deepest + self.vehicle.dive_rate * time)
+
+    @property
+    def _pushes_down(self) -> bool:
+        s = self.setpoint
+        held = s.depth is not None or s.altitude is not None or isinstance(self.leg.kind, Yoyo)
+        return held or (s.heave is not None and s.heave > 0)
+
+    def _above_floor(self, deepest: float, deeper: float) -> float:
+        """``deeper``, but not below the floor where the mission says how deep that is."""
         floor = math.inf if self.assume.depth_without_floor else self.assume.floor
         return max(deepest, min(deeper, floor))
 

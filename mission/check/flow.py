@@ -175,7 +175,8 @@ class Flow:
         proof.reached.add(path)
         sweep = leg.sweep(entry)
         self._note(path, sweep)
-        proof.blind = max(proof.blind, leg.blind(sweep.depth[1]))
+        proof.blind = max(proof.blind, leg.blind(entry))
+        self._surface(path, sweep)
         for scope in above:
             for handler in self.handlers.get(scope, ()):
                 if handler.target != path:
@@ -190,20 +191,25 @@ class Flow:
 
     def _arrive(self, path: str, bounds: Bounds) -> None:
         """The implicit leg: the ascent, and with it the end."""
+        self.proof.reached.add(path)
+        end = self._surface(path, bounds)
+        self.proof.end = end if self.proof.end is None else self.proof.end.join(end)
+
+    def _surface(self, path: str, bounds: Bounds) -> Bounds:
+        """At the surface, from anywhere in these bounds: a limit may act at any moment."""
         time = ascent_time(bounds.depth[1], self.vehicle)
         drift = self.assume.current * time
-        end = replace(
+        battery = self.vehicle.battery
+        up = replace(
             bounds,
             time=bounds.time + time,
-            energy=bounds.energy
-            + time * (self.vehicle.battery.hotel + self.vehicle.battery.vertical),
+            energy=bounds.energy + time * (battery.hotel + battery.vertical),
             range=bounds.range + drift,
             error=bounds.error + drift,
             trail=Trail(IMPLICIT_SURFACE, By.END, time, bounds.trail),
         )
-        self.proof.reached.add(IMPLICIT_SURFACE)
-        self._note(IMPLICIT_SURFACE, end)
-        self.proof.end = end if self.proof.end is None else self.proof.end.join(end)
+        self._note(path, up)
+        return up
 
     def _note(self, path: str, bounds: Bounds) -> None:
         proof = self.proof
