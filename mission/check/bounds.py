@@ -88,6 +88,8 @@ class Bounds:
     since: float = 0.0  # s since then
     path: float = 0.0  # m through the water since then
     fastest: float = 0.0  # m/s through the water since then
+    strayed: float = 0.0  # m since then, to any side of where it means to be
+    way: float = 0.0  # m/s through the water that was asked for last
     blind: float = 0.0  # m deep at most, the truth, where the sensor of a hold fails unseen
     trail: Trail | None = None
 
@@ -113,6 +115,8 @@ class Bounds:
             since=max(self.since, other.since),
             path=max(self.path, other.path),
             fastest=max(self.fastest, other.fastest),
+            strayed=max(self.strayed, other.strayed),
+            way=max(self.way, other.way),
             blind=max(self.blind, other.blind),
             trail=later.trail,
         )
@@ -136,12 +140,11 @@ class LegBounds:
 
     # --- what it takes -----------------------------------------------------------------
 
-    def duration(self, entry: Bounds) -> float:
-        """s at most in this leg, entered with these bounds."""
+    @property
+    def duration(self) -> float:
+        """s at most in this leg: whatever it waits for may be withheld, but not its clock."""
         leg = self.leg
         limits = [t for t in (leg.duration, leg.timeout) if t is not None]
-        if isinstance(leg.kind, Surface) and not limits:
-            limits.append(ascent_time(entry.depth[1], self.vehicle))
         for way in leg.exits:
             clock = opens_at(way.guard.expression, "elapsed")
             if clock is not None:
@@ -170,7 +173,7 @@ class LegBounds:
         )
 
     def leave(self, entry: Bounds, by: By, *, guard: Expression | None = None) -> Bounds:
-        time = self.duration(entry)
+        time = self.duration
         after = replace(
             entry,
             time=entry.time + time,
@@ -179,11 +182,12 @@ class LegBounds:
             since=entry.since + time,
             path=entry.path + self.speed * time,
             fastest=max(entry.fastest, self.speed),
+            way=self.speed,
             blind=self._blind(entry, time),
             trail=Trail(self.path, by, time, entry.trail),
         )
         if isinstance(self.leg.kind, Surface):
-            return self._surfaced(after, time, by)
+            return self._surfaced(entry, after, time, by)
         if self.places:
             return self._steered(entry, after, time, by)
         return self._held(after, time, by, guard)
@@ -196,9 +200,10 @@ class LegBounds:
         drift = self.assume.current * at.since
         lost = at.fastest * min(at.since, FROZEN + LATE)  # without a compass, until that is known
         noise = TWO_SIGMA * sensors.fix + at.path * sensors.heading
-        return noise + made * constant + lost + drift
+        return noise + made * constant + at.strayed + lost + drift
 
-    def _surfaced(self, after: Bounds, time: float, by: By) -> Bounds:
+    def _surfaced(self, entry: Bounds, after: Bounds, time: float, by: By) -> Bounds:
+        after = goes_on(entry.way, after, self.vehicle)
         farthest = after.range + self.assume.current * time
         assert isinstance(self.leg.kind, Surface)
         if by is not By.END:
@@ -247,10 +252,10 @@ class LegBounds:
     def blind(self, entry: Bounds) -> float:
         """m at most if the sensor that a hold goes by fails: it pushes down until that is known,
         and until the ascent has turned the dive round."""
-        deepest = max(self._depth(entry, self.duration(entry))[1], entry.blind)
+        deepest = max(self._depth(entry, self.duration)[1], entry.blind)
         if not self._pushes_down:
             return deepest
-        failed = max(self.duration(entry), FROZEN + LATE) + STICKS + TURNED
+        failed = max(self.duration, FROZEN + LATE) + STICKS + TURNED
         return self._above_floor(deepest, deepest + self.vehicle.dive_rate * failed)
 
     def _blind(self, entry: Bounds, time: float) -> float:
@@ -355,6 +360,18 @@ class LegBounds:
         far = reach(minus(entry.north, (north, north)), minus(entry.east, (east, east)))
         made = max(0.0, self.speed - self.assume.current) * time
         return 1.0 if far <= made else made / far
+
+
+def goes_on(way: float, after: Bounds, vehicle: Vehicle) -> Bounds:
+    """An ascent that begins with W: as built that does not stick, and the way goes on as well."""
+    gear = vehicle.speed_by_gear.inverse(way)
+    return replace(
+        after,
+        energy=after.energy + STICKS * vehicle.thruster_power.at(gear),
+        range=after.range + STICKS * way * (1.0 + SPEED_SHARE),
+        path=after.path + STICKS * way,
+        strayed=after.strayed + STICKS * way,
+    )
 
 
 def ascent_time(depth: float, vehicle: Vehicle) -> float:

@@ -4,8 +4,9 @@ The tree is walked scope by scope: a group's body in its order, as many rounds a
 each leg entered with the join of all ways into it. An edge forward in its scope, or out of it,
 is followed; one backward that is not the round of a group could be taken without end, and is
 reported. ``on`` handlers act once each (a second time the engine surfaces), so the whole is
-walked again from their targets, as many times as there are handlers, with what the walk before
-handed over.
+walked again from their targets, as many times as there are handlers that lead on, with what the
+walk before handed over. From every leg, at any moment of it, a limit or a handler may end the
+mission: the ascent from there counts.
 
 What does not live here: what a leg does to the bounds (bounds.py), what is refused (rules.py).
 """
@@ -17,7 +18,7 @@ from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 from mission.check.assumptions import Assumptions
-from mission.check.bounds import Bounds, LegBounds, Trail, ascent_time
+from mission.check.bounds import Bounds, LegBounds, Trail, ascent_time, goes_on
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, Loop, State
 from mission.vehicle import Vehicle
 
@@ -37,7 +38,8 @@ class TooLongError(Exception):
 class Proof:
     """What the walk found: the worst of each figure with its bounds, and what it came upon."""
 
-    end: Bounds | None = None
+    end: Bounds | None = None  # where the mission's own ways lead
+    worst: Bounds | None = None  # the same, and every ascent that a limit may begin
     widest: float = 0.0
     deepest: float = 0.0
     blind: float = 0.0  # the same if the sensor that a hold goes by fails
@@ -82,7 +84,9 @@ class Flow:
 
     def walk(self, start: Bounds) -> Proof:
         entries = {self.chart.initial: start}
-        for generation in range(1 + sum(map(len, self.handlers.values()))):
+        handlers = (h for scope in self.handlers.values() for h in scope)
+        lead_on = sum(h.target != IMPLICIT_SURFACE for h in handlers)
+        for generation in range(1 + lead_on):
             self._interrupted = generation > 0
             self._next = {}
             self._scope(AUTONOMOUS, entries, ())
@@ -200,6 +204,7 @@ class Flow:
         time = ascent_time(bounds.depth[1], self.vehicle)
         drift = self.assume.current * time
         battery = self.vehicle.battery
+        bounds = goes_on(bounds.way, bounds, self.vehicle)
         up = replace(
             bounds,
             time=bounds.time + time,
@@ -209,6 +214,8 @@ class Flow:
             trail=Trail(IMPLICIT_SURFACE, By.END, time, bounds.trail),
         )
         self._note(path, up)
+        worst = self.proof.worst
+        self.proof.worst = up if worst is None else worst.join(up)
         return up
 
     def _note(self, path: str, bounds: Bounds) -> None:

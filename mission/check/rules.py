@@ -41,7 +41,6 @@ from mission.model import (
     Or,
     Position,
     State,
-    Surface,
     Where,
 )
 from mission.navigation.geodesy import LocalFrame
@@ -130,8 +129,7 @@ def _no_bound(chart: Chart) -> Iterator[Refusal]:
     for state in _legs(chart):
         leg = state.leg
         assert leg is not None
-        bound = leg.duration is not None or leg.timeout is not None
-        if not bound and not isinstance(leg.kind, Surface):
+        if leg.duration is None and leg.timeout is None:
             message = f"{_name(state.path)} has no clock to end it; add for or timeout"
             yield Refusal("no-bound", leg.where, message)
 
@@ -210,18 +208,18 @@ def _ways(chart: Chart, proof: Proof) -> Iterator[Refusal]:
 def _bounds(
     chart: Chart, vehicle: Vehicle, proof: Proof, limits: envelope.Bounds
 ) -> Iterator[Refusal]:
-    end = proof.end
+    worst = proof.worst
     mission = chart.mission
-    if end is None:
+    if proof.end is None or worst is None:
         if not proof.backward:
             yield Refusal("no-way-up", mission.where, "no way leads to the end of the mission")
         return
-    if end.time > limits.time:
+    if worst.time > limits.time:
         message = (
-            f"the worst case takes {_minutes(end.time)}, the ascent included; "
+            f"the worst case takes {_minutes(worst.time)}, the ascent included; "
             f"the safety time is {_minutes(limits.time)}"
         )
-        yield Refusal("time", mission.where, message, _path(end))
+        yield Refusal("time", mission.where, message, _path(worst))
     if proof.out_of_radius is not None:
         path, bounds = proof.out_of_radius
         message = (
@@ -236,12 +234,12 @@ def _bounds(
             f"the depth allowed is {limits.depth:.0f} m" + _floor_hint(chart, path)
         )
         yield Refusal("depth", _where(chart, path), message, _path(bounds))
-    if end.energy > vehicle.battery.usable:
+    if worst.energy > vehicle.battery.usable:
         message = (
-            f"the worst case takes {end.energy / 3600:.0f} Wh, the ascent included; "
+            f"the worst case takes {worst.energy / 3600:.0f} Wh, the ascent included; "
             f"usable are {vehicle.battery.usable / 3600:.0f} Wh"
         )
-        yield Refusal("energy", mission.where, message, _path(end))
+        yield Refusal("energy", mission.where, message, _path(worst))
 
 
 def _floor_hint(chart: Chart, path: str) -> str:
@@ -273,18 +271,19 @@ def _path(bounds: Bounds | None) -> tuple[str, ...]:
 
 
 def _proved(proof: Proof, chart: Chart) -> Proved | None:
-    if proof.end is None:
+    worst = proof.worst
+    if proof.end is None or worst is None:
         return None
     return Proved(
         states=len(proof.reached),
         transitions=len(proof.taken),
-        worst_time=proof.end.time,
-        worst_energy=proof.end.energy,
+        worst_time=worst.time,
+        worst_energy=worst.energy,
         max_range=proof.widest,
         max_depth=proof.deepest,
         blind_depth=max(proof.deepest, proof.blind),
         uncertainty=proof.end.error,
-        path=_path(proof.end),
+        path=_path(worst),
     )
 
 

@@ -96,10 +96,14 @@ class _Tally:
     flights: int = 0
     not_started: int = 0
     violations: dict[str, int] = field(
-        default_factory=lambda: dict.fromkeys(("time", "range", "depth", "end", "raised"), 0)
+        default_factory=lambda: dict.fromkeys(
+            ("time", "range", "depth", "energy", "end", "raised"), 0
+        )
     )
     greatest_share: dict[str, float] = field(
-        default_factory=lambda: dict.fromkeys(("time", "range", "depth"), 0.0)
+        default_factory=lambda: dict.fromkeys(
+            ("time", "range", "depth", "energy"), 0.0
+        )
     )
 
     def take(self, shown: Shown) -> None:

@@ -18,6 +18,7 @@ from types import MappingProxyType
 from typing import Any
 
 from mission.engine.core import Core
+from mission.engine.outset import too_far
 from mission.engine.senses import FIX_AGE, metres
 from mission.envelope import SILENCE, admit
 from mission.legs import LEGS
@@ -149,14 +150,13 @@ def _settle_home(core: Core, chart: Chart) -> str:
     if home is not None and not fresh and not mission.start_without_fix:
         return f"no fix for 5 s: how far home is cannot be told{_ALLOW}"
     if home is not None and fresh:
-        far = _from(home, core)
-        radius = core.watch.bounds.radius
-        if far > radius:
-            return f"home is {far:.0f} m away, the radius in force is {radius:g} m"
+        if why := too_far(_from(home, core), core.watch.bounds, mission):
+            return why
     if home is not None:
         navigation.set_origin(home, core.now)
     if home is None or not fresh:
         navigation.start_here(core.now)
+    navigation.assume_current(mission.current(core.vehicle.current))
     senses.estimate = navigation.estimate(core.now)
     return ""
 

@@ -308,6 +308,13 @@ class Filter:
         p[E, E] += variance
         self._kf.P = p
 
+    def doubt_current(self, sigma: float) -> None:
+        """The current may be off by ``sigma`` m/s or more along each axis; the mean stays."""
+        p = self._kf.P.copy()
+        for axis in (CN, CE):
+            p[axis, axis] = max(p[axis, axis], sigma * sigma)
+        self._kf.P = p
+
     def vertical(self, depth: float | None, altitude: float | None) -> tuple[float, int] | None:
         """Takes in what is there; the normalised innovation squared and its degrees of freedom."""
         kf = self._kf

@@ -137,17 +137,59 @@ def test_an_altitude_hold_assumes_a_floor_and_says_so() -> None:
     assert shallow.proved.max_depth == pytest.approx(10.0)
 
 
-def test_a_hold_whose_sensor_fails_goes_on_down_until_that_is_known() -> None:
-    held = report("a: ZAS10 ZAF4 heading 0 for 60s\n").proved
-    assert held is not None
-    # five reports alike, 8 s until that counts, 10 s in which W does not stick, 3 s to turn
-    assert held.blind_depth == pytest.approx(11.0 + VEHICLE.dive_rate * (10 + 8 + 10 + 3))
+def test_a_hold_whose_sensor_fails_goes_on_down_until_that_is_known_and_for_its_whole_leg() -> None:
+    for seconds, unseen in ((10, 18), (60, 60)):
+        held = report(f"a: ZAS10 ZAF4 heading 0 for {seconds}s\n").proved
+        assert held is not None
+        # five reports alike and 8 s until that counts, or the leg where nothing can see it;
+        # then 10 s in which W does not stick, and 3 s to turn
+        deeper = VEHICLE.dive_rate * (unseen + 10 + 3)
+        assert held.blind_depth == pytest.approx(held.max_depth + deeper)
     floor = report("a: ZAE3 ZAF4 heading 0 for 5min\n", HEAD + "assume floor 12\n").proved
     assert floor is not None
     assert floor.blind_depth == pytest.approx(12.0)
     plain = report("a: ZAF4 heading 0 for 60s\n").proved
     assert plain is not None
     assert plain.blind_depth == plain.max_depth
+
+
+def test_what_a_hold_may_have_sunk_unseen_the_next_one_goes_on_from_until_the_surface() -> None:
+    hold = "{}: ZAS10 ZAF4 heading 0 for 60s\n".format
+    one, two = report(hold("a")).proved, report(hold("a") + hold("b")).proved
+    up = hold("a") + "u: surface timeout 2min{}\n" + hold("b")
+    between, given_up = report(up.format("")).proved, report(up.format(" else b")).proved
+    assert one is not None
+    assert two is not None
+    assert between is not None
+    assert given_up is not None
+    assert two.blind_depth == pytest.approx(one.blind_depth + 60 * VEHICLE.dive_rate)
+    assert between.blind_depth == pytest.approx(one.blind_depth)
+    assert given_up.blind_depth == pytest.approx(two.blind_depth)
+
+
+def test_a_leg_that_surfaces_lasts_as_long_as_its_clock_allows_and_drifts_so_long() -> None:
+    dive = "a: ZAS5 heading 0 ZAF4 for 60s\n"
+    for clock, until in ((180, ""), (180, " until fix"), (1800, " until fix")):
+        long = report(f"{dive}up: surface{until} timeout {clock}s\n").proved
+        short = report(f"{dive}up: surface{until} timeout 60s\n").proved
+        assert long is not None
+        assert short is not None
+        assert long.worst_time - short.worst_time == pytest.approx(clock - 60)
+        assert long.max_range - short.max_range == pytest.approx(0.2 * (clock - 60))
+
+
+def test_the_ascent_that_a_limit_begins_counts_from_anywhere() -> None:
+    """The way on is not stopped by a W that does not stick, and then it drifts."""
+    out = report("a: heading 0 ZAF8 for 5min\nb: heading 180 ZAF8 for 5min\n").proved
+    still = report(
+        "a: heading 0 ZAF8 for 5min\nb: heading 180 ZAF8 for 5min\n",
+        HEAD + "assume current 0\n",
+    ).proved
+    assert out is not None
+    assert still is not None
+    swum = 25.0 + 5.0 + 300.0
+    assert still.max_range > swum + 10.0
+    assert out.max_range > still.max_range + 0.2 * (300 + 28)
 
 
 def test_a_way_back_without_end_is_refused_with_the_way() -> None:
