@@ -160,9 +160,7 @@ def _loss(rng: Random, name: str, begin: float) -> FaultEvent:
     return FaultEvent(name, begin, FOREVER if rng.random() < 0.15 else duration)
 
 
-def show(
-    claim: Claim, vehicle: Vehicle, seed: int, flight: int, draw: Draw = draw_proof
-) -> Shown:
+def show(claim: Claim, vehicle: Vehicle, seed: int, flight: int, draw: Draw = draw_proof) -> Shown:
     proof = draw(claim, vehicle, seed, flight)
     trial = try_out(
         claim.mission,

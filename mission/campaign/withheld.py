@@ -19,7 +19,7 @@ from links.simulated.plant import Body
 from links.simulated.sensors import Health, Sensor, SensorErrors
 from links.simulated.settings import FaultEvent, Sea, Settings
 from mission.campaign.draw import PROFILES
-from mission.campaign.proofs import BIAS, SPEED, Claim, Proof
+from mission.campaign.proofs import BIAS, SPEED, Claim, Draw, Proof, draw_proof
 from mission.campaign.trial import FOREVER
 from mission.check import check_mission
 from mission.check.assumptions import Assumptions
@@ -36,6 +36,7 @@ _WAY = "heading 0 gear 8 depth 4"
 _TO = "goto north 60 east 0 gear 8 depth 4"
 _SENSORS = (Sensor.DEPTH, Sensor.ALTITUDE, Sensor.HEADING, Sensor.ATTITUDE)
 _NO_FIX = "gps_lost"
+SOURCE = "--word"  # on the command line of the campaign, with its number
 
 KINDS: Mapping[str, tuple[str, ...]] = {
     "hold": (f"a: {_WAY} for 40",),
@@ -105,13 +106,15 @@ UNTIL: Mapping[str, str] = {
     "round": "round > 900",
 }
 CLAUSES: Mapping[str, tuple[str, ...]] = {
-    "until": (f"a: {_WAY} until travelled >= 20 until depth > 9 -> c timeout 40\n"
-              "c: heading 90 for 10",),
+    "until": (
+        f"a: {_WAY} until travelled >= 20 until depth > 9 -> c timeout 40\nc: heading 90 for 10",
+    ),
     "for": (f"a: {_WAY} for 15\nb: heading 90 for 15",),
     "timeout": (f"a: {_WAY} until range > 900 timeout 30",),
     "else": (
         f"a: {_WAY} until altitude < 1 timeout 40 else b\nb: heading 180 for 20",
-        "a: altitude 3 gear 4 heading 0 until range > 900 timeout 60 else b\nb: depth 2 gear 4 heading 0 for 15",
+        "a: altitude 3 gear 4 heading 0 until range > 900 timeout 60 else b\n"
+        "b: depth 2 gear 4 heading 0 for 15",
     ),
 }
 ASSUMPTIONS: Mapping[str, tuple[str, ...]] = {
@@ -120,14 +123,22 @@ ASSUMPTIONS: Mapping[str, tuple[str, ...]] = {
     "start": (f"assume start 150\na: {_WAY} for 30", f"assume start 0\na: {_WAY} for 30"),
 }
 STATEMENTS: Mapping[str, tuple[str, ...]] = {
-    "repeat": (f"repeat 3 r:\n a: {_WAY} until range > 900 timeout 15\n b: heading 180 for 15\nend",),
+    "repeat": (
+        f"repeat 3 r:\n a: {_WAY} until range > 900 timeout 15\n b: heading 180 for 15\nend",
+    ),
     "on": (
         f"a: {_WAY} for 30\nb: heading 180 for 30\non depth > 3 held 4s -> b",
         f"a: {_WAY} for 30\nb: surface until fix timeout 90\non uncertain -> b",
-        f"a: {_WAY} until range > 900 timeout 20\nb: heading 90 for 20\nc: surface timeout 60 else surface\non timeout -> c",
+        f"a: {_WAY} until range > 900 timeout 20\nb: heading 90 for 20\n"
+        "c: surface timeout 60 else surface\non timeout -> c",
     ),
     "start": (f"start without fix\na: {_WAY} for 30",),
 }
+
+
+def drawn_for(claim: Claim, flight: int) -> Draw:
+    """A word is always flown so, a mission every third time."""
+    return draw_withheld if claim.source.startswith(SOURCE) or flight % 3 == 2 else draw_proof
 
 
 def missions() -> Iterator[tuple[str, str]]:
@@ -148,7 +159,7 @@ def claims(vehicle: Vehicle) -> Iterator[Claim]:
         report = check_mission(compile_mission(mission, vehicle, digest(mission)), vehicle)
         if not report.ok or report.proved is None:
             raise ValueError(f"{word}: the check refuses {body!r}: {report.refusals}")
-        yield Claim(f"--word {number}", mission, report.proved)
+        yield Claim(f"{SOURCE} {number}", mission, report.proved)
 
 
 def draw_withheld(claim: Claim, vehicle: Vehicle, seed: int, flight: int) -> Proof:
@@ -156,10 +167,10 @@ def draw_withheld(claim: Claim, vehicle: Vehicle, seed: int, flight: int) -> Pro
     rng = Random(f"withheld {seed} {claim.mission.name} {flight}")
     allowed = claim.mission.safety.depth or vehicle.limits.depth
     assume = Assumptions.of(claim.mission, vehicle, min(allowed, vehicle.limits.depth))
-    sea = Sea((assume.current, rng.choice(range(8)) * math.tau / 8.0), None, assume.floor)
+    sea = Sea((assume.current, _direction(rng)), None, assume.floor)
     edge = math.sqrt(Body().main_thrust) * (1.0 + 2.0 * SPEED * rng.choice((-1.0, 0.0, 1.0)))
     errors = SensorErrors(compass_bias=2.0 * BIAS * rng.choice((-1.0, 0.0, 1.0)))
-    away, towards = 0.9 * assume.start, rng.choice(range(8)) * math.tau / 8.0
+    away, towards = 0.9 * assume.start, _direction(rng)
     return Proof(
         PROFILES[flight % len(PROFILES)],
         rng.randrange(1 << 31),
@@ -169,6 +180,11 @@ def draw_withheld(claim: Claim, vehicle: Vehicle, seed: int, flight: int) -> Pro
         rng.uniform(0.0, math.tau),
         (),
     )
+
+
+def _direction(rng: Random) -> float:
+    """North, where most of the texts lead, or any."""
+    return rng.choice((0.0, rng.choice(range(8)) * math.tau / 8.0))
 
 
 def _withheld(rng: Random, claim: Claim) -> Iterator[FaultEvent]:

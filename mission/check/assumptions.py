@@ -38,7 +38,7 @@ class Assumptions:
         sensors = vehicle.sensors
         return Assumptions(
             current=mission.current(vehicle.current),
-            start=mission.start_within,
+            start=mission.start_within(sensors.fix),
             floor=given.get("floor", allowed),
             depth_without_floor=0.0 if "floor" in given else allowed,
             heading=TWO_SIGMA * math.hypot(sensors.heading, sensors.heading_bias),

@@ -150,7 +150,8 @@ def _settle_home(core: Core, chart: Chart) -> str:
     if home is not None and not fresh and not mission.start_without_fix:
         return f"no fix for 5 s: how far home is cannot be told{_ALLOW}"
     if home is not None and fresh:
-        if why := too_far(_from(home, core), core.watch.bounds, mission):
+        within = mission.start_within(core.vehicle.sensors.fix)
+        if why := too_far(_from(home, core), core.watch.bounds, within):
             return why
     if home is not None:
         navigation.set_origin(home, core.now)

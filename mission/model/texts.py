@@ -280,10 +280,10 @@ class Mission:
     start_without_fix: bool = False
     where: Where = field(default=NOWHERE, compare=False)
 
-    @property
-    def start_within(self) -> float:
-        """m from home: where it is started at most, as the check assumes and the start demands."""
-        return dict(self.assume).get("start", START_WITHIN)
+    def start_within(self, sigma: float) -> float:
+        """m from home: where it is started at most, as the check assumes and the start demands; no
+        nearer than fixes of one ``sigma`` (m) can tell."""
+        return max(dict(self.assume).get("start", START_WITHIN), 2.0 * sigma)
 
     def current(self, usual: float) -> float:
         """m/s: the greatest current that it assumes; ``usual`` where it says nothing of it."""

@@ -145,7 +145,8 @@ def test_home_may_be_as_far_as_the_radius_in_force():
 
 
 def test_a_mission_starts_as_far_from_home_as_it_assumes_and_no_farther():
-    for assume, within in (((), 25.0), ((("start", 80.0),), 80.0)):
+    """Two sigma of a fix, 5 m, is as near as fixes can tell."""
+    for assume, within in (((), 25.0), ((("start", 80.0),), 80.0), ((("start", 0.0),), 5.0)):
         for far, may in ((within - 0.1, True), (within + 0.1, False)):
             world = World(replace(MISSION, assume=assume))
             world.tell(world.report(), world.fix(north=far))
