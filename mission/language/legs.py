@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+from mission.extent import PLACES
 from mission.language.clauses import (
     Amount,
     Clause,
@@ -169,6 +170,10 @@ class Legs:
             parts.start = self._values.place(clause.places[0], here=True)
             return
         self._begin(parts, word)
+        if len(clause.places) > PLACES.most:
+            hint = "make two legs of it"
+            self._problems.add("too-long", word.where, PLACES.exceeded, hint)
+            return
         parts.places = [self._values.place(p, here=word.text == "loiter") for p in clause.places]
         if word.text == "follow" and len(clause.places) < 2:
             hint = "write goto, or two places and more with a comma between"

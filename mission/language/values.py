@@ -37,7 +37,7 @@ from mission.model import (
     Position,
     Where,
 )
-from mission.units import UNITS, UnitError, number_text, quantity
+from mission.units import UNITS, UnitError, quantity, range_text
 from mission.variables import VARIABLES
 from mission.vehicle import Vehicle, VehicleError, load_vehicle
 
@@ -70,10 +70,8 @@ class Values:
         bare = value / factor
         slack = 1e-9 * max(1.0, abs(bare))
         if bare < low - slack or bare > high + slack or (above and bare <= low):
-            shown = f" {unit}" if unit else ""
-            least = f"more than {number_text(low)}" if above else f"{number_text(low)} or more"
             message = f"{written} is out of range"
-            hint = f"{least}, up to {number_text(high)}{shown}"
+            hint = range_text(low, high, unit, above)
             self.problems.add("range", amount.where, message, hint)
             return math.nan
         return value
