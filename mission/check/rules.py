@@ -10,6 +10,7 @@
     radius         the swept path, widened by current and uncertainty, leaves the radius
     depth          the same for the depth
     energy         the worst case exceeds the battery
+    heavy          the vehicle does not rise by itself, and X rests on that
     too-long       more rounds than can be walked
 
 What does not live here: the bounds (bounds.py) and the walk (flow.py).
@@ -21,7 +22,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from mission import envelope
+from mission import buoyancy, envelope
 from mission.check.assumptions import SPEED_SHARE, Assumptions
 from mission.check.bounds import Bounds, LegBounds
 from mission.check.flow import Flow, Proof, TooLongError, trail
@@ -91,8 +92,10 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     limits = in_force(vehicle, mission.safety, SetSafety())
     assume = Assumptions.of(mission, vehicle, limits.depth)
     frame = LocalFrame(mission.home) if mission.home else None
-    early = [*_no_bound(chart), *_no_home(chart), *_unknowable(chart, vehicle)]
-    if any(r.rule in ("no-bound", "no-home") for r in early):
+    early = [*_heavy(chart, vehicle), *_no_bound(chart), *_no_home(chart)]
+    unbounded = bool(early)
+    early += _unknowable(chart, vehicle)
+    if unbounded:
         return Report(tuple(early), None, tuple(_assumed(chart, vehicle, assume, False)))
     flow = Flow(
         chart,
@@ -123,6 +126,11 @@ def _legs(chart: Chart) -> Iterator[State]:
 
 def _name(path: str) -> str:
     return path.removeprefix(AUTONOMOUS + "/")
+
+
+def _heavy(chart: Chart, vehicle: Vehicle) -> Iterator[Refusal]:
+    if why := buoyancy.heavy(vehicle):
+        yield Refusal("heavy", chart.mission.where, why)
 
 
 def _no_bound(chart: Chart) -> Iterator[Refusal]:
@@ -294,7 +302,7 @@ def _assumed(chart: Chart, vehicle: Vehicle, assume: Assumptions, floor: bool) -
     yield f"started within {assume.start:g} m of home"
     yield f"speed by gear as in the vehicle file, within {SPEED_SHARE:.0%} (two sigma)"
     yield f"heading within {math.degrees(assume.heading):.0f} deg (two sigma of sensor and bias)"
-    yield f"ascent by buoyancy alone at {vehicle.ascent_buoyancy:g} m/s"
+    yield f"ascent by buoyancy alone at {buoyancy.told(vehicle)}"
     yield f"battery {vehicle.battery.usable / 3600:.0f} Wh usable, powers as in the vehicle file"
     yield from _stated_rounding(chart, vehicle)
     if floor:

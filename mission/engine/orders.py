@@ -17,6 +17,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
+from mission.buoyancy import heavy
 from mission.engine.core import Core
 from mission.engine.outset import too_far
 from mission.engine.senses import FIX_AGE, SURFACE_DEPTH, metres
@@ -147,6 +148,8 @@ def _why_not_start(core: Core) -> str:
 
 
 def _why_not_fly(core: Core, chart: Chart) -> str:
+    if why := heavy(core.vehicle):
+        return why
     report = core.senses.telemetry
     if report is None or core.now - report.t > SILENCE:
         return f"the vehicle was not heard for {SILENCE:g} s"
