@@ -14,7 +14,7 @@ What does not live here: what a leg does to the bounds (bounds.py), what is refu
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TypeVar
 
 from mission.check.assumptions import Assumptions
@@ -185,13 +185,18 @@ class Flow:
             for handler in self.handlers.get(scope, ()):
                 if handler.target != path:
                     proof.taken.add(handler.trigger)
-                    _merge(self._next, handler.target, sweep)
+                    _merge(self._next, handler.target, self._into(handler.target, sweep))
         out: Exits = {}
         for edge in self.edges.get(path, ()):
             guard = edge.guard.expression if edge.guard else None
             proof.taken.add(edge.trigger)
-            _merge(out, (edge.target, edge.loops), leg.leave(entry, edge.by, guard=guard))
+            left = leg.leave(entry, edge.by, guard=guard)
+            _merge(out, (edge.target, edge.loops), self._into(edge.target, left))
         return out
+
+    def _into(self, target: str, bounds: Bounds) -> Bounds:
+        ascends = target not in self.legs or self.legs[target].ascends
+        return goes_on(bounds, self.vehicle) if ascends else bounds
 
     def _arrive(self, path: str, bounds: Bounds) -> None:
         """The implicit leg: the ascent, and with it the end."""
@@ -204,9 +209,8 @@ class Flow:
         time = ascent_time(bounds.depth[1], self.vehicle)
         drift = self.assume.current * time
         battery = self.vehicle.battery
-        bounds = goes_on(bounds.way, bounds, self.vehicle)
-        up = replace(
-            bounds,
+        bounds = goes_on(bounds, self.vehicle)
+        up = bounds._replace(
             time=bounds.time + time,
             energy=bounds.energy + time * (battery.hotel + battery.vertical),
             range=bounds.range + drift,
