@@ -27,14 +27,15 @@ STATEMENTS = Extent(9_999, "statements in a mission")  # the wire's limit (E-F3)
 LINES = Extent(9_999, "lines in its canonical text")
 CODE = Extent(500_000, "characters in all statements, without comments")
 STATEMENT = Extent(20_000, "characters in a statement or a YAML value")
-NODES = Extent(120_000, "values and keys in a YAML file, aliases written out")
-DEEPEST_YAML = Extent(100, "lists and tables in each other in a YAML file")
+NODES = Extent(120_000, "values and keys in YAML, aliases written out")
+DEEPEST_YAML = Extent(100, "lists and tables in each other, in YAML")
 DEEPEST_GROUP = Extent(16, "groups in each other")
 DEEPEST_GUARD = Extent(20, "nots and parentheses in each other")
 NAME = Extent(40, "characters in a name")
 PLACES = Extent(500, "places in a follow")
-HANDLERS = Extent(200, "handlers in a mission")
+HANDLERS = Extent(64, "handlers in a mission")
 WATCHED = Extent(200, "comparisons watched in a leg: its own, and those of the handlers around it")
+PICTURE = Extent(1_000, "legs and groups in a graph")
 PROBLEMS = Extent(100, "errors told at once")
 
 EXTENTS = (
@@ -51,5 +52,6 @@ EXTENTS = (
     PLACES,
     HANDLERS,
     WATCHED,
+    PICTURE,
     PROBLEMS,
 )

@@ -177,8 +177,7 @@ def read_vehicle(text: str, where: str) -> Vehicle:
     try:
         root = tree(text)
     except YamlFault as fault:
-        place = f"{where}:{fault.line}:{fault.column}"
-        raise VehicleError(f"{place}: cannot be read: {fault.message}") from None
+        raise VehicleError(f"{where}:{fault}") from None
     if not isinstance(root, MappingNode):
         raise VehicleError(f"{where}: a vehicle file is a table of keys")
     file = _File(where, root)
@@ -244,7 +243,8 @@ class _File:
         node = self._leaves.get(key)
         if node is not None:
             return self._value(key, RANGES[key], node)
-        self._good[key] = default
+        if key in _MAY_LACK:
+            self._good[key] = default
         return default
 
     def curve(self, table: str) -> Curve:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import yaml
+from yaml.constructor import SafeConstructor
 from yaml.events import (
     AliasEvent,
     CollectionEndEvent,
@@ -31,11 +32,11 @@ _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class YamlFault(ValueError):
-    """``rule`` is yaml, too-long or too-deep."""
+    """``rule`` is yaml, too-long or too-deep; ``why`` has no place."""
 
-    def __init__(self, line: int, column: int, message: str, rule: str = "yaml") -> None:
-        super().__init__(message)
-        self.line, self.column, self.message, self.rule = line, column, message, rule
+    def __init__(self, line: int, column: int, why: str, rule: str = "yaml") -> None:
+        super().__init__(f"{line}:{column}: {'not YAML: ' if rule == 'yaml' else ''}{why}")
+        self.line, self.column, self.why, self.rule = line, column, why, rule
 
 
 @dataclass(slots=True)
@@ -96,7 +97,7 @@ class _Tree:
             raise _fault(event, f"found undefined alias {event.anchor!r:.60}")
         branch = self.anchors[event.anchor]
         if branch is None:
-            raise _fault(event, "an alias holds itself", "too-deep")
+            raise _fault(event, "nested without end: an alias holds itself", "too-deep")
         return _Branch(branch.node, None, branch.size, branch.height)
 
     def _add(self, branch: _Branch, event: Any) -> None:
@@ -140,14 +141,27 @@ def tree(text: str) -> Node | None:
     return grown.root
 
 
+def values(text: str) -> Any:
+    """What ``yaml.safe_load`` makes of the only document. Raises YamlFault."""
+    root = tree(text)
+    try:
+        return None if root is None else SafeConstructor().construct_document(root)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
+        raise YamlFault(line, column, error.problem or "") from None
+    except ValueError as error:  # a number of ten thousand digits, a thirteenth month
+        raise YamlFault(1, 1, f"a value cannot be read: {error!s:.80}") from None
+
+
 def _fault(event: Any, message: str, rule: str = "yaml") -> YamlFault:
     mark = event.start_mark
     return YamlFault(mark.line + 1, mark.column + 1, message, rule)
 
 
 def _too_deep(event: Any) -> YamlFault:
-    return _fault(event, DEEPEST_YAML.exceeded, "too-deep")
+    return _fault(event, f"nested too deep: {DEEPEST_YAML.exceeded}", "too-deep")
 
 
 def _too_long(event: Any, message: str) -> YamlFault:
-    return _fault(event, message, "too-long")
+    return _fault(event, f"too long: {message}", "too-long")

@@ -215,7 +215,8 @@ class Assembly:
                 self._problems.add("twice", name.where, message, "keep one of them")
             else:
                 seen.add(name.text)
-                yield row.name, self._values.number(amount, row.unit, row.low, row.high, above=True)
+                value = self._values.number(amount, row.unit, row.low, row.high, row.above)
+                yield row.name, value
 
     def _open(self, opening: Opening) -> None:
         if len(self._scopes) > DEEPEST_GROUP.most:

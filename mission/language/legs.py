@@ -157,7 +157,7 @@ class Legs:
                 parts.times["wait"] = self._values.seconds(amount)
         elif word.text in MEASURES and amount is not None:
             row = MEASURES[word.text]
-            value = self._values.number(amount, row.unit, row.low, row.high, row.above)
+            value = self._values.number(amount, row.unit, row.low, row.high)
             parts.measures[word.text] = value
         elif amount is not None:
             parts.times[word.text] = self._values.seconds(amount)

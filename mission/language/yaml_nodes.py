@@ -37,15 +37,15 @@ def composed(text: str, problems: Problems) -> Node | None:
 
 def _not_yaml(fault: YamlFault) -> tuple[str, str]:
     hint = "indent with blanks, and put quotes around a text that holds a colon"
-    return f"this is no YAML: {fault.message or 'it cannot be read'}", hint
+    return f"this is no YAML: {fault.why or 'it cannot be read'}", hint
 
 
 def _too_long(fault: YamlFault) -> tuple[str, str]:
-    return f"the mission is too long: {fault.message}", "do aliases repeat themselves?"
+    return f"the mission is {fault.why}", "do aliases repeat themselves?"
 
 
 def _too_deep(fault: YamlFault) -> tuple[str, str]:
-    return f"it is nested too deep: {fault.message}", "does an alias hold itself?"
+    return f"the mission is {fault.why}", "does an alias hold itself?"
 
 
 _WORDS = {"yaml": _not_yaml, "too-long": _too_long, "too-deep": _too_deep}
