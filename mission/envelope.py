@@ -95,9 +95,10 @@ def never(watch: Watch) -> float | None:
 class Limit:
     """``breached`` gives True, False, or None for unknown (which counts neither way).
 
-    ``bound`` says in words beyond what. It must last for ``samples`` in a row, or for ``seconds``.
-    ``acts``: in which regions and states. ``due`` of a CLOCK row is when it will be breached if
-    nothing changes. ``needs``: the reports without which it is disarmed.
+    ``bound`` says in words beyond what. It must last for ``samples``, or for ``seconds``: a
+    sample within the bound takes one back, a second within it two. ``acts``: in which regions and
+    states. ``due`` of a CLOCK row is when it will be breached if nothing changes. ``needs``: the
+    reports without which it is disarmed.
     """
 
     name: str
@@ -254,6 +255,14 @@ LIMITS: tuple[Limit, ...] = (
         "120 s at more than 2 m from the depth asked for, and not 0.5 m nearer",
         lambda w: w.progress.stuck,
         lambda w: w.progress.words,
+        needs=frozenset({"depth"}),
+    ),
+    Limit(
+        "depth contradicted",
+        "depth",
+        "a depth that what else is known contradicts",
+        lambda w: bool(w.senses.contradicted),
+        lambda w: f"the depth is {w.senses.contradicted}",
         needs=frozenset({"depth"}),
     ),
     Limit(

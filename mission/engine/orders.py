@@ -20,8 +20,9 @@ from typing import Any
 from mission.buoyancy import heavy
 from mission.engine.core import Core
 from mission.engine.outset import too_far
-from mission.engine.senses import FIX_AGE, SURFACE_DEPTH, metres
+from mission.engine.senses import FIX_AGE, SURFACE_DEPTH
 from mission.envelope import SILENCE, admit
+from mission.fixes import metres
 from mission.legs import LEGS
 from mission.model import (
     AUTONOMOUS,

@@ -38,8 +38,17 @@ def _too_deep(world: World) -> None:
 
 
 def _hard_depth(world: World) -> None:
+    """Not told for so long that it may have come there."""
+    world.sea.unknown.add("depth")
+    world.wait(52.0)
+    world.sea.unknown.clear()
     world.sea.depth = 103.0
-    world.wait(12.5)
+    world.wait(4.5)
+
+
+def _pushes_in_vain(world: World) -> None:
+    world.sea.dives = True
+    world.wait(18.5)
 
 
 def _sinks(world: World) -> None:
@@ -160,9 +169,15 @@ LIMITS = (
     Event("limit radius", _tightens(SetSafety(radius=1.0)), "SP", limit="radius"),
     Event("limit time", _tightens(SetSafety(time=0.6), 1.0), "SP", limit="time"),
     Event("limit depth", script(_too_deep), "SP", limit="depth"),
-    Event("limit hard depth", script(_hard_depth), limit="hard depth"),
+    Event(
+        "limit hard depth",
+        script(_hard_depth),
+        limit="hard depth",
+        also=frozenset({"blind"}),
+    ),
     Event("limit unexplained descent", script(_sinks), limit="unexplained descent"),
     Event("limit no progress", script(_stuck), limit="no progress", also=frozenset({"minute"})),
+    Event("limit depth contradicted", script(_pushes_in_vain), limit="depth contradicted"),
     Event(
         "limit depth unknown", script(_blinded), limit="depth unknown", sensor="depth", after=6.0
     ),

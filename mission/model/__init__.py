@@ -24,6 +24,7 @@ from mission.model.chart import (
     State,
 )
 from mission.model.running import (
+    CONTRADICTED,
     Action,
     AutoNode,
     Estimate,
@@ -40,6 +41,7 @@ from mission.model.running import (
     Step,
     Tx,
     Verdict,
+    Vertical,
 )
 from mission.model.texts import (
     HOME,
@@ -79,6 +81,7 @@ from mission.model.texts import (
 
 __all__ = [
     "AUTONOMOUS",
+    "CONTRADICTED",
     "HOME",
     "IDLE_EMPTY",
     "IDLE_READY",
@@ -138,6 +141,7 @@ __all__ = [
     "Surface",
     "Tx",
     "Verdict",
+    "Vertical",
     "Wait",
     "Where",
     "Yoyo",

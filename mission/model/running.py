@@ -138,13 +138,25 @@ class Restarted:
     during: str
 
 
+CONTRADICTED = "contradicted"  # how such a reason begins
+
+
 class Health(NamedTuple):
-    """Whether a sensor can be believed, and if not why (missing, stale, frozen, absurd). A tuple,
-    because some are made for every report."""
+    """Whether a sensor can be believed, and if not why (missing, stale, frozen, absurd,
+    contradicted). A tuple, because some are made for every report."""
 
     valid: bool
     reason: str
     age: float  # s since the last report, inf if none
+
+
+class Vertical(NamedTuple):
+    """What moves the vehicle up and down: ``down`` is the share of full thrust that its verticals
+    report, downward positive (None: they do not), ``asked`` the depth that the set in force asks
+    for in m (infinite: as deep, or as high, as it goes; None: none)."""
+
+    down: float | None
+    asked: float | None
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,8 @@ from copy import copy
 from typing import TYPE_CHECKING, Any
 
 from mission.distribution import PLANE_95
-from mission.model import Estimate, Health, NavigationMode, Position
+from mission.model import Estimate, Health, NavigationMode, Position, Vertical
+from mission.navigation.belief import UNPUSHED
 from mission.navigation.declination import declination
 from mission.navigation.geodesy import LocalFrame
 from mission.navigation.health import SensorHealth
@@ -98,8 +99,8 @@ class Navigation:
 
     # --- in --------------------------------------------------------------------------------------
 
-    def telemetry(self, t: Telemetry) -> None:
-        good = self._health.telemetry(t)
+    def telemetry(self, t: Telemetry, push: Vertical = UNPUSHED) -> None:
+        good = self._health.telemetry(t, push)
         heading = t.heading if "heading" in good else None
         self._take(
             Report(
@@ -241,13 +242,16 @@ class Navigation:
         """Everything that ``restore`` needs to go on from here, to the last bit."""
         monitors = {name: copy(m) for name, m in self._health.monitors.items()}
         kept = (self.frame, self._date, self._declination, self.dropped)
-        seen = self._health.moving, self._health.place
+        health = self._health
+        seen = health.moving, health.receiver.clone(), health.belief.clone()
         return self.core.save(), monitors, tuple(self._history), kept, seen
 
     def restore(self, snapshot: Any) -> None:
         core, monitors, history, kept, seen = snapshot
         self.core.load(core)
         self._health.monitors = {name: copy(m) for name, m in monitors.items()}
-        self._health.moving, self._health.place = seen
+        moving, receiver, belief = seen
+        self._health.moving = moving
+        self._health.receiver, self._health.belief = receiver.clone(), belief.clone()
         self._history = deque(history, maxlen=_KEEP)
         self.frame, self._date, self._declination, self.dropped = kept
