@@ -42,6 +42,7 @@ LINKS = ("stm32_silent", "ack_lost", "bytes_corrupted", "line_noise", "splice")
 LOST_LINKS = ("topside_lost", "topside_garbage", "topside_floods")
 TIME, DEPTH, RANGE, ENERGY, END = "time", "depth", "range", "energy", "end"
 _BLIND = ("depth_", "altitude_")
+LOOKS_WELL = ("_stuck", "_drifting", "_late")  # of a sensor: near what is asked for unseen
 LOSSES = (
     *(f"{s.name.lower()}_{h.value}" for s in Sensor for h in Health if h is not Health.HEALTHY),
     *("gps_lost", "gps_silent", "gps_corrupted", *LINKS),
@@ -173,7 +174,7 @@ def show(claim: Claim, vehicle: Vehicle, seed: int, flight: int, draw: Draw = dr
         heading=proof.heading,
     )
     begun, ended = _times(trial)
-    of = _proved(claim.proved, proof)
+    of = _proved(claim, vehicle, proof)
     words = f"{claim.source}: {proof.in_words()}"
     if trial.raised:
         raised = Violation("raised", trial.truth.t, trial.raised)
@@ -185,10 +186,19 @@ def show(claim: Claim, vehicle: Vehicle, seed: int, flight: int, draw: Draw = dr
     return Shown(claim.source, flight, words, True, tuple(found), needed, of)
 
 
-def _proved(proved: Proved, proof: Proof) -> Margin:
-    blind = any(event.name.startswith(_BLIND) for event in proof.settings.faults)
-    depth = proved.blind_depth if blind else proved.max_depth
-    return Margin(proved.worst_time, proved.max_range, depth, proved.worst_energy)
+def _proved(claim: Claim, vehicle: Vehicle, proof: Proof) -> Margin:
+    """Where a reading stands and looks well, the ascent from the blind depth counts as well."""
+    proved = claim.proved
+    faults = [event.name for event in proof.settings.faults if event.name.startswith(_BLIND)]
+    depth = proved.blind_depth if faults else proved.max_depth
+    longer = proved.blind_time if any(name.endswith(LOOKS_WELL) for name in faults) else 0.0
+    battery = vehicle.battery
+    return Margin(
+        proved.worst_time + longer,
+        proved.max_range + longer * claim.mission.current(vehicle.current),
+        depth,
+        proved.worst_energy + longer * (battery.hotel + battery.vertical),
+    )
 
 
 def _times(trial: Trial) -> tuple[float | None, float | None]:

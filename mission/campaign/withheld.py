@@ -35,6 +35,7 @@ HEAD = (
 _WAY = "heading 0 gear 8 depth 4"
 _TO = "goto north 60 east 0 gear 8 depth 4"
 _SENSORS = (Sensor.DEPTH, Sensor.ALTITUDE, Sensor.HEADING, Sensor.ATTITUDE)
+_HELD = (Sensor.DEPTH, Sensor.ALTITUDE)  # stuck and noisy, they look well
 _NO_FIX = "gps_lost"
 SOURCE = "--word"  # on the command line of the campaign, with its number
 
@@ -192,7 +193,8 @@ def _withheld(rng: Random, claim: Claim) -> Iterator[FaultEvent]:
     begin = round(rng.uniform(10.0, 12.0 + 0.5 * claim.proved.worst_time), 1)
     sensor = rng.choice((*_SENSORS, None))
     if sensor is not None:
-        health = rng.choice([h for h in Health if h is not Health.HEALTHY])
-        yield FaultEvent(f"{sensor.name.lower()}_{health.value}", begin, FOREVER)
+        ways = [h.value for h in Health if h is not Health.HEALTHY]
+        ways += ["stuck"] if sensor in _HELD else []
+        yield FaultEvent(f"{sensor.name.lower()}_{rng.choice(ways)}", begin, FOREVER)
     if sensor is not Sensor.DEPTH:
         yield FaultEvent(_NO_FIX, begin, FOREVER)

@@ -71,6 +71,7 @@ class Proved:
     max_range: float  # m from home, the truth
     max_depth: float  # m
     blind_depth: float  # m, the same if the sensor that a hold goes by fails
+    blind_time: float  # s that the ascent from there takes longer
     uncertainty: float  # m, of the estimate at the end, that was added
     path: tuple[str, ...]  # of the worst time
 
@@ -114,7 +115,7 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     found = [*early, *_ways(chart, proof), *_bounds(chart, vehicle, proof, limits)]
     floor = any(leg.leans_on_floor for leg in flow.legs.values())
     assumed = tuple(_assumed(chart, vehicle, assume, floor))
-    return Report(tuple(found), _proved(proof, chart), assumed)
+    return Report(tuple(found), _proved(proof, chart, vehicle), assumed)
 
 
 # --- rules ------------------------------------------------------------------------------
@@ -278,10 +279,11 @@ def _path(bounds: Bounds | None) -> tuple[str, ...]:
 # --- the report --------------------------------------------------------------------------
 
 
-def _proved(proof: Proof, chart: Chart) -> Proved | None:
+def _proved(proof: Proof, chart: Chart, vehicle: Vehicle) -> Proved | None:
     worst = proof.worst
     if proof.end is None or worst is None:
         return None
+    blind = max(proof.deepest, proof.blind)
     return Proved(
         states=len(proof.reached),
         transitions=len(proof.taken),
@@ -289,7 +291,8 @@ def _proved(proof: Proof, chart: Chart) -> Proved | None:
         worst_energy=worst.energy,
         max_range=proof.widest,
         max_depth=proof.deepest,
-        blind_depth=max(proof.deepest, proof.blind),
+        blind_depth=blind,
+        blind_time=(blind - proof.deepest) / vehicle.ascent_buoyancy,
         uncertainty=proof.end.error,
         path=_path(worst),
     )

@@ -7,7 +7,10 @@ from dataclasses import replace
 import pytest
 from click.testing import CliRunner
 
+from links.simulated.settings import FaultEvent
+from mission.campaign.draw import PROFILES
 from mission.campaign.proofs import ENERGY, RANGE, TIME, Claim, show
+from mission.campaign.trial import FOREVER
 from mission.campaign.withheld import (
     ASSUMPTIONS,
     CLAUSES,
@@ -60,6 +63,23 @@ def test_no_word_leads_past_what_was_proved_with_what_it_waits_for_withheld(numb
     shown = show(claim, VEHICLE, 7, number, drawn_for(claim, number))
     assert shown.started, shown
     assert not shown.violations, shown
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_hold_whose_port_clogs_near_its_depth_stays_above_the_depth_stated(profile: str) -> None:
+    """By the true depth, over a floor far below; nothing can see the last metre of it."""
+    claim = next(c for c in CLAIMS if c.mission.name.startswith("depth-"))
+    deepest = 0.0
+    for begin in range(18, 30, 2):
+        drawn = draw_withheld(claim, VEHICLE, 7, 0)
+        faults = (FaultEvent("depth_stuck", float(begin), FOREVER),)
+        sea = replace(drawn.settings.sea, floor=300.0)
+        settings = replace(drawn.settings, sea=sea, faults=faults)
+        proof = replace(drawn, profile=profile, settings=settings)
+        shown = show(claim, VEHICLE, 7, 0, lambda *_, proof=proof: proof)
+        assert not shown.violations, shown
+        deepest = max(deepest, shown.needed.depth)
+    assert claim.proved.max_depth < deepest < claim.proved.blind_depth
 
 
 def surfacing() -> tuple[Claim, float]:
