@@ -26,6 +26,7 @@ class Assumptions:
 
     current: float
     start: float
+    depth: float  # m, at the start (R7)
     floor: float  # m, the deepest there is; where none is assumed, the depth allowed
     depth_without_floor: float  # m, up to which an altitude hold is bounded by clocks alone
     heading: float  # rad, two sigma
@@ -39,6 +40,7 @@ class Assumptions:
         return Assumptions(
             current=mission.current(vehicle.current),
             start=mission.start_within(sensors.fix),
+            depth=2.0 if mission.start_without_fix else 0.5,
             floor=given.get("floor", allowed),
             depth_without_floor=0.0 if "floor" in given else allowed,
             heading=TWO_SIGMA * math.hypot(sensors.heading, sensors.heading_bias),

@@ -98,9 +98,9 @@ class Bounds(NamedTuple):
     trail: Trail | None = None
 
     @staticmethod
-    def start(within: float, fix: float) -> Bounds:
+    def start(within: float, fix: float, depth: float) -> Bounds:
         box, none = (-within, within), (0.0, 0.0)
-        return Bounds(0.0, 0.0, box, box, _AFLOAT, within + fix, fix, box, box, none, none)
+        return Bounds(0.0, 0.0, box, box, (0.0, depth), within + fix, fix, box, box, none, none)
 
     def join(self, other: Bounds) -> Bounds:
         later = self if self.time >= other.time else other
@@ -228,7 +228,7 @@ class LegBounds:
             return up._replace(error=self._error(up))
         error = self._error(after)
         north, east = grown(after.north, error), grown(after.east, error)
-        fresh = Bounds.start(0.0, TWO_SIGMA * self.vehicle.sensors.fix)
+        fresh = Bounds.start(0.0, TWO_SIGMA * self.vehicle.sensors.fix, _AFLOAT[1])
         return fresh._replace(
             time=after.time,
             energy=after.energy,

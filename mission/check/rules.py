@@ -107,7 +107,7 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
         depth=limits.depth + DEPTH_MARGIN,
     )
     try:
-        proof = flow.walk(Bounds.start(assume.start, 2.0 * vehicle.sensors.fix))
+        proof = flow.walk(Bounds.start(assume.start, 2.0 * vehicle.sensors.fix, assume.depth))
     except TooLongError:
         message = f"more than {flow.proof.walked - 1} legs are flown in the worst case; repeat less"
         refusals = (*early, Refusal("too-long", mission.where, message))
