@@ -154,13 +154,18 @@ def missions() -> Iterator[tuple[str, str]]:
 
 
 def claims(vehicle: Vehicle) -> Iterator[Claim]:
-    """What the check proves of each; a text that it refuses is a fault of this table."""
+    """What the check proves of each."""
     for number, (word, body) in enumerate(missions()):
-        mission = parse(f"{HEAD.format(name=f'{word}-{number}')}{body}\n")
-        report = check_mission(compile_mission(mission, vehicle, digest(mission)), vehicle)
-        if not report.ok or report.proved is None:
-            raise ValueError(f"{word}: the check refuses {body!r}: {report.refusals}")
-        yield Claim(f"{SOURCE} {number}", mission, report.proved)
+        yield claim_of(vehicle, word, body, number)
+
+
+def claim_of(vehicle: Vehicle, word: str, body: str, number: int) -> Claim:
+    """Raises ValueError where the check refuses the text: a fault of these tables."""
+    mission = parse(f"{HEAD.format(name=f'{word}-{number}')}{body}\n")
+    report = check_mission(compile_mission(mission, vehicle, digest(mission)), vehicle)
+    if not report.ok or report.proved is None:
+        raise ValueError(f"{word}: the check refuses {body!r}: {report.refusals}")
+    return Claim(f"{SOURCE} {number}", mission, report.proved)
 
 
 def draw_withheld(claim: Claim, vehicle: Vehicle, seed: int, flight: int) -> Proof:

@@ -156,13 +156,19 @@ def test_a_hold_whose_sensor_fails_goes_on_down_until_that_is_known_and_for_its_
 def test_what_a_hold_may_have_sunk_unseen_the_next_one_goes_on_from_until_the_surface() -> None:
     hold = "{}: ZAS10 ZAF4 heading 0 for 60s\n".format
     one, two = report(hold("a")).proved, report(hold("a") + hold("b")).proved
+    three = report(hold("a") + hold("b") + hold("c")).proved
     up = hold("a") + "u: surface timeout 2min{}\n" + hold("b")
     between, given_up = report(up.format("")).proved, report(up.format(" else b")).proved
     assert one is not None
     assert two is not None
+    assert three is not None
     assert between is not None
     assert given_up is not None
     assert two.blind_depth == pytest.approx(one.blind_depth + 60 * VEHICLE.dive_rate)
+    assert three.blind_depth == pytest.approx(one.blind_depth + 120 * VEHICLE.dive_rate)
+    assert three.blind_time == pytest.approx(
+        (three.blind_depth - three.max_depth) / VEHICLE.ascent_buoyancy
+    )
     assert between.blind_depth == pytest.approx(one.blind_depth)
     assert given_up.blind_depth == pytest.approx(two.blind_depth)
 
@@ -179,17 +185,20 @@ def test_a_leg_that_surfaces_lasts_as_long_as_its_clock_allows_and_drifts_so_lon
 
 
 def test_the_ascent_that_a_limit_begins_counts_from_anywhere() -> None:
-    """The way on is not stopped by a W that does not stick, and then it drifts."""
-    out = report("a: heading 0 ZAF8 for 5min\nb: heading 180 ZAF8 for 5min\n").proved
-    still = report(
-        "a: heading 0 ZAF8 for 5min\nb: heading 180 ZAF8 for 5min\n",
-        HEAD + "assume current 0\n",
-    ).proved
-    assert out is not None
-    assert still is not None
-    swum = 25.0 + 5.0 + 300.0
-    assert still.max_range > swum + 10.0
-    assert out.max_range > still.max_range + 0.2 * (300 + 28)
+    """Where a leg has led farthest the way goes on under a W that does not stick, and it drifts."""
+    for current in (0.0, 0.2):
+        head = HEAD + f"assume current {current}\n"
+        out = "a: heading 0 ZAF8 for 5min\n"
+        alone, back = (
+            report(out + more, head).proved
+            for more in ("", "b: heading 180 ZAF8 for 5min\nhere: surface timeout 2min\n")
+        )
+        assert alone is not None
+        assert back is not None
+        ended = next(s for s in alone.path if s.startswith("surface"))
+        assert ended == "surface (end) 30 s"
+        assert back.max_range >= alone.max_range
+        assert alone.max_range > 25.0 + 5.0 + 300.0 + 20.0 * 1.0 + current * (300 + 30)
 
 
 def test_a_way_back_without_end_is_refused_with_the_way() -> None:
