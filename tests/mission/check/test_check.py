@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
 from mission.check import Report, check_mission
+from mission.check.assumptions import FROZEN, LATE, STICKS
 from mission.cli import main
 from mission.compiler.compiler import compile_mission
 from mission.language import digest, parse
@@ -186,19 +188,34 @@ def test_a_leg_that_surfaces_lasts_as_long_as_its_clock_allows_and_drifts_so_lon
 
 def test_the_ascent_that_a_limit_begins_counts_from_anywhere() -> None:
     """Where a leg has led farthest the way goes on under a W that does not stick, and it drifts."""
+    out = "a: heading 0 ZAF8 for 5min\n"
     for current in (0.0, 0.2):
-        head = HEAD + f"assume current {current}\n"
-        out = "a: heading 0 ZAF8 for 5min\n"
-        alone, back = (
-            report(out + more, head).proved
-            for more in ("", "b: heading 180 ZAF8 for 5min\nhere: surface timeout 2min\n")
-        )
+        alone = report(out, HEAD + f"assume current {current}\n").proved
         assert alone is not None
-        assert back is not None
-        ended = next(s for s in alone.path if s.startswith("surface"))
-        assert ended == "surface (end) 30 s"
-        assert back.max_range >= alone.max_range
         assert alone.max_range > 25.0 + 5.0 + 300.0 + 20.0 * 1.0 + current * (300 + 30)
+    alone = report(out, HEAD + "assume current 0\n").proved
+    home = "b: goto home gear 8 timeout 10min\n"
+    back = report(out + home, HEAD + "assume current 0\n").proved
+    assert alone is not None
+    assert back is not None
+    assert back.max_range >= alone.max_range
+
+
+def test_a_compass_that_fails_costs_the_way_until_that_is_known() -> None:
+    """Five reports alike, and 8 s; a shorter leg costs no more than itself."""
+    for seconds in (10, 60):
+        slow, fast = (
+            report(f"a: {way} for {seconds}s\n", HEAD + "assume current 0\n").proved
+            for way in ("heading 0 ZAF4", "heading 0 ZAF8")
+        )
+        assert slow is not None
+        assert fast is not None
+        lost = 0.55 * min(seconds, FROZEN + LATE)  # m; ZAF8 is 0.55 m/s faster than ZAF4
+        goes_on = 0.55 * 1.2 * 2.0 * STICKS
+        share = math.hypot(0.2, 2.0 * VEHICLE.sensors.heading_bias)
+        made = 0.55 * (seconds + min(seconds, math.pi / 2.0 / VEHICLE.turn_rate))
+        scale = made * share + 0.55 * seconds * VEHICLE.sensors.heading
+        assert fast.uncertainty - slow.uncertainty == pytest.approx(lost + goes_on + scale, abs=0.5)
 
 
 def test_a_way_back_without_end_is_refused_with_the_way() -> None:
