@@ -194,8 +194,8 @@ def test_the_ascent_that_a_limit_begins_counts_from_anywhere() -> None:
         assert alone is not None
         assert alone.max_range > 25.0 + 5.0 + 300.0 + 20.0 * 1.0 + current * (300 + 30)
     alone = report(out, HEAD + "assume current 0\n").proved
-    home = "b: goto home gear 8 timeout 10min\n"
-    back = report(out + home, HEAD + "assume current 0\n").proved
+    home = "a: heading 0 ZAF8 for 5min else b\nb: goto home gear 8 timeout 10min\n"
+    back = report(home, HEAD + "assume current 0\n").proved
     assert alone is not None
     assert back is not None
     assert back.max_range >= alone.max_range
