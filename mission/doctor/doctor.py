@@ -23,6 +23,7 @@ from links import parse_address
 from links.base import LinkError
 from mission.configuration import Configuration
 from mission.doctor import bedside
+from mission.doctor.buoyant import buoyant
 from mission.doctor.findings import Condition, Finding, fault, ok, warning
 from mission.envelope import LIMITS, in_force
 from mission.serve import health
@@ -328,5 +329,6 @@ ROWS: tuple[Callable[[Patient], Iterable[Finding]], ...] = (
     _ports,
     _camera,
     _limits,
+    buoyant,
     _assumed,
 )
