@@ -1,0 +1,111 @@
+"""The other end of `tests.sea.clock`, inside the program under test.
+
+Python imports `sitecustomize` before anything else (docs: module `site`). Where SEA_CLOCK names the
+folder of a sea, the clocks and the waits of this process become the sea's: `time.monotonic`,
+`time.time`, `time.sleep` and `selectors.EpollSelector.select`. Nothing else of the program is
+touched, and none of its modules is named here.
+
+A wait tells the sea "at this time nothing is left to do, wake me at that time", and then really waits:
+for a file descriptor, or for the sea's tick. So the sea's time stands still while the program works,
+and no result depends on the speed of the machine.
+"""
+
+from __future__ import annotations
+
+import mmap
+import os
+import select
+import selectors
+import socket
+import struct
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+REPORT = struct.Struct("<dd")  # time of the last look, time of the next deadline (s)
+FOREVER = float("inf")
+
+
+class Waiter:
+    """One thread's line to the sea; made at the thread's first wait."""
+
+    def __init__(self, folder: Path) -> None:
+        self.line = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        self.line.connect(str(folder / "waits"))
+        self.line.setblocking(False)
+        self.told = (-1.0, -1.0)
+        self.asked = True
+
+    def wait(self, deadline: float, epoll: int | None, ready: Any) -> Any:
+        """What `ready` returns once it is something, or nothing at the deadline."""
+        poll = select.poll()
+        poll.register(self.line, select.POLLIN)
+        if epoll is not None:
+            poll.register(epoll, select.POLLIN)
+        while True:
+            seen = now()
+            events = ready()
+            if events or seen >= deadline:
+                return events
+            if self.asked or (seen, deadline) != self.told:
+                self.told, self.asked = (seen, deadline), False
+                self.line.setblocking(True)
+                self.line.sendall(REPORT.pack(seen, deadline))
+                self.line.setblocking(False)
+            poll.poll()
+            self._ticks()
+
+    def _ticks(self) -> None:
+        try:
+            ticks = self.line.recv(4096)
+        except BlockingIOError:
+            return
+        if not ticks:  # the sea is gone, and with it all time
+            os._exit(97)
+        self.asked = True
+
+
+def install(folder: Path) -> None:
+    """Replace clocks and waits."""
+    global now
+    with (folder / "now").open("rb") as file:
+        memory = mmap.mmap(file.fileno(), 16, access=mmap.ACCESS_READ)
+    unpack = struct.Struct("<d").unpack_from
+    own = threading.local()
+    really = selectors.EpollSelector.select
+    start = time.time()
+
+    def now() -> float:
+        return float(unpack(memory)[0])
+
+    def waiter() -> Waiter:
+        if not hasattr(own, "waiter"):
+            own.waiter = Waiter(folder)
+        return own.waiter  # type: ignore[no-any-return]
+
+    def sleep(seconds: float) -> None:
+        waiter().wait(now() + seconds, None, lambda: None)
+
+    def choose(self: selectors.EpollSelector, timeout: float | None = None) -> Any:
+        if timeout is not None and timeout <= 0:
+            return really(self, 0)
+        deadline = FOREVER if timeout is None else now() + timeout
+        return waiter().wait(deadline, self.fileno(), lambda: really(self, 0))
+
+    time.monotonic = now
+    time.monotonic_ns = lambda: int(now() * 1e9)
+    time.time = lambda: start + now()
+    time.time_ns = lambda: int((start + now()) * 1e9)
+    time.sleep = sleep
+    selectors.EpollSelector.select = choose  # type: ignore[method-assign]
+
+
+def now() -> float:
+    """The sea's time in seconds; `install` puts the real one here."""
+    return time.monotonic()
+
+
+if "SEA_CLOCK" in os.environ and "serve" in sys.orig_argv:
+    install(Path(os.environ["SEA_CLOCK"]))

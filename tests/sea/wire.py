@@ -1,0 +1,135 @@
+"""Bytes on their way: pseudo-terminals at the pace of their baud rate, checksums, and the record.
+
+A byte takes ten bit times. What the program writes is taken to begin when the sea sees it, so two
+writes are as far apart on the line as they are in time.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import termios
+import tty
+from dataclasses import dataclass, field
+
+BURST_GAP = 0.008  # s of silence that end a burst (the board waits for 20 ms and finds it by then)
+
+HANDFUL = 0.03  # s of line time that reach the program at once (a UART's FIFO and its driver)
+
+
+def crc_modbus(data: bytes) -> int:
+    """CRC-16, polynomial A001 reflected, init FFFF: `123456789` gives 4B37 (protocols, 1.3)."""
+    crc = 0xFFFF
+    for byte in data:
+        crc ^= byte
+        for _ in range(8):
+            crc = (crc >> 1) ^ 0xA001 if crc & 1 else crc >> 1
+    return crc
+
+
+def _crc_table() -> list[int]:
+    table = []
+    for byte in range(256):
+        crc = byte << 24
+        for _ in range(8):
+            crc = (crc << 1) ^ 0x04C11DB7 if crc & 0x80000000 else crc << 1
+        table.append(crc & 0xFFFFFFFF)
+    return table
+
+
+CRC_TABLE = _crc_table()
+
+
+def crc_stm32(data: bytes) -> int:
+    """CRC-32 of the STM32's unit: words low byte first, zeros appended (E-V19)."""
+    data += bytes(-len(data) % 4)
+    crc = 0xFFFFFFFF
+    for start in range(0, len(data), 4):
+        for byte in reversed(data[start : start + 4]):
+            crc = ((crc << 8) ^ CRC_TABLE[(crc >> 24) ^ byte]) & 0xFFFFFFFF
+    return crc
+
+
+def modem_frame(content: bytes, address: int = 1) -> bytes:
+    """The envelope of the acoustic modem; address 1: from topside, 2: from the vehicle."""
+    body = b"\x23\x02" + len(content).to_bytes(2, "little") + bytes([address]) + content
+    return body + crc_modbus(body).to_bytes(2, "little")
+
+
+@dataclass
+class Line:
+    """A serial line: `path` is the program's end, this object is the device's."""
+
+    baud: int
+    master: int = -1
+    slave: int = -1
+    path: str = ""
+    plugged: bool = True
+    _out: list[tuple[float, bytes]] = field(default_factory=list)
+    _free_out: float = 0.0
+    _free_in: float = 0.0
+    _burst: bytes = b""
+    _burst_ends: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.master, self.slave = os.openpty()
+        for fd in (self.master, self.slave):
+            tty.setraw(fd)
+        os.set_blocking(self.master, False)
+        self.path = os.ttyname(self.slave)
+
+    def send(self, now: float, data: bytes) -> None:
+        """Put bytes on the line behind those that are on it."""
+        start = max(now, self._free_out)
+        byte = 10 / self.baud
+        self._free_out = start + len(data) * byte
+        step = max(1, int(HANDFUL / byte))
+        for at in range(0, len(data), step):
+            self._out.append((start + min(at + step, len(data)) * byte, data[at : at + step]))
+
+    def idle(self, now: float) -> bool:
+        """Whether nothing is on its way to the program."""
+        return now >= self._free_out
+
+    def pump(self, now: float) -> bool:
+        """Hand what has arrived by now to the program; whether there was something."""
+        sent = False
+        while self._out and self._out[0][0] <= now:
+            _, data = self._out.pop(0)
+            if self.plugged:
+                with contextlib.suppress(BlockingIOError, OSError):
+                    os.write(self.master, data)
+                    sent = True
+        return sent
+
+    def receive(self, now: float) -> bytes:
+        """The bytes that the program has written since the last look."""
+        try:
+            data = os.read(self.master, 65536)
+        except (BlockingIOError, OSError):
+            return b""
+        return data if self.plugged else b""
+
+    def bursts(self, now: float, data: bytes) -> list[bytes]:
+        """Add what was received; the bursts that a UART with idle detection has seen end."""
+        ended: list[bytes] = []
+        if data:
+            start = max(now, self._free_in)
+            if self._burst and start - self._burst_ends >= BURST_GAP:
+                ended.append(self._burst)
+                self._burst = b""
+            self._burst += data
+            self._free_in = self._burst_ends = start + len(data) * 10 / self.baud
+        elif self._burst and now - self._burst_ends >= BURST_GAP:
+            ended.append(self._burst)
+            self._burst = b""
+        return ended
+
+    def flush(self) -> None:
+        """Forget what nobody has read, as a driver does between close and open."""
+        termios.tcflush(self.slave, termios.TCIFLUSH)
+
+    def close(self) -> None:
+        """Give both ends back."""
+        os.close(self.master)
+        os.close(self.slave)
