@@ -18,7 +18,7 @@ import tempfile
 import time
 from pathlib import Path
 
-REPORT = struct.Struct("<dd")
+REPORT = struct.Struct("<ddQ")
 PATIENCE = 60.0  # real seconds that one tick may take before the program counts as hung
 
 
@@ -34,6 +34,8 @@ class Waiter:
         self.deadline = -1.0
         self.owes = True  # each thread reports when it begins to wait, unasked
         self.rest = b""
+        self.reports = 0
+        self.written = 0
 
     def ask(self) -> None:
         """Have it look at the clock and at its files."""
@@ -51,8 +53,9 @@ class Waiter:
             return False
         self.rest += block
         while len(self.rest) >= REPORT.size:
-            seen, self.deadline = REPORT.unpack(self.rest[: REPORT.size])
+            seen, self.deadline, self.written = REPORT.unpack(self.rest[: REPORT.size])
             self.rest = self.rest[REPORT.size :]
+            self.reports += 1
             self.owes = self.owes and seen < now
             if seen < now and self.deadline <= now:
                 self.owes = False  # it looked before the tick: ask again
@@ -152,6 +155,15 @@ class Clock:
                 time.sleep(0.0002)
             if time.monotonic() > until:
                 raise Hung(f"the program works for more than {PATIENCE:.0f} s at one instant")
+
+    def reports(self) -> int:
+        """How often threads have begun to wait."""
+        self._take(0)
+        return sum(waiter.reports for waiter in self._waiters.values())
+
+    def written(self) -> int:
+        """Bytes that the program has written to serial ports since it began."""
+        return max((waiter.written for waiter in self._waiters.values()), default=0)
 
     def close(self) -> None:
         """Give everything back."""

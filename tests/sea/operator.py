@@ -151,4 +151,7 @@ class ModemOperator:
         for at, data in [pair for pair in self._under_way if pair[0] <= now]:
             self._under_way.remove((at, data))
             self.line.send(now, data)
+
+    def receive(self, now: float) -> None:
+        """Take what has come."""
         self.heard += self.line.receive(now)

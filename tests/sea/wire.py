@@ -6,15 +6,21 @@ writes are as far apart on the line as they are in time.
 
 from __future__ import annotations
 
-import contextlib
+import array
+import fcntl
 import os
 import termios
+import time
 import tty
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 BURST_GAP = 0.008  # s of silence that end a burst (the board waits for 20 ms and finds it by then)
 
 HANDFUL = 0.03  # s of line time that reach the program at once (a UART's FIFO and its driver)
+
+
+FULL = 3500  # bytes that a pseudo-terminal holds for a program that does not read
 
 
 def crc_modbus(data: bytes) -> int:
@@ -65,6 +71,7 @@ class Line:
     slave: int = -1
     path: str = ""
     plugged: bool = True
+    taken: int = 0  # bytes from the program
     _out: list[tuple[float, bytes]] = field(default_factory=list)
     _free_out: float = 0.0
     _free_in: float = 0.0
@@ -91,23 +98,40 @@ class Line:
         """Whether nothing is on its way to the program."""
         return now >= self._free_out
 
-    def pump(self, now: float) -> bool:
-        """Hand what has arrived by now to the program; whether there was something."""
-        sent = False
+    def pump(self, now: float, looks: Callable[[], int]) -> bool:
+        """Hand what has arrived by now to the program; whether there was something.
+
+        The kernel moves bytes through a pseudo-terminal in its own time: wait until they are there,
+        or until the program, whose waits `looks` counts, has taken them.
+        """
+        data = b""
         while self._out and self._out[0][0] <= now:
-            _, data = self._out.pop(0)
-            if self.plugged:
-                with contextlib.suppress(BlockingIOError, OSError):
-                    os.write(self.master, data)
-                    sent = True
-        return sent
+            data += self._out.pop(0)[1]
+        if not (data and self.plugged):
+            return False
+        before, reports = self._unread(), looks()
+        if before + len(data) > FULL:
+            return False
+        os.write(self.master, data)
+        patience = time.monotonic() + 0.5
+        while self._unread() < before + len(data) and looks() == reports:
+            time.sleep(0.0001)
+            if time.monotonic() > patience:
+                break
+        return True
+
+    def _unread(self) -> int:
+        count = array.array("i", [0])
+        fcntl.ioctl(self.slave, termios.FIONREAD, count)
+        return count[0]
 
     def receive(self, now: float) -> bytes:
         """The bytes that the program has written since the last look."""
         try:
             data = os.read(self.master, 65536)
-        except (BlockingIOError, OSError):
+        except OSError:  # nothing there
             return b""
+        self.taken += len(data)
         return data if self.plugged else b""
 
     def bursts(self, now: float, data: bytes) -> list[bytes]:

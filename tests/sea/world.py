@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import shutil
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -104,6 +105,7 @@ class World:
     def _flush(self) -> None:
         for line in self.lines:
             line.flush()
+            line.taken = 0
 
     def operator(self, name: str = "boat") -> Operator:
         """A new connection."""
@@ -145,18 +147,30 @@ class World:
             self.receiver.tick(self.now)
         if self.acoustic:
             self.acoustic.tick(self.now)
-        wrote = any([line.pump(self.now) for line in self.lines])
+        wrote = any([line.pump(self.now, self.clock.reports) for line in self.lines])
         for boat in self.operators:
             wrote, boat.wrote = wrote or boat.wrote, False
             if boat.waits_until > self.now:
                 self.clock.strict_until = max(self.clock.strict_until, self.now + 0.1)
         self.pi.step(TICK, wrote)
-        self.board.hear(self.now, self.line.receive(self.now))
+        self._hear()
         for boat in self.operators:
             boat.receive()
         self._ticks += 1
         if self._ticks % BODY_EVERY == 0:
             self._move(TICK * BODY_EVERY)
+
+    def _hear(self) -> None:
+        """What the program has written; all of it, for the kernel takes its time."""
+        patience = time.monotonic() + 0.5
+        while True:
+            self.board.hear(self.now, self.line.receive(self.now))
+            if self.acoustic:
+                self.acoustic.receive(self.now)
+            missing = self.clock.written() - sum(line.taken for line in self.lines)
+            if missing <= 0 or time.monotonic() > patience:
+                return
+            time.sleep(0.0001)
 
     def _move(self, dt: float) -> None:
         gears = self.board.control(self.now, dt)

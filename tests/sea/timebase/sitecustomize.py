@@ -1,9 +1,9 @@
 """The other end of `tests.sea.clock`, inside the program under test.
 
-Python imports `sitecustomize` before anything else (docs: module `site`). Where SEA_CLOCK names the
+Python imports `sitecustomize` before anything else (module `site`). Where SEA_CLOCK names the
 folder of a sea, the clocks and the waits of this process become the sea's: `time.monotonic`,
-`time.time`, `time.sleep` and `selectors.EpollSelector.select`. Nothing else of the program is
-touched, and none of its modules is named here.
+`time.time`, `time.sleep` and `selectors.EpollSelector.select`; `os.write` counts what goes to serial
+ports. Nothing else of the program is touched, and none of its modules is named here.
 
 A wait tells the sea "at this time nothing is left to do, wake me at that time", and then really waits:
 for a file descriptor, or for the sea's tick. So the sea's time stands still while the program works,
@@ -24,8 +24,9 @@ import time
 from pathlib import Path
 from typing import Any
 
-REPORT = struct.Struct("<dd")  # time of the last look, time of the next deadline (s)
+REPORT = struct.Struct("<ddQ")  # times of the last look and the next deadline (s), bytes to ports
 FOREVER = float("inf")
+written = 0  # bytes that this process has written to serial ports
 
 
 class Waiter:
@@ -35,7 +36,6 @@ class Waiter:
         self.line = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         self.line.connect(str(folder / "waits"))
         self.line.setblocking(False)
-        self.told = (-1.0, -1.0)
         self.asked = True
 
     def wait(self, deadline: float, epoll: int | None, ready: Any) -> Any:
@@ -44,15 +44,16 @@ class Waiter:
         poll.register(self.line, select.POLLIN)
         if epoll is not None:
             poll.register(epoll, select.POLLIN)
+        self.asked = True
         while True:
             seen = now()
             events = ready()
             if events or seen >= deadline:
                 return events
-            if self.asked or (seen, deadline) != self.told:
-                self.told, self.asked = (seen, deadline), False
+            if self.asked:
+                self.asked = False
                 self.line.setblocking(True)
-                self.line.sendall(REPORT.pack(seen, deadline))
+                self.line.sendall(REPORT.pack(seen, deadline, written))
                 self.line.setblocking(False)
             poll.poll()
             self._ticks()
@@ -76,6 +77,7 @@ def install(folder: Path) -> None:
     own = threading.local()
     really = selectors.EpollSelector.select
     start = time.time()
+    really_write = os.write
 
     def now() -> float:
         return float(unpack(memory)[0])
@@ -94,6 +96,14 @@ def install(folder: Path) -> None:
         deadline = FOREVER if timeout is None else now() + timeout
         return waiter().wait(deadline, self.fileno(), lambda: really(self, 0))
 
+    def write(fd: int, data: Any) -> int:
+        global written
+        count = really_write(fd, data)
+        if os.isatty(fd):
+            written += count
+        return count
+
+    os.write = write
     time.monotonic = now
     time.monotonic_ns = lambda: int(now() * 1e9)
     time.time = lambda: start + now()
