@@ -70,20 +70,23 @@ class Will:
     """A board's own will: verticals at `gear`, whatever it was told, until a word that it obeys.
 
     `obeys` has code letters of Z words (`U`, `X`, ...). `again`: seconds until it begins anew after
-    it has obeyed; None: never.
+    it has obeyed; None: never. `times`: so often in all.
     """
 
     gear: float = -10.0
     obeys: frozenset[str] = frozenset("U")
     again: float | None = None
+    times: int = 1_000_000
     active: bool = field(default=True)
     _resumes: float = field(default=0.0)
 
     def heard(self, now: float, code: str) -> None:
         """A word came."""
-        if code in self.obeys:
+        if code in self.obeys and self.active:
             self.active = False
-            self._resumes = now + self.again if self.again is not None else float("inf")
+            self.times -= 1
+            never = self.again is None or self.times <= 0
+            self._resumes = float("inf") if never else now + float(self.again or 0)
 
     def rules(self, now: float) -> bool:
         """Whether the board's own will decides now."""
