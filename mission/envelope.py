@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mission import distribution
-from mission.model import AUTONOMOUS, Safety
+from mission.model import AUTONOMOUS, MANUAL_WAITING, STOPPED, SURFACED, Safety
 from mission.regions import IDLE
 from mission.vehicle import Vehicle
 from protocol.messages import Setpoint, SetSafety
@@ -97,8 +97,8 @@ class Limit:
     """``breached`` gives True, False, or None for unknown (which counts neither way).
 
     ``bound`` says in words beyond what. It must last for ``samples`` in a row, or for ``seconds``.
-    ``due`` of a CLOCK row is when it will be breached if nothing changes. ``needs``: the reports
-    without which it is disarmed.
+    ``acts``: in which regions and states. ``due`` of a CLOCK row is when it will be breached if
+    nothing changes. ``needs``: the reports without which it is disarmed.
     """
 
     name: str
@@ -205,16 +205,19 @@ def _passed(due: Callable[[Watch], float | None]) -> Callable[[Watch], bool | No
 
 def _roll(watch: Watch) -> bool | None:
     report = watch.senses.telemetry
+    if watch.senses.overturned:
+        return True
     if report is None or report.roll is None or not watch.senses.health("attitude").valid:
         return None
-    return abs(report.roll) > watch.vehicle.limits.roll
+    return max(abs(report.roll), abs(report.pitch or 0.0)) > watch.vehicle.limits.roll
 
 
 def _leak(watch: Watch) -> bool | None:
     return watch.senses.telemetry.leak if watch.senses.telemetry else None
 
 
-_EVERYWHERE = frozenset({IDLE, AUTONOMOUS})
+# also where everything should be stopped (R7)
+_EVERYWHERE = frozenset({IDLE, AUTONOMOUS, MANUAL_WAITING, STOPPED, SURFACED})
 
 LIMITS: tuple[Limit, ...] = (
     Limit(
@@ -302,9 +305,9 @@ LIMITS: tuple[Limit, ...] = (
     Limit(
         "roll-over",
         "attitude",
-        "the vehicle's own roll",
+        "roll or pitch beyond the vehicle's own, or upside down",
         _roll,
-        lambda w: f"roll beyond {math.degrees(w.vehicle.limits.roll):.0f} deg",
+        lambda w: f"roll or pitch beyond {math.degrees(w.vehicle.limits.roll):.0f} deg",
         samples=2,
         needs=frozenset({"attitude"}),
     ),

@@ -10,6 +10,7 @@ What does not live here: layouts (the vehicle's file), framing, rules of retry.
 from __future__ import annotations
 
 import enum
+import re
 from dataclasses import dataclass
 
 
@@ -79,6 +80,9 @@ class Order(enum.Enum):
 
     STOP = "stop"  # all thrusters off (AUV: ZAX0)
     SURFACE = "surface"  # emergency surfacing (AUV: ZAWF)
+
+
+UPWARD = Setpoint(heave=-1.0)  # full vertical thrust and nothing else (AUV: ZAX0, ZAU12)
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,6 +188,13 @@ class Manual:
 
     kind: str  # MT MD MM MR MS MP
     frame: bytes
+
+    @property
+    def neutral(self) -> bool:
+        """It asks for no motion: its gear, speed, force or angle is 0."""
+        numbers = re.findall(rb"-?\d+", self.frame[3:])
+        first = self.kind in ("MS", "MP")  # speed or force, then the direction
+        return bool(numbers) and int(numbers[0 if first else -1]) == 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,7 @@ from mission.legs import LEGS
 from mission.model import Axis, Leg, Problem, Where
 from mission.vehicle import Vehicle
 from protocol.messages import Setpoint
-from protocol.vehicles import granularity
+from protocol.vehicles import vehicle_row
 
 BETWEEN_STEPS = "between-steps"  # the rule
 _EXACT = 1e-6  # of a step: degrees went through radians
@@ -88,7 +88,8 @@ def granularity_problems(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iter
 
 
 def _holds(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[_Held]:
-    row, step, sigma = LEGS[type(leg.kind)], granularity(vehicle.codec), vehicle.sensors
+    row, sigma = LEGS[type(leg.kind)], vehicle.sensors
+    step = vehicle_row(vehicle.codec).granularity
     if row.ascends:
         return
     for depth in row.depths(leg.kind) or (setpoint.depth,):

@@ -353,6 +353,8 @@ class Drive:
         chart = self._chart if isinstance(command, StartMission) else None
         if chart is not None and (why := self._latch.foresee(chart.initial)):
             return Verdict(False, why)
+        if isinstance(command, ClearMission):
+            self._step(now, ())  # whether it may be cleared is asked of this instant
         clears = isinstance(command, ClearMission) and self._engine.may_clear
         if clears:  # durable before it is done, or nothing is
             try:
@@ -367,6 +369,9 @@ class Drive:
 
     def switch_auto(self, is_open: bool, now: float) -> None:
         self._step(now, (AutoNode(is_open),))
+
+    def hear_stick(self, now: float) -> None:
+        self._engine.hear_stick(now)
 
     def relay(self, frame: bytes, reason: str, manual: bool) -> None:
         self._frontseat.relay(frame, reason, manual)

@@ -29,9 +29,10 @@ class Latch:
             self._keep(now)
 
     def follow(self, under_way: str, now: float) -> None:
-        """After every step; only another region is worth a write."""
+        """After every step; worth a write are another region, and each state of an emergency."""
         kept = self._kept
-        if under_way == kept or _region(under_way) == _region(kept):
+        ended = under_way.startswith("emergency")
+        if under_way == kept or (_region(under_way) == _region(kept) and not ended):
             return
         self._kept = under_way
         if under_way == STICK or under_way.startswith("emergency"):

@@ -196,6 +196,8 @@ class Topside:
         elif not self._is_repeated(peer, command, now):
             why = self.commander.why_not(peer, now)
             verdict = Verdict(False, why) if why else self._execute(peer, command, now)
+            if isinstance(command, Manual) and verdict is not None and not verdict.accepted:
+                self._vessel.hear_stick(now)
             if verdict is not None:
                 self._conclude(peer, command, verdict, now)
 

@@ -53,6 +53,10 @@ class Vessel(Protocol):
 
     def switch_auto(self, is_open: bool, now: float) -> None: ...
 
+    def hear_stick(self, now: float) -> None:
+        """An M that was refused: a stick is held somewhere (R6)."""
+        ...
+
     def relay(self, frame: bytes, reason: str, manual: bool) -> None: ...
 
     def accept(self, lines: tuple[str, ...], now: float) -> None:

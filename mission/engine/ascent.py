@@ -1,11 +1,14 @@
 """Surfacing, proved and not assumed (R7): the ascent of the surface leg and of the emergency.
 
-    W, 10 s  -- the depth does not fall -->  X0 and U12, 10 s  -- it does not -->  W ...
-       ^ kept while it falls                     ^ kept while it falls
+    the vehicle's ways in turn, 10 s each:  W -> X0 and U12 -> X0 alone (let go) -> W ...
+    upside down, behind them:               D12 for 5 s, at most once a minute
 
-An ACK proves nothing, and on the vehicle as built W does not stick. An unknown depth counts as not
-falling. It never gives up; whether the surface is reached is seen by the senses (depth below 0.5 m
-for 6 s, or a fix), and then everything is stopped.
+A way that makes the depth fall is kept for as long as it does; an unknown depth counts as not
+falling. It never gives up. Where it begins depends on what is known: with X0 and U12 where the
+depth is not believed or the vehicle sinks from rest (as built, W first goes on diving), by letting
+go where the vehicle is upside down. Whether the surface is reached is seen by the senses.
+
+What does not live here: which ways a vehicle has (protocol.vehicles), the surface (senses).
 """
 
 from __future__ import annotations
@@ -14,38 +17,81 @@ import copy
 from typing import Self
 
 from mission.model import Action
-from protocol.messages import Order, Setpoint
+from protocol.messages import UPWARD, Order, Setpoint
 
 TURN = 10.0  # s each way is given (R7)
 FALL = 0.3  # m in that time: 0.03 m/s, twice the noise of the difference of two depths
-UPWARD = Setpoint(heave=-1.0)  # a whole set: what it does not control is cleared by X0
+DOWNWARD = Setpoint(heave=1.0)  # lifts a vehicle that is upside down
+OVERTURNED_TURN = 5.0  # s that DOWNWARD is given (R7)
+OVERTURNED_PAUSE = 60.0  # s from one DOWNWARD to the next (R7)
+OVERTURNED_MOST = 1.0  # m deeper, and DOWNWARD is given up (R7)
+
+Way = Setpoint | Order
 
 
 class Ascent:
-    __slots__ = ("_since", "_start_depth", "_thrust", "_why", "began")
+    """``ways``: the vehicle's, in their order. ``sinking``: it sinks from rest."""
 
-    def __init__(self, now: float, depth: float | None, why: str) -> None:
+    __slots__ = ("_at", "_overturned_at", "_since", "_start_depth", "_ways", "_why", "began", "way")
+
+    def __init__(
+        self,
+        now: float,
+        depth: float | None,
+        why: str,
+        ways: tuple[Way, ...],
+        *,
+        overturned: bool = False,
+        sinking: bool = False,
+    ) -> None:
         self.began = self._since = now
-        self._start_depth, self._why = depth, why
-        self._thrust = False
+        self._start_depth, self._why, self._ways = depth, why, ways
+        first = ways[0]
+        if overturned:
+            first = Order.STOP
+        elif (depth is None or sinking) and UPWARD in ways:
+            first = UPWARD
+        self._at = ways.index(first) if first in ways else 0
+        self.way: Way = ways[self._at]
+        self._overturned_at = now - OVERTURNED_PAUSE
+
+    @property
+    def pushes_up(self) -> bool:
+        """A thruster holds it up; let go, it would not be held."""
+        return self.way is Order.SURFACE or self.way == UPWARD
 
     def first(self) -> tuple[Action, ...]:
-        return (Action(Order.SURFACE, self._why),)
+        return (Action(self.way, self._why),)
 
-    def act(self, now: float, depth: float | None) -> tuple[Action, ...]:
+    def act(self, now: float, depth: float | None, overturned: bool) -> tuple[Action, ...]:
         """What is due; nothing while the way in use is being tried, or works."""
-        if now < self._since + TURN:
+        fallen = None if depth is None or self._start_depth is None else self._start_depth - depth
+        is_down = self.way == DOWNWARD
+        if is_down and (not overturned or fallen is None or fallen < -OVERTURNED_MOST):
+            pass  # given up at once
+        elif now < self.next_timer():
             return ()
-        before, self._start_depth, self._since = self._start_depth, depth, now
-        if before is not None and depth is not None and before - depth >= FALL:
+        elif fallen is not None and fallen >= FALL:
+            self._since, self._start_depth = now, depth
             return ()
-        seen = "is not known" if depth is None or before is None else f"is {depth:.1f} m, no less"
-        why = f"{self._why}: after {TURN:g} s the depth {seen}"
-        self._thrust = not self._thrust
-        return (Action(UPWARD if self._thrust else Order.SURFACE, why),)
+        seen = "is not known" if fallen is None else f"is {depth:.1f} m, no less"
+        why = f"{self._why}: after {now - self._since:.3g} s the depth {seen}"
+        if overturned and depth is not None and self._may_push_down(now):
+            self.way, self._overturned_at = DOWNWARD, now
+            why = f"{why}, and the vehicle is upside down"
+        else:
+            self._at = (self._at + 1) % len(self._ways)
+            self.way = self._ways[self._at]
+        self._since, self._start_depth = now, depth
+        return (Action(self.way, why),)
+
+    def _may_push_down(self, now: float) -> bool:
+        """Behind the last of the ways."""
+        last = self._at == len(self._ways) - 1 and self.way != DOWNWARD
+        return last and now >= self._overturned_at + OVERTURNED_PAUSE
 
     def next_timer(self) -> float:
-        return self._since + TURN
+        return self._since + (OVERTURNED_TURN if self.way == DOWNWARD else TURN)
 
     def clone(self) -> Self:
         return copy.copy(self)

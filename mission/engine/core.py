@@ -12,6 +12,7 @@ import math
 from typing import Self
 
 from mission.engine.ascent import Ascent
+from mission.engine.rest import DEEP, DEEP_AGAIN, Rest
 from mission.engine.run import Run
 from mission.engine.senses import SURFACE_DEPTH, Navigator, Senses
 from mission.engine.watch import Watch
@@ -40,6 +41,7 @@ from mission.model import (
 from mission.regions import IDLE, MANUAL
 from mission.vehicle import Vehicle
 from protocol.messages import Order, Setpoint, SetSafety
+from protocol.vehicles import vehicle_row
 
 REPEAT_STOP = 0.5  # s (R7)
 
@@ -50,6 +52,7 @@ class Core:
     def __init__(self, vehicle: Vehicle, navigation: Navigator | None) -> None:
         self.vehicle = vehicle
         self.senses = Senses(navigation, grounded=vehicle.drives, stale_after=vehicle.stale_after)
+        self.ways = vehicle_row(vehicle.codec).ways
         self.machine = Machine()
         self.chart: Chart | None = None
         self.operator = SetSafety()
@@ -58,7 +61,12 @@ class Core:
         self.ascent: Ascent | None = None  # the emergency's, in emergency/surfacing alone
         self.stop_at: float | None = None  # X0 goes out again then, unless it was acknowledged
         self.stopped_at: float | None = None  # when a stop was acknowledged, and nothing since
-        self.stick = -math.inf  # the last M
+        self.stick = -math.inf  # the last M that was obeyed
+        self.any_stick = -math.inf  # the last M of anybody, obeyed or not (R6)
+        self.clear_refused = -math.inf  # the last @AC that was
+        self.rest = Rest(vehicle.limits.descent_rate)
+        self._rested = ""  # the kind of rest that it watches
+        self._sank = False  # out of surfaced: let go, it would sink again
         self.auto = True  # node AUTO
         self.emergency_since_idle = False
         self.emergency_at = -math.inf  # when the last one began
@@ -75,6 +83,7 @@ class Core:
         other.watch = self.watch.clone(other.senses)
         other.run = self.run.clone() if self.run else None
         other.ascent = self.ascent.clone() if self.ascent else None
+        other.rest = copy.copy(self.rest)
         other.actions, other.steps = [], []
         return other
 
@@ -146,7 +155,7 @@ class Core:
         if self.active != IDLE_EMPTY:
             self._move("clear", IDLE_EMPTY, "cleared by the operator", (), By.OPERATOR)
         self.machine = Machine()
-        self.emergency_since_idle = False
+        self.emergency_since_idle = self._sank = False
         self.renew_bounds()
 
     def renew_bounds(self) -> None:
@@ -156,7 +165,7 @@ class Core:
 
     def begin(self, chart: Chart) -> None:
         """The mission from its first leg."""
-        self.run = Run(chart, self.now)
+        self.run = Run(chart, self.now, self.ways)
         self.watch.started = self.now
         self._fly("mission started", chart.initial)
 
@@ -284,14 +293,23 @@ class Core:
         self, name: str, why: str, by: By, evaluations: tuple[Evaluation, ...] = ()
     ) -> None:
         """emergency/surfacing, from anywhere; ``name`` is the row of the region table. An ascent
-        that a leg has begun goes on: to begin it anew would undo what it has found out."""
-        run = self.flying
+        that a leg has begun goes on: to begin it anew would undo what it has found out. An
+        operator's W leaves as it is, whatever the ascent begins with."""
+        run, senses = self.flying, self.senses
+        sinking = name == "limit" and self._rests
+        self._sank = self._sank or (sinking and self.active == SURFACED)
         begun = run.ascent if run is not None and run.climbing and by is By.LIMIT else None
         self._to_emergency()
         self.stop_at = self.stopped_at = None
         self.watch.set_sent(None)
-        self.ascent = begun or Ascent(self.now, self.senses.depth, why)
-        self._move(name, SURFACING, why, () if begun else self.ascent.first(), by, evaluations)
+        over = senses.overturned
+        self.ascent = begun or Ascent(
+            self.now, senses.depth, why, self.ways, overturned=over, sinking=sinking
+        )
+        actions = () if begun else self.ascent.first()
+        if by is By.OPERATOR and self.ascent.way is not Order.SURFACE:
+            actions = (Action(Order.SURFACE, why), *actions)
+        self._move(name, SURFACING, why, actions, by, evaluations)
 
     def _to_emergency(self) -> None:
         """The mission is over, the operator has to clear or to take the stick."""
@@ -304,15 +322,41 @@ class Core:
         if self.ascent is None:
             return
         if self.senses.surfaced(self.ascent.began):
+            held = self._sank and self.ascent.pushes_up
             why = f"{self.reason}; at the surface"
-            self._move("surfaced", SURFACED, why, self._stop("the surface is reached"), None)
+            if held:
+                why = f"{why}, and held up: it sank when it was let go"
+            stop = () if held else self._stop("the surface is reached")
+            self._move("surfaced", SURFACED, why, stop, None)
             self.ascent = None
-        elif actions := self.ascent.act(self.now, self.senses.depth):
+        elif actions := self.ascent.act(self.now, self.senses.depth, self.senses.overturned):
             self._record(actions)
+
+    def mind_rest(self) -> None:
+        """With each report: where everything is stopped a vehicle that sinks, or that an X leaves
+        down there, is brought up, as often as it comes to that (R7)."""
+        kind = ("stopped" if self.active == STOPPED else "rest") if self._rests else ""
+        if kind != self._rested:
+            self._rested = kind
+            self.rest.begin()
+        report = self.senses.telemetry
+        if not kind or report is None:
+            return
+        surfaced = self.active == SURFACED
+        self.rest.take(report.t, self.senses.depth, DEEP_AGAIN if surfaced else DEEP)
+        why = self.rest.stays_down() if kind == "stopped" else self.rest.sinks
+        if why and self.auto:
+            self.surface("limit", why, By.LIMIT)
+
+    def rest_again(self, state: str, why: str) -> None:
+        """A restart into the end of an emergency, which is latched."""
+        self._to_emergency()
+        self._move("restart", state, why, self._stop(why), None)
 
     def take_stick(self) -> None:
         """manual/driving; a mission stays where it was interrupted."""
         self.ascent = self.stop_at = self.stopped_at = None
+        self._sank = False
         self.watch.set_sent(None)
         self._move("stick", MANUAL_DRIVING, "the stick was moved", (), By.OPERATOR)
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mission.engine.core import Core
-from mission.engine.orders import ORDERS, STICK_QUIET, may_clear
+from mission.engine.orders import ORDERS, STICK_QUIET, why_not_clear
 from mission.engine.senses import Navigator
 from mission.engine.words import event_of, short
 from mission.envelope import Bounds, Limit, Response
@@ -27,6 +27,8 @@ from mission.machine import Machine
 from mission.model import (
     AUTONOMOUS,
     MANUAL_DRIVING,
+    STOPPED,
+    SURFACED,
     Action,
     AutoNode,
     By,
@@ -102,6 +104,11 @@ class Engine:
         """R5: off unless configured."""
         self._core.watch.topside_silence = seconds
 
+    def hear_stick(self, now: float) -> None:
+        """Somebody's M that was refused before it came here: no emergency is taken over by a stick
+        that is held (R6)."""
+        self._core.any_stick = now
+
     def hear_topside(self, now: float) -> None:
         """Some operator said something that is a frame."""
         self._core.watch.topside_heard = now
@@ -122,6 +129,7 @@ class Engine:
         core.climb()
         core.fly_on()
         if reported:
+            core.mind_rest()
             core.doubt_stop()
         core.stop_again()
         self._timer = self._next_timer()
@@ -186,6 +194,8 @@ class Engine:
         why = f"the program restarted during {before.during}"
         if before.during == STICK and core.region == IDLE:
             core.stop_quietly(why)
+        elif before.during in (STOPPED, SURFACED) and core.region == IDLE:
+            core.rest_again(before.during, why)
         elif before.during and core.region == IDLE:
             core.surface("restart", why, By.LIMIT)
 
@@ -197,7 +207,7 @@ class Engine:
         if not found:
             return
         for row in sorted(found, key=lambda r: r.response is not Response.SURFACING):
-            if core.region not in row.acts:
+            if not self._acts(row):
                 continue
             if row.response is Response.UNCERTAIN:
                 core.take_uncertain(row)
@@ -207,6 +217,13 @@ class Engine:
                 core.repeat_set(f"limit {row.name}: {row.why(core.watch)}")
             else:
                 core.limit(row)
+
+    def _acts(self, row: Limit) -> bool:
+        """While node AUTO is closed nothing turns a thruster by itself out of rest."""
+        core = self._core
+        if core.region == AUTONOMOUS:
+            return AUTONOMOUS in row.acts
+        return core.auto and not row.acts.isdisjoint((core.region, core.active))
 
     def _run_mission(self) -> None:
         core = self._core
@@ -345,7 +362,7 @@ class Engine:
     @property
     def may_clear(self) -> bool:
         """An @AC would be accepted now."""
-        return may_clear(self._core)
+        return not why_not_clear(self._core)
 
     @property
     def under_way(self) -> str:

@@ -2,9 +2,9 @@
 
     X, W   in every state, never refused (R7)
     @AA    from idle, or from manual 2 s after the stick, with everything known that it takes
-    @AC    from idle, stopped, surfaced
+    @AC    from idle; from stopped and surfaced at the surface, or asked twice (R7)
     @SP    always, in force at once (R5)
-    M      always; in an emergency only after 2 s without one (R6)
+    M      always; in an emergency only after 2 s without any, and not a neutral one (R6)
 
 What does not live here: who is the commander, and by which path (drive).
 """
@@ -18,7 +18,7 @@ from types import MappingProxyType
 from typing import Any
 
 from mission.engine.core import Core
-from mission.engine.senses import FIX_AGE, metres
+from mission.engine.senses import FIX_AGE, SURFACE_DEPTH, metres
 from mission.envelope import SILENCE, admit
 from mission.legs import LEGS
 from mission.model import (
@@ -36,6 +36,9 @@ from mission.regions import EMERGENCY, IDLE, MANUAL
 from protocol.messages import ClearMission, Emergency, Manual, Order, SetSafety, StartMission
 
 STICK_QUIET = 2.0  # s (R6)
+START_DEPTH = 2.0  # m: without fixes a mission starts above it (R7)
+CLEAR_AGAIN = (5.0, 30.0)  # s after a refused @AC another one is meant (R7)
+PROOF_AGE = 10.0  # s that the fixes which prove a surface may be old
 
 ACCEPTED = Verdict(True)
 
@@ -59,27 +62,53 @@ def set_safety(core: Core, command: SetSafety) -> Verdict:
 
 
 def manual(core: Core, command: Manual) -> Verdict:
-    quiet = core.now - core.stick
+    silent_since = max(core.any_stick, core.emergency_at)
+    core.any_stick = core.now
+    if core.region == EMERGENCY:
+        if core.now - silent_since < STICK_QUIET:
+            return Verdict(False, "an emergency: every stick has to be still for 2 s before")
+        if command.neutral:
+            return Verdict(False, "an emergency: a stick in neutral does not take it over")
     core.stick = core.now
-    same_step = core.emergency_at == core.now  # X and W overtake what came with them
-    if core.region == EMERGENCY and (quiet < STICK_QUIET or same_step):
-        return Verdict(False, "an emergency: let the stick go for 2 s before taking over")
     if core.active != MANUAL_DRIVING:
         core.take_stick()
     return ACCEPTED
 
 
-def may_clear(core: Core) -> bool:
-    return core.region == IDLE or core.active in (STOPPED, SURFACED)
+def _at_surface(core: Core) -> bool:
+    """A believed depth, or where there is none what proves a surface; or it cannot tell."""
+    depth = core.senses.depth
+    if depth is not None:
+        return depth < SURFACE_DEPTH
+    return "depth" not in core.vehicle.reports or core.senses.surfaced(core.now - PROOF_AGE)
+
+
+def why_not_clear(core: Core) -> str:
+    """Why an @AC is refused now; "" if it is not."""
+    if core.region == IDLE:
+        return ""
+    if core.active not in (STOPPED, SURFACED):
+        if core.region == EMERGENCY:
+            return "surfacing: wait until it is at the surface"
+        return "a mission runs or is interrupted: stop the vehicle first"
+    depth, since = core.senses.depth, core.now - core.clear_refused
+    if _at_surface(core):
+        return ""
+    if depth is not None and depth > START_DEPTH:
+        return f"{depth:.1f} m deep: an emergency is cleared at the surface"
+    if CLEAR_AGAIN[0] <= since <= CLEAR_AGAIN[1]:
+        return ""
+    seen = "the depth is not known" if depth is None else f"{depth:.1f} m deep"
+    return f"{seen}: if it is at the surface clear again in 5 to 30 s"
 
 
 def clear(core: Core, command: ClearMission) -> Verdict:
-    if may_clear(core):
-        core.clear()
-        return ACCEPTED
-    if core.region == EMERGENCY:
-        return Verdict(False, "surfacing: wait until it is at the surface")
-    return Verdict(False, "a mission runs or is interrupted: stop the vehicle first")
+    why = why_not_clear(core)
+    if why:
+        core.clear_refused = core.now
+        return Verdict(False, why)
+    core.clear()
+    return ACCEPTED
 
 
 def start(core: Core, command: StartMission) -> Verdict:
@@ -123,6 +152,9 @@ def _why_not_fly(core: Core, chart: Chart) -> str:
     if "depth" in core.vehicle.reports and core.senses.depth is None:
         why = core.senses.health("depth").reason or "missing"
         return f"the depth is not to be believed ({why}): no limit of depth could act"
+    depth, free = core.senses.depth or 0.0, chart.mission.start_without_fix
+    if depth >= (START_DEPTH if free else SURFACE_DEPTH):
+        return f"{depth:.1f} m deep: a mission starts at the surface"
     bounds = core.watch.bounds
     for state in chart.states:
         if state.leg is None or state.setpoint is None or state.path == IMPLICIT_SURFACE:

@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Self
 
-from mission.engine.ascent import Ascent
+from mission.engine.ascent import Ascent, Way
 from mission.engine.plan import Plan, name_of, plan_of, repeat_of
 from mission.engine.senses import Senses
 from mission.engine.words import short
@@ -46,8 +46,9 @@ _AFTER = 1e-3  # s beyond a reading's greatest age
 
 
 class Run:
-    def __init__(self, chart: Chart, now: float) -> None:
-        self.chart = chart
+    def __init__(self, chart: Chart, now: float, ways: tuple[Way, ...]) -> None:
+        """``ways``: what the vehicle's ascents try, in turn."""
+        self.chart, self._ways = chart, ways
         self.started = now
         self.entered = now
         self.travelled = 0.0
@@ -117,7 +118,8 @@ class Run:
             if before is not None and ascended:
                 return self._stay_up(before, stopped, why)
             self._pilot, self.sent = None, None
-            self.ascent = Ascent(now, senses.depth, why)
+            over = senses.overturned
+            self.ascent = Ascent(now, senses.depth, why, self._ways, overturned=over)
             return self.ascent.first()
         self.ascent = None
         view = self._view(senses)
@@ -294,7 +296,7 @@ class Run:
         if senses.surfaced(ascent.began):
             self.at_surface = True
             return (Action(Order.STOP, f"{short(self.leaf)}: the surface is reached"),)
-        return ascent.act(senses.now, senses.depth)
+        return ascent.act(senses.now, senses.depth, senses.overturned)
 
     def reckon(self, senses: Senses) -> None:
         """The path over ground goes on with every new estimate."""

@@ -15,6 +15,7 @@ import statistics
 from dataclasses import replace
 from typing import Any, Protocol, Self
 
+from mission.engine.attitude import Attitude
 from mission.legs.base import Point, wrap
 from mission.model import Estimate, Health, Local, NavigationMode, Place, Position
 from mission.vehicle import STALE_AFTER
@@ -76,6 +77,7 @@ class Senses:
         self.fixes: tuple[Fix, ...] = ()  # the last five, oldest first
         self._fixed_at = -math.inf  # of the last one that did not go on with the one before
         self.estimate: Estimate | None = None
+        self.attitude = Attitude()
         self.believed_depth: float | None = None  # the last one that could be believed
         self._believed_at = -math.inf
         self.command: Setpoint | None = None  # in force at the vehicle
@@ -107,6 +109,7 @@ class Senses:
 
     def take_telemetry(self, report: Telemetry) -> None:
         self.telemetry = report
+        self.attitude = self.attitude.after(report)
         if self.navigation:
             self.navigation.telemetry(self._with_thrust(report))
             self.estimate = self.navigation.estimate(report.t)
@@ -187,6 +190,11 @@ class Senses:
             seen = None if report is None else report.depth
             self._depth = seen if seen is not None and self.health("depth").valid else None
         return self._depth
+
+    @property
+    def overturned(self) -> bool:
+        """Upside down, by three reports that agree."""
+        return self.attitude.overturned
 
     @property
     def submerged(self) -> bool:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from protocol.codec import FINE, Granularity, VehicleCodec
 from protocol.fields import FrameType
 from protocol.framing import LinkRow
+from protocol.messages import UPWARD, Order, Setpoint
 from protocol.tolerances import Tolerances
 from protocol.vehicles import auv, coreboard, motorcan, robot, rov
 
@@ -27,21 +28,24 @@ class UnknownDialect(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class VehicleRow:
-    """``make(dialect, tolerances, battery_scale)``, with one of its ``dialects``."""
+    """``make(dialect, tolerances, battery_scale)``, with one of its ``dialects``. ``ways``: what an
+    ascent tries, in turn (R7); no two of them are the same bytes."""
 
     name: str
     make: Callable[[str, Tolerances, BatteryScale], VehicleCodec]
     dialects: tuple[str, ...]
     granularity: Granularity = FINE
+    ways: tuple[Setpoint | Order, ...] = (Order.SURFACE, UPWARD, Order.STOP)
 
 
+_THRUST_OR_NONE = (Order.SURFACE, Order.STOP)  # its SURFACE is full vertical thrust
 _TO_THE_LETTER = ("documented",)
 VEHICLES = (
     VehicleRow("auv", auv.AuvCodec, tuple(auv.DIALECTS), auv.GRANULARITY),
-    VehicleRow("coreboard", coreboard.CoreboardCodec, _TO_THE_LETTER),
-    VehicleRow("motorcan", motorcan.MotorCodec, _TO_THE_LETTER),
-    VehicleRow("rov", rov.RovCodec, _TO_THE_LETTER),
-    VehicleRow("robot", robot.RobotCodec, _TO_THE_LETTER),
+    VehicleRow("coreboard", coreboard.CoreboardCodec, _TO_THE_LETTER, ways=_THRUST_OR_NONE),
+    VehicleRow("motorcan", motorcan.MotorCodec, _TO_THE_LETTER, ways=_THRUST_OR_NONE),
+    VehicleRow("rov", rov.RovCodec, _TO_THE_LETTER, ways=_THRUST_OR_NONE),
+    VehicleRow("robot", robot.RobotCodec, _TO_THE_LETTER, ways=(Order.SURFACE,)),
 )
 
 LINKS: tuple[LinkRow, ...] = (
@@ -60,20 +64,18 @@ def codec(
     battery_scale: BatteryScale = (1.0, 1.0),
 ) -> VehicleCodec:
     """A fresh codec. Raises UnknownVehicle, UnknownDialect or UnknownTolerance."""
-    for row in VEHICLES:
-        if row.name == name:
-            if dialect not in row.dialects:
-                known = ", ".join(row.dialects)
-                raise UnknownDialect(f"no dialect {dialect!r} of {name}; there are: {known}")
-            return row.make(dialect, Tolerances.parse(tolerances), battery_scale)
-    raise UnknownVehicle(f"no vehicle {name!r}; there are: {', '.join(r.name for r in VEHICLES)}")
+    row = vehicle_row(name)
+    if dialect not in row.dialects:
+        known = ", ".join(row.dialects)
+        raise UnknownDialect(f"no dialect {dialect!r} of {name}; there are: {known}")
+    return row.make(dialect, Tolerances.parse(tolerances), battery_scale)
 
 
-def granularity(name: str) -> Granularity:
+def vehicle_row(name: str) -> VehicleRow:
     """Raises UnknownVehicle."""
     for row in VEHICLES:
         if row.name == name:
-            return row.granularity
+            return row
     raise UnknownVehicle(f"no vehicle {name!r}; there are: {', '.join(r.name for r in VEHICLES)}")
 
 

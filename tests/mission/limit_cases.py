@@ -255,7 +255,7 @@ CASES: dict[str, Case] = {
         lambda w: reports(w, 30, leak=None),
     ),
     "roll-over": Case(
-        "roll beyond 60 deg",
+        "roll or pitch beyond 60 deg",
         lambda w: reports(w, 2, roll=-more(_ROLL)),
         lambda w: reports(w, 1, roll=more(_ROLL)),
         lambda w: reports(w, 30, roll=_ROLL),

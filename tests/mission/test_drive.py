@@ -201,12 +201,20 @@ def test_the_latch_is_lifted_when_the_mission_is_over() -> None:
     assert boat.store.content.under_way == ""
 
 
-@pytest.mark.parametrize("during", ["autonomous/a", "emergency/stopped", "manual/driving", "?"])
+@pytest.mark.parametrize("during", ["autonomous/a", "emergency/surfacing", "manual/driving", "?"])
 def test_a_restart_under_way_surfaces_at_once(during: str) -> None:
     boat = Boat(MemoryStore(Stored(LINES, under_way=during)), navigation=False)
     assert boat.drive.state == SURFACING
-    boat.until(0.1)
-    assert boat.to_vehicle()[0] == b"@ZAWF$"
+    boat.until(0.2)
+    assert boat.to_vehicle() == [b"@ZAX0$", b"@ZAU12$"]
+
+
+@pytest.mark.parametrize("during", ["emergency/stopped", "emergency/surfaced"])
+def test_a_restart_in_the_end_of_an_emergency_turns_nothing(during: str) -> None:
+    boat = Boat(MemoryStore(Stored(LINES, under_way=during)), navigation=False)
+    boat.until(30.0)
+    assert boat.drive.state == during
+    assert set(boat.to_vehicle()) == {b"@ZAX0$"}
 
 
 def test_the_way_up_does_not_wait_for_the_judge_of_the_stored_mission(
@@ -221,9 +229,9 @@ def test_the_way_up_does_not_wait_for_the_judge_of_the_stored_mission(
     monkeypatch.setattr("mission.drive.judge.judge", watched)
     boat = Boat(MemoryStore(Stored(LINES, under_way="autonomous/a")))
     boat.until(30.0)
-    assert boat.to_vehicle()[0] == b"@ZAWF$"
+    assert boat.to_vehicle()[:2] == [b"@ZAX0$", b"@ZAU12$"]
     assert judged == []
-    boat.say(b"@MMF0$")
+    boat.say(b"@MMF1$")
     assert boat.drive.state == "manual/driving"
     boat.until(100.0)
     assert boat.drive.state == "idle/ready", "left by the stick it is there again"

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 from engine_world import W, World, leg, mission, when
 
-from mission.engine.ascent import UPWARD, Ascent
+from mission.engine.ascent import DOWNWARD, Ascent
 from mission.model import IDLE_READY, SURFACED, SURFACING, Surface
-from protocol.messages import Order, Setpoint
+from protocol.messages import UPWARD, Order, Setpoint
 
 LONG = 20000.0
+WAYS = (Order.SURFACE, UPWARD, Order.STOP)
 
 
 def surfacing(depth: float | None = 20.0) -> World:
@@ -32,15 +35,15 @@ def sent(world: World) -> list[tuple[float, Setpoint | Order]]:
     return [(round(t - 110.0, 3), a.command) for t, a in world.actions]
 
 
-def test_while_the_depth_does_not_fall_both_ways_are_tried_in_turn_for_ever():
+def test_while_the_depth_does_not_fall_all_ways_are_tried_in_turn_for_ever():
     world = surfacing()
     world.wait(50.5)
     assert sent(world) == [
         (10.0, UPWARD),
-        (20.0, Order.SURFACE),
-        (30.0, UPWARD),
-        (40.0, Order.SURFACE),
-        (50.0, UPWARD),
+        (20.0, Order.STOP),
+        (30.0, Order.SURFACE),
+        (40.0, UPWARD),
+        (50.0, Order.STOP),
     ]
     world.wait(3600.0)
     assert len(world.actions) == 5 + 360
@@ -61,12 +64,85 @@ def test_upward_is_full_thrust_and_nothing_else():
     assert Setpoint(heave=-1.0) == UPWARD
 
 
+def begun(depth: float | None = 20.0, **more: bool) -> Ascent:
+    return Ascent(0.0, depth, "why", WAYS, **more)
+
+
+@pytest.mark.parametrize(
+    ("depth", "more", "way"),
+    [
+        (20.0, {}, Order.SURFACE),
+        (None, {}, UPWARD),
+        (20.0, {"sinking": True}, UPWARD),
+        (20.0, {"overturned": True}, Order.STOP),
+        (None, {"overturned": True}, Order.STOP),
+    ],
+)
+def test_an_ascent_begins_with_what_is_likely_to_help(depth, more, way):
+    ascent = begun(depth, **more)
+    assert [a.command for a in ascent.first()] == [way]
+    rest = [ascent.act(10.0 * (i + 1), depth, False)[0].command for i in range(3)]
+    at = WAYS.index(way)
+    assert rest == [WAYS[(at + i + 1) % 3] for i in range(3)]
+
+
+def test_a_vehicle_with_one_push_is_let_go_in_turn():
+    ascent = Ascent(0.0, None, "why", (Order.SURFACE, Order.STOP))
+    said = [a.command for t in range(10, 50, 10) for a in ascent.act(float(t), None, False)]
+    assert [ascent.first()[0].command, *said] == [Order.SURFACE, Order.STOP] * 2 + [Order.SURFACE]
+
+
+# --- upside down ---------------------------------------------------------------------------------
+
+
+def overturned_ways(depths, until: float = 200.0) -> list[tuple[float, Setpoint | Order]]:
+    """What an ascent says upside down, asked every half second; ``depths(t, way)``."""
+    ascent, t, said = begun(20.0, overturned=True), 0.0, [(0.0, Order.STOP)]
+    while t < until:
+        t += 0.5
+        said += [(t, a.command) for a in ascent.act(t, depths(t, said[-1]), True)]
+    return said
+
+
+def test_upside_down_the_way_down_is_tried_for_five_seconds_once_a_minute():
+    said = overturned_ways(lambda t, way: 20.0)
+    down = [i for i, (_, way) in enumerate(said) if way == DOWNWARD]
+    assert said[1] == (10.0, DOWNWARD)
+    assert [said[i + 1][0] - said[i][0] for i in down] == [5.0] * len(down)
+    begun = [said[i][0] for i in down]
+    assert all(b - a >= 60.0 for a, b in pairwise(begun))
+    assert len(begun) >= 3
+
+
+def test_downward_is_given_up_at_once_when_it_leads_a_metre_deeper():
+    def depth(t: float, last: tuple[float, Setpoint | Order]) -> float:
+        return 20.0 + (t - last[0] if last[1] == DOWNWARD else 0.0)
+
+    said = overturned_ways(depth, 20.0)
+    at = next(i for i, (_, way) in enumerate(said) if way == DOWNWARD)
+    assert said[at + 1][0] - said[at][0] == 1.5
+
+
+def test_downward_that_lifts_is_kept_and_one_that_is_righted_ends():
+    ascent = begun(20.0, overturned=True)
+    assert ascent.act(10.0, 20.0, True)[0].command == DOWNWARD
+    assert not ascent.act(15.0, 18.0, True)
+    assert not ascent.act(20.0, 16.0, True)
+    assert [a.command for a in ascent.act(20.5, 15.9, False)] == [Order.SURFACE]
+
+
+def test_without_a_depth_to_believe_nothing_pushes_down():
+    ascent = begun(None, overturned=True)
+    said = [a.command for t in range(10, 200, 10) for a in ascent.act(float(t), None, True)]
+    assert DOWNWARD not in said
+
+
 def test_three_hundredths_of_a_metre_a_second_is_rising_and_less_is_not():
     """At the instant when a way is judged; the numbers are exact in binary."""
     for fallen, kept in ((0.3125, True), (0.28125, False)):
-        ascent = Ascent(0.0, 20.0, "why")
-        assert ascent.act(9.99, 20.0) == ()
-        assert (ascent.act(10.0, 20.0 - fallen) == ()) is kept
+        ascent = begun()
+        assert ascent.act(9.99, 20.0, False) == ()
+        assert (ascent.act(10.0, 20.0 - fallen, False) == ()) is kept
 
 
 def test_a_way_that_is_given_up_says_what_was_seen():
@@ -75,25 +151,24 @@ def test_a_way_that_is_given_up_says_what_was_seen():
         (None, 20.0, "is not known"),
         (20.0, None, "is not known"),
     ):
-        ascent = Ascent(0.0, before, "why")
-        (action,) = ascent.act(10.0, after)
+        (action,) = begun(before).act(10.0, after, False)
         assert action.reason == f"why: after 10 s the depth {seen}"
-        assert action.command == UPWARD
+        assert action.command in (UPWARD, Order.STOP)
 
 
 def test_a_copy_of_an_ascent_goes_its_own_way():
-    ascent = Ascent(0.0, 20.0, "why")
+    ascent = begun()
     copy = ascent.clone()
-    assert ascent.act(10.0, 20.0)
+    assert ascent.act(10.0, 20.0, False)
     assert (copy.began, copy.next_timer()) == (0.0, 10.0)
-    assert copy.act(10.0, 20.0)[0].command == UPWARD
+    assert copy.act(10.0, 20.0, False)[0].command == UPWARD
 
 
 def test_a_way_that_stops_working_is_changed_again():
     world = surfacing()
     climb(world, 0.25, 30.0)
-    world.wait(20.0)
-    assert [c for _, c in sent(world)] == [UPWARD, Order.SURFACE]
+    world.wait(30.0)
+    assert [c for _, c in sent(world)] == [UPWARD, Order.STOP, Order.SURFACE]
 
 
 @pytest.mark.parametrize("doubt", ["frozen", "absurd", "missing"])
@@ -101,7 +176,7 @@ def test_an_unknown_depth_counts_as_not_falling(doubt: str):
     world = surfacing()
     world.nav.doubt["depth"] = doubt
     climb(world, 0.25, 40.0)
-    assert [c for _, c in sent(world)] == [UPWARD, Order.SURFACE] * 2
+    assert [c for _, c in sent(world)] == [UPWARD, Order.STOP, Order.SURFACE, UPWARD]
 
 
 def test_it_goes_on_without_any_report():
@@ -190,7 +265,7 @@ def test_surfaced_is_latched():
     world = surfacing(depth=0.2)
     world.wait(10.0)
     begun = len(world.actions)
-    world.depth = 3.0
+    world.depth = 0.9
     world.wait(100.0)
     assert world.state == SURFACED
     assert len(world.actions) == begun

@@ -71,9 +71,10 @@ def test_a_store_that_is_emptied_empties_idle():
 def test_after_an_emergency_was_cleared_the_stick_leads_into_the_next_mission():
     world = flying()
     world.tell(X)
+    world.depth = 0.2
+    world.tell(world.report())
     world.tell(ClearMission())
     world.tell(Loaded(compiled(MISSION)))
-    world.depth = 0.2
     world.tell(M)
     world.wait(3.0)
     assert world.start()
@@ -143,8 +144,9 @@ def test_a_mission_that_begins_uncertain_is_answered_like_one_that_becomes_so():
     world.nav.north, world.nav.covariance = 450.0, (1600.0, 0.0, 1600.0)
     world.wait(4.0)
     world.tell(X)
-    world.tell(ClearMission())
     world.depth = 0.2
+    world.tell(world.report())
+    world.tell(ClearMission())
     chart = compiled(
         mission(leg("out", timeout=600.0), leg("away", timeout=600.0), on_uncertain="away"),
         world.vehicle,
@@ -175,12 +177,13 @@ def test_after_a_stop_no_depth_is_asked_for_any_more():
     """In idle, out of a mission that had asked for 5 m: what sinks then is not explained."""
     world = flying(depth=0.2)
     world.tell(AutoNode(False))
+    world.tell(AutoNode(True))
     assert world.state == IDLE_READY
     while world.depth < 4.0:
         world.depth += 0.5
         world.wait(2.0)
     assert world.state == SURFACING
-    assert "nothing asked" in world.engine.reason
+    assert "everything is stopped" in world.engine.reason
 
 
 @pytest.mark.parametrize("order", [X, W])

@@ -21,6 +21,7 @@ from mission.model import (
     Result,
 )
 from protocol.messages import (
+    UPWARD,
     ClearMission,
     DataQuery,
     Emergency,
@@ -74,7 +75,8 @@ def test_x_and_w_act_from_every_state_within_the_step(state: str, order: Emergen
     world = world_in(state)
     out = world.tell(order)
     assert world.state == target
-    assert [a.command for a in out.actions] == [order.order]
+    assert out.actions[0].command is order.order
+    assert {a.command for a in out.actions[1:]} <= {UPWARD}, "in idle the depth is not known"
     assert out.verdicts[0].accepted
     assert all(a.reason for a in out.actions)
 
@@ -227,7 +229,7 @@ def test_home_beyond_the_radius_is_refused():
 def test_clear_leaves_idle_stopped_and_surfaced_alone(state: str):
     world = world_in(state)
     accepted = world.tell(ClearMission()).verdicts[0].accepted
-    assert accepted == (state in (IDLE_EMPTY, IDLE_READY, STOPPED, SURFACED))
+    assert accepted == (state in (IDLE_EMPTY, IDLE_READY, SURFACED)), "STOPPED is 5 m deep here"
     assert world.state == (IDLE_EMPTY if accepted else state)
     if accepted:
         world.tell(StartMission())
@@ -272,14 +274,17 @@ def test_closing_auto_in_an_emergency_changes_nothing():
 
 
 @pytest.mark.parametrize("state", STATES)
-def test_a_restart_during_a_mission_or_an_emergency_surfaces(state: str):
+def test_a_restart_during_a_mission_or_an_ascent_surfaces_and_the_end_of_one_is_latched(state: str):
+    """No depth is known yet, so X0 and U12 come first (R7); in stopped and surfaced X0 alone, for
+    somebody may have it on deck, and what sinks from there is brought up again."""
     during = world_in(state).engine.under_way
     assert bool(during) == (not state.startswith("idle"))
     fresh = World(navigation=False)
     fresh.tell(Loaded(compiled(MISSION)), Restarted(during))
-    assert fresh.state == (SURFACING if during else IDLE_READY)
+    rests = state in (STOPPED, SURFACED)
+    assert fresh.state == (state if rests else SURFACING if during else IDLE_READY)
     if during:
-        assert fresh.commands() == [Order.SURFACE]
+        assert fresh.commands() == [Order.STOP if rests else UPWARD]
         assert not fresh.tell(ClearMission()).verdicts[0].accepted
 
 
@@ -339,6 +344,8 @@ def test_clearing_does_not_end_a_stop_that_nobody_acknowledged():
     world = world_in("autonomous/a")
     world.answer = None
     world.tell(X)
+    world.depth = 0.2
+    world.tell(world.report())
     assert world.tell(ClearMission()).verdicts[0].accepted
     assert world.state == IDLE_EMPTY
     before = len(world.commands())

@@ -293,6 +293,7 @@ def test_in_manual_the_interrupted_leg_and_its_readings_are_told():
 def test_every_state_has_its_region_and_its_reason():
     world = World(MISSION)
     assert (world.engine.region, world.engine.reason) == ("idle", "a mission is stored")
+    world.tell(world.report())
     world.tell(X)
     assert (world.engine.region, world.engine.reason) == ("emergency", "X from the operator")
     world.tell(ClearMission())

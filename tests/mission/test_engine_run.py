@@ -386,7 +386,7 @@ def test_without_a_heading_nothing_is_counted_and_nothing_is_made_up_for():
     senses = Senses()
     world = World(mission(leg("a", timeout=LONG)))
     world.nav.speed = 1.0
-    run = Run(compiled(mission(leg("a"))), 10.0)
+    run = Run(compiled(mission(leg("a"))), 10.0, ())
     world.nav.report = world.report()
     for t, heading, travelled in ((12.0, 0.0, 2.0), (14.0, None, 2.0), (16.0, 0.0, 4.0)):
         senses.estimate = world.nav.estimate(t)._replace(heading=heading)

@@ -6,11 +6,19 @@ import math
 from dataclasses import replace
 
 import pytest
-from engine_world import HOME, VEHICLE, M, World, X, leg, mission, sets
+from engine_world import HOME, VEHICLE, M, W, World, X, leg, mission, sets
 
 from mission.engine.senses import metres
-from mission.model import IDLE_READY, MANUAL_DRIVING, STOPPED, NavigationMode, Yoyo
-from protocol.messages import ClearMission, Emergency, Order, SetSafety, StartMission
+from mission.model import (
+    IDLE_READY,
+    MANUAL_DRIVING,
+    STOPPED,
+    SURFACING,
+    NavigationMode,
+    Restarted,
+    Yoyo,
+)
+from protocol.messages import ClearMission, Emergency, Manual, Order, SetSafety, StartMission
 
 MISSION = mission(leg("a", timeout=600.0), leg("b"))
 
@@ -35,21 +43,78 @@ def test_the_stick_takes_over_from_an_emergency_after_just_two_seconds_without_o
         assert (world.state == MANUAL_DRIVING) is may
 
 
-def test_the_first_m_ever_takes_over_from_an_emergency_but_not_in_the_step_that_began_it():
+def test_the_first_m_ever_takes_over_from_an_emergency_two_seconds_after_it_began():
     world = World()
     together = world.tell(X, M).verdicts
     assert [v.accepted for v in together] == [True, False]
+    for pause, taken in ((0.001, False), (1.999, False), (2.0, True)):
+        world = World()
+        world.tell(X)
+        world.t += pause
+        assert (refusal(world, M) == "") is taken
+
+
+def test_a_restart_forgets_no_stick():
+    """What the program before heard of it nobody knows: the first seconds count as not silent."""
     world = World()
-    world.tell(X)
-    world.t += 0.001
+    world.tell(Restarted(SURFACING))
+    world.wait(1.0)
+    assert refusal(world, M) != ""
+    world.wait(1.5)
+    assert refusal(world, M) != ""
+    world.wait(2.0)
     assert refusal(world, M) == ""
+
+
+def test_a_stick_that_was_refused_before_it_came_to_the_engine_is_held_all_the_same():
+    world = World()
+    world.tell(W)
+    for _ in range(20):
+        world.wait(0.3)
+        world.engine.hear_stick(world.t)
+    assert refusal(world, M) != ""
+    assert world.state == SURFACING
+
+
+@pytest.mark.parametrize(
+    "frame",
+    [
+        ("MM", b"@MMF0$"),
+        ("MR", b"@MRL0$"),
+        ("MT", b"@MT3,0$"),
+        ("MS", b"@MS0,90$"),
+        ("MD", b"@MDS3,0$"),
+    ],
+)
+def test_a_neutral_stick_takes_no_emergency_over(frame: tuple[str, bytes]):
+    world = World()
+    world.tell(W)
+    world.wait(5.0)
+    assert "neutral" in refusal(world, Manual(*frame))
+    assert world.state == SURFACING
+    world.wait(2.0)
+    assert refusal(world, M) == ""
+
+
+@pytest.mark.parametrize(
+    "frame",
+    [
+        ("MM", b"@MMB3$"),
+        ("MR", b"@MRL5$"),
+        ("MT", b"@MT1,-10$"),
+        ("MS", b"@MS120,0$"),
+        ("MP", b"@MP1,0$"),
+    ],
+)
+def test_a_stick_that_asks_for_something_is_not_neutral(frame: tuple[str, bytes]):
+    assert not Manual(*frame).neutral
 
 
 def test_an_m_that_is_refused_counts_as_the_stick_too():
     world = World()
     world.tell(X, M)
     world.wait(1.5)
-    assert "let the stick go for 2 s" in refusal(world, M)
+    assert "still for 2 s" in refusal(world, M)
     world.wait(1.5)
     assert refusal(world, M) != ""
     world.wait(2.0)

@@ -49,6 +49,7 @@ class FakeVessel:
     relayed: list[bytes] = field(default_factory=list)
     accepted: list[tuple[str, ...]] = field(default_factory=list)
     auto: list[bool] = field(default_factory=list)
+    sticks: list[float] = field(default_factory=list)  # that were refused
     clock: str = ""
     refuses: str = ""  # what decide says
     refuses_mission: str = ""
@@ -60,6 +61,9 @@ class FakeVessel:
 
     def switch_auto(self, is_open: bool, now: float) -> None:
         self.auto.append(is_open)
+
+    def hear_stick(self, now: float) -> None:
+        self.sticks.append(now)
 
     def relay(self, frame: bytes, reason: str, manual: bool) -> None:
         self.relayed.append(frame)
@@ -232,6 +236,17 @@ def test_manual_is_relayed_unchanged_when_the_engine_agrees(pi: Pi) -> None:
     pi.vessel.refuses = "an emergency: let go of the stick for 2 s"
     pi.hear(b"@MMF3$")
     assert pi.vessel.relayed == [b"@MT1,-10$"]
+
+
+def test_every_stick_is_heard_of_whoever_holds_it_and_by_whatever_path(pi: Pi) -> None:
+    """R6: a stick that is refused may still be held when nobody commands any more."""
+    pi.hear(StartMission(), 0.0, BOAT)
+    pi.hear(b"@MMF3$", 1.0, OTHER)
+    pi.hear(b"@MMF3$", 2.0, WATER)
+    assert pi.vessel.sticks == [1.0, 2.0]
+    pi.vessel.refuses = "an emergency: let go of the stick for 2 s"
+    pi.hear(b"@MMF3$", 3.0, BOAT)
+    assert pi.vessel.sticks == [1.0, 2.0, 3.0]
 
 
 def test_manual_never_goes_over_the_modem(pi: Pi) -> None:

@@ -16,8 +16,8 @@ from protocol.vehicles import (
     VehicleRow,
     codec,
     frame_types,
-    granularity,
     link,
+    vehicle_row,
 )
 
 NAMES = {
@@ -87,8 +87,24 @@ def test_a_dialect_nobody_speaks_is_refused_with_those_there_are(row: VehicleRow
 
 def test_every_vehicle_has_its_steps_and_no_other() -> None:
     for row in VEHICLES:
-        assert granularity(row.name) is row.granularity
-    assert granularity("auv").depth == 1.0
-    assert granularity("auv").heading == pytest.approx(0.0174533)
+        assert vehicle_row(row.name) is row
+    assert vehicle_row("auv").granularity.depth == 1.0
+    assert vehicle_row("auv").granularity.heading == pytest.approx(0.0174533)
     with pytest.raises(UnknownVehicle, match="no vehicle 'zeppelin'; there are: auv"):
-        granularity("zeppelin")
+        vehicle_row("zeppelin")
+
+
+DIALECTS = [(row, dialect) for row in VEHICLES for dialect in row.dialects]
+
+
+@pytest.mark.parametrize(("row", "dialect"), DIALECTS, ids=lambda value: str(value)[:30])
+def test_the_ways_of_an_ascent_are_different_bytes_on_every_vehicle(
+    row: VehicleRow, dialect: str
+) -> None:
+    """R7: a way that differs in name alone would be tried twice, and the way that helps never."""
+    encode = codec(row.name, dialect, {}).encode
+    downward = [] if row.name == "robot" else [Setpoint(heave=1.0)]
+    said = [tuple(encode(way)) for way in (*row.ways, *downward)]
+    assert len(set(said)) == len(said)
+    assert row.ways[0] is Order.SURFACE
+    assert row.name == "robot" or row.ways[-1] is Order.STOP

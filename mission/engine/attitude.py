@@ -1,0 +1,45 @@
+"""Whether the vehicle is upside down: a state of the vehicle, not a fault of its sensor (R7).
+
+Beyond 90 degrees a roll is out of the range that document 000 gives it (table 3.2), so sensor
+health takes it for absurd. Three reports in a row that differ from each other and agree on it are
+taken for the truth; full-scale garbage repeats itself.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from protocol.messages import Telemetry
+
+OVERTURNED = math.radians(120.0)  # |roll| or |pitch|
+_REPORTS = 3
+_FULL_CIRCLE = math.radians(180.5)  # beyond it is no angle
+_SAME = 1e-9  # rad
+
+
+class Attitude(NamedTuple):
+    """What the last reports said; ``reports`` of them in a row were beyond 120 degrees."""
+
+    roll: float = 0.0
+    pitch: float = 0.0
+    reports: int = 0
+
+    @property
+    def overturned(self) -> bool:
+        return self.reports >= _REPORTS
+
+    def after(self, report: Telemetry) -> Attitude:
+        """With one more report; one without roll or pitch says that nothing is known."""
+        roll, pitch = report.roll, report.pitch
+        if roll is None or pitch is None:
+            return Attitude()
+        worst = max(abs(roll), abs(pitch))
+        if not OVERTURNED < worst <= _FULL_CIRCLE:
+            return Attitude(roll, pitch)
+        repeats = _apart(roll, self.roll) < _SAME and _apart(pitch, self.pitch) < _SAME
+        return Attitude(roll, pitch, self.reports + (not repeats or not self.reports))
+
+
+def _apart(a: float, b: float) -> float:
+    return abs(math.remainder(a - b, 2.0 * math.pi))

@@ -1,0 +1,89 @@
+"""A vehicle that sinks though everything is stopped: no state is an end (R7).
+
+    idle, waiting   over 2 m, and 0.5 m deeper than it has been since it came to rest, in reports
+                    over at least a second
+    surfaced        the same over 1 m: that it sinks where it was let go is known sooner there
+    stopped         over 2 m, and not 0.5 m less deep than 20 s before: X is also given for a diver,
+                    who is left to the buoyancy first
+
+An unknown depth says nothing: somebody may have the vehicle on deck. A depth that jumps farther
+than a body sinks begins anew.
+
+What does not live here: what follows (engine).
+"""
+
+from __future__ import annotations
+
+import math
+
+DEEP = 2.0  # m
+DEEP_AGAIN = 1.0  # m, in surfaced
+SUNK = 0.5  # m deeper than it has been: five sigmas of a depth
+RISEN = 0.5  # m in RISE_TIME, or it does not rise
+RISE_TIME = 20.0  # s
+_LASTS = 1.0  # s, and two reports
+_SMOOTH = 6.0  # s, of the depth that the deepest is compared with
+_LONGEST = 10.0  # s without a depth: it begins anew
+_FASTER = 1.5  # times the greatest descent rate, and ...
+_JUMP = 0.5  # ... m: more than that from one report to the next is no descent
+
+
+class Rest:
+    """Takes the depths of the states in which everything is stopped."""
+
+    __slots__ = (
+        "_depth",
+        "_fastest",
+        "_from",
+        "_shallowest",
+        "_since",
+        "_smooth",
+        "_sunk_at",
+        "_t",
+    )
+
+    def __init__(self, fastest: float) -> None:
+        """``fastest``: m/s, the vehicle's greatest descent rate."""
+        self._fastest = fastest
+        self.begin()
+
+    def begin(self) -> None:
+        """Another state: what was seen before says nothing about it."""
+        self._t = self._since = -math.inf
+        self._depth = self._smooth = self._shallowest = self._from = math.nan
+        self._sunk_at: float | None = None
+
+    def take(self, t: float, depth: float | None, deep: float = DEEP) -> None:
+        """One report; ``depth`` None where it is not believed. It may sink as far as ``deep``."""
+        if depth is None:
+            self.begin()
+            return
+        since, change = t - self._t, abs(depth - self._depth)
+        if since > _LONGEST or change > _FASTER * self._fastest * max(since, 1.0) + _JUMP:
+            self.begin()
+            self._smooth = self._shallowest = self._from = depth
+            self._since = t
+        else:
+            self._smooth += (depth - self._smooth) * min(since / _SMOOTH, 1.0)
+            self._shallowest = min(self._shallowest, self._smooth)
+        self._t, self._depth = t, depth
+        if not (depth > deep and depth > self._shallowest + SUNK):
+            self._sunk_at = None
+        elif self._sunk_at is None:
+            self._sunk_at = t
+
+    @property
+    def sinks(self) -> str:
+        """In words, or ""."""
+        if self._sunk_at is None or self._t - self._sunk_at < _LASTS:
+            return ""
+        return f"it sinks though everything is stopped, {self._depth:.1f} m deep"
+
+    def stays_down(self) -> str:
+        """As long as it is asked with every report; in words, or ""."""
+        if self._t - self._since < RISE_TIME:
+            return ""
+        risen, self._from, self._since = self._from - self._depth, self._depth, self._t
+        if risen >= RISEN or not self._depth > DEEP:
+            return ""
+        return f"it does not rise though everything is stopped, {self._depth:.1f} m deep"

@@ -1,0 +1,286 @@
+"""R7: no state is an end. What sinks from rest is brought up, and only at the surface all is over."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from engine_world import HOME, M, W, World, X, leg, mission, sets
+
+from mission.engine.attitude import Attitude
+from mission.engine.rest import Rest
+from mission.model import (
+    IDLE_READY,
+    MANUAL_WAITING,
+    STOPPED,
+    SURFACED,
+    SURFACING,
+    AutoNode,
+    Restarted,
+)
+from protocol.messages import UPWARD, ClearMission, Order, StartMission, Telemetry
+
+MISSION = mission(leg("a", timeout=600.0))
+REST = (IDLE_READY, MANUAL_WAITING, SURFACED)
+
+
+def at_rest(state: str, depth: float = 0.2) -> World:
+    world = World(MISSION)
+    world.tell(world.report())
+    if state == SURFACED:
+        world.tell(W)
+        world.wait(10.0)
+    elif state == STOPPED:
+        world.tell(X)
+    elif state == MANUAL_WAITING:
+        world.tell(M)
+        world.wait(3.0)
+    world.depth = depth
+    world.wait(2.0)
+    assert world.state == state
+    return world
+
+
+def sent(world: World) -> set[object]:
+    """Since it came to rest, without what led there."""
+    return set(world.commands()[1:])
+
+
+def sink(world: World, rate: float, until: float) -> None:
+    assert world.depth is not None
+    while world.depth < until and world.state != SURFACING:
+        world.depth += 2.0 * rate
+        world.wait(2.0)
+
+
+@pytest.mark.parametrize(
+    ("state", "rate"),
+    [
+        *((state, rate) for state in REST for rate in (0.1, 0.3, 0.5)),
+        (IDLE_READY, 0.03),
+        (SURFACED, 0.03),
+    ],
+)
+def test_what_sinks_from_rest_is_brought_up_by_thrust_before_it_is_deep(state: str, rate: float):
+    world = at_rest(state)
+    sink(world, rate, 20.0)
+    assert world.state == SURFACING
+    assert world.commands()[-1] == UPWARD
+    assert world.depth <= 2.0 + 4.0 * rate + 1e-9
+
+
+@pytest.mark.parametrize("state", [*REST, STOPPED])
+def test_at_rest_a_depth_that_is_not_known_turns_no_thruster(state: str):
+    world = at_rest(state)
+    world.nav.doubt["depth"] = "frozen"
+    for _ in range(40):
+        world.depth += 1.0
+        world.wait(1.0)
+    assert sent(world) <= {Order.STOP}
+    assert world.state == state
+
+
+@pytest.mark.parametrize("state", [IDLE_READY, SURFACED, STOPPED])
+def test_while_auto_is_closed_nothing_turns_by_itself(state: str):
+    world = at_rest(state)
+    world.tell(AutoNode(False))
+    sink(world, 0.3, 120.0)
+    world.wait(60.0)
+    assert sent(world) <= {Order.STOP}
+    assert world.state == state
+
+
+@pytest.mark.parametrize("state", [*REST, STOPPED])
+def test_at_rest_waves_noise_and_a_jump_on_deck_turn_no_thruster(state: str):
+    world = at_rest(state)
+    for second in range(300):
+        world.depth = 0.4 + 0.4 * math.sin(second) + (4.6 if second == 100 else 0.0)
+        world.wait(1.0)
+    assert sent(world) <= {Order.STOP}
+
+
+def test_lying_on_the_floor_of_a_pool_turns_no_thruster():
+    world = at_rest(IDLE_READY, 3.2)
+    world.wait(20.0)
+    for second in range(600):
+        world.depth = 3.2 + 0.15 * math.sin(7.3 * second)
+        world.wait(2.0)
+    assert world.commands() == []
+
+
+def test_a_stop_leaves_the_vehicle_to_its_buoyancy_for_twenty_seconds_and_no_longer():
+    world = at_rest(STOPPED, 8.0)
+    begun = world.t
+    while world.state == STOPPED:
+        world.wait(1.0)
+    assert 20.0 <= world.t - begun <= 24.0
+    assert world.state == SURFACING
+    assert UPWARD in world.commands()
+
+
+def test_a_stop_that_lets_it_rise_is_left_alone():
+    world = at_rest(STOPPED, 8.0)
+    while world.depth > 0.3:
+        world.depth -= 0.06
+        world.wait(2.0)
+    world.wait(60.0)
+    assert world.state == STOPPED
+    assert UPWARD not in world.commands()
+
+
+def test_it_is_brought_up_as_often_as_it_sinks_and_then_held_up():
+    world = at_rest(SURFACED)
+    for _ in range(3):
+        world.depth = 0.2
+        world.wait(4.0)
+        sink(world, 0.3, 9.0)
+        assert world.state == SURFACING
+        world.depth = 0.2
+        world.wait(9.0)
+        assert world.state == SURFACED
+        assert world.commands()[-1] == UPWARD, "let go, it would sink again"
+        assert "held up" in world.engine.reason
+    world.wait(120.0)
+    assert world.commands()[-1] == UPWARD
+
+
+def test_an_operators_stop_lets_go_of_what_was_held_up():
+    world = at_rest(SURFACED)
+    sink(world, 0.3, 9.0)
+    world.depth = 0.2
+    world.wait(9.0)
+    world.tell(X)
+    assert world.commands()[-1] is Order.STOP
+
+
+def test_a_copy_watches_its_own_rest():
+    rest = Rest(0.6)
+    rest.take(0.0, 0.2)
+    assert rest.sinks == ""
+    world = at_rest(IDLE_READY)
+    kept = world.engine.snapshot()
+    sink(world, 0.2, 9.0)
+    assert world.state == SURFACING
+    world.engine.restore(kept)
+    assert world.state == IDLE_READY
+
+
+# --- the surface, for a clear and for a start ---------------------------------------------------
+
+
+@pytest.mark.parametrize("state", [STOPPED, SURFACED])
+@pytest.mark.parametrize(("depth", "may"), [(0.3, True), (0.6, False), (5.0, False)])
+def test_an_emergency_is_cleared_only_at_the_surface(state: str, depth: float, may: bool):
+    world = at_rest(state)
+    world.depth = depth
+    world.tell(world.report())
+    assert world.tell(ClearMission()).verdicts[0].accepted is may
+    assert (world.state == state) is not may
+
+
+@pytest.mark.parametrize(
+    ("pause", "depth", "may"),
+    [(4.9, 1.5, False), (5.0, 1.5, True), (30.0, 1.5, True), (30.1, 1.5, False), (10.0, 2.1, False),
+     (5.0, None, True), (10.0, None, True), (4.0, None, False)],
+)  # fmt: skip
+def test_a_clear_that_is_repeated_is_meant(pause: float, depth: float | None, may: bool):
+    """So that a dead sensor indoors locks nobody out."""
+    world = at_rest(STOPPED)
+    world.depth = depth
+    world.tell(world.report())
+    assert not world.tell(ClearMission()).verdicts[0].accepted
+    world.wait(pause)
+    world.tell(world.report())
+    assert world.tell(ClearMission()).verdicts[0].accepted is may
+
+
+def test_a_program_that_repeats_a_clear_all_the_time_does_not_mean_it():
+    world = at_rest(STOPPED, 1.5)
+    for _ in range(30):
+        assert not world.tell(ClearMission()).verdicts[0].accepted
+        world.wait(1.0)
+
+
+def test_while_it_surfaces_no_clear_is_obeyed_however_often():
+    world = at_rest(IDLE_READY)
+    world.depth = 5.0
+    world.tell(world.report(), W)
+    for _ in range(4):
+        assert not world.tell(ClearMission()).verdicts[0].accepted
+        world.wait(6.0)
+    assert world.state == SURFACING
+
+
+@pytest.mark.parametrize(
+    ("depth", "free", "may"),
+    [(0.4, False, True), (0.5, False, False), (5.0, False, False), (1.9, True, True),
+     (2.0, True, False)],
+)  # fmt: skip
+def test_a_mission_starts_at_the_surface(depth: float, free: bool, may: bool):
+    world = World(
+        mission(leg("a", timeout=600.0), start_without_fix=free, home=None if free else HOME)
+    )
+    world.depth = depth
+    assert world.start() is may
+    assert may or "at the surface" in world.verdicts[-1].why
+
+
+def test_a_mission_goes_on_at_any_depth():
+    world = World(MISSION)
+    assert world.start()
+    world.depth = 8.0
+    world.wait(4.0)
+    world.tell(M)
+    world.wait(4.0)
+    assert world.tell(StartMission()).verdicts[0].accepted
+
+
+# --- upside down -----------------------------------------------------------------------------------
+
+
+def attitude(*reports: tuple[float | None, float | None]) -> bool:
+    seen = Attitude()
+    for roll, pitch in reports:
+        angles = [None if a is None else math.radians(a) for a in (roll, pitch)]
+        seen = seen.after(Telemetry(0.0, roll=angles[0], pitch=angles[1]))
+    return seen.overturned
+
+
+@pytest.mark.parametrize(
+    ("reports", "over"),
+    [
+        ([(170.0, 1.0), (171.0, 2.0), (-178.0, 1.0)], True),
+        ([(1.0, 170.0), (2.0, 171.0), (1.0, -178.0)], True),  # as the document says pitch
+        ([(170.0, 1.0), (171.0, 2.0)], False),
+        ([(119.0, 1.0), (118.0, 2.0), (117.0, 1.0)], False),
+        ([(180.0, 180.0)] * 9, False),  # full scale
+        ([(180.0, 0.0), (-180.0, 0.0), (180.0, 0.0)], False),  # one angle
+        ([(170.0, 1.0), (900.0, 2.0), (172.0, 1.0), (171.0, 1.0)], False),
+        ([(170.0, 1.0), (None, 2.0), (172.0, 1.0), (171.0, 1.0)], False),
+        ([(170.0, 1.0), (171.0, 2.0), (172.0, 1.0), (10.0, 1.0)], False),
+    ],
+)
+def test_upside_down_is_what_three_reports_that_change_agree_on(reports, over: bool):
+    assert attitude(*reports) is over
+
+
+def test_upside_down_rolls_over_a_mission_and_begins_by_letting_go():
+    world = World(mission(leg("a", timeout=600.0, settings=sets(surge=0.5, depth=5.0))))
+    assert world.start()
+    world.depth = 5.0
+    world.wait(2.0)
+    world.nav.doubt["attitude"] = "absurd"  # beyond the document's range
+    for degrees in (160.0, 165.0, 162.0, 161.0, 163.0):
+        world.roll = math.radians(degrees)
+        world.wait(2.0)
+    assert world.state == SURFACING
+    assert world.commands()[-1] is Order.STOP
+    assert "roll or pitch" in world.engine.reason
+
+
+def test_a_restart_into_surfaced_watches_as_before():
+    world = World(navigation=False)
+    world.tell(Restarted(SURFACED))
+    world.wait(4.0)
+    sink(world, 0.3, 9.0)
+    assert world.state == SURFACING
