@@ -15,8 +15,12 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.sea")
     parser.add_argument("scene", nargs="*", default=["*"], help="names, with * as in a shell")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--draw", type=int, default=0, help="so many scenes at random, from the seed on")
-    parser.add_argument("--wire", action="store_true", help="print the words to the board, and serve's output")
+    parser.add_argument(
+        "--draw", type=int, default=0, help="so many scenes at random, from the seed on"
+    )
+    parser.add_argument(
+        "--wire", action="store_true", help="print the words to the board, and serve's output"
+    )
     parser.add_argument("--list", action="store_true")
     choice = parser.parse_args()
     scenes = tuple(s for s in SCENES if any(fnmatch.fnmatch(s.name, p) for p in choice.scene))
@@ -27,7 +31,9 @@ def main() -> int:
     flights = [(scene, choice.seed, {}) for scene in scenes]
     if choice.draw:
         seeds = range(choice.seed, choice.seed + choice.draw)
-        flights = [(scene, seed, changes) for seed in seeds for scene, changes in [drawn(scenes, seed)]]
+        flights = [
+            (scene, seed, changes) for seed in seeds for scene, changes in [drawn(scenes, seed)]
+        ]
     failed = 0
     for scene, seed, changes in flights:
         verdict = fly(scene, seed, **changes)

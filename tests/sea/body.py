@@ -87,7 +87,9 @@ class Body:
     def step(self, gears: Gears, dt: float) -> None:
         """Move for dt seconds (0.02 to 0.05) with these gears."""
         wanted = [gears.left, gears.right, *gears.up]
-        self._gears = [g + (w - g) * min(1.0, dt / SPOOL) for g, w in zip(self._gears, wanted, strict=True)]
+        self._gears = [
+            g + (w - g) * min(1.0, dt / SPOOL) for g, w in zip(self._gears, wanted, strict=True)
+        ]
         self.pose = hull.move(self.pose, self._load(gears), dt)
         if self.pose.z > self.floor - 0.1:
             self.pose = replace(self.pose, z=self.floor - 0.1, v=(0.0, 0.0, 0.0))

@@ -56,10 +56,10 @@ class Waiter:
             seen, self.deadline, self.written = REPORT.unpack(self.rest[: REPORT.size])
             self.rest = self.rest[REPORT.size :]
             self.reports += 1
-            self.owes = self.owes and seen < now
-            if seen < now and self.deadline <= now:
-                self.owes = False  # it looked before the tick: ask again
-                self.ask()
+            if self.owes and seen < now:  # it looked before the tick: again
+                self.line.send(b"t")
+            else:
+                self.owes = False
         return bool(block)
 
 
@@ -69,7 +69,9 @@ class Clock:
     def __init__(self) -> None:
         self.folder = Path(tempfile.mkdtemp(prefix="sea-"))
         self.now = 1000.0
-        self.strict_until = self.now  # s: until then other threads of the program are waited for, too
+        self.strict_until = (
+            self.now
+        )  # s: until then other threads of the program are waited for, too
         with (self.folder / "now").open("w+b") as file:
             file.write(bytes(16))
             file.flush()

@@ -32,7 +32,9 @@ class Said:
     text: str
 
 
-def said(world: World, pattern: str | re.Pattern[str], since: float = 0.0, until: float = 1e9) -> list[Said]:
+def said(
+    world: World, pattern: str | re.Pattern[str], since: float = 0.0, until: float = 1e9
+) -> list[Said]:
     """Words to the board that match, in a time."""
     return [
         Said(word.at, word.text)
@@ -65,7 +67,9 @@ def home(within: float, depth: float = SURFACE, off: bool = True) -> Law:
             return f"not at the surface within {within:.0f} s ({when}), now {last.depth:.1f} m deep"
         tail = [sample for sample in after if sample.at > last.at - 15]
         if max(sample.depth for sample in tail) >= depth:
-            return f"up after {first.at - after[0].at:.0f} s, but {last.depth:.1f} m deep at the end"
+            return (
+                f"up after {first.at - after[0].at:.0f} s, but {last.depth:.1f} m deep at the end"
+            )
         if off and any(sample.turning for sample in tail):
             return f"at the surface, but thrusters turn at the end ({last.up:+.0f})"
         return ""
@@ -151,7 +155,9 @@ def never(pattern: str, since: str, why: str, until: str = "") -> Law:
         if since not in world.marks:
             return ""
         found = said(world, pattern, world.marks[since], world.marks.get(until, 1e9))
-        return f"{found[0].text} at {found[0].at - world.marks[since]:.1f} s: {why}" if found else ""
+        return (
+            f"{found[0].text} at {found[0].at - world.marks[since]:.1f} s: {why}" if found else ""
+        )
 
     return law
 
@@ -173,7 +179,9 @@ def legs(*steps: tuple[str, float]) -> Law:
             if not found:
                 return f"the set {pattern} never left"
             if found[0].at - at > within:
-                return f"the set {pattern} left after {found[0].at - at:.1f} s, {within:.0f} s allowed"
+                return (
+                    f"the set {pattern} left after {found[0].at - at:.1f} s, {within:.0f} s allowed"
+                )
             at = found[0].at
         return ""
 
@@ -215,4 +223,22 @@ def started_again(times: int) -> Law:
 
 def accepted(letter: str, name: str) -> Law:
     """An answer the script noted as `name=letter`."""
-    return lambda world: "" if f"{name}={letter}" in world.notes else f"{name} was not answered {letter}: {world.notes}"
+    return lambda world: (
+        ""
+        if f"{name}={letter}" in world.notes
+        else f"{name} was not answered {letter}: {world.notes}"
+    )
+
+
+def off_within(seconds: float, mark: str = "due") -> Law:
+    """Every thruster is told to stand still this soon after a mark, and for 10 s (X is not undone)."""
+
+    def law(world: World) -> str:
+        after = _since(world, mark)
+        if not after:
+            return ""
+        at = after[0].at
+        turning = [s for s in after if s.turning and at + seconds < s.at < at + 10]
+        return f"thrusters turn {turning[0].at - at:.2f} s after {mark}" if turning else ""
+
+    return law

@@ -115,7 +115,9 @@ class Operator:
                 return letter
         return letter
 
-    def repeat(self, frame: str | Callable[[int], str], every: float, until: float = 1e9) -> Iterator[None]:
+    def repeat(
+        self, frame: str | Callable[[int], str], every: float, until: float = 1e9
+    ) -> Iterator[None]:
         """Send a frame over and over until a time: a held stick, a slider, a poll."""
         due, count = self.clock(), 0
         while self.clock() < until:

@@ -41,6 +41,7 @@ class Pi:
     starts: int = 0
     ended: list[tuple[float, int]] = field(default_factory=list)  # time, return code
     wanted: bool = True  # systemd wants it to run
+    without: str = ""  # a module that its next start cannot import
     before: Callable[[], None] = lambda: None
     _due: float | None = None
     _stop_by: float = float("inf")
@@ -67,7 +68,12 @@ class Pi:
             self.process = subprocess.Popen(
                 [sys.executable, "-m", "mission", "serve", "--config", str(self.config)],
                 cwd=ROOT,
-                env={**os.environ, **self.clock.environment(), "HOME": str(self.folder)},
+                env={
+                    **os.environ,
+                    **self.clock.environment(),
+                    "HOME": str(self.folder),
+                    "SEA_WITHOUT": self.without,
+                },
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=subprocess.STDOUT,

@@ -6,12 +6,13 @@ A script is a generator that yields once a tick and acts through the world: oper
 from __future__ import annotations
 
 import shutil
+import signal
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
 from tests.sea.body import Body
-from tests.sea.laws import Law
+from tests.sea.laws import Law, held_up, home, never_deeper, passed, reached, started_again
 from tests.sea.operator import Operator
 from tests.sea.pi import ROOT
 from tests.sea.stm32 import Board
@@ -19,6 +20,17 @@ from tests.sea.wire import Line
 from tests.sea.world import World
 
 Steps = Iterator[None]
+Script = Callable[[World], Steps]
+
+# What holds whenever the body floats: home in 150 s, at most 6 m beyond the mission's 10 m.
+LIGHT: tuple[Law, ...] = (
+    reached(),
+    home(150),
+    held_up(),
+    never_deeper(16),
+    passed(),
+    started_again(1),
+)
 
 
 @dataclass(frozen=True)
@@ -27,7 +39,7 @@ class Scene:
 
     name: str
     why: str
-    script: Callable[[World], Steps]
+    script: Script
     laws: tuple[Law, ...]
     body: dict[str, Any] = field(default_factory=dict)
     board: dict[str, Any] = field(default_factory=dict)
@@ -96,8 +108,8 @@ def order(world: World, frame: str) -> None:
     world.mark("due")
 
 
-def own_vehicle(world: World, **changes: str) -> None:
-    """Give this scene's `serve` a vehicle file of its own: the shipped one with lines replaced."""
+def own_vehicle(world: World, **changes: str) -> Steps:
+    """Begin anew with a vehicle file of this scene's own: the shipped one, with texts replaced."""
     path = world.folder / "own.yaml"
     text = (ROOT / "missions" / "vehicles" / f"{world.vehicle}.yaml").read_text()
     for old, new in changes.items():
@@ -105,8 +117,13 @@ def own_vehicle(world: World, **changes: str) -> None:
             raise ValueError(f"the shipped file has no {old}")
         text = text.replace(old, new)
     path.write_text(text)
-    config = world.pi.config.read_text().replace(f"vehicle: {world.vehicle}\n", f"vehicle: {path}\n")
+    config = world.pi.config.read_text().replace(
+        f"vehicle: {world.vehicle}\n", f"vehicle: {path}\n"
+    )
     world.pi.config.write_text(config)
+    world.pi.signal(signal.SIGTERM)
+    yield from world.until(lambda: world.pi.starts == 2, 20)
+    world.pi.ended.clear()
 
 
 def ruin(world: World, what: str) -> None:
@@ -128,5 +145,8 @@ RUINS: dict[str, Callable[[World, Any], Any]] = {
     "vehicle file gone": lambda world, _: (world.folder / "own.yaml").unlink(),
     "store a file": lambda _, state: _file_instead(state / "store"),
     "log a file": lambda _, state: _file_instead(state / "log"),
-    "status a folder": lambda _, state: ((state / "status.json").unlink(), (state / "status.json").mkdir()),
+    "status a folder": lambda _, state: (
+        (state / "status.json").unlink(),
+        (state / "status.json").mkdir(),
+    ),
 }

@@ -154,9 +154,7 @@ class Board:
             self.vertical, self.wanted_altitude, self.trim = "E", amount, 0.0
         elif code == "H":
             self.horizontal, self.wanted_yaw = "H", amount
-            if self.carried:
-                self.speed = float(value.partition(",")[2] or 0)
-            elif "," in value:
+            if self.carried or "," in value:
                 self.speed = float(value.partition(",")[2] or 0)
         elif code == "X":
             self._stop()
@@ -226,7 +224,9 @@ class Board:
             rate = -math.degrees(self.body.pose.w[2])
             turn = max(-6.0, min(6.0, 0.15 * error - 0.2 * rate))
             return max(-12.0, min(12.0, g - turn)), max(-12.0, min(12.0, g + turn))
-        return {"F": (g, g), "B": (-g, -g), "L": (-g, g), "R": (g, -g)}.get(self.horizontal, (0.0, 0.0))
+        return {"F": (g, g), "B": (-g, -g), "L": (-g, g), "R": (g, -g)}.get(
+            self.horizontal, (0.0, 0.0)
+        )
 
     line_time = 0.0
 

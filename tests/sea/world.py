@@ -147,7 +147,7 @@ class World:
             self.receiver.tick(self.now)
         if self.acoustic:
             self.acoustic.tick(self.now)
-        wrote = any([line.pump(self.now, self.clock.reports) for line in self.lines])
+        wrote = sum(line.pump(self.now, self.clock.reports) for line in self.lines) > 0
         for boat in self.operators:
             wrote, boat.wrote = wrote or boat.wrote, False
             if boat.waits_until > self.now:

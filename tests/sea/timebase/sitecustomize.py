@@ -5,6 +5,8 @@ folder of a sea, the clocks and the waits of this process become the sea's: `tim
 `time.time`, `time.sleep` and `selectors.EpollSelector.select`; `os.write` counts what goes to serial
 ports. Nothing else of the program is touched, and none of its modules is named here.
 
+SEA_WITHOUT names a module whose import shall fail, as on a card with a broken file.
+
 A wait tells the sea "at this time nothing is left to do, wake me at that time", and then really waits:
 for a file descriptor, or for the sea's tick. So the sea's time stands still while the program works,
 and no result depends on the speed of the machine.
@@ -21,6 +23,7 @@ import struct
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +35,8 @@ written = 0  # bytes that this process has written to serial ports
 class Waiter:
     """One thread's line to the sea; made at the thread's first wait."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, now: Callable[[], float]) -> None:
+        self.now = now
         self.line = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         self.line.connect(str(folder / "waits"))
         self.line.setblocking(False)
@@ -46,7 +50,7 @@ class Waiter:
             poll.register(epoll, select.POLLIN)
         self.asked = True
         while True:
-            seen = now()
+            seen = self.now()
             events = ready()
             if events or seen >= deadline:
                 return events
@@ -70,7 +74,6 @@ class Waiter:
 
 def install(folder: Path) -> None:
     """Replace clocks and waits."""
-    global now
     with (folder / "now").open("rb") as file:
         memory = mmap.mmap(file.fileno(), 16, access=mmap.ACCESS_READ)
     unpack = struct.Struct("<d").unpack_from
@@ -84,7 +87,7 @@ def install(folder: Path) -> None:
 
     def waiter() -> Waiter:
         if not hasattr(own, "waiter"):
-            own.waiter = Waiter(folder)
+            own.waiter = Waiter(folder, now)
         return own.waiter  # type: ignore[no-any-return]
 
     def sleep(seconds: float) -> None:
@@ -112,10 +115,7 @@ def install(folder: Path) -> None:
     selectors.EpollSelector.select = choose  # type: ignore[method-assign]
 
 
-def now() -> float:
-    """The sea's time in seconds; `install` puts the real one here."""
-    return time.monotonic()
-
-
 if "SEA_CLOCK" in os.environ and "serve" in sys.orig_argv:
     install(Path(os.environ["SEA_CLOCK"]))
+    if os.environ.get("SEA_WITHOUT"):
+        sys.modules[os.environ["SEA_WITHOUT"]] = None  # type: ignore[assignment]
