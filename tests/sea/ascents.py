@@ -248,13 +248,13 @@ SCENES: tuple[Scene, ...] = (
         "dives-after-x-again",
         "each time it comes back U12 ends it",
         possessed("@ZAX0$", "U", again=45, seconds=420),
-        (reached(), home(200), held_up(), sinking_noticed(within=30), passed()),
+        (reached(), home(200, off=False), held_up(), sinking_noticed(within=30), passed()),
     ),
     Scene(
         "dives-idle",
         "two reports of sinking begin an ascent, each time",
         idle_dives,
-        (reached(), home(0.5), sinking_noticed(), held_up(), never_deeper(16)),
+        (reached(), home(0.5, off=False), sinking_noticed(), held_up(), never_deeper(16)),
     ),
     Scene(
         "heavy-after-x",

@@ -18,7 +18,7 @@ import tempfile
 import time
 from pathlib import Path
 
-REPORT = struct.Struct("<ddQ")
+REPORT = struct.Struct("<ddQQ")
 PATIENCE = 60.0  # real seconds that one tick may take before the program counts as hung
 
 
@@ -34,8 +34,8 @@ class Waiter:
         self.deadline = -1.0
         self.owes = True  # each thread reports when it begins to wait, unasked
         self.rest = b""
-        self.reports = 0
         self.written = 0
+        self.taken = 0
 
     def ask(self) -> None:
         """Have it look at the clock and at its files."""
@@ -53,9 +53,8 @@ class Waiter:
             return False
         self.rest += block
         while len(self.rest) >= REPORT.size:
-            seen, self.deadline, self.written = REPORT.unpack(self.rest[: REPORT.size])
+            seen, self.deadline, self.written, self.taken = REPORT.unpack(self.rest[: REPORT.size])
             self.rest = self.rest[REPORT.size :]
-            self.reports += 1
             if self.owes and seen < now:  # it looked before the tick: again
                 self.line.send(b"t")
             else:
@@ -158,10 +157,10 @@ class Clock:
             if time.monotonic() > until:
                 raise Hung(f"the program works for more than {PATIENCE:.0f} s at one instant")
 
-    def reports(self) -> int:
-        """How often threads have begun to wait."""
+    def taken(self) -> int:
+        """Bytes that the program has read from serial ports since it began."""
         self._take(0)
-        return sum(waiter.reports for waiter in self._waiters.values())
+        return max((waiter.taken for waiter in self._waiters.values()), default=0)
 
     def written(self) -> int:
         """Bytes that the program has written to serial ports since it began."""

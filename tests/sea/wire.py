@@ -22,6 +22,8 @@ HANDFUL = 0.03  # s of line time that reach the program at once (a UART's FIFO a
 
 FULL = 3500  # bytes that a pseudo-terminal holds for a program that does not read
 
+PATIENCE = 2.0  # real seconds for the kernel to move bytes; a program that ended takes none
+
 
 def crc_modbus(data: bytes) -> int:
     """CRC-16, polynomial A001 reflected, init FFFF: `123456789` gives 4B37 (protocols, 1.3)."""
@@ -98,26 +100,24 @@ class Line:
         """Whether nothing is on its way to the program."""
         return now >= self._free_out
 
-    def pump(self, now: float, looks: Callable[[], int]) -> bool:
+    def pump(self, now: float, taken: Callable[[], int]) -> bool:
         """Hand what has arrived by now to the program; whether there was something.
 
         The kernel moves bytes through a pseudo-terminal in its own time: wait until they are there,
-        or until the program, whose waits `looks` counts, has taken them.
+        or until the program, which counts what it has `taken`, has them.
         """
         data = b""
         while self._out and self._out[0][0] <= now:
             data += self._out.pop(0)[1]
         if not (data and self.plugged):
             return False
-        before, reports = self._unread(), looks()
+        before = self._unread()
         if before + len(data) > FULL:
             return False
-        os.write(self.master, data)
-        patience = time.monotonic() + 0.5
-        while self._unread() < before + len(data) and looks() == reports:
+        wanted = before + taken() + os.write(self.master, data)
+        patience = time.monotonic() + PATIENCE
+        while self._unread() + taken() < wanted and time.monotonic() < patience:
             time.sleep(0.0001)
-            if time.monotonic() > patience:
-                break
         return True
 
     def _unread(self) -> int:

@@ -16,7 +16,7 @@ from tests.sea.clock import Clock
 from tests.sea.operator import ModemOperator, Operator
 from tests.sea.pi import Pi, free_port
 from tests.sea.receiver import Receiver
-from tests.sea.wire import Line
+from tests.sea.wire import PATIENCE, Line
 
 TICK = 0.01  # s
 BODY_EVERY = 3  # ticks
@@ -147,7 +147,7 @@ class World:
             self.receiver.tick(self.now)
         if self.acoustic:
             self.acoustic.tick(self.now)
-        wrote = sum(line.pump(self.now, self.clock.reports) for line in self.lines) > 0
+        wrote = sum(line.pump(self.now, self.clock.taken) for line in self.lines) > 0
         for boat in self.operators:
             wrote, boat.wrote = wrote or boat.wrote, False
             if boat.waits_until > self.now:
@@ -162,7 +162,7 @@ class World:
 
     def _hear(self) -> None:
         """What the program has written; all of it, for the kernel takes its time."""
-        patience = time.monotonic() + 0.5
+        patience = time.monotonic() + PATIENCE
         while True:
             self.board.hear(self.now, self.line.receive(self.now))
             if self.acoustic:

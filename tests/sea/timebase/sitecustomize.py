@@ -2,8 +2,8 @@
 
 Python imports `sitecustomize` before anything else (module `site`). Where SEA_CLOCK names the
 folder of a sea, the clocks and the waits of this process become the sea's: `time.monotonic`,
-`time.time`, `time.sleep` and `selectors.EpollSelector.select`; `os.write` counts what goes to serial
-ports. Nothing else of the program is touched, and none of its modules is named here.
+`time.time`, `time.sleep` and `selectors.EpollSelector.select`; `os.write` and `os.read` count what
+passes serial ports. Nothing else of the program is touched, and none of its modules is named here.
 
 SEA_WITHOUT names a module whose import shall fail, as on a card with a broken file.
 
@@ -27,9 +27,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-REPORT = struct.Struct("<ddQ")  # times of the last look and the next deadline (s), bytes to ports
+REPORT = struct.Struct("<ddQQ")  # times of the last look and the next deadline (s), bytes out, in
 FOREVER = float("inf")
 written = 0  # bytes that this process has written to serial ports
+taken = 0  # and read from them
 
 
 class Waiter:
@@ -57,7 +58,7 @@ class Waiter:
             if self.asked:
                 self.asked = False
                 self.line.setblocking(True)
-                self.line.sendall(REPORT.pack(seen, deadline, written))
+                self.line.sendall(REPORT.pack(seen, deadline, written, taken))
                 self.line.setblocking(False)
             poll.poll()
             self._ticks()
@@ -80,7 +81,7 @@ def install(folder: Path) -> None:
     own = threading.local()
     really = selectors.EpollSelector.select
     start = time.time()
-    really_write = os.write
+    really_write, really_read = os.write, os.read
 
     def now() -> float:
         return float(unpack(memory)[0])
@@ -106,7 +107,14 @@ def install(folder: Path) -> None:
             written += count
         return count
 
-    os.write = write
+    def read(fd: int, count: int) -> bytes:
+        global taken
+        data = really_read(fd, count)
+        if os.isatty(fd):
+            taken += len(data)
+        return data
+
+    os.write, os.read = write, read
     time.monotonic = now
     time.monotonic_ns = lambda: int(now() * 1e9)
     time.time = lambda: start + now()
