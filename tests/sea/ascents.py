@@ -16,13 +16,13 @@ from tests.sea.laws import (
     held_up,
     home,
     legs,
+    lives,
     never,
     never_deeper,
     passed,
     quiet,
     reached,
     sinking_noticed,
-    started_again,
     upward_within,
 )
 from tests.sea.scene import LIGHT, RUINS, Scene, Script, boat, dive, go, order, own_vehicle, ruin
@@ -34,7 +34,7 @@ HEAVY: tuple[Law, ...] = (
     home(300, HELD, off=False),
     held_up(),
     passed(),
-    started_again(1),
+    lives(),
 )
 
 

@@ -5,9 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from tests.sea import faults
-from tests.sea.laws import HELD, Law, home, never_deeper, off_within, reached, started_again
+from tests.sea.laws import (
+    HELD,
+    Law,
+    beating,
+    home,
+    lives,
+    never_deeper,
+    off_within,
+    reached,
+    told,
+)
 from tests.sea.others import CoreBoard, CoreBoardUpward, Robot, Rov, RovDownward
-from tests.sea.scene import Scene, Script, go, order
+from tests.sea.scene import NoDive, Scene, Script, go, order
 from tests.sea.world import World
 
 Steps = Iterator[None]
@@ -42,8 +52,8 @@ def under_way(world: World, text: str, stay: str = "5min", depth: float = 4.5) -
     yield from go(world, text.replace("{stay}", stay))
     yield from world.until(lambda: world.body.depth > depth, 150)
     yield from world.wait(8)
-    if world.body.depth > depth - 1:
-        world.mark("down")
+    if world.body.depth < depth - 1:
+        raise NoDive(f"{world.body.depth:.1f} m deep, {depth} m asked for: {world.notes}")
 
 
 def flies(text: str, seconds: float) -> Script:
@@ -104,9 +114,29 @@ def drives(world: World) -> Steps:
     yield from world.wait(10)
 
 
+def deaf(text: str) -> Script:
+    """The board hangs under way: it goes on as it was told last, and goes on reporting."""
+
+    def script(world: World) -> Steps:
+        yield from under_way(world, text)
+        world.board.deaf_after = world.now
+        world.mark("due")
+        yield from world.command("stop")
+        yield from world.wait(5)
+
+    return script
+
+
+def idles(world: World) -> Steps:
+    """On deck, nothing to do."""
+    yield from world.wait(5)
+    world.mark("due")
+    yield from world.wait(20)
+
+
 TUNED: dict[str, object] = {"vehicle": "coreboard", "baud": 115200, "gps": False}
 TETHER: dict[str, object] = {"vehicle": "rov", "baud": 115200, "gps": False}
-ALIVE: tuple[Law, ...] = (reached(), home(200), never_deeper(16), started_again(1))
+ALIVE: tuple[Law, ...] = (reached(), home(200), never_deeper(16), lives())
 FLOAT = {"buoyancy": 2.0}
 FAINT = {"buoyancy": 1.0}
 
@@ -157,6 +187,26 @@ SCENES: tuple[Scene, ...] = (
     ),
     Scene(
         "core-voltage", "most of a window is below", flickers, ALIVE, FLOAT, {}, TUNED, CoreBoard
+    ),
+    Scene(
+        "core-deaf-stop",
+        "nothing can be done; but the operator is not told that it stopped",
+        deaf(CORE),
+        (reached(), told("stop", 1, "acknowledged")),
+        FLOAT,
+        {},
+        TUNED,
+        CoreBoard,
+    ),
+    Scene(
+        "core-idle",
+        "R16: 10 Hz, neutral in idle, too; the INS has its power from them",
+        idles,
+        (reached(), beating(0.3), off_within(0)),
+        FLOAT,
+        {},
+        TUNED,
+        CoreBoard,
     ),
     Scene("rov-calm", "nothing is wrong", flies(ROV, 120), ALIVE, FAINT, {}, TETHER, Rov),
     Scene("rov-w", "the thrusters lift it", ordered(ROV, "@ZAWF$"), ALIVE, FAINT, {}, TETHER, Rov),

@@ -10,6 +10,7 @@ a report may be 2 s old and two of them are needed; this hull rises at 0.25 m/s 
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -211,12 +212,12 @@ def sinking_noticed(deep: float = 2.6, within: float = 8.0) -> Law:
     return law
 
 
-def started_again(times: int) -> Law:
-    """The program began so often: a start that fails is one that nobody answers the vehicle's need."""
+def lives() -> Law:
+    """The program ends when a signal asks for it, and not otherwise: not at a start either."""
 
     def law(world: World) -> str:
-        bad = [f"{code} at {at - 1000:.0f} s" for at, code in world.pi.ended[times - 1 :]]
-        return f"serve ended by itself: {', '.join(bad)}" if bad and world.pi.wanted else ""
+        ends = [f"{code} at {at - 1000:.0f} s" for at, code in world.pi.ended]
+        return f"serve ended by itself: {', '.join(ends[:5])}" if ends else ""
 
     return law
 
@@ -240,5 +241,29 @@ def off_within(seconds: float, mark: str = "due") -> Law:
         at = after[0].at
         turning = [s for s in after if s.turning and at + seconds < s.at < at + 10]
         return f"thrusters turn {turning[0].at - at:.2f} s after {mark}" if turning else ""
+
+    return law
+
+
+def beating(longest: float, mark: str = "due") -> Law:
+    """From a mark on a good frame comes at least this often (R16, R17)."""
+
+    def law(world: World) -> str:
+        at = world.marks.get(mark, world.now)
+        beats = [at, *(beat for beat in world.board.beats if beat > at), world.now]
+        gap = max(b - a for a, b in itertools.pairwise(beats))
+        return f"no frame to the board for {gap:.1f} s" if gap > longest else ""
+
+    return law
+
+
+def told(name: str, code: int, never_said: str) -> Law:
+    """A command of the operator's (noted as `name=code text`) ended so, and did not say this."""
+
+    def law(world: World) -> str:
+        note = next((note for note in world.notes if note.startswith(f"{name}=")), "")
+        if not note.startswith(f"{name}={code} ") or never_said in note:
+            return f"{note or name + ' never ended'}: {code} wanted, and not '{never_said}'"
+        return ""
 
     return law

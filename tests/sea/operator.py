@@ -42,11 +42,18 @@ class Operator:
 
     def __post_init__(self) -> None:
         self.socket: socket.socket | None = None
+        self.wanted = True
+        self._retry = 0.0
         self._from = 0
+
+    def keep(self) -> None:
+        """Connect again, once a second, unless the script has closed the connection."""
+        if self.wanted and self.socket is None and self.clock() >= self._retry:
+            self._retry = self.clock() + 1.0
+            self.connect()
 
     def connect(self) -> bool:
         """Open the connection, if the program listens."""
-        self.close()
         line = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         try:
@@ -59,7 +66,11 @@ class Operator:
         return True
 
     def close(self) -> None:
-        """Drop the connection."""
+        """Drop the connection, for good."""
+        self.wanted = False
+        self._drop()
+
+    def _drop(self) -> None:
         if self.socket:
             self.socket.close()
             self.socket, self.wrote = None, True
@@ -85,7 +96,7 @@ class Operator:
         except OSError:
             data = b""
         if not data:
-            self.close()
+            self._drop()
         self.heard += data
 
     def await_ack(self, letters: str, within: float) -> Answer:

@@ -60,6 +60,7 @@ class Slave:
         self.random = random.Random(f"{type(self).__name__} {self.seed}")
         self.buffer = b""
         self.heard_at = -1e9
+        self.beats: list[float] = []  # when good frames came
         self.next_report = 1000 + self.random.uniform(0, self.PERIOD)
 
     def hear(self, now: float, data: bytes) -> None:
@@ -72,6 +73,7 @@ class Slave:
             if self.good(frame):
                 self.buffer = self.buffer[at + self.LENGTH :]
                 self.heard_at = now
+                self.beats.append(now)
                 self.obey(now, frame)
             else:
                 self.buffer = self.buffer[at + 1 :]

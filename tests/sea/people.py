@@ -33,8 +33,6 @@ def stick(frame: str, every: float, restart: bool = False) -> Script:
         other.close()
         if restart:
             world.pi.signal(signal.SIGKILL)
-            yield from world.wait(3.2)
-            boat(world).connect()
         yield from world.wait(150)
 
     return script

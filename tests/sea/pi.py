@@ -39,10 +39,11 @@ class Pi:
     folder: Path
     process: subprocess.Popen[bytes] | None = None
     starts: int = 0
-    ended: list[tuple[float, int]] = field(default_factory=list)  # time, return code
+    ended: list[tuple[float, int]] = field(default_factory=list)  # unasked: time, return code
     wanted: bool = True  # systemd wants it to run
     without: str = ""  # a module that its next start cannot import
     before: Callable[[], None] = lambda: None
+    _asked: bool = False
     _due: float | None = None
     _stop_by: float = float("inf")
 
@@ -85,7 +86,9 @@ class Pi:
         pid = self.process.pid if self.process and self.running() else 0
         self.clock.step(dt, wrote and pid > 0, pid, self.running if pid else lambda: False)
         if self.process and not self.running():
-            self.ended.append((self.clock.now, self.process.returncode))
+            if not self._asked:
+                self.ended.append((self.clock.now, self.process.returncode))
+            self._asked = False
             self.process, self._stop_by = None, float("inf")
             self._due = self.clock.now + RESTART + BOOT if self.wanted else None
         if self.process and self.clock.now > self._stop_by:
@@ -97,6 +100,7 @@ class Pi:
     def signal(self, which: int) -> None:
         """Send a signal; SIGKILL is what a crash looks like."""
         if self.process and self.running():
+            self._asked = True
             self.process.send_signal(which)
             if which == signal.SIGKILL:
                 self.process.wait()

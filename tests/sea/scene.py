@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tests.sea.body import Body
-from tests.sea.laws import Law, held_up, home, never_deeper, passed, reached, started_again
+from tests.sea.laws import Law, held_up, home, lives, never_deeper, passed, reached
 from tests.sea.operator import Operator
 from tests.sea.pi import ROOT
 from tests.sea.stm32 import Board
@@ -29,7 +29,7 @@ LIGHT: tuple[Law, ...] = (
     held_up(),
     never_deeper(16),
     passed(),
-    started_again(1),
+    lives(),
 )
 
 
@@ -70,6 +70,10 @@ def mission(depth: float, limit: float, stay: str = "8min", extra: str = "") -> 
     """
 
 
+class NoDive(Exception):
+    """The scene never came to what it is about: the mission did not bring the vehicle down."""
+
+
 SETTLE = 16.0  # s on deck: reports, and five fixes in a row
 
 
@@ -93,8 +97,9 @@ def dive(world: World, depth: float = 8.0, limit: float = 10.0, **more: Any) -> 
     yield from go(world, mission(depth, limit, **more))
     yield from world.until(lambda: world.body.depth > depth - 0.7, 120)
     yield from world.wait(6)
-    if world.body.depth > depth - 2:
-        world.mark("down")
+    if world.body.depth < depth - 2:
+        raise NoDive(f"{world.body.depth:.1f} m deep, {depth} m asked for: {world.notes}")
+    world.mark("down")
 
 
 def boat(world: World) -> Operator:
@@ -123,7 +128,6 @@ def own_vehicle(world: World, **changes: str) -> Steps:
     world.pi.config.write_text(config)
     world.pi.signal(signal.SIGTERM)
     yield from world.until(lambda: world.pi.starts == 2, 20)
-    world.pi.ended.clear()
 
 
 def ruin(world: World, what: str) -> None:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+import os
 import shutil
+import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -14,7 +17,7 @@ from typing import Any, Protocol
 from tests.sea.body import Body, Gears
 from tests.sea.clock import Clock
 from tests.sea.operator import ModemOperator, Operator
-from tests.sea.pi import Pi, free_port
+from tests.sea.pi import ROOT, Pi, free_port
 from tests.sea.receiver import Receiver
 from tests.sea.wire import PATIENCE, Line
 
@@ -110,7 +113,7 @@ class World:
     def operator(self, name: str = "boat") -> Operator:
         """A new connection."""
         boat = Operator(self.port, lambda: self.clock.now, name)
-        boat.connect()
+        boat.keep()
         self.operators.append(boat)
         return boat
 
@@ -134,6 +137,25 @@ class World:
         while self.now < end and not what():
             yield
 
+    def command(self, *words: str) -> Iterator[None]:
+        """An operator's `auvmission` command, to its end; its code and text are noted."""
+        process = subprocess.Popen(
+            [sys.executable, "-m", "mission", *words, "--to", f"tcp://127.0.0.1:{self.port}"],
+            cwd=ROOT,
+            env={**os.environ, "HOME": str(self.folder)},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+        )
+        assert process.stdout
+        with process, process.stdout as output:
+            pace = time.monotonic() - self.now
+            while process.poll() is None:  # it has a clock of its own: no faster than that
+                time.sleep(max(0.0, pace + self.now - time.monotonic()))
+                yield
+            text = " ".join(output.read().decode().split())
+        self.notes.append(f"{words[0]}={process.returncode} {text}")
+
     def run(self, script: Iterator[None]) -> None:
         """The whole flight."""
         self.pi.start()
@@ -149,6 +171,7 @@ class World:
             self.acoustic.tick(self.now)
         wrote = sum(line.pump(self.now, self.clock.taken) for line in self.lines) > 0
         for boat in self.operators:
+            boat.keep()
             wrote, boat.wrote = wrote or boat.wrote, False
             if boat.waits_until > self.now:
                 self.clock.strict_until = max(self.clock.strict_until, self.now + 0.1)
