@@ -33,7 +33,8 @@ CORE = """
 ROV = """
     mission tether vehicle rov
     start without fix
-    safety radius 140 time 20min depth 12
+    safety radius 140 time 55min depth 12
+    assume current 0.05
     down: down 6 until depth >= 5 timeout 2min
     stay: down 1 for {stay}
     up: surface timeout 5min
@@ -47,7 +48,7 @@ ROBOT = """
 """
 
 
-def under_way(world: World, text: str, stay: str = "5min", depth: float = 4.5) -> Steps:
+def under_way(world: World, text: str, stay: str = "2min", depth: float = 4.5) -> Steps:
     """Start, and wait until it is as deep as the mission wants it."""
     yield from go(world, text.replace("{stay}", stay))
     yield from world.until(lambda: world.body.depth > depth, 150)

@@ -81,10 +81,10 @@ class Pi:
             )
         self.clock.begin(self.process.pid, self.running)
 
-    def step(self, dt: float, wrote: bool) -> None:
-        """Move the time on, with the program if it lives and without if not."""
-        pid = self.process.pid if self.process and self.running() else 0
-        self.clock.step(dt, wrote and pid > 0, pid, self.running if pid else lambda: False)
+    def step(self, wrote: bool) -> None:
+        """Let the program do what is due, if it lives; restart it when systemd would."""
+        if self.process and self.running():
+            self.clock.wake(wrote, self.process.pid, self.running)
         if self.process and not self.running():
             if not self._asked:
                 self.ended.append((self.clock.now, self.process.returncode))

@@ -83,6 +83,8 @@ def go(world: World, text: str, name: str = "boat") -> Iterator[None]:
     yield from world.wait(SETTLE)
     letter = yield from boat.upload(text)
     world.notes.append(f"upload={letter}")
+    if letter != "W":
+        raise NoDive(f"the upload was answered '{letter}'")
     letter = yield from boat.ask("@AA$", "AA")
     if letter != "A":  # a receiver that was slow
         yield from world.wait(10)

@@ -169,13 +169,14 @@ class World:
             self.receiver.tick(self.now)
         if self.acoustic:
             self.acoustic.tick(self.now)
+        self.clock.advance(TICK)
         wrote = sum(line.pump(self.now, self.clock.taken) for line in self.lines) > 0
         for boat in self.operators:
             boat.keep()
             wrote, boat.wrote = wrote or boat.wrote, False
             if boat.waits_until > self.now:
                 self.clock.strict_until = max(self.clock.strict_until, self.now + 0.1)
-        self.pi.step(TICK, wrote)
+        self.pi.step(wrote)
         self._hear()
         for boat in self.operators:
             boat.receive()
