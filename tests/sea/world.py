@@ -23,6 +23,7 @@ from tests.sea.wire import PATIENCE, Line
 
 TICK = 0.01  # s
 BODY_EVERY = 3  # ticks
+HOPELESS = 5
 
 
 class Device(Protocol):
@@ -157,9 +158,11 @@ class World:
         self.notes.append(f"{words[0]}={process.returncode} {text}")
 
     def run(self, script: Iterator[None]) -> None:
-        """The whole flight."""
+        """The whole flight; broken off when the program has ended by itself `HOPELESS` times."""
         self.pi.start()
         for _ in script:
+            if len(self.pi.ended) >= HOPELESS:
+                return
             self._tasks = [task for task in self._tasks if next(task, self) is None]
             self._tick()
 
