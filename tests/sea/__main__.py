@@ -6,7 +6,7 @@ import argparse
 import fnmatch
 import sys
 
-from tests.sea.fly import drawn, fly
+from tests.sea.fly import PLAIN, drawn, fly
 from tests.sea.scenes import SCENES
 
 
@@ -28,15 +28,13 @@ def main() -> int:
         for scene in scenes:
             sys.stdout.write(f"{scene.name:28} {scene.why}\n")
         return 0
-    flights = [(scene, choice.seed, {}) for scene in scenes]
+    flights = [(scene, choice.seed, PLAIN) for scene in scenes]
     if choice.draw:
         seeds = range(choice.seed, choice.seed + choice.draw)
-        flights = [
-            (scene, seed, changes) for seed in seeds for scene, changes in [drawn(scenes, seed)]
-        ]
+        flights = [(scene, seed, draw) for seed in seeds for scene, draw in [drawn(scenes, seed)]]
     failed = 0
-    for scene, seed, changes in flights:
-        verdict = fly(scene, seed, **changes)
+    for scene, seed, draw in flights:
+        verdict = fly(scene, seed, draw)
         failed += bool(verdict.wrong)
         sys.stdout.write(f"{verdict.line()}\n")
         if choice.wire:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import contextlib
 import mmap
+import os
 import select
 import socket
 import struct
@@ -156,7 +157,7 @@ class Clock:
             elif self.now > self.strict_until or not busy(pid):
                 return
             else:
-                time.sleep(0.0002)
+                os.sched_yield()
             if time.monotonic() > until:
                 raise Hung(f"the program works for more than {PATIENCE:.0f} s at one instant")
 

@@ -7,8 +7,10 @@ import time
 import traceback
 from dataclasses import dataclass, field
 
-from tests.sea.scene import Scene
+from tests.sea.scene import Draw, Scene
 from tests.sea.world import World
+
+PLAIN = Draw()
 
 
 @dataclass
@@ -36,28 +38,32 @@ class Verdict:
         )
 
 
-def fly(scene: Scene, seed: int = 0, **changes: object) -> Verdict:
-    """One flight of a scene with a seed; `changes` go to the body."""
+def fly(scene: Scene, seed: int = 0, draw: Draw = PLAIN) -> Verdict:
+    """One flight of a scene with a seed, and with what chance adds."""
     began = time.monotonic()
     verdict = Verdict(scene.name, seed)
-    world = scene.build(seed, **changes)
+    world = scene.build(seed, draw)
     try:
         world.run(scene.script(world))
         verdict.wrong = [wrong for law in scene.laws if (wrong := law(world))]
     except Exception:
         verdict.wrong = [f"the flight broke off: {traceback.format_exc(limit=-3)}"]
     finally:
-        _note(verdict, world)
+        _note(verdict, world, draw)
         verdict.took = time.monotonic() - began
         world.close()
     return verdict
 
 
-def _note(verdict: Verdict, world: World) -> None:
+def _note(verdict: Verdict, world: World, draw: Draw) -> None:
     verdict.deepest = max((sample.depth for sample in world.samples), default=0.0)
     verdict.last = world.body.depth
     verdict.lasted = world.now - 1000
-    verdict.notes = [*world.notes, *(f"{name} {at - 1000:.1f}" for name, at in world.marks.items())]
+    verdict.notes = [
+        str(draw),
+        *world.notes,
+        *(f"{name} {at - 1000:.1f}" for name, at in world.marks.items()),
+    ]
     verdict.words = _wire(world)
     verdict.output = world.pi.output()
 
@@ -78,13 +84,15 @@ def _wire(world: World) -> list[str]:
     return lines
 
 
-def drawn(scenes: tuple[Scene, ...], seed: int) -> tuple[Scene, dict[str, object]]:
-    """A scene and a body at random: trim, current and floor within what every scene allows."""
-    draw = random.Random(f"draw {seed}")
-    scene = draw.choice(scenes)
-    changes: dict[str, object] = {
-        "buoyancy": draw.choice((8.0, 8.0, 6.0, 4.0)),
-        "current": (draw.uniform(-0.15, 0.15), draw.uniform(-0.15, 0.15)),
-        "yaw": draw.uniform(-3.1, 3.1),
+def drawn(scenes: tuple[Scene, ...], seed: int) -> tuple[Scene, Draw]:
+    """A scene at random, and what chance adds: nothing that a correct program could not bear."""
+    dice = random.Random(f"draw {seed}")
+    scene = dice.choice(scenes)
+    body = {
+        "buoyancy": dice.choice((8.0, 8.0, 6.0, 4.0)),
+        "current": (dice.uniform(-0.12, 0.12), dice.uniform(-0.12, 0.12)),
+        "yaw": dice.uniform(-3.1, 3.1),
     }
-    return scene, {name: value for name, value in changes.items() if name not in scene.body}
+    modes = ("honest", "honest", "silent", "stuck", "alternating", "cycling", "wandering")
+    slider = dice.choice((0.0, 0.0, dice.uniform(5, 200)))
+    return scene, Draw(body, {"receiver_mode": dice.choice(modes)}, round(slider))

@@ -165,6 +165,6 @@ class ModemOperator:
             self._under_way.remove((at, data))
             self.line.send(now, data)
 
-    def receive(self, now: float) -> None:
+    def receive(self) -> None:
         """Take what has come."""
-        self.heard += self.line.receive(now)
+        self.heard += self.line.receive()

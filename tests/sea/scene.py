@@ -34,6 +34,16 @@ LIGHT: tuple[Law, ...] = (
 
 
 @dataclass(frozen=True)
+class Draw:
+    """What chance adds to a scene: trim, current and course of the body; what the receiver tells
+    under water; a slider of so many Hz."""
+
+    body: dict[str, Any] = field(default_factory=dict)
+    world: dict[str, Any] = field(default_factory=dict)
+    slider: float = 0.0
+
+
+@dataclass(frozen=True)
 class Scene:
     """A row of the table. `why`: why a correct program comes home in it."""
 
@@ -47,14 +57,24 @@ class Scene:
     make: Callable[..., Any] = Board
     quick: bool = False  # flown by `make test`
 
-    def build(self, seed: int, **changes: Any) -> World:
-        """The water of this scene; `changes` are a draw's, for the body."""
-        body = Body(seed=seed, **{**self.body, **changes})
+    def build(self, seed: int, draw: Draw) -> World:
+        """The water of this scene. What the scene itself says has rank over the draw."""
+        body = Body(seed=seed, **{**draw.body, **self.body})
 
         def board(body: Body, line: Line) -> Any:
             return self.make(body, line, seed, **self.board)
 
-        return World(body, board, seed=seed, **self.world)
+        world = World(body, board, seed=seed, **{**draw.world, **self.world})
+        if draw.slider:
+            world.spawn(_slides(world, draw.slider))
+        return world
+
+
+def _slides(world: World, rate: float) -> Steps:
+    """The first operator's rudder slider, from the dive on."""
+    while "down" not in world.marks:
+        yield
+    yield from boat(world).repeat(lambda n: f"@DS1,{n % 20}$", 1 / rate)
 
 
 def mission(depth: float, limit: float, stay: str = "8min", extra: str = "") -> str:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import pytest
 
-from tests.sea.fly import drawn, fly
-from tests.sea.scene import Scene
+from tests.sea.fly import PLAIN, drawn, fly
+from tests.sea.scene import Draw, Scene
 from tests.sea.scenes import SCENES
 
 
@@ -17,8 +17,8 @@ def names(scene: Scene) -> str:
     return scene.name
 
 
-def home_by_every_law(scene: Scene, seed: int = 0, **changes: object) -> None:
-    verdict = fly(scene, seed, **changes)
+def home_by_every_law(scene: Scene, seed: int = 0, draw: Draw = PLAIN) -> None:
+    verdict = fly(scene, seed, draw)
     wire = "\n".join(verdict.words[-60:])
     assert not verdict.wrong, f"{verdict.line()}\n{verdict.notes}\n{wire}\n{verdict.output[-4000:]}"
 
@@ -37,5 +37,5 @@ def test_the_vehicle_comes_home_in_every_scene(scene: Scene) -> None:
 @pytest.mark.proof
 @pytest.mark.parametrize("seed", range(1, 31))
 def test_the_vehicle_comes_home_in_scenes_drawn_at_random(seed: int) -> None:
-    scene, changes = drawn(SCENES, seed)
-    home_by_every_law(scene, seed, **changes)
+    scene, draw = drawn(SCENES, seed)
+    home_by_every_law(scene, seed, draw)

@@ -117,7 +117,7 @@ class Line:
         wanted = before + taken() + os.write(self.master, data)
         patience = time.monotonic() + PATIENCE
         while self._unread() + taken() < wanted and time.monotonic() < patience:
-            time.sleep(0.0001)
+            os.sched_yield()
         return True
 
     def _unread(self) -> int:
@@ -125,7 +125,7 @@ class Line:
         fcntl.ioctl(self.slave, termios.FIONREAD, count)
         return count[0]
 
-    def receive(self, now: float) -> bytes:
+    def receive(self) -> bytes:
         """The bytes that the program has written since the last look."""
         try:
             data = os.read(self.master, 65536)

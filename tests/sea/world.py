@@ -191,13 +191,13 @@ class World:
         """What the program has written; all of it, for the kernel takes its time."""
         patience = time.monotonic() + PATIENCE
         while True:
-            self.board.hear(self.now, self.line.receive(self.now))
+            self.board.hear(self.now, self.line.receive())
             if self.acoustic:
-                self.acoustic.receive(self.now)
+                self.acoustic.receive()
             missing = self.clock.written() - sum(line.taken for line in self.lines)
             if missing <= 0 or time.monotonic() > patience:
                 return
-            time.sleep(0.0001)
+            os.sched_yield()
 
     def _move(self, dt: float) -> None:
         gears = self.board.control(self.now, dt)
