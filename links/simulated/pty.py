@@ -104,9 +104,9 @@ class PtyVehicle:
         if self._zero is None:
             self._zero = time.monotonic() - self.vehicle.now / self.speed
         while stop is None or not stop():
-            now = self._now()
+            now = self._now() if until is None else min(self._now(), until)
             self.step(now)
-            if until is not None and now >= until:
+            if now == until:
                 return
             self._wait(now)
 

@@ -33,6 +33,7 @@ from mission.campaign.deeds import Act
 from mission.campaign.trial import Done, Event, Heard, Said
 from mission.drive.drive import VEHICLE
 from mission.drive.vessel import MODEM, Peer
+from mission.engine.ascent import DOWNWARD
 from mission.model import (
     AUTONOMOUS,
     IDLE_READY,
@@ -44,7 +45,7 @@ from mission.model import (
     Step,
     Tx,
 )
-from protocol.messages import Manual, Order, Setpoint
+from protocol.messages import UPWARD, Manual, Order, Setpoint
 from protocol.topside import TopsideCodec
 from protocol.vehicles.auv import AuvCodec
 
@@ -65,7 +66,6 @@ _LONGEST = 64
 _REPORT, _THRUSTERS, _NEUTRAL = 86, struct.Struct("<5H"), 10  # @SD; us
 _ORDERS = {"everything stopped": Order.STOP, "emergency surfacing": Order.SURFACE}
 _ANGLES = ("heading", "pitch", "roll")
-_UPWARD = -1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,7 +219,8 @@ class _Auditor:
         inside = before.startswith(AUTONOMOUS)
         if state.startswith(AUTONOMOUS) and not inside and not self._was_said(_AA, t):
             return "without an @AA"
-        if state == STOPPED and not self._was_said(_X, t):
+        restarted = step.trigger == "restart" and t - self._booted <= _SAME
+        if state == STOPPED and not (restarted or self._was_said(_X, t)):
             return "without an X"
         if state == MANUAL_DRIVING and not self._is_held(t, HEARD):
             return "without an M"
@@ -227,7 +228,6 @@ class _Auditor:
             return "with an M less than 2 s ago"
         if state == SURFACING:
             limit = any(e.trigger.startswith("limit ") and e.result for e in step.evaluations)
-            restarted = step.trigger == "restart" and t - self._booted <= _SAME
             forgotten = step.trigger == "forgotten" and not self._is_held(t, 59.0)
             runaway = step.trigger == "limit"
             if not (limit or restarted or forgotten or runaway or self._was_said(_W, t)):
@@ -238,8 +238,7 @@ class _Auditor:
         if state.startswith(AUTONOMOUS):
             return True
         if state == SURFACING:
-            up = isinstance(command, Setpoint) and command == Setpoint(heave=_UPWARD)
-            return up or command is Order.SURFACE
+            return isinstance(command, Order) or command in (UPWARD, DOWNWARD)
         return state != MANUAL_DRIVING and command is Order.STOP
 
     def _permit(self, command: Setpoint | Order, t: float) -> None:

@@ -5,11 +5,12 @@ What does not live here: how either comes about (configurations, events), what i
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 from mission.exhaustive.world import World
-from mission.model import Chart, State, Step, Tx
+from mission.model import STOPPED, SURFACING, Chart, State, Step, Tx
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +63,8 @@ class Before:
 
     t: float
     depth: float
-    stick_age: float
+    stick_age: float  # of anybody's, whether it was obeyed or not
+    emergency_age: float  # inf without one
     fix_age: float
     started: float | None  # the mission under way, or interrupted
     sent: int
@@ -118,11 +120,18 @@ class Cell:
         return self.chart.state(c.leaf) if c.region == "autonomous" else None
 
 
+def _emergency_age(world: World) -> float:
+    """Since the last X, W or limit led there."""
+    begun = [t for t, state in world.states if state in (STOPPED, SURFACING)]
+    return world.now - max(begun, default=-math.inf)
+
+
 def before(world: World) -> Before:
     return Before(
         world.now,
         world.sea.depth,
         world.now - world.last_stick,
+        _emergency_age(world),
         world.now - world.last_fix,
         run.started if (run := world.engine._core.run) is not None else None,
         len(world.sent),

@@ -137,6 +137,20 @@ def _holds_the_stick(world: World) -> None:
         world.wait(0.2)
 
 
+def _clears_again(world: World) -> None:
+    world.say(b"@AC$")
+    world.wait(6.0)
+    world.at_once = ""
+    world.say(b"@AC$")
+    world.wait(SETTLE)
+
+
+def _clears_blind(world: World) -> None:
+    world.sea.unknown.add("depth")
+    world.wait(2.1)
+    _clears_again(world)
+
+
 _TIME = encode(SetTime("2026-03-01T12:00:00"))
 _STOPS_BEHIND = frozenset({"X", "M", "AA"})
 # fmt: off
@@ -161,7 +175,11 @@ COMMANDS = (
     Event("AA", _says(b"@AA$", 3.0), "AA"),
     Event("AA of another connection", _other_says(b"@AA$"), "AA", "tender"),
     Event("AA while staging", script(_start_while_staging), "AA", "staging"),
+    Event("MM, neutral", _says(b"@MMF0$"), "MM", also=frozenset({"neutral"})),
     Event("AC", _says(b"@AC$"), "AC"),
+    Event("AC again after 6 s", script(_clears_again), "AC", "again"),
+    Event("AC again, the depth unknown", script(_clears_blind), "AC", "again", sensor="depth",
+          after=2.1, also=frozenset({"blind"})),
     Event("AC of another connection", _other_says(b"@AC$"), "AC", "tender"),
     Event("AC of another, the boat silent", _later_says(b"@AC$"), "AC"),
     Event("AW, a line", _says(encode(MissionLine(2, 1, POOL[0]))), "AW"),

@@ -50,6 +50,21 @@ def _sinks(world: World) -> None:
     world.wait(0.1)
 
 
+def _sinks_slowly(world: World) -> None:
+    """0.15 m/s, to 2.5 m and more."""
+    world.wait(2.0)
+    for _ in range(10):
+        world.sea.depth += 0.3
+        world.wait(2.0)
+    world.wait(0.1)
+
+
+def _overturned(world: World) -> None:
+    for roll_deg in (170.0, 172.0, -178.0, 171.0, 169.0):
+        world.sea.roll_deg = roll_deg
+        world.wait(2.0)
+
+
 def _blinded(world: World) -> None:
     world.sea.unknown.add("depth")
     world.wait(8.5)
@@ -157,6 +172,7 @@ LIMITS = (
     Event("limit topside", script(_topside_silent), limit="topside"),
     Event("limit no answer", _nobody_answers, limit="no answer"),
     Event("limit roll-over", script(_rolls), limit="roll-over"),
+    Event("limit roll-over, upside down", script(_overturned), limit="roll-over"),
     Event("limit voltage", script(_low), limit="voltage"),
     Event("limit heading does not follow", _turns_away, limit="heading does not follow"),
     Event("limit course against heading", script(_goes_elsewhere), limit="course against heading"),
@@ -209,6 +225,10 @@ def _reports(world: World) -> None:
     world.wait(4.1)
 
 
+def _half_a_minute(world: World) -> None:
+    world.wait(26.0)
+
+
 def _fixes(world: World) -> None:
     world.sea.depth = SHALLOW
     world.wait(2.0)
@@ -232,8 +252,9 @@ def _one_too_deep(world: World) -> None:
 _AT_SURFACE = frozenset({"surface"})
 READINGS = (
     Event("good reports", script(_reports)),
+    Event("good reports for half a minute", script(_half_a_minute)),
     Event("fixes at the surface", script(_fixes), also=_AT_SURFACE),
-    Event("one sample too deep", script(_one_too_deep), "SP"),
+    Event("one sample too deep", script(_one_too_deep), "SP", also=frozenset({"deeper"})),
     Event("depth missing", _missing("depth"), sensor="depth", after=2.1, also=frozenset({"blind"})),
     Event("altitude missing", _missing("altitude", 15.0), sensor="altitude", after=2.1),
     Event("heading missing", _missing("yaw", 15.0), sensor="heading", after=2.1),
@@ -348,6 +369,7 @@ OTHERS = (
     Event("W does not stick, U12 does", script(_rises_by_thrust), "W", "rises"),
     Event("X, answered late", script(_unanswered_stop), "X", also=frozenset({"deaf"})),
     Event("the line is back", script(_line_is_back), also=frozenset({"line"})),
+    Event("it sinks slowly", script(_sinks_slowly), also=frozenset({"sinks"})),
     Event("restart", script(_restarts), also=frozenset({"restart"})),
 )
 

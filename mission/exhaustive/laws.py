@@ -10,6 +10,7 @@ are answered (operator_laws).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -28,10 +29,11 @@ from mission.model import (
     Surface,
 )
 
-X, W = b"@ZAX0$", b"@ZAWF$"
+X, W, U12 = b"@ZAX0$", b"@ZAWF$", b"@ZAU12$"
 STICK_QUIET = 2.0  # s (R6)
 AT_ONCE = 0.1  # s: X and W have left (issue 6)
 AT_SURFACE = 0.5  # m (R7)
+DEEP_REST, RISE_TIME = 2.0, 20.0  # m, s (R7)
 
 Verdict = str | None
 
@@ -44,6 +46,12 @@ class Law:
     source: str
     ask: Callable[[Cell], Verdict]
     of_legs: bool = False
+
+
+def stays_down(cell: Cell) -> bool:
+    """In stopped and over 2 m deep for as long as X leaves a vehicle to its buoyancy (R7)."""
+    since = max((t for t, state in cell.world.states if state == STOPPED), default=math.inf)
+    return cell.world.sea.depth > DEEP_REST and cell.world.now - since >= RISE_TIME
 
 
 def wrong(*faults: tuple[bool, str]) -> str:
@@ -81,7 +89,8 @@ def _answered(cell: Cell) -> Verdict:
 def _taken(cell: Cell) -> bool:
     """Whether an M may take over (R6, R12)."""
     in_emergency = cell.configuration.region == "emergency"
-    held = in_emergency and cell.before.stick_age < STICK_QUIET
+    silent = min(cell.before.stick_age, cell.before.emergency_age)
+    held = in_emergency and (silent < STICK_QUIET or "neutral" in cell.event.causes)
     return cell.event.path == "boat" and not held
 
 
@@ -140,16 +149,17 @@ def _forgotten(cell: Cell) -> Verdict:
 
 _STATES = (IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, MANUAL_WAITING, STOPPED, SURFACING, SURFACED)
 # What may lead from a region to another; "" is the mission's own way, or time.
-_LIMITED = frozenset({"limit", "blind", "silence", "deaf"})
+_LIMITED = frozenset({"limit", "blind", "silence", "deaf", "sinks"})
+_SINKING = frozenset({"sinks", "deeper"})  # from rest
 _MOVES: dict[tuple[str, str], frozenset[str]] = {
     ("idle", "autonomous"): frozenset({"AA"}),
     ("idle", "manual"): frozenset({"M"}),
-    ("idle", "emergency"): frozenset({"X", "W", "limit"}),
+    ("idle", "emergency"): frozenset({"X", "W", "limit"}) | _SINKING,
     ("autonomous", "manual"): frozenset({"M"}),
     ("autonomous", "emergency"): frozenset({"X", "W", "restart"}) | _LIMITED,
     ("autonomous", "idle"): frozenset({"NS", ""}),
     ("manual", "autonomous"): frozenset({"AA"}),
-    ("manual", "emergency"): frozenset({"X", "W", "minute", "restart"}),
+    ("manual", "emergency"): frozenset({"X", "W", "minute", "restart", "limit"}) | _SINKING,
     ("manual", "idle"): frozenset({"minute", "restart"}),
     ("emergency", "manual"): frozenset({"M"}),
     ("emergency", "idle"): frozenset({"AC"}),
@@ -188,9 +198,11 @@ def _emergency(cell: Cell) -> Verdict:
         asked = ""
         causes = allowed.get((here, there), frozenset())
         causes |= {STOPPED: {"X"}, SURFACING: {"W"}, MANUAL_DRIVING: {"M"}}.get(there, set())
-        if there == SURFACING and here == SURFACED and "restart" in cell.event.causes:
+        if there == SURFACING and cell.event.causes & ({"restart", "limit"} | _SINKING):
             continue
-        if there == SURFACING and "restart" in cell.event.causes:
+        if here == there and "restart" in cell.event.causes:  # latched
+            continue
+        if (here, there) == (STOPPED, SURFACING) and stays_down(cell):
             continue
         if not (causes & cell.event.causes or "" in causes):
             return f"{here} -> {there}"
@@ -228,16 +240,19 @@ def _under_way(cell: Cell) -> Verdict:
 
 
 def _restarts(cell: Cell) -> Verdict:
-    """During a mission or an emergency: surfacing; otherwise idle."""
+    """During a mission or an ascent: surfacing; the ends of an emergency are latched; otherwise
+    idle."""
     if "restart" not in cell.event.causes:
         return None
     c = cell.configuration
     if c.region in ("autonomous", "emergency") or (c.region == "manual" and c.leaf):
         left = cell.frames(b"@ZA")
-        first = [t for t in left if t.t < AT_ONCE]
+        said = [t.data for t in left if t.t < AT_ONCE]
+        rests = c.state in (STOPPED, SURFACED)
+        wanted = [X] if rests else [X, U12]  # no depth is known yet
         return wrong(
-            (cell.state != SURFACING, f"the state is {cell.state}"),
-            (W not in [t.data for t in first], f"{left} left"),
+            (cell.state != (c.state if rests else SURFACING), f"the state is {cell.state}"),
+            (said != wanted, f"{left} left"),
         )
     idle = IDLE_READY if c.loaded else IDLE_EMPTY
     return wrong((cell.state != idle, f"the state is {cell.state}"))
@@ -263,7 +278,7 @@ def _after_stopped(cell: Cell) -> Verdict:
     """Nothing but X0 until its ACK, and what an operator asked for since."""
     if cell.configuration.state != STOPPED:
         return None
-    if cell.event.causes & {"W", "M", "restart"}:
+    if cell.event.causes & {"W", "M", "restart"} or SURFACING in cell.states:
         return None
     others = [t for t in cell.frames(b"@Z") if t.data != X]
     strange = [t for t in cell.frames() if t.data[:2] not in (b"@Z", b"@R", b"@D")]

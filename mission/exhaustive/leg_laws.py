@@ -12,6 +12,9 @@ from mission.exhaustive.configurations import DEEP
 from mission.exhaustive.laws import Law, Verdict, wrong
 from mission.model import (
     IMPLICIT_SURFACE,
+    MANUAL_WAITING,
+    STOPPED,
+    SURFACED,
     SURFACING,
     And,
     By,
@@ -100,13 +103,16 @@ def _unanswered(cell: Cell) -> int:
 
 
 def _limits(cell: Cell) -> Verdict:
-    """R5, R8: a breach while autonomous surfaces; in idle the hard depth and a descent do."""
+    """R5, R8: a breach while autonomous surfaces; at rest the hard depth and a descent do."""
     limit, region = cell.event.limit, cell.configuration.region
     if not limit or limit == "uncertain":
         return None
-    acts = region == "autonomous" or (
-        region == "idle" and limit in ("hard depth", "unexplained descent")
-    )
+    everywhere = limit in ("hard depth", "unexplained descent")
+    state, auto = cell.configuration.state, cell.configuration.auto
+    at_rest = region == "idle" or state in (MANUAL_WAITING, STOPPED, SURFACED)
+    if everywhere and at_rest and auto:
+        return wrong((cell.state != SURFACING, f"{limit}: the state is {cell.state}"))
+    acts = region == "autonomous"
     if not acts:
         same = cell.region == region or region == "manual"
         ended = "emergency" if region == "emergency" else cell.region

@@ -9,10 +9,10 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from mission.exhaustive.cell import Cell
-from mission.exhaustive.laws import Law, Verdict, W, X, wrong
+from mission.exhaustive.laws import U12, Law, Verdict, W, X, wrong
 from mission.model import STOPPED, SURFACED, SURFACING, Tx
 
-U12 = b"@ZAU12$"
+D12 = b"@ZAD12$"  # upside down (R7)
 _BYTE = 10 / 9600  # s, 8N1
 _GAP = 0.02  # s (vehicle facts: one burst is one frame)
 _ANSWER = 0.3  # s (R1)
@@ -53,7 +53,7 @@ def _stopped(cell: Cell) -> Verdict:
 
 
 def _surfacing(cell: Cell) -> Verdict:
-    return _only(cell, SURFACING, (W, X, U12))
+    return _only(cell, SURFACING, (W, X, U12, D12))
 
 
 def _surfaced(cell: Cell) -> Verdict:
@@ -93,7 +93,7 @@ def _tries(cell: Cell) -> Verdict:
 
 LINE_LAWS: tuple[Law, ...] = (
     Law("in stopped nothing leaves but X0 and relays", "R7", _stopped),
-    Law("in surfacing nothing leaves but W, X0, U12 and relays", "R7", _surfacing),
+    Law("in surfacing nothing leaves but W, X0, U12, D12 and relays", "R7", _surfacing),
     Law("in surfaced nothing leaves but X0 and relays", "R7", _surfaced),
     Law("20 ms between two frames to the STM32", "vehicle facts", _gap),
     Law("one Z outstanding", "R1", _one_outstanding),

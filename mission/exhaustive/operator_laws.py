@@ -7,7 +7,15 @@ from __future__ import annotations
 
 from mission.exhaustive.cell import Cell
 from mission.exhaustive.configurations import DEEP
-from mission.exhaustive.laws import STICK_QUIET, Law, Verdict, X, wrong
+from mission.exhaustive.laws import (
+    AT_SURFACE,
+    DEEP_REST,
+    STICK_QUIET,
+    Law,
+    Verdict,
+    X,
+    wrong,
+)
 from mission.model import IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, STOPPED, SURFACED
 
 FRESH_FIX = 5.0  # s (R9)
@@ -47,9 +55,11 @@ def _may_start(cell: Cell) -> bool:
 
 
 def _placed(cell: Cell) -> bool:
-    """Where it is, as far as a start asks (R9)."""
-    free = cell.chart.mission.start_without_fix
-    return free or bool(cell.configuration.leaf) or cell.before.fix_age <= FRESH_FIX
+    """Where it is, as far as a start asks (R7, R9)."""
+    if cell.configuration.leaf:
+        return True
+    free, depth = cell.chart.mission.start_without_fix, cell.before.depth
+    return depth < DEEP_REST if free else depth < AT_SURFACE and cell.before.fix_age <= FRESH_FIX
 
 
 def _start(cell: Cell) -> Verdict:
@@ -90,12 +100,18 @@ def _no_restart(cell: Cell) -> Verdict:
 
 
 def _clear(cell: Cell) -> Verdict:
-    """@AC from idle, stopped and surfaced; N elsewhere."""
+    """@AC from idle; from stopped and surfaced at the surface, or said again where no depth above
+    2 m is believed; N elsewhere."""
     if cell.event.command != "AC":
         return None
     state = cell.states[-2] if len(cell.states) > 1 else cell.configuration.state
     state = state if cell.state == IDLE_EMPTY else cell.state
-    may = state in (IDLE_EMPTY, IDLE_READY, STOPPED, SURFACED) and cell.event.path == "boat"
+    may = state in (IDLE_EMPTY, IDLE_READY, STOPPED, SURFACED)
+    if state in (STOPPED, SURFACED):
+        known, again = cell.event.sensor != "depth", cell.event.path == "again"
+        at_surface = known and cell.world.sea.depth < AT_SURFACE
+        may = at_surface or (again and not (known and cell.world.sea.depth > DEEP_REST))
+    may = may and cell.event.path in ("boat", "again")
     cleared = cell.state == IDLE_EMPTY and not cell.world.store.content.lines
     held = cell.configuration.loaded and not cell.world.store.content.lines
     return _ack_of_anyone(cell, may) or wrong(
@@ -215,6 +231,8 @@ def _others_read(cell: Cell) -> Verdict:
 
 def _tells_at_surface(cell: Cell) -> Verdict:
     """R11: one @VS unasked on every path at the surface."""
+    if "restart" in cell.event.causes:  # nobody is connected yet
+        return None
     if SURFACED not in cell.states[1:] or cell.state != SURFACED or cell.world.sea.depth >= DEEP:
         return None
     told = [t for t in cell.answers(b"@VS") if t.reason != "asked" and t.address]

@@ -25,9 +25,10 @@ from mission.exhaustive.leg_laws import LEG_LAWS
 from mission.exhaustive.line_laws import LINE_LAWS
 from mission.exhaustive.operator_laws import OPERATOR_LAWS
 from mission.exhaustive.proof_laws import PROOF_LAWS
+from mission.exhaustive.rest_laws import REST_LAWS
 from mission.exhaustive.world import World
 
-ALL_LAWS = (*STATE_LAWS, *PROOF_LAWS, *LINE_LAWS, *OPERATOR_LAWS, *LEG_LAWS)
+ALL_LAWS = (*STATE_LAWS, *PROOF_LAWS, *LINE_LAWS, *OPERATOR_LAWS, *LEG_LAWS, *REST_LAWS)
 KEPT = 200  # violations in words; all are counted
 
 Progress = Callable[[str], None]

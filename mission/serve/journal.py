@@ -4,8 +4,10 @@
     warning  somebody should look at it: refusals, ports that are away, a fault of a limit
     fault    the program or the vehicle needs help now
 
-The same thing again within a minute is counted, and told as a count afterwards: a flood does not
-fill the disk. What does not live here: the black box, which has everything.
+The same thing again within a minute is counted, and told as a count afterwards. Of a ``kind`` that
+others can multiply (by addresses, by connections) ``OF_A_KIND`` different ones are told within a
+minute, and the rest is counted: no flood fills the disk. What does not live here: the black box,
+which has everything.
 """
 
 from __future__ import annotations
@@ -25,6 +27,7 @@ from mission.regions import EMERGENCY
 INFO, WARNING, FAULT = "info", "warning", "fault"
 LEVELS = {INFO: 6, WARNING: 4, FAULT: 3}  # syslog's numbers
 AGAIN_S = 60.0
+OF_A_KIND = 20  # different things that are told within ``AGAIN_S``
 REMEMBERED = 512
 _COMMAND = "to the vehicle\0"  # keys of what the vehicle was sent begin so
 
@@ -44,12 +47,12 @@ class Journal:
         self._write, self._now = write, now
         self._told: dict[str, _Told] = {}
 
-    def info(self, text: str, key: str = "") -> None:
+    def info(self, text: str, key: str = "", kind: str = "") -> None:
         """``key``: what counts as the same thing; by itself the text."""
-        self._tell(INFO, text, key, 1)
+        self._tell(INFO, text, key, 1, kind)
 
-    def warning(self, text: str, key: str = "", times: int = 1) -> None:
-        self._tell(WARNING, text, key, times)
+    def warning(self, text: str, key: str = "", times: int = 1, kind: str = "") -> None:
+        self._tell(WARNING, text, key, times, kind)
 
     def fault(self, text: str) -> None:
         """Always told."""
@@ -69,17 +72,23 @@ class Journal:
             if told.more:
                 self._write(f"{told.level}: {told.more} more of: {told.text}")
 
-    def _tell(self, level: str, text: str, key: str, times: int) -> None:
-        told = self._told.get(key or text)
-        now = self._now()
+    def _tell(self, level: str, text: str, key: str, times: int, kind: str = "") -> None:
+        now, key = self._now(), f"{kind}\0{key or text}" if kind else key or text
+        if kind and key not in self._told and self._is_full(kind, now):
+            key, text = kind, f"{kind}: beyond {OF_A_KIND} different ones a minute they are counted"
+        told = self._told.get(key)
         if told is not None and now - told.t < AGAIN_S:
             told.more += times
             return
         if told is not None or len(self._told) >= REMEMBERED:
             self.settle()
         if len(self._told) < REMEMBERED:
-            self._told[key or text] = _Told(now, level, text, times - 1)
+            self._told[key] = _Told(now, level, text, times - 1)
         self._write(f"{level}: {text.rstrip()}")
+
+    def _is_full(self, kind: str, now: float) -> bool:
+        recent = (told for key, told in self._told.items() if key.startswith(f"{kind}\0"))
+        return sum(now - told.t < AGAIN_S for told in recent) >= OF_A_KIND
 
     # --- what a drive does -----------------------------------------------------------------
 
@@ -97,7 +106,15 @@ class Journal:
         """What topside was sent: told where it says no."""
         if tx.data.startswith(b"@ACK_") and tx.data.endswith(b"N$"):
             to = f"{tx.link} {tx.address}".rstrip()
-            self.warning(f"refused: {_shown(tx.data)} to {to} - {tx.reason}")
+            said = f"refused: {_shown(tx.data)} to {to} - {tx.reason}"
+            self.warning(said, kind="refused commands")
+
+    def commands(self, peer: str, loser: str) -> None:
+        if loser:
+            text = f"{peer} has taken the command over from {loser}"
+            self.warning(text, kind="changes of command")
+        else:
+            self.info(f"{peer} commands", kind="new commanders")
 
     def step(self, step: Step) -> None:
         if step.entered:  # the same command in another state is another thing

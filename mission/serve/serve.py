@@ -225,12 +225,12 @@ class Server:
     def _sifted(self, port: Port, heard: list[Rx]) -> list[Rx]:
         """Less what floods; those with an X or W first."""
         for refusal, times in port.refusals().items():
-            self._journal.warning(f"topside: {refusal.host} turned away: {refusal.why}",
-                                  times=times)  # fmt: skip
+            text = f"topside: {refusal.host} turned away: {refusal.why}"
+            self._journal.warning(text, times=times, kind="connections turned away")
         return self._sieve.sift(heard, time.monotonic(), self._flooded)
 
     def _flooded(self, host: str) -> None:
-        self._tell(f"topside: {host} floods; only its X and W are heard")
+        self._journal.warning(f"topside: {host} floods; only its X and W are heard", kind="floods")
 
     def _changed(self, port: Port) -> None:
         if port.link is None:
@@ -252,14 +252,14 @@ class Server:
         for address in port.peers:
             if address not in known:
                 self._peers[port.name] = self._peers[port.name] | {address}
-                self._journal.info(f"topside: {address} is connected", host_of(address))
+                self._journal.info(f"topside: {address} is connected", host_of(address), "arrivals")
                 self._do(lambda d, a=address: d.connected(port.name, a, self.now()))  # type: ignore[misc]
 
     def _part(self, port: Port) -> None:
         for address in self._peers.get(port.name, frozenset()) - set(port.peers):
             self._peers[port.name] = self._peers[port.name] - {address}
             self._sieve.forget(address)
-            self._journal.info(f"topside: {address} is gone", f"{host_of(address)} is gone")
+            self._journal.info(f"topside: {address} is gone", host_of(address), "departures")
             self._disconnect(port.name, address)
 
     def _disconnect(self, link: str, address: str) -> None:
@@ -299,10 +299,8 @@ class Server:
     def _hand_over(self, commander: Peer | None) -> None:
         """R12: the journal has both names."""
         loser, self._commander = self._commander, commander
-        if commander is not None and loser is not None:
-            self._tell(f"{commander} has taken the command over from {loser}")
-        elif commander is not None:
-            self._journal.info(f"{commander} commands")
+        if commander is not None:
+            self._journal.commands(str(commander), str(loser or ""))
 
     def _leave(self, tx: Tx) -> None:
         sent = True

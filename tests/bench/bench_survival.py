@@ -1,8 +1,8 @@
-"""From kill -9 in a mission to the first W of the next program, with the service manager's pause.
+"""From kill -9 in a mission to the first upward word of the next program, with the service manager's pause.
 
     python tests/bench/bench_survival.py [TURNS]
 
-``first_w_s`` is the worst by the wall's clock, on this machine with whatever else it does;
+``first_up_s`` is the worst by the wall's clock, on this machine with whatever else it does;
 ``computing_s`` the least of the processor's time until then: times the slowness of a Pi (4 to 8)
 and with the pause of one second it must stay below ten seconds, too.
 """
@@ -33,7 +33,7 @@ def main(turns: int = TURNS) -> dict[str, float]:
             mine.mkdir()
             took.append(killed_in_a_mission(mine, turn, SPEED, chance.uniform(0.0, 1.0)))
     return {
-        "first_w_s": max(one.first_w for one in took),
+        "first_up_s": max(one.first_up for one in took),
         "computing_s": min(one.computing for one in took),
     }
 

@@ -101,7 +101,9 @@ BENCHES = (
         "killed in a mission",
         lambda module: module.main(),
         (
-            Figure("first_w_s", "kill -9 to the first W, restart after 1 s, worst", "s", 10),
+            Figure(
+                "first_up_s", "kill -9 to the first upward word, restart after 1 s, worst", "s", 10
+            ),
             Figure("computing_s", "processor time of it, an eighth of 9 s at most", "s", 1.12),
         ),
     ),

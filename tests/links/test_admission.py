@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import socket
 import struct
-import time
 
 import pytest
-from patience import until
+from patience import LONG, until
 
 from links import LinkAddressError, open_link, parse_address
 from links.admission import (
@@ -30,7 +29,7 @@ def listening(**options: object) -> TcpServer:
 
 def connect(server: TcpServer, now: float, host: str = "127.0.0.1") -> socket.socket:
     """Connected as far as the system is concerned; the server has decided."""
-    client = socket.create_connection(("127.0.0.1", server.port), 2.0, source_address=(host, 0))
+    client = socket.create_connection(("127.0.0.1", server.port), LONG, source_address=(host, 0))
     name = f"{host}:{client.getsockname()[1]}"
 
     def decided() -> bool:
@@ -200,7 +199,7 @@ def test_who_floods_gets_no_more_than_his_turn() -> None:
     with pytest.raises(TimeoutError):  # a bounded queue: the sender waits, not the order behind it
         flood.sendall(b"x" * (64 << 20))
     other.sendall(b"@ZAX0$")
-    time.sleep(0.05)
+    until(lambda: len(server._selector.select(0.0)) == 2)
     heard = {rx.address: rx.data for rx in server.receive(0.0)}
     assert heard.pop(f"127.0.0.1:{other.getsockname()[1]}") == b"@ZAX0$"
     assert [len(data) for data in heard.values()] == [READ]
@@ -215,7 +214,7 @@ def test_a_loopback_of_the_sixth_version_is_listened_on_too() -> None:
     except OSError:
         pytest.skip("this computer has no IPv6")
     assert isinstance(server, TcpServer)
-    with socket.create_connection(("::1", server.port), 2.0):
+    with socket.create_connection(("::1", server.port), LONG):
         until(lambda: bool(server.receive(0.0)) or bool(server.peers))
         assert server.peers[0].startswith("[::1]:")
     server.close()

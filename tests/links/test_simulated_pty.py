@@ -2,56 +2,55 @@
 
 from __future__ import annotations
 
-import threading
-import time
 from collections.abc import Iterator
 from itertools import pairwise
 
 import pytest
 
 from links.serial import SerialLink
+from links.simulated import pty
+from links.simulated.firmware.uart import BYTE_TIME
 from links.simulated.link import SimulatedVehicle
 from links.simulated.pty import PtyVehicle, run_on_ptys
 from links.simulated.settings import Settings
 
-SPEED = 20.0
 
+class Line:
+    """The other process; the vehicle's time goes on by as much as the test says."""
 
-class Served:
-    def __init__(self, vehicle: PtyVehicle) -> None:
-        self.begin = time.monotonic()
-        self.stm32 = SerialLink("vehicle", vehicle.paths[0])
-        self.gps = SerialLink("gps", vehicle.paths[1])
+    def __init__(self, speed: float) -> None:
+        self.vehicle = PtyVehicle(SimulatedVehicle("as-built", 1, Settings(splice=0.0)), speed)
+        self.stm32 = SerialLink("vehicle", self.vehicle.paths[0])
+        self.gps = SerialLink("gps", self.vehicle.paths[1])
 
-    def listen(self, seconds: float, link: SerialLink | None = None) -> list[tuple[float, bytes]]:
-        """For so many seconds of real time."""
-        out, end = [], time.monotonic() + seconds
-        while time.monotonic() < end:
-            for rx in (link or self.stm32).receive(time.monotonic() - self.begin):
-                out.append((rx.t, rx.data))  # noqa: PERF401
-            time.sleep(0.001)
+    def pieces(self, until: float) -> list[tuple[float, bytes]]:
+        """From the STM32, with the simulated time at which each could be read first."""
+        out, now = [], self.vehicle.vehicle.now
+        while now < until:
+            now += STEP
+            self.vehicle.step(now)
+            out += [(now, rx.data) for rx in self.stm32.receive(now)]
         return out
+
+    def close(self) -> None:
+        self.vehicle.close()
+        self.stm32.close()
+        self.gps.close()
+
+
+STEP = 0.005  # s
 
 
 @pytest.fixture
-def served() -> Iterator[Served]:
-    stop = threading.Event()
-    vehicle = SimulatedVehicle("as-built", 1, Settings(splice=0.0))
-    with PtyVehicle(vehicle, SPEED) as on_ptys:
-        thread = threading.Thread(target=on_ptys.run, kwargs={"stop": stop.is_set})
-        thread.start()
-        made = Served(on_ptys)
-        yield made
-        stop.set()
-        thread.join(5.0)
-        made.stm32.close()
-        made.gps.close()
-        assert not thread.is_alive()
+def line(request: pytest.FixtureRequest) -> Iterator[Line]:
+    made = Line(getattr(request, "param", 20.0))
+    yield made
+    made.close()
 
 
-def test_both_lines_carry_the_bytes_of_the_same_flight(served: Served) -> None:
-    heard = b"".join(data for _, data in served.listen(0.6))
-    sentences = b"".join(data for _, data in served.listen(0.1, served.gps))
+def test_both_lines_carry_the_bytes_of_the_same_flight(line: Line) -> None:
+    heard = b"".join(data for _, data in line.pieces(12.0))
+    sentences = b"".join(rx.data for rx in line.gps.receive(12.0))
     twin = SimulatedVehicle("as-built", 1, Settings(splice=0.0))
     assert len(heard) >= 4 * 86
     assert b"".join(rx.data for rx in twin.vehicle_link.receive(100.0)).startswith(heard)
@@ -59,44 +58,51 @@ def test_both_lines_carry_the_bytes_of_the_same_flight(served: Served) -> None:
     assert sentences.startswith(b"$GPGGA,080001.00")
 
 
-def test_a_command_is_answered_and_obeyed(served: Served) -> None:
-    served.stm32.send(b"@ZAF6$", 0.0)
-    heard = b"".join(data for _, data in served.listen(0.5))
+def test_a_command_is_answered_and_obeyed(line: Line) -> None:
+    line.stm32.send(b"@ZAF6$", 0.0)
+    heard = b"".join(data for _, data in line.pieces(10.0))
     assert b"@ACK_ZAY$" in heard
     reports = [heard[i : i + 86] for i in range(len(heard)) if heard[i : i + 3] == b"@SD"]
     assert reports[-2][63:67] == b"\xd6\x06\xd6\x06"  # 1750 us, both mains
 
 
-def test_faster_than_real_time_frames_come_whole_at_the_pace_times_the_speed(
-    served: Served,
+@pytest.mark.parametrize("line", [20.0], indirect=True)
+def test_faster_than_real_time_frames_come_whole_when_their_last_byte_is_through(
+    line: Line,
 ) -> None:
-    pieces = served.listen(0.9)
-    gaps = [b - a for (a, _), (b, _) in pairwise(pieces)]
+    pieces = line.pieces(18.0)
     assert {len(data) for _, data in pieces} == {86}
-    assert sorted(gaps)[len(gaps) // 2] == pytest.approx(2.0 / SPEED, abs=0.03)
+    first, gaps = pieces[0][0], [b - a for (a, _), (b, _) in pairwise(pieces)]
+    assert first == pytest.approx(1.0 + 86 * BYTE_TIME, abs=2 * STEP)
+    assert gaps == pytest.approx([2.0] * len(gaps), abs=2 * STEP)
 
 
-def test_in_real_time_a_frame_comes_piece_by_piece() -> None:
-    stop = threading.Event()
-    with PtyVehicle(SimulatedVehicle("as-built", 1, Settings(splice=0.0)), 1.0) as on_ptys:
-        thread = threading.Thread(target=on_ptys.run, kwargs={"stop": stop.is_set})
-        thread.start()
-        line = Served(on_ptys)
-        pieces = line.listen(1.5)  # the first report begins after 1 s
-        stop.set()
-        thread.join(5.0)
-        line.stm32.close()
-        line.gps.close()
-    assert len(pieces) >= 4
+@pytest.mark.parametrize("line", [1.0], indirect=True)
+def test_in_real_time_a_frame_comes_piece_by_piece(line: Line) -> None:
+    pieces = line.pieces(1.5)  # the first report begins after 1 s
     assert sum(len(data) for _, data in pieces) == 86
-    assert pieces[-1][0] - pieces[0][0] > 0.03  # of the 90 ms that a frame takes
+    assert len(pieces) >= 4
+    assert pieces[-1][0] - pieces[0][0] > 0.07  # of the 90 ms that a frame takes
+
+
+def test_the_clock_of_this_computer_drives_it_so_many_times_as_fast(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Whatever it sleeps, and however late it wakes."""
+    clock = iter(range(1000))
+    monkeypatch.setattr(pty.time, "monotonic", lambda: 0.01 * next(clock))
+    with PtyVehicle(SimulatedVehicle("as-built", 1), 20.0) as vehicle:
+        steps: list[float] = []
+        monkeypatch.setattr(vehicle, "step", steps.append)
+        vehicle.run(stop=lambda: len(steps) == 30)
+    assert steps == pytest.approx([0.2 * (turn + 1) for turn in range(30)])
 
 
 def test_it_runs_to_its_end_with_nobody_listening_and_says_its_paths() -> None:
     said: list[str] = []
     vehicle = SimulatedVehicle("documented", 2)
     run_on_ptys(vehicle, 400.0, ready=lambda *paths: said.extend(paths), until=120.0)
-    assert vehicle.now == pytest.approx(120.0, abs=15.0)
+    assert vehicle.now == pytest.approx(120.0, abs=0.05)
     assert len(said) == 2
     assert said[0] != said[1]
 

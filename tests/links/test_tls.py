@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from patience import until
+from patience import LONG, until
 
 from links import open_link
 from links.base import Link, LinkAbsent, LinkClosed
@@ -133,7 +133,7 @@ def test_who_has_no_certificate_keeps_nobody_out_who_has_one(keys: Path) -> None
             for host in range(2, 8):
                 where = (f"127.0.{turn}.{host}", 0)
                 address = ("127.0.0.1", made.port)
-                held.append(socket.create_connection(address, 2.0, source_address=where))
+                held.append(socket.create_connection(address, LONG, source_address=where))
             command(made, keys / "ours" / "boat")
     assert len(made._streams) <= 2 * 4
     assert bytes(served.heard) == b"@ZAX0$" * 3
@@ -175,7 +175,7 @@ def test_bytes_that_only_tls_knows_of_do_not_wait_for_more(server: TcpServer, ke
     boat.send(b"x" * 16000, 0.0)
     heard = 0
     while heard < 16000:
-        assert select.select([server.fileno()], [], [], 1.0)[0], f"{heard} bytes, then nothing"
+        assert select.select([server.fileno()], [], [], LONG)[0], f"{heard} bytes, then nothing"
         heard += sum(len(rx.data) for rx in server.receive(0.0))
     boat.close()
 
@@ -189,7 +189,7 @@ def test_a_boat_cannot_pose_as_the_vehicle(keys: Path) -> None:
 
 
 def test_who_does_not_speak_tls_is_never_heard_and_told(server: TcpServer) -> None:
-    with socket.create_connection(("127.0.0.1", server.port), 2.0) as plain:
+    with socket.create_connection(("127.0.0.1", server.port), LONG) as plain:
         plain.sendall(b"@ZAX0$ but not in TLS")
         until(lambda: server.receive(0.0) != [] or bool(server._refusals))
         assert server.peers == ()
@@ -197,7 +197,7 @@ def test_who_does_not_speak_tls_is_never_heard_and_told(server: TcpServer) -> No
 
 
 def test_who_stops_in_the_middle_of_the_handshake_is_dropped(server: TcpServer) -> None:
-    with socket.create_connection(("127.0.0.1", server.port), 2.0) as half_open:
+    with socket.create_connection(("127.0.0.1", server.port), LONG) as half_open:
         until(lambda: server.receive(0.0) != [] or bool(server._streams))
         half_open.sendall(b"\x16\x03\x01")
         assert server.next_event() == HANDSHAKE

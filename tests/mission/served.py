@@ -18,6 +18,7 @@ from links.simulated.pty import PtyVehicle
 from links.simulated.settings import Settings
 from mission.configuration import Configuration, LinkUrls
 from mission.language import parse, script
+from mission.serve.journal import AGAIN_S
 from mission.serve.serve import Ready, Server
 from mission.store import DiskStore, Store
 from mission.vehicle import load_vehicle
@@ -63,6 +64,7 @@ class Running:
         self.server: Server | None = None
         self.store = store or DiskStore(configuration.store)
         self._configuration, self._speed = configuration, speed
+        self._began = time.monotonic()
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
@@ -99,6 +101,13 @@ class Running:
 
     def has_told(self, words: str) -> bool:
         return any(words in line for line in self.told)
+
+    def tells_within_its_rate(self, words: str, things: int = 1) -> bool:
+        """At least once; of each of so many things a line and a count a minute, however long this
+        has run, and however fast."""
+        minutes = 1 + int((time.monotonic() - self._began) // AGAIN_S)
+        told = sum(words in line for line in self.told)
+        return 1 <= told <= 2 * things * minutes
 
     def stop(self) -> None:
         if self.server is not None and self._thread.is_alive():

@@ -6,12 +6,7 @@ import os
 from pathlib import Path
 
 import pytest
-from served import (
-    asked,
-    running,
-    silent_board,
-    soon,
-)
+from served import PATIENCE, asked, running, silent_board, soon
 
 
 def test_the_camera_node_runs_its_command_and_stops_it(tmp_path: Path) -> None:
@@ -52,13 +47,14 @@ def test_a_camera_that_fails_at_once_is_never_called_open(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("mission.drive.nodes.CHANGED_WITHIN_S", 1.0)
+    monkeypatch.setattr("mission.serve.processes.BEGINS_S", PATIENCE)
     with (
         silent_board() as (_, device),
         running(tmp_path, f"serial://{device}", camera="false") as pi,
         pi.boat() as boat,
     ):
         assert asked(boat, b"@NSOOCCOO$") == b"@ACK_NSN$"
-        assert pi.has_told("exit code 1 at once")
+        soon(lambda: pi.has_told("exit code 1 at once"), "why")
 
 
 def test_what_a_camera_started_ends_with_it(tmp_path: Path) -> None:

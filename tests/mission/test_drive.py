@@ -34,6 +34,9 @@ start without fix
 a: depth 2 heading 0 gear 4 for 20
 """
 LINES = tuple(script(parse(TEXT)))
+THREE = tuple(
+    script(parse(TEXT + "b: depth 3 heading 90 gear 4 for 5\nc: depth 1 gear 4 heading 0 for 5\n"))
+)
 VEHICLE = replace(load_vehicle("auv"), dialect="documented")
 
 
@@ -215,6 +218,20 @@ def test_a_restart_in_the_end_of_an_emergency_turns_nothing(during: str) -> None
     boat.until(30.0)
     assert boat.drive.state == during
     assert set(boat.to_vehicle()) == {b"@ZAX0$"}
+
+
+def test_a_restart_names_the_leg_that_was_active() -> None:
+    boat = Boat(MemoryStore(Stored(THREE)))
+    boat.until(4.0)
+    boat.say(b"@AA$")
+    named = []
+    while (now := boat.drive.state) != "idle/ready":
+        boat.until(boat.now + 0.5)
+        if boat.drive.state == now:  # no change in between
+            next_one = Boat(MemoryStore(boat.store.content), navigation=False)
+            assert next_one.drive.engine.reason == f"the program restarted during {now}"
+            named.append(now)
+    assert {"autonomous/a", "autonomous/b", "autonomous/c"} <= set(named)
 
 
 def test_the_way_up_does_not_wait_for_the_judge_of_the_stored_mission(

@@ -142,7 +142,7 @@ def walk(which: Chart, folder: Path, steps: int, seed: int) -> int:
 
 @pytest.mark.parametrize("path", charts(), ids=lambda path: path.name)
 def test_shipped_missions_run_alike_in_both_engines(path: Path, tmp_path: Path) -> None:
-    assert walk(prepare(path).chart, tmp_path, 120, 1) > 30
+    assert walk(prepare(path).chart, tmp_path, 160, 1) > 30
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -63,7 +63,7 @@ def test_x_and_w_get_through_a_flood_of_another(tmp_path: Path, frame: bytes) ->
 
                 soon(left, order.decode())
             assert asked(operator, b"@AQ$").startswith(b"@AR,running")
-        assert sum("floods" in line for line in pi.told) == 1
+        assert pi.tells_within_its_rate("floods")
 
 
 def test_an_order_in_the_midst_of_its_own_flood_gets_through(tmp_path: Path) -> None:
@@ -101,24 +101,37 @@ def _drain(connection: socket.socket) -> None:
             pass
 
 
+REASONS = 4  # too often, too many from there, too many, gave its place up
+
+
+def tried(pi: Running, host: str) -> socket.socket:
+    """It does not wait to be let in: a full queue of the system would set the pace."""
+    address, port = pi.url.partition("://")[2].split(":")
+    made = socket.socket()
+    made.setblocking(False)
+    made.bind((host, 0))
+    made.connect_ex((address, int(port)))
+    return made
+
+
 def test_ten_thousand_connections_tried_leave_the_operator_his(tmp_path: Path) -> None:
-    with silent_board() as (master, device), running(tmp_path, f"serial://{device}") as pi:
-        with boat(pi, LOCAL) as operator:
-            assert asked(operator, b"@AQ$").startswith(b"@AR,")
-            held: list[socket.socket] = []
-            for i in range(10_000):
-                with suppress(OSError):
-                    held.append(boat(pi, THIRD if i % 2 else OTHER))
-                if len(held) > 200:
-                    held.pop(0).close()
-                if i % 1000 == 0:
-                    assert asked(operator, b"@AQ$").startswith(b"@AR,")
-            operator.sendall(b"@ZAWF$")
-            soon(lambda: b"@ZAWF$" in read_now(master), "W")
-            for one in held:
-                one.close()
-        refused = [line for line in pi.told if "turned away" in line]
-        assert 1 <= len(refused) <= 8, "told, and not ten thousand times"
+    with (
+        silent_board() as (master, device),
+        running(tmp_path, f"serial://{device}") as pi,
+        boat(pi, LOCAL) as operator,
+    ):
+        held: list[socket.socket] = []
+        for i in range(10_000):
+            held.append(tried(pi, THIRD if i % 2 else OTHER))
+            if len(held) > 200:
+                held.pop(0).close()
+            if i % 100 == 0:
+                assert asked(operator, b"@AQ$").startswith(b"@AR,")
+        operator.sendall(b"@ZAWF$")
+        soon(lambda: b"@ZAWF$" in read_now(master), "W")
+        for one in held:
+            one.close()
+        assert pi.tells_within_its_rate("turned away", 2 * REASONS)
 
 
 def test_an_address_that_is_not_allowed_is_refused_and_told(tmp_path: Path) -> None:

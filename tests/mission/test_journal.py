@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mission.model import Step, Tx
-from mission.serve.journal import AGAIN_S, REMEMBERED, Journal, printed
+from mission.serve.journal import AGAIN_S, OF_A_KIND, REMEMBERED, Journal, printed
 
 
 class Desk:
@@ -40,6 +40,41 @@ def test_ten_thousand_different_things_leave_no_memory_behind() -> None:
     for i in range(10_000):
         desk.journal.warning(f"host {i}")
     assert len(desk.journal._told) <= REMEMBERED
+
+
+@pytest.mark.parametrize("minutes", [1, 2, 5])
+@pytest.mark.parametrize("a_second", [1, 10, 40])
+@pytest.mark.parametrize("hosts", [1, 2, 1000])
+def test_lines_a_minute_and_a_kind_are_bounded_however_many_and_fast_they_come(
+    hosts: int, a_second: int, minutes: int
+) -> None:
+    """One line and one count of each thing, of ``OF_A_KIND`` things and of the rest as one."""
+    desk, kinds = Desk(), ("turned away", "arrivals")
+    for i in range(int(minutes * AGAIN_S * a_second)):
+        desk.now = i / a_second
+        for kind in kinds:
+            desk.journal.warning(f"{i % hosts} {kind}", kind=kind)
+        if i % a_second == 0:
+            desk.journal.settle()
+    things = min(hosts, OF_A_KIND + 1)
+    for kind in kinds:
+        told = sum(kind in line for line in desk.lines)
+        assert things <= told <= 2 * things * minutes
+
+
+def test_what_is_beyond_the_lines_of_its_kind_is_counted_and_other_kinds_are_told() -> None:
+    desk = Desk()
+    for i in range(OF_A_KIND + 7):
+        desk.journal.warning(f"host {i}", kind="turned away")
+    desk.journal.warning("the port is away")
+    desk.now = AGAIN_S
+    desk.journal.settle()
+    told = f"turned away: beyond {OF_A_KIND} different ones a minute they are counted"
+    assert desk.lines[OF_A_KIND:] == [
+        f"warning: {told}",
+        "warning: the port is away",
+        f"warning: 6 more of: {told}",
+    ]
 
 
 def test_every_command_to_the_vehicle_is_told_with_its_reason_and_a_stick_once() -> None:

@@ -28,6 +28,7 @@ def test_lines_come_out_in_their_order_and_the_last_ones_before_the_end() -> Non
     printer = Printer(writer)
     for i in range(100):
         printer.print(f"line {i}")
+    soon(printer._lines.empty, "the machine has come to print them")
     printer.close()
     os.close(writer)
     with os.fdopen(reader) as file:
@@ -87,12 +88,12 @@ def test_x_leaves_though_the_terminal_is_gone(tmp_path: Path) -> None:
         with subprocess.Popen(call, stdout=writer, stderr=writer) as child:
             os.close(writer)
             try:
-                soon(ready.exists, "ready", within=60.0)
+                soon(ready.exists, "ready")
                 os.close(reader)
                 child.send_signal(signal.SIGHUP)
                 with socket.create_connection(("127.0.0.1", port)) as boat:
                     boat.sendall(b"@ZAX0$")
-                    soon(lambda: b"@ZAX0$" in read_now(master), "X", within=60.0)
+                    soon(lambda: b"@ZAX0$" in read_now(master), "X")
                 assert child.poll() is None
             finally:
                 child.terminate()

@@ -79,7 +79,7 @@ def _depth(nodes: tuple[Node, ...]) -> int:
 
 @pytest.mark.parametrize("seed", range(24))
 def test_generated_missions_run_alike_in_both_engines(seed: int, tmp_path: Path) -> None:
-    assert walk(generated(seed), tmp_path, 80, seed) > 15
+    assert walk(generated(seed), tmp_path, 120, seed) > 15
 
 
 def test_the_generated_missions_have_every_shape() -> None:

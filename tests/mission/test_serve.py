@@ -14,6 +14,7 @@ import pytest
 from click.testing import CliRunner
 from served import (
     MISSION,
+    PATIENCE,
     asked,
     quiet,
     read_now,
@@ -37,14 +38,16 @@ from mission.serve.serve import Server
 from mission.store import MemoryStore
 from mission.vehicle import load_vehicle
 
+SPEED = 4.0  # a process that waits for the processor for a second misses no report by R8
+
 
 def test_a_mission_goes_over_tcp_and_serial_and_its_black_box_replays(tmp_path: Path) -> None:
-    with simulated(16.0) as sea:
+    with simulated(SPEED) as sea:
         stm32, gps = (f"serial://{path}" for path in sea.paths)
-        with running(tmp_path, stm32, gps=gps, speed=16.0) as pi:
+        with running(tmp_path, stm32, gps=gps, speed=SPEED) as pi:
             stored = converse(pi.url, upload(script(MISSION), digest(MISSION), quiet))
             assert stored.startswith("7 lines stored")
-            assert converse(pi.url, start(patience=8)) == "started"
+            assert converse(pi.url, start(patience=int(PATIENCE))) == "started"
             soon(lambda: sea.vehicle.truth().depth > 1.0, "diving")
             assert pi.ready is not None
             path = Path(pi.ready.black_box)
@@ -158,11 +161,12 @@ def test_a_second_server_on_the_same_port_says_so_and_waits(tmp_path: Path) -> N
 
         async def briefly() -> None:
             task = asyncio.ensure_future(second.run())
-            await asyncio.sleep(0.4)
+            while not told:
+                await asyncio.sleep(0.01)
             second.stop()
             await task
 
-        asyncio.run(briefly())
+        asyncio.run(asyncio.wait_for(briefly(), PATIENCE))
         assert any("is in use by another program" in line for line in told)
 
 

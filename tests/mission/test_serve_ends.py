@@ -49,9 +49,9 @@ def test_what_was_under_way_surfaces_after_a_restart(tmp_path: Path) -> None:
 
         def read() -> bool:
             heard.extend(read_now(master))
-            return b"@ZAWF$" in heard
+            return b"@ZAU12$" in heard
 
-        soon(read, "W")
+        soon(read, "an upward word")
 
 
 def test_serve_that_is_ended_in_a_mission_leaves_a_vehicle_that_is_stopped(tmp_path: Path) -> None:
@@ -76,7 +76,7 @@ def test_serve_that_is_ended_in_a_mission_leaves_a_vehicle_that_is_stopped(tmp_p
         assert replay(list(read_parts(Path(pi.ready.black_box)))).identical
 
 
-def test_the_first_w_after_a_restart_is_not_lost_on_a_port_that_is_about_to_open(
+def test_the_first_word_after_a_restart_is_not_lost_on_a_port_that_is_about_to_open(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     opening = threading.Event()
@@ -98,9 +98,9 @@ def test_the_first_w_after_a_restart_is_not_lost_on_a_port_that_is_about_to_open
 
         def read() -> bool:
             heard.extend(read_now(master))
-            return b"@ZAWF$" in heard
+            return b"@ZAU12$" in heard
 
-        soon(read, "W")
+        soon(read, "an upward word")
         pi.stop()
     assert not pi.has_told("NOT SENT")
 
