@@ -222,13 +222,15 @@ def lives() -> Law:
     return law
 
 
-def accepted(letter: str, name: str) -> Law:
-    """An answer the script noted as `name=letter`."""
-    return lambda world: (
-        ""
-        if f"{name}={letter}" in world.notes
-        else f"{name} was not answered {letter}: {world.notes}"
-    )
+def noted(note: str) -> Law:
+    """The script noted this answer, and no other of that name."""
+    name = note.partition("=")[0] + "="
+
+    def law(world: World) -> str:
+        answers = [other for other in world.notes if other.startswith(name)]
+        return "" if answers and set(answers) == {note} else f"{note} wanted: {world.notes}"
+
+    return law
 
 
 def off_within(seconds: float, mark: str = "due") -> Law:

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
-from tests.sea import ascents, boards, people, senses
+from tests.sea import ascents, boards, people, senses, trials
 from tests.sea.scene import Scene
 
-SCENES: tuple[Scene, ...] = (*ascents.SCENES, *senses.SCENES, *people.SCENES, *boards.SCENES)
+SCENES: tuple[Scene, ...] = (
+    *ascents.SCENES,
+    *senses.SCENES,
+    *people.SCENES,
+    *trials.SCENES,
+    *boards.SCENES,
+)

@@ -9,11 +9,11 @@ from collections.abc import Iterator
 
 from tests.sea import faults
 from tests.sea.laws import (
-    accepted,
     held_up,
     home,
     never,
     never_deeper,
+    noted,
     reached,
     upward_within,
 )
@@ -167,8 +167,8 @@ SCENES: tuple[Scene, ...] = (
             reached(),
             home(250),
             held_up(),
-            accepted("N", "clear"),
-            accepted("N", "again"),
+            noted("clear=N"),
+            noted("again=N"),
             never("@ZA[SHFD]", "due", "no mission"),
         ),
     ),

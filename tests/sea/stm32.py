@@ -71,6 +71,7 @@ class Board:
     senses: Senses = field(default_factory=Senses)
     will: Will | None = None
     deaf_to: frozenset[str] = frozenset()  # words it acknowledges and does not obey
+    mute: bool = False  # it reports nothing
     words: list[Word] = field(default_factory=list)
     gears: Gears = field(default_factory=Gears)
 
@@ -265,8 +266,10 @@ class Board:
         self.acks = [(at, ack) for at, ack in self.acks if at > now]
         if now >= self.next_report and (self.mode != "manual" or not self.built):
             self.next_report = now + PERIOD + self.random.uniform(-0.03, 0.03)
-            report = self.report(now)
-            if self.built and due and self.random.random() < 0.5:  # spliced: no lock on the UART
+            report = b"" if self.mute else self.report(now)
+            if (
+                report and self.built and due and self.random.random() < 0.5
+            ):  # spliced: no lock on the UART
                 cut = self.random.randrange(3, 80)
                 report = report[:cut] + due.pop(0) + report[cut:]
             self.line.send(now, report)
