@@ -226,7 +226,7 @@ SCENES: tuple[Scene, ...] = (
     Scene(
         "dives-after-w",
         "the board obeys U12, a way of the ascent",
-        possessed("@ZAWF$", "U"),
+        possessed("@ZAWF$", "U", seconds=120),
         (*LIGHT, upward_within(1)),
         quick=True,
     ),
@@ -240,7 +240,7 @@ SCENES: tuple[Scene, ...] = (
     Scene(
         "dives-after-x",
         "it has not risen in 20 s: an ascent, whose U12 the board obeys",
-        possessed("@ZAX0$", "U"),
+        possessed("@ZAX0$", "U", seconds=150),
         (reached(), home(200), held_up(), never_deeper(25), upward_within(28), passed()),
         quick=True,
     ),

@@ -5,7 +5,7 @@ this sea's own: `OPEN` with six forces, `CLOSED` with depth and heading, `ROV` w
 `ROBOT` with a command.
 
 Room in the documents, and the way taken here: the core board's vertical force is positive downward (its
-x is north and y east, so z is down) unless `upward` says otherwise; it reports 20 times a second; its
+x is north and y east, so z is down) unless `upward` says otherwise; it reports 10 times a second; its
 INS aligns 5 s after the power, and drifts under water. The ROV's F ("float") is positive upward, Z
 turns it to starboard; it reports 10 times a second. The robot obeys its last order for 300 ms.
 """
@@ -121,7 +121,7 @@ class CoreBoard(Slave):
 
     HEAD = b"\xfe\xef"
     LENGTH = 62
-    PERIOD = 0.05
+    PERIOD = 0.1
     upward = False  # whether a positive TZ pushes up
 
     def __post_init__(self) -> None:
