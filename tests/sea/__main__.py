@@ -6,7 +6,8 @@ import argparse
 import fnmatch
 import sys
 
-from tests.sea.fly import PLAIN, drawn, fly
+from tests.sea.fly import drawn, fly
+from tests.sea.scene import Draw
 from tests.sea.scenes import SCENES
 
 
@@ -21,6 +22,9 @@ def main() -> int:
     parser.add_argument(
         "--wire", action="store_true", help="print the words to the board, and serve's output"
     )
+    parser.add_argument(
+        "--real", action="store_true", help="in the machine's time, with no clock touched"
+    )
     parser.add_argument("--list", action="store_true")
     choice = parser.parse_args()
     scenes = tuple(s for s in SCENES if any(fnmatch.fnmatch(s.name, p) for p in choice.scene))
@@ -28,7 +32,8 @@ def main() -> int:
         for scene in scenes:
             sys.stdout.write(f"{scene.name:28} {scene.why}\n")
         return 0
-    flights = [(scene, choice.seed, PLAIN) for scene in scenes]
+    plain = Draw(world={"real": choice.real})
+    flights = [(scene, choice.seed, plain) for scene in scenes]
     if choice.draw:
         seeds = range(choice.seed, choice.seed + choice.draw)
         flights = [(scene, seed, draw) for seed in seeds for scene, draw in [drawn(scenes, seed)]]

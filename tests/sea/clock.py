@@ -10,6 +10,7 @@ changes nothing else.
 from __future__ import annotations
 
 import contextlib
+import math
 import mmap
 import os
 import select
@@ -161,7 +162,7 @@ class Clock:
             if time.monotonic() > until:
                 raise Hung(f"the program works for more than {PATIENCE:.0f} s at one instant")
 
-    def taken(self) -> int:
+    def taken(self) -> float:
         """Bytes that the program has read from serial ports since it began."""
         self._take(0)
         return max((waiter.taken for waiter in self._waiters.values()), default=0)
@@ -178,6 +179,34 @@ class Clock:
             (self.folder / name).unlink(missing_ok=True)
         with contextlib.suppress(OSError):
             self.folder.rmdir()
+
+
+class WallClock(Clock):
+    """The machine's own time, and a program whose clocks nobody touches: the check on all this."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._began = time.monotonic() - self.now
+
+    def environment(self) -> dict[str, str]:
+        """Nothing."""
+        return {}
+
+    def begin(self, pid: int, alive: Callable[[], bool]) -> bool:
+        """A start takes its time."""
+        return alive()
+
+    def advance(self, dt: float) -> None:
+        """Sleep until then."""
+        super().advance(dt)
+        time.sleep(max(0.0, self._began + self.now - time.monotonic()))
+
+    def wake(self, wrote: bool, pid: int, alive: Callable[[], bool]) -> None:
+        """It wakes by itself."""
+
+    def taken(self) -> float:
+        """Unknown: nobody waits for it."""
+        return math.inf
 
 
 def busy(pid: int) -> bool:

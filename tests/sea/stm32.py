@@ -156,7 +156,8 @@ class Board:
         elif code == "H":
             self.horizontal, self.wanted_yaw = "H", amount
             if self.carried or "," in value:
-                self.speed = float(value.partition(",")[2] or 0)
+                speed = re.match(r"-?\d+", value.partition(",")[2])
+                self.speed = float(speed.group()) if speed else 0.0
         elif code == "X":
             self._stop()
         elif code == "W" and not self.built:

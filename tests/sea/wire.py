@@ -100,7 +100,7 @@ class Line:
         """Whether nothing is on its way to the program."""
         return now >= self._free_out
 
-    def pump(self, now: float, taken: Callable[[], int]) -> bool:
+    def pump(self, now: float, taken: Callable[[], float]) -> bool:
         """Hand what has arrived by now to the program; whether there was something.
 
         The kernel moves bytes through a pseudo-terminal in its own time: wait until they are there,
@@ -114,7 +114,8 @@ class Line:
         before = self._unread()
         if before + len(data) > FULL:
             return False
-        wanted = before + taken() + os.write(self.master, data)
+        taken_before = taken()
+        wanted = before + taken_before + os.write(self.master, data)
         patience = time.monotonic() + PATIENCE
         while self._unread() + taken() < wanted and time.monotonic() < patience:
             os.sched_yield()

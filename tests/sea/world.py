@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from tests.sea.body import Body, Gears
-from tests.sea.clock import Clock
+from tests.sea.clock import Clock, WallClock
 from tests.sea.operator import ModemOperator, Operator
 from tests.sea.pi import ROOT, Pi, free_port
 from tests.sea.receiver import Receiver
@@ -62,13 +62,14 @@ class World:
     receiver_mode: str = "honest"
     modem: bool = False
     settings: str = ""
+    real: bool = False  # the machine's time instead of the sea's
     marks: dict[str, float] = field(default_factory=dict)
     samples: list[Sample] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     operators: list[Operator] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.clock = Clock()
+        self.clock = WallClock() if self.real else Clock()
         self.folder = Path(tempfile.mkdtemp(prefix="sea-pi-"))
         self.line = Line(self.baud)
         self.lines = [self.line]
