@@ -209,7 +209,7 @@ class _Auditor:
         for command in commands:
             if not self._fits(command, state):
                 yield Spurious(t, f"{step.actions} in {state}")
-        repeats = commands == [Order.STOP] and not moved
+        repeats = commands == [Order.STOP] and not moved and state != SURFACING  # there it lets go
         if repeats and not state.startswith(AUTONOMOUS) and self._acks > UNBELIEVED:
             yield Spurious(t, f"a stop repeated in {state} after {self._acks} acknowledgements")
 

@@ -18,7 +18,7 @@ from mission.drive.drive import Drive
 from mission.drive.frontseat import Frontseat
 from mission.drive.staging import Staging
 from mission.engine import core, orders, run, senses
-from mission.engine.ascent import UPWARD, Ascent
+from mission.engine.ascent import Ascent
 from mission.engine.watch import Watch
 from mission.envelope import LIMITS, Bounds, Limit
 from mission.exhaustive.cell import Configuration
@@ -31,7 +31,7 @@ from mission.exhaustive.world import World
 from mission.model import AUTONOMOUS, STOPPED, Action, Verdict
 from mission.navigation.health import SensorHealth, _Monitor
 from mission.vehicle import Vehicle, missions_folder
-from protocol.messages import Order, SetSafety
+from protocol.messages import UPWARD, Order, SetSafety
 
 MISSIONS = missions_folder()
 EVERY = 7  # of the configurations: a sample that asks every law
@@ -236,8 +236,8 @@ def _surface_by_faith(patch: pytest.MonkeyPatch) -> None:
 def _gives_up(patch: pytest.MonkeyPatch) -> None:
     act = Ascent.act
 
-    def tired(self: Ascent, now: float, depth: float | None) -> tuple[Action, ...]:
-        return act(self, now, depth) if now < self.began + 25.0 else ()
+    def tired(self: Ascent, now: float, depth: float | None, over: bool) -> tuple[Action, ...]:
+        return act(self, now, depth, over) if now < self.began + 25.0 else ()
 
     patch.setattr(Ascent, "act", tired)
 
@@ -369,10 +369,10 @@ BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_staging_forgets, "ready", "@AA by state"),
     (_refusal_ignored, "autonomous/dive , Z outstanding", "a refused Z leads to the leg's else"),
     (_x_comes_last, OUTSTANDING, "in stopped nothing leaves but X0 and relays"),
-    (_x_comes_last, OUTSTANDING, "in surfacing nothing leaves but W, X0, U12 and relays"),
+    (_x_comes_last, OUTSTANDING, "in surfacing nothing leaves but W, X0, U12, D12 and relays"),
     (_thrust_at_the_surface, "surfacing", "in surfaced nothing leaves but X0 and relays"),
     (_surface_by_faith, "surfacing", "at the surface is who is there"),
-    (_gives_up, "surfacing", "an ascent tries both ways and never gives up"),
+    (_gives_up, "surfacing", "an ascent tries every way and never gives up"),
     (_clock_anew, "autonomous/dive , quiet", "an interruption does not stop the mission's clock"),
     (_age_goes_on, "autonomous/dive , quiet", "the age of the reports starts again with @AA"),
     (_blind_in_manual, "waiting", "in manual a limit is reported"),

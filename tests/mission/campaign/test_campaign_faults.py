@@ -121,8 +121,9 @@ def test_a_program_killed_between_the_end_and_its_stop_leaves_no_thruster_on(
 
 @pytest.mark.parametrize("profile", PROFILES)
 def test_a_stop_that_was_cleared_before_its_answer_still_stops(profile: str) -> None:
-    deaf = parse_settings(["fault=command_lost@60+8"])
-    said = [Deed(60.5, Act.SAY, b"@ZAX0$"), Deed(61.0, Act.SAY, b"@AC$")]
+    """Cleared at the surface, where alone it may be: before the mission has dived."""
+    deaf = parse_settings(["fault=command_lost@5.2+3"])
+    said = [Deed(5.3, Act.SAY, b"@ZAX0$"), Deed(5.6, Act.SAY, b"@AC$")]
     trial = flown(said, profile, deaf)
     assert kinds_of(trial, profile, deaf) == set()
     assert trial.state == IDLE_EMPTY
@@ -142,7 +143,7 @@ def test_a_program_killed_with_the_stick_held_leaves_no_thruster_on(profile: str
 
 
 def test_a_vehicle_that_does_not_come_up_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Ascent, "act", lambda self, now, depth: ())
+    monkeypatch.setattr(Ascent, "act", lambda self, now, depth, overturned: ())
     settings = parse_settings(["fault=stm32_silent@60+20"])
     assert LOST in kinds_of(flown([], settings=settings), settings=settings)
 
@@ -214,6 +215,8 @@ def test_a_thruster_that_turns_at_the_end_is_a_loss(
     monkeypatch.setattr(Watch, "turning", lambda self, since: False)
     assert kinds_of(flown([*cut, *ack], profile), profile) == set()
     monkeypatch.setattr(Core, "doubt_line", lambda self: None)
+    assert kinds_of(flown([*cut, *ack], profile), profile) == set(), "it does not rise"
+    monkeypatch.setattr(Core, "mind_rest", lambda self: None)
     assert LOST in kinds_of(flown([*cut, *ack], profile), profile)
 
 
