@@ -36,7 +36,7 @@ ROV = """
     safety radius 140 time 55min depth 12
     assume current 0.05
     down: down 6 until depth >= 5 timeout 2min
-    stay: down 1 for {stay}
+    stay: down 0 for {stay}
     up: surface timeout 5min
 """
 ROBOT = """
@@ -214,7 +214,7 @@ SCENES: tuple[Scene, ...] = (
     Scene(
         "rov-w-other-sign",
         "letting go is a way of its own",
-        ordered(ROV.replace("down: down 6", "down: up 6").replace("down 1", "up 1"), "@ZAWF$"),
+        ordered(ROV.replace("down: down 6", "down: up 6").replace("down 0", "up 0"), "@ZAWF$"),
         (reached(), home(200), never_deeper(20)),
         FAINT,
         {},
