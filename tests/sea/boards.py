@@ -84,7 +84,7 @@ def ordered(text: str, frame: str, buoyancy: float | None = None, seconds: float
 
 def leaks(world: World) -> Steps:
     """The bit of the leak reads 1 1 0 1 1 0, report by report."""
-    yield from under_way(world, CORE)
+    yield from under_way(world, CORE, "6min")
     count = 0
 
     def bit(_now: float, _truth: float) -> float:
@@ -95,16 +95,16 @@ def leaks(world: World) -> Steps:
     world.board.senses.leak = bit
     yield from world.wait(1)
     world.mark("due")
-    yield from world.wait(220)
+    yield from world.wait(140)
 
 
 def flickers(world: World) -> Steps:
     """The control voltage swings about its limit of 11 V, most of the time below it."""
-    yield from under_way(world, CORE)
+    yield from under_way(world, CORE, "6min")
     world.board.senses.control = faults.flicker(10.6, 0.8, world.seed)
     yield from world.wait(1)
     world.mark("due")
-    yield from world.wait(220)
+    yield from world.wait(140)
 
 
 def drives(world: World) -> Steps:
@@ -138,6 +138,7 @@ def idles(world: World) -> Steps:
 TUNED: dict[str, object] = {"vehicle": "coreboard", "baud": 115200, "gps": False}
 TETHER: dict[str, object] = {"vehicle": "rov", "baud": 115200, "gps": False}
 ALIVE: tuple[Law, ...] = (reached(), home(200), never_deeper(16), lives())
+NOTICED: tuple[Law, ...] = (reached(), home(100), never_deeper(16), lives())
 FLOAT = {"buoyancy": 2.0}
 FAINT = {"buoyancy": 1.0}
 
@@ -184,10 +185,17 @@ SCENES: tuple[Scene, ...] = (
         CoreBoard,
     ),
     Scene(
-        "core-leak", "two of three reports tell of water", leaks, ALIVE, FLOAT, {}, TUNED, CoreBoard
+        "core-leak",
+        "two of three reports tell of water",
+        leaks,
+        NOTICED,
+        FLOAT,
+        {},
+        TUNED,
+        CoreBoard,
     ),
     Scene(
-        "core-voltage", "most of a window is below", flickers, ALIVE, FLOAT, {}, TUNED, CoreBoard
+        "core-voltage", "most of a window is below", flickers, NOTICED, FLOAT, {}, TUNED, CoreBoard
     ),
     Scene(
         "core-deaf-stop",
