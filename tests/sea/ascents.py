@@ -216,6 +216,13 @@ def port_taken(world: World) -> Steps:
 RISES = (*LIGHT, upward_within(12))
 SCENES: tuple[Scene, ...] = (
     Scene("calm", "nothing is wrong", calm, (*LIGHT, legs((r"@ZAS8", 5))), quick=True),
+    Scene(
+        "calm-carried",
+        "nothing is wrong; H without its speed would stop the mains",
+        calm,
+        LIGHT,
+        board={"carried": True},
+    ),
     Scene("calm-documented", "nothing is wrong", calm, LIGHT, board={"built": False}),
     Scene(
         "stop",

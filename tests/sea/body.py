@@ -62,7 +62,6 @@ class Body:
     yaw: float = 0.0  # rad
     pose: hull.Pose = field(default_factory=hull.Pose)
     deepest: float = 0.0
-    stuck: dict[str, float] = field(default_factory=dict)
     _gears: list[float] = field(default_factory=lambda: [0.0] * 5)
 
     def __post_init__(self) -> None:

@@ -19,11 +19,6 @@ def honest(_now: float, truth: float) -> float:
     return truth
 
 
-def frozen(value: float) -> Lie:
-    """The same value to the last bit, for ever."""
-    return lambda _now, _truth: value
-
-
 def clogged(value: float, seed: int, noise: float = 0.03) -> Lie:
     """A closed port: the pressure that was caught in it, and the converter's noise."""
     draw = random.Random(f"clogged {seed}")

@@ -102,7 +102,7 @@ def upward_within(seconds: float, mark: str = "due") -> Law:
     return law
 
 
-def held_up(patience: float = 40.0, sink: float = 2.3, unless_unknown: bool = False) -> Law:
+def held_up(patience: float = 40.0, sink: float = 2.3) -> Law:
     """From `due` on: deeper than `sink` and not 0.5 m higher than `patience` s ago: a word upward.
 
     Three ways of 10 s each take turns; so 40 s without an upward word are a way out of turn.
@@ -110,7 +110,7 @@ def held_up(patience: float = 40.0, sink: float = 2.3, unless_unknown: bool = Fa
 
     def law(world: World) -> str:
         after = _since(world, "due")
-        if unless_unknown or not after:
+        if not after:
             return ""
         began: Sample | None = None
         for sample in after:
@@ -134,16 +134,15 @@ def passed(within: float = 0.2, pattern: bytes = rb"@ZA(X0|WF)\$") -> Law:
     """Each X and W of an operator is on the wire to the board within this time."""
 
     def law(world: World) -> str:
-        senders = [*world.operators, *([world.acoustic] if world.acoustic else [])]
-        for sender in senders:
-            for at, frame in sender.sent:
-                if not re.fullmatch(pattern, frame):
-                    continue
-                text = frame.decode()
-                if not said(world, re.escape(text), at, at + within + 0.06):
-                    later = said(world, re.escape(text), at)
-                    when = f"{later[0].at - at:.2f} s" if later else "never"
-                    return f"{text} of {at - 1000:.1f} s reached the board {when} later, {within} s allowed"
+        sent = [pair for boat in world.operators for pair in boat.sent]
+        for at, frame in sent + (world.acoustic.sent if world.acoustic else []):
+            if not re.fullmatch(pattern, frame):
+                continue
+            text = frame.decode()
+            if not said(world, re.escape(text), at, at + within + 0.06):
+                later = said(world, re.escape(text), at)
+                when = f"{later[0].at - at:.2f} s" if later else "never"
+                return f"{text} of {at - 1000:.1f} s reached the board {when} later, {within} s allowed"
         return ""
 
     return law

@@ -45,7 +45,6 @@ class Slave:
     line: Line
     seed: int = 0
     deaf_after: float = float("inf")  # s: it hears nothing any more
-    mute_after: float = float("inf")  # s: it says nothing any more
     senses: Senses = field(default_factory=Senses)
     will: Will | None = None
     words: list[Word] = field(default_factory=list)
@@ -112,8 +111,7 @@ class Slave:
         """Say what is due."""
         if now >= self.next_report:
             self.next_report += self.PERIOD + self.random.uniform(-0.004, 0.004)
-            if now <= self.mute_after:
-                self.line.send(now, self.report(now))
+            self.line.send(now, self.report(now))
 
 
 class CoreBoard(Slave):

@@ -70,7 +70,6 @@ class Board:
     turned: bool = True  # attitude in the ranges of the seed
     senses: Senses = field(default_factory=Senses)
     will: Will | None = None
-    deaf_to: frozenset[str] = frozenset()  # words it acknowledges and does not obey
     mute: bool = False  # it reports nothing
     words: list[Word] = field(default_factory=list)
     gears: Gears = field(default_factory=Gears)
@@ -86,6 +85,7 @@ class Board:
         self.last_altitude = 0.0
         self.stick = Gears()
         self.buffer = b""
+        self.instant = 0.0  # s, of the control step under way
 
     def _stop(self) -> None:
         self.horizontal, self.vertical = "", ""
@@ -136,7 +136,7 @@ class Board:
         done = code in "FBLRUDSEHAXW" and (gearless or amount <= 12)
         if done and self.will:
             self.will.heard(now, code)
-        if done and code not in self.deaf_to:
+        if done:
             self._obey(code, amount, value)
         letter = "A" if self.built else code
         self._answer(now, f"@ACK_Z{letter}{'Y' if done else 'N'}$".encode())
@@ -205,6 +205,7 @@ class Board:
 
     def control(self, now: float, dt: float) -> Gears:
         """Gears of the thrusters for the next dt seconds."""
+        self.instant = now
         if self.mode == "manual" and now - self.last_m > DEAD_MAN:
             self.mode = "default"
             self.stick = Gears()
@@ -222,7 +223,7 @@ class Board:
     def _horizontal(self) -> tuple[float, float]:
         g = self.speed
         if self.horizontal == "H":
-            error = wrap(self.wanted_yaw - self._yaw(self.line_time))
+            error = wrap(self.wanted_yaw - self._yaw(self.instant))
             rate = -math.degrees(self.body.pose.w[2])
             turn = max(-6.0, min(6.0, 0.15 * error - 0.2 * rate))
             return max(-12.0, min(12.0, g - turn)), max(-12.0, min(12.0, g + turn))
@@ -230,10 +231,7 @@ class Board:
             self.horizontal, (0.0, 0.0)
         )
 
-    line_time = 0.0
-
     def _vertical(self, now: float, dt: float) -> float:
-        self.line_time = now
         g = self.speed if self.built else self.up_speed
         if self.vertical in "UW" and self.vertical:
             return g

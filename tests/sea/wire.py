@@ -96,10 +96,6 @@ class Line:
         for at in range(0, len(data), step):
             self._out.append((start + min(at + step, len(data)) * byte, data[at : at + step]))
 
-    def idle(self, now: float) -> bool:
-        """Whether nothing is on its way to the program."""
-        return now >= self._free_out
-
     def pump(self, now: float, taken: Callable[[], float]) -> bool:
         """Hand what has arrived by now to the program; whether there was something.
 

@@ -118,8 +118,8 @@ def install(folder: Path) -> None:
     time.monotonic_ns = lambda: int(now() * 1e9)
     time.time = lambda: start + now()
     time.time_ns = lambda: int((start + now()) * 1e9)
-    time.sleep = sleep
-    selectors.EpollSelector.select = choose  # type: ignore[method-assign]
+    time.sleep = sleep  # type: ignore[assignment]
+    selectors.EpollSelector.select = choose  # type: ignore[method-assign,assignment]
 
 
 if "SEA_CLOCK" in os.environ and "serve" in sys.orig_argv:
