@@ -120,7 +120,8 @@ def let_go(buoyancy: float) -> Script:
 def flood(world: World) -> Steps:
     """One boat sends 600 frames a second and more, another fills the connections; then a W."""
     yield from dive(world)
-    world.spawn(boat(world).repeat("@DU$@NI$@AQ$@DU$@NI$@AQ$", 0.01))
+    many = "@DU$@NI$@AQ$" * 2
+    world.spawn(boat(world).repeat(many, 0.01, until=world.now + 12))
     idle = []
     for _ in range(40):
         line = socket.socket()
