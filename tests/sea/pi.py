@@ -7,6 +7,7 @@ which no program runs and the vehicle goes on; what is then left of the start co
 
 from __future__ import annotations
 
+import ctypes
 import os
 import signal
 import socket
@@ -29,6 +30,11 @@ def free_port() -> int:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])
+
+
+def _dies_with_the_sea() -> None:
+    """No serve outlives a sea that was killed (prctl(2), PR_SET_PDEATHSIG = 1)."""
+    ctypes.CDLL(None).prctl(1, signal.SIGKILL)
 
 
 @dataclass
@@ -78,6 +84,7 @@ class Pi:
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=subprocess.STDOUT,
+                preexec_fn=_dies_with_the_sea,
             )
         self.clock.begin(self.process.pid, self.running)
 
