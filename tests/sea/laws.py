@@ -102,6 +102,18 @@ def upward_within(seconds: float, mark: str = "due") -> Law:
     return law
 
 
+def word_within(pattern: str, seconds: float, mark: str) -> Law:
+    """Such a word leaves within this time of a mark."""
+
+    def law(world: World) -> str:
+        at = world.marks.get(mark)
+        if at is None or said(world, pattern, at, at + seconds):
+            return ""
+        return f"no {pattern} within {seconds:.0f} s of {mark}"
+
+    return law
+
+
 def held_up(patience: float = 40.0, sink: float = 2.3) -> Law:
     """From `due` on: deeper than `sink` and not 0.5 m higher than `patience` s ago: a word upward.
 

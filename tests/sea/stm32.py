@@ -71,6 +71,7 @@ class Board:
     senses: Senses = field(default_factory=Senses)
     will: Will | None = None
     mute: bool = False  # it reports nothing
+    lag: float = 0.0  # s between a word and what it does; the acknowledgement does not wait
     words: list[Word] = field(default_factory=list)
     gears: Gears = field(default_factory=Gears)
 
@@ -85,6 +86,7 @@ class Board:
         self.last_altitude = 0.0
         self.stick = Gears()
         self.buffer = b""
+        self.late: list[tuple[float, str, float, str]] = []
         self.instant = 0.0  # s, of the control step under way
 
     def _stop(self) -> None:
@@ -137,10 +139,21 @@ class Board:
         if done and self.will:
             self.will.heard(now, code)
         if done:
-            self._obey(code, amount, value)
+            self.late.append((now + self.lag, code, amount, value))
+            self._catch_up(now)
         letter = "A" if self.built else code
         self._answer(now, f"@ACK_Z{letter}{'Y' if done else 'N'}$".encode())
         return done
+
+    def _catch_up(self, now: float) -> None:
+        """Obey what is due."""
+        while self.late and self.late[0][0] <= now:
+            self._obey(*self.late.pop(0)[1:])
+
+    def restart(self) -> None:
+        """Brown-out: everything stands still, nothing is remembered."""
+        self._stop()
+        self.mode, self.late, self.acks = "default", [], []
 
     def _obey(self, code: str, amount: float, value: str) -> None:
         if code in "FBLR":
@@ -206,6 +219,7 @@ class Board:
     def control(self, now: float, dt: float) -> Gears:
         """Gears of the thrusters for the next dt seconds."""
         self.instant = now
+        self._catch_up(now)
         if self.mode == "manual" and now - self.last_m > DEAD_MAN:
             self.mode = "default"
             self.stick = Gears()

@@ -9,6 +9,7 @@ from __future__ import annotations
 import array
 import fcntl
 import os
+import random
 import termios
 import time
 import tty
@@ -73,6 +74,7 @@ class Line:
     slave: int = -1
     path: str = ""
     plugged: bool = True
+    noise: float = 0.0  # share of the bytes to the program that arrive wrong
     taken: int = 0  # bytes from the program
     _out: list[tuple[float, bytes]] = field(default_factory=list)
     _free_out: float = 0.0
@@ -86,6 +88,7 @@ class Line:
             tty.setraw(fd)
         os.set_blocking(self.master, False)
         self.path = os.ttyname(self.slave)
+        self._dice = random.Random(self.baud)
 
     def send(self, now: float, data: bytes) -> None:
         """Put bytes on the line behind those that are on it."""
@@ -107,6 +110,9 @@ class Line:
             data += self._out.pop(0)[1]
         if not (data and self.plugged):
             return False
+        if self.noise:
+            wrong = (self._dice.random() < self.noise for _ in data)
+            data = bytes(b ^ 0x55 if bad else b for b, bad in zip(data, wrong, strict=True))
         before = self._unread()
         if before + len(data) > FULL:
             return False
