@@ -24,6 +24,7 @@ from tests.sea.laws import (
     reached,
     sinking_noticed,
     upward_within,
+    word_within,
 )
 from tests.sea.scene import LIGHT, Scene, Script, boat, dive, go, mission, order
 from tests.sea.world import World
@@ -151,7 +152,7 @@ def auto_closed(world: World) -> Steps:
     """AUTO is closed on deck; somebody lets the vehicle down on its rope, too heavy to float."""
     operator = world.operator()
     yield from world.wait(16)
-    letter = yield from operator.ask("@NSOOOOOC$", "NS")
+    letter = yield from operator.ask("@NSOOOCCC$", "NS", 8)
     world.notes.append(f"closed={letter}")
     world.mark("due")
     world.body.buoyancy = -6.0
@@ -164,7 +165,7 @@ def auto_and_copy(world: World) -> Steps:
     """AUTO closed by radio, opened, a new start; then the copy of the closing by modem."""
     yield from dive(world)
     assert world.acoustic
-    world.acoustic.send("@NSOOOOOC$")
+    world.acoustic.send("@NSOOOOCC$")
     yield from world.until(lambda: b"@ACK_NSS$" in world.acoustic.heard, 20)  # type: ignore[union-attr]
     answered = b"@ACK_NSS$" in world.acoustic.heard
     world.notes.append(f"closed={answered}")
@@ -222,6 +223,36 @@ def neutral(world: World) -> Steps:
     yield from world.wait(180)
 
 
+def noisy_line(world: World) -> Steps:
+    """One byte of 500 from the board is wrong: every sixth report, some acknowledgements."""
+    world.line.noise = 1 / 500
+    yield from dive(world, stay="60s")
+    yield from world.wait(40)
+    world.mark("calm")
+    yield from world.wait(25)
+    world.mark("due")
+    yield from world.wait(120)
+
+
+def brown_out(world: World) -> Steps:
+    """The board restarts in the hold, and remembers nothing."""
+    yield from dive(world)
+    world.board.restart()
+    world.mark("reset")
+    yield from world.wait(30)
+    world.board.restart()
+    yield from world.wait(12)
+    world.mark("due")
+    yield from world.wait(150)
+
+
+def late_board(world: World) -> Steps:
+    """The board does what it is told 4 s later."""
+    yield from dive(world)
+    order(world, "@ZAWF$")
+    yield from world.wait(150)
+
+
 STILL = never(UPWARD.pattern, "garbage", "a false alarm", "calm")
 SCENES: tuple[Scene, ...] = (
     Scene(
@@ -245,6 +276,25 @@ SCENES: tuple[Scene, ...] = (
         "full-scale garbage is no roll-over: the mission goes on",
         tumbling_sensor,
         (*LIGHT, STILL),
+    ),
+    Scene(
+        "noisy-line",
+        "what is broken is left out, what was not answered is asked again",
+        noisy_line,
+        (*LIGHT, never(UPWARD.pattern, "down", "a false alarm", "calm")),
+    ),
+    Scene(
+        "brown-out",
+        "the whole set again once, then up",
+        brown_out,
+        (*BACK, word_within("@ZAS8", 8, "reset")),
+    ),
+    Scene(
+        "late-board",
+        "each way has 10 s, and a board that is 4 s late obeys in them",
+        late_board,
+        LIGHT,
+        board={"lag": 4.0},
     ),
     Scene(
         "mute", "5 s without a report: an ascent, ended by a fix", mute, (*BACK, upward_within(9))
