@@ -240,9 +240,7 @@ def brown_out(world: World) -> Steps:
     world.board.restart()
     world.mark("reset")
     yield from world.wait(30)
-    world.board.restart()
-    yield from world.wait(12)
-    world.mark("due")
+    order(world, "@ZAWF$")
     yield from world.wait(150)
 
 
@@ -285,7 +283,7 @@ SCENES: tuple[Scene, ...] = (
     ),
     Scene(
         "brown-out",
-        "the whole set again once, then up",
+        "the whole set is sent again",
         brown_out,
         (*BACK, word_within("@ZAS8", 8, "reset")),
     ),
