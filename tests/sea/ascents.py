@@ -43,14 +43,14 @@ def calm(world: World) -> Steps:
     yield from dive(world, stay="40s")
     yield from world.wait(45)
     world.mark("due")
-    yield from world.wait(110)
+    yield from world.rest(110)
 
 
 def stop_and_up(world: World) -> Steps:
     """X at depth, and nothing more."""
     yield from dive(world)
     order(world, "@ZAX0$")
-    yield from world.wait(80)
+    yield from world.rest(80)
 
 
 def possessed(word: str, obeys: str, again: float | None = None, seconds: float = 200) -> Script:
@@ -104,7 +104,7 @@ def slider(rate: float, word: str) -> Script:
         world.spawn(boat(world).repeat(lambda n: f"@DS{1 + n % 2},{n % 20}$", 1 / rate))
         yield from world.wait(5)
         order(world, word)
-        yield from world.wait(150)
+        yield from world.rest(150)
 
     return script
 
@@ -134,7 +134,7 @@ def slider_legs(world: World) -> Steps:
     world.spawn(boat(world).repeat(lambda n: f"@DS1,{n % 20}$", 1 / 60))
     yield from world.wait(75)
     world.mark("due")
-    yield from world.wait(110)
+    yield from world.rest(110)
 
 
 def term_after_w(world: World) -> Steps:
@@ -143,7 +143,7 @@ def term_after_w(world: World) -> Steps:
     order(world, "@ZAWF$")
     yield from world.wait(1)
     world.pi.systemctl_stop()
-    yield from world.wait(200)
+    yield from world.rest(200)
 
 
 def term_in_mission(world: World) -> Steps:
@@ -151,7 +151,7 @@ def term_in_mission(world: World) -> Steps:
     yield from dive(world)
     world.mark("due")
     world.pi.systemctl_stop()
-    yield from world.wait(200)
+    yield from world.rest(200)
 
 
 def term_on_deck(world: World) -> Steps:
@@ -171,7 +171,7 @@ def killed(world: World) -> Steps:
     yield from dive(world)
     world.mark("due")
     world.pi.signal(signal.SIGKILL)
-    yield from world.wait(200)
+    yield from world.rest(200)
 
 
 def broken(what: str) -> Script:
@@ -183,7 +183,7 @@ def broken(what: str) -> Script:
         world.mark("due")
         world.pi.signal(signal.SIGKILL)
         ruin(world, what)
-        yield from world.wait(200)
+        yield from world.rest(200)
 
     return script
 
@@ -196,7 +196,7 @@ def without(module: str) -> Script:
         world.mark("due")
         world.pi.signal(signal.SIGKILL)
         world.pi.without = module
-        yield from world.wait(200)
+        yield from world.rest(200)
 
     return script
 
@@ -210,7 +210,7 @@ def port_taken(world: World) -> Steps:
         thief.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         thief.bind(("127.0.0.1", world.port))
         thief.listen()
-        yield from world.wait(200)
+        yield from world.rest(200)
 
 
 RISES = (*LIGHT, upward_within(12))

@@ -64,7 +64,7 @@ def flies(text: str, seconds: float) -> Script:
         yield from under_way(world, text, "20s")
         yield from world.wait(25)
         world.mark("due")
-        yield from world.wait(seconds)
+        yield from world.rest(seconds)
 
     return script
 
@@ -95,7 +95,7 @@ def leaks(world: World) -> Steps:
     world.board.senses.leak = bit
     yield from world.wait(1)
     world.mark("due")
-    yield from world.wait(140)
+    yield from world.rest(140)
 
 
 def flickers(world: World) -> Steps:
@@ -104,7 +104,7 @@ def flickers(world: World) -> Steps:
     world.board.senses.control = faults.flicker(10.6, 0.8, world.seed)
     yield from world.wait(1)
     world.mark("due")
-    yield from world.wait(140)
+    yield from world.rest(140)
 
 
 def drives(world: World) -> Steps:

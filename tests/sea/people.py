@@ -76,7 +76,7 @@ def late_limit(world: World) -> Steps:
     world.acoustic.send(first)
     yield from world.until(lambda: world.body.depth > 11.3, 100)
     world.mark("due")
-    yield from world.wait(180)
+    yield from world.rest(180)
 
 
 def noisy_modem(world: World) -> Steps:
@@ -99,7 +99,7 @@ def noisy_modem(world: World) -> Steps:
     acoustic.send("@ZAWF$")
     yield from world.wait(acoustic.delay)
     world.mark("due")
-    yield from world.wait(150)
+    yield from world.rest(150)
 
 
 WET = {"modem": True}

@@ -32,7 +32,7 @@ def clogs_at(told: float) -> Script:
         world.board.senses.depth = faults.clogged(told, world.seed)
         yield from world.wait(25)
         world.mark("due")
-        yield from world.wait(230)
+        yield from world.rest(230)
 
     return script
 
@@ -43,7 +43,7 @@ def drifts(world: World) -> Steps:
     world.board.senses.depth = faults.drifting(world.now, -0.05)
     yield from world.until(lambda: world.body.depth > 14.5, 160)
     world.mark("due")
-    yield from world.wait(200)
+    yield from world.rest(200)
 
 
 def jumps(world: World) -> Steps:
@@ -52,7 +52,7 @@ def jumps(world: World) -> Steps:
     world.board.senses.depth = faults.shifted(-6.0)
     yield from world.wait(20)
     world.mark("due")
-    yield from world.wait(200)
+    yield from world.rest(200)
 
 
 def offset_on_deck(world: World) -> Steps:
@@ -71,14 +71,14 @@ def turns_over(world: World) -> Steps:
     yield from dive(world)
     world.body.turn_over()
     world.mark("due")
-    yield from world.wait(230)
+    yield from world.rest(230)
 
 
 def lying_receiver(world: World) -> Steps:
     """W at depth, while the receiver tells of places."""
     yield from dive(world)
     order(world, "@ZAWF$")
-    yield from world.wait(150)
+    yield from world.rest(150)
 
 
 def clear_under_water(world: World) -> Steps:
@@ -110,7 +110,7 @@ def flickering_voltage(world: World) -> Steps:
     world.board.senses.control = faults.flicker(20.4, 1.3, world.seed)
     yield from world.wait(1)
     world.mark("due")
-    yield from world.wait(200)
+    yield from world.rest(200)
 
 
 BACK = (reached(), home(200), never_deeper(16))

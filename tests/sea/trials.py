@@ -39,7 +39,7 @@ def clogged_on_deck(world: World) -> Steps:
     yield from go(world, mission(8, 10))
     yield from world.wait(30)
     world.mark("due")
-    yield from world.wait(200)
+    yield from world.rest(200)
 
 
 def clogged_then_w(world: World) -> Steps:
@@ -47,7 +47,7 @@ def clogged_then_w(world: World) -> Steps:
     yield from dive(world)
     world.board.senses.depth = faults.clogged(8.0, world.seed)
     order(world, "@ZAWF$")
-    yield from world.wait(200)
+    yield from world.rest(200)
 
 
 def told_wrong(lie: str) -> Script:
@@ -64,7 +64,7 @@ def told_wrong(lie: str) -> Script:
         world.mark("due")
         if lie == "slow":
             boat(world).send("@ZAWF$")
-        yield from world.wait(200)
+        yield from world.rest(200)
 
     return script
 
@@ -79,7 +79,7 @@ def tumbling_sensor(world: World) -> Steps:
     world.mark("calm")
     yield from world.wait(25)
     world.mark("due")
-    yield from world.wait(120)
+    yield from world.rest(120)
 
 
 def mute(world: World) -> Steps:
@@ -87,7 +87,7 @@ def mute(world: World) -> Steps:
     yield from dive(world)
     world.board.mute = True
     world.mark("due")
-    yield from world.wait(200)
+    yield from world.rest(200)
 
 
 def unplugged(world: World) -> Steps:
@@ -99,7 +99,7 @@ def unplugged(world: World) -> Steps:
     yield from world.wait(10)
     world.line.plugged = True
     world.mark("due")
-    yield from world.wait(180)
+    yield from world.rest(180)
 
 
 def let_go(buoyancy: float) -> Script:
@@ -131,7 +131,7 @@ def flood(world: World) -> Steps:
         idle.append(line)
     yield from world.wait(5)
     order(world, "@ZAWF$")
-    yield from world.wait(150)
+    yield from world.rest(150)
     for line in idle:
         line.close()
 
@@ -145,7 +145,7 @@ def hangup(world: World) -> Steps:
     world.mark("calm")
     yield from world.wait(15)
     world.mark("due")
-    yield from world.wait(120)
+    yield from world.rest(120)
 
 
 def auto_closed(world: World) -> Steps:
@@ -231,7 +231,7 @@ def noisy_line(world: World) -> Steps:
     world.mark("calm")
     yield from world.wait(25)
     world.mark("due")
-    yield from world.wait(120)
+    yield from world.rest(120)
 
 
 def brown_out(world: World) -> Steps:
@@ -241,14 +241,14 @@ def brown_out(world: World) -> Steps:
     world.mark("reset")
     yield from world.wait(30)
     order(world, "@ZAWF$")
-    yield from world.wait(150)
+    yield from world.rest(150)
 
 
 def late_board(world: World) -> Steps:
     """The board does what it is told 4 s later."""
     yield from dive(world)
     order(world, "@ZAWF$")
-    yield from world.wait(150)
+    yield from world.rest(150)
 
 
 STILL = never(UPWARD.pattern, "garbage", "a false alarm", "calm")

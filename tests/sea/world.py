@@ -139,6 +139,14 @@ class World:
         while self.now < end and not what():
             yield
 
+    def rest(self, seconds: float, quiet: float = 30.0) -> Iterator[None]:
+        """Let time pass; less, once it has floated for `quiet` s with nothing turning."""
+        until, since = self.now + seconds, self.now
+        while self.now < until and self.now - since < quiet:
+            if self.body.depth > 0.6 or self.board.gears.turning():
+                since = self.now
+            yield
+
     def command(self, *words: str) -> Iterator[None]:
         """An operator's `auvmission` command, to its end; its code and text are noted."""
         process = subprocess.Popen(
