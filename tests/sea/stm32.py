@@ -264,9 +264,11 @@ class Board:
     # ---- reports --------------------------------------------------------------------------
 
     def _altitude(self, now: float) -> float:
+        """Metres above the floor; out of its range the altimeter repeats its last value to the bit."""
         truth = self.body.altitude
         if truth <= RANGE:
-            self.last_altitude = self.senses.altitude(now, truth)
+            noise = self.random.gauss(0, 0.02)
+            self.last_altitude = self.senses.altitude(now, truth + noise)
         return self.last_altitude
 
     def _yaw(self, now: float) -> float:
@@ -299,7 +301,7 @@ class Board:
             wrap(self._yaw(now) + draw.gauss(0, 1.0)),
             11.5 + draw.gauss(0, 0.02),
             senses.depth(now, body.depth + draw.gauss(0, senses.depth_noise)),
-            self._altitude(now) + draw.gauss(0, 0.02),
+            self._altitude(now),
             *[draw.gauss(30, 0.5) for _ in range(9)],
         ]
         gears = self.gears
