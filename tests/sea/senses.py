@@ -38,8 +38,13 @@ def clogs_at(told: float) -> Script:
 
 
 def drifts(world: World) -> Steps:
-    """At 8 m, held: the reading leaves the truth by 5 cm a second, and the board follows it down."""
-    yield from dive(world)
+    """At 8 m, held without way: the reading leaves the truth by 5 cm a second, the board follows it.
+
+    Without way, for ahead of a vehicle that moves the floor itself may rise.
+    """
+    yield from go(world, mission(8, 10).replace("stay: gear 4", "stay: stop"))
+    yield from world.until(lambda: world.body.depth > 7.8, 120)
+    yield from world.wait(15)
     world.board.senses.depth = faults.drifting(world.now, -0.05)
     yield from world.until(lambda: world.body.depth > 14.5, 160)
     world.mark("due")
