@@ -57,9 +57,9 @@ def campaign(
 
     from mission.campaign.faults import shipped
     from mission.campaign.generated import generate
-    from mission.campaign.pool import results, with_progress
     from mission.prepare import Unreadable
     from mission.vehicle import load_vehicle
+    from mission.workers import results, with_progress
 
     if generated is not None and show:
         click.echo(generate(seed, generated, load_vehicle("auv")).text, nl=False)

@@ -349,6 +349,10 @@ class Drive:
     def digest(self) -> str:
         return self._chart.digest if self._chart else ""
 
+    @property
+    def doubted_at(self) -> float:
+        return self._engine.doubted_at
+
     def decide(self, command: Command, now: float) -> Verdict:
         chart = self._chart if isinstance(command, StartMission) else None
         if chart is not None and (why := self._latch.foresee(chart.initial)):

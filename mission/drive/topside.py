@@ -23,6 +23,7 @@ from mission.drive.commander import Commander
 from mission.drive.nodes import LINK as NODES
 from mission.drive.nodes import NAMES, OPEN, Nodes
 from mission.drive.paths import Heard, Path, Unfit
+from mission.drive.refusals import Refusals
 from mission.drive.staging import Held, OutOfPlace, Staging, Whole
 from mission.drive.vessel import MODEM, Answer, MissionRefused, Peer, Vessel, one_line
 from mission.model import Outcome, Result, Tx, Verdict
@@ -84,7 +85,7 @@ class Topside:
         self._done: list[_Done] = []
         self._awaited = Awaited()
         self._switching: tuple[Peer, NodeSwitch] | None = None
-        self._refusal = ""
+        self._refusals = Refusals()
         self._out: list[Tx] = []
         self._faults: list[tuple[Peer, FrameFault]] = []
 
@@ -182,7 +183,7 @@ class Topside:
 
     def _refuse_unfit(self, peer: Peer, unfit: Unfit, now: float) -> None:
         self._faults.append((peer, unfit.fault))
-        self._refusal = f"{unfit.code}: {unfit.fault.kind}"
+        self._refusals.note(unfit.code, unfit.fault.kind, now)
         if self._answer_no:
             self._send(peer, answer(unfit.code, False, now), now, unfit.fault.kind)
 
@@ -239,8 +240,9 @@ class Topside:
     def _conclude(self, peer: Peer, command: Command, verdict: Verdict, now: float) -> None:
         if verdict.accepted:
             self._hand_over(peer, now)
+            self._refusals.accepted(_NAMES[type(command)])
         else:
-            self._refusal = one_line(f"{_NAMES[type(command)]}: {verdict.why}")
+            self._refusals.note(_NAMES[type(command)], verdict.why, now)
         ack = _acknowledge(command, verdict.accepted, now)
         if verdict.accepted and not isinstance(command, MissionLine | Manual):
             self._done.append(_Done(command, peer, now, ack))
@@ -308,7 +310,7 @@ class Topside:
         except (MissionRefused, StoreError) as error:
             return Verdict(False, str(error))
         self._staging.clear()
-        self._refusal = ""
+        self._refusals.end()
         return Verdict(True)
 
     def _set_time(self, peer: Peer, command: SetTime, now: float) -> Verdict:
@@ -367,7 +369,7 @@ class Topside:
             self._staging.have if staging else stored,
             self._staging.missing if staging else "",
             self._vessel.digest[:16],
-            self._refusal,
+            self._refusals.told(now, self._vessel.doubted_at),
         )
 
     def _answer_awaiting(self, key: str, ack: Ack, now: float) -> None:

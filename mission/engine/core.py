@@ -61,6 +61,7 @@ class Core:
         self.ascent: Ascent | None = None  # the emergency's, in emergency/surfacing alone
         self.stop_at: float | None = None  # X0 goes out again then, unless it was acknowledged
         self.stopped_at: float | None = None  # when a stop was acknowledged, and nothing since
+        self.doubted_at = -math.inf  # when a report last contradicted a stop, since the last X
         self.stick = -math.inf  # the last M that was obeyed
         self.any_stick = -math.inf  # the last M of anybody, obeyed or not (R6)
         self.clear_refused = -math.inf  # the last @AC that was
@@ -275,7 +276,9 @@ class Core:
         """An acknowledgement proves nothing, as in the ascent: a thruster that turns after it in a
         state where everything is stopped is stopped again."""
         if self.stopped_at is not None and self._rests and self.watch.turning(self.stopped_at):
-            self._record(self._stop(f"{self.reason}: a thruster turns after it was stopped"))
+            self.doubted_at = self.now
+            seen = "it has way" if self.vehicle.drives else "a thruster turns"
+            self._record(self._stop(f"{self.reason}: {seen} after it was stopped"))
 
     def doubt_line(self) -> None:
         """Nor does it prove who gave it: behind a line that was away a stop that was acknowledged
@@ -287,6 +290,7 @@ class Core:
 
     def emergency_stop(self, why: str) -> None:
         self._to_emergency()
+        self.doubted_at = -math.inf
         self._move("X", STOPPED, why, self._stop(why), By.OPERATOR)
 
     def surface(

@@ -360,6 +360,11 @@ class Engine:
         return self._core.run.round if self._core.run else 1
 
     @property
+    def doubted_at(self) -> float:
+        """When a report last contradicted a stop; -inf: not since the last X."""
+        return self._core.doubted_at
+
+    @property
     def may_clear(self) -> bool:
         """An @AC would be accepted now."""
         return not why_not_clear(self._core)

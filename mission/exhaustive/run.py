@@ -12,7 +12,6 @@ from __future__ import annotations
 import itertools
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -27,6 +26,7 @@ from mission.exhaustive.operator_laws import OPERATOR_LAWS
 from mission.exhaustive.proof_laws import PROOF_LAWS
 from mission.exhaustive.rest_laws import REST_LAWS
 from mission.exhaustive.world import World
+from mission.workers import results
 
 ALL_LAWS = (*STATE_LAWS, *PROOF_LAWS, *LINE_LAWS, *OPERATOR_LAWS, *LEG_LAWS, *REST_LAWS)
 KEPT = 200  # violations in words; all are counted
@@ -67,16 +67,9 @@ def examine(missions: Sequence[Path], workers: int, progress: Progress) -> Found
     """All cells of these missions on every profile."""
     shares = [(path, profile) for path in missions for profile in PROFILES]
     found = Found()
-    if workers <= 1:
-        for path, profile in shares:
-            found.add(_share(path, profile))
-            progress(_words(path, profile, found))
-        return found
-    with ProcessPoolExecutor(workers) as pool:
-        begun = {pool.submit(_share, path, profile): (path, profile) for path, profile in shares}
-        for done in as_completed(begun):
-            found.add(done.result())
-            progress(_words(*begun[done], found))
+    for share, done in zip(shares, results(_share, shares, workers, ahead=1), strict=True):
+        found.add(done)
+        progress(_words(*share, found))
     return found
 
 
@@ -90,8 +83,8 @@ def _words(path: Path, profile: str, found: Found) -> str:
     return f"{path.name} {profile}: {found.cells} cells so far, {found.broken.total()} violations"
 
 
-def _share(path: Path, profile: str) -> Found:
-    return examine_ground(ground(path, profile))
+def _share(share: tuple[Path, str]) -> Found:
+    return examine_ground(ground(*share))
 
 
 def examine_ground(on: Ground, every: int = 1) -> Found:

@@ -45,6 +45,7 @@ from protocol.messages import Status, StoreReport
 READY_S = 20.0  # real, for a process to say that it is there
 POLL_S = 0.25  # real, between two @DU
 STOP_S = 10.0  # real, for a process to end when told
+HURRY_S = 0.5  # the same, where the demonstration does not get to its end
 PLANNED = frozenset({"until", "for", "end"})
 LEFT = frozenset(
     {
@@ -206,12 +207,14 @@ class Demo:
         with log.open("w", encoding="utf-8") as errors:
             process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True)
             lines = _Lines(name, process, log)
+            patience = HURRY_S
             try:
                 yield lines
+                patience = STOP_S
             finally:
                 process.terminate()
                 try:
-                    process.wait(STOP_S)
+                    process.wait(patience)
                 except subprocess.TimeoutExpired:
                     process.kill()
                     process.wait()

@@ -45,6 +45,7 @@ GOOD, BAD = b"@ACK_%b$", b"@ACK_%bN$"
 class FakeVessel:
     state: str = "idle/empty"
     digest: str = ""
+    doubted_at: float = -math.inf
     decided: list[Command] = field(default_factory=list)
     relayed: list[bytes] = field(default_factory=list)
     accepted: list[tuple[str, ...]] = field(default_factory=list)
@@ -194,6 +195,16 @@ def test_no_is_silent_for_a_topside_that_cannot_bear_it() -> None:
     pi = Pi(answer_no=False)
     pi.vessel.refuses = "an emergency"
     assert pi.hear(StartMission()) == []
+
+
+def test_an_old_refusal_is_told_with_its_age_and_ends_with_what_is_accepted(pi: Pi) -> None:
+    pi.vessel.refuses = "no mission is stored"
+    pi.hear(StartMission())
+    assert b",AA: no mission is stored,$" in pi.hear(StoreQuery())[0]
+    assert b",AA: no mission is stored; 10 min ago,$" in pi.hear(StoreQuery(), 600.0)[0]
+    pi.vessel.refuses = ""
+    pi.hear(StartMission(), 600.0)
+    assert b",,$" in pi.hear(StoreQuery(), 600.0)[0]
 
 
 def test_a_refusal_in_the_report_has_no_comma_and_at_most_200_characters(pi: Pi) -> None:

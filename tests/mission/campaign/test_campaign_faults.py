@@ -16,7 +16,6 @@ from mission.campaign.deeds import INCIDENTS, PORT, Act, Deed
 from mission.campaign.draw import CLUSTER, MOST, OUT_OF_HAND, draw
 from mission.campaign.faults import fare, fly_plan, shipped, subjects
 from mission.campaign.laws import IGNORED, LOST, OVERRUN, RAISED, violations
-from mission.campaign.pool import results
 from mission.campaign.soak import Soaked, grown, soak
 from mission.campaign.trial import FOREVER, Done, Heard, Trial, try_out
 from mission.commands.faults import faults
@@ -28,6 +27,7 @@ from mission.engine.watch import Watch
 from mission.language import parse
 from mission.model import IDLE_EMPTY, IDLE_READY, SURFACED, SURFACING, Action, Step, Tx
 from mission.vehicle import load_vehicle
+from mission.workers import results
 from protocol.messages import Order
 
 VEHICLE = load_vehicle("auv")
