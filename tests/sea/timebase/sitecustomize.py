@@ -2,7 +2,7 @@
 
 Python imports `sitecustomize` before anything else (module `site`). Where SEA_CLOCK names the
 folder of a sea, the clocks and the waits of this process become the sea's: `time.monotonic`,
-`time.time`, `time.sleep` and `selectors.EpollSelector.select`; `os.write` and `os.read` count what
+`time.time`, `time.sleep`, `select.select` and `selectors.EpollSelector.select`; `os.write` and `os.read` count what
 passes serial ports. Nothing else of the program is touched, and none of its modules is named here.
 
 SEA_WITHOUT names a module whose import shall fail, as on a card with a broken file.
@@ -23,7 +23,7 @@ import struct
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -43,17 +43,18 @@ class Waiter:
         self.line.setblocking(False)
         self.asked = True
 
-    def wait(self, deadline: float, epoll: int | None, ready: Any) -> Any:
-        """What `ready` returns once it is something, or nothing at the deadline."""
+    def wait(self, deadline: float, reads: Iterable[Any], writes: Iterable[Any], ready: Any) -> Any:
+        """What `ready` returns once it is true, or whatever it returns at the deadline."""
         poll = select.poll()
-        poll.register(self.line, select.POLLIN)
-        if epoll is not None:
-            poll.register(epoll, select.POLLIN)
+        for file in writes:
+            poll.register(file, select.POLLOUT)
+        for file in (self.line, *reads):
+            poll.register(file, select.POLLIN)
         self.asked = True
         while True:
             seen = self.now()
             events = ready()
-            if events or seen >= deadline:
+            if seen >= deadline or (any(events) if isinstance(events, tuple) else events):
                 return events
             if self.asked:
                 self.asked = False
@@ -80,7 +81,7 @@ def install(folder: Path) -> None:
     own = threading.local()
     really = selectors.EpollSelector.select
     start = time.time()
-    really_write, really_read = os.write, os.read
+    really_write, really_read, really_some = os.write, os.read, select.select
 
     def now() -> float:
         return float(memory[0])
@@ -91,13 +92,17 @@ def install(folder: Path) -> None:
         return own.waiter  # type: ignore[no-any-return]
 
     def sleep(seconds: float) -> None:
-        waiter().wait(now() + seconds, None, lambda: None)
+        waiter().wait(now() + seconds, (), (), lambda: None)
 
     def choose(self: selectors.EpollSelector, timeout: float | None = None) -> Any:
         if timeout is not None and timeout <= 0:
             return really(self, 0)
         deadline = FOREVER if timeout is None else now() + timeout
-        return waiter().wait(deadline, self.fileno(), lambda: really(self, 0))
+        return waiter().wait(deadline, (self.fileno(),), (), lambda: really(self, 0))
+
+    def some(reads: Any, writes: Any, odd: Any, timeout: float | None = None) -> Any:
+        deadline = FOREVER if timeout is None else now() + timeout
+        return waiter().wait(deadline, reads, writes, lambda: really_some(reads, writes, odd, 0))
 
     def write(fd: int, data: Any) -> int:
         global written
@@ -119,6 +124,7 @@ def install(folder: Path) -> None:
     time.time = lambda: start + now()
     time.time_ns = lambda: int((start + now()) * 1e9)
     time.sleep = sleep  # type: ignore[assignment]
+    select.select = some
     selectors.EpollSelector.select = choose  # type: ignore[method-assign,assignment]
 
 
