@@ -2,8 +2,9 @@
 
 Python imports `sitecustomize` before anything else (module `site`). Where SEA_CLOCK names the
 folder of a sea, the clocks and the waits of this process become the sea's: `time.monotonic`,
-`time.time`, `time.sleep`, `select.select` and `selectors.EpollSelector.select`; `os.write` and `os.read` count what
-passes serial ports. Nothing else of the program is touched, and none of its modules is named here.
+`time.time`, `time.sleep`, `select.select` and `selectors.EpollSelector.select`; `os.write` and
+`os.read` count what passes serial ports. Nothing else of the program is touched, and none of its
+modules is named here.
 
 SEA_WITHOUT names a module whose import shall fail, as on a card with a broken file.
 
