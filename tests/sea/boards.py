@@ -201,7 +201,7 @@ SCENES: tuple[Scene, ...] = (
         "core-deaf-stop",
         "nothing can be done; but the operator is not told that it stopped",
         deaf(CORE),
-        (reached(), told("stop", 1, "acknowledged")),
+        (reached(), told("stop", "acknowledged")),
         FLOAT,
         {},
         TUNED,

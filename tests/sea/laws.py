@@ -270,13 +270,13 @@ def beating(longest: float, mark: str = "due") -> Law:
     return law
 
 
-def told(name: str, code: int, never_said: str) -> Law:
-    """A command of the operator's (noted as `name=code text`) ended so, and did not say this."""
+def told(name: str, never_said: str) -> Law:
+    """A command of the operator's (noted as `name=code text`) failed, and did not say this."""
 
     def law(world: World) -> str:
         note = next((note for note in world.notes if note.startswith(f"{name}=")), "")
-        if not note.startswith(f"{name}={code} ") or never_said in note:
-            return f"{note or name + ' never ended'}: {code} wanted, and not '{never_said}'"
+        if not note or note.startswith(f"{name}=0 ") or never_said in note:
+            return f"{note or name + ' never ended'}: a failure wanted, and not '{never_said}'"
         return ""
 
     return law
