@@ -24,17 +24,17 @@ What does not live here: the vehicle's own figures (vehicle), what a URL may say
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from reprlib import Repr
 from typing import Any
 
-import yaml
-
-from mission.units import UnitError, quantity
+from mission.kept import default_folder
+from mission.units import UnitError, quantity, range_text
 from protocol.tolerances import Tolerances, UnknownTolerance
 
+LONGEST = 1 << 16  # characters of a configuration
 _shortened = Repr()  # whatever aliases make of a value
 _shortened.maxlevel = 2
 shown = _shortened.repr
@@ -62,7 +62,7 @@ _LINKS = LinkUrls()
 class Configuration:
     vehicle: str = "auv"
     links: LinkUrls = _LINKS
-    folder: Path = field(default_factory=lambda: Path("~/.local/state/auvmission").expanduser())
+    folder: Path = field(default_factory=default_folder)
     time_zone: str = "+08:00"
     answer_no: bool = True
     manual_for: float = 60.0  # s
@@ -70,6 +70,7 @@ class Configuration:
     set_system_clock: bool = False
     camera: str | None = None
     tolerances: Mapping[str, str] = field(default_factory=lambda: _NO_TOLERANCES)
+    ascent_only: str = ""  # no key of the file: why nothing but an ascent is served
 
     @property
     def utc_offset(self) -> float:
@@ -100,31 +101,29 @@ def load_configuration(path: Path | None) -> Configuration:
 
 
 def parse_configuration(text: str, where: str = "configuration") -> Configuration:
+    from mission.yaml_tree import YamlFault, values  # yaml: may be missing (provision)
+
+    if len(text) > LONGEST:
+        raise ConfigurationError(f"{where}: more than {LONGEST:,} characters")
     try:
-        data = yaml.safe_load(text)
-    except RecursionError as error:
-        raise ConfigurationError(f"{where}: brackets are nested too deep") from error
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark
-        place = f"{where}:{mark.line + 1}:{mark.column + 1}" if mark else where
-        raise ConfigurationError(f"{place}: not YAML: {error.problem}") from error
-    except yaml.YAMLError as error:
-        raise ConfigurationError(f"{where}: not YAML: {' '.join(str(error).split())}") from error
+        data = values(text)
+    except YamlFault as fault:
+        raise ConfigurationError(f"{where}:{fault}") from None
     data = {} if data is None else data
     if not isinstance(data, dict):
         raise ConfigurationError(f"{where}: a configuration is a table of keys, not {shown(data)}")
     faults: list[str] = []
-    values = _table(data, _KEYS, faults)
+    given = _table(data, _KEYS, faults)
     if faults:
         raise ConfigurationError("\n".join(f"{where}: {fault}" for fault in faults))
-    return Configuration(**values)
+    return Configuration(**given)
 
 
 def _table(data: Mapping[Any, Any], keys: Mapping[str, Any], faults: list[str]) -> dict[str, Any]:
     values: dict[str, Any] = {}
     for key, value in data.items():
         if key not in keys:
-            faults.append(f"unknown key {key!r}; there are {', '.join(keys)}")
+            faults.append(f"unknown key {shown(key)}; there are {', '.join(keys)}")
             continue
         try:
             values[key] = keys[key](value)
@@ -153,15 +152,18 @@ def _flag(value: Any) -> bool:
     return value
 
 
-def _seconds(value: Any) -> float:
-    seconds = quantity(value, "s")
-    if not 0.0 < seconds < 1e6:
-        raise _Wrong(f"a time above zero is needed, not {shown(value)}")
-    return seconds
+def _seconds(low: float, high: float) -> Callable[[Any], float]:
+    def read(value: Any) -> float:
+        seconds = quantity(value, "s")
+        if not low <= seconds <= high:
+            raise _Wrong(f"{shown(value)} is out of range: {range_text(low, high, 's')}")
+        return seconds
+
+    return read
 
 
-def _seconds_or_none(value: Any) -> float | None:
-    return None if value is None else _seconds(value)
+def _silence(value: Any) -> float | None:
+    return None if value is None else _seconds(10, 86_400)(value)
 
 
 def _zone(value: Any) -> str:
@@ -203,8 +205,8 @@ _KEYS = {
     "folder": _folder,
     "time_zone": _zone,
     "answer_no": _flag,
-    "manual_for": _seconds,
-    "topside_silence": _seconds_or_none,
+    "manual_for": _seconds(5, 3600),  # R6 stops after 2 s
+    "topside_silence": _silence,
     "set_system_clock": _flag,
     "camera": _text_or_none,
     "tolerances": _tolerances,

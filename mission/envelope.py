@@ -29,7 +29,6 @@ DEPTH_MARGIN = 1.0  # m beyond the bound (R5)
 SILENCE = 5.0  # s without a good report (R8)
 LOST_MOST = 3  # Z in succession without an answer (R8)
 BLIND_TIME = 6.0  # s without a depth to believe, submerged
-_PLANE_95 = math.sqrt(-2.0 * math.log(0.05))
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,9 +95,10 @@ def never(watch: Watch) -> float | None:
 class Limit:
     """``breached`` gives True, False, or None for unknown (which counts neither way).
 
-    ``bound`` says in words beyond what. It must last for ``samples`` in a row, or for ``seconds``.
-    ``acts``: in which regions and states. ``due`` of a CLOCK row is when it will be breached if
-    nothing changes. ``needs``: the reports without which it is disarmed.
+    ``bound`` says in words beyond what. It must last for ``samples``, or for ``seconds``: a
+    sample within the bound takes one back, a second within it two. ``acts``: in which regions and
+    states. ``due`` of a CLOCK row is when it will be breached if nothing changes. ``needs``: the
+    reports without which it is disarmed.
     """
 
     name: str
@@ -158,7 +158,7 @@ def _uncertain(watch: Watch) -> bool | None:
     here, e = _position(watch), watch.senses.estimate
     if here is None or e is None:
         return None
-    reach = math.hypot(*here) + _PLANE_95 * distribution.principal(e.covariance)[0]
+    reach = math.hypot(*here) + distribution.PLANE_95 * distribution.principal(e.covariance)[0]
     if reach <= watch.bounds.radius:  # more than enough, and cheap
         return False
     return distribution.within(watch.bounds.radius, *here, e.covariance) < 0.95
@@ -255,6 +255,14 @@ LIMITS: tuple[Limit, ...] = (
         "120 s at more than 2 m from the depth asked for, and not 0.5 m nearer",
         lambda w: w.progress.stuck,
         lambda w: w.progress.words,
+        needs=frozenset({"depth"}),
+    ),
+    Limit(
+        "depth contradicted",
+        "depth",
+        "a depth that what else is known contradicts",
+        lambda w: bool(w.senses.contradicted),
+        lambda w: f"the depth is {w.senses.contradicted}",
         needs=frozenset({"depth"}),
     ),
     Limit(

@@ -90,11 +90,11 @@ def parameters_of(pairs: Iterable[str]) -> dict[str, str]:
 
 def _placed(text: str, source: str, errors: CompileErrors) -> MissionErrors:
     """The compiler's problems with the lines they stand in."""
-    problems = Problems(text)
-    for p in errors.problems:
-        problems.add(p.rule, p.where, p.message, p.hint)
+    problems = Problems(text, source)
     try:
-        problems.complain(source)
+        for p in errors.problems:
+            problems.add(p.rule, p.where, p.message, p.hint)
+        problems.complain()
     except MissionErrors as placed:
         return placed
     raise AssertionError("compile errors without a problem")

@@ -87,6 +87,12 @@ def _scaled(number: str, unit: Unit) -> float:
     return float(Fraction(number) * exact)
 
 
+def range_text(low: float, high: float, unit: str, above: bool = False) -> str:
+    """``low``..``high`` in words; ``above``: low itself is out."""
+    least = f"more than {number_text(low)}" if above else f"{number_text(low)} or more"
+    return f"{least}, up to {number_text(high)}{f' {unit}' if unit else ''}"
+
+
 def compass(degrees: float) -> float:
     """A compass heading in rad, [0, 2 pi)."""
     turned = math.radians(degrees % 360.0)

@@ -15,11 +15,14 @@ from typing import TYPE_CHECKING
 from links.simulated.firmware.stm32 import Mode
 from links.simulated.plant import LEFT_MAIN, RIGHT_MAIN
 from links.simulated.sensors import Health, Sensor
+from links.simulated.wrong import Drifting, Late, Stuck, Wrong
 
 if TYPE_CHECKING:
     from links.simulated.link import SimulatedVehicle
 
-_ROLL, _HEADING, _DEPTH = 0, 2, 4  # slots of what ``Sensors.sample`` returns
+_ROLL, _HEADING, _DEPTH, _ALTITUDE = 0, 2, 4, 5  # slots of what ``Sensors.sample`` returns
+
+FLICKER = 0.8  # V
 
 Act = Callable[["SimulatedVehicle", float], None]
 
@@ -56,6 +59,29 @@ def _bent(
         vehicle.sensors.bent.pop(slot, None)
 
     return Fault(says, begin, end, value, unit)
+
+
+def _wrong(
+    slot: int, says: str, make: Callable[[float], Wrong], value: float, unit: str, scale: float
+) -> Fault:
+    def begin(vehicle: SimulatedVehicle, value: float) -> None:
+        vehicle.sensors.wrong[slot] = make(scale * value)
+
+    def end(vehicle: SimulatedVehicle, _: float) -> None:
+        vehicle.sensors.wrong.pop(slot, None)
+
+    return Fault(says, begin, end, value, unit)
+
+
+def _looks_well(
+    name: str, slot: int, unit: str, noise: float, drift: float, scale: float = 1.0
+) -> dict[str, Fault]:
+    """Stuck with so much noise, drifting by so much a second, and late."""
+    return {
+        f"{name}_stuck": _wrong(slot, f"{name} is stuck, and noisy", Stuck, noise, unit, scale),
+        f"{name}_drifting": _wrong(slot, f"{name} drifts", Drifting, drift, f"{unit}/s", scale),
+        f"{name}_late": _wrong(slot, f"{name} comes late", Late, 10.0, "s", 1.0),
+    }
 
 
 def _line(name: str, says: str, value: float, unit: str) -> Fault:
@@ -240,8 +266,20 @@ def _battery(vehicle: SimulatedVehicle, volts: float) -> None:
     vehicle.sensors.battery_override = volts
 
 
+def _battery_flickers(vehicle: SimulatedVehicle, volts: float) -> None:
+    vehicle.sensors.battery_override, vehicle.sensors.battery_noise = volts, FLICKER
+
+
 def _battery_usual(vehicle: SimulatedVehicle, _: float) -> None:
-    vehicle.sensors.battery_override = None
+    vehicle.sensors.battery_override, vehicle.sensors.battery_noise = None, 0.0
+
+
+def _gps_in_turn(vehicle: SimulatedVehicle, places: float) -> None:
+    vehicle.gps.in_turn = max(int(places), 1)
+
+
+def _gps_in_order(vehicle: SimulatedVehicle, _: float) -> None:
+    vehicle.gps.in_turn = 0
 
 
 FAULTS: dict[str, Fault] = {
@@ -254,6 +292,11 @@ FAULTS: dict[str, Fault] = {
     "heading_mirrored": _bent(_HEADING, "the compass turns the wrong way", 0.0, "", factor=-1.0),
     "heading_off": _bent(_HEADING, "the compass came loose", 60.0, "deg", radians(1.0)),
     "attitude_off": _bent(_ROLL, "the roll reads more", 120.0, "deg", radians(1.0)),
+    "altitude_off": _bent(_ALTITUDE, "altitudes read more", 2.0, "m"),
+    **_looks_well("roll", _ROLL, "deg", 0.5, 0.5, radians(1.0)),
+    **_looks_well("heading", _HEADING, "deg", 1.0, 0.5, radians(1.0)),
+    **_looks_well("depth", _DEPTH, "m", 0.05, -0.1),
+    **_looks_well("altitude", _ALTITUDE, "m", 0.05, 0.1),
     "depth_too_deep": _bent(_DEPTH, "depths read more", 1.0, "m"),
     "depth_too_shallow": _bent(_DEPTH, "depths read less", 1.0, "m", -1.0),
     "stm32_silent": Fault("the board is heard no more, and goes on", _silence, _speak, duration=10),
@@ -274,6 +317,14 @@ FAULTS: dict[str, Fault] = {
     "gps_lost": _gps("blind", "the receiver has no fix"),
     "gps_silent": _gps("silent", "the receiver sends nothing"),
     "gps_stuck": _gps("stuck", "the receiver repeats its last fix, under water too"),
+    "gps_in_turn": Fault(
+        "the receiver says its last places in turn, under water too",
+        _gps_in_turn,
+        _gps_in_order,
+        3.0,
+        "places",
+    ),
+    "gps_wanders": _gps("wanders", "the receiver says plausible places under water, too"),
     "gps_corrupted": Fault(
         "a bit turned over in its sentences", _gps_garbled, _gps_clear, 0.5, "share of seconds"
     ),
@@ -290,6 +341,9 @@ FAULTS: dict[str, Fault] = {
     ),
     "current_turn": Fault("the current turns", _current_turn, _current_usual, 90.0, "deg"),
     "battery_low": Fault("low control battery", _battery, _battery_usual, 9.0, "V"),
+    "battery_flickers": Fault(
+        "a noisy control battery, about", _battery_flickers, _battery_usual, 9.0, "V"
+    ),
     "unexplained_dive": Fault(
         "it dives at full power, nobody said so", _dive, _dive_over, duration=20.0
     ),

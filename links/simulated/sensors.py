@@ -10,7 +10,8 @@ sample (white noise left out), so that they see what was reported without a draw
 A sensor is healthy, frozen (repeats its last value), silent (nothing comes: the documented board
 reports NaN, the board as built repeats the last value), intermittent (half of the samples repeat
 the one before), absurd (garbage anywhere in its range) or at full scale. A value may be bent: a
-factor and an offset, for a compass with the wrong sign or a sensor that came loose.
+factor and an offset, for a compass with the wrong sign or a sensor that came loose; or wrong in a
+way that looks well (wrong.py): stuck with its noise, drifting, late.
 
 What does not live here: the bytes (firmware), the GPS (firmware/gps.py), when a fault begins.
 """
@@ -23,6 +24,7 @@ from math import cos, exp, log, nan, pi, radians, remainder, sin, sqrt
 from random import Random
 
 from links.simulated.plant import Plant
+from links.simulated.wrong import Wrong
 
 PERIOD = 2.0  # s between samples, that of @SD
 TWO_PI = 2 * pi
@@ -124,6 +126,8 @@ class Sensors:
         self.depth_bias = rng.gauss(0.0, 0.05) if depth_bias is None else depth_bias
         self.health: dict[Sensor, Health] = {}  # only those that are not healthy
         self.bent: dict[int, tuple[float, float]] = {}  # slot: factor and offset
+        self.wrong: dict[int, Wrong] = {}  # by slot
+        self.battery_noise = 0.0  # V beside what the override says
         self.battery_override: float | None = None  # V of the control battery
         self.last: list[float] = [0.0] * 15 + [12.0, 48.0]
         self._silent = Health.FROZEN if repeats_when_silent else Health.SILENT
@@ -132,28 +136,30 @@ class Sensors:
         self._keep = exp(-PERIOD / 300.0)
         self._renew = errors.compass_slow * sqrt(1 - self._keep**2)
         self._echo = False
-        self._used = 0.0  # J out of the power battery
+        self.used = 0.0  # J out of the power battery
         self._age = 0  # samples so far
 
     # --- what the control loops read -------------------------------------------------------
 
     def depth(self, plant: Plant) -> float:
         depth = plant.depth + self.depth_bias
-        if not (self.health or self.bent):
+        if not (self.health or self.bent or self.wrong):
             return depth
-        return self.last[4] if Sensor.DEPTH in self.health else self._as_bent(4, depth)
+        known = Sensor.DEPTH not in self.health and 4 not in self.wrong
+        return self._as_bent(4, depth) if known else self.last[4]
 
     def altitude(self, plant: Plant) -> float:
-        if not self._echo or (self.health and Sensor.ALTITUDE in self.health):
+        if not self._echo or 5 in self.wrong or (self.health and Sensor.ALTITUDE in self.health):
             return self.last[5]
         return plant.floor - plant.depth
 
     def heading(self, plant: Plant) -> float:
         """Not wrapped."""
         heading = plant.yaw + self._heading_error
-        if not (self.health or self.bent):
+        if not (self.health or self.bent or self.wrong):
             return heading
-        return self.last[2] if Sensor.HEADING in self.health else self._as_bent(2, heading)
+        known = Sensor.HEADING not in self.health and 2 not in self.wrong
+        return self._as_bent(2, heading) if known else self.last[2]
 
     # --- what is reported ------------------------------------------------------------------
 
@@ -180,6 +186,8 @@ class Sensors:
         ]
         for slot in self.bent:
             values[slot] = self._as_bent(slot, values[slot])
+        for slot, wrong in self.wrong.items():
+            values[slot] = wrong.says(values[slot], self._age * PERIOD, self.rng)
         if self.health:
             self._break(values)
         self.last = values
@@ -229,9 +237,11 @@ class Sensors:
         port, starboard, rear, left, right = thrust
         pair = (abs(port) + abs(starboard)) / (2 * body.main_thrust)
         three = (abs(rear) + abs(left) + abs(right)) / (3 * body.vertical_thrust)
-        self._used += PERIOD * (600.0 * pair * sqrt(pair) + 300.0 * three)
+        self.used += PERIOD * (600.0 * pair * sqrt(pair) + 300.0 * three)
         self._age += 1
         control = 12.8 - 2.5 * self._age * PERIOD * 35.0 / (300.0 * 3600.0)
         if self.battery_override is not None:
             control = self.battery_override
-        return max(control, 0.0), max(50.0 - 9.0 * self._used / (900.0 * 3600.0), 0.0)
+            if self.battery_noise:
+                control += self.rng.gauss(0.0, self.battery_noise)
+        return max(control, 0.0), max(50.0 - 9.0 * self.used / (900.0 * 3600.0), 0.0)

@@ -1,6 +1,5 @@
 """Laws of words and moves over the whole flight: who may do what, and what must have left.
 
-    set        the whole set of a leg has left within 5 s of its entry
     clock      a leg lasts no longer than its clock allows
     stop       an X0 goes out again until it is acknowledged; and where a report shows a thruster on
     restart    what was under way surfaces; an emergency that had ended is latched
@@ -15,7 +14,7 @@
     refused    a set that is answered N: the leg's else (R8)
     blind      a leg that needs a reading which fails is left within 6 s of that being known
 
-What does not live here: who asked for a byte (audit), an X or W in time (obedience).
+What does not live here: who asked for a byte (audit), an X, W or set in time (obedience).
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
 from links.simulated.firmware.uart import BYTE_TIME
-from mission.campaign.audit import alike, command_of, moves
+from mission.campaign.audit import command_of, moves
 from mission.campaign.deeds import MODEM, TOPSIDE, Act
 from mission.campaign.depth_laws import DEPTH_FAULTS
 from mission.campaign.laws import Violation
@@ -49,10 +48,8 @@ from mission.model import (
 from mission.regions import EMERGENCY, MANUAL
 from mission.vehicle import load_vehicle
 from protocol.messages import Order
-from protocol.vehicles.auv import AuvCodec
 
 UNSENT, UNLAWFUL = "unsent", "unlawful"
-_SET = 5.3  # s (R7: 5), and the gap on the line
 _CLOCK = 0.6  # s
 _STOP_AGAIN = 1.6  # s: every 0.5 s, behind three tries of another word
 _TURNS = 3  # reports with a thruster on
@@ -78,7 +75,6 @@ def word_laws(story: Story) -> Iterator[Violation]:
     clocks = _clocks(text, story.mission.vehicle)
     for stay in story.stays:
         if stay.autonomous:
-            yield from _set_leaves(story, stay)
             yield from _ends_in_time(story, stay, clocks)
             yield from _starts_at_surface(story, stay)
             yield from _is_left_blind(story, stay)
@@ -101,20 +97,6 @@ def word_laws(story: Story) -> Iterator[Violation]:
 
 
 # --- legs ----------------------------------------------------------------------------------------
-
-
-def _set_leaves(story: Story, stay: Stay) -> Iterator[Violation]:
-    due = stay.begin + _SET
-    if stay.step is None or not stay.step.actions or stay.end < due:
-        return
-    command = command_of(stay.step.actions[-1])
-    if isinstance(command, Order) or story.hindered(stay.begin - 0.1, due):
-        return
-    sent = [word.data for word in story.words_in(stay.begin, due)]
-    for frame in AuvCodec(story.profile).encode(command):
-        if not any(alike(frame, data) for data in sent):
-            says = f"{frame!r} of {stay.state} has not left within {_SET:g} s"
-            yield Violation(UNSENT, due, says)
 
 
 @functools.lru_cache(maxsize=64)

@@ -36,7 +36,7 @@ def graph(
     any SCXML engine, .json has the chart's tables.
     """
     from mission.graph.formats import FORMATS
-    from mission.graph.outline import outline
+    from mission.graph.outline import TooLarge, outline
     from mission.graph.raster import NoFont
     from mission.prepare import Unreadable, parameters_of, prepare
 
@@ -47,7 +47,7 @@ def graph(
     try:
         prepared = prepare(mission, vehicle, parameters_of(parameters))
         drawn = row.draw(outline(prepared.chart, depth), safety)
-    except (Unreadable, NoFont) as error:
+    except (Unreadable, NoFont, TooLarge) as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
     try:

@@ -60,11 +60,12 @@ class Unit:
 
 @dataclass(frozen=True, slots=True)
 class Flow:
-    """A way by which values travel: from a leg or group to a leg, through bare lines."""
+    """A way by which values travel: from a leg or group to a leg, through bare lines that do
+    ``unit`` together."""
 
     source: str
     target: str
-    units: tuple[Unit, ...]
+    unit: Unit
 
 
 def unit_of(node: Leg | Set) -> Unit:
@@ -91,6 +92,19 @@ def _unit(settings: tuple[Setting, ...], kind: LegKind | None) -> Unit:
     if kind is not None and LEGS[type(kind)].ascends:
         states.update(INITIAL)  # it ends with everything stopped
     return Unit(states, "heading" in words or Axis.HEADING in steers)
+
+
+def joined(units: Iterable[Unit]) -> Unit:
+    """What several do one after the other."""
+    states: dict[Axis, Value] = {}
+    drops = False
+    for unit in units:
+        if unit.drops_turn:
+            drops = True
+            if (held := states.get(Axis.HORIZONTAL)) is not None:
+                states[Axis.HORIZONTAL] = (held[0], 0.0)
+        states.update(unit.states)
+    return Unit(states, drops)
 
 
 def statement_problems(node: Leg | Set) -> list[Problem]:
@@ -171,7 +185,7 @@ class Resolution:
     def _spread(self, axis: Axis) -> None:
         queue: deque[tuple[str, Value, str]] = deque()
         start = self._start
-        queue.append((start.target, _through(start.units, axis, INITIAL[axis]), "the start"))
+        queue.append((start.target, start.unit.apply(axis, INITIAL[axis]), "the start"))
         for path, unit in self._units.items():
             if axis in unit.states:
                 self._leave(queue, axis, path, unit.states[axis], path)
@@ -197,7 +211,7 @@ class Resolution:
         origin: str,
     ) -> None:
         for flow in self._out.get(place, ()):
-            queue.append((flow.target, _through(flow.units, axis, value), origin))
+            queue.append((flow.target, flow.unit.apply(axis, value), origin))
         if place in self._parents:
             queue.append((self._parents[place], value, origin))
 
@@ -215,12 +229,6 @@ class Resolution:
                 if axis is Axis.VERTICAL or (surge != 0.0 and turn == 0.0):
                     problems.append(_unknown(axis, leg, came[0][1]))
         return problems
-
-
-def _through(units: tuple[Unit, ...], axis: Axis, value: Value) -> Value:
-    for unit in units:
-        value = unit.apply(axis, value)
-    return value
 
 
 def _conflict(axis: Axis, leg: Leg, came: list[tuple[Value, str]]) -> Problem:

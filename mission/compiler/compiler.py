@@ -16,12 +16,14 @@ over time, place and energy (check), running (machine, engine).
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from mission.compiler.abilities import guard_problems, leg_problems
-from mission.compiler.axes import Flow, Resolution, Unit, statement_problems, unit_of
+from mission.compiler.axes import Flow, Resolution, Unit, joined, statement_problems, unit_of
 from mission.compiler.granularity import BETWEEN_STEPS
+from mission.extent import DEEPEST_GROUP, WATCHED
+from mission.guards import comparisons
 from mission.legs import LEGS
 from mission.model import (
     AUTONOMOUS,
@@ -31,8 +33,10 @@ from mission.model import (
     By,
     Chart,
     Edge,
+    Exit,
     Group,
     Guard,
+    Handler,
     Leg,
     Loop,
     Mission,
@@ -45,8 +49,6 @@ from mission.model import (
 )
 from mission.vehicle import Vehicle
 from protocol.messages import Setpoint
-
-DEEPEST = 16  # groups inside groups
 
 
 class CompileErrors(ValueError):
@@ -75,7 +77,7 @@ class _Slot:
 class _Way:
     loops: tuple[Loop, ...]
     target: str
-    units: tuple[Unit, ...]
+    unit: Unit
 
 
 class _Compiler:
@@ -104,6 +106,7 @@ class _Compiler:
             if state.group is not None:
                 self._handler_edges(state.path, state.group)
         self._mission_edges()
+        self._check_watched()
         sets = self._resolve(start)
         if self._problems:
             raise CompileErrors(self._problems)
@@ -124,7 +127,7 @@ class _Compiler:
                 self._states.append(State(path, parent, group=node))
                 self._bodies[path], self._repeat[path] = node.body, node.repeat
                 self._check_group(path, node)
-                if path.count("/") <= DEEPEST:
+                if path.count("/") <= DEEPEST_GROUP.most:
                     stack += [(path, j, child) for j, child in enumerate(node.body)][::-1]
             else:
                 self._problems += statement_problems(node)
@@ -167,19 +170,19 @@ class _Compiler:
                 f"{group.name} repeats without a leg that takes time",
                 "add a wait or another leg",
             )
-        if path.count("/") > DEEPEST:
+        if path.count("/") > DEEPEST_GROUP.most:
             self._refuse(
                 "too-deep-nesting",
                 group.where,
                 group.name,
-                f"groups stand inside each other more than {DEEPEST} deep",
+                f"groups stand inside each other more than {DEEPEST_GROUP.most} deep",
                 "flatten them",
             )
 
     def _resolve_name(self, scope: str, name: str, where: Where) -> tuple[_Way, ...]:
         """The ways to a target, sought from the innermost group outward, then anywhere."""
         if name == SURFACE:
-            return (_Way((), IMPLICIT_SURFACE, ()),)
+            return (_Way((), IMPLICIT_SURFACE, joined(())),)
         first, *rest = name.split("/")
         found = self._lookup(scope, first)
         for part in rest:
@@ -232,16 +235,16 @@ class _Compiler:
         while True:
             target = self._first_leg(group, index, units)
             if target is not None:
-                yield _Way(loops, target, tuple(units))
+                yield _Way(loops, target, joined(units))
                 return
             if group == AUTONOMOUS:
-                yield _Way(loops, IMPLICIT_SURFACE, tuple(units))
+                yield _Way(loops, IMPLICIT_SURFACE, joined(units))
                 return
             if self._repeat[group] > 1:
                 again = list(units)
                 target = self._first_leg(group, 0, again)
                 if target is not None:
-                    yield _Way((*loops, Loop(group, True)), target, tuple(again))
+                    yield _Way((*loops, Loop(group, True)), target, joined(again))
                 loops = (*loops, Loop(group, False))
             group, index = self._slots[group].group, self._slots[group].index + 1
 
@@ -308,16 +311,28 @@ class _Compiler:
             name = f"{trigger}.{i + 1}" if len(ways) > 1 else trigger
             self._edges.append(Edge(name, source, way.target, by, guard, way.loops, where))
             if way.target != IMPLICIT_SURFACE:
-                self._flows.append(Flow(source, way.target, way.units))
+                self._flows.append(Flow(source, way.target, way.unit))
 
     def _check_guard(self, guard: Guard, where: Where, gives: frozenset[str] | None) -> None:
         self._problems += guard_problems(guard.expression, self._vehicle, where, gives)
+
+    def _check_watched(self) -> None:
+        """Every guard that a leg and the groups around it watch costs each step of the engine."""
+        handled = {AUTONOMOUS: _watched(self._mission.handlers)}
+        for state in self._states:
+            above = handled[state.parent]
+            if state.group is not None:
+                handled[state.path] = above + _watched(state.group.handlers)
+            elif state.leg and above + _watched(state.leg.exits) > WATCHED.most:
+                leg, hint = state.leg, "use fewer, or part the leg"
+                self._refuse("too-long", leg.where, leg.name, WATCHED.exceeded, hint)
+                return
 
     # --- sets ------------------------------------------------------------------------------
 
     def _resolve(self, start: _Way) -> dict[str, Setpoint]:
         parents = {state.path: state.parent for state in self._states}
-        first = Flow("", start.target, start.units)
+        first = Flow("", start.target, start.unit)
         sets, problems = Resolution(self._legs, parents, self._flows, first).setpoints()
         self._problems += problems
         told: set[str] = set()  # a value that legs keep is complained of once, where it is stated
@@ -340,6 +355,10 @@ class _Compiler:
 
     def _refuse(self, rule: str, where: Where, text: str, message: str, hint: str = "") -> None:
         self._problems.append(Problem(rule, where, text, message, hint))
+
+
+def _watched(guarded: Iterable[Exit | Handler]) -> int:
+    return sum(1 for each in guarded for _ in comparisons(each.guard.expression))
 
 
 def _lasts(group: Group) -> bool:

@@ -17,6 +17,7 @@ from dataclasses import replace
 from typing import Self
 
 from mission.engine.ascent import Ascent, Way
+from mission.engine.lasting import Lasting
 from mission.engine.plan import Plan, name_of, plan_of, repeat_of
 from mission.engine.senses import Senses
 from mission.engine.words import short
@@ -54,7 +55,7 @@ class Run:
         self.travelled = 0.0
         self.rounds: dict[str, int] = {}
         self.sent: Setpoint | None = None  # while it ascends: none
-        self.refused = False  # the vehicle answered N to the set
+        self.refused = False  # the vehicle answered N to the set, or never got it
         self.wake: float | None = None  # by the last look
         self.ascent: Ascent | None = None
         self.at_surface = False  # the ascent has ended, everything is stopped
@@ -62,7 +63,7 @@ class Run:
         self._plan = self._planned(chart.initial)
         self._pilot: Pilot | None = None
         self._steered_by: Estimate | None = None
-        self._held: dict[str, float] = {}
+        self._held = Lasting()
         self._spent: dict[str, str] = {}  # handlers that acted and were not seen false since
         self._taken: set[str] = set()  # handlers that acted at all
         self._blind: dict[str, float] = {}
@@ -72,8 +73,9 @@ class Run:
 
     def clone(self) -> Self:
         other = copy.copy(self)
-        for name in ("rounds", "_held", "_blind", "_spent", "_taken"):
+        for name in ("rounds", "_blind", "_spent", "_taken"):
             setattr(other, name, copy.copy(getattr(self, name)))
+        other._held = self._held.clone()
         other._pilot = self._pilot.clone() if self._pilot else None
         other.ascent = self.ascent.clone() if self.ascent else None
         return other
@@ -111,8 +113,8 @@ class Run:
         if not history:
             self.rounds.update(dict.fromkeys((g for g in self._plan.groups if g in entered), 1))
             self._spent = {h: source for h, source in self._spent.items() if source not in entered}
-        handlers = {e.trigger for e, _ in self._plan.guarded if e.source not in (path, *entered)}
-        self._held = {t: since for t, since in self._held.items() if t in handlers}
+        fresh = (path, *entered)
+        self._held.keep({e.trigger for e, _ in self._plan.guarded if e.source not in fresh})
         why = f"entry of {short(path)}"
         if self._plan.kind.ascends:
             if before is not None and ascended:
@@ -171,17 +173,19 @@ class Run:
         for edge, guard in plan.guarded:
             result = guard.test(values, scope)
             if edge.by is By.ON and not self._arises(edge, result):
-                self._held.pop(edge.trigger, None)
+                self._held.forget(edge.trigger)
             elif result and self.open(edge):
-                since = self._held.setdefault(edge.trigger, now) if guard.held else now
+                since = self._held.holds(edge.trigger, now) if guard.held else now
                 if now >= since + guard.held:
                     seen = plan.sheet.named(guard, values)
                     taken = self._act(edge) if edge.by is By.ON else edge
                     return taken, (Evaluation(edge.trigger, True, seen),)
                 waiting = True
                 self._wake_at(since + guard.held)
+            elif guard.held and result is False:
+                self._held.breaks(edge.trigger, now)
             elif guard.held:
-                self._held.pop(edge.trigger, None)
+                self._held.forget(edge.trigger)
             if guard.timed:
                 self._wake_at(guard.next_change(values, now))
         if waiting and senses.telemetry is not None:

@@ -16,20 +16,31 @@ from dataclasses import replace
 from typing import Any, Protocol, Self
 
 from mission.engine.attitude import Attitude
+from mission.fixes import FIX_DEPTH, SETTLED, Receiver, metres
 from mission.legs.base import Point, wrap
-from mission.model import Estimate, Health, Local, NavigationMode, Place, Position
+from mission.model import (
+    CONTRADICTED,
+    Estimate,
+    Health,
+    Local,
+    NavigationMode,
+    Place,
+    Position,
+    Vertical,
+)
 from mission.vehicle import STALE_AFTER
 from protocol.messages import Fix, Setpoint, Telemetry
 
 SURFACE_DEPTH = 0.5  # m (R7)
 SURFACE_TIME = 6.0  # s (R7)
+MAINS, THRUSTERS = 2, 5  # of the actuators: the first are the mains; rudders follow
+_ALL = 0.75  # share of full thrust: as deep, or as high, as it goes
 _POSITION_PERIOD = 1.0  # s: the errors of one second's positions are one error
 _ESTIMATE_AGE = 2.5  # s: older, and it is reckoned on to now
 _MEDIAN_OF = 5  # fixes (R9)
 _SCATTER = 10.0  # m (R9)
 _HDOP = 3.0  # (R9)
 FIX_AGE = 5.0  # s: an older fix is none (R9)
-_EARTH = 6371008.8  # m, mean radius
 
 
 class Frame(Protocol):
@@ -46,7 +57,9 @@ class Navigator(Protocol):
 
     def start_here(self, now: float) -> None: ...
 
-    def telemetry(self, t: Telemetry) -> None: ...
+    def assume_current(self, most: float) -> None: ...
+
+    def telemetry(self, t: Telemetry, push: Vertical) -> None: ...
 
     def fix(self, f: Fix) -> None: ...
 
@@ -74,8 +87,9 @@ class Senses:
         self._grounded = grounded
         self.now = 0.0
         self.telemetry: Telemetry | None = None
-        self.fixes: tuple[Fix, ...] = ()  # the last five, oldest first
-        self._fixed_at = -math.inf  # of the last one that did not go on with the one before
+        self.fixes: tuple[Fix, ...] = ()  # the last five that no depth contradicts, oldest first
+        self.receiver = Receiver()
+        self._fixed_at = -math.inf  # of the last one that proves the surface
         self.estimate: Estimate | None = None
         self.attitude = Attitude()
         self.believed_depth: float | None = None  # the last one that could be believed
@@ -91,6 +105,7 @@ class Senses:
     def clone(self) -> Self:
         """Without the navigation, which has a snapshot of its own."""
         other = copy.copy(self)
+        other.receiver = self.receiver.clone()
         other._forget()
         return other
 
@@ -111,7 +126,8 @@ class Senses:
         self.telemetry = report
         self.attitude = self.attitude.after(report)
         if self.navigation:
-            self.navigation.telemetry(self._with_thrust(report))
+            push = Vertical(_downward(report), self._asked())
+            self.navigation.telemetry(self._with_thrust(report), push)
             self.estimate = self.navigation.estimate(report.t)
         self._forget()
         if report.position is not None:
@@ -135,6 +151,13 @@ class Senses:
         vertical = 1.0 if s.depth is not None or s.altitude is not None else s.heave or 0.0
         return replace(report, actuators=(s.surge + s.turn, s.surge - s.turn, vertical))
 
+    def _asked(self) -> float | None:
+        """The depth that the set in force asks for, m."""
+        s = self.command
+        if s is None or s.heave is None:
+            return None if s is None else s.depth
+        return math.copysign(math.inf, s.heave) if abs(s.heave) >= _ALL else None
+
     def _take_position(self, report: Telemetry, place: tuple[float, float]) -> None:
         """The vehicle's own, once a second: under water too, so it proves no surface. Where the
         depth has proved that (R7), it counts as a fix."""
@@ -150,12 +173,22 @@ class Senses:
             self.estimate = self.navigation.estimate(report.t)
 
     def take_fix(self, fix: Fix) -> None:
-        if not _goes_on(self.fix, fix):
+        self.receiver.take(fix)
+        if self._proves_surface(fix):
             self._fixed_at = fix.t
-        self.fixes = (*self.fixes[1 - _MEDIAN_OF :], fix)
+        if self.depth is None or self.depth < FIX_DEPTH:
+            self.fixes = (*self.fixes[1 - _MEDIAN_OF :], fix)
         if self.navigation:
             self.navigation.fix(fix)
             self.estimate = self.navigation.estimate(fix.t)
+
+    def _proves_surface(self, fix: Fix) -> bool:
+        """R7: a place that is news, unless a depth that is believed says otherwise. Where none is
+        believed, only some seconds of fixes as at the surface."""
+        depth = self.depth
+        if depth is None:
+            return self.receiver.settled(fix.t) >= SETTLED
+        return self.receiver.fresh and depth < FIX_DEPTH
 
     # --- out ---------------------------------------------------------------------------------
 
@@ -198,10 +231,17 @@ class Senses:
 
     @property
     def submerged(self) -> bool:
-        """As far as is known: the last depth that could be believed, and no fix since."""
+        """As far as is known: the last depth that could be believed, and no fix since that proves
+        the surface."""
         if self.believed_depth is None or self.believed_depth < SURFACE_DEPTH:
             return False
         return self._fixed_at <= self._believed_at
+
+    @property
+    def contradicted(self) -> str:
+        """Why the depth is not believed, where what else is known contradicts it; else ""."""
+        reason = "" if self._grounded else self.health("depth").reason
+        return reason if reason.startswith(CONTRADICTED) else ""
 
     def believable(self, need: str) -> bool:
         """A sensor, or ``position``: estimated from anything at all, fixes or dead reckoning."""
@@ -210,15 +250,14 @@ class Senses:
         return self.health(need).valid
 
     def surfaced(self, since: float) -> bool:
-        """R7: 6 s of shallow depth, or a fix; either observed after ``since``."""
+        """R7: 6 s of shallow depth, or a fix that proves it; either observed after ``since``."""
         if self.fixed(since):
             return True
         due = self.surface_due(since)
         return due is not None and self.now >= due and self.depth is not None
 
     def fixed(self, since: float) -> bool:
-        """By a fix that is new: a receiver that goes on saying its last place, under water too,
-        proves nothing."""
+        """By a fix that proves the surface."""
         return self._fixed_at > since
 
     def surface_due(self, since: float) -> float | None:
@@ -252,19 +291,11 @@ class Senses:
         return Position(math.degrees(latitude), math.degrees(longitude))
 
 
-def _goes_on(last: Fix | None, fix: Fix) -> bool:
-    """The same place, to the last bit, without a break such as a dive makes."""
-    if last is None or fix.t - last.t > FIX_AGE:
-        return False
-    return (fix.latitude, fix.longitude) == (last.latitude, last.longitude)
+def _downward(report: Telemetry) -> float | None:
+    """Share of full thrust of the verticals, downward positive; None where they do not report."""
+    verticals = (report.actuators or ())[MAINS:THRUSTERS]
+    return -sum(verticals) / len(verticals) if verticals else None
 
 
 def _good(fix: Fix) -> bool:
     return fix.hdop is not None and fix.hdop <= _HDOP
-
-
-def metres(lat_a: float, lon_a: float, lat_b: float, lon_b: float) -> float:
-    """Between two near points, in rad, on a sphere: good to 0.5 %, for plausibility only."""
-    north = lat_b - lat_a
-    east = wrap(lon_b - lon_a) * math.cos(0.5 * (lat_a + lat_b))
-    return _EARTH * math.hypot(north, east)

@@ -14,7 +14,8 @@ import copy
 import math
 from typing import Self
 
-from mission.engine.senses import SURFACE_DEPTH, Senses
+from mission.engine.lasting import Lasting
+from mission.engine.senses import SURFACE_DEPTH, THRUSTERS, Senses
 from mission.envelope import LIMITS, Bounds, Limit, On, never
 from mission.legs.base import wrap
 from mission.units import GEARS
@@ -33,8 +34,8 @@ _NEARER, _OFF = 0.5, 2.0  # m: of that time, and what is not there yet
 _APART = math.radians(60.0)
 _UNDER_WAY = 0.4  # m/s through the water and over ground: a weaker one is no course
 _NEUTRAL = 0.02  # share of full thrust
-_THRUSTERS = 5  # the first of the actuators; rudders follow
 _SETTLE = 0.5  # s from an ACK to thrusters that turn
+_ROLLS_OUT, _STANDS = 2.0, 0.05  # s, m/s: of what drives, from a stop on
 
 
 class Descent:
@@ -161,21 +162,23 @@ class Watch:
         self.repeated = False  # after a brown-out the set was sent again
         self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
         self.breaches: tuple[Limit, ...] = ()
-        self._running: dict[str, float] = {}  # samples in a row, or since when
+        self._samples: dict[str, int] = {}  # breached ones, less those within the bound
+        self._lasting = Lasting()
 
     def clone(self, senses: Senses) -> Self:
         other = copy.copy(self)
         other.senses = senses
         for name in ("descent", "steering", "progress"):
             setattr(other, name, copy.copy(getattr(self, name)))
-        other._running = dict(self._running)
+        other._samples, other._lasting = dict(self._samples), self._lasting.clone()
         return other
 
     def begin(self, now: float) -> None:
         """A mission starts, or goes on: ages and counts begin anew."""
         self.heard, self.lost, self.blind_since = now, 0, None
         self.topside_heard = now
-        self._running, self.repeated, self.breaches = {}, False, ()
+        self._samples, self._lasting = {}, Lasting()
+        self.repeated, self.breaches = False, ()
         self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
 
     def set_sent(self, setpoint: Setpoint | None) -> None:
@@ -184,7 +187,8 @@ class Watch:
 
     def forgive(self, row: Limit) -> None:
         """A response was given that may mend it: count anew."""
-        self._running.pop(row.name, None)
+        self._samples.pop(row.name, None)
+        self._lasting.forget(row.name)
 
     def take_report(self) -> None:
         report = self.senses.telemetry
@@ -207,8 +211,8 @@ class Watch:
             if breached:
                 if self._lasts(row):
                     found.append(row)
-            elif breached is not None and self._running:
-                self._running.pop(row.name, None)
+            elif breached is not None and (self._samples or self._lasting):
+                self._fade(row)
         if found or self.breaches:
             looked = [row for _, row in rows]
             kept = [row for row in self.breaches if row not in looked]
@@ -233,10 +237,17 @@ class Watch:
     def _lasts(self, row: Limit) -> bool:
         """A breach that goes on; whether for as long as it must."""
         if row.seconds:
-            since = self._running.setdefault(row.name, self.senses.now)
-            return self.senses.now - since >= row.seconds
-        count = self._running[row.name] = self._running.get(row.name, 0) + 1
+            now = self.senses.now
+            return now - self._lasting.holds(row.name, now) >= row.seconds
+        count = self._samples[row.name] = min(self._samples.get(row.name, 0) + 1, row.samples)
         return count >= row.samples
+
+    def _fade(self, row: Limit) -> None:
+        """Within its bound: noise may say so once."""
+        if row.seconds:
+            self._lasting.breaks(row.name, self.senses.now)
+        elif count := self._samples.pop(row.name, 0):
+            self._samples[row.name] = count - 1
 
     def _dive_asked(self) -> bool:
         sent, depth, report = self.sent, self.senses.depth, self.senses.telemetry
@@ -263,11 +274,13 @@ class Watch:
         return abs(wrap(fix.course - e.heading)) > _APART
 
     def turning(self, since: float) -> bool:
-        """A report from well after then says that a thruster is on."""
+        """A report from well after then says that a thruster is on, or that what drives has way."""
         report = self.senses.telemetry
-        if report is None or not report.actuators or report.t < since + _SETTLE:
+        if report is None or report.t < since + _SETTLE:
             return False
-        return any(abs(a) > _NEUTRAL for a in report.actuators[:_THRUSTERS])
+        if self.vehicle.drives and report.velocity is not None:
+            return report.t >= since + _ROLLS_OUT and abs(report.velocity[0]) > _STANDS
+        return any(abs(a) > _NEUTRAL for a in (report.actuators or ())[:THRUSTERS])
 
     def powerless(self) -> bool | None:
         """Thrust is set and acknowledged, and every thruster is neutral."""
@@ -278,7 +291,7 @@ class Watch:
             return False
         if report.t < self.accepted_at + _SETTLE:
             return None
-        if any(abs(a) > _NEUTRAL for a in report.actuators[:_THRUSTERS]):
+        if any(abs(a) > _NEUTRAL for a in report.actuators[:THRUSTERS]):
             self.repeated = False
             return False
         return True

@@ -81,6 +81,8 @@ def _real(cell: Cell) -> bool:
         return kept and plain and state is not None and state.surge >= _AHEAD
     if limit == "brown-out":
         return kept and _thrust(cell)
+    if limit == "depth contradicted":
+        return kept and plain
     if limit == "no answer":
         return _unanswered(cell) >= _LOST
     return True

@@ -19,7 +19,7 @@ _SUM = sd_profile(SD_DEFAULT)
 _MAGNETIC = 9 * (20.0,)  # uT
 _METRE = 1.0 / 6371008.8  # rad
 _BEGIN = datetime(2026, 3, 1, 4, 0, tzinfo=UTC)
-_NEUTRAL, _AHEAD = 1500, 1700  # us
+_NEUTRAL, _AHEAD, _DOWN = 1500, 1700, 1083  # us
 
 
 @dataclass(slots=True)
@@ -36,6 +36,7 @@ class Sea:
     temperature: float = 15.0
     control_v: int = 12
     powered: bool = True
+    dives: bool = False  # its verticals push down with all they have
     stopped: bool = False  # by X0, which is obeyed whether it is answered or not
     north: float = 100.0  # m from home
     east: float = 0.0
@@ -63,8 +64,11 @@ class Sea:
             values[name] = self._said.get(name, values[name])
         self._said = dict(values)
         told = (math.nan if name in self.unknown else value for name, value in values.items())
-        width = _AHEAD if self.powered and not self.stopped else _NEUTRAL
-        raw = _SD.pack(b"@SD", *told, *_MAGNETIC, *(7 * (width,)), self.control_v, 48)
+        on = self.powered and not self.stopped
+        ahead = _AHEAD if on else _NEUTRAL
+        vertical = _DOWN if on and self.dives else ahead
+        widths = (ahead, ahead, vertical, vertical, vertical, ahead, ahead)
+        raw = _SD.pack(b"@SD", *told, *_MAGNETIC, *widths, self.control_v, 48)
         return raw + _SUM.compute(raw[_SUM.first :]).to_bytes(4, "little") + b"$"
 
     def sentences(self, home: Position, now: float) -> bytes:

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import groupby
 
+from mission.extent import PICTURE
 from mission.graph import words
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, State, Surface
 
@@ -78,10 +79,18 @@ class Outline:
 
 
 def outline(chart: Chart, depth: int | None = None) -> Outline:
-    """``depth`` >= 1 levels of groups below ``autonomous`` are drawn open; None: all."""
+    """``depth`` >= 1 levels of groups below ``autonomous`` are drawn open; None: all. Raises
+    TooLarge for more than anybody can look at."""
     reader = _Reader(chart, depth)
     nodes = tuple(reader.node(state, 1) for state in reader.children(AUTONOMOUS))
-    return Outline(chart, nodes, reader.ways(AUTONOMOUS, AUTONOMOUS))
+    found = Outline(chart, nodes, reader.ways(AUTONOMOUS, AUTONOMOUS))
+    if sum(1 for _ in found.walk()) > PICTURE.most:
+        raise TooLarge(f"{PICTURE.exceeded}; --depth draws fewer, of a mission in groups")
+    return found
+
+
+class TooLarge(LookupError):
+    """The author must act: draw fewer levels, or a smaller mission."""
 
 
 class _Reader:

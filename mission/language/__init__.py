@@ -11,13 +11,18 @@ and what to write instead. What does not live here: whether the mission is safe 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
+from mission.extent import BYTES, STATEMENTS
 from mission.language.canonical import digest, script, to_lines
-from mission.language.problems import MissionErrors, Problem
+from mission.language.problems import MissionErrors, Problem, Problems
 from mission.model import Mission
+
+if TYPE_CHECKING:
+    from mission.language.clauses import Statement
 
 __all__ = [
     "MissionErrors",
@@ -32,7 +37,6 @@ __all__ = [
     "to_yaml",
 ]
 
-MOST_BYTES = 4 << 20  # 9999 lines of 200 bytes are 2 MB
 _NONE: Mapping[str, str] = MappingProxyType({})
 _YAML_KEY = re.compile(r"""(?m)^(?:["']?(?:mission|legs)["']?\s*:(?:\s|$)|---|%YAML|\{)""")
 
@@ -53,22 +57,32 @@ def parse(text: str, source: str = "", parameters: Mapping[str, str] = _NONE) ->
 
 
 def _parsed(text: str, source: str, parameters: Mapping[str, str], yaml: bool) -> Mission:
-    from mission.language import assembly, canonical, problems
+    from mission.language import assembly, canonical
 
-    found = problems.Problems(text)
+    found = Problems(text, source)
     if yaml:
         from mission.language.yaml_form import statements as read
     else:
         from mission.language.lines import statements as read
-    statements = read(text, found)
+    statements = list(_bounded(read(text, found), found))
     mission, claimed = assembly.Assembly(found, parameters).read(statements)
-    found.complain(source)
+    found.complain()
     mission = canonical.numbered(mission)
+    canonical.check_length(mission, found)
     if claimed is not None and claimed.text != canonical.total(mission):
         hint = f"the lines make {canonical.total(mission)}: send them again, or drop the sum"
-        found.add("sum", claimed.where, "the sum does not fit the lines", hint)
-        found.complain(source)
+        raise found.refusal("sum", claimed.where, "the sum does not fit the lines", hint)
     return mission
+
+
+def _bounded(statements: Iterable[Statement], found: Problems) -> Iterator[Statement]:
+    for number, statement in enumerate(statements, 1):
+        if number > STATEMENTS.most:
+            message = f"the mission is too long: {STATEMENTS.exceeded}"
+            raise found.refusal(
+                "too-long", statement.where, message, "make it shorter, or two of it"
+            )
+        yield statement
 
 
 def load(path: str | Path, parameters: Mapping[str, str] = _NONE) -> Mission:
@@ -79,24 +93,20 @@ def load(path: str | Path, parameters: Mapping[str, str] = _NONE) -> Mission:
 def read_file(path: str | Path) -> str:
     """A mission file's text. Raises MissionErrors where there is none: no such file, not UTF-8,
     longer than any mission (a device may never end)."""
-    from mission.language.problems import Problems
     from mission.model import NOWHERE
 
     why, hint = "", "give a mission file"
     try:
         with Path(path).open("rb") as file:
-            data = file.read(MOST_BYTES + 1)
-        if len(data) <= MOST_BYTES:
+            data = file.read(BYTES.most + 1)
+        if len(data) <= BYTES.most:
             return data.decode("utf-8")
-        why = f"it is longer than {MOST_BYTES >> 20} MB, which no mission is"
+        why = f"it has {BYTES.exceeded}, which no mission has"
     except OSError as error:
         why = error.strerror or str(error)
     except UnicodeDecodeError:
         why, hint = "it is not UTF-8", "save it as UTF-8; a mission needs ASCII alone"
-    found = Problems("")
-    found.add("unreadable", NOWHERE, f"cannot be read: {why}", hint)
-    found.complain(str(path))
-    raise AssertionError
+    raise Problems("", str(path)).refusal("unreadable", NOWHERE, f"cannot be read: {why}", hint)
 
 
 def parse_script(lines: Sequence[str], source: str = "script") -> Mission:

@@ -15,6 +15,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from mission.extent import DEEPEST_GROUP, HANDLERS, NAME
 from mission.language.clauses import (
     End,
     HomeAt,
@@ -49,10 +50,7 @@ from mission.vehicle import missions_folder
 
 UNNAMED = "unnamed"
 DEFAULT_VEHICLE = "auv"
-MOST_STATEMENTS = 9999  # the wire's limit (E-F3)
 MOST_ROUNDS = 9999
-DEEPEST = 20  # groups in groups
-LONGEST_NAME = 40
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:-[A-Za-z0-9_]+)*\Z")
 
 
@@ -98,14 +96,10 @@ class Assembly:
         self._seen: dict[str, Where] = {}
         self._scopes = [_Scope(None)]
         self._targets: list[_Target] = []
+        self._handlers = 0
 
     def read(self, statements: Sequence[Statement]) -> tuple[Mission, Name | None]:
         """The mission, and the ``sum`` it claims."""
-        if len(statements) > MOST_STATEMENTS:
-            where = statements[MOST_STATEMENTS].where
-            hint = f"at most {MOST_STATEMENTS} statements travel to the vehicle"
-            self._problems.add("too-long", where, "the mission is too long", hint)
-            statements = statements[:MOST_STATEMENTS]
         parameters = read_parameters(statements, self._given, self._problems)
         self._values = Values(self._problems, parameters, self._vehicle(statements))
         self._legs = Legs(self._values)
@@ -221,12 +215,13 @@ class Assembly:
                 self._problems.add("twice", name.where, message, "keep one of them")
             else:
                 seen.add(name.text)
-                yield row.name, self._values.number(amount, row.unit, row.low, row.high, above=True)
+                value = self._values.number(amount, row.unit, row.low, row.high, row.above)
+                yield row.name, value
 
     def _open(self, opening: Opening) -> None:
-        if len(self._scopes) > DEEPEST:
-            hint = f"at most {DEEPEST} groups in each other"
-            self._problems.add("too-deep", opening.where, "groups are nested too deep", hint)
+        if len(self._scopes) > DEEPEST_GROUP.most:
+            message = f"groups are nested too deep: {DEEPEST_GROUP.exceeded}"
+            raise self._problems.refusal("too-deep", opening.where, message, "flatten them")
         self._declare(opening.name)
         repeat = 1
         if opening.repeat is not None:
@@ -270,6 +265,11 @@ class Assembly:
         if not isinstance(on.when, str):
             guard = self._values.guard(on.when)
             self._scopes[-1].handlers.append(Handler(guard, on.target.text, on.where))
+            self._handlers += 1
+            if self._handlers > HANDLERS.most:
+                raise self._problems.refusal(
+                    "too-long", on.where, HANDLERS.exceeded, "join their guards"
+                )
         elif self._header(f"on {on.when}", on.where):
             if on.when == "uncertain":
                 self._head.on_uncertain = on.target.text
@@ -292,8 +292,8 @@ class Assembly:
         if not _NAME.match(name.text):
             hint = "a letter, then letters, digits, _ and -"
             self._problems.add("label", name.where, f"{name.text!r} is no name", hint)
-        elif len(name.text) > LONGEST_NAME:
-            hint = f"at most {LONGEST_NAME} characters"
+        elif len(name.text) > NAME.most:
+            hint = f"at most {NAME.most} characters"
             self._problems.add("long-name", name.where, "this name is too long", hint)
 
     def _declare(self, name: Name) -> None:
@@ -320,9 +320,9 @@ class Assembly:
         """Targets may stand before what they name, so they are looked up at the end."""
         top = (self._scopes[0],)
         for target in self._targets:
-            visible = [SURFACE, *(name for s in reversed(target.scopes) for name in s.names)]
-            if target.name in visible:
+            if target.name == SURFACE or any(target.name in s.names for s in target.scopes):
                 continue
+            visible = [SURFACE, *(name for s in reversed(target.scopes) for name in s.names)]
             close = nearest(target.name, visible)
             hint = f"did you mean {close}?" if close else "names: " + ", ".join(visible[:20])
             if GENERATED.match(target.name):

@@ -14,7 +14,9 @@ import hashlib
 from collections.abc import Iterator
 from dataclasses import replace
 
+from mission.extent import LINES
 from mission.language import render
+from mission.language.problems import Problems
 from mission.model import Group, Mission, Node
 from mission.units import number_text
 
@@ -24,6 +26,13 @@ LONGEST_LINE = 200  # bytes of an @AW payload (E-F7)
 def to_lines(mission: Mission) -> str:
     """The canonical text, with a final LF."""
     return "".join(f"{line}\n" for line in _lines(mission))
+
+
+def check_length(mission: Mission, problems: Problems) -> None:
+    """Raises MissionErrors for one that cannot travel: every line is one ``@AW``."""
+    if sum(1 for _ in _lines(mission)) > LINES.most:
+        message = f"the mission is too long: {LINES.exceeded}"
+        raise problems.refusal("too-long", mission.where, message, "make it shorter, or two of it")
 
 
 def digest(mission: Mission) -> str:

@@ -15,6 +15,8 @@ from collections.abc import Iterable, Iterator
 from mission.language import is_yaml
 from mission.language.layout_row import Row
 
+_WIDEST = 120  # of a line that comments beside it are moved for
+
 
 def formatted(text: str, source: str = "") -> str:
     """``text`` must be a mission without errors."""
@@ -34,7 +36,7 @@ def _aligned(rows: Iterable[Row]) -> list[str]:
         if row.code.strip() and row.comment:
             block.append(row)
             continue
-        column = max((len(r.code) for r in block), default=0) + 2
+        column = max((min(len(r.code), _WIDEST) for r in block), default=0) + 2
         lines += [f"{r.code:<{column}}{r.comment}" for r in block]
         block = []
         lines.append((row.code + row.comment).rstrip())

@@ -108,11 +108,11 @@ class _Layout:
         """A line without its indentation, tidied; and the comment behind it."""
         line = self.lines[number]
         end = self.ends.get(number, 0)
-        comment = line[end:].strip()
-        code = line[:end]
-        for edit in reversed(self.edits.get(number, [])):
-            code = code[: edit.start] + edit.text + code[edit.end :]
-        return code.strip(), comment
+        pieces, at = [], 0
+        for edit in self.edits.get(number, []):
+            pieces += [line[at : edit.start], edit.text]
+            at = edit.end
+        return "".join([*pieces, line[at:end]]).strip(), line[end:].strip()
 
 
 def rows(text: str) -> Iterator[Row]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+from mission.extent import PLACES
 from mission.language.clauses import (
     Amount,
     Clause,
@@ -156,7 +157,7 @@ class Legs:
                 parts.times["wait"] = self._values.seconds(amount)
         elif word.text in MEASURES and amount is not None:
             row = MEASURES[word.text]
-            value = self._values.number(amount, row.unit, row.low, row.high, row.above)
+            value = self._values.number(amount, row.unit, row.low, row.high)
             parts.measures[word.text] = value
         elif amount is not None:
             parts.times[word.text] = self._values.seconds(amount)
@@ -169,6 +170,10 @@ class Legs:
             parts.start = self._values.place(clause.places[0], here=True)
             return
         self._begin(parts, word)
+        if len(clause.places) > PLACES.most:
+            hint = "make two legs of it"
+            self._problems.add("too-long", word.where, PLACES.exceeded, hint)
+            return
         parts.places = [self._values.place(p, here=word.text == "loiter") for p in clause.places]
         if word.text == "follow" and len(clause.places) < 2:
             hint = "write goto, or two places and more with a comma between"

@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
+from mission.extent import EXTENTS
 from mission.language.syntax import grammar
 from mission.language.words import (
     ASSUMPTIONS,
@@ -23,7 +24,9 @@ from mission.language.words import (
     SETTINGS,
     ZA,
     KindRow,
+    MeasureRow,
     NamedValue,
+    SettingRow,
 )
 from mission.units import UNITS, number_text
 from mission.variables import VARIABLES
@@ -51,7 +54,7 @@ def _settings() -> str:
         (
             f"`{r.word}`",
             r.unit or "gear",
-            f"{number_text(r.low)} to {number_text(r.high)}",
+            _range(r),
             r.description,
         )
         for r in SETTINGS.values()
@@ -89,12 +92,19 @@ def _kind(row: KindRow) -> tuple[str, ...]:
 
 
 def _measures() -> str:
-    rows = [(f"`{r.word}`", r.unit, r.description) for r in MEASURES.values()]
-    rows.append(("`from`", "", "a place: where the first row begins; here unless said"))
-    rows.append(
-        ("`side`", "", "port or starboard: of the next rows; of a circle, starboard is clockwise")
-    )
-    return _table(("word", "bare number", "what"), rows)
+    rows = [(f"`{r.word}`", r.unit, _range(r), r.description) for r in MEASURES.values()]
+    rows.append(("`from`", "", "", "a place: where the first row begins; here unless said"))
+    side = "port or starboard: of the next rows; of a circle, starboard is clockwise"
+    rows.append(("`side`", "", "", side))
+    return _table(("word", "bare number", "range", "what"), rows)
+
+
+def _range(row: MeasureRow | SettingRow) -> str:
+    return f"{number_text(row.low)} to {number_text(row.high)}"
+
+
+def _extents() -> str:
+    return _table(("at most", "of"), [(f"{row.most:,}", row.what) for row in EXTENTS])
 
 
 def _clauses() -> str:
@@ -135,6 +145,7 @@ PARTS: Mapping[str, Callable[[], str]] = {
     "assumptions": lambda: _named(ASSUMPTIONS),
     "variables": _variables,
     "units": _units,
+    "extents": _extents,
     "grammar": _grammar,
 }
 

@@ -10,7 +10,7 @@ import json
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from mission.language import assembly
+from mission.extent import NAME
 from mission.language.words import (
     ASSUMPTIONS,
     CLAUSES,
@@ -67,7 +67,7 @@ def _ref(name: str, description: str) -> Schema:
 
 
 def _name(description: str) -> Schema:
-    longest = assembly.LONGEST_NAME
+    longest = NAME.most
     return {"type": "string", "pattern": _NAME, "maxLength": longest, "description": description}
 
 

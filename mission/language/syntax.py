@@ -10,7 +10,9 @@ What does not live here: what the clauses mean (legs.py), how statements make a 
 from __future__ import annotations
 
 import functools
+import operator
 import re
+from bisect import bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +20,7 @@ from typing import Any
 
 from lark import Lark, Token, Tree, UnexpectedInput
 
+from mission.extent import DEEPEST_GUARD
 from mission.language import complaints
 from mission.language.clauses import (
     Amount,
@@ -55,6 +58,7 @@ from mission.language.words import ASSUMPTIONS, KINDS, LIMITS, MEASURES, SETTING
 from mission.model import Where
 from mission.units import UNITS
 
+_NESTING = re.compile(r"[()]|\b(?:not|and|or|until|on)\b")
 COUNTED = tuple(row.word for row in KINDS.values() if row.shape is Shape.COUNT)
 
 
@@ -66,10 +70,8 @@ class Strip:
     parts: tuple[tuple[int, int, int], ...]  # offset, line, column; rising
 
     def where(self, offset: int, length: int) -> Where:
-        part = self.parts[0]
-        if len(self.parts) > 1:
-            part = next(p for p in reversed(self.parts) if p[0] <= offset)
-        start, line, column = part
+        part = bisect_right(self.parts, offset, key=operator.itemgetter(0)) - 1
+        start, line, column = self.parts[max(0, part)]
         return Where(line, column + offset - start, length)
 
     @classmethod
@@ -135,6 +137,12 @@ class Syntax:
         return found
 
     def _read(self, strip: Strip, start: str) -> Any:
+        deep = _too_deep(strip.text)
+        if deep is not None:
+            message = f"the guard is nested too deep: {DEEPEST_GUARD.exceeded}"
+            hint = "drop the ones that change nothing"
+            self._problems.add("too-deep", strip.where(deep, 1), message, hint)
+            return None
         try:
             tree = _parser().parse(strip.text, start=start)
         except UnexpectedInput as error:
@@ -143,6 +151,24 @@ class Syntax:
             self._problems.add(complaint.rule, where, complaint.message, complaint.hint)
             return None
         return _Clauses(strip).made(tree)
+
+
+def _too_deep(text: str) -> int | None:
+    """Where a guard is nested deeper than anything that reads it may recurse."""
+    depth, outer = 0, []
+    for match in _NESTING.finditer(text):
+        if match[0] == "not":
+            depth += 1
+        elif match[0] == "(":
+            outer.append(depth)
+            depth += 1
+        elif match[0] == ")":
+            depth = outer.pop() if outer else 0
+        else:
+            depth = outer[-1] + 1 if outer else 0
+        if depth > DEEPEST_GUARD.most:
+            return match.start()
+    return None
 
 
 class _Clauses:

@@ -37,10 +37,11 @@ from mission.model import (
     Position,
     Where,
 )
-from mission.units import UNITS, UnitError, number_text, quantity
+from mission.units import UNITS, UnitError, quantity, range_text
 from mission.variables import VARIABLES
 from mission.vehicle import Vehicle, VehicleError, load_vehicle
 
+_SHORTEST = 0.1  # s that a leg lasts; no clock of the vehicle is finer
 _FAR = 20_000.0  # m: no mission of this vehicle goes farther from home
 
 
@@ -68,12 +69,10 @@ class Values:
             return value
         factor = UNITS[unit].factor if unit else 1.0
         bare = value / factor
-        slack = 1e-9 * max(1.0, abs(bare))
+        slack = 1e-9 * abs(bare)  # of another unit
         if bare < low - slack or bare > high + slack or (above and bare <= low):
-            shown = f" {unit}" if unit else ""
-            least = f"more than {number_text(low)}" if above else f"{number_text(low)} or more"
             message = f"{written} is out of range"
-            hint = f"{least}, up to {number_text(high)}{shown}"
+            hint = range_text(low, high, unit, above)
             self.problems.add("range", amount.where, message, hint)
             return math.nan
         return value
@@ -94,7 +93,7 @@ class Values:
         return low
 
     def seconds(self, amount: Amount, zero: bool = False) -> float:
-        return self.number(amount, "s", 0, 1e6, above=not zero)
+        return self.number(amount, "s", 0.0 if zero else _SHORTEST, 1e6)
 
     def _si(self, amount: Amount, unit: str) -> tuple[float, str]:
         """NaN where it cannot be read; and how it was written."""

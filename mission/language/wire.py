@@ -11,6 +11,7 @@ import re
 from mission.language.words import ATTITUDE, REFUSED_ZA, SETTINGS, ZA
 from mission.units import GEARS
 
+_LONGEST = 40  # more than any number that could be meant has digits
 _FORM = re.compile(r"ZA([A-Z])(-?\d+)\Z")
 
 
@@ -19,6 +20,8 @@ def wire_complaint(word: str) -> tuple[str, str, str] | None:
     bare = word.strip("@$")
     if bare != word:
         return "frame", f"{word}: the frame's @ and $ stay outside", f"write {bare}"
+    if len(bare) > _LONGEST:
+        return "wire-form", f"{word[:_LONGEST]}...: no ZA word is as long as that", "write ZAF6"
     code = bare[2]
     if bare[:3] != bare[:3].upper():
         return "wire-case", f"{word}: ZA words are upper case", f"write {bare.upper()}"

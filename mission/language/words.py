@@ -98,24 +98,21 @@ REFUSED_ZA: Mapping[str, str] = MappingProxyType(
 
 @dataclass(frozen=True, slots=True)
 class MeasureRow:
-    """``low`` is exclusive where ``above``: a radius of 0 is none."""
-
     word: str
     unit: str
     low: float
     high: float
     description: str
-    above: bool = True
 
 
 _MEASURES = (
-    MeasureRow("within", "m", 0, 1000, "how near counts as there; 10 m unless said"),
-    MeasureRow("bearing", "deg", 0, 360, "direction of the first row", above=False),
-    MeasureRow("length", "m", 0, 20000, "length of each row"),
-    MeasureRow("spacing", "m", 0, 2000, "distance between rows"),
-    MeasureRow("shallow", "m", 0, 9999, "upper turning depth", above=False),
-    MeasureRow("deep", "m", 0, 9999, "lower turning depth"),
-    MeasureRow("radius", "m", 0, 5000, "of the circle"),
+    MeasureRow("within", "m", 0.5, 1000, "how near counts as there; 10 m unless said"),
+    MeasureRow("bearing", "deg", 0, 360, "direction of the first row"),
+    MeasureRow("length", "m", 1, 20000, "length of each row"),
+    MeasureRow("spacing", "m", 0.5, 2000, "distance between rows"),
+    MeasureRow("shallow", "m", 0, 9999, "upper turning depth"),
+    MeasureRow("deep", "m", 0.5, 9999, "lower turning depth"),
+    MeasureRow("radius", "m", 1, 5000, "of the circle"),
 )
 MEASURES: Mapping[str, MeasureRow] = MappingProxyType({row.word: row for row in _MEASURES})
 WITHIN = 10.0  # m, unless said
@@ -166,9 +163,10 @@ GENERATED = re.compile(r"line\d+\Z")  # what a leg without a name is called: by 
 class NamedValue:
     name: str
     unit: str
-    low: float  # exclusive
+    low: float
     high: float
     description: str
+    above: bool = True  # low itself is out
 
 
 _LIMITS = (
@@ -179,9 +177,11 @@ _LIMITS = (
 )
 LIMITS: Mapping[str, NamedValue] = MappingProxyType({row.name: row for row in _LIMITS})
 _ASSUMPTIONS = (
-    NamedValue("current", "m/s", -1e-9, 5, "greatest current of the water"),
+    NamedValue("current", "m/s", 0, 5, "greatest current of the water", above=False),
     NamedValue("floor", "m", 0, 11000, "deepest sea floor; the depth allowed unless said"),
-    NamedValue("start", "m", -1e-9, 20000, "farthest from home that the mission is started"),
+    NamedValue(
+        "start", "m", 0, 20000, "farthest from home that the mission is started", above=False
+    ),
 )
 ASSUMPTIONS: Mapping[str, NamedValue] = MappingProxyType({row.name: row for row in _ASSUMPTIONS})
 

@@ -54,17 +54,16 @@ TOP_KEYS = ("mission", "vehicle", "home", "safety", "assume", "param", "start", 
 GROUP_KEYS = ("repeat", "legs", "on")
 HANDLER_KEYS = ("when", "held", "do")
 LEG_KEYS = (*SETTINGS, STOP, *KINDS, *MEASURES, "from", "side", *CLAUSES)
-_DEEPEST = 50  # more than the assembly allows: an alias that holds itself
 WITHOUT_FIX = "without fix"
 
 _FLAGS = (STOP, *(row.word for row in KINDS.values() if row.shape is Shape.NOTHING))
 _YES = ("true", "yes", "on", "")
 
 
-def statements(text: str, problems: Problems) -> list[Statement]:
+def statements(text: str, problems: Problems) -> Iterator[Statement]:
     """Every statement that could be read; the others are among the problems."""
     root = composed(text, problems)
-    return [] if root is None else list(_Form(problems).top(root))
+    return iter(()) if root is None else _Form(problems).top(root)
 
 
 class _Form:
@@ -73,7 +72,6 @@ class _Form:
         self._syntax = Syntax(problems)
         self._nodes = Nodes(problems)
         self._guessed = False
-        self._depth = 0
 
     def top(self, root: Node) -> Iterator[Statement]:
         before = len(self._problems)
@@ -175,13 +173,7 @@ class _Form:
             yield LegText(name, (), name.where)
             return
         yield Opening(name, repeat, name.where)
-        self._depth += 1
-        if self._depth > _DEEPEST:
-            hint = "does an alias hold itself?"
-            self._problems.add("too-deep", name.where, "groups are nested too deep", hint)
-        else:
-            yield from self._body(keys)
-        self._depth -= 1
+        yield from self._body(keys)
         yield End(replace(name.where, line=node.end_mark.line + 1))
 
     def _clauses(self, node: Node) -> list[Clause]:

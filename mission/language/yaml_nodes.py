@@ -1,4 +1,4 @@
-"""YAML nodes as texts with their places: what ``yaml.compose`` gives, checked for its traps.
+"""YAML nodes as texts with their places: what stands in the tree, checked for its traps.
 
 Plain values are never interpreted by YAML, so ``on`` stays a word, ``1:30`` an error that says
 what to write, and ``1e3`` a number. Keys that stand twice are refused; merge keys (``<<``) work.
@@ -9,41 +9,24 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from mission.language.clauses import Amount, Name
 from mission.language.problems import Problems, suggestion
 from mission.language.syntax import Strip
 from mission.model import Where
+from mission.yaml_tree import YamlFault, tree
 
 _AMOUNT = re.compile(r"(-?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/%]*)\Z")
 _WORD = re.compile(r"[A-Za-z_][\w-]*\Z")
-_Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-_MOST_NODES = 120_000  # aliases can make a small file endless
-
-_DEEPEST = 500  # of nested brackets, and of dashes or blanks that begin a line
-_NESTING = re.compile(r"[\[\]{}]")
-_DASHES = re.compile(r"[-?\s]*")
-
 Item = tuple[Name, Node]
 
 
 def composed(text: str, problems: Problems) -> Node | None:
-    deep = _too_deep(text)
-    if deep is not None:
-        problems.add("too-deep", deep, "brackets are nested too deep", "this is no mission")
-        return None
     try:
-        root = yaml.compose(text, Loader=_Loader)
-    except yaml.MarkedYAMLError as error:
-        _not_yaml(error, problems)
-        return None
-    except yaml.reader.ReaderError as error:
-        line = text.count("\n", 0, error.position) + 1
-        column = error.position - (text.rfind("\n", 0, error.position) + 1) + 1
-        hint = "remove it, or write it in a comment as plain text"
-        problems.add("yaml", Where(line, column), "a character that YAML does not allow", hint)
+        root = tree(text)
+    except YamlFault as fault:
+        problems.add(fault.rule, Where(fault.line, fault.column), *_WORDS[fault.rule](fault))
         return None
     if root is None:
         problems.add(
@@ -52,26 +35,20 @@ def composed(text: str, problems: Problems) -> Node | None:
     return root
 
 
-def _too_deep(text: str) -> Where | None:
-    """Where nesting gets so deep that the loader, which recurses, would run out of stack."""
-    depth = 0
-    for number, line in enumerate(text.split("\n"), 1):
-        for match in _NESTING.finditer(line):
-            depth += 1 if match[0] in "[{" else -1
-            if depth > _DEEPEST:
-                return Where(number, match.start() + 1)
-        dashes = _DASHES.match(line)
-        if dashes and len(dashes[0]) > 2 * _DEEPEST:
-            return Where(number, 2 * _DEEPEST)
-    return None
-
-
-def _not_yaml(error: yaml.MarkedYAMLError, problems: Problems) -> None:
-    mark = error.problem_mark or error.context_mark
-    where = Where(mark.line + 1, mark.column + 1) if mark else Where(1, 1)
-    what = error.problem or error.context or "it cannot be read"
+def _not_yaml(fault: YamlFault) -> tuple[str, str]:
     hint = "indent with blanks, and put quotes around a text that holds a colon"
-    problems.add("yaml", where, f"this is no YAML: {what}", hint)
+    return f"this is no YAML: {fault.why or 'it cannot be read'}", hint
+
+
+def _too_long(fault: YamlFault) -> tuple[str, str]:
+    return f"the mission is {fault.why}", "do aliases repeat themselves?"
+
+
+def _too_deep(fault: YamlFault) -> tuple[str, str]:
+    return f"the mission is {fault.why}", "does an alias hold itself?"
+
+
+_WORDS = {"yaml": _not_yaml, "too-long": _too_long, "too-deep": _too_deep}
 
 
 class Nodes:
@@ -79,7 +56,6 @@ class Nodes:
 
     def __init__(self, problems: Problems) -> None:
         self._problems = problems
-        self._visited = 0
 
     def amount(self, node: Node) -> Amount | None:
         text = self.text(node)
@@ -118,11 +94,10 @@ class Nodes:
         return None
 
     def entries(self, node: Node, what: str) -> Sequence[Node]:
-        if isinstance(node, SequenceNode) and self._allowed(node, len(node.value)):
+        if isinstance(node, SequenceNode):
             return list(node.value)
-        if not isinstance(node, SequenceNode):
-            hint = "begin each item with a dash"
-            self._problems.add("yaml-type", where_of(node), f"{what} is a list", hint)
+        hint = "begin each item with a dash"
+        self._problems.add("yaml-type", where_of(node), f"{what} is a list", hint)
         return []
 
     def items(self, node: Node, known: Sequence[str] | None, what: str) -> list[Item]:
@@ -130,8 +105,6 @@ class Nodes:
         if not isinstance(node, MappingNode):
             hint = "write keys and values, for instance {depth: 5 m, gear: 6}"
             self._problems.add("yaml-type", where_of(node), f"{what} has keys and values", hint)
-            return []
-        if not self._allowed(node, len(node.value)):
             return []
         items: dict[str, Item] = {}
         merged: list[Item] = []
@@ -168,13 +141,6 @@ class Nodes:
             self._problems.add("unknown-word", name.where, message, hint)
         else:
             items[name.text] = (name, value)
-
-    def _allowed(self, node: Node, size: int) -> bool:
-        self._visited += size + 1
-        if self._visited > _MOST_NODES:
-            hint = "aliases repeat themselves without end, or the file is far too long"
-            self._problems.add("too-long", where_of(node), "the mission is too long", hint)
-        return self._visited <= _MOST_NODES
 
 
 def where_of(node: Node) -> Where:

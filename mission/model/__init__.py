@@ -24,8 +24,11 @@ from mission.model.chart import (
     State,
 )
 from mission.model.running import (
+    CONTRADICTED,
+    UNKNOWN,
     Action,
     AutoNode,
+    Ending,
     Estimate,
     Evaluation,
     Health,
@@ -40,6 +43,7 @@ from mission.model.running import (
     Step,
     Tx,
     Verdict,
+    Vertical,
 )
 from mission.model.texts import (
     HOME,
@@ -79,6 +83,7 @@ from mission.model.texts import (
 
 __all__ = [
     "AUTONOMOUS",
+    "CONTRADICTED",
     "HOME",
     "IDLE_EMPTY",
     "IDLE_READY",
@@ -90,6 +95,7 @@ __all__ = [
     "SURFACE",
     "SURFACED",
     "SURFACING",
+    "UNKNOWN",
     "Action",
     "And",
     "AutoNode",
@@ -98,6 +104,7 @@ __all__ = [
     "Chart",
     "Comparison",
     "Edge",
+    "Ending",
     "Estimate",
     "Evaluation",
     "Exit",
@@ -138,6 +145,7 @@ __all__ = [
     "Surface",
     "Tx",
     "Verdict",
+    "Vertical",
     "Wait",
     "Where",
     "Yoyo",

@@ -1,15 +1,16 @@
-"""Whether each sensor can be believed: missing, stale, frozen or absurd, else valid.
+"""Whether each sensor can be believed: missing, stale, frozen, absurd or contradicted, else valid.
 
     missing  never reported (or the vehicle file says that it is not there)
     stale    the last report is older than the row's max age, or than the vehicle file's
              ``stale_after``
     frozen   identical to the last bit for 5 reports while the vehicle moves (some rows only:
-             batteries and temperature may well be constant); so is a receiver that goes on saying
-             its last place, under water too
+             batteries and temperature may well be constant); so is a receiver that says nothing
+             but places which it has said before, under water too
     absurd   not finite (a codec tells None and a fault), out of the physical range, faster than
              the row's rate, or marked doubtful by the codec. A value that is out of rate is
              believed again once three reports in a row agree with each other: the sensor has
-             come back elsewhere.
+             come back elsewhere (a depth is then contradicted).
+    contradicted  the depth alone, by what else is known (belief)
 
 Rows are the channels; a sensor is one or more channels and is as good as the worst of them.
 """
@@ -21,7 +22,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from mission.model import Health
+from mission.fixes import FIX_DEPTH, Receiver
+from mission.model import Health, Vertical
+from mission.navigation.belief import UNPUSHED, DepthBelief
 from mission.vehicle import STALE_AFTER
 from protocol.messages import Fix, Telemetry
 
@@ -46,7 +49,7 @@ class Channel:
 
 # fmt: off
 CHANNELS: Mapping[str, Channel] = MappingProxyType({
-    "depth": Channel("depth", STALE_AFTER, -3.0, 1000.0, 4.0, freezes=True),
+    "depth": Channel("depth", STALE_AFTER, -3.0, 1000.0, 2.0, freezes=True),
     "altitude": Channel("altitude", STALE_AFTER, 1e-6, 300.0, 15.0, freezes=True),  # 0: no echo
     "heading": Channel("heading", STALE_AFTER, 0.0, 2.0 * math.pi, 1.6, freezes=True, wraps=True),
     "pitch": Channel("attitude", STALE_AFTER, -1.6, 1.6, 1.6, freezes=True),
@@ -76,6 +79,7 @@ class _Monitor:
     same: int = 0  # repeats while moving
     repeated: bool = False  # the last report said the same as the one before
     agreeing: int = 0
+    leapt: float = 0.0  # by so much, with the last report: it is believed elsewhere
     reason: str = ""
 
     def observe(self, row: Channel, t: float, value: float, moving: bool, doubt: bool) -> bool:
@@ -83,6 +87,7 @@ class _Monitor:
         before = self.value
         self.repeated = again = value == before
         self.same = self.same + moving if again else 0
+        self.leapt = 0.0
         near = row.rate == math.inf
         if not near:
             near = _near(row, t - self.t, value, before)
@@ -95,6 +100,7 @@ class _Monitor:
         elif row.freezes and self.same >= _SAME - 1:
             self.reason = "frozen"
         elif near or self.agreeing >= _AGREE:
+            self.leapt = 0.0 if near else value - self.good
             self.reason, self.good_t, self.good = "", t, value
             return True
         else:
@@ -127,9 +133,10 @@ class SensorHealth:
         )
         self.monitors = {name: _Monitor() for name in CHANNELS}
         self.moving = False  # by the last report
-        self.place: tuple[float, float] | None = None  # of the last fix
+        self.receiver = Receiver()
+        self.belief = DepthBelief()
 
-    def telemetry(self, t: Telemetry) -> frozenset[str]:
+    def telemetry(self, t: Telemetry, push: Vertical = UNPUSHED) -> frozenset[str]:
         """Takes a report in; the channels of it that can be believed."""
         moving = t.actuators is None or max(map(abs, t.actuators[:5]), default=0.0) > _NEUTRAL
         self.moving = moving
@@ -148,16 +155,41 @@ class SensorHealth:
                 continue
             if monitor.observe(row, t.t, value, moving, name in doubtful):
                 good.append(name)
+        if t.depth is not None and self._rows[0][1] is not None:
+            self._compare(t, t.depth, push)
+            if self.belief.reason and "depth" in good:
+                good.remove("depth")
         return frozenset(good)
+
+    def _compare(self, t: Telemetry, depth: float, push: Vertical) -> None:
+        """The depth with what else is known; what is absurd by itself is not worth it."""
+        monitor, altimeter = self.monitors["depth"], self.monitors["altitude"]
+        if monitor.reason == "absurd":
+            return
+        if monitor.leapt:
+            self.belief.leap(t.t, monitor.leapt)
+        heard = altimeter.t == t.t and not altimeter.reason and not altimeter.repeated
+        mains = max(map(abs, (t.actuators or ())[:2]), default=0.0)
+        height = t.altitude if heard else None
+        self.belief.take(t.t, depth, height, mains, push, self.receiver)
 
     def fix(self, f: Fix) -> bool:
         """Takes a fix in; whether it can be believed. The channel's value is a number that changes
-        with the place."""
-        monitor, before = self.monitors["position"], self.place
-        self.place = f.latitude, f.longitude
-        known = 0.0 if before is None else monitor.value
-        value = known if self.place == before else known + 1.0
-        return monitor.observe(CHANNELS["position"], f.t, value, self.moving, False)
+        with each place that is new."""
+        monitor = self.monitors["position"]
+        self.receiver.take(f)
+        known = 0.0 if math.isnan(monitor.value) else monitor.value
+        value = known + 1.0 if self.receiver.fresh else known
+        good = monitor.observe(CHANNELS["position"], f.t, value, self.moving, False)
+        return good and not (f.accuracy < math.inf and self._under_water(f.t))
+
+    def _under_water(self, now: float) -> bool:
+        """By a depth that is believed: a receiver that says a place there made it up. What the
+        vehicle reckons itself is no fix."""
+        return self.monitors["depth"].good >= FIX_DEPTH and self.of("depth", now).valid
+
+    def forget(self, channel: str) -> None:
+        self.monitors[channel] = _Monitor()
 
     def repeated(self, channel: str) -> bool:
         """The last report says nothing new: an altimeter without an echo repeats its last one."""
@@ -175,6 +207,8 @@ class SensorHealth:
                 reason = "missing" if age == math.inf else "stale"
             if reason:
                 return Health(False, reason, age)
+        if sensor == "depth" and self.belief.reason:
+            return Health(False, self.belief.reason, age)
         return Health(True, "", now - self.monitors[names[0]].t)
 
 

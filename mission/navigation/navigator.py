@@ -12,7 +12,9 @@ from collections import deque
 from copy import copy
 from typing import TYPE_CHECKING, Any
 
-from mission.model import Estimate, Health, NavigationMode, Position
+from mission.distribution import PLANE_95
+from mission.model import Estimate, Health, NavigationMode, Position, Vertical
+from mission.navigation.belief import UNPUSHED, DepthBelief
 from mission.navigation.declination import declination
 from mission.navigation.geodesy import LocalFrame
 from mission.navigation.health import SensorHealth
@@ -70,6 +72,12 @@ class Navigation:
         self.core.place(now, 0.0, 0.0, sigma * sigma)
         self._history.clear()
 
+    def assume_current(self, most: float) -> None:
+        """A mission starts in a current of up to ``most`` m/s, whatever was learned of it before:
+        a vehicle that is held by hand, or moored, has found that there is none."""
+        self.core.filter.doubt_current(most / PLANE_95)
+        self._history.clear()
+
     def _settle(self, frame: LocalFrame) -> None:
         self.frame = frame
         self._history.clear()
@@ -91,8 +99,8 @@ class Navigation:
 
     # --- in --------------------------------------------------------------------------------------
 
-    def telemetry(self, t: Telemetry) -> None:
-        good = self._health.telemetry(t)
+    def telemetry(self, t: Telemetry, push: Vertical = UNPUSHED) -> None:
+        good = self._health.telemetry(t, push)
         heading = t.heading if "heading" in good else None
         self._take(
             Report(
@@ -112,6 +120,11 @@ class Navigation:
         vehicle = self._vehicle
         known = vehicle.compass_bias + vehicle.calibration.deviation.at(compass)
         return compass + self._declination - known
+
+    def forget_depth(self) -> None:
+        """What is heard of the depth from now on is compared with nothing from before."""
+        self._health.forget("depth")
+        self._health.belief = DepthBelief()
 
     def fix(self, f: Fix) -> None:
         if not self._health.fix(f):
@@ -234,13 +247,16 @@ class Navigation:
         """Everything that ``restore`` needs to go on from here, to the last bit."""
         monitors = {name: copy(m) for name, m in self._health.monitors.items()}
         kept = (self.frame, self._date, self._declination, self.dropped)
-        seen = self._health.moving, self._health.place
+        health = self._health
+        seen = health.moving, health.receiver.clone(), health.belief.clone()
         return self.core.save(), monitors, tuple(self._history), kept, seen
 
     def restore(self, snapshot: Any) -> None:
         core, monitors, history, kept, seen = snapshot
         self.core.load(core)
         self._health.monitors = {name: copy(m) for name, m in monitors.items()}
-        self._health.moving, self._health.place = seen
+        moving, receiver, belief = seen
+        self._health.moving = moving
+        self._health.receiver, self._health.belief = receiver.clone(), belief.clone()
         self._history = deque(history, maxlen=_KEEP)
         self.frame, self._date, self._declination, self.dropped = kept

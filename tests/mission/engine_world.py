@@ -28,6 +28,7 @@ from mission.model import (
     Position,
     Result,
     Setting,
+    Vertical,
 )
 from mission.vehicle import load_vehicle
 from protocol.messages import Emergency, Fix, Manual, Order, Setpoint, StartMission, Telemetry
@@ -69,7 +70,10 @@ class Navigation:
     def start_here(self, now: float) -> None:
         self.mode = NavigationMode.DEAD_RECKONING
 
-    def telemetry(self, t: Telemetry) -> None:
+    def assume_current(self, most: float) -> None:
+        self.assumed_current = most
+
+    def telemetry(self, t: Telemetry, push: Vertical) -> None:
         self.report = t
 
     def fix(self, f: Fix) -> None:

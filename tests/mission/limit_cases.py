@@ -108,6 +108,14 @@ def blind(world: World, seconds: float) -> None:
     world.wait(4.0)
 
 
+def doubted(world: World, why: str) -> None:
+    """For one report."""
+    world.nav.doubt["depth"] = why
+    world.wait(REPORT_S)
+    world.nav.doubt.clear()
+    world.wait(4.0)
+
+
 def unheard(world: World, seconds: float) -> None:
     world.engine.limit_topside_silence(30.0)
     world.engine.hear_topside(world.t)
@@ -234,6 +242,12 @@ CASES: dict[str, Case] = {
         lambda w: stuck(w, 17.5, 120.0),
         slowly,
         lambda w: stuck(w, 18.0, 600.0),
+    ),
+    "depth contradicted": Case(
+        "the depth is contradicted: it stands",
+        lambda w: doubted(w, "contradicted: it stands"),
+        lambda w: doubted(w, "frozen"),
+        lambda w: doubted(w, "absurd"),
     ),
     "depth unknown": _deadline(
         "submerged and without a depth to believe for 6 s", blind, BLIND_TIME

@@ -206,40 +206,68 @@ def test_a_wave_over_the_hull_begins_the_six_seconds_anew():
     assert world.state == SURFACING
 
 
-def test_a_fix_is_the_surface_too_even_without_a_depth():
+def fixes(world: World, seconds: int, **changes: object) -> None:
+    """One a second, each a little farther on."""
+    for i in range(seconds):
+        world.tell(world.fix(north=0.001 * (world.t + i), **changes))
+        world.wait(1.0)
+
+
+def test_seconds_of_fixes_are_the_surface_too_where_no_depth_is_believed():
     world = surfacing()
-    world.nav.doubt["depth"] = "frozen"
+    world.nav.doubt["depth"] = "contradicted: it stands"
     world.wait(5.0)
-    world.tell(world.fix())
+    fixes(world, 5)
+    assert world.state == SURFACING
+    fixes(world, 2)
     assert world.state == SURFACED
     assert world.commands()[-1] is Order.STOP
 
 
-def test_a_receiver_that_goes_on_saying_its_last_place_proves_no_surface():
-    world = World(mission(leg("a", timeout=LONG)))
-    assert world.start()
-    world.depth = 5.0
-    for second in range(30):  # to the last bit, second by second
-        world.tell(world.fix())
-        if second == 5:
-            world.tell(W)
-        world.wait(1.0)
+@pytest.mark.parametrize("changes", [{"hdop": 9.0}, {"satellites": 3}, {"speed": 12.0}])
+def test_fixes_that_are_not_as_at_the_surface_prove_none(changes: dict[str, float]):
+    world = surfacing()
+    world.nav.doubt["depth"] = "frozen"
+    fixes(world, 60, **changes)
     assert world.state == SURFACING
-    world.tell(world.fix(north=0.2))
+
+
+def test_fixes_with_gaps_or_leaps_prove_no_surface_where_no_depth_is_believed():
+    for step, gap in ((0.5, 3.0), (40.0, 1.0)):
+        world = surfacing()
+        world.nav.doubt["depth"] = "frozen"
+        for i in range(30):
+            world.tell(world.fix(north=step * i))
+            world.wait(gap)
+        assert world.state == SURFACING
+
+
+def test_fixes_end_no_ascent_against_a_believed_depth_under_water():
+    world = surfacing()
+    fixes(world, 120)
+    assert world.state == SURFACING
+    world.depth = 0.7
+    world.wait(2.0)
+    fixes(world, 1)
     assert world.state == SURFACED
 
 
-def test_behind_a_break_the_same_place_is_a_fix():
+@pytest.mark.parametrize("places", [(0.0,), (0.0, 3.0), (0.0, 3.0, -2.0, 5.0)])
+@pytest.mark.parametrize("pause", [1.0, 8.0])
+def test_a_receiver_that_goes_on_saying_places_that_it_has_said_proves_no_surface(
+    places: tuple[float, ...], pause: float
+):
     world = World(mission(leg("a", timeout=LONG)))
     assert world.start()
-    world.depth = 5.0
-    world.tell(world.fix())
-    world.tell(W)
-    world.wait(4.9)
-    world.tell(world.fix())
+    world.depth = 0.7
+    world.wait(2.0)
+    for i in range(40):  # to the last bit
+        world.tell(world.fix(north=places[i % len(places)]))
+        if i == 5:
+            world.tell(W)
+        world.wait(pause)
     assert world.state == SURFACING
-    world.wait(5.1)
-    world.tell(world.fix())
+    world.tell(world.fix(north=0.2))
     assert world.state == SURFACED
 
 
@@ -307,7 +335,7 @@ def test_until_fix_waits_at_the_surface_with_everything_stopped():
     world.wait(60.0)
     assert world.state == "autonomous/up"
     assert [c for c in world.commands() if c is Order.STOP] == [Order.STOP]
-    world.tell(world.fix())
+    world.tell(world.fix(north=0.2))
     assert world.state == "autonomous/b"
 
 

@@ -8,7 +8,8 @@ from dataclasses import replace
 import pytest
 from engine_world import HOME, NEUTRAL, Frame, Navigation
 
-from mission.engine.senses import SURFACE_DEPTH, Senses, metres
+from mission.engine.senses import SURFACE_DEPTH, Senses
+from mission.fixes import FIX_DEPTH, metres
 from mission.model import Local, NavigationMode, Position
 from protocol.messages import Fix, Setpoint, Telemetry
 
@@ -130,7 +131,7 @@ def test_a_depth_that_is_not_to_be_believed_proves_no_surface_and_begins_anew():
 
 
 def test_only_a_fix_after_it_was_asked_for_proves_the_surface():
-    senses = told(Senses(Navigation()), 10.0, depth=5.0)
+    senses = told(Senses(Navigation()), 10.0, depth=0.7)
     senses.take_fix(fix(12.0))
     assert not senses.fixed(12.0)
     assert senses.fixed(11.999)
@@ -138,7 +139,16 @@ def test_only_a_fix_after_it_was_asked_for_proves_the_surface():
     assert not senses.surfaced(12.0)
 
 
-def test_submerged_is_what_was_last_believed_and_no_fix_since():
+@pytest.mark.parametrize(("depth", "proves"), [(FIX_DEPTH - 1e-9, True), (FIX_DEPTH, False)])
+def test_a_fix_proves_nothing_against_a_believed_depth_under_water(depth: float, proves: bool):
+    senses = told(Senses(Navigation()), 10.0, depth=depth)
+    for second in range(60):
+        senses.take_fix(fix(10.0 + second, north=float(second)))
+        told(senses, 10.0 + second, depth=depth)
+    assert senses.fixed(10.0) is proves
+
+
+def test_submerged_is_what_was_last_believed_and_no_fix_since_that_proves_the_surface():
     navigation = Navigation()
     senses = Senses(navigation)
     assert not senses.submerged
@@ -150,12 +160,14 @@ def test_submerged_is_what_was_last_believed_and_no_fix_since():
     told(senses, 12.0, depth=0.1)
     assert senses.submerged
     assert senses.believed_depth == 5.0
-    senses.take_fix(fix(12.5))  # what it said before the dive
+    for second in range(60):  # what it said before the dive
+        senses.take_fix(fix(12.5 + second))
     assert senses.submerged
-    senses.take_fix(fix(12.6, north=1.0))
+    for second in range(7):
+        senses.take_fix(fix(73.0 + second, north=second + 1.0))
     assert not senses.submerged
     navigation.doubt.clear()
-    told(senses, 14.0, depth=5.0)
+    told(senses, 80.0, depth=5.0)
     assert senses.submerged
 
 

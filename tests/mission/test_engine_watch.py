@@ -14,6 +14,7 @@ from mission.engine.senses import Senses
 from mission.engine.watch import Descent, Progress, Steering, Watch
 from mission.envelope import BLIND_TIME, LIMITS, SILENCE, On, in_force
 from mission.units import GEARS
+from mission.vehicle import load_vehicle
 from protocol.messages import Fix, Setpoint, SetSafety, Telemetry
 
 DEG = math.radians(1.0)
@@ -259,6 +260,19 @@ def test_a_thruster_turns_if_a_report_from_half_a_second_later_says_so(t, thrust
     assert one.turning(10.0) is turns
 
 
+@pytest.mark.parametrize(
+    ("t", "ahead", "turns"),
+    [(12.0, 0.06, True), (11.99, 0.06, False), (12.0, 0.05, False), (12.0, -0.06, True)],
+)
+def test_what_drives_has_way_if_a_report_from_two_seconds_later_says_so(t, ahead, turns):
+    one = watch()
+    one.vehicle = load_vehicle("robot")
+    heard(one, t, velocity=(ahead, 0.0, 0.0))
+    assert one.turning(10.0) is turns
+    one.vehicle = load_vehicle("auv")  # it drifts, and has a depth to be judged by
+    assert not one.turning(10.0)
+
+
 def test_rudders_are_no_thrusters():
     one = watch()
     heard(one, 12.0, actuators=(*NEUTRAL, 1.0, 1.0))
@@ -433,7 +447,7 @@ def test_a_clone_goes_its_own_way():
     heard(other, 12.0, depth=8.0)
     assert one.breaches == ()
     assert one.descent.unexplained is None
-    assert one._running != other._running
+    assert one._samples != other._samples
     other.set_sent(Setpoint(surge=0.5))
     assert one.senses.command is None
 

@@ -16,7 +16,7 @@ from mission.engine.engine import Engine
 from mission.engine.senses import Senses
 from mission.engine.watch import Descent
 from mission.language import parse
-from mission.model import Health
+from mission.model import Health, Vertical
 from mission.prepare import Prepared, Unreadable, prepare
 from mission.simulation.flight import fly
 from mission.simulation.flightlog import Flight
@@ -285,7 +285,7 @@ class Listener:
     def __init__(self) -> None:
         self.heard: list[Telemetry] = []
 
-    def telemetry(self, t: Telemetry) -> None:
+    def telemetry(self, t: Telemetry, push: Vertical) -> None:
         self.heard.append(t)
 
     def estimate(self, now: float) -> None:

@@ -23,6 +23,8 @@ from links.simulated.geodesy import moved
 from links.simulated.sensors import SensorErrors
 
 ANTENNA = 0.3  # m, depth of the pressure sensor below which the antenna is under water
+RECENT = 32  # places that it can say again
+WANDER = 0.4  # m a second and axis
 LATENCY = 0.1  # s from the epoch to the first byte
 COMPLETE = 0.3  # s from the epoch until all has been sent (150 bytes at 9600 take 0.16)
 KNOT = 1852 / 3600
@@ -69,10 +71,15 @@ class GpsReceiver:
         self.blind = False  # no fix, whatever the antenna sees
         self.silent = False  # no byte
         self.stuck = False  # its last fix for ever, under water too
+        self.in_turn = 0  # says so many of its last places in turn, under water too
+        self.wanders = False  # goes on under water, with places that it makes up
         self.corrupt = 0.0  # share of epochs with a bit turned over
         self.offset = (0.0, 0.0)  # m north and east that fixes are beside the truth
         self._fix_at: float | None = errors.first_fix
         self._last: Look | None = None
+        self._said: deque[Look] = deque(maxlen=RECENT)
+        self._turn = 0
+        self._astray: tuple[float, float] | None = None  # where it has wandered to
         self._day = -1
         self._midnight = datetime(self.start.year, self.start.month, self.start.day, tzinfo=UTC)
         self._seconds = (self.start - self._midnight).total_seconds()
@@ -95,13 +102,30 @@ class GpsReceiver:
         if self.silent or not self.powered:
             return
         clock = self._clock(now)
-        look = self._last if self.stuck else None
+        look = self._repeated()
         if look is None and fixed:
+            self._astray = position
             look = self._last = self._look(position, velocity)
+            self._said.append(look)
+        elif look is None and self.wanders and self._astray is not None:
+            look = self._wandered()
         data = b"".join([sentence(_SAYS[name](clock, self._date, look)) for name in self.sentences])
         if self.corrupt and self.rng.random() < self.corrupt:
             data = turned_over(data, self.rng)
         self.queue.append(Chunk(now + LATENCY, now + COMPLETE, data))
+
+    def _repeated(self) -> Look | None:
+        if self.in_turn and self._said:
+            self._turn += 1
+            return self._said[-1 - self._turn % min(self.in_turn, len(self._said))]
+        return self._last if self.stuck else None
+
+    def _wandered(self) -> Look:
+        """A step from where it was, and the speed that belongs to it."""
+        assert self._astray is not None
+        step = self.rng.gauss(0.0, WANDER), self.rng.gauss(0.0, WANDER)
+        self._astray = moved(*self._astray, *step)
+        return self._look(self._astray, step)
 
     def take(self, now: float) -> list[Chunk]:
         queue, out = self.queue, []

@@ -16,7 +16,6 @@ from mission.campaign.deeds import INCIDENTS, PORT, Act, Deed
 from mission.campaign.draw import CLUSTER, MOST, OUT_OF_HAND, draw
 from mission.campaign.faults import fare, fly_plan, shipped, subjects
 from mission.campaign.laws import IGNORED, LOST, OVERRUN, RAISED, violations
-from mission.campaign.pool import results
 from mission.campaign.soak import Soaked, grown, soak
 from mission.campaign.trial import FOREVER, Done, Heard, Trial, try_out
 from mission.commands.faults import faults
@@ -28,6 +27,7 @@ from mission.engine.watch import Watch
 from mission.language import parse
 from mission.model import IDLE_EMPTY, IDLE_READY, SURFACED, SURFACING, Action, Step, Tx
 from mission.vehicle import load_vehicle
+from mission.workers import results
 from protocol.messages import Order
 
 VEHICLE = load_vehicle("auv")
@@ -121,8 +121,9 @@ def test_a_program_killed_between_the_end_and_its_stop_leaves_no_thruster_on(
 
 @pytest.mark.parametrize("profile", PROFILES)
 def test_a_stop_that_was_cleared_before_its_answer_still_stops(profile: str) -> None:
-    deaf = parse_settings(["fault=command_lost@60+8"])
-    said = [Deed(60.5, Act.SAY, b"@ZAX0$"), Deed(61.0, Act.SAY, b"@AC$")]
+    """Cleared at the surface, where alone it may be: before the mission has dived."""
+    deaf = parse_settings(["fault=command_lost@5.2+3"])
+    said = [Deed(5.3, Act.SAY, b"@ZAX0$"), Deed(5.6, Act.SAY, b"@AC$")]
     trial = flown(said, profile, deaf)
     assert kinds_of(trial, profile, deaf) == set()
     assert trial.state == IDLE_EMPTY
@@ -142,7 +143,7 @@ def test_a_program_killed_with_the_stick_held_leaves_no_thruster_on(profile: str
 
 
 def test_a_vehicle_that_does_not_come_up_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Ascent, "act", lambda self, now, depth: ())
+    monkeypatch.setattr(Ascent, "act", lambda self, now, depth, overturned: ())
     settings = parse_settings(["fault=stm32_silent@60+20"])
     assert LOST in kinds_of(flown([], settings=settings), settings=settings)
 
@@ -202,6 +203,19 @@ def test_an_order_that_does_not_leave_at_once_is_ignored(monkeypatch: pytest.Mon
     assert IGNORED in kinds_of(flown([Deed(60.0, Act.SAY, b"@ZAX0$")]))
 
 
+def test_a_set_that_relays_keep_back_is_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
+    following = Frontseat._next
+
+    def polite(self: Frontseat, now: float) -> list[Tx]:
+        if self._relays and not self._urgent:
+            return [self._transmit(*self._relays.take(), now)]
+        return following(self, now)
+
+    monkeypatch.setattr(Frontseat, "_next", polite)
+    slider = [Deed(60.0 + i / 100, Act.SAY, b"@DS%d,5$" % (i % 2 + 1)) for i in range(2500)]
+    assert IGNORED in kinds_of(flown([Deed(60.0, Act.SAY, b"@ZAWF$"), *slider]))
+
+
 @pytest.mark.parametrize("profile", PROFILES)
 def test_a_thruster_that_turns_at_the_end_is_a_loss(
     profile: str, monkeypatch: pytest.MonkeyPatch
@@ -214,6 +228,8 @@ def test_a_thruster_that_turns_at_the_end_is_a_loss(
     monkeypatch.setattr(Watch, "turning", lambda self, since: False)
     assert kinds_of(flown([*cut, *ack], profile), profile) == set()
     monkeypatch.setattr(Core, "doubt_line", lambda self: None)
+    assert kinds_of(flown([*cut, *ack], profile), profile) == set(), "it does not rise"
+    monkeypatch.setattr(Core, "mind_rest", lambda self: None)
     assert LOST in kinds_of(flown([*cut, *ack], profile), profile)
 
 

@@ -66,8 +66,7 @@ def numbers(low: float, high: float) -> st.SearchStrategy[float]:
     )
 
 
-positive = numbers(1e-6, 5000.0)
-seconds = st.one_of(st.integers(1, 7200).map(float), st.floats(1e-3, 1e5))
+seconds = st.one_of(st.integers(1, 7200).map(float), st.floats(0.1, 1e5))
 headings = st.one_of(st.integers(0, 359), st.floats(0, 359.99)).map(compass)
 positions = st.builds(Position, numbers(-90, 90), numbers(-180, 180))
 locals_ = st.builds(Local, numbers(-20000, 20000), numbers(-20000, 20000))
@@ -131,7 +130,7 @@ def settings_of(
 @st.composite
 def kinds(draw: st.DrawFn) -> LegKind:
     side = st.sampled_from([-1, 1])
-    within = numbers(1e-3, 1000)
+    within = numbers(0.5, 1000)
     shallow = draw(numbers(0, 4999))
     return draw(
         st.one_of(
@@ -142,11 +141,11 @@ def kinds(draw: st.DrawFn) -> LegKind:
             .filter(lambda p: all(a != b for a, b in itertools.pairwise(p)))
             .map(lambda p: Follow(tuple(p), 10.0)),
             st.builds(
-                Rows, st.one_of(st.none(), places), headings, positive, numbers(1e-6, 2000),
+                Rows, st.one_of(st.none(), places), headings, numbers(1, 20000), numbers(0.5, 2000),
                 st.integers(1, 99), side, within,
             ),
             st.builds(Yoyo, st.just(shallow), numbers(5000, 9999), st.integers(1, 99)),
-            st.builds(Loiter, st.one_of(st.none(), places), positive, side),
+            st.builds(Loiter, st.one_of(st.none(), places), numbers(1, 5000), side),
             st.builds(Surface, st.booleans()),
         )
     )  # fmt: skip

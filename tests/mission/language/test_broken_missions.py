@@ -107,8 +107,8 @@ def test_a_mission_is_at_most_as_long_as_the_wire_can_count() -> None:
     assert [p.rule for p in errors(text).problems] == ["too-long"]
 
 
-def test_groups_are_nested_at_most_twenty_deep() -> None:
-    text = "".join(f"group g{n}:\n" for n in range(21)) + "wait 5\n" + "end\n" * 21
+def test_groups_are_nested_at_most_sixteen_deep() -> None:
+    text = "".join(f"group g{n}:\n" for n in range(17)) + "wait 5\n" + "end\n" * 17
     assert [p.rule for p in errors(text).problems] == ["too-deep"]
 
 

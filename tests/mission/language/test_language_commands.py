@@ -16,7 +16,8 @@ from hypothesis import given
 from test_language_round_trip import SOME
 
 from mission.cli import main
-from mission.language import MOST_BYTES, MissionErrors, digest, layout, load, parse, to_yaml
+from mission.extent import BYTES
+from mission.language import MissionErrors, digest, layout, load, parse, to_yaml
 from mission.language.schema import schema
 from mission.model import Mission
 
@@ -243,10 +244,10 @@ def test_a_file_that_never_ends_or_is_no_text_is_refused_alike(
     command: str, tmp_path: Path
 ) -> None:
     long = tmp_path / "long.yaml"
-    long.write_text("mission: m\n" + "# a comment\n" * (MOST_BYTES // 12))
+    long.write_text("mission: m\n" + "# a comment\n" * (BYTES.most // 12))
     binary = tmp_path / "binary.mission"
     binary.write_bytes(bytes(range(256)))
-    for path, why in ((long, "longer than 4 MB"), (binary, "it is not UTF-8")):
+    for path, why in ((long, "more than 4,194,304 bytes in a file"), (binary, "it is not UTF-8")):
         ran = call(command, path)
         assert ran.exit_code == 2
         assert f"{path}: cannot be read: " in ran.stderr
@@ -282,7 +283,7 @@ def test_an_empty_file_is_shown_without_an_empty_line() -> None:
 def test_converted_yaml_reads_as_the_documentation_writes_it() -> None:
     text = call("convert", MISSIONS / "harbour-survey.mission", "--to", "yaml").stdout
     assert "home: {latitude: 30.2874595, longitude: 120.1535765}\n" in text
-    assert "safety: {radius: 1000 m, time: 40 min, depth: 30 m, voltage: 10 V}\n" in text
+    assert "safety: {radius: 1100 m, time: 40 min, depth: 30 m, voltage: 10 V}\n" in text
 
 
 def test_a_word_behind_a_number_where_a_unit_may_stand_is_told_as_one() -> None:

@@ -49,7 +49,7 @@ def sail(
         t = float(second)
         heading = (0.6 * (second // 90)) % (2.0 * math.pi)
         under = surface_s <= second < surface_s + dive_s
-        depth = 10.0 if under else 0.2
+        depth = 0.2 + 0.5 * max(min(second - surface_s, surface_s + dive_s - second, 19.6), 0.0)
         v = speed * sea.scale
         n += v * math.cos(heading) + sea.current[0]
         e += v * math.sin(heading) + sea.current[1]

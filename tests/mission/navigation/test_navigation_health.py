@@ -100,8 +100,15 @@ def test_what_cannot_be_is_absurd(name: str, value: float) -> None:
 def test_a_leap_is_absurd_until_three_reports_agree_on_it() -> None:
     health = after(report(0), report(1))
     for i, valid in [(2, False), (3, False), (4, True)]:
+        health.telemetry(report(i, altitude=240.0 + 0.1 * i))
+        assert health.of("altitude", 2.0 * i).valid is valid
+
+
+def test_a_depth_that_leapt_is_contradicted_once_three_reports_agree_on_it() -> None:
+    health = after(report(0), report(1))
+    for i, why in [(2, "absurd"), (3, "absurd"), (4, "contradicted: it leapt by 35.4 m")]:
         health.telemetry(report(i, depth=40.0 + 0.1 * i))
-        assert health.of("depth", 2.0 * i).valid is valid
+        assert health.of("depth", 2.0 * i).reason == why
 
 
 def test_a_heading_through_north_is_no_leap() -> None:
@@ -166,7 +173,8 @@ def stuck(thrust: float, fixes: int = 8) -> tuple[SensorHealth, list[bool]]:
     health, believed = SensorHealth(_ALL), []
     for i in range(fixes):
         if i % 2 == 0:
-            health.telemetry(replace(report(i // 2), actuators=(thrust,) * 2 + (0.0,) * 3))
+            afloat = report(i // 2, depth=0.2 + 0.001 * i)
+            health.telemetry(replace(afloat, actuators=(thrust,) * 2 + (0.0,) * 3))
         believed.append(health.fix(Fix(float(i), 0.5, 2.0, 2.5)))
     return health, believed
 
@@ -177,6 +185,28 @@ def test_a_receiver_that_says_one_place_while_the_vehicle_moves_is_frozen():
     assert health.of("position", 8.0).reason == "frozen"
     assert health.fix(Fix(8.0, 0.5, 2.0 + 1e-9, 2.5))
     assert health.of("position", 8.0).valid
+
+
+@pytest.mark.parametrize(("depth", "teaches"), [(0.5, True), (0.9, False)])
+def test_a_fix_under_water_teaches_nothing_while_the_depth_is_believed(depth: float, teaches: bool):
+    health = after(*(report(i, depth=depth + 0.001 * i) for i in range(3)))
+    assert health.fix(Fix(5.0, 0.5, 2.0, 2.5)) is teaches
+    assert health.fix(Fix(6.0, 0.5, 2.1, math.inf))  # the vehicle's own reckoning
+    assert health.fix(Fix(11.0, 0.5, 2.2, 2.5))  # the depth is stale
+
+
+@pytest.mark.parametrize("places", [2, 4, 30])
+@pytest.mark.parametrize("pause", [1.0, 20.0])
+def test_a_receiver_that_says_a_few_places_in_turn_while_the_vehicle_moves_is_frozen(
+    places: int, pause: float
+):
+    health, believed = SensorHealth(_ALL), []
+    for i in range(places + 20):
+        health.telemetry(report(i, depth=0.2 + 0.001 * i))
+        believed.append(health.fix(Fix(i * pause, 0.5, 2.0 + 1e-6 * (i % places), 2.5)))
+    assert believed == [True] * (places + 3) + [False] * 17
+    assert health.of("position", (places + 19) * pause).reason == "frozen"
+    assert health.fix(Fix((places + 20) * pause, 0.5, 2.1, 2.5))
 
 
 def test_at_rest_a_receiver_may_say_one_place_for_ever():

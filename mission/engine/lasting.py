@@ -1,0 +1,55 @@
+"""For how long each of some conditions has lasted, seen through noise.
+
+A moment in which one does not hold takes twice its time back and ends nothing by itself: what
+holds for more than two thirds of the time lasts sooner or later, and what holds without a break
+lasts from its beginning on, to the bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container
+from typing import Self
+
+BACK = 2.0  # s that a second takes back in which it does not hold
+
+
+class Lasting:
+    __slots__ = ("_gone", "_since")
+
+    def __init__(self) -> None:
+        self._since: dict[str, float] = {}  # when it would have begun, without its breaks
+        self._gone: dict[str, float] = {}  # since when it does not hold, of those that did
+
+    def __bool__(self) -> bool:
+        return bool(self._since)
+
+    def clone(self) -> Self:
+        other = type(self)()
+        other._since, other._gone = dict(self._since), dict(self._gone)
+        return other
+
+    def holds(self, name: str, now: float) -> float:
+        """Since when it lasts."""
+        since = self._since.setdefault(name, now)
+        gone = self._gone.pop(name, None)
+        if gone is not None:
+            since = self._since[name] = min(now, since + (1.0 + BACK) * (now - gone))
+        return since
+
+    def breaks(self, name: str, now: float) -> None:
+        """It does not hold now."""
+        since = self._since.get(name)
+        if since is None:
+            return
+        gone = self._gone.setdefault(name, now)
+        if since + (1.0 + BACK) * (now - gone) >= now:
+            self.forget(name)
+
+    def forget(self, name: str) -> None:
+        self._since.pop(name, None)
+        self._gone.pop(name, None)
+
+    def keep(self, names: Container[str]) -> None:
+        """Only these."""
+        for name in [n for n in self._since if n not in names]:
+            self.forget(name)

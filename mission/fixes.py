@@ -1,0 +1,86 @@
+"""What a GPS receiver's fixes are worth as a proof of the surface.
+
+A place that it has said lately, to the last bit, is no news: a receiver that got stuck says one
+place, two in turn or a few, with or without pauses, under water too. And one that wanders under
+water says a new place each second: only where nothing contradicts it, and it behaves for some
+seconds as a receiver at the surface does, may it speak of the surface at all.
+
+What does not live here: what contradicts a fix (engine, navigation), the sentences (protocol.nmea).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Self
+
+from protocol.messages import Fix
+
+FIX_DEPTH = 0.8  # m: the surface's 0.5 m and three sigma of a depth; deeper, a fix is none (R7)
+SETTLED = 5.0  # s of fixes without a gap that behave as at the surface
+_REMEMBERED = 32  # places
+_NEWS = 4  # new places within such a run
+_GAP = 2.5  # s between fixes: one second's may be missing
+_HDOP, _SATELLITES = 5.0, 4
+_FASTEST = 4.0  # m/s over ground: a current, the thrusters and a wave together
+_EARTH = 6371008.8  # m, mean radius
+_LEAP = 15.0  # m beside that between two fixes: six sigma of a plain receiver
+
+
+class Receiver:
+    __slots__ = ("_last", "_news", "_places", "_since", "fresh")
+
+    def __init__(self) -> None:
+        self.fresh = False  # the last fix said a place that it had not said lately
+        self._places: tuple[tuple[float, float], ...] = ()  # oldest first
+        self._last: Fix | None = None
+        self._since, self._news = 0.0, 0  # of the run of fixes as at the surface
+
+    def clone(self) -> Self:
+        other = type(self)()
+        for name in self.__slots__:
+            setattr(other, name, getattr(self, name))
+        return other
+
+    def take(self, fix: Fix) -> None:
+        place = fix.latitude, fix.longitude
+        self.fresh = place not in self._places
+        if self.fresh:
+            self._places = (*self._places[1 - _REMEMBERED :], place)
+        if not self._follows(fix):
+            self._since, self._news = fix.t, 0
+        self._news = self._news + self.fresh if _good(fix) else 0
+        self._last = fix
+
+    def settled(self, now: float) -> float:
+        """s for which its fixes have behaved as at the surface; 0 where they do not."""
+        last = self._last
+        if last is None or now - last.t > _GAP or self._news < _NEWS:
+            return 0.0
+        return last.t - self._since
+
+    def quiet(self, now: float) -> float | None:
+        """s since the last fix; None if there never was one."""
+        return None if self._last is None else now - self._last.t
+
+    def _follows(self, fix: Fix) -> bool:
+        last = self._last
+        if last is None or not _good(fix) or not _good(last) or fix.t - last.t > _GAP:
+            return False
+        way = metres(last.latitude, last.longitude, fix.latitude, fix.longitude)
+        return way <= _LEAP + _FASTEST * (fix.t - last.t)
+
+
+def _good(fix: Fix) -> bool:
+    """What it says of itself; what it does not speak of counts neither way."""
+    return (
+        (fix.hdop is None or fix.hdop <= _HDOP)
+        and (fix.satellites is None or fix.satellites >= _SATELLITES)
+        and (fix.speed is None or fix.speed <= _FASTEST)
+    )
+
+
+def metres(lat_a: float, lon_a: float, lat_b: float, lon_b: float) -> float:
+    """Between two near points, in rad, on a sphere: good to 0.5 %, for plausibility only."""
+    north = lat_b - lat_a
+    east = math.remainder(lon_b - lon_a, 2.0 * math.pi) * math.cos(0.5 * (lat_a + lat_b))
+    return _EARTH * math.hypot(north, east)

@@ -1,0 +1,237 @@
+"""Whether the depth agrees with what else is known of going up and down.
+
+A port that is clogged, a drift, an offset or a jump gives a depth that is fresh, in its range and
+never twice the same. What speaks against it, over the last ``WINDOW`` seconds:
+
+    stands    the verticals push (as reported, or by the set in force) and the depth does not move
+    altimeter the ground comes nearer, or goes, evenly, while the depth stands and nothing drives
+    leaps     it is elsewhere at once, and stays there
+    rate      it moves faster than a body does
+    offset    fixes come as at the surface, nothing pushes down, and it is 0.8 m or more off 0, and
+              stands, or does not fall though the verticals push up
+
+What explains a depth that stands is no contradiction: fixes that come in at the surface (the dive
+fails), the ground under the vehicle, the surface above it. A depth that was contradicted is
+believed again once it has moved the way the vehicle is moved, or shows the surface for ``AGREES``
+seconds of fixes; after a leap or an offset by the second alone, for these move as they should.
+Either way it must have moved: of a clogged port 0.1 m is no proof of the surface.
+
+What does not live here: a sensor by itself (health), what follows (engine, envelope). What cannot
+be seen this way: docs/navigation.md.
+"""
+
+from __future__ import annotations
+
+import copy
+import itertools
+import math
+from typing import NamedTuple, Self
+
+from mission.fixes import FIX_DEPTH, Receiver
+from mission.model import CONTRADICTED, Vertical
+
+WINDOW = 14.0  # s: eight reports of the AUV
+STANDS = 0.4  # m between the means of the window's two halves, 8 s apart
+AGREES = 10.0  # s of fixes as at the surface that make a shallow depth believed again
+_OFFSET_TIME = 30.0  # s of such fixes that contradict a depth
+_LIFTED = 8.0  # s of push upward meanwhile: then it need not even stand
+_PUSHES, _HARD = 0.55, 0.75  # share of full thrust: short of what is asked, and in any case
+_SHORT = 0.5  # m short of what is asked that must move a vehicle whose verticals so report
+_UNREPORTED = 1.0  # m, where they do not report: a hold may be so far off for ever
+_NEUTRAL, _STILL = 0.1, 0.1  # share of full thrust, vertical and ahead
+_GROUND, _LIES = 1.0, 60.0  # m of altitude, s since it was heard: it may lie on the ground
+_FIXES_GO = 3.0  # s without one: the antenna is under water
+_HAD = 60.0  # s ago at most, that there were some
+_BODY = 1.25  # m/s: no body is faster up or down
+_CLOSING = 1.7  # m between the halves: 1 m, and a slope of 30 % under a drift of 0.3 m/s
+_EVENLY = 1.0, 0.4  # m/s and m: what is more at once is a step of the ground
+_AT_REST = 45.0  # s since the depth moved: a slow altimeter has followed by then
+_MOVED = 0.5  # m that a depth must have moved to be believed again
+_FOLLOWS = 1.0  # m between the halves that are the vehicle's own way
+_EVERY, _GAP = 0.9, 6.5  # s: reports that are used, and the longest between two
+
+UNPUSHED = Vertical(None, None)
+
+
+class _Sample(NamedTuple):
+    t: float
+    depth: float
+    altitude: float | None
+
+
+class DepthBelief:
+    """``reason`` is why the depth is contradicted, "" while it is not."""
+
+    def __init__(self) -> None:
+        self.reason = ""
+        self._moves = False  # movement alone may clear it
+        self._samples: tuple[_Sample, ...] = ()
+        self._way, self._pushed_at = 0, -math.inf  # of a push that should move it, down positive
+        self._calm_at = self._still_at = math.inf  # since when nothing pushes down; drives
+        self._moved_at = self._grounded_at = -math.inf
+        self._doubted_at = -math.inf
+        self._low = self._high = math.nan  # of its means, since then
+        self._afloat, self._lifted = (math.inf, math.inf), 0.0  # since when, from what depth; s
+
+    def clone(self) -> Self:
+        return copy.copy(self)
+
+    def leap(self, t: float, by: float) -> None:
+        """The sensor has come back elsewhere, by so many metres."""
+        self._contradict(t, f"it leapt by {by:.1f} m", moves=False)
+
+    def take(
+        self,
+        t: float,
+        depth: float,
+        altitude: float | None,
+        mains: float,
+        push: Vertical,
+        receiver: Receiver,
+    ) -> None:
+        """A report: metres, the greatest share of the main thrusters, what pushes, the receiver.
+        ``altitude`` is None where it says nothing new."""
+        samples = self._samples
+        since = t - samples[-1].t if samples else math.inf
+        if since < _EVERY:
+            return
+        if since > _GAP:
+            samples, self._pushed_at, self._moved_at = (), t, t
+            self._calm_at = self._still_at = math.inf
+        kept = [s for s in samples if s.t >= t - WINDOW - 1e-6]
+        self._samples = (*kept, _Sample(t, depth, altitude))
+        self._notice(t, depth, altitude, mains, push, receiver)
+        halves = self._halves(t)
+        if halves is None:
+            return
+        before, after = halves
+        if abs(after - before) >= STANDS:
+            self._moved_at = t
+        if self.reason:
+            self._reconsider(t, after, after - before, receiver)
+        else:
+            self._doubt(t, after, after - before, receiver)
+
+    # --- what is going on ----------------------------------------------------------------------
+
+    def _notice(
+        self,
+        t: float,
+        depth: float,
+        altitude: float | None,
+        mains: float,
+        push: Vertical,
+        receiver: Receiver,
+    ) -> None:
+        quiet = receiver.quiet(t)
+        if altitude is not None:
+            self._grounded_at = t if altitude <= _GROUND else -math.inf
+        gone = quiet is not None and _FIXES_GO < quiet <= _HAD and abs(depth) < FIX_DEPTH
+        if way := self._push(depth, push, gone):
+            at_ground = t - self._grounded_at <= _LIES
+            afloat = abs(depth) < FIX_DEPTH and quiet is not None and quiet <= _FIXES_GO
+            if (at_ground or afloat) if way > 0 else depth < FIX_DEPTH:
+                way = 0
+        if way != self._way:
+            self._way, self._pushed_at = way, t
+        down = push.asked is not None and push.asked > depth
+        pushes_down = down if push.down is None else push.down > _NEUTRAL
+        self._calm_at = math.inf if pushes_down else min(self._calm_at, t)
+        self._still_at = math.inf if mains > _STILL else min(self._still_at, t)
+
+    def _push(self, depth: float, push: Vertical, gone: bool) -> int:
+        """1 down, -1 up; 0 where the depth may well stand. ``gone``: it says that it is at the
+        surface, and fixes have ended."""
+        down, asked = push
+        if down is not None and abs(down) >= _HARD:
+            return 1 if down > 0.0 else -1
+        if asked is None or (down is not None and abs(down) < _PUSHES):
+            return 0
+        off = asked - depth
+        if abs(off) <= (_UNREPORTED if down is None and not gone else _SHORT):
+            return 0
+        way = 1 if off > 0.0 else -1
+        return way if down is None or down * way > 0.0 else 0
+
+    def _halves(self, t: float) -> tuple[float, float] | None:
+        """Means of the depth in the older and the newer half; None before the window is full."""
+        samples = self._samples
+        if samples[0].t > t - WINDOW + 2.0:
+            return None
+        middle = t - 0.5 * WINDOW
+        older = [s.depth for s in samples if s.t < middle - 1e-6]
+        newer = [s.depth for s in samples if s.t > middle + 1e-6]
+        if not older or not newer:
+            return None
+        return sum(older) / len(older), sum(newer) / len(newer)
+
+    # --- doubt -----------------------------------------------------------------------------------
+
+    def _doubt(self, t: float, depth: float, moved: float, receiver: Receiver) -> None:
+        whole = t - WINDOW + 1e-6
+        if abs(moved) > _BODY * 0.5 * WINDOW:
+            rate = abs(moved) / (0.5 * WINDOW)
+            self._contradict(t, f"{rate:.1f} m/s up or down, which no body has", moves=False)
+        elif self._is_off(t, depth, abs(moved) < STANDS, receiver):
+            self._contradict(t, f"fixes come and it says {depth:.1f} m", moves=False)
+        elif abs(moved) >= STANDS:
+            return
+        elif self._way and self._pushed_at <= whole:
+            way = "down" if self._way > 0 else "up"
+            says = f"the verticals push {way} and it stands at {depth:.1f} m"
+            self._contradict(t, says, moves=self._way > 0)
+        elif self._still_at <= whole and t - self._moved_at >= _AT_REST and (by := self._ground(t)):
+            says = f"the ground comes nearer by {by:.1f} m and it stands at {depth:.1f} m"
+            self._contradict(t, says, moves=True)
+
+    def _is_off(self, t: float, depth: float, stands: bool, receiver: Receiver) -> bool:
+        """Fixes as at the surface, nothing pushes down, and a depth that is not 0, nor falls."""
+        floats = self._calm_at < math.inf and receiver.settled(t) > 0.0
+        if not floats or depth < self._afloat[1] - STANDS:
+            self._afloat, self._lifted = (t, depth if floats else math.inf), 0.0
+            return False
+        self._lifted += (self._way < 0) * (t - self._samples[-2].t)
+        lasts = t - self._afloat[0] >= _OFFSET_TIME
+        return lasts and abs(depth) >= FIX_DEPTH and (stands or self._lifted >= _LIFTED)
+
+    def _ground(self, t: float) -> float:
+        """m by which the ground came nearer (negative: went) between the halves, evenly; 0: not."""
+        seen = [(s.t, s.altitude) for s in self._samples if s.altitude is not None]
+        older = [a for at, a in seen if at < t - 0.5 * WINDOW]
+        newer = [a for at, a in seen if at >= t - 0.5 * WINDOW]
+        if len(older) < 2 or len(newer) < 2:
+            return 0.0
+        nearer = sum(older) / len(older) - sum(newer) / len(newer)
+        if abs(nearer) < _CLOSING:
+            return 0.0
+        way, (rate, noise) = math.copysign(1.0, nearer), _EVENLY
+        for (at, a), (bt, b) in itertools.pairwise(seen):
+            if not -noise <= (a - b) * way <= rate * (bt - at) + noise:
+                return 0.0
+        return nearer
+
+    def _contradict(self, t: float, why: str, *, moves: bool) -> None:
+        if not self.reason:
+            self.reason, self._moves, self._doubted_at = f"{CONTRADICTED}: {why}", moves, t
+            self._low, self._high = math.inf, -math.inf
+
+    # --- belief ----------------------------------------------------------------------------------
+
+    def _reconsider(self, t: float, mean: float, moved: float, receiver: Receiver) -> None:
+        if self._samples[0].t < self._doubted_at:
+            return
+        self._low, self._high = min(self._low, mean), max(self._high, mean)
+        if self._moves and abs(moved) >= _FOLLOWS and self._evenly():
+            buoyed = self._way == 0 and moved < 0.0 and self._calm_at <= self._samples[0].t
+            if moved * self._way > 0.0 or buoyed:
+                self.reason = ""
+        shallow = abs(mean) < FIX_DEPTH and self._high - self._low >= _MOVED
+        if shallow and receiver.settled(t) >= AGREES:
+            self.reason = ""
+
+    def _evenly(self) -> bool:
+        """No step of the depth that a body does not make."""
+        return all(
+            abs(b.depth - a.depth) <= _BODY * (b.t - a.t) + STANDS
+            for a, b in itertools.pairwise(self._samples)
+        )
