@@ -159,6 +159,15 @@ def _stuck_receiver(rng: Random) -> Scene:
     )
 
 
+def _wandering(rng: Random) -> Scene:
+    wanders = fault(rng.choice(["gps_wanders", "gps_in_turn"]), rng.uniform(4.0, 8.0))
+    return Scene("deep", (wanders,), (say(rng.uniform(40.0, 60.0), W),))
+
+
+def _clogged(rng: Random) -> Scene:
+    return Scene("deep", (fault("depth_stuck", rng.uniform(14.0, 30.0)),))
+
+
 def _low_battery(rng: Random) -> Scene:
     low = fault("battery_low", rng.uniform(DOWN, 80.0), FOREVER, round(rng.uniform(7.0, 9.0), 1))
     return Scene("away", (low,), batteries=True)
@@ -199,6 +208,8 @@ AT_SEA: Mapping[str, SceneRow] = {
         "the depth fails under water", _sensor("depth_full_scale", "depth_silent", "depth_frozen")
     ),
     "surfacing_blind": SceneRow("the depth fails before it dives", _surfacing_blind),
+    "wandering_receiver": SceneRow("a receiver that wanders under water, and W", _wandering),
+    "clogged": SceneRow("the port of the depth clogs on the way down", _clogged),
     "stuck_receiver": SceneRow("a receiver that is stuck, and W", _stuck_receiver),
     "wrong_compass": SceneRow(
         "the compass turns the wrong way", _sensor("heading_mirrored", text="there")
