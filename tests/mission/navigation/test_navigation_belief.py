@@ -169,8 +169,8 @@ def test_a_slope_under_way_a_step_of_the_ground_and_a_slow_altimeter_are_natural
     assert moving.go(120.0, HOLD, at(9.8), lambda s: 60.0 - 0.4 * s) == ""
     assert Dive().go(200.0, HOLD, at(9.8), lambda s: 20.0 if s < 100.0 else 12.0) == ""
     slow = Dive()
-    slow.go(28.0, DOWN, sinking(0.35), lambda s: 30.0 - 0.2 * s)
-    assert slow.go(120.0, HOLD, at(10.0), lambda s: 20.0 + 4.4 * math.exp(-s / 20.0)) == ""
+    slow.go(28.0, Vertical(0.83, 14.2), sinking(0.5), lambda s: 45.0 - 0.2 * s)
+    assert slow.go(120.0, HOLD, at(14.2), lambda s: 25.0 + 15.0 * math.exp(-s / 30.0)) == ""
 
 
 def test_a_vehicle_that_sinks_truly_is_believed_whatever_its_receiver_says():
