@@ -224,6 +224,12 @@ def test_one_that_moves_against_the_push_is_not():
     assert dive.go(40.0, DOWN, sinking(-0.2, 12.0))
 
 
+def test_what_a_push_upward_in_vain_contradicted_may_be_an_offset_and_is_not_either():
+    dive = Dive(noise=0.05)
+    dive.go(18.0, UP, at(6.0))
+    assert dive.go(40.0, UP, sinking(-0.2, 12.0))
+
+
 def test_a_clogged_port_at_the_surface_is_never_believed():
     dive = Dive(noise=0.1)
     dive.go(20.0, DOWN, at(0.2))
