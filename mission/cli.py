@@ -8,10 +8,14 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import signal
+from typing import Any
 
 import click
 
 from mission import __version__
+
+INTERRUPTED = 128 + signal.SIGINT  # exit code, as a shell has it
 
 # name -> module in mission.commands, in the order of the help page
 COMMANDS = {
@@ -55,6 +59,14 @@ class _Lazy(click.Group):
         module = importlib.import_module(f"mission.commands.{COMMANDS[name]}")
         found: click.Command = getattr(module, name.replace("-", "_"))
         return found
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Ctrl-C: the exception is let go of first, and with it whatever it still holds up."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            click.echo("interrupted", err=True)
+        return ctx.exit(INTERRUPTED)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Whole first sentences: click's own page cuts them off where the line ends."""

@@ -13,6 +13,7 @@ import math
 
 Covariance = tuple[float, float, float]  # nn, ne, ee in m^2
 
+PLANE_95 = math.sqrt(-2.0 * math.log(0.05))  # sigmas: the radius that holds 95 % of a round plane
 _EIGHT_SIGMA = 8.0
 
 

@@ -29,7 +29,6 @@ DEPTH_MARGIN = 1.0  # m beyond the bound (R5)
 SILENCE = 5.0  # s without a good report (R8)
 LOST_MOST = 3  # Z in succession without an answer (R8)
 BLIND_TIME = 6.0  # s without a depth to believe, submerged
-_PLANE_95 = math.sqrt(-2.0 * math.log(0.05))
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +158,7 @@ def _uncertain(watch: Watch) -> bool | None:
     here, e = _position(watch), watch.senses.estimate
     if here is None or e is None:
         return None
-    reach = math.hypot(*here) + _PLANE_95 * distribution.principal(e.covariance)[0]
+    reach = math.hypot(*here) + distribution.PLANE_95 * distribution.principal(e.covariance)[0]
     if reach <= watch.bounds.radius:  # more than enough, and cheap
         return False
     return distribution.within(watch.bounds.radius, *here, e.covariance) < 0.95

@@ -148,7 +148,7 @@ class Vehicle:
     one_speed: bool
     speed_by_gear: Curve
     dive_rate: float
-    ascent_buoyancy: float
+    ascent_buoyancy: float  # m/s with nothing turning; 0 or less: it does not rise
     ascent_thrust: float
     turn_rate: float
     current: float
@@ -158,6 +158,7 @@ class Vehicle:
     declination: float | None  # rad; None: from the world magnetic model
     compass_bias: float  # rad
     calibration: Calibration = Calibration()
+    ascent_measured: str = ""  # YYYY-MM-DD of the float test; "": ascent_buoyancy is planned
     stale_after: float = STALE_AFTER  # s: an older report is not believed
     glides: bool = False  # no thruster: moves forward by sinking and rising
     drives: bool = False  # on the ground: it is at the surface wherever it is

@@ -13,6 +13,7 @@ import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from datetime import date
 from types import MappingProxyType
 from typing import Any
 
@@ -81,7 +82,7 @@ RANGES: Mapping[str, Range] = MappingProxyType(
         "battery_scale.power": Range("", 0, 1000, above=True),
         "speed_by_gear": Range("m/s", 0, 20),
         "dive_rate": _RISE,
-        "ascent_buoyancy": _RISE,
+        "ascent_buoyancy": Range("m/s", -10, 10),  # of a heavy vehicle, too: it is measured
         "ascent_thrust": _RISE,
         "turn_rate": Range("deg/s", 0.1, 360),
         "current": _FLOW,
@@ -141,7 +142,7 @@ TOGETHER = (
 
 
 _FLAGS = ("constant_batteries", "one_speed", "glides", "drives")
-_TEXTS = ("vehicle", "codec", "dialect")
+_TEXTS = ("vehicle", "codec", "dialect", "ascent_measured")
 _GEARS = ("speed_by_gear", "thruster_power")  # tables of a figure by gear
 _FREE = ("tolerances", *_GEARS)  # tables of any keys
 
@@ -160,7 +161,13 @@ def _known() -> Mapping[str, frozenset[str]]:
 
 
 _KNOWN = _known()
-_MAY_LACK = ("stale_after", "glides", "drives", "calibration")  # and what is below
+_MAY_LACK = (
+    "ascent_measured",
+    "stale_after",
+    "glides",
+    "drives",
+    "calibration",
+)  # and what is below
 
 
 def read_vehicle(text: str, where: str) -> Vehicle:
@@ -207,6 +214,15 @@ class _File:
 
     def text(self, key: str) -> str:
         return self._leaves[key].value if key in self._leaves else ""
+
+    def day(self, key: str) -> str:
+        """YYYY-MM-DD, or "" where the file has none."""
+        text = self.text(key)
+        try:
+            return date.fromisoformat(text).isoformat() if text else ""
+        except ValueError:
+            self._says(key, f"{text:.40} is no day; write it as 2026-11-22", self._leaves[key])
+            return ""
 
     def texts(self, table: str) -> dict[str, str]:
         return {key.removeprefix(f"{table}."): self.text(key) for key in self._below(table)}
@@ -320,6 +336,7 @@ def _vehicle(file: _File) -> Vehicle:
         speed_by_gear=file.curve("speed_by_gear"),
         dive_rate=number("dive_rate"),
         ascent_buoyancy=number("ascent_buoyancy"),
+        ascent_measured=file.day("ascent_measured"),
         ascent_thrust=number("ascent_thrust"),
         turn_rate=number("turn_rate"),
         current=number("current"),

@@ -316,7 +316,9 @@ def status_of(values: Values, now: float) -> Status:
         )
     yaw = radians["heading_deg"]
     magnetic = _known([values[name] for name in NAMES if name.startswith("mag_")], 1e9)
-    widths = _known([values[name] for name in NAMES if name.startswith("pwm_")], 1.0)
+    pulses = [values[name] for name in NAMES if name.startswith("pwm_")]
+    told = next((i for i, width in enumerate(pulses) if width is None), len(pulses))
+    widths = pulses[:told]  # a vehicle with fewer thrusters leaves the last ones empty
     telemetry = Telemetry(
         t=now,
         depth=values["depth_m"],
@@ -326,7 +328,7 @@ def status_of(values: Values, now: float) -> Status:
         roll=radians["roll_deg"],
         temperature_c=values["temperature_c"],
         magnetic=magnetic,
-        actuators=None if widths is None else tuple((w - 1500) / 500 for w in widths),
+        actuators=tuple((w - 1500) / 500 for w in widths) or None,
         batteries=(values["battery_control"], values["battery_power"]),
         faults=tuple(f for f in values["flags"] if not f.endswith(":empty")),
     )

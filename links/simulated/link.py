@@ -61,6 +61,7 @@ class Truth(NamedTuple):
     course: float
     current: tuple[float, float]  # north, east
     aground: bool
+    used: float = 0.0  # J, by the thrusters until the last report
 
     @property
     def local(self) -> tuple[float, float]:
@@ -236,6 +237,7 @@ class SimulatedVehicle:
             atan2(over_east, over_north) % TWO_PI,
             self._water,
             plant.aground,
+            self.sensors.used,
         )
 
     # --- what the links foretell -----------------------------------------------------------

@@ -131,7 +131,7 @@ class Sensors:
         self._keep = exp(-PERIOD / 300.0)
         self._renew = errors.compass_slow * sqrt(1 - self._keep**2)
         self._echo = False
-        self._used = 0.0  # J out of the power battery
+        self.used = 0.0  # J out of the power battery
         self._age = 0  # samples so far
 
     # --- what the control loops read -------------------------------------------------------
@@ -232,11 +232,11 @@ class Sensors:
         port, starboard, rear, left, right = thrust
         pair = (abs(port) + abs(starboard)) / (2 * body.main_thrust)
         three = (abs(rear) + abs(left) + abs(right)) / (3 * body.vertical_thrust)
-        self._used += PERIOD * (600.0 * pair * sqrt(pair) + 300.0 * three)
+        self.used += PERIOD * (600.0 * pair * sqrt(pair) + 300.0 * three)
         self._age += 1
         control = 12.8 - 2.5 * self._age * PERIOD * 35.0 / (300.0 * 3600.0)
         if self.battery_override is not None:
             control = self.battery_override
             if self.battery_noise:
                 control += self.rng.gauss(0.0, self.battery_noise)
-        return max(control, 0.0), max(50.0 - 9.0 * self._used / (900.0 * 3600.0), 0.0)
+        return max(control, 0.0), max(50.0 - 9.0 * self.used / (900.0 * 3600.0), 0.0)

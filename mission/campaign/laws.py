@@ -101,7 +101,7 @@ def violations(
     elif trial.turning and trial.state != SURFACING:
         says = f"its thrusters turn at the end, in {trial.state}"
         found.append(Violation(LOST, trial.truth.t, says))
-    found += [Violation(IGNORED, i.t, i.says) for i in ignored(trial.events)]
+    found += [Violation(IGNORED, i.t, i.says) for i in ignored(trial.events, profile)]
     spans = list(_spans(trial, mission, vehicle))
     found += _depths(trial, spans, _dive(settings, profile, trial))
     found += _ranges(trial, spans, settings)

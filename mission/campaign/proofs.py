@@ -6,8 +6,8 @@ sensors that fail and links that are lost. Then, from the start to the end of wh
 (idle, or the surface after an emergency):
 
     time    not past the proved worst time      range   never beyond the proved one
-    depth   never beyond the proved one (that    end     at the surface, by itself
-            for a failed sensor, if one fails)
+    depth   never beyond the proved one (that    energy  no more than was proved
+            for a failed sensor, if one fails)  end     at the surface, by itself
 
 Link loss is that of the boat, and of the line's telemetry and answers; a line over which commands
 get lost is a vehicle out of everybody's hands for so long, and a matter of the fault campaign.
@@ -18,7 +18,7 @@ What does not live here: what is proved (check), the flight (trial).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from random import Random
 
@@ -40,8 +40,9 @@ BIAS = math.radians(4.0)  # one sigma, of the compass; cut at two (assumed: 12 d
 SPEED = 0.08  # one sigma, of the speed scale; cut at two (assumed: 20 %)
 LINKS = ("stm32_silent", "ack_lost", "bytes_corrupted", "line_noise", "splice")
 LOST_LINKS = ("topside_lost", "topside_garbage", "topside_floods")
-TIME, DEPTH, RANGE, END = "time", "depth", "range", "end"
+TIME, DEPTH, RANGE, ENERGY, END = "time", "depth", "range", "energy", "end"
 _BLIND = ("depth_", "altitude_")
+LOOKS_WELL = ("_stuck", "_drifting", "_late")  # of a sensor: near what is asked for unseen
 LOSSES = (
     *(f"{s.name.lower()}_{h.value}" for s in Sensor for h in Health if h is not Health.HEALTHY),
     *("gps_lost", "gps_silent", "gps_corrupted", *LINKS),
@@ -84,14 +85,16 @@ class Proof:
 
 @dataclass(frozen=True, slots=True)
 class Margin:
-    """What a flight needed, or what was proved: s, m from home, m deep."""
+    """What a flight needed, or what was proved: s, m from home, m deep, J."""
 
     time: float
     range: float
     depth: float
+    energy: float
 
 
-_NOTHING = Margin(0.0, 0.0, 0.0)
+_NOTHING = Margin(0.0, 0.0, 0.0, 0.0)
+Draw = Callable[[Claim, Vehicle, int, int], Proof]
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,8 +161,8 @@ def _loss(rng: Random, name: str, begin: float) -> FaultEvent:
     return FaultEvent(name, begin, FOREVER if rng.random() < 0.15 else duration)
 
 
-def show(claim: Claim, vehicle: Vehicle, seed: int, flight: int) -> Shown:
-    proof = draw_proof(claim, vehicle, seed, flight)
+def show(claim: Claim, vehicle: Vehicle, seed: int, flight: int, draw: Draw = draw_proof) -> Shown:
+    proof = draw(claim, vehicle, seed, flight)
     trial = try_out(
         claim.mission,
         vehicle,
@@ -171,22 +174,31 @@ def show(claim: Claim, vehicle: Vehicle, seed: int, flight: int) -> Shown:
         heading=proof.heading,
     )
     begun, ended = _times(trial)
-    of = _proved(claim.proved, proof)
+    of = _proved(claim, vehicle, proof)
     words = f"{claim.source}: {proof.in_words()}"
     if trial.raised:
         raised = Violation("raised", trial.truth.t, trial.raised)
         return Shown(claim.source, flight, words, True, (raised,), _NOTHING, of)
     if begun is None:
         return Shown(claim.source, flight, words, False, (), _NOTHING, of)
-    needed = _needed(trial, begun, trial.truth.t if ended is None else ended)
+    needed = _needed(trial, vehicle, begun, trial.truth.t if ended is None else ended)
     found = list(_violations(trial, of, begun, ended, needed))
     return Shown(claim.source, flight, words, True, tuple(found), needed, of)
 
 
-def _proved(proved: Proved, proof: Proof) -> Margin:
-    blind = any(event.name.startswith(_BLIND) for event in proof.settings.faults)
-    depth = proved.blind_depth if blind else proved.max_depth
-    return Margin(proved.worst_time, proved.max_range, depth)
+def _proved(claim: Claim, vehicle: Vehicle, proof: Proof) -> Margin:
+    """Where a reading stands and looks well, the ascent from the blind depth counts as well."""
+    proved = claim.proved
+    faults = [event.name for event in proof.settings.faults if event.name.startswith(_BLIND)]
+    depth = proved.blind_depth if faults else proved.max_depth
+    longer = proved.blind_time if any(name.endswith(LOOKS_WELL) for name in faults) else 0.0
+    battery = vehicle.battery
+    return Margin(
+        proved.worst_time + longer,
+        proved.max_range + longer * claim.mission.current(vehicle.current),
+        depth,
+        proved.worst_energy + longer * (battery.hotel + battery.vertical),
+    )
 
 
 def _times(trial: Trial) -> tuple[float | None, float | None]:
@@ -203,12 +215,14 @@ def _times(trial: Trial) -> tuple[float | None, float | None]:
     return begun, None
 
 
-def _needed(trial: Trial, begun: float, ended: float) -> Margin:
+def _needed(trial: Trial, vehicle: Vehicle, begun: float, ended: float) -> Margin:
     places = [place for place in trial.track if begun <= place.t <= ended]
+    thrust = places[-1].used - places[0].used if places else 0.0
     return Margin(
         ended - begun,
         max((math.hypot(*from_home(trial, place)) for place in places), default=0.0),
         max((place.depth for place in places), default=0.0),
+        thrust + vehicle.battery.hotel * (ended - begun),
     )
 
 
@@ -224,6 +238,9 @@ def _violations(
     if needed.depth > proved.depth:
         says = f"{needed.depth:.1f} m deep, proved {proved.depth:.1f} m"
         yield Violation(DEPTH, begun, says)
+    if needed.energy > proved.energy:
+        says = f"{needed.energy / 3600:.1f} Wh, proved {proved.energy / 3600:.1f} Wh"
+        yield Violation(ENERGY, begun, says)
     if ended is None or trial.truth.depth > AFLOAT:
         says = f"{trial.truth.depth:.1f} m deep, in {trial.state}"
         yield Violation(END, trial.truth.t, says)

@@ -15,7 +15,6 @@ import gc
 import resource
 import sys
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from random import Random
@@ -54,6 +53,7 @@ class Soaked:
     parts: int = 1
     megabytes: float = 0.0  # of the parts that were taken away
     broken_parts: int = 0
+    interrupted: bool = False
 
     @property
     def growth(self) -> dict[str, float]:
@@ -96,8 +96,10 @@ def soak(
     """``folder`` is for the black box. Ctrl-C ends it early; what was found so far is returned."""
     box = BlackBox(folder / "soak.mcap", limit=PART)
     soaked = Soaked()
-    with suppress(KeyboardInterrupt):
+    try:
         _fly_on(soaked, days, seed, subjects, vehicle, box, told)
+    except KeyboardInterrupt:
+        soaked.interrupted = True
     box.close()
     return soaked
 

@@ -12,8 +12,9 @@ from mission.vehicle import Vehicle
 TWO_SIGMA = 2.0
 SPEED_SHARE = 0.2  # two sigma of the thruster model, as a share of the speed
 OVERSHOOT = 1.0  # m beyond a depth that is held; R5 acts at 1 m beyond
-START = 25.0  # m from home at which a mission is started at most
+FROZEN = 10.0  # s until a reading is known to be frozen: five reports alike, 2 s apart
 LATE = 8.0  # s until a change of depth is known: one report (2 s) after 6 s without
+TURNED = 3.0  # s until thrusters and buoyancy have turned a dive round
 STICKS = 10.0  # s that a descent may go on after it was ended: as built, W does not stick (R7)
 ASCENT_TRIES = 20.0  # s: W and X0 with U12, 10 s each, until the better is known (R7)
 SURFACED = 8.0  # s: depth below 0.5 m for 6 s, and the report that says so (R7)
@@ -25,6 +26,7 @@ class Assumptions:
 
     current: float
     start: float
+    depth: float  # m, at the start (R7)
     floor: float  # m, the deepest there is; where none is assumed, the depth allowed
     depth_without_floor: float  # m, up to which an altitude hold is bounded by clocks alone
     heading: float  # rad, two sigma
@@ -36,8 +38,9 @@ class Assumptions:
         given = dict(mission.assume)
         sensors = vehicle.sensors
         return Assumptions(
-            current=given.get("current", vehicle.current),
-            start=given.get("start", START),
+            current=mission.current(vehicle.current),
+            start=mission.start_within(sensors.fix),
+            depth=2.0 if mission.start_without_fix else 0.5,
             floor=given.get("floor", allowed),
             depth_without_floor=0.0 if "floor" in given else allowed,
             heading=TWO_SIGMA * math.hypot(sensors.heading, sensors.heading_bias),

@@ -18,15 +18,18 @@ What does not live here: where a leg leads by its text (places.py), which leg fo
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 from mission.check.assumptions import (
     ASCENT_TRIES,
+    FROZEN,
     LATE,
     OVERSHOOT,
     SPEED_SHARE,
     STICKS,
     SURFACED,
+    TURNED,
     TWO_SIGMA,
     Assumptions,
 )
@@ -57,8 +60,7 @@ from mission.units import GEARS
 from mission.vehicle import Vehicle
 from protocol.messages import Setpoint
 
-FROZEN = 10.0  # s until a reading is known to be frozen: five reports alike, 2 s apart
-TURNED = 3.0  # s until thrusters and buoyancy have turned a dive round
+_AFLOAT: Interval = (0.0, 0.5)  # m (R7)
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,8 +73,9 @@ class Trail:
     before: Trail | None
 
 
-@dataclass(frozen=True, slots=True)
-class Bounds:
+class Bounds(NamedTuple):
+    """A tuple, because five are made for every leg that is walked."""
+
     time: float  # s since the start, at most
     energy: float  # J used, at most
     north: Interval  # m from home, where it means to be
@@ -86,12 +89,18 @@ class Bounds:
     made_east: Interval
     since: float = 0.0  # s since then
     path: float = 0.0  # m through the water since then
+    fastest: float = 0.0  # m/s through the water since then
+    strayed: float = 0.0  # m since then, to any side of where it means to be
+    way: float = 0.0  # m/s through the water that was asked for last
+    ahead: float = math.inf  # m from home, the place that it steers to; inf where it does not
+    rises_to: float = math.inf  # m deep: what was asked for last lets it rise so far
+    blind: float = 0.0  # m deep at most, the truth, where the sensor of a hold fails unseen
     trail: Trail | None = None
 
     @staticmethod
-    def start(within: float, fix: float) -> Bounds:
+    def start(within: float, fix: float, depth: float) -> Bounds:
         box, none = (-within, within), (0.0, 0.0)
-        return Bounds(0.0, 0.0, box, box, (0.0, 0.5), within + fix, fix, box, box, none, none)
+        return Bounds(0.0, 0.0, box, box, (0.0, depth), within + fix, fix, box, box, none, none)
 
     def join(self, other: Bounds) -> Bounds:
         later = self if self.time >= other.time else other
@@ -109,6 +118,12 @@ class Bounds:
             made_east=hull(self.made_east, other.made_east),
             since=max(self.since, other.since),
             path=max(self.path, other.path),
+            fastest=max(self.fastest, other.fastest),
+            strayed=max(self.strayed, other.strayed),
+            way=max(self.way, other.way),
+            ahead=max(self.ahead, other.ahead),
+            rises_to=min(self.rises_to, other.rises_to),
+            blind=max(self.blind, other.blind),
             trail=later.trail,
         )
 
@@ -127,20 +142,20 @@ class LegBounds:
         self.speed = vehicle.speed_by_gear.at(gear) if self.setpoint.surge else 0.0
         self.power = vehicle.battery.hotel + vehicle.thruster_power.at(gear) + self._vertical()
         self.places = places_of(self.leg.kind, frame)
+        self.ascends = isinstance(self.leg.kind, Surface)
         self.leans_on_floor = False  # some bound of it rests on the floor that is assumed
 
     # --- what it takes -----------------------------------------------------------------
 
-    def duration(self, entry: Bounds) -> float:
-        """s at most in this leg, entered with these bounds."""
+    @property
+    def duration(self) -> float:
+        """s at most in this leg: whatever it waits for may be withheld, but not its clock."""
         leg = self.leg
         limits = [t for t in (leg.duration, leg.timeout) if t is not None]
         for way in leg.exits:
             clock = opens_at(way.guard.expression, "elapsed")
             if clock is not None:
                 limits.append(clock + way.guard.held)
-        if isinstance(leg.kind, Surface):
-            limits.append(ascent_time(entry.depth[1], self.vehicle))
         return min(limits)
 
     def _vertical(self) -> float:
@@ -154,8 +169,7 @@ class LegBounds:
     def sweep(self, entry: Bounds) -> Bounds:
         """Everywhere it may be while the leg is active, and at any moment of it."""
         after = self.leave(entry, By.ON)
-        return replace(
-            after,
+        return after._replace(
             north=hull(entry.north, after.north),
             east=hull(entry.east, after.east),
             made_north=hull(entry.made_north, after.made_north),
@@ -165,21 +179,34 @@ class LegBounds:
         )
 
     def leave(self, entry: Bounds, by: By, *, guard: Expression | None = None) -> Bounds:
-        time = self.duration(entry)
-        after = replace(
-            entry,
+        time = self.duration
+        after = entry._replace(
             time=entry.time + time,
             energy=entry.energy + time * self.power,
             depth=self._depth(entry, time),
             since=entry.since + time,
             path=entry.path + self.speed * time,
+            fastest=max(entry.fastest, self.speed),
+            way=self.speed,
+            ahead=math.inf,
+            rises_to=self._rises_to(),
+            blind=self._blind(entry, time),
             trail=Trail(self.path, by, time, entry.trail),
         )
-        if isinstance(self.leg.kind, Surface):
+        if self.ascends:
             return self._surfaced(after, time, by)
         if self.places:
             return self._steered(entry, after, time, by)
         return self._held(after, time, by, guard)
+
+    def _rises_to(self) -> float:
+        """m deep: how far up its buoyancy may carry it while its set is in force."""
+        s = self.setpoint
+        if isinstance(self.leg.kind, Yoyo):
+            return self.leg.kind.shallow
+        if s.depth is not None:
+            return s.depth
+        return math.inf if s.heave is not None and s.heave > 0 else 0.0
 
     def _error(self, at: Bounds) -> float:
         """Two sigma; the speed scale acts along the way made good, the bias across it."""
@@ -187,20 +214,22 @@ class LegBounds:
         made = reach(at.made_north, at.made_east)
         constant = math.hypot(SPEED_SHARE, TWO_SIGMA * sensors.heading_bias)
         drift = self.assume.current * at.since
-        return TWO_SIGMA * sensors.fix + made * constant + at.path * sensors.heading + drift
+        lost = at.fastest * min(at.since, FROZEN + LATE)  # without a compass, until that is known
+        noise = TWO_SIGMA * sensors.fix + at.path * sensors.heading
+        return noise + made * constant + at.strayed + lost + drift
 
     def _surfaced(self, after: Bounds, time: float, by: By) -> Bounds:
         farthest = after.range + self.assume.current * time
         assert isinstance(self.leg.kind, Surface)
         if by is not By.END:
-            return replace(after, error=self._error(after), range=farthest)
+            return after._replace(error=self._error(after), range=farthest)
         if not self.leg.kind.until_fix:
-            return replace(after, error=self._error(after), range=farthest, depth=(0.0, 0.5))
+            up = after._replace(range=farthest, depth=_AFLOAT, blind=_AFLOAT[1])
+            return up._replace(error=self._error(up))
         error = self._error(after)
         north, east = grown(after.north, error), grown(after.east, error)
-        fresh = Bounds.start(0.0, TWO_SIGMA * self.vehicle.sensors.fix)
-        return replace(
-            fresh,
+        fresh = Bounds.start(0.0, TWO_SIGMA * self.vehicle.sensors.fix, _AFLOAT[1])
+        return fresh._replace(
             time=after.time,
             energy=after.energy,
             trail=after.trail,
@@ -234,14 +263,31 @@ class LegBounds:
             deepest = min(deepest, max(high, self.assume.floor - s.altitude) + OVERSHOOT)
         return 0.0, max(high, deepest)
 
-    def blind(self, deepest: float) -> float:
-        """m at most, from ``deepest``, if the sensor that a hold goes by fails: it pushes down
-        until that is known, and until the ascent has turned the dive round."""
-        s = self.setpoint
-        holds = s.depth is not None or s.altitude is not None or isinstance(self.leg.kind, Yoyo)
-        if not holds and not (s.heave is not None and s.heave > 0):
+    def blind(self, entry: Bounds) -> float:
+        """m at most if the sensor that a hold goes by fails: it pushes down until that is known,
+        and until the ascent has turned the dive round."""
+        deepest = max(self._depth(entry, self.duration)[1], entry.blind)
+        if not self._pushes_down:
             return deepest
-        deeper = deepest + self.vehicle.dive_rate * (FROZEN + LATE + STICKS + TURNED)
+        failed = max(self.duration, FROZEN + LATE) + STICKS + TURNED
+        return self._above_floor(deepest, deepest + self.vehicle.dive_rate * failed)
+
+    def _blind(self, entry: Bounds, time: float) -> float:
+        """Near the depth that is asked for nothing can see that a reading stands: a hold then
+        pushes down for as long as it lasts, and the next one goes on from there."""
+        if not self._pushes_down:
+            return entry.blind
+        deepest = max(entry.blind, self._depth(entry, time)[1])
+        return self._above_floor(deepest, deepest + self.vehicle.dive_rate * time)
+
+    @property
+    def _pushes_down(self) -> bool:
+        s = self.setpoint
+        held = s.depth is not None or s.altitude is not None or isinstance(self.leg.kind, Yoyo)
+        return held or (s.heave is not None and s.heave > 0)
+
+    def _above_floor(self, deepest: float, deeper: float) -> float:
+        """``deeper``, but not below the floor where the mission says how deep that is."""
         floor = math.inf if self.assume.depth_without_floor else self.assume.floor
         return max(deepest, min(deeper, floor))
 
@@ -261,8 +307,7 @@ class LegBounds:
             turning = self.speed * min(time, math.pi / 2.0 / self.vehicle.turn_rate)
             north = grown(scaled(along, math.cos(bow)), turning)
             east = grown(scaled(along, math.sin(bow)), turning)
-        moved = replace(
-            after,
+        moved = after._replace(
             north=plus(after.north, north),
             east=plus(after.east, east),
             made_north=plus(after.made_north, north),
@@ -274,7 +319,7 @@ class LegBounds:
             after.range + swum + self.assume.current * time,
             reach(moved.north, moved.east) + error,
         )
-        return replace(moved, error=error, range=farthest)
+        return moved._replace(error=error, range=farthest)
 
     def _along(self, time: float, by: By, guard: Expression | None) -> Interval:
         """How far through the water along its heading, when the leg is left in this way."""
@@ -294,31 +339,32 @@ class LegBounds:
         ends = self.places[-1:] if isinstance(self.leg.kind, Goto | Follow) else self.places
         north = grown(hull_of(n for n, _ in ends), within)
         east = grown(hull_of(e for _, e in ends), within)
+        after = after._replace(ahead=reach(north, east))
         arrived = self._at(after, north, east)
         share = self._share_of_way(entry, time)
         far = max(math.hypot(n, e) for n, e in self.places) + within + arrived.error
         stopped = (1.0 - share) * entry.range + share * far + (1.0 - share) * arrived.error
         turning = self.speed * math.pi / self.vehicle.turn_rate / 2.0
         if by is By.END:
-            return replace(arrived, range=far)
+            return arrived._replace(range=far)
         between = self._at(
             after,
             hull(entry.north, hull_of(n for n, _ in self.places)),
             hull(entry.east, hull_of(e for _, e in self.places)),
         )
         if by in (By.TIMEOUT, By.FOR) and share < 1.0:
-            return replace(between, range=max(stopped, far if share else 0.0))
-        return replace(between, range=max(entry.range + turning, stopped, far))
+            return between._replace(range=max(stopped, far if share else 0.0))
+        return between._replace(range=max(entry.range + turning, stopped, far))
 
     def _at(self, after: Bounds, north: Interval, east: Interval) -> Bounds:
-        there = replace(
-            after,
+        there = after._replace(
             north=north,
             east=east,
             made_north=minus(north, after.fixed_north),
             made_east=minus(east, after.fixed_east),
         )
-        return replace(there, error=self._error(there))
+        error = self._error(there)
+        return there._replace(error=error, ahead=after.ahead + error)
 
     def _share_of_way(self, entry: Bounds, time: float) -> float:
         """Of the straight way to the only place, how much is made for sure by ``time``."""
@@ -328,6 +374,22 @@ class LegBounds:
         far = reach(minus(entry.north, (north, north)), minus(entry.east, (east, east)))
         made = max(0.0, self.speed - self.assume.current) * time
         return 1.0 if far <= made else made / far
+
+
+def goes_on(leaving: Bounds, vehicle: Vehicle) -> Bounds:
+    """Into an ascent, which begins with W: as built that does not stick. What was asked for last
+    goes on, the way ahead with it, for as long as it happens to rise, and until that has ended."""
+    deeper = max(0.0, leaving.depth[1] - OVERSHOOT - leaving.rises_to)
+    time = 2.0 * STICKS + deeper / vehicle.ascent_buoyancy
+    power = vehicle.thruster_power.at(vehicle.speed_by_gear.inverse(leaving.way))
+    swum = time * leaving.way * (1.0 + SPEED_SHARE)
+    return leaving._replace(
+        energy=leaving.energy + time * power,
+        range=max(leaving.range, min(leaving.range, leaving.ahead) + swum),
+        strayed=leaving.strayed + swum,
+        error=leaving.error + swum,
+        way=0.0,
+    )
 
 
 def ascent_time(depth: float, vehicle: Vehicle) -> float:

@@ -4,8 +4,9 @@ The tree is walked scope by scope: a group's body in its order, as many rounds a
 each leg entered with the join of all ways into it. An edge forward in its scope, or out of it,
 is followed; one backward that is not the round of a group could be taken without end, and is
 reported. ``on`` handlers act once each (a second time the engine surfaces), so the whole is
-walked again from their targets, as many times as there are handlers, with what the walk before
-handed over.
+walked again from their targets, as many times as there are handlers that lead on, with what the
+walk before handed over. From every leg, at any moment of it, a limit or a handler may end the
+mission: the ascent from there counts.
 
 What does not live here: what a leg does to the bounds (bounds.py), what is refused (rules.py).
 """
@@ -13,11 +14,11 @@ What does not live here: what a leg does to the bounds (bounds.py), what is refu
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TypeVar
 
 from mission.check.assumptions import Assumptions
-from mission.check.bounds import Bounds, LegBounds, Trail, ascent_time
+from mission.check.bounds import Bounds, LegBounds, Trail, ascent_time, goes_on
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, Loop, State
 from mission.vehicle import Vehicle
 
@@ -37,7 +38,8 @@ class TooLongError(Exception):
 class Proof:
     """What the walk found: the worst of each figure with its bounds, and what it came upon."""
 
-    end: Bounds | None = None
+    end: Bounds | None = None  # where the mission's own ways lead
+    worst: Bounds | None = None  # the same, and every ascent that a limit may begin
     widest: float = 0.0
     deepest: float = 0.0
     blind: float = 0.0  # the same if the sensor that a hold goes by fails
@@ -82,7 +84,9 @@ class Flow:
 
     def walk(self, start: Bounds) -> Proof:
         entries = {self.chart.initial: start}
-        for generation in range(1 + sum(map(len, self.handlers.values()))):
+        handlers = (h for scope in self.handlers.values() for h in scope)
+        lead_on = sum(h.target != IMPLICIT_SURFACE for h in handlers)
+        for generation in range(1 + lead_on):
             self._interrupted = generation > 0
             self._next = {}
             self._scope(AUTONOMOUS, entries, ())
@@ -175,35 +179,48 @@ class Flow:
         proof.reached.add(path)
         sweep = leg.sweep(entry)
         self._note(path, sweep)
-        proof.blind = max(proof.blind, leg.blind(sweep.depth[1]))
+        proof.blind = max(proof.blind, leg.blind(entry))
+        self._surface(path, sweep)
         for scope in above:
             for handler in self.handlers.get(scope, ()):
                 if handler.target != path:
                     proof.taken.add(handler.trigger)
-                    _merge(self._next, handler.target, sweep)
+                    _merge(self._next, handler.target, self._into(handler.target, sweep))
         out: Exits = {}
         for edge in self.edges.get(path, ()):
             guard = edge.guard.expression if edge.guard else None
             proof.taken.add(edge.trigger)
-            _merge(out, (edge.target, edge.loops), leg.leave(entry, edge.by, guard=guard))
+            left = leg.leave(entry, edge.by, guard=guard)
+            _merge(out, (edge.target, edge.loops), self._into(edge.target, left))
         return out
+
+    def _into(self, target: str, bounds: Bounds) -> Bounds:
+        ascends = target not in self.legs or self.legs[target].ascends
+        return goes_on(bounds, self.vehicle) if ascends else bounds
 
     def _arrive(self, path: str, bounds: Bounds) -> None:
         """The implicit leg: the ascent, and with it the end."""
+        self.proof.reached.add(path)
+        end = self._surface(path, bounds)
+        self.proof.end = end if self.proof.end is None else self.proof.end.join(end)
+
+    def _surface(self, path: str, bounds: Bounds) -> Bounds:
+        """At the surface, from anywhere in these bounds: a limit may act at any moment."""
         time = ascent_time(bounds.depth[1], self.vehicle)
         drift = self.assume.current * time
-        end = replace(
-            bounds,
+        battery = self.vehicle.battery
+        bounds = goes_on(bounds, self.vehicle)
+        up = bounds._replace(
             time=bounds.time + time,
-            energy=bounds.energy
-            + time * (self.vehicle.battery.hotel + self.vehicle.battery.vertical),
+            energy=bounds.energy + time * (battery.hotel + battery.vertical),
             range=bounds.range + drift,
             error=bounds.error + drift,
             trail=Trail(IMPLICIT_SURFACE, By.END, time, bounds.trail),
         )
-        self.proof.reached.add(IMPLICIT_SURFACE)
-        self._note(IMPLICIT_SURFACE, end)
-        self.proof.end = end if self.proof.end is None else self.proof.end.join(end)
+        self._note(path, up)
+        worst = self.proof.worst
+        self.proof.worst = up if worst is None else worst.join(up)
+        return up
 
     def _note(self, path: str, bounds: Bounds) -> None:
         proof = self.proof

@@ -10,6 +10,7 @@
     radius         the swept path, widened by current and uncertainty, leaves the radius
     depth          the same for the depth
     energy         the worst case exceeds the battery
+    heavy          the vehicle does not rise by itself, and X rests on that
     too-long       more rounds than can be walked
 
 What does not live here: the bounds (bounds.py) and the walk (flow.py).
@@ -21,7 +22,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from mission import envelope
+from mission import buoyancy, envelope
 from mission.check.assumptions import SPEED_SHARE, Assumptions
 from mission.check.bounds import Bounds, LegBounds
 from mission.check.flow import Flow, Proof, TooLongError, trail
@@ -41,7 +42,6 @@ from mission.model import (
     Or,
     Position,
     State,
-    Surface,
     Where,
 )
 from mission.navigation.geodesy import LocalFrame
@@ -71,6 +71,7 @@ class Proved:
     max_range: float  # m from home, the truth
     max_depth: float  # m
     blind_depth: float  # m, the same if the sensor that a hold goes by fails
+    blind_time: float  # s that the ascent from there takes longer
     uncertainty: float  # m, of the estimate at the end, that was added
     path: tuple[str, ...]  # of the worst time
 
@@ -92,8 +93,10 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     limits = in_force(vehicle, mission.safety, SetSafety())
     assume = Assumptions.of(mission, vehicle, limits.depth)
     frame = LocalFrame(mission.home) if mission.home else None
-    early = [*_no_bound(chart), *_no_home(chart), *_unknowable(chart, vehicle)]
-    if any(r.rule in ("no-bound", "no-home") for r in early):
+    early = [*_heavy(chart, vehicle), *_no_bound(chart), *_no_home(chart)]
+    unbounded = bool(early)
+    early += _unknowable(chart, vehicle)
+    if unbounded:
         return Report(tuple(early), None, tuple(_assumed(chart, vehicle, assume, False)))
     flow = Flow(
         chart,
@@ -104,7 +107,7 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
         depth=limits.depth + DEPTH_MARGIN,
     )
     try:
-        proof = flow.walk(Bounds.start(assume.start, 2.0 * vehicle.sensors.fix))
+        proof = flow.walk(Bounds.start(assume.start, 2.0 * vehicle.sensors.fix, assume.depth))
     except TooLongError:
         message = f"more than {flow.proof.walked - 1} legs are flown in the worst case; repeat less"
         refusals = (*early, Refusal("too-long", mission.where, message))
@@ -112,7 +115,7 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     found = [*early, *_ways(chart, proof), *_bounds(chart, vehicle, proof, limits)]
     floor = any(leg.leans_on_floor for leg in flow.legs.values())
     assumed = tuple(_assumed(chart, vehicle, assume, floor))
-    return Report(tuple(found), _proved(proof, chart), assumed)
+    return Report(tuple(found), _proved(proof, chart, vehicle), assumed)
 
 
 # --- rules ------------------------------------------------------------------------------
@@ -126,12 +129,16 @@ def _name(path: str) -> str:
     return path.removeprefix(AUTONOMOUS + "/")
 
 
+def _heavy(chart: Chart, vehicle: Vehicle) -> Iterator[Refusal]:
+    if why := buoyancy.heavy(vehicle):
+        yield Refusal("heavy", chart.mission.where, why)
+
+
 def _no_bound(chart: Chart) -> Iterator[Refusal]:
     for state in _legs(chart):
         leg = state.leg
         assert leg is not None
-        bound = leg.duration is not None or leg.timeout is not None
-        if not bound and not isinstance(leg.kind, Surface):
+        if leg.duration is None and leg.timeout is None:
             message = f"{_name(state.path)} has no clock to end it; add for or timeout"
             yield Refusal("no-bound", leg.where, message)
 
@@ -210,18 +217,18 @@ def _ways(chart: Chart, proof: Proof) -> Iterator[Refusal]:
 def _bounds(
     chart: Chart, vehicle: Vehicle, proof: Proof, limits: envelope.Bounds
 ) -> Iterator[Refusal]:
-    end = proof.end
+    worst = proof.worst
     mission = chart.mission
-    if end is None:
+    if proof.end is None or worst is None:
         if not proof.backward:
             yield Refusal("no-way-up", mission.where, "no way leads to the end of the mission")
         return
-    if end.time > limits.time:
+    if worst.time > limits.time:
         message = (
-            f"the worst case takes {_minutes(end.time)}, the ascent included; "
+            f"the worst case takes {_minutes(worst.time)}, the ascent included; "
             f"the safety time is {_minutes(limits.time)}"
         )
-        yield Refusal("time", mission.where, message, _path(end))
+        yield Refusal("time", mission.where, message, _path(worst))
     if proof.out_of_radius is not None:
         path, bounds = proof.out_of_radius
         message = (
@@ -236,12 +243,12 @@ def _bounds(
             f"the depth allowed is {limits.depth:.0f} m" + _floor_hint(chart, path)
         )
         yield Refusal("depth", _where(chart, path), message, _path(bounds))
-    if end.energy > vehicle.battery.usable:
+    if worst.energy > vehicle.battery.usable:
         message = (
-            f"the worst case takes {end.energy / 3600:.0f} Wh, the ascent included; "
+            f"the worst case takes {worst.energy / 3600:.0f} Wh, the ascent included; "
             f"usable are {vehicle.battery.usable / 3600:.0f} Wh"
         )
-        yield Refusal("energy", mission.where, message, _path(end))
+        yield Refusal("energy", mission.where, message, _path(worst))
 
 
 def _floor_hint(chart: Chart, path: str) -> str:
@@ -272,19 +279,22 @@ def _path(bounds: Bounds | None) -> tuple[str, ...]:
 # --- the report --------------------------------------------------------------------------
 
 
-def _proved(proof: Proof, chart: Chart) -> Proved | None:
-    if proof.end is None:
+def _proved(proof: Proof, chart: Chart, vehicle: Vehicle) -> Proved | None:
+    worst = proof.worst
+    if proof.end is None or worst is None:
         return None
+    blind = max(proof.deepest, proof.blind)
     return Proved(
         states=len(proof.reached),
         transitions=len(proof.taken),
-        worst_time=proof.end.time,
-        worst_energy=proof.end.energy,
+        worst_time=worst.time,
+        worst_energy=worst.energy,
         max_range=proof.widest,
         max_depth=proof.deepest,
-        blind_depth=max(proof.deepest, proof.blind),
+        blind_depth=blind,
+        blind_time=(blind - proof.deepest) / vehicle.ascent_buoyancy,
         uncertainty=proof.end.error,
-        path=_path(proof.end),
+        path=_path(worst),
     )
 
 
@@ -295,7 +305,7 @@ def _assumed(chart: Chart, vehicle: Vehicle, assume: Assumptions, floor: bool) -
     yield f"started within {assume.start:g} m of home"
     yield f"speed by gear as in the vehicle file, within {SPEED_SHARE:.0%} (two sigma)"
     yield f"heading within {math.degrees(assume.heading):.0f} deg (two sigma of sensor and bias)"
-    yield f"ascent by buoyancy alone at {vehicle.ascent_buoyancy:g} m/s"
+    yield f"ascent by buoyancy alone at {buoyancy.told(vehicle)}"
     yield f"battery {vehicle.battery.usable / 3600:.0f} Wh usable, powers as in the vehicle file"
     yield from _stated_rounding(chart, vehicle)
     if floor:

@@ -24,6 +24,7 @@ def as_object(report: Report) -> dict[str, Any]:
             "max_range_m": round(proved.max_range, 1),
             "max_depth_m": round(proved.max_depth, 1),
             "blind_depth_m": round(proved.blind_depth, 1),
+            "blind_time_s": round(proved.blind_time, 1),
             "uncertainty_m": round(proved.uncertainty, 1),
             "worst_path": list(proved.path),
         },
@@ -64,7 +65,8 @@ def as_text(source: str, report: Report, digest: str, text: str = "") -> str:
             f"  worst-case energy       {proved.worst_energy / 3600:.0f} Wh",
             f"  greatest range          {proved.max_range:.0f} m from home",
             f"  greatest depth          {proved.max_depth:.1f} m"
-            f" ({proved.blind_depth:.1f} m if the sensor of a hold fails)",
+            f" ({proved.blind_depth:.1f} m if the sensor of a hold fails,"
+            f" and {proved.blind_time / 60:.1f} min more to the surface)",
             f"  uncertainty added       {proved.uncertainty:.0f} m at the end",
             "  way to the surface      from every state, by clocks alone"
             if report.ok

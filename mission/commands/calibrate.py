@@ -1,4 +1,4 @@
-"""``auvmission calibrate``: what dives with fixes teach about speed, compass and noise."""
+"""``auvmission calibrate``: what dives with fixes teach: speed, compass, noise, buoyancy."""
 
 from __future__ import annotations
 
@@ -20,15 +20,17 @@ def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
               plot: Path | None) -> None:  # fmt: skip
     """Fit speed scale, compass and noise from black boxes LOGS that hold fixes.
 
-    Prints the sections of a vehicle file that replace sensors, compass and calibration. How good
-    they are goes to stderr: the error at the end of each dive, before and after; with two logs or
-    more, after calibration on the others. What the logs do not teach stays as the vehicle file has
+    Prints the sections of a vehicle file that replace sensors, compass and calibration, and, where
+    a float test is among the logs, ascent_buoyancy and ascent_measured. How good they are goes to
+    stderr: the error at the end of each dive, before and after; with two logs or more, after
+    calibration on the others. What the logs do not teach stays as the vehicle file has
     it, and is told with what would teach it. Exit 2 where the logs cannot be used.
     """
     from mission.blackbox import BlackBoxError
+    from mission.buoyancy import heavy
     from mission.navigation.calibration import CalibrationError
     from mission.navigation.calibration import calibrate as fit
-    from mission.navigation.lessons import kept, section, untaught
+    from mission.navigation.lessons import kept, rise, section, untaught
     from mission.serve.heard import LogError, read_log
     from mission.vehicle import VehicleError, load_vehicle
 
@@ -53,7 +55,9 @@ def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
         click.echo("the error has grown: keep the old figures, calibrate with more logs", err=True)
     for line in untaught(done):
         click.echo(line, err=True)
-    text = section(done.vehicle, kept(done))
+    text = rise(done) + section(done.vehicle, kept(done))
+    if why := heavy(done.vehicle):
+        click.echo(why, err=True)
     if output is None:
         click.echo(text, nl=False)
     try:

@@ -32,6 +32,10 @@ Job = tuple["Claim", int, int]  # claim, seed, flight
 )
 @SEED
 @click.option("--generated", type=click.IntRange(0), help="The generated mission of this number.")
+@click.option(
+    "--words", is_flag=True, help="Fly every word of the language, withholding what it waits for."
+)
+@click.option("--word", type=click.IntRange(0), help="The word's mission of this number.")
 @click.option("--flight", type=click.IntRange(0), help="Fly this flight alone, and tell its story.")
 @click.option("--show", is_flag=True, help="Print the generated mission, do not fly.")
 @click.option("--workers", type=click.IntRange(1), help="Processes; a core each by default.")
@@ -41,6 +45,8 @@ def campaign(
     flights: int,
     seed: int,
     generated: int | None,
+    words: bool,
+    word: int | None,
     flight: int | None,
     show: bool,
     workers: int | None,
@@ -57,15 +63,17 @@ def campaign(
 
     from mission.campaign.faults import shipped
     from mission.campaign.generated import generate
-    from mission.campaign.pool import results, with_progress
+    from mission.campaign.withheld import claims as withheld
     from mission.prepare import Unreadable
     from mission.vehicle import load_vehicle
+    from mission.workers import results, with_progress
 
     if generated is not None and show:
         click.echo(generate(seed, generated, load_vehicle("auv")).text, nl=False)
         return
-    named = () if generated is not None else files or tuple(shipped())
-    count = 1 if generated is not None else len(named) if missions is None else missions
+    only = generated is not None or words or word is not None
+    named = () if only else files or tuple(shipped())
+    count = 1 if generated is not None else len(named) if missions is None or only else missions
     tell = functools.partial(click.echo, err=True)
     try:
         claims = [_claim(path) for path in named[:count]]
@@ -76,6 +84,9 @@ def campaign(
     numbers = range(first, first + count - len(claims))
     made = results(functools.partial(_generated, seed), numbers, workers)
     claims += with_progress(made, len(numbers), "missions generated", tell)
+    if words or word is not None:
+        said = list(withheld(load_vehicle("auv")))
+        claims += said if word is None else said[word : word + 1]
     flown = range(flights) if flight is None else [flight]
     jobs: list[Job] = [(claim, seed, number) for claim in claims for number in flown]
     ended = with_progress(results(_show, jobs, workers), len(jobs), "flights", tell)
@@ -96,10 +107,12 @@ class _Tally:
     flights: int = 0
     not_started: int = 0
     violations: dict[str, int] = field(
-        default_factory=lambda: dict.fromkeys(("time", "range", "depth", "end", "raised"), 0)
+        default_factory=lambda: dict.fromkeys(
+            ("time", "range", "depth", "energy", "end", "raised"), 0
+        )
     )
     greatest_share: dict[str, float] = field(
-        default_factory=lambda: dict.fromkeys(("time", "range", "depth"), 0.0)
+        default_factory=lambda: dict.fromkeys(("time", "range", "depth", "energy"), 0.0)
     )
 
     def take(self, shown: Shown) -> None:
@@ -138,10 +151,12 @@ def _generated(seed: int, number: int) -> Claim:
 
 def _show(job: Job) -> Shown:
     from mission.campaign.proofs import show
+    from mission.campaign.withheld import drawn_for
     from mission.vehicle import load_vehicle
 
     claim, seed, flight = job
-    return show(claim, load_vehicle(claim.mission.vehicle), seed, flight)
+    vehicle = load_vehicle(claim.mission.vehicle)
+    return show(claim, vehicle, seed, flight, drawn_for(claim, flight))
 
 
 def _story(shown: Shown, seed: int, number: int) -> str:

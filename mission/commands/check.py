@@ -20,7 +20,9 @@ def check(mission: str, vehicle: str | None, parameters: tuple[str, ...], as_jso
     """
     import json
     import sys
+    from datetime import UTC, datetime
 
+    from mission.buoyancy import doubt
     from mission.check.show import as_object, as_text, unreadable_object
     from mission.model import Where
     from mission.prepare import Unreadable, check_prepared, parameters_of, prepare
@@ -36,6 +38,9 @@ def check(mission: str, vehicle: str | None, parameters: tuple[str, ...], as_jso
             ]
             click.echo(json.dumps(unreadable_object(problems)))
         sys.exit(2)
+    today = datetime.now(UTC).date()
+    if prepared.vehicle.ascent_measured and (why := doubt(prepared.vehicle, today)):
+        click.echo(f"{prepared.vehicle.name}: {why}", err=True)
     text = as_text(prepared.source, report, prepared.chart.digest, prepared.text)
     click.echo(json.dumps(as_object(report)) if as_json else text)
     sys.exit(0 if report.ok else 1)

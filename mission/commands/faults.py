@@ -50,7 +50,7 @@ def faults(
     import sys
 
     from mission.campaign.faults import Totals, fare, shipped, subjects
-    from mission.campaign.pool import results, with_progress
+    from mission.workers import results, with_progress
 
     known = tuple(subjects(shipped()))
     if soak is not None:
@@ -112,6 +112,8 @@ def _soak(days: float, seed: int, known: Sequence[Subject], as_json: bool) -> in
         },
     }
     click.echo(json.dumps(found))
+    if soaked.interrupted:
+        raise KeyboardInterrupt
     return 0 if soaked.totals.clean and soaked.flat and not soaked.broken_parts else 1
 
 

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
+    from mission.operator.looking import Looked
     from mission.operator.upload import Script
     from mission.prepare import Prepared
-    from protocol.messages import Status, StoreReport
+    from protocol.messages import Order
 
 TO = click.option(
     "--to",
@@ -101,21 +102,29 @@ def clear(to: str) -> None:
 @click.command()
 @TO
 def stop(to: str) -> None:
-    """Stop all thrusters, at once and from any state (@ZAX0)."""
-    from mission.operator.upload import order
+    """Stop all thrusters, at once and from any state (@ZAX0).
+
+    Then some seconds of reports are looked at. Exit 0 when one shows every thruster off; 3 when it
+    was sent and nothing confirms it; 1 when reports contradict it, or it is not known to have
+    arrived.
+    """
     from protocol.messages import Order
 
-    _converse(to, order(Order.STOP))
+    _order(to, Order.STOP)
 
 
 @click.command()
 @TO
 def surface(to: str) -> None:
-    """Surface, at once and from any state (@ZAWF)."""
-    from mission.operator.upload import order
+    """Surface, at once and from any state (@ZAWF).
+
+    Then reports are looked at for up to a minute. Exit 0 when one shows the surface, or a depth
+    that has fallen by 0.5 m; 3 when it was sent and nothing confirms it; 1 when the depth does not
+    fall, or it is not known to have arrived.
+    """
     from protocol.messages import Order
 
-    _converse(to, order(Order.SURFACE))
+    _order(to, Order.SURFACE)
 
 
 @click.command()
@@ -124,20 +133,24 @@ def surface(to: str) -> None:
 @click.option("--local", is_flag=True, help="On the Pi itself: all that serve knows of its health.")
 @click.option("-c", "--config", type=click.Path(path_type=Path), help="As for serve; for --local.")
 def status(to: str, as_json: bool, local: bool, config: Path | None) -> None:
-    """What the vehicle tells of itself (@DU) and of its store (@AQ)."""
+    """What the vehicle tells of itself (@DU) and of its store (@AQ).
+
+    Looks again for some seconds: "reports" and "position" say whether what is shown is new.
+    """
     import json
 
-    from mission.operator.upload import status as talk
+    from mission.operator.looking import look
+    from mission.operator.underwater import PREFIX
 
     if local:
         _status_here(config, as_json)
         return
     found: dict[str, Any] = {}
 
-    def took(told: Status, store: StoreReport | None) -> None:
-        found.update(_values(told, store))
+    def took(looked: Looked) -> None:
+        found.update(_values(looked))
 
-    _converse(to, talk(took))
+    _converse(to, look(took, under_water=to.startswith(PREFIX)))
     if as_json:
         click.echo(json.dumps(found))
         return
@@ -159,9 +172,10 @@ def _status_here(config: Path | None, as_json: bool) -> None:
     except ConfigurationError as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
-    found = health.read(folder, time.time())
+    wall = time.time()
+    found = health.read(folder, wall)
     if found is None:
-        mute = health.mute(folder, time.time())
+        mute = health.mute(folder, wall)
         why = (
             f"no serve is running with the folder {folder}"
             if mute is None
@@ -172,17 +186,20 @@ def _status_here(config: Path | None, as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps(found))
         return
-    for row in health.as_lines(found):
+    for row in health.as_lines(found, wall):
         click.echo(row)
 
 
-def _values(told: Status, store: StoreReport | None) -> dict[str, Any]:
+def _values(looked: Looked) -> dict[str, Any]:
     from mission.operator.console import degrees
 
+    told, store = looked.last, looked.store
     fix, own = told.fix, told.telemetry
     batteries = own.batteries if own is not None and own.batteries else (None, None)
     return {
         "time": told.time,
+        "reports": looked.reports,
+        "position": looked.position,
         "latitude": degrees(fix.latitude, 7) if fix else None,
         "longitude": degrees(fix.longitude, 7) if fix else None,
         "depth_m": own.depth if own else None,
@@ -200,6 +217,16 @@ def _values(told: Status, store: StoreReport | None) -> dict[str, Any]:
     }
 
 
+def _order(to: str, which: Order) -> None:
+    import functools
+
+    from mission.operator.orders import order
+    from mission.operator.underwater import PREFIX
+
+    tell = functools.partial(click.echo, err=True)
+    _converse(to, order(which, tell, under_water=to.startswith(PREFIX)))
+
+
 def _converse(to: str, script: Script) -> None:
     from mission.operator.console import converse
 
@@ -207,7 +234,9 @@ def _converse(to: str, script: Script) -> None:
 
 
 def _say(talk: Callable[[], str]) -> None:
-    """What a conversation achieved; what failed goes to stderr with exit 1."""
+    """What a conversation achieved; what failed goes to stderr with exit 1, or 3 where nothing is
+    known to have failed."""
+    from mission.operator.orders import Unconfirmed
     from mission.operator.upload import OperatorError, Refused
 
     try:
@@ -215,6 +244,9 @@ def _say(talk: Callable[[], str]) -> None:
     except OperatorError as error:
         prefix = "refused: " if isinstance(error, Refused) else ""
         click.echo(f"{prefix}{error}", err=True)
-        raise SystemExit(1) from None
+        raise SystemExit(3 if isinstance(error, Unconfirmed) else 1) from None
+    except KeyboardInterrupt:
+        click.echo("what was asked last may or may not have been done", err=True)
+        raise
     if achieved:
         click.echo(achieved)

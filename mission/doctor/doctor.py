@@ -23,6 +23,7 @@ from links import parse_address
 from links.base import LinkError
 from mission.configuration import Configuration
 from mission.doctor import bedside
+from mission.doctor.buoyant import buoyant
 from mission.doctor.findings import Condition, Finding, fault, ok, warning
 from mission.envelope import LIMITS, in_force
 from mission.serve import health
@@ -56,7 +57,11 @@ def examine(configuration: Configuration, vehicle: Vehicle) -> Iterator[Finding]
 
 def _configured(patient: Patient) -> Iterator[Finding]:
     c = patient.configuration
-    yield ok("configuration", f"read; vehicle file {c.vehicle}, folder {c.folder}")
+    if c.ascent_only:
+        says = f"{c.ascent_only}; with the folder {c.folder} and the vehicle at {c.links.vehicle}"
+        yield warning("configuration", says, "mend what is broken, then restart serve")
+    else:
+        yield ok("configuration", f"read; vehicle file {c.vehicle}, folder {c.folder}")
     if patient.mute is not None:
         yield fault(
             "serve",
@@ -71,6 +76,9 @@ def _configured(patient: Patient) -> Iterator[Finding]:
             f"running (process {patient.running['pid']}, "
             f"{patient.running['state']}): its ports are left alone",
         )
+        for broken in patient.running["broken"]:
+            todo = "mend it, then, with the vehicle at the surface, restart serve"
+            yield fault("serve began with", broken, todo)
 
 
 def _disk(patient: Patient) -> Iterator[Finding]:
@@ -321,5 +329,6 @@ ROWS: tuple[Callable[[Patient], Iterable[Finding]], ...] = (
     _ports,
     _camera,
     _limits,
+    buoyant,
     _assumed,
 )

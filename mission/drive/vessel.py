@@ -49,6 +49,11 @@ class Vessel(Protocol):
         """Of the stored mission, hex; "" if there is none."""
         ...
 
+    @property
+    def doubted_at(self) -> float:
+        """When a report last contradicted a stop, -inf: never."""
+        ...
+
     def decide(self, command: Command, now: float) -> Verdict: ...
 
     def switch_auto(self, is_open: bool, now: float) -> None: ...
@@ -57,7 +62,14 @@ class Vessel(Protocol):
         """An M that was refused: a stick is held somewhere (R6)."""
         ...
 
-    def relay(self, frame: bytes, reason: str, manual: bool) -> None: ...
+    @property
+    def cannot_relay(self) -> str:
+        """Why the vehicle takes no M, R and D at all, "" if it has them (R14)."""
+        ...
+
+    def relay(self, frame: bytes, reason: str, manual: bool) -> str:
+        """Why it will not leave, "" if it will."""
+        ...
 
     def accept(self, lines: tuple[str, ...], now: float) -> None:
         """Compile, check, store and load a mission; raises MissionRefused or StoreError."""

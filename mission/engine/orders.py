@@ -17,7 +17,10 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
+from mission.buoyancy import heavy
 from mission.engine.core import Core
+from mission.engine.ending import WHY
+from mission.engine.outset import too_far
 from mission.engine.senses import FIX_AGE, SURFACE_DEPTH
 from mission.envelope import SILENCE, admit
 from mission.fixes import metres
@@ -46,7 +49,7 @@ ACCEPTED = Verdict(True)
 
 def emergency(core: Core, command: Emergency) -> Verdict:
     if command.order is Order.STOP:
-        core.emergency_stop("X from the operator")
+        core.stop_in("X", STOPPED, "X from the operator", By.OPERATOR)
     else:
         core.surface("W", "W from the operator", By.OPERATOR)
     return ACCEPTED
@@ -130,6 +133,8 @@ def start(core: Core, command: StartMission) -> Verdict:
 
 
 def _why_not_start(core: Core) -> str:
+    if core.ending:
+        return f"{WHY} when it has surfaced"
     if core.region == EMERGENCY:
         return "an emergency: clear it (@AC), or take the stick"
     if not core.auto:
@@ -147,6 +152,8 @@ def _why_not_start(core: Core) -> str:
 
 
 def _why_not_fly(core: Core, chart: Chart) -> str:
+    if why := heavy(core.vehicle):
+        return why
     report = core.senses.telemetry
     if report is None or core.now - report.t > SILENCE:
         return f"the vehicle was not heard for {SILENCE:g} s"
@@ -182,14 +189,14 @@ def _settle_home(core: Core, chart: Chart) -> str:
     if home is not None and not fresh and not mission.start_without_fix:
         return f"no fix for 5 s: how far home is cannot be told{_ALLOW}"
     if home is not None and fresh:
-        far = _from(home, core)
-        radius = core.watch.bounds.radius
-        if far > radius:
-            return f"home is {far:.0f} m away, the radius in force is {radius:g} m"
+        within = mission.start_within(core.vehicle.sensors.fix)
+        if why := too_far(_from(home, core), core.watch.bounds, within):
+            return why
     if home is not None:
         navigation.set_origin(home, core.now)
     if home is None or not fresh:
         navigation.start_here(core.now)
+    navigation.assume_current(mission.current(core.vehicle.current))
     senses.estimate = navigation.estimate(core.now)
     return ""
 

@@ -35,6 +35,7 @@ _APART = math.radians(60.0)
 _UNDER_WAY = 0.4  # m/s through the water and over ground: a weaker one is no course
 _NEUTRAL = 0.02  # share of full thrust
 _SETTLE = 0.5  # s from an ACK to thrusters that turn
+_ROLLS_OUT, _STANDS = 2.0, 0.05  # s, m/s: of what drives, from a stop on
 
 
 class Descent:
@@ -273,11 +274,13 @@ class Watch:
         return abs(wrap(fix.course - e.heading)) > _APART
 
     def turning(self, since: float) -> bool:
-        """A report from well after then says that a thruster is on."""
+        """A report from well after then says that a thruster is on, or that what drives has way."""
         report = self.senses.telemetry
-        if report is None or not report.actuators or report.t < since + _SETTLE:
+        if report is None or report.t < since + _SETTLE:
             return False
-        return any(abs(a) > _NEUTRAL for a in report.actuators[:THRUSTERS])
+        if self.vehicle.drives and report.velocity is not None:
+            return report.t >= since + _ROLLS_OUT and abs(report.velocity[0]) > _STANDS
+        return any(abs(a) > _NEUTRAL for a in (report.actuators or ())[:THRUSTERS])
 
     def powerless(self) -> bool | None:
         """Thrust is set and acknowledged, and every thruster is neutral."""

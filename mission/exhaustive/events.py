@@ -360,6 +360,23 @@ def _line_is_back(world: World) -> None:
     world.wait(2.0)
 
 
+def _ends(depth: float) -> Play:
+    def play(world: World) -> None:
+        world.answers, world.sea.depth = "Y", depth
+        world.wait(8.5)
+        world.end()
+        world.wait(1.0)
+
+    return script(play)
+
+
+def _ends_at_once(world: World) -> None:
+    world.answers, world.sea.depth = "Y", DEEP
+    world.wait(4.5)
+    world.end(at_once=True)
+    world.wait(15.0)
+
+
 _SILENCE = frozenset({"silence", "minute"})
 OTHERS = (
     Event("ACK Y", _answers("Y")),
@@ -375,6 +392,9 @@ OTHERS = (
     Event("W does not stick, U12 does", script(_rises_by_thrust), "W", "rises"),
     Event("X, answered late", script(_unanswered_stop), "X", also=frozenset({"deaf"})),
     Event("the line is back", script(_line_is_back), also=frozenset({"line"})),
+    Event("the program is to end, deep", _ends(DEEP), also=frozenset({"end"})),
+    Event("the program is to end, at the surface", _ends(SHALLOW), also=frozenset({"end"})),
+    Event("the program ends at once", script(_ends_at_once), also=frozenset({"end", "last"})),
     Event("it sinks slowly", script(_sinks_slowly), also=frozenset({"sinks"})),
     Event("restart", script(_restarts), also=frozenset({"restart"})),
 )

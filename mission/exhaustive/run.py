@@ -12,12 +12,12 @@ from __future__ import annotations
 import itertools
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from mission.exhaustive.cell import Cell, Configuration, Event, before
 from mission.exhaustive.configurations import PROFILES, Ground, configurations, ground
+from mission.exhaustive.end_laws import END_LAWS
 from mission.exhaustive.events import EVENTS
 from mission.exhaustive.fork import Fork
 from mission.exhaustive.laws import STATE_LAWS
@@ -27,8 +27,17 @@ from mission.exhaustive.operator_laws import OPERATOR_LAWS
 from mission.exhaustive.proof_laws import PROOF_LAWS
 from mission.exhaustive.rest_laws import REST_LAWS
 from mission.exhaustive.world import World
+from mission.workers import results
 
-ALL_LAWS = (*STATE_LAWS, *PROOF_LAWS, *LINE_LAWS, *OPERATOR_LAWS, *LEG_LAWS, *REST_LAWS)
+ALL_LAWS = (
+    *STATE_LAWS,
+    *PROOF_LAWS,
+    *LINE_LAWS,
+    *OPERATOR_LAWS,
+    *LEG_LAWS,
+    *REST_LAWS,
+    *END_LAWS,
+)
 KEPT = 200  # violations in words; all are counted
 
 Progress = Callable[[str], None]
@@ -67,16 +76,9 @@ def examine(missions: Sequence[Path], workers: int, progress: Progress) -> Found
     """All cells of these missions on every profile."""
     shares = [(path, profile) for path in missions for profile in PROFILES]
     found = Found()
-    if workers <= 1:
-        for path, profile in shares:
-            found.add(_share(path, profile))
-            progress(_words(path, profile, found))
-        return found
-    with ProcessPoolExecutor(workers) as pool:
-        begun = {pool.submit(_share, path, profile): (path, profile) for path, profile in shares}
-        for done in as_completed(begun):
-            found.add(done.result())
-            progress(_words(*begun[done], found))
+    for share, done in zip(shares, results(_share, shares, workers, ahead=1), strict=True):
+        found.add(done)
+        progress(_words(*share, found))
     return found
 
 
@@ -90,8 +92,8 @@ def _words(path: Path, profile: str, found: Found) -> str:
     return f"{path.name} {profile}: {found.cells} cells so far, {found.broken.total()} violations"
 
 
-def _share(path: Path, profile: str) -> Found:
-    return examine_ground(ground(path, profile))
+def _share(share: tuple[Path, str]) -> Found:
+    return examine_ground(ground(*share))
 
 
 def examine_ground(on: Ground, every: int = 1) -> Found:

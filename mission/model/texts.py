@@ -261,6 +261,9 @@ class Safety:
     voltage: float | None = None  # V, control battery
 
 
+START_WITHIN = 25.0  # m from home, unless the mission assumes another start
+
+
 @dataclass(frozen=True, slots=True)
 class Mission:
     """What both texts say; comments are gone, parameters resolved."""
@@ -276,3 +279,12 @@ class Mission:
     on_timeout: str = SURFACE
     start_without_fix: bool = False
     where: Where = field(default=NOWHERE, compare=False)
+
+    def start_within(self, sigma: float) -> float:
+        """m from home: where it is started at most, as the check assumes and the start demands; no
+        nearer than fixes of one ``sigma`` (m) can tell."""
+        return max(dict(self.assume).get("start", START_WITHIN), 2.0 * sigma)
+
+    def current(self, usual: float) -> float:
+        """m/s: the greatest current that it assumes; ``usual`` where it says nothing of it."""
+        return dict(self.assume).get("current", usual)

@@ -24,6 +24,7 @@ from statistics import median
 import numpy as np
 
 from mission.navigation.filter import Array
+from mission.navigation.floating import Rise, rise_of
 from mission.navigation.model import COMPASS, COS, SCALE, SIN, STATES
 from mission.navigation.navigator import Navigation
 from mission.vehicle import Sensors, Vehicle
@@ -93,6 +94,7 @@ class Calibrated:
     held_out: bool  # "after" was calibrated on other logs
     lessons: tuple[Lesson, ...]
     unheard: tuple[str, ...]  # sensors of which the logs hold too little for a noise figure
+    rise: Rise | None  # by buoyancy alone; None: no float test in the logs
 
     def percent(self) -> tuple[float, float]:
         """Median error before and after, in % of distance."""
@@ -117,7 +119,10 @@ def calibrate(logs: Sequence[Inputs], vehicle: Vehicle) -> Calibrated:
         others = [t for j, t in enumerate(taught) if j != i]
         tried = _fit(vehicle, others).vehicle if held_out else fit.vehicle
         stretches += _compare(i, log, vehicle, tried)
-    return Calibrated(done, fit.sigmas, tuple(stretches), held_out, fit.lessons, unheard)
+    rise = rise_of(logs, vehicle.sensors.depth)
+    if rise is not None:
+        done = replace(done, ascent_buoyancy=rise.at_least, ascent_measured=rise.day)
+    return Calibrated(done, fit.sigmas, tuple(stretches), held_out, fit.lessons, unheard, rise)
 
 
 # --- fit -----------------------------------------------------------------------------------------

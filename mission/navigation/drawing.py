@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mission.distribution import PLANE_95
 from mission.navigation.filter import Array
 
 if TYPE_CHECKING:
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from mission.navigation.calibration import Calibrated
     from mission.navigation.smoothing import Track
 
-_95 = math.sqrt(-2.0 * math.log(0.05))  # radii of the 95 % ellipse in sigmas
 _NIS_95 = 5.991  # chi-square, 2 degrees of freedom
 _ELLIPSES = 14
 _RAW, _FILTERED, _SMOOTHED, _FIX = "#999999", "#c1440e", "#2b5c8a", "#117733"
@@ -85,7 +85,7 @@ def _ellipse(axes: Axes, place: Array, covariance: Array, colour: str) -> None:
     from matplotlib.patches import Ellipse
 
     values, vectors = np.linalg.eigh(covariance)
-    long_, short = (2.0 * _95 * math.sqrt(max(v, 0.0)) for v in values[::-1])
+    long_, short = (2.0 * PLANE_95 * math.sqrt(max(v, 0.0)) for v in values[::-1])
     angle = math.degrees(math.atan2(vectors[0, 1], vectors[1, 1]))  # of the axes east, north
     axes.add_patch(
         Ellipse((place[1], place[0]), long_, short, angle=angle, fill=False, ec=colour, lw=0.6)

@@ -308,6 +308,16 @@ class Filter:
         p[E, E] += variance
         self._kf.P = p
 
+    def doubt_current(self, sigma: float) -> None:
+        """The current may be off by ``sigma`` m/s or more along each axis, whatever was found of it
+        together with something else; the mean stays."""
+        p = self._kf.P.copy()
+        for axis in (CN, CE):
+            if p[axis, axis] < sigma * sigma:
+                p[axis, :] = p[:, axis] = 0.0
+                p[axis, axis] = sigma * sigma
+        self._kf.P = p
+
     def vertical(self, depth: float | None, altitude: float | None) -> tuple[float, int] | None:
         """Takes in what is there; the normalised innovation squared and its degrees of freedom."""
         kf = self._kf

@@ -9,6 +9,7 @@ import math
 from collections.abc import Collection
 
 from mission.navigation.calibration import ENOUGH, FIGURES, Calibrated, Lesson
+from mission.navigation.floating import ENOUGH as RISES
 from mission.vehicle import Calibration, Deviation, Vehicle
 
 _HEARD = {
@@ -34,7 +35,24 @@ def untaught(done: Calibrated) -> list[str]:
         f"can be compared: kept as it was; to teach it log {_HEARD[name]}"
         for name in done.unheard
     ]
+    if done.rise is None:
+        lines.append(
+            f"these logs hold no float test (fewer than {RISES} rises with nothing turning): the "
+            "rise by buoyancy alone is kept as it was; to measure it fly float-test, or a copy of "
+            "it that lets go deeper"
+        )
     return lines
+
+
+def rise(done: Calibrated) -> str:
+    """The lines of a vehicle file that say how fast it rises by itself; "" if nothing taught it."""
+    found = done.rise
+    if found is None:
+        return ""
+    least, why = found.at_least, f"{found.rate:.3f} less two sigma"
+    return f"""ascent_buoyancy: {least:.3f} m/s   # at least: {why}
+ascent_measured: {found.day}    # by {found.rises} rises
+"""
 
 
 def _said(lesson: Lesson, sigma: float) -> str:

@@ -12,6 +12,7 @@ from collections import deque
 from copy import copy
 from typing import TYPE_CHECKING, Any
 
+from mission.distribution import PLANE_95
 from mission.model import Estimate, Health, NavigationMode, Position, Vertical
 from mission.navigation.belief import UNPUSHED, DepthBelief
 from mission.navigation.declination import declination
@@ -69,6 +70,12 @@ class Navigation:
     def start_here(self, now: float, sigma: float = 0.1) -> None:
         """Without any fix, the vehicle is at the origin: positions count from the start."""
         self.core.place(now, 0.0, 0.0, sigma * sigma)
+        self._history.clear()
+
+    def assume_current(self, most: float) -> None:
+        """A mission starts in a current of up to ``most`` m/s, whatever was learned of it before:
+        a vehicle that is held by hand, or moored, has found that there is none."""
+        self.core.filter.doubt_current(most / PLANE_95)
         self._history.clear()
 
     def _settle(self, frame: LocalFrame) -> None:

@@ -1,4 +1,4 @@
-"""What an operator's program says to a Pi: upload, start, clear, status, stop, surface. Sans-IO.
+"""What an operator's program says to a Pi: upload, start, clear, status. Sans-IO.
 
 A conversation is a script (a generator) that yields one ``Ask`` at a time and gets its answer;
 ``Conversation`` sends it, tries again (R1: 1 s, 3 tries), and drops whatever nobody waits for.
@@ -13,7 +13,8 @@ decides, not the count of answers: an upload that was cut goes on where it stopp
     +-- NoAnswer       after all tries; nothing is assumed of what it did
     +-- Refused        by the Pi, with its reason
 
-What does not live here: sockets and clocks (console), the Pi's side (topside), frames (protocol).
+What does not live here: X and W (orders), sockets and clocks (console), the Pi's side (topside),
+frames (protocol).
 """
 
 from __future__ import annotations
@@ -27,10 +28,8 @@ from protocol.messages import (
     ClearMission,
     Command,
     DataQuery,
-    Emergency,
     FrameFault,
     MissionLine,
-    Order,
     StartMission,
     Status,
     StoreQuery,
@@ -42,7 +41,6 @@ ANSWER_S = 1.0
 TRIES = 3
 ROUNDS = 4  # in succession that brought nothing: then the line is called unusable
 WHAT_LISTENS = "is this a vehicle running auvmission serve?"
-ORDER_TRIES = 10  # an order is sent until the vehicle itself has answered
 
 
 class OperatorError(Exception):
@@ -246,37 +244,23 @@ def clear() -> Script:
     return "cleared"
 
 
-def order(which: Order) -> Script:
-    """STOP or SURFACE. Asked for until the STM32 has acknowledged, which alone proves nothing."""
-    what = "stop" if which is Order.STOP else "surface"
-    answer = yield Ask(what, Emergency(which), _is_order_taken, tries=ORDER_TRIES)
-    if answer is not None:
-        return f"{what}: acknowledged by the vehicle; watch its depth"
-    report = yield Ask("store", StoreQuery(), _is_report)
-    if report is None:
-        raise NoAnswer(f"no answer to {what}: it is not known whether it arrived")
-    raise NoAnswer(
-        f"the Pi has {what} and goes on sending it, but the STM32 has not acknowledged it"
-    )
-
-
 def status(took: Callable[[Status, StoreReport | None], None]) -> Script:
     answer = yield Ask("status", DataQuery(), lambda a: isinstance(a, Status))
     if not isinstance(answer, Status):
         raise NoAnswer(f"no answer to @DU after {TRIES} tries; {WHAT_LISTENS}")
-    report = yield Ask("store", StoreQuery(), _is_report)
+    report = yield Ask("store", StoreQuery(), is_report)
     took(answer, report if isinstance(report, StoreReport) else None)
     return ""
 
 
 def _store() -> Generator[Ask, Answer | None, StoreReport]:
-    report = yield Ask("store", StoreQuery(), _is_report)
+    report = yield Ask("store", StoreQuery(), is_report)
     if not isinstance(report, StoreReport):
         raise NoAnswer(f"no answer after {TRIES} tries; {WHAT_LISTENS}")
     return report
 
 
-def _is_report(answer: Answer) -> bool:
+def is_report(answer: Answer) -> bool:
     return isinstance(answer, StoreReport)
 
 
@@ -285,8 +269,3 @@ def _is_ack(group: str, function: str) -> Callable[[Answer], bool]:
         return isinstance(answer, Ack) and (answer.group, answer.function) == (group, function)
 
     return fits
-
-
-def _is_order_taken(answer: Answer) -> bool:
-    """As built, the STM32 answers every Z with the code A."""
-    return isinstance(answer, Ack) and answer.group == "Z" and answer.ok

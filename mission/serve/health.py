@@ -84,6 +84,8 @@ class Health:
     mission_time_s: float | None
     commander: str
     breached: tuple[str, ...]
+    broken: tuple[str, ...]  # of configuration, vehicle file and store, in words
+    ascent_only: str  # why nothing but an ascent is served, "" if more is
     disarmed: Mapping[str, str]  # limit: why it can never act
     margins: Mapping[str, Margin]
     sensors: Mapping[str, Sensor]
@@ -218,12 +220,16 @@ def _serves(pid: int) -> bool:
         return False
 
 
-def as_lines(found: Mapping[str, Any]) -> Iterator[str]:
-    """For people: what concerns the dive first."""
+def as_lines(found: Mapping[str, Any], wall: float) -> Iterator[str]:
+    """For people: what concerns the dive first, and how old it is ``wall`` s after 1970 UTC."""
+    yield f"{'told':16} {max(0.0, wall - found['wall']):.0f} s ago"
     for name in ("state", "leg", "reason", "mission_time_s", "mission", "commander"):
         value = found[name]
         if value not in ("", None):
             yield f"{name:16} {value if isinstance(value, str) else f'{value:.1f}'}"
+    for text in (found["ascent_only"], *found["broken"]):
+        if text:
+            yield f"{'BROKEN':16} {text}"
     for name in found["breached"]:
         yield f"{'BREACHED':16} {name}"
     for name, margin in found["margins"].items():
@@ -234,8 +240,7 @@ def as_lines(found: Mapping[str, Any]) -> Iterator[str]:
     for name, why in found["disarmed"].items():
         yield f"{'no ' + name:16} {why}"
     for name, sensor in found["sensors"].items():
-        value = "" if sensor["value"] is None else f"{sensor['value']:.2f} {sensor['unit']}"
-        yield f"{name:16} {value} {sensor['why']}".rstrip()
+        yield f"{name:16} {_sensed(sensor)}".rstrip()
     for name, link in found["links"].items():
         state = "open" if link["open"] else "CLOSED"
         silent = (
@@ -247,3 +252,12 @@ def as_lines(found: Mapping[str, Any]) -> Iterator[str]:
             f"{link['sent']} out, {link['faults']} faults{peers}"
         )
     yield f"{'black box':16} {found['black_box_failure'] or found['black_box']}"
+
+
+def _sensed(sensor: Mapping[str, Any]) -> str:
+    """What is not to be believed is no value of now: why, and how old it is."""
+    value = "" if sensor["value"] is None else f"{sensor['value']:.2f} {sensor['unit']}"
+    if not sensor["why"]:
+        return value
+    age = "" if sensor["age_s"] is None else f", {sensor['age_s']:.0f} s old"
+    return f"{sensor['why'].upper()}{age}{': last ' if value else ''}{value}"

@@ -70,6 +70,9 @@ class Navigation:
     def start_here(self, now: float) -> None:
         self.mode = NavigationMode.DEAD_RECKONING
 
+    def assume_current(self, most: float) -> None:
+        self.assumed_current = most
+
     def telemetry(self, t: Telemetry, push: Vertical) -> None:
         self.report = t
 

@@ -369,6 +369,22 @@ def test_a_refused_set_takes_the_else_and_a_refusal_of_an_older_set_does_not():
     assert world.state == "autonomous/c"
 
 
+def test_a_set_that_did_not_leave_in_time_takes_the_else_and_counts_as_no_lost_answer():
+    one = leg("a", timeout=LONG, otherwise="c")
+    world = World(mission(one, leg("b"), leg("c", settings=sets(depth=9.0), timeout=LONG)))
+    world.answer = None
+    assert world.start()
+    (entry,) = world.commands()
+    for _ in range(2):
+        world.tell(Outcome(Result.LOST, b"@ZAF6$", entry))
+    world.tell(Outcome(Result.LATE, b"@ZAS5$", Setpoint(depth=3.0)))  # an older one
+    assert world.state == "autonomous/a"
+    world.tell(Outcome(Result.LATE, b"@ZAS5$", entry))
+    assert world.state == "autonomous/c"
+    world.tell(Outcome(Result.LOST, b"@ZAS9$", world.commands()[-1]))
+    assert world.state == SURFACING  # the third in succession
+
+
 def test_an_unanswered_frame_brings_the_whole_set_again():
     world = World(mission(leg("a", timeout=LONG)))
     world.answer = None

@@ -196,7 +196,7 @@ def test_no_mission_starts_that_would_send_a_depth_beyond_the_limit_in_any_leg()
 
 
 def test_home_may_be_as_far_as_the_radius_in_force():
-    world = World(MISSION)
+    world = World(replace(MISSION, assume=(("start", 1000.0),)))
     fix = world.fix(north=30.0, east=40.0)
     home = (math.radians(HOME.latitude_deg), math.radians(HOME.longitude_deg))
     far = metres(*home, fix.latitude, fix.longitude)
@@ -207,6 +207,27 @@ def test_home_may_be_as_far_as_the_radius_in_force():
     world.tell(SetSafety(radius=far))
     assert refusal(world, StartMission()) == ""
     assert world.nav.frame.origin == HOME
+
+
+def test_a_mission_starts_as_far_from_home_as_it_assumes_and_no_farther():
+    """Two sigma of a fix, 5 m, is as near as fixes can tell."""
+    for assume, within in (((), 25.0), ((("start", 80.0),), 80.0), ((("start", 0.0),), 5.0)):
+        for far, may in ((within - 0.1, True), (within + 0.1, False)):
+            world = World(replace(MISSION, assume=assume))
+            world.tell(world.report(), world.fix(north=far))
+            why = refusal(world, StartMission())
+            assert (why == "") is may
+            assert may or why.startswith(f"home is {far:.0f} m away")
+            assert may or f"within {within:g} m of it; go nearer, or let the mission assume" in why
+            assert may or world.state == IDLE_READY
+
+
+def test_a_start_takes_the_current_that_the_mission_assumes_whatever_was_learned():
+    for assume, current in (((), VEHICLE.current), ((("current", 0.7),), 0.7)):
+        world = World(replace(MISSION, assume=assume))
+        world.tell(world.report(), world.fix())
+        assert refusal(world, StartMission()) == ""
+        assert world.nav.assumed_current == current
 
 
 def test_how_far_home_is_must_be_known_by_a_fix_of_the_last_five_seconds():

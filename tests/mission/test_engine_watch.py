@@ -14,6 +14,7 @@ from mission.engine.senses import Senses
 from mission.engine.watch import Descent, Progress, Steering, Watch
 from mission.envelope import BLIND_TIME, LIMITS, SILENCE, On, in_force
 from mission.units import GEARS
+from mission.vehicle import load_vehicle
 from protocol.messages import Fix, Setpoint, SetSafety, Telemetry
 
 DEG = math.radians(1.0)
@@ -257,6 +258,19 @@ def test_a_thruster_turns_if_a_report_from_half_a_second_later_says_so(t, thrust
     values = None if thrust is None else (0.0, 0.0, 0.0, 0.0, thrust, 1.0)
     heard(one, t, actuators=values)
     assert one.turning(10.0) is turns
+
+
+@pytest.mark.parametrize(
+    ("t", "ahead", "turns"),
+    [(12.0, 0.06, True), (11.99, 0.06, False), (12.0, 0.05, False), (12.0, -0.06, True)],
+)
+def test_what_drives_has_way_if_a_report_from_two_seconds_later_says_so(t, ahead, turns):
+    one = watch()
+    one.vehicle = load_vehicle("robot")
+    heard(one, t, velocity=(ahead, 0.0, 0.0))
+    assert one.turning(10.0) is turns
+    one.vehicle = load_vehicle("auv")  # it drifts, and has a depth to be judged by
+    assert not one.turning(10.0)
 
 
 def test_rudders_are_no_thrusters():

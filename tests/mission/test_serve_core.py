@@ -24,7 +24,8 @@ from mission.campaign.onboard import Death
 from mission.drive.drive import VEHICLE
 from mission.language import digest, parse_script
 from mission.model import SURFACED, Tx
-from mission.operator.upload import Conversation, Refused, clear, order, start, upload
+from mission.operator.orders import order
+from mission.operator.upload import Conversation, Refused, clear, start, upload
 from mission.regions import REGIONS
 from protocol.messages import MissionLine, Order
 from protocol.topside import encode

@@ -11,6 +11,7 @@ from mission.drive.drive import Drive
 from mission.language import digest, parse, script
 from mission.model import Tx
 from mission.operator.console import Talk
+from mission.operator.orders import order
 from mission.operator.underwater import (
     BIT_RATE,
     RANGE_M,
@@ -20,7 +21,7 @@ from mission.operator.underwater import (
     WrongAddress,
     modem_address,
 )
-from mission.operator.upload import NoAnswer, Refused, clear, order, start, status
+from mission.operator.upload import NoAnswer, Refused, clear, start, status
 from mission.store import MemoryStore
 from mission.vehicle import load_vehicle
 from protocol.arq import TRIES, Acoustics

@@ -11,6 +11,7 @@ from links.base import Rx
 from mission.configuration import Configuration
 from mission.drive.drive import Drive
 from mission.language import digest, parse, script
+from mission.operator.orders import order
 from mission.operator.upload import (
     TRIES,
     Conversation,
@@ -18,7 +19,6 @@ from mission.operator.upload import (
     Refused,
     Script,
     clear,
-    order,
     start,
     status,
     upload,
@@ -235,13 +235,12 @@ def test_an_order_without_the_vehicles_answer_is_never_called_done(
     assert "not known whether it arrived" in str(silent.failure)
 
 
-def test_an_order_is_done_when_the_vehicle_has_answered() -> None:
+def test_an_order_is_sent_until_it_is_answered_y_and_is_not_done_then() -> None:
     conversation = Conversation(order(Order.STOP))
     assert conversation.begin(0.0) == [b"@ZAX0$"]
-    conversation.receive(encode(Ack(0.0, "Z", "A", ord("N"))), 0.1)
+    assert conversation.receive(encode(Ack(0.0, "Z", "A", ord("N"))), 0.1) == []
+    assert conversation.receive(encode(Ack(0.0, "Z", "A", ord("Y"))), 0.2) == [b"@DU$"]
     assert not conversation.over
-    conversation.receive(encode(Ack(0.0, "Z", "A", ord("Y"))), 0.2)
-    assert conversation.result is not None
 
 
 def test_status_brings_both_reports() -> None:

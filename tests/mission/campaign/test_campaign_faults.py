@@ -16,7 +16,6 @@ from mission.campaign.deeds import INCIDENTS, PORT, Act, Deed
 from mission.campaign.draw import CLUSTER, MOST, OUT_OF_HAND, draw
 from mission.campaign.faults import fare, fly_plan, shipped, subjects
 from mission.campaign.laws import IGNORED, LOST, OVERRUN, RAISED, violations
-from mission.campaign.pool import results
 from mission.campaign.soak import Soaked, grown, soak
 from mission.campaign.trial import FOREVER, Done, Heard, Trial, try_out
 from mission.commands.faults import faults
@@ -28,6 +27,7 @@ from mission.engine.watch import Watch
 from mission.language import parse
 from mission.model import IDLE_EMPTY, IDLE_READY, SURFACED, SURFACING, Action, Step, Tx
 from mission.vehicle import load_vehicle
+from mission.workers import results
 from protocol.messages import Order
 
 VEHICLE = load_vehicle("auv")
@@ -201,6 +201,19 @@ def test_an_order_that_does_not_leave_at_once_is_ignored(monkeypatch: pytest.Mon
 
     monkeypatch.setattr(Frontseat, "command", forgetful)
     assert IGNORED in kinds_of(flown([Deed(60.0, Act.SAY, b"@ZAX0$")]))
+
+
+def test_a_set_that_relays_keep_back_is_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
+    following = Frontseat._next
+
+    def polite(self: Frontseat, now: float) -> list[Tx]:
+        if self._relays and not self._urgent:
+            return [self._transmit(*self._relays.take(), now)]
+        return following(self, now)
+
+    monkeypatch.setattr(Frontseat, "_next", polite)
+    slider = [Deed(60.0 + i / 100, Act.SAY, b"@DS%d,5$" % (i % 2 + 1)) for i in range(2500)]
+    assert IGNORED in kinds_of(flown([Deed(60.0, Act.SAY, b"@ZAWF$"), *slider]))
 
 
 @pytest.mark.parametrize("profile", PROFILES)

@@ -8,9 +8,11 @@ from dataclasses import replace
 import pytest
 from click.testing import CliRunner
 
+from links.simulated.settings import FaultEvent
 from mission.campaign.faults import shipped
 from mission.campaign.generated import generate
-from mission.campaign.proofs import DEPTH, RANGE, TIME, Claim, draw_proof, show
+from mission.campaign.proofs import DEPTH, ENERGY, RANGE, TIME, Claim, draw_proof, show
+from mission.campaign.trial import FOREVER
 from mission.check import check_mission
 from mission.commands.campaign import _claim, campaign
 from mission.compiler.compiler import compile_mission
@@ -55,19 +57,31 @@ def test_a_flight_stays_within_what_is_assumed() -> None:
         assert sea.floor <= 12.0
 
 
-def test_a_lawnmower_whose_depth_is_absurd_stays_above_the_depth_proved_for_that() -> None:
+def test_a_dive_whose_depth_freezes_stays_above_the_depth_proved_for_that() -> None:
     proved = _claim(LAWNMOWER)
-    shown = show(proved, VEHICLE, 5, 1)
-    assert "depth_absurd" in shown.words
-    assert shown.needed.depth > proved.proved.max_depth
-    assert not shown.violations
+    drawn = draw_proof(proved, VEHICLE, 5, 1)
+    deepest = 0.0
+    for begin in (14.0, 17.0, 20.0):
+        faults = (FaultEvent("depth_frozen", begin, FOREVER),)
+        proof = replace(drawn, settings=replace(drawn.settings, faults=faults), deeds=())
+        shown = show(proved, VEHICLE, 5, 1, lambda *_, proof=proof: proof)
+        assert not shown.violations, shown
+        deepest = max(deepest, shown.needed.depth)
+    assert proved.proved.max_depth < deepest < proved.proved.blind_depth
 
 
 def test_what_was_proved_too_low_is_found() -> None:
     honest = _claim(LAWNMOWER)
-    low = replace(honest.proved, worst_time=100.0, max_range=20.0, max_depth=2.0, blind_depth=2.0)
+    low = replace(
+        honest.proved,
+        worst_time=100.0,
+        worst_energy=1e3,
+        max_range=20.0,
+        max_depth=2.0,
+        blind_depth=2.0,
+    )
     kinds = {v.kind for v in show(replace(honest, proved=low), VEHICLE, 0, 0).violations}
-    assert kinds == {TIME, RANGE, DEPTH}
+    assert kinds == {TIME, RANGE, DEPTH, ENERGY}
 
 
 def test_the_command_ends_with_one_object() -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
 from mission.check import Report, check_mission
+from mission.check.assumptions import FROZEN, LATE, STICKS
 from mission.cli import main
 from mission.compiler.compiler import compile_mission
 from mission.language import digest, parse
@@ -137,17 +139,83 @@ def test_an_altitude_hold_assumes_a_floor_and_says_so() -> None:
     assert shallow.proved.max_depth == pytest.approx(10.0)
 
 
-def test_a_hold_whose_sensor_fails_goes_on_down_until_that_is_known() -> None:
-    held = report("a: ZAS10 ZAF4 heading 0 for 60s\n").proved
-    assert held is not None
-    # five reports alike, 8 s until that counts, 10 s in which W does not stick, 3 s to turn
-    assert held.blind_depth == pytest.approx(11.0 + VEHICLE.dive_rate * (10 + 8 + 10 + 3))
+def test_a_hold_whose_sensor_fails_goes_on_down_until_that_is_known_and_for_its_whole_leg() -> None:
+    for seconds, unseen in ((10, 18), (60, 60)):
+        held = report(f"a: ZAS10 ZAF4 heading 0 for {seconds}s\n").proved
+        assert held is not None
+        # five reports alike and 8 s until that counts, or the leg where nothing can see it;
+        # then 10 s in which W does not stick, and 3 s to turn
+        deeper = VEHICLE.dive_rate * (unseen + 10 + 3)
+        assert held.blind_depth == pytest.approx(held.max_depth + deeper)
     floor = report("a: ZAE3 ZAF4 heading 0 for 5min\n", HEAD + "assume floor 12\n").proved
     assert floor is not None
     assert floor.blind_depth == pytest.approx(12.0)
     plain = report("a: ZAF4 heading 0 for 60s\n").proved
     assert plain is not None
     assert plain.blind_depth == plain.max_depth
+
+
+def test_what_a_hold_may_have_sunk_unseen_the_next_one_goes_on_from_until_the_surface() -> None:
+    hold = "{}: ZAS10 ZAF4 heading 0 for 60s\n".format
+    one, two = report(hold("a")).proved, report(hold("a") + hold("b")).proved
+    three = report(hold("a") + hold("b") + hold("c")).proved
+    up = hold("a") + "u: surface timeout 2min{}\n" + hold("b")
+    between, given_up = report(up.format("")).proved, report(up.format(" else b")).proved
+    assert one is not None
+    assert two is not None
+    assert three is not None
+    assert between is not None
+    assert given_up is not None
+    assert two.blind_depth == pytest.approx(one.blind_depth + 60 * VEHICLE.dive_rate)
+    assert three.blind_depth == pytest.approx(one.blind_depth + 120 * VEHICLE.dive_rate)
+    assert three.blind_time == pytest.approx(
+        (three.blind_depth - three.max_depth) / VEHICLE.ascent_buoyancy
+    )
+    assert between.blind_depth == pytest.approx(one.blind_depth)
+    assert given_up.blind_depth == pytest.approx(two.blind_depth)
+
+
+def test_a_leg_that_surfaces_lasts_as_long_as_its_clock_allows_and_drifts_so_long() -> None:
+    dive = "a: ZAS5 heading 0 ZAF4 for 60s\n"
+    for clock, until in ((180, ""), (180, " until fix"), (1800, " until fix")):
+        long = report(f"{dive}up: surface{until} timeout {clock}s\n").proved
+        short = report(f"{dive}up: surface{until} timeout 60s\n").proved
+        assert long is not None
+        assert short is not None
+        assert long.worst_time - short.worst_time == pytest.approx(clock - 60)
+        assert long.max_range - short.max_range == pytest.approx(0.2 * (clock - 60))
+
+
+def test_the_ascent_that_a_limit_begins_counts_from_anywhere() -> None:
+    """Where a leg has led farthest the way goes on under a W that does not stick, and it drifts."""
+    out = "a: heading 0 ZAF8 for 5min\n"
+    for current in (0.0, 0.2):
+        alone = report(out, HEAD + f"assume current {current}\n").proved
+        assert alone is not None
+        assert alone.max_range > 25.0 + 5.0 + 300.0 + 20.0 * 1.0 + current * (300 + 30)
+    alone = report(out, HEAD + "assume current 0\n").proved
+    home = "a: heading 0 ZAF8 for 5min else b\nb: goto home gear 8 timeout 10min\n"
+    back = report(home, HEAD + "assume current 0\n").proved
+    assert alone is not None
+    assert back is not None
+    assert back.max_range >= alone.max_range
+
+
+def test_a_compass_that_fails_costs_the_way_until_that_is_known() -> None:
+    """Five reports alike, and 8 s; a shorter leg costs no more than itself."""
+    for seconds in (10, 60):
+        slow, fast = (
+            report(f"a: {way} for {seconds}s\n", HEAD + "assume current 0\n").proved
+            for way in ("heading 0 ZAF4", "heading 0 ZAF8")
+        )
+        assert slow is not None
+        assert fast is not None
+        lost = 0.55 * min(seconds, FROZEN + LATE)  # m; ZAF8 is 0.55 m/s faster than ZAF4
+        goes_on = 0.55 * 1.2 * 2.0 * STICKS
+        share = math.hypot(0.2, 2.0 * VEHICLE.sensors.heading_bias)
+        made = 0.55 * (seconds + min(seconds, math.pi / 2.0 / VEHICLE.turn_rate))
+        scale = made * share + 0.55 * seconds * VEHICLE.sensors.heading
+        assert fast.uncertainty - slow.uncertainty == pytest.approx(lost + goes_on + scale, abs=0.5)
 
 
 def test_a_way_back_without_end_is_refused_with_the_way() -> None:

@@ -10,6 +10,7 @@ from dataclasses import replace
 import pytest
 from kinematic_truth import HOME, Sea, Truth, sail
 
+from mission.distribution import PLANE_95, principal
 from mission.model import NavigationMode, Position
 from mission.navigation import LocalFrame, Navigation
 from mission.vehicle import Vehicle, load_vehicle
@@ -180,6 +181,40 @@ def test_another_home_moves_the_frame_and_not_the_vehicle(
     after = nav.frame.to_geodetic(e.north, e.east)
     assert after == pytest.approx(before, abs=1e-12)
     assert e.north < -400.0
+
+
+def test_a_vehicle_held_by_hand_is_not_sure_of_the_current_that_it_dives_into(
+    vehicle: Vehicle,
+) -> None:
+    """Ten minutes of fixes on one spot say that there is no current. From the start on, its 95 %
+    radius grows as the current does that the mission assumes."""
+    held, dived = Navigation(vehicle, HOME), 300.0
+    lat, lon = (math.radians(v) for v in (HOME.latitude_deg, HOME.longitude_deg))
+    for t in range(600):
+        if t % 2 == 0:
+            held.telemetry(Telemetry(float(t), depth=0.2, heading=0.5, actuators=(0.0,) * 5))
+        held.fix(Fix(float(t), lat, lon, 2.5, speed=0.0, course=0.0))
+    widths = []
+    for assumed in (None, 0.2, 0.5):
+        nav = Navigation(vehicle, HOME)
+        nav.restore(held.snapshot())
+        if assumed is not None:
+            nav.assume_current(assumed)
+        estimate = nav.estimate(600.0 + dived)
+        assert estimate is not None
+        widths.append(PLANE_95 * principal(estimate.covariance)[1])
+    assert widths[0] < 0.2 * dived
+    assert 0.2 * dived < widths[1] < 1.4 * 0.2 * dived
+    assert 0.5 * dived < widths[2] < 1.2 * 0.5 * dived
+
+
+def test_a_start_leaves_what_is_less_known_than_it_assumes_as_it_is(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    nav = feed(Navigation(vehicle), dive[:20])
+    before = nav.core.filter.covariance
+    nav.assume_current(0.0)
+    assert (nav.core.filter.covariance == before).all()
 
 
 def test_a_start_without_a_fix_counts_from_the_start_and_a_fix_does_not_move_it(

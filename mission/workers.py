@@ -1,7 +1,8 @@
-"""Many flights in several processes, in order, with progress told.
+"""Much work in several processes, in order, with progress told.
 
 What comes out depends on the jobs alone, never on how many work on them. ``workers`` 1: in this
-process.
+process. Whatever ends the work early (Ctrl-C, an error, nobody who takes the results) ends the
+processes at once; a terminal's Ctrl-C does not reach them.
 
 What does not live here: what a job is.
 """
@@ -10,9 +11,11 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from typing import TypeVar
 
 EVERY = 2.0  # s between two lines of progress
@@ -22,17 +25,40 @@ _R = TypeVar("_R")
 
 
 def results(
-    work: Callable[[_J], _R], jobs: Sequence[_J], workers: int | None = None
+    work: Callable[[_J], _R], jobs: Sequence[_J], workers: int | None = None, ahead: int = AHEAD
 ) -> Iterator[_R]:
     """In the order of the jobs. ``work`` and jobs must be picklable; None: a worker a core."""
     count = min(workers or os.cpu_count() or 1, max(len(jobs), 1))
     if count == 1:
         yield from map(work, jobs)
         return
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(count, mp_context=context) as pool:
-        chunk = max(1, min(AHEAD, len(jobs) // count))
-        yield from pool.map(work, jobs, chunksize=chunk)
+    chunk = max(1, min(ahead, len(jobs) // count))
+    with _pool(count) as pool:
+        with _interrupts_held():  # as the processes begin they take this over
+            found = pool.map(work, jobs, chunksize=chunk)
+        yield from found
+
+
+@contextmanager
+def _pool(count: int) -> Iterator[ProcessPoolExecutor]:
+    pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"))
+    try:
+        yield pool
+    except BaseException:
+        for process in multiprocessing.active_children():
+            process.terminate()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def with_progress(
