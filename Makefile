@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test check lint bench score campaign faults exhaustive docs clean
+.PHONY: demo test check lint bench score campaign faults exhaustive sea docs clean
 
 DATA ?= ../shared/data/trajectories
 SEED ?= 0
@@ -37,6 +37,10 @@ faults: $(READY)        ## flights with faults: FLIGHTS=n SEED=s
 
 exhaustive: $(READY)    ## every state, every event
 	@$(BIN)/auvmission exhaustive
+
+sea: $(READY)           ## the second sea, by another hand: every scene; DRAW=n at random, SEED=s
+	@$(BIN)/python -m tests.sea
+	@$(BIN)/python -m tests.sea --draw $(or $(DRAW),30) --seed $(SEED)
 
 docs: $(READY)          ## regenerate what is generated in docs/
 	$(BIN)/python -m protocol.reference > docs/protocol.md

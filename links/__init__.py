@@ -18,7 +18,18 @@ from urllib.parse import parse_qsl, urlsplit
 
 from links.base import Link, LinkError
 
-__all__ = ["LINKS", "Address", "LinkAddressError", "LinkRow", "open_link", "parse_address"]
+__all__ = [
+    "LINKS",
+    "Address",
+    "LinkAddressError",
+    "LinkRow",
+    "baud_of",
+    "check_url",
+    "open_link",
+    "parse_address",
+]
+
+SERIAL_BAUD = 9600
 
 
 class LinkAddressError(LinkError):
@@ -54,7 +65,8 @@ class Address:
 
 @dataclass(frozen=True, slots=True)
 class LinkRow:
-    """``module`` has a function ``open_url(name, address) -> Link``."""
+    """``module`` has ``open_url(name, address) -> Link``, and ``settings(address)``: what of an
+    address it uses; both raise LinkAddressError."""
 
     module: str
     example: str
@@ -98,6 +110,22 @@ def parse_address(url: str) -> Address:
         allowed = ", ".join(row.options) or "none"
         raise LinkAddressError(f"{url}: unknown option {unknown[0]!r}; there are: {allowed}")
     return Address(url, parts.scheme, parts.hostname or "", port, parts.path, options)
+
+
+def baud_of(url: str, otherwise: float) -> float:
+    """Of the line behind a link; ``otherwise`` where its URL does not tell, or is none."""
+    try:
+        address = parse_address(url)
+        default = SERIAL_BAUD if address.scheme == "serial" else otherwise
+        return address.number("baud", default, 1.0, 1e9)
+    except LinkAddressError:
+        return otherwise
+
+
+def check_url(url: str) -> None:
+    """Raises LinkAddressError for what could never be opened, whatever is plugged in."""
+    address = parse_address(url)
+    importlib.import_module(LINKS[address.scheme].module).settings(address)
 
 
 def open_link(name: str, url: str) -> Link:

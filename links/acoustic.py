@@ -167,11 +167,23 @@ def acoustic_pair(
 _WATERS: dict[str, list[AcousticLink]] = {}
 
 
-def open_url(name: str, address: Address) -> AcousticLink:
-    """Raises LinkBusy where two modems are there already. The second one's options do not count."""
+def settings(address: Address) -> tuple[str, Water, int]:
+    """The water's name, what it is, and its seed. Raises LinkAddressError."""
     place = address.host + address.path
     if not place:
         raise LinkAddressError(f"{address.url}: give the water a name, e.g. acoustic://bay")
+    water = Water(
+        range_m=address.number("range", 1000.0, 0.0, 1e5),
+        bit_rate=address.number("rate", 1000.0, 1.0, 1e6),
+        loss=address.number("loss", 0.0, 0.0, 1.0),
+        bit_error_rate=address.number("errors", 0.0, 0.0, 1.0),
+    )
+    return place, water, int(address.number("seed", 0.0, 0.0, 2.0**31))
+
+
+def open_url(name: str, address: Address) -> AcousticLink:
+    """Raises LinkBusy where two modems are there already. The second one's options do not count."""
+    place, water, seed = settings(address)
     ends = [end for end in _WATERS.get(place, []) if not end._closed]
     if len(ends) == 2:
         raise LinkBusy(f"{name}: acoustic://{place} has its two modems")
@@ -180,13 +192,6 @@ def open_url(name: str, address: Address) -> AcousticLink:
         link = AcousticLink(name, one.water, _random=random.Random(one._random.random()))
         link._peer, one._peer = one, link
     else:
-        water = Water(
-            range_m=address.number("range", 1000.0, 0.0, 1e5),
-            bit_rate=address.number("rate", 1000.0, 1.0, 1e6),
-            loss=address.number("loss", 0.0, 0.0, 1.0),
-            bit_error_rate=address.number("errors", 0.0, 0.0, 1.0),
-        )
-        seed = int(address.number("seed", 0.0, 0.0, 2.0**31))
         link = AcousticLink(name, water, _random=random.Random(f"{seed}/1"))
     _WATERS[place] = [*ends, link]
     return link

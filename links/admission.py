@@ -3,14 +3,17 @@
     allow=192.168.1.0/24,10.0.0.5   nobody else; not given: everybody who can reach the port
     connections=32  each=8          at once: in total, from one address
     idle=600                        s without a byte, then a connection is dropped
-    (fixed)                         50 connections at once from one address, then 10 a second
+    (fixed)                         50 connections at once from one address, then 10 a second;
+                                    with TLS as many as come, and 256 handshakes at a time
 
 Where there is no room, the connection that has been silent longest gives way, if it has been
 silent for ``GIVES_WAY`` seconds: who only holds a place never keeps an operator out. Who has said
 nothing so far that makes sense, however many bytes, gives way after ``PROVES`` seconds.
 
-Who has still to show a certificate waits in a lobby of its own, with as many places: there the one
-who came first gives way at once, so that nobody without a certificate keeps out one who has it.
+Who has still to show a certificate waits in a lobby of its own, whatever comes from the same
+address: that may be half a hundred handshakes that never end, and the boat. Where the lobby is
+full the first to come gives way at once, of those from the address that fills it. Rate and places
+by address count for who has shown one.
 
 Sans-IO: times are given by who calls. What does not live here: sockets (tcp), certificates (tls),
 who commands (mission).
@@ -19,6 +22,7 @@ who commands (mission).
 from __future__ import annotations
 
 import ipaddress
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -27,6 +31,7 @@ from links import Address, LinkAddressError
 GIVES_WAY = 10.0  # s
 PROVES = 1.0  # s
 AT_ONCE, PER_SECOND = 50.0, 10.0  # new connections from one address
+LOBBY = 256  # handshakes at a time: half a second of 500 a second, for an answer by a slow radio
 _REMEMBERED = 1024  # addresses; beyond, those that have been quiet are forgotten
 
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network
@@ -85,11 +90,15 @@ class Gate:
         self._admission = admission
         self._arrivals: dict[str, Allowance] = {}
 
-    def refuses(self, host: str, now: float) -> str:
-        """Why nobody from there may connect now; "" if he may, where there is room."""
+    def forbids(self, host: str) -> str:
+        """Why nobody from there may ever connect; "" if he may."""
         allow = self._admission.allow
         if allow and not any(_plain(host) in network for network in allow):
             return "its address is not among those allowed"
+        return ""
+
+    def hurries(self, host: str, now: float) -> str:
+        """Why nobody from there may connect now; "" if he may, where there is room."""
         if len(self._arrivals) > _REMEMBERED:
             self._arrivals = {h: a for h, a in self._arrivals.items() if now - a.t < 2.0}
         arrivals = self._arrivals.setdefault(host, Allowance(AT_ONCE, now))
@@ -112,16 +121,12 @@ class Gate:
             return "", full
         return first.address, ""
 
-    def lobby(self, host: str, waiting: Sequence[Present]) -> str:
+    def lobby(self, waiting: Sequence[Present]) -> str:
         """Who of those without a certificate so far gives way to one more; "": nobody need."""
-        neighbours = [one for one in waiting if one.host == host]
-        if len(neighbours) >= self._admission.each:
-            crowd = neighbours
-        elif len(waiting) >= self._admission.connections:
-            crowd = list(waiting)
-        else:
+        if len(waiting) < LOBBY:
             return ""
-        return min(crowd, key=lambda one: one.heard).address
+        crowd = Counter(one.host for one in waiting)
+        return min(waiting, key=lambda one: (-crowd[one.host], one.heard)).address
 
 
 def _plain(host: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address:

@@ -112,10 +112,16 @@ def _records(name: str, data: bytes) -> list[tuple[int, bytes]]:
     return out
 
 
-def open_url(name: str, address: Address) -> CanLink:
+def settings(address: Address) -> tuple[str, str, int]:
+    """Channel, interface and bit rate. Raises LinkAddressError."""
     channel = address.host + address.path
     if not channel:
         raise LinkAddressError(f"{address.url}: name the bus, e.g. can://can0")
     interface = address.options.get("interface", "socketcan")
     bitrate = int(address.number("bitrate", BITRATE, 10_000, 1_000_000))
+    return channel, interface, bitrate
+
+
+def open_url(name: str, address: Address) -> CanLink:
+    channel, interface, bitrate = settings(address)
     return CanLink(name, channel, interface=interface, bitrate=bitrate)

@@ -107,11 +107,15 @@ class Exchange:
 EXCHANGE = Exchange()
 
 
-def open_url(name: str, address: Address) -> MemoryLink:
+def settings(address: Address) -> tuple[str, float, float | None]:
+    """Wire, delay in s, bits per s. Raises LinkAddressError."""
     wire = address.host + address.path
     if not wire:
         raise LinkAddressError(f"{address.url}: give the wire a name, e.g. memory://topside")
     baud = address.number("baud", 0.0, 0.0, 1e9)
-    return EXCHANGE.open(
-        wire, name, delay=address.number("delay", 0.0, 0.0, 1e6), baud=baud or None
-    )
+    return wire, address.number("delay", 0.0, 0.0, 1e6), baud or None
+
+
+def open_url(name: str, address: Address) -> MemoryLink:
+    wire, delay, baud = settings(address)
+    return EXCHANGE.open(wire, name, delay=delay, baud=baud)

@@ -14,10 +14,9 @@ from pathlib import Path
 
 import serial
 
-from links import Address, LinkAddressError
+from links import SERIAL_BAUD, Address, LinkAddressError
 from links.base import LinkAbsent, LinkBusy, LinkClosed, LinkError, Rx
 
-BAUD = 9600
 BACKLOG = 4096  # bytes, four seconds at 9600
 _CHUNK = 4096
 _BUSY = (errno.EBUSY, errno.EAGAIN, errno.EWOULDBLOCK)
@@ -25,7 +24,7 @@ _ABSENT = (errno.ENOENT, errno.ENODEV, errno.ENXIO, errno.EIO)
 
 
 class SerialLink:
-    def __init__(self, name: str, device: str, baud: int = BAUD) -> None:
+    def __init__(self, name: str, device: str, baud: int = SERIAL_BAUD) -> None:
         self.name, self.device = name, device
         self._waiting = bytearray()
         try:
@@ -129,7 +128,8 @@ def _why(name: str, device: str, error: serial.SerialException) -> LinkError:
     return LinkAbsent(f"{name}: {device} cannot be opened: {error}")
 
 
-def open_url(name: str, address: Address) -> SerialLink:
+def settings(address: Address) -> tuple[str, int]:
+    """The device and its bit rate. Raises LinkAddressError."""
     if address.host or not address.path:
         raise LinkAddressError(
             f"{address.url}: write three slashes and a device, e.g. serial:///dev/ttyUSB0?baud=9600"
@@ -137,4 +137,8 @@ def open_url(name: str, address: Address) -> SerialLink:
     device = address.path
     if sys.platform == "win32":
         device = device.lstrip("/")  # serial:///COM3
-    return SerialLink(name, device, int(address.number("baud", BAUD, 50, 4_000_000)))
+    return device, int(address.number("baud", SERIAL_BAUD, 50, 4_000_000))
+
+
+def open_url(name: str, address: Address) -> SerialLink:
+    return SerialLink(name, *settings(address))

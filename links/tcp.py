@@ -28,6 +28,7 @@ __all__ = ["BACKLOG", "TcpClient", "TcpServer", "host_and_port"]
 
 CONNECT_TIMEOUT = 5.0  # s
 HANDSHAKE = 5.0  # s that a peer has to prove who it is
+STEPS = 4  # of handshakes at a time, the first who came first: they compute, and others wait
 ACCEPTS = 4  # connections taken at a time: those who left already make room before the next
 RECEIVE_BUFFER = 1 << 16  # bytes in the system, per peer: what an order may stand behind
 _UNWELCOME = "it admits nobody from here, or wants tls://; its journal says which"
@@ -147,12 +148,11 @@ class TcpServer:
 
     def receive(self, now: float) -> list[Rx]:
         self._check_open()
-        out, knocks = [], False
-        for key, _ in self._selector.select(timeout=0):
-            if key.data is None:
-                knocks = True
-                continue
-            stream: Stream = key.data
+        ready = [key.data for key, _ in self._selector.select(timeout=0)]
+        streams = [stream for stream in ready if stream is not None]
+        lobby = sorted((s for s in streams if not s.established), key=lambda s: s.came)
+        out = []
+        for stream in [s for s in streams if s.established] + lobby[:STEPS]:
             if stream.address not in self._streams:
                 continue  # it had to make room for another just now
             if not stream.established:
@@ -167,7 +167,7 @@ class TcpServer:
                     out.append(Rx(now, self.name, data, stream.address))
             self._settle(stream)
         self._let_go(now)
-        if knocks:
+        if None in ready:
             self._accept(now)
         return out
 
@@ -229,13 +229,13 @@ class TcpServer:
     def _admit(self, connected: socket.socket, sockaddr: tuple[object, ...], now: float) -> str:
         """Why not; "" if it was."""
         host = str(sockaddr[0])
-        if why := self._gate.refuses(host, now):
+        if why := self._gate.forbids(host):
             return why
         if self._tls is None:
-            if why := self._make_room(host, now):
+            if why := self._gate.hurries(host, now) or self._make_room(host, now):
                 return why
         else:
-            self._give_way(self._gate.lobby(host, self._present(established=False)))
+            self._give_way(self._gate.lobby(self._present(established=False)))
         try:
             tune(connected)
             if self._tls is not None:
@@ -322,8 +322,13 @@ def host_and_port(address: Address) -> tuple[str, int]:
     return address.host, address.port
 
 
+def settings(address: Address) -> tuple[str, int, Admission]:
+    """Host, port and, for who listens, who may connect. Raises LinkAddressError."""
+    return *host_and_port(address), admission_of(address)
+
+
 def open_url(name: str, address: Address) -> Link:
-    host, port = host_and_port(address)
+    host, port, admission = settings(address)
     if address.scheme == "tcp-listen":
-        return TcpServer(name, host, port, admission=admission_of(address))
+        return TcpServer(name, host, port, admission=admission)
     return TcpClient(name, host, port)

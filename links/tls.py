@@ -15,9 +15,8 @@ import ssl
 from pathlib import Path
 
 from links import Address
-from links.admission import admission_of
 from links.base import Link, LinkAbsent
-from links.tcp import TcpClient, TcpServer, host_and_port
+from links.tcp import TcpClient, TcpServer, settings
 
 FOLDER = "~/.config/auvmission/keys"
 FILES = ("ca.pem", "cert.pem", "key.pem")
@@ -46,9 +45,9 @@ def context(folder: Path, *, server: bool) -> ssl.SSLContext:
 
 
 def open_url(name: str, address: Address) -> Link:
-    host, port = host_and_port(address)
+    host, port, admission = settings(address)
     folder = Path(address.options.get("keys") or FOLDER).expanduser()
     if address.scheme == "tls-listen":
         tls = context(folder, server=True)
-        return TcpServer(name, host, port, admission=admission_of(address), tls=tls)
+        return TcpServer(name, host, port, admission=admission, tls=tls)
     return TcpClient(name, host, port, tls=context(folder, server=False))

@@ -42,6 +42,7 @@ from mission import __version__
 from mission.drive.records import (
     CONNECTED,
     DISCONNECTED,
+    ENDING,
     ESTIMATE,
     FAULT,
     NAVIGATION,
@@ -56,6 +57,7 @@ from mission.model import Record
 
 KINDS = (
     START, RX, TIMER, CONNECTED, DISCONNECTED, NAVIGATION, STORE, STEP, ESTIMATE, TX, FAULT,
+    ENDING,
 )  # fmt: skip
 _JSON = frozenset({START, STEP, ESTIMATE})
 

@@ -30,8 +30,8 @@ from pathlib import Path
 from reprlib import Repr
 from typing import Any
 
+from mission.kept import default_folder
 from mission.units import UnitError, quantity, range_text
-from mission.yaml_tree import YamlFault, values
 from protocol.tolerances import Tolerances, UnknownTolerance
 
 LONGEST = 1 << 16  # characters of a configuration
@@ -62,7 +62,7 @@ _LINKS = LinkUrls()
 class Configuration:
     vehicle: str = "auv"
     links: LinkUrls = _LINKS
-    folder: Path = field(default_factory=lambda: Path("~/.local/state/auvmission").expanduser())
+    folder: Path = field(default_factory=default_folder)
     time_zone: str = "+08:00"
     answer_no: bool = True
     manual_for: float = 60.0  # s
@@ -70,6 +70,7 @@ class Configuration:
     set_system_clock: bool = False
     camera: str | None = None
     tolerances: Mapping[str, str] = field(default_factory=lambda: _NO_TOLERANCES)
+    ascent_only: str = ""  # no key of the file: why nothing but an ascent is served
 
     @property
     def utc_offset(self) -> float:
@@ -100,6 +101,8 @@ def load_configuration(path: Path | None) -> Configuration:
 
 
 def parse_configuration(text: str, where: str = "configuration") -> Configuration:
+    from mission.yaml_tree import YamlFault, values  # yaml: may be missing (provision)
+
     if len(text) > LONGEST:
         raise ConfigurationError(f"{where}: more than {LONGEST:,} characters")
     try:

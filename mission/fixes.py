@@ -15,6 +15,7 @@ from typing import Self
 
 from protocol.messages import Fix
 
+FIX_DEPTH = 0.8  # m: the surface's 0.5 m and three sigma of a depth; deeper, a fix is none (R7)
 SETTLED = 5.0  # s of fixes without a gap that behave as at the surface
 _REMEMBERED = 32  # places
 _NEWS = 4  # new places within such a run

@@ -79,8 +79,14 @@ REGION_EDGES = (
     RegionEdge("limit", STOPPED, SURFACING, "hard depth, unexplained descent, it does not rise"),
     RegionEdge("limit", SURFACED, SURFACING, "hard depth, unexplained descent, it sinks again"),
     RegionEdge("restart", IDLE, SURFACING, "the program restarted during a mission or an ascent"),
-    RegionEdge("restart", IDLE, STOPPED, "the program restarted in stopped"),
-    RegionEdge("restart", IDLE, SURFACED, "the program restarted in surfaced"),
+    RegionEdge("restart", IDLE, STOPPED, "the same in stopped, or nobody knows in what"),
+    RegionEdge("restart", IDLE, SURFACED, "the same in surfaced"),
+    RegionEdge("restart", STOPPED, SURFACING, "nobody knows in what, and it is deep"),
+    RegionEdge("end", AUTONOMOUS, SURFACING, "the program is to end"),
+    RegionEdge("end", AUTONOMOUS, SURFACED, "the program is to end, at a proved surface"),
+    RegionEdge("end", MANUAL, SURFACING, "the program is to end, the stick is silent"),
+    RegionEdge("end", MANUAL, SURFACED, "the same, at a proved surface"),
+    RegionEdge("end", SURFACED, SURFACING, "the program has to end, and it has sunk again"),
     RegionEdge("surfaced", SURFACING, SURFACED, "the surface is reached"),
 )
 # fmt: on

@@ -8,9 +8,8 @@
 StoreError             (the operator must act: disk full, no permission, not a folder)
 
 A file that does not match its own sum, or that the disk does not give back, is damaged. It never
-raises, but where rights are missing: the mission or the limits in it count as absent, a damaged
-``under-way`` as something under way (the vehicle then surfaces), and ``Stored.damage`` says so in
-words.
+raises: the mission or the limits in it count as absent, a damaged ``under-way`` as something that
+nobody knows (engine: restart), and ``Stored.damage`` says so in words.
 
 What does not live here: staging, texts and their compilation (staging, language, compiler).
 """
@@ -18,17 +17,16 @@ What does not live here: staging, texts and their compilation (staging, language
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import json
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
+from mission.kept import read_summed, write_summed
+from mission.model import UNKNOWN
 from protocol.messages import SetSafety
 
-UNKNOWN = "something that a damaged file does not tell"
 NO_LIMITS = SetSafety()
 _V = TypeVar("_V")
 
@@ -113,6 +111,22 @@ class WatchedStore:
             raise
 
 
+class LostStore:
+    """In place of one that cannot be used: says why, and keeps nothing."""
+
+    def __init__(self, why: str, under_way: str = UNKNOWN) -> None:
+        self.why, self.content = why, Stored(under_way=under_way)
+
+    def keep_lines(self, lines: tuple[str, ...]) -> None:
+        raise StoreError(self.why)
+
+    def keep_limits(self, limits: SetSafety) -> None:
+        raise StoreError(self.why)
+
+    def keep_under_way(self, what: str) -> None:
+        raise StoreError(self.why)
+
+
 class DiskStore:
     """A folder, made if absent. Raises StoreError if it cannot be one."""
 
@@ -121,7 +135,10 @@ class DiskStore:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             for left_over in folder.glob("*.new"):
-                left_over.unlink()
+                with contextlib.suppress(OSError):  # a medium that is read-only can be read
+                    left_over.unlink()
+        except FileExistsError as error:
+            raise StoreError(f"the store {folder} cannot be used: it is no folder") from error
         except OSError as error:
             raise StoreError(
                 f"the store {folder} cannot be used: {error.strerror or error}"
@@ -166,48 +183,21 @@ class DiskStore:
     def _body(self, name: str, damage: list[str], if_damaged: str) -> str:
         path = self._folder / name
         try:
-            data = path.read_bytes()
+            return read_summed(path)
         except FileNotFoundError:
             return ""
-        except PermissionError as error:
-            raise StoreError(
-                f"the store's file {path} cannot be read: {error.strerror or error}"
-            ) from error
         except OSError as error:  # a failing disk must not keep serve from surfacing a vehicle
             damage.append(f"{path} cannot be read and was not used: {error.strerror or error}")
-            return if_damaged
-        head, newline, body = data.partition(b"\n")
-        if newline and head == _sum(body):
-            return body.decode()
-        damage.append(f"{path} is damaged and was not used")
+        except ValueError:
+            damage.append(f"{path} is damaged and was not used")
         return if_damaged
 
     def _write(self, name: str, text: str) -> None:
-        body = text.encode()
-        path, beside = self._folder / name, self._folder / f"{name}.new"
+        path = self._folder / name
         try:
-            with beside.open("wb") as file:
-                file.write(_sum(body) + b"\n" + body)
-                file.flush()
-                os.fsync(file.fileno())
-            beside.replace(path)
-            _sync_folder(self._folder)
+            write_summed(path, text)
         except OSError as error:
-            with contextlib.suppress(OSError):
-                beside.unlink()
             raise StoreError(f"{path} could not be written: {error.strerror or error}") from error
-
-
-def _sum(body: bytes) -> bytes:
-    return b"sha256 " + hashlib.sha256(body).hexdigest().encode()
-
-
-def _sync_folder(folder: Path) -> None:
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
 
 
 def _limits(limits: SetSafety) -> dict[str, Any]:

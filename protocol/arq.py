@@ -25,7 +25,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from protocol.messages import FrameFault
-from protocol.modem import MOST, OVERHEAD, Envelope, ModemCodec, Sender, wrap
+from protocol.modem import BAUD, MOST, OVERHEAD, Envelope, ModemCodec, Sender, wrap
 from protocol.tolerances import Tolerances
 
 SOUND_SPEED = 1500.0  # m/s
@@ -165,10 +165,14 @@ class Responder:
     """The side that answers."""
 
     def __init__(
-        self, *, address: Sender = Sender.VEHICLE, tolerances: Tolerances | None = None
+        self,
+        *,
+        address: Sender = Sender.VEHICLE,
+        tolerances: Tolerances | None = None,
+        baud: float = BAUD,
     ) -> None:
         self._address = address
-        self._codec = ModemCodec(tolerances)
+        self._codec = ModemCodec(tolerances, baud)
         self._waiting: deque[bytes] = deque(maxlen=WAITING)
         self._floor = -1.0  # until when we may speak
         self._complete = 0.0  # when the answer is taken to be complete

@@ -31,6 +31,7 @@ from protocol.messages import FrameFault
 from protocol.tolerances import Tolerances
 
 SERIAL_IDLE = 0.05  # s
+PATIENCE = 1.0  # s for the whole of a frame: the longest text takes 0.5 s at 9600 baud
 MOST_GUESTS = 4  # acknowledgements spliced into one host: more cannot come in 90 ms
 
 
@@ -121,24 +122,31 @@ class LinkRow:
 
 
 class Framer:
-    """``receive`` and ``flush`` yield frames and faults in the order of their offsets."""
+    """``receive`` and ``flush`` yield frames and faults in the order of their offsets.
+
+    What is unfinished is given up after ``idle`` s without a byte, and ``patience`` s after its
+    first one: a byte now and then holds nobody back (G3).
+    """
 
     def __init__(
         self,
         types: Sequence[FrameType],
         *,
         idle: float = SERIAL_IDLE,
+        patience: float = PATIENCE,
         splice: Splice | None = None,
         shortcut: Shortcut | None = None,
     ) -> None:
         self.types = tuple(sorted(types, key=lambda t: -len(t.lead)))  # longest lead first
-        self.idle, self.splice, self.counters = idle, splice, Counters()
+        self.idle, self.patience = idle, patience
+        self.splice, self.counters = splice, Counters()
         self._shortcut = shortcut or _NO_SHORTCUT
         self._message = shortcut.message if shortcut is not None else None
         self._by_start = _by_start(self.types, splice)
         self._finder = _finder({t.lead[:1] for t in self.types})
         self._buffer = b""
         self._base = 0  # offset of the buffer's first byte in the stream
+        self._fresh = 0  # what begins before this offset is not waited for any more
         self._starts: list[int] = []  # offsets at which chunks began ...
         self._times: list[float] = []  # ... and when they came
         self._run: int | None = None  # where the open run of bytes that are no frame began ...
@@ -156,15 +164,21 @@ class Framer:
         return self._parse(final=False)
 
     def next_timer(self) -> float | None:
-        """When unfinished bytes or an open run have been idle for long enough."""
-        if not self._buffer and self._run is None:
-            return None
-        return self._times[-1] + self.idle
+        """When unfinished bytes or an open run have waited for long enough."""
+        if not self._buffer:
+            return None if self._run is None else self._times[-1] + self.idle
+        return min(self._times[-1] + self.idle, self._time(self._base) + self.patience)
 
     def flush(self, now: float) -> list[Frame | FrameFault]:
-        """Give up what is unfinished, if the link has been idle long enough by ``now``."""
+        """Give up what is unfinished by ``now``: all of it, if the link has been idle for long
+        enough, else what began too long ago."""
         due = self.next_timer()
-        return [] if due is None or now < due else self._parse(final=True)
+        if due is None or now < due:
+            return []
+        chunks = zip(self._starts, self._times, strict=True)
+        fresh = (start for start, t in chunks if t + self.patience > now)
+        self._fresh = next(fresh, self._base + len(self._buffer))
+        return self._parse(final=now >= self._times[-1] + self.idle)
 
     # --- the scan ---
 
@@ -241,6 +255,7 @@ class Framer:
             if kind is None:
                 return length, (self._accepted(frame, raw, at),), None
             kinds[order] = kind
+        final = final or self._base + at < self._fresh
         if unfinished and not final:
             return _WAIT
         torn = None if self.splice is None else self._unsplice(data, at, end, final)

@@ -6,6 +6,9 @@ Several whole ``@...$`` frames may be in one content (R15); who sent it is the a
 topside host, 2 the vehicle host (E-M3). The length is low byte first (E-M1); with ``order_modem =
 auto`` the order whose CRC is right wins, the shorter candidate first.
 
+A content comes at the pace of the line, or is given up (G3): after 1 s without a byte, and when the
+longest one would have come twice over since its first byte.
+
 What does not live here: when to send and to repeat (``protocol.arq``), what the content means.
 """
 
@@ -26,6 +29,8 @@ from protocol.tolerances import Tolerances
 MOST = 3200  # bytes of content
 OVERHEAD = 7
 IDLE = 1.0  # s (G3)
+BAUD = 115200
+_BITS_PER_BYTE = 10  # 8N1
 
 
 class Sender(enum.IntEnum):
@@ -108,8 +113,10 @@ def wrap(content: bytes, address: int) -> bytes:
 class ModemCodec:
     """Bytes of the modem's serial port in, envelopes and faults out."""
 
-    def __init__(self, tolerances: Tolerances | None = None) -> None:
-        self.framer = Framer(modem_frames(tolerances or Tolerances()), idle=IDLE)
+    def __init__(self, tolerances: Tolerances | None = None, baud: float = BAUD) -> None:
+        longest = (MOST + OVERHEAD) * _BITS_PER_BYTE / baud
+        frames = modem_frames(tolerances or Tolerances())
+        self.framer = Framer(frames, idle=IDLE, patience=IDLE + 2.0 * longest)
 
     def receive(self, data: bytes, now: float) -> list[Envelope | FrameFault]:
         return [self._envelope(item) for item in self.framer.receive(data, now)]

@@ -9,12 +9,13 @@ looked at. The rules, in the order of the events:
     @M @D @R was said by an operator within the last ``RELAYED`` s, each byte for byte and once;
              @M only while the stick has the vehicle.
     a Step   that commands must be allowed to where it happens: a set only in a leg; the stop of
-             ``stopped`` needs an X, surfacing a W, a limit, a restart or a forgotten stick, manual
-             an M, a start an @AA. The stick is as silent as who holds it, whatever others or a
-             modem say (R6, R12). A stop is repeated only until the STM32 acknowledged it, when a
-             report says that a thruster turns all the same, or when the line was away. What
-             acknowledges while two frames or more may still be answered need not be believed: it
-             may be the older one's.
+             ``stopped`` needs an X, surfacing a W, a limit, a restart, an ordered end or a
+             forgotten stick, manual an M, a start an @AA that is no copy by modem (R12). The stick
+             is as silent as who
+             holds it, whatever others or a modem say (R6, R12). A stop is repeated only until the
+             STM32 acknowledged it, when a report says that a thruster turns all the same, or when
+             the line was away. What acknowledges while two frames or more may still be answered
+             need not be believed: it may be the older one's.
 
 What does not live here: whether a limit was right to act (the engine's tests), what may not come
 of a flight (laws).
@@ -46,6 +47,7 @@ from mission.model import (
     Tx,
 )
 from protocol.messages import UPWARD, Manual, Order, Setpoint
+from protocol.modem import Sender, wrap
 from protocol.topside import TopsideCodec
 from protocol.vehicles.auv import AuvCodec
 
@@ -56,11 +58,13 @@ RELAYED = 10.0  # s: 32 relays of 60 ms, behind 0.9 s of tries, and a modem's id
 HEARD = 2.0  # s from bytes to the Step they lead to: an unfinished frame before them (G3), modem
 STICK = 2.0  # s (R6)
 UNBELIEVED = 3  # acknowledgements that may belong to earlier frames (as built, code A)
+COPY = 120.0  # s that a copy may be late (R12)
 _SAME = 1e-3  # s
 
 _FRAME = re.compile(rb"@ZA([A-Z])(-?\d*)[,;]?(-?\d*)\$")
 _RELAYED = re.compile(rb"@[MRD][^@$]{0,60}\$")
 _X, _W, _AA = re.compile(rb"@ZAX0\$"), re.compile(rb"@ZAWF\$"), re.compile(rb"@AA\$")
+_ENVELOPES = frozenset({wrap(b"@AA$", Sender.TOPSIDE)})
 _STOPPED_ACK = re.compile(rb"@ACK_Z[XA]Y\$")
 _LONGEST = 64
 _REPORT, _THRUSTERS, _NEUTRAL = 86, struct.Struct("<5H"), 10  # @SD; us
@@ -114,10 +118,12 @@ class _Auditor:
         self._holder: Peer | None = None  # whose M the vehicle follows
         self._tails: dict[Peer, bytes] = {}
         self._last: dict[re.Pattern[bytes], float] = {}
+        self._starts: deque[tuple[float, str]] = deque(maxlen=64)  # each @AA, and its link
         self._booted = -math.inf
         self._acks = 0  # of a stop, since the newest reason to stop
         self._sent_at: deque[float] = deque(maxlen=2)  # the newest frames to the vehicle
         self._stalled: float | None = None
+        self._ends = False  # the program was told to
 
     def walk(self, events: Sequence[Event]) -> Iterator[Spurious]:
         for event in events:
@@ -136,7 +142,10 @@ class _Auditor:
                 case Done(t=t, act=Act.KILL | Act.BOOT):
                     self._stalled = None
                     self._permits, self._relays, self._tails = [], [], {}
-                    self._state, self._booted, self._acks = "", t, 0
+                    self._state, self._booted, self._acks, self._ends = "", t, 0, False
+                    self._starts.clear()
+                case Done(act=Act.END):
+                    self._ends = True
                 case Done(act=Act.PLUG):
                     self._acks = 0  # who knows whose they were
                 case Step():
@@ -174,10 +183,18 @@ class _Auditor:
         for pattern in (_X, _W, _AA):
             if any(found.end() > fresh for found in pattern.finditer(stream)):
                 self._last[pattern] = said.t
+        if _AA.search(said.data) and (said.link != MODEM or said.data in _ENVELOPES):
+            self._starts.append((said.t, said.link))
         self._tails[peer] = stream[-_LONGEST:]
 
     def _was_said(self, pattern: re.Pattern[bytes], t: float, within: float = HEARD) -> bool:
         return t - self._last.get(pattern, -math.inf) <= within
+
+    def _is_copy(self, t: float) -> bool:
+        """Every @AA that may have led here came by modem, behind another one (R12)."""
+        recent = [(at, link) for at, link in self._starts if t - at <= HEARD]
+        before = [at for at, _ in self._starts if recent and COPY > recent[-1][0] - at > 0.0]
+        return bool(before) and all(link == MODEM for _, link in recent)
 
     def _is_held(self, t: float, within: float) -> bool:
         """Whether an M came since then from whoever has the stick."""
@@ -219,6 +236,8 @@ class _Auditor:
         inside = before.startswith(AUTONOMOUS)
         if state.startswith(AUTONOMOUS) and not inside and not self._was_said(_AA, t):
             return "without an @AA"
+        if state.startswith(AUTONOMOUS) and not inside and self._is_copy(t):
+            return "by a copy of an @AA"
         restarted = step.trigger == "restart" and t - self._booted <= _SAME
         if state == STOPPED and not (restarted or self._was_said(_X, t)):
             return "without an X"
@@ -230,7 +249,8 @@ class _Auditor:
             limit = any(e.trigger.startswith("limit ") and e.result for e in step.evaluations)
             forgotten = step.trigger == "forgotten" and not self._is_held(t, 59.0)
             runaway = step.trigger == "limit"
-            if not (limit or restarted or forgotten or runaway or self._was_said(_W, t)):
+            ends = step.trigger == "end" and self._ends
+            if not (limit or ends or restarted or forgotten or runaway or self._was_said(_W, t)):
                 return "without a W, a limit, a restart or a forgotten stick"
         return ""
 
@@ -239,7 +259,7 @@ class _Auditor:
             return True
         if state == SURFACING:
             return isinstance(command, Order) or command in (UPWARD, DOWNWARD)
-        return state != MANUAL_DRIVING and command is Order.STOP
+        return (state != MANUAL_DRIVING or self._ends) and command is Order.STOP
 
     def _permit(self, command: Setpoint | Order, t: float) -> None:
         order = isinstance(command, Order)
@@ -261,14 +281,14 @@ class _Auditor:
     def _commanded(self, tx: Tx) -> Iterator[Spurious]:
         for permit in self._permits:  # the oldest that is left has the line
             live = tx.t <= permit.ends and permit.tries < TRIES
-            if live and _alike(permit.frame, tx.data):
+            if live and alike(permit.frame, tx.data):
                 permit.sent(tx.t)
                 break
         else:
             yield Spurious(
                 tx.t, f"{tx.data!r} in {self._state}: no step asked for it ({tx.reason})"
             )
-        if self._state == MANUAL_DRIVING:
+        if self._state == MANUAL_DRIVING and not self._ends:
             yield Spurious(tx.t, f"{tx.data!r} while the stick is held ({tx.reason})")
 
     def _relayed(self, tx: Tx) -> Iterator[Spurious]:
@@ -302,7 +322,7 @@ def _moves(frame: bytes) -> bool:
     return any(isinstance(heard, Manual) for heard in TopsideCodec().receive(frame, 0.0))
 
 
-def _alike(asked: bytes, sent: bytes) -> bool:
+def alike(asked: bytes, sent: bytes) -> bool:
     """The same frame; numbers may differ by one, for a Step rounds what it says."""
     a, b = _FRAME.fullmatch(asked), _FRAME.fullmatch(sent)
     if asked == sent or a is None or b is None:

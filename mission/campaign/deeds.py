@@ -33,6 +33,9 @@ TOPSIDE, MODEM, PORT = "topside", "modem", "vehicle"
 BOAT, OTHER_BOAT = "boat", "other boat"
 STICK_EVERY = 0.2  # s (R1: while the stick is held)
 STICK_ENDS = b"@MMF0$"  # twice (R1)
+SLIDER_RATES = (5, 20, 60, 200)  # words a second
+SLIDER = 15.0  # s at most that one is moved
+LATE = 120.0  # s that a copy may be late (R12)
 STALL = 8.0  # s at most: a longer one ends by the watchdog's kill
 
 
@@ -42,6 +45,8 @@ class Act(enum.Enum):
     PART = "loses its connection"
     KILL = "the program is killed"
     BOOT = "the program begins anew"
+    END = "the program is told to end, and begins anew when it has"
+    HURRY = "the program is told to end at once"
     UNPLUG = "the cable to the STM32 is pulled"
     PLUG = "the cable to the STM32 is back"
     FILL = "the disk is full"
@@ -144,6 +149,53 @@ def _relays(rng: Random, _: tuple[str, ...]) -> list[Deed]:
     letters = bytes(rng.choice(b"OC") for _ in range(7))
     frames = [b"@RI$", b"@RS%b$" % letters, b"@DS%d,%d$" % (rng.randint(1, 2), 10), b"@DA1,-2$"]
     return [_say(rng.uniform(0.0, 5.0), rng.choice(frames)) for _ in range(rng.randint(1, 8))]
+
+
+def _slider(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    """Of rudders, lights or thrusters, moved for a while; more than the line carries, perhaps."""
+    rate, seconds = rng.choice(SLIDER_RATES), rng.uniform(2.0, SLIDER)
+    servo = rng.randint(1, 3)
+    kinds: list[Callable[[int], bytes]] = [
+        lambda i: b"@DS%d,%d$" % (servo, i % 38 - 15),
+        lambda i: b"@DS%d,%d$" % (i % 3 + 1, i % 20),
+        lambda i: b"@DA%d,%d$" % (servo, rng.choice([-1, 1])),
+        lambda i: rng.choice([b"@RI$", b"@RSOOOOOO%c$" % rng.choice(b"OC")]),
+        lambda i: rng.choice([b"@DS%d,5$" % servo, b"@DA1,2$", b"@RI$", b"@DU$"]),
+    ]
+    word = rng.choice(kinds)
+    return [_say(i / rate, word(i)) for i in range(int(rate * seconds))]
+
+
+def _late_copies(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
+    """What the boat says arrives by modem as well, up to two minutes later, once or twice; and
+    something else was said meanwhile."""
+    words = [
+        *(encode(StartMission()), encode(StartMission()), encode(ClearMission())),
+        *(encode(SetSafety(depth=d)) for d in (2000.0, 5.0)),
+        *(encode(NodeSwitch(s)) for s in ("OOOCCC", "OOOCCO")),
+        encode(MissionLine(len(lines), 1, lines[0])),
+        b"@RSOOOOOOO$",
+    ]
+    deeds = []
+    for word in rng.sample(words, rng.randint(1, 4)):
+        said = rng.uniform(0.0, 20.0)
+        late = [said + rng.uniform(0.0, LATE) for _ in range(rng.randint(1, 2))]
+        deeds.append(_say(said, word))
+        deeds += [_say(t, wrap(word, Sender.TOPSIDE), MODEM, "") for t in late]
+    return deeds
+
+
+def _modem_drips(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    """A false head and then a byte of noise each while, for minutes; and an order in between."""
+    every, count = rng.uniform(0.03, 0.95), rng.randint(20, 300)
+    head = b"#\x02" + rng.randint(1, 3200).to_bytes(2, "little") + b"\x01"
+    drips = [_say(i * every, rng.randbytes(1), MODEM, "") for i in range(1, count)]
+    order = wrap(rng.choice([b"@ZAX0$", b"@ZAWF$", b"@DU$"]), Sender.TOPSIDE)
+    return [
+        _say(0.0, head, MODEM, ""),
+        *drips,
+        _say(rng.uniform(0.0, count * every), order, MODEM, ""),
+    ]
 
 
 def _lost(rng: Random, _: tuple[str, ...]) -> list[Deed]:
@@ -265,6 +317,12 @@ def _killed_twice(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
     return [*(d for d in _killed(rng, lines) if d.after < again), *second]
 
 
+def _ended(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+    """By SIGTERM; now and then by a second one, before the vehicle is up."""
+    hurry = [Deed(rng.uniform(0.0, 60.0), Act.HURRY)] if rng.random() < 0.3 else []
+    return [Deed(0.0, Act.END), *hurry]
+
+
 def _killed_in_a_write(rng: Random, _: tuple[str, ...]) -> list[Deed]:
     """Of its store, the next that there will be; the trial begins it anew."""
     return [Deed(0.0, rng.choice([Act.DIE_BEFORE, Act.DIE_AFTER]))]
@@ -325,6 +383,9 @@ INCIDENTS: dict[str, Incident] = {
     "limits_tightened": Incident("@SP with tighter limits", _limits),
     "auto_closed": Incident("@NS closes AUTO for a while", _auto_closed),
     "relays": Incident("@RS, @RI and rudders", _relays),
+    "slider": Incident("rudders or power, up to 200 words a second", _slider),
+    "late_copies": Incident("commands come by modem once more, up to 2 min late", _late_copies),
+    "modem_drips": Incident("a false head, and noise at the pace of bytes", _modem_drips),
     "topside_lost": Incident("the boat's connection is gone for a while", _lost),
     "topside_floods": Incident("a thousand frames in a second", _flood),
     "crowd": Incident("many connections come and go", _crowd),
@@ -335,6 +396,7 @@ INCIDENTS: dict[str, Incident] = {
     "modem_garbled": Incident("envelopes of the modem that are damaged", _modem_garbled),
     "killed": Incident("the program is killed and begun anew", _killed),
     "killed_twice": Incident("twice within a minute", _killed_twice),
+    "ended": Incident("the program is ended in order, and begun anew", _ended),
     "killed_in_a_write": Incident("killed while it makes something durable", _killed_in_a_write),
     "power_cut": Incident("Pi and STM32 lose their power, and have it again", _power_cut),
     "stalled": Incident("the program stands still for seconds", _stalled),

@@ -24,7 +24,9 @@ physics explain:
                 + all      of what takes the vehicle out of everybody's hands: a board that
                            hangs, is deaf or dives by itself, a pulled cable, a dead program,
                            each with the 11 s of another ascent; a program that stands still
-                + beside   what depths read less than the truth
+                + beside   what depths read less than the truth, by an offset, a drift, a delay; one
+                           that is stuck within half a metre of what is asked for leads down
+                           with 0.25 m/s unseen
     radius  the bound, and 8 s of way (two samples, their age, the limit's own step), and what
             dead reckoning cannot know since the last fix: 15 m, the current's way, a quarter of
             the way through the water; all of that way twice if the compass or a main thruster was
@@ -42,6 +44,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
+from links.simulated.faults import FAULTS
 from links.simulated.settings import Settings
 from mission.campaign.audit import audit
 from mission.campaign.deeds import Act
@@ -58,13 +61,22 @@ DEPTH_MARGIN, DEPTH_ERROR = 1.0, 0.4  # m
 SAMPLES, UNPROVED, TURNED, BLIND = 4.2, 11.0, 3.0, 18.0  # s
 WAY, FIX_ERROR, SHARE = 8.0, 15.0, 0.25  # s, m, of the way
 LATE = 1.0  # s
+NEAR = 0.25  # m/s
 DOWN = 8.0  # s that a killed program is down at most (deeds)
 FIX_DEPTH, FIX_TIME = 0.3, 15.0  # m, s at the surface that give a fix
 _OUT_OF_HAND = (
     *("stm32_hang", "command_lost", "command_corrupted", "unexplained_dive", "stm32_restart"),
 )
 _UNSEEN = ("depth_", "stm32_silent", "bytes_corrupted", "line_noise", "splice", "stm32_restart")
-_ASTRAY = ("heading_", "left_main", "right_main", "mains_dead", "attitude_", "gps_stuck")
+_ASTRAY = (
+    "heading_",
+    "left_main",
+    "right_main",
+    "mains_dead",
+    "attitude_",
+    "gps_stuck",
+    "gps_in_turn",
+)
 _GPS_CLOSED = re.compile(rb"@NS[OC]{2}C[OC]{3}\$")
 _SP = re.compile(rb"@SP,([^,$]*),([^,$]*),([^,$]*),([^,$]*),\$")
 _AUTO_CLOSED = re.compile(rb"@NS[OC]{5}C\$")
@@ -89,7 +101,7 @@ def violations(
     elif trial.turning and trial.state != SURFACING:
         says = f"its thrusters turn at the end, in {trial.state}"
         found.append(Violation(LOST, trial.truth.t, says))
-    found += [Violation(IGNORED, i.t, i.says) for i in ignored(trial.events)]
+    found += [Violation(IGNORED, i.t, i.says) for i in ignored(trial.events, profile)]
     spans = list(_spans(trial, mission, vehicle))
     found += _depths(trial, spans, _dive(settings, profile, trial))
     found += _ranges(trial, spans, settings)
@@ -180,8 +192,24 @@ def _dive(settings: Settings, profile: str, trial: Trial) -> float:
     pulled = zip(_acts(trial, Act.UNPLUG), _acts(trial, Act.PLUG), strict=False)
     seconds += sum(plug - unplug + UNPROVED for unplug, plug in pulled)
     seconds += sum(end - begin for begin, end in stalls(trial.events))
-    beside = sum(f.value or 1.0 for f in settings.faults if f.name == "depth_too_shallow")
-    return DEPTH_MARGIN + DEPTH_ERROR + beside + speed * seconds
+    return DEPTH_MARGIN + DEPTH_ERROR + _unseen(settings, trial, speed) + speed * seconds
+
+
+def _unseen(settings: Settings, trial: Trial, speed: float) -> float:
+    """m by which a depth that looks well is, or leads, beside the truth."""
+    metres = 0.0
+    for fault in settings.faults:
+        lasts = min(fault.duration or FAULTS[fault.name].duration, trial.truth.t)
+        value = abs(fault.value or FAULTS[fault.name].value)
+        if fault.name == "depth_too_shallow":
+            metres += value
+        elif fault.name == "depth_drifting":
+            metres += value * lasts
+        elif fault.name == "depth_late":
+            metres += value * speed
+        elif fault.name == "depth_stuck":
+            metres += NEAR * lasts
+    return metres
 
 
 def stalls(events: Iterable[Event]) -> list[tuple[float, float]]:

@@ -24,6 +24,8 @@ from mission.vehicle import Vehicle
 
 NAVIGATION_AFTER = 2.0  # s from a start until the filter is loaded, on the Pi
 _SAME = 1e-6  # s
+LEAVES_WITHIN = 290.0  # s, from SIGTERM to the last words (serve: leaving)
+LAST_WORDS = 3.0  # s that they are given
 DEAD = "dead"  # the state while no drive lives
 
 
@@ -72,6 +74,8 @@ class OnBoard:
         self._zero = 0.0
         self._drive: Drive | None = None
         self._navigation_due: float | None = None
+        self._leaves: float | None = None  # when the last words are due
+        self._gone: float | None = None  # when it has said them, at the latest
 
     @property
     def lives(self) -> bool:
@@ -97,7 +101,26 @@ class OnBoard:
         self._navigation_due = now + navigation_after
 
     def kill(self) -> None:
-        self._drive, self._navigation_due = None, None
+        self._drive = self._navigation_due = self._leaves = self._gone = None
+
+    def end(self, now: float, *, at_once: bool = False) -> list[Tx]:
+        """As by SIGTERM: it dies by itself when the vehicle needs nobody (serve: leaving)."""
+        if at_once and self._leaves is None:
+            return []
+        self._leaves = now if at_once else now + LEAVES_WITHIN
+        out = self._shifted(lambda drive, at: drive.end(at, at_once=at_once), now)
+        self._leave(now, said=at_once)
+        return out
+
+    def _leave(self, now: float, *, said: bool = False) -> None:
+        """Where it was told to, and may."""
+        drive = self._drive
+        if drive is None or self._leaves is None:
+            return
+        if self._gone is None and (said or drive.engine.settled):
+            self._gone = now + LAST_WORDS
+        if self._gone is not None and (now >= self._gone or drive.said_all):
+            self.kill()
 
     def listen(self, step: Callable[[Step], None], estimate: Callable[[Estimate], None]) -> None:
         """Somebody else is told from now on."""
@@ -108,6 +131,8 @@ class OnBoard:
         self._zero -= now
         if self._navigation_due is not None:
             self._navigation_due -= now
+        self._leaves = None if self._leaves is None else self._leaves - now
+        self._gone = None if self._gone is None else self._gone - now
         self._wall += now
 
     # --- as a drive ------------------------------------------------------------------------------
@@ -128,11 +153,17 @@ class OnBoard:
         if self._navigation_due is not None and now >= self._navigation_due:
             self._navigation_due = None
             out = self._shifted(lambda d, at: d.set_navigation(d.make_navigation(), at), now)
+        if self._gone is None and self._leaves is not None and now >= self._leaves:
+            out += self.end(now, at_once=True)
         return out + self._shifted(lambda drive, at: drive.handle_timer(at), now)
 
     def next_timer(self) -> float | None:
         due = self._drive.next_timer() if self._drive else None
-        dues = [self._navigation_due, None if due is None else due + self._zero]
+        dues = [
+            self._navigation_due,
+            self._gone or self._leaves,
+            None if due is None else due + self._zero,
+        ]
         return min((t for t in dues if t is not None), default=None)
 
     def _shifted(self, call: Callable[[Drive, float], list[Tx]], now: float) -> list[Tx]:
@@ -142,10 +173,12 @@ class OnBoard:
         if due is not None and at < due < at + _SAME:  # the sum was rounded
             at = due
         try:
-            return [replace(tx, t=now) for tx in call(self._drive, at)]
+            out = [replace(tx, t=now) for tx in call(self._drive, at)]
         except Died:
             self.kill()
             return []
+        self._leave(now)
+        return out
 
     # --- as the drive's observer -----------------------------------------------------------------
 

@@ -43,6 +43,7 @@ OPERATOR_AFTER = 15.0  # s in which a board that lives on can be brought to idle
 UPLOAD = 200.0  # s until the operator has started the mission, or given up
 RADIO = 0.1  # s until the operator's program has answered an answer
 RESTART = 3.0  # s until a program that died by itself is begun anew
+_WAITS = (Act.SAY, Act.JOIN, Act.PART, Act.END, Act.HURRY)  # for a program that stands still
 _DEATHS = {Act.DIE_BEFORE: Death.BEFORE, Act.DIE_AFTER: Death.AFTER}
 _GPS_NODE = re.compile(rb"BDGPS ([OC])")
 _AT_REST = ("idle/", STOPPED, SURFACED)
@@ -262,7 +263,7 @@ class _Loop:
 
     def _do(self, deed: Deed) -> None:
         now = self.now
-        if self._held is not None and deed.act in (Act.SAY, Act.JOIN, Act.PART):
+        if self._held is not None and deed.act in _WAITS:
             self._held.append(deed)
             return
         if deed.act is Act.SAY:
@@ -278,8 +279,8 @@ class _Loop:
                 self._run_again()
             case Act.POWER:
                 self.sea.stm32.restart()
-            case Act.DIE_BEFORE | Act.DIE_AFTER:
-                self.board.store.death = _DEATHS[deed.act]
+            case Act.DIE_BEFORE | Act.DIE_AFTER | Act.FILL | Act.FREE:
+                self._to_disk(deed.act)
             case Act.JOIN:
                 self.joined.add(deed.address)
                 self._send(self.board.connected(deed.link, deed.address, now))
@@ -289,6 +290,8 @@ class _Loop:
             case Act.KILL:
                 self.board.kill()
                 self._are_gone()
+            case Act.END | Act.HURRY:
+                self._send(self.board.end(now, at_once=deed.act is Act.HURRY))
             case Act.BOOT:
                 self.board.boot(now)
                 self._lived = True
@@ -296,8 +299,12 @@ class _Loop:
                 self.plugged = deed.act is Act.PLUG
                 if self.plugged:
                     self._send(self.board.connected(VEHICLE, "", now))
-            case Act.FILL | Act.FREE:
-                self.board.store.full = deed.act is Act.FILL
+
+    def _to_disk(self, act: Act) -> None:
+        if act in _DEATHS:
+            self.board.store.death = _DEATHS[act]
+        else:
+            self.board.store.full = act is Act.FILL
 
     def _are_gone(self) -> None:
         """With the program: its connections, its nodes, what it had not read yet."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,9 @@ from mission.commands.options import AS_JSON
 
 if TYPE_CHECKING:
     from mission.doctor.findings import Finding
+
+
+_MEND = "mend the file; docs/operation.md lists every key"
 
 
 @click.command()
@@ -26,10 +30,7 @@ def doctor(config: Path | None, as_json: bool) -> None:
     """
     import json
 
-    from mission.configuration import ConfigurationError, load_configuration
-    from mission.doctor.doctor import examine
-    from mission.doctor.findings import Condition, fault
-    from mission.vehicle import VehicleError, load_vehicle
+    from mission.doctor.findings import Condition
 
     found: list[Finding] = []
 
@@ -38,14 +39,8 @@ def doctor(config: Path | None, as_json: bool) -> None:
         if not as_json:
             _show(finding)
 
-    try:
-        configuration = load_configuration(config)
-        vehicle = load_vehicle(configuration.vehicle)
-    except (ConfigurationError, VehicleError) as error:
-        take(fault("configuration", str(error), "mend the file; docs/operation.md lists every key"))
-    else:
-        for finding in examine(configuration, vehicle):
-            take(finding)
+    for finding in _examined(config):
+        take(finding)
     faults = sum(one.condition is Condition.FAULT for one in found)
     warnings = sum(one.condition is Condition.WARNING for one in found)
     if as_json:
@@ -53,6 +48,27 @@ def doctor(config: Path | None, as_json: bool) -> None:
     else:
         click.echo(f"{faults} faults, {warnings} warnings")
     raise SystemExit(1 if faults else 0)
+
+
+def _examined(config: Path | None) -> Iterator[Finding]:
+    """What cannot be read is a fault, and the rest is as serve would begin with."""
+    from mission.configuration import ConfigurationError, load_configuration
+    from mission.doctor.doctor import examine
+    from mission.doctor.findings import fault
+    from mission.serve.provision import Unusable, provide
+    from mission.vehicle import VehicleError, load_vehicle
+
+    try:
+        configuration = load_configuration(config)
+        vehicle = load_vehicle(configuration.vehicle)
+    except (ConfigurationError, VehicleError, ImportError) as error:
+        yield fault("configuration", str(error), _MEND)
+        try:
+            got = provide(config, {}, None)
+        except Unusable:
+            return
+        configuration, vehicle = got.configuration, got.vehicle
+    yield from examine(configuration, vehicle)
 
 
 def _show(finding: Finding) -> None:

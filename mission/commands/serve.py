@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from mission.configuration import Configuration, LinkUrls
     from mission.model import Estimate, Step
     from mission.serve.printer import Printer
     from mission.serve.serve import Ready
@@ -39,19 +38,19 @@ def serve(
 ) -> None:
     """Receive missions, fly them, answer the boat: the program that runs on the Pi.
 
-    Ends with SIGINT or SIGTERM. Links given here overrule the configuration's.
+    Ends with SIGINT or SIGTERM: with the vehicle under way it brings it up first, and ends at once
+    if told again. Links given here overrule the configuration's.
     """
     import json
+    import os
     import time
 
-    from links.base import LinkError
-    from mission.configuration import ConfigurationError, load_configuration
     from mission.serve.journal import printed
+    from mission.serve.leaving import time_to_leave
     from mission.serve.only import AnotherServe, only_one
     from mission.serve.printer import Printer
+    from mission.serve.provision import Unusable, provide
     from mission.serve.serve import Server, run
-    from mission.store import DiskStore, StoreError
-    from mission.vehicle import VehicleError, load_vehicle
 
     def tell(line: str) -> None:
         click.echo(printed(line.rstrip(), time.time()), err=True)
@@ -67,48 +66,38 @@ def serve(
 
     given = {"vehicle": vehicle, "gps": gps, "topside": topside}
     try:
-        configuration = _configured(load_configuration(config), given, folder)
-        flown = load_vehicle(configuration.vehicle)
-        store = DiskStore(configuration.store)
-    except (ConfigurationError, LinkError, VehicleError, StoreError) as error:
+        got = provide(config, given, folder)
+    except Unusable as error:
         tell(f"fault: {error}")
         raise SystemExit(2) from None
-    for damage in store.content.damage:
+    for broken in got.faults:
+        tell(f"fault: {broken}")
+    if got.configuration.ascent_only:
+        tell(f"warning: {got.configuration.ascent_only}")
+    for damage in got.damage:
         tell(f"warning: {damage}")
     out, err = Printer(1, waiting=100_000), Printer(2)
     observer = _Events(out) if events else None
     server = Server(
-        configuration,
-        flown,
-        store,
+        got,
         lambda line: err.print(printed(line.rstrip(), time.time())),
         ready,
         speed,
         observer,
+        time_to_leave(os.environ),
     )
+    refusal = ""
     try:
-        with only_one(configuration.folder):
+        with only_one(got.configuration.folder):
             run(server)
     except AnotherServe as error:
-        server.refusal = str(error)
+        refusal = str(error)
     finally:
         out.close()
         err.close()
-    if server.refusal:
-        tell(f"fault: {server.refusal}")
+    if refusal:
+        tell(f"fault: {refusal}")
         raise SystemExit(2)
-
-
-def _configured(
-    configuration: Configuration, given: dict[str, str | None], folder: Path | None
-) -> Configuration:
-    """``given`` are the links of the command line. Raises LinkAddressError."""
-    from dataclasses import replace
-
-    urls = {n: None if n == "gps" and u == "none" else u for n, u in given.items() if u}
-    links = replace(configuration.links, **urls)  # type: ignore[arg-type]
-    _check(links)
-    return replace(configuration, links=links, folder=folder or configuration.folder)
 
 
 def _write_whole(path: Path, text: str) -> None:
@@ -116,16 +105,6 @@ def _write_whole(path: Path, text: str) -> None:
     beside = path.with_name(path.name + ".new")
     beside.write_text(text, encoding="utf-8")
     beside.replace(path)
-
-
-def _check(links: LinkUrls) -> None:
-    """Raises LinkAddressError for what is no URL of a link; whether it opens is seen later."""
-    from links import parse_address
-    from mission.serve.listening import listening
-
-    for url in (links.vehicle, links.gps, listening(links.topside), links.modem):
-        if url is not None:
-            parse_address(url)
 
 
 class _Events:

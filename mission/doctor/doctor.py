@@ -57,7 +57,11 @@ def examine(configuration: Configuration, vehicle: Vehicle) -> Iterator[Finding]
 
 def _configured(patient: Patient) -> Iterator[Finding]:
     c = patient.configuration
-    yield ok("configuration", f"read; vehicle file {c.vehicle}, folder {c.folder}")
+    if c.ascent_only:
+        says = f"{c.ascent_only}; with the folder {c.folder} and the vehicle at {c.links.vehicle}"
+        yield warning("configuration", says, "mend what is broken, then restart serve")
+    else:
+        yield ok("configuration", f"read; vehicle file {c.vehicle}, folder {c.folder}")
     if patient.mute is not None:
         yield fault(
             "serve",
@@ -72,6 +76,9 @@ def _configured(patient: Patient) -> Iterator[Finding]:
             f"running (process {patient.running['pid']}, "
             f"{patient.running['state']}): its ports are left alone",
         )
+        for broken in patient.running["broken"]:
+            todo = "mend it, then, with the vehicle at the surface, restart serve"
+            yield fault("serve began with", broken, todo)
 
 
 def _disk(patient: Patient) -> Iterator[Finding]:

@@ -29,6 +29,9 @@ class Commander:
         """It has asked for an @AR, so it understands one."""
         self._readers.add(peer)
 
+    def reads(self, peer: Peer) -> bool:
+        return peer in self._readers
+
     def knows(self, peer: Peer) -> bool:
         """It has said something that is a frame."""
         return peer in self._heard

@@ -19,20 +19,19 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from links.base import Rx
 from mission import __version__
 from mission.configuration import Configuration
 from mission.drive import records as rec
 from mission.drive.commander import Commander
-from mission.drive.frontseat import GAP_S, Frontseat
 from mission.drive.judge import Judge
 from mission.drive.latch import Latch
+from mission.drive.line import line_to
 from mission.drive.nodes import LINK as NODES
 from mission.drive.nodes import Nodes, with_process
-from mission.drive.paths import path_over
-from mission.drive.repeater import Repeater
+from mission.drive.paths import paths
 from mission.drive.topside import Topside
 from mission.drive.vessel import MissionRefused, Peer
 from mission.drive.wallclock import WallClock
@@ -42,7 +41,7 @@ from mission.model import (
     SURFACING,
     AutoNode,
     Chart,
-    Estimate,
+    Ending,
     LineOpened,
     Loaded,
     Outcome,
@@ -78,16 +77,6 @@ MOST_ROUNDS = 10  # of outcomes that lead to commands that lead to outcomes, at 
 CLOCK = "clock"  # a Tx to it asks the pump to set the system's clock (R10)
 
 
-class Observer(Protocol):
-    """Who wants to see what was decided as it is decided."""
-
-    def step(self, step: Step) -> None: ...
-
-    def estimate(self, estimate: Estimate) -> None:
-        """One per telemetry."""
-        ...
-
-
 class Drive:
     """``wall`` is the wall clock at the engine's time 0, in s since 1970 UTC."""
 
@@ -99,11 +88,11 @@ class Drive:
         recorder: rec.Recorder | None = None,
         navigation: Navigation | None = None,
         wall: float = 0.0,
-        observer: Observer | None = None,
+        observer: rec.Observer | None = None,
     ) -> None:
         self._configuration, self._vehicle = configuration, vehicle
         self._store = WatchedStore(store, self._failed_write)
-        self.judge = Judge(vehicle)
+        self.judge = Judge(vehicle, configuration.ascent_only)
         self._recorder, self._observer = recorder, observer
         start = rec.Start(__version__, configuration, vehicle, store.content, wall)
         self._record(rec.start_record, start, 0.0)
@@ -112,18 +101,13 @@ class Drive:
             vehicle.codec, vehicle.dialect, vehicle.tolerances, vehicle.battery_scale
         )
         self._gps = NmeaDecoder()
-        period: float | None = getattr(self._codec, "period", None)  # boards that answer nothing
-        self._frontseat: Frontseat | Repeater = (
-            Frontseat(self._codec.encode, VEHICLE)
-            if period is None
-            else Repeater(self._codec.encode, period, VEHICLE)
-        )
-        tolerances = Tolerances.parse(configuration.tolerances)
+        links = configuration.links
+        self._frontseat = line_to(self._codec, VEHICLE, links.vehicle)
         self._topside = Topside(
             self,
             self._store,
-            lambda link: path_over(link, tolerances),
-            Nodes(with_process(configuration.links)),
+            paths(Tolerances.parse(configuration.tolerances), links.modem),
+            Nodes(with_process(links)),
             configuration.answer_no,
         )
         self._engine = Engine(vehicle, forgotten_after=configuration.manual_for)
@@ -186,6 +170,18 @@ class Drive:
         if _is_due(self._engine.next_timer(), now):
             self._step(now, ())
         return self._leave(now)
+
+    def end(self, now: float, *, at_once: bool = False) -> list[Tx]:
+        """The program is to end: when the engine is settled, or ``at_once`` with its last words."""
+        self._now = now = max(self._now, now)
+        self._record(rec.input_record, now, rec.ENDING, *([rec.AT_ONCE] if at_once else []))
+        self._step(now, (Ending(at_once),))
+        return self._leave(now)
+
+    @property
+    def said_all(self) -> bool:
+        """Nothing waits to be sent to the vehicle, or for its answer."""
+        return self._frontseat.next_timer() is None
 
     def next_timer(self) -> float | None:
         first = self._latch.next_timer()
@@ -321,11 +317,6 @@ class Drive:
             self._owes_report = False
             self._topside.report_unasked(now, "at the surface")
 
-    # --- durable --------------------------------------------------------------------------------
-
-    def _failed_write(self, number: int, why: str) -> None:
-        self._record(rec.input_record, self._now, rec.STORE, str(number), why)
-
     # --- what Topside asks (Vessel) ---------------------------------------------------------------
 
     @property
@@ -339,7 +330,7 @@ class Drive:
     @property
     def gap(self) -> float:
         """s that the line needs between two frames; those of a repeater are delimited."""
-        return GAP_S if isinstance(self._frontseat, Frontseat) else 0.0
+        return self._frontseat.gap
 
     @property
     def commander(self) -> Commander:
@@ -377,8 +368,12 @@ class Drive:
     def hear_stick(self, now: float) -> None:
         self._engine.hear_stick(now)
 
-    def relay(self, frame: bytes, reason: str, manual: bool) -> None:
-        self._frontseat.relay(frame, reason, manual)
+    def relay(self, frame: bytes, reason: str, manual: bool) -> str:
+        return self._frontseat.relay(frame, reason, manual)
+
+    @property
+    def cannot_relay(self) -> str:
+        return self._frontseat.cannot_relay
 
     def accept(self, lines: tuple[str, ...], now: float) -> None:
         chart = self.judge(lines)
@@ -399,6 +394,9 @@ class Drive:
         self._step(now, (Loaded(chart),))
 
     # --- record -----------------------------------------------------------------------------------
+
+    def _failed_write(self, number: int, why: str) -> None:
+        self._record(rec.input_record, self._now, rec.STORE, str(number), why)
 
     def _record(self, make: Callable[..., Record], *values: object) -> None:
         if self._recorder is not None:

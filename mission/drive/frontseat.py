@@ -1,12 +1,17 @@
 """The way to the STM32: one line, one command outstanding, safety first. Sans-IO, no clock.
 
-    STOP, SURFACE  --> urgent  --+
-    relays (R, M, @DA/@DS)  -----+--> line (20 ms after the end of the frame before) --> STM32
-    setpoints --> queue ---------+        one Z outstanding; 300 ms, 3 tries (R1)
+    1  STOP, SURFACE  --> urgent --+
+    2  setpoints --> queue --------+--> line (20 ms after the end of the frame before) --> STM32
+    3  relays (M, R, @DA/@DS) -----+        one Z outstanding; 300 ms, 3 tries (R1)
+
+The smaller number has the line first: an order, the further tries of what is not answered, both
+frames of an ascent's X0 and U12, a leg's set. What operators pass on has what is left, at least
+while an answer is waited for. Under the stick there are no sets, and M has their place.
 
 Rules of protocols.md that live here: R1 (stop and wait), R7's overtaking (what is queued is
 dropped, an unanswered Z is given up), the as-built ACK code ``A`` for any Z, and the gap without
-which two frames arrive as one burst and are misread.
+which two frames arrive as one burst and are misread. A set that is not out after 5 s, though
+newer ones of the same leg have taken its place meanwhile, is told as LATE, once.
 
 An ACK of code A does not say which Z it answers. Whoever gave up on a Z or sent it twice is still
 owed an answer; until that came or could no longer come (300 ms) an ACK of code A is not believed
@@ -14,15 +19,17 @@ to be the next frame's, and the next setpoint waits. STOP and SURFACE do not wai
 are sent once more.
 
 What does not live here: what the commands mean and the R8 consequence of three lost Z (engine),
-frames (protocol.vehicles), bytes on the port (links).
+which relay is next (relays), frames (protocol.vehicles), bytes on the port (links).
 """
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from mission.drive.relays import Relays
 from mission.model import Action, Outcome, Result, Tx
 from protocol.codec import CannotEncode
 from protocol.messages import Ack, Order, Setpoint
@@ -32,7 +39,8 @@ ANSWER_S = 0.3
 TRIES = 3
 GAP_S = 0.02
 BITS_PER_BYTE = 10  # 8N1
-RELAYS = 32  # more than that waiting on a 9600 line is a flood: the oldest go
+BITS_PER_S = 9600
+LEAVES_S = 5.0  # within which a set must be out
 ANY = "A"  # as-built firmware acknowledges every Z with this code
 
 
@@ -68,21 +76,26 @@ class Frontseat:
     A frame that a newer set or a safety command replaced before it was answered has no Outcome.
     """
 
+    gap = GAP_S  # s that the line needs between two frames
+    cannot_relay = ""
+
     def __init__(
         self,
         encode: Callable[[Setpoint | Order], list[bytes]],
         link: str = "vehicle",
-        bits_per_s: int = 9600,
+        bits_per_s: float = BITS_PER_S,
     ) -> None:
         self._encode, self._link = encode, link
         self._seconds_per_byte = BITS_PER_BYTE / bits_per_s
         self._urgent: deque[_Frame] = deque()
-        self._relays: deque[tuple[bytes, str]] = deque(maxlen=RELAYS)
+        self._relays = Relays()
         self._queue: deque[_Frame] = deque()
         self._outstanding: _Outstanding | None = None
         self._owed: list[_Owed] = []
         self._becoming: Setpoint | None = None  # of which nothing was refused or lost so far
         self._held: Setpoint | None = None  # all of it was accepted, and nothing left since
+        self._set: Setpoint | None = None  # the newest
+        self._late_at: float | None = None  # unless all of a set has left by then
         self._free = 0.0  # from when on the line may be used
 
     @property
@@ -100,7 +113,12 @@ class Frontseat:
             data = change(data, self._encode(self._held))
         frames = [_Frame(d, action.command, action.reason) for d in data]
         self._held = None
-        self._becoming = action.command if isinstance(action.command, Setpoint) else None
+        before, self._set = self._set, None
+        if isinstance(action.command, Setpoint):
+            self._set = action.command
+        self._becoming = self._set
+        if not action.steers and self._set != before:
+            self._late_at = None  # another leg, or none
         self._queue.clear()  # a set is complete: what is left of the one before is obsolete
         if isinstance(action.command, Order):
             self._relays.clear()
@@ -110,15 +128,16 @@ class Frontseat:
             self._queue.extend(frames)
         return None
 
-    def relay(self, data: bytes, reason: str, manual: bool = False) -> None:
-        """Pass a frame on unchanged. A manual one ends every Z, the stop of a silent stick
-        included: a later try of it would throw the STM32 out of manual mode (R6)."""
+    def relay(self, data: bytes, reason: str, manual: bool = False) -> str:
+        """Pass a frame on unchanged; why not, "" if it will leave. A manual one ends every Z, the
+        stop of a silent stick included: a later try of it would throw the STM32 out of manual
+        mode (R6)."""
         if manual:
             self._queue.clear()
             self._urgent.clear()
             self._give_up()
-            self._held = self._becoming = None
-        self._relays.append((data, reason))
+            self._held = self._becoming = self._set = self._late_at = None
+        return self._relays.add(data, reason, manual)
 
     def answer(self, ack: Ack, now: float) -> Outcome | None:
         """What an ACK of group Z decides; None if it answers nothing that is outstanding."""
@@ -144,6 +163,11 @@ class Frontseat:
         waiting = self._outstanding
         if waiting is None and self.idle:
             return [], []
+        if self._queue and self._late_at is None:
+            self._late_at = now + LEAVES_S
+        if self._queue and self._late_at is not None and now >= self._late_at:
+            self._late_at = math.inf
+            return [], [Outcome(Result.LATE, self._queue[0].data, self._queue[0].command)]
         if waiting and now >= waiting.deadline and waiting.tries >= TRIES:
             self._outstanding = self._becoming = None
             return [], [Outcome(Result.LOST, waiting.frame.data, waiting.frame.command)]
@@ -155,12 +179,11 @@ class Frontseat:
             return [self._send(self._urgent.popleft(), 1, now)]
         if waiting and now >= waiting.deadline:
             return [self._send(waiting.frame, waiting.tries + 1, now)]
-        if self._relays:
-            data, reason = self._relays.popleft()
-            return [self._transmit(data, reason, now)]
         if waiting is None and self._queue and not any(o.until > now for o in self._owed):
-            return [self._send(self._queue.popleft(), 1, now)]
-        return []
+            frame = self._queue.popleft()
+            self._late_at = self._late_at if self._queue else None
+            return [self._send(frame, 1, now)]
+        return [self._transmit(*self._relays.take(), now)] if self._relays else []
 
     def next_timer(self) -> float | None:
         """When ``poll`` has something to do."""
@@ -171,13 +194,16 @@ class Frontseat:
             if not (self._relays or self._queue):
                 return None
         due = [self._free] if self._relays else []
+        if self._queue and self._late_at is not None:
+            due.append(self._late_at)
         if waiting:
             # The last wait ends by the clock alone; another try needs the line.
             last = waiting.tries >= TRIES
             due.append(waiting.deadline if last else max(self._free, waiting.deadline))
         elif self._queue:
             due.append(max([self._free, *(owed.until for owed in self._owed)]))
-        return min(due, default=None)
+        first = min(due, default=math.inf)
+        return first if first < math.inf else None
 
     def _send(self, frame: _Frame, tries: int, now: float) -> Tx:
         self._outstanding = _Outstanding(frame, tries, now + ANSWER_S)

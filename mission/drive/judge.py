@@ -18,14 +18,16 @@ from mission.vehicle import Vehicle
 
 
 class Judge:
-    """Of the missions of one vehicle."""
+    """Of the missions of one vehicle. ``closed``: why none is accepted, "" if that depends."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
-        self._vehicle = vehicle
+    def __init__(self, vehicle: Vehicle, closed: str = "") -> None:
+        self._vehicle, self._closed = vehicle, closed
         self._last: tuple[tuple[str, ...], Chart | str] = ((), "there are no lines")
 
     def __call__(self, lines: tuple[str, ...]) -> Chart:
         """Raises MissionRefused, with the first thing that is wrong."""
+        if self._closed:
+            raise MissionRefused(self._closed)
         known, verdict = self._last
         if known != lines:
             try:
@@ -40,8 +42,11 @@ class Judge:
 
 def judge(lines: tuple[str, ...], vehicle: Vehicle) -> Chart:
     """As above."""
-    from mission.check import check_mission
-    from mission.language import MissionErrors, digest, parse_script
+    try:
+        from mission.check import check_mission
+        from mission.language import MissionErrors, digest, parse_script
+    except ImportError as error:
+        raise MissionRefused(f"missions cannot be judged: {error}") from error
 
     try:
         mission = parse_script(lines)

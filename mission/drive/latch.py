@@ -12,7 +12,7 @@ What does not live here: files (store), what a restart does (engine).
 
 from __future__ import annotations
 
-from mission.engine.engine import STICK, UNANSWERED
+from mission.engine.restart import STICK, UNANSWERED
 from mission.store import Store, StoreError
 
 AGAIN_S = 5.0  # until what could not be written is tried again

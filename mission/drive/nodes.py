@@ -41,6 +41,11 @@ class Nodes:
     def is_open(self, name: str) -> bool:
         return self._open[name]
 
+    def are(self, switches: str) -> bool:
+        """All as these letters say; the Pi's own is not looked at (E-T2)."""
+        named = zip(NAMES[1:], switches[1:], strict=True)
+        return all(self._open[name] == (letter == OPEN) for name, letter in named)
+
     @property
     def mask(self) -> int:
         return sum(1 << bit for bit, name in enumerate(NAMES) if self._open[name])

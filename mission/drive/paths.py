@@ -1,7 +1,8 @@
 """The two ways between an operator and the Pi (R12): a stream of frames, and the modem's envelopes.
 
     StreamPath   one TCP connection: frames as they come, answers at once
-    ModemPath    half duplex: the answers to one request leave together, when it is their turn (R15)
+    ModemPath    half duplex: the answers to one request leave together, when it is their turn
+                 (R15); X and W are heard in whatever comes (``obeyed``)
 
 A command whose frame is whole but whose value is not (G4) is heard as ``Unfit``, so that it can be
 answered N; what is no frame at all, or has the wrong number of fields (E-V2), is a fault alone.
@@ -12,14 +13,16 @@ What does not live here: envelope and turns (protocol.modem, protocol.arq), what
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from links import baud_of
+from mission.drive.obeyed import Obeyed
 from mission.drive.vessel import MODEM, Answer
 from protocol.arq import Responder
 from protocol.messages import Command, FrameFault
-from protocol.modem import Envelope
+from protocol.modem import BAUD, Envelope
 from protocol.tolerances import Tolerances
 from protocol.topside import TopsideCodec, encode
 
@@ -109,12 +112,14 @@ class StreamPath:
 
 
 class ModemPath:
-    def __init__(self, tolerances: Tolerances) -> None:
-        self._responder = Responder(tolerances=tolerances)
-        self._tolerances = tolerances
+    def __init__(self, tolerances: Tolerances, baud: float) -> None:
+        self._responder = Responder(tolerances=tolerances, baud=baud)
+        self._tolerances, self._obeyed = tolerances, Obeyed(tolerances)
 
     def receive(self, data: bytes, now: float) -> list[Heard]:
-        return self._opened(self._responder.receive(data, now), now)
+        found = self._obeyed.found(data)
+        heard = self._opened(self._responder.receive(data, now), now)
+        return [*self._obeyed.at_once(found, heard, now), *heard]
 
     def handle_timer(self, now: float) -> list[Heard]:
         return self._opened(self._responder.receive(b"", now), now)
@@ -135,9 +140,12 @@ class ModemPath:
                 heard.append(item)
                 continue
             codec = _Listener(self._tolerances)  # a content holds whole frames: nothing carries
-            heard += codec.receive(item.content, item.t) + codec.flush(now)
+            content = codec.receive(item.content, item.t) + codec.flush(now)
+            heard += self._obeyed.left_of(content, now)
         return heard
 
 
-def path_over(link: str, tolerances: Tolerances) -> Path:
-    return ModemPath(tolerances) if link == MODEM else StreamPath(tolerances)
+def paths(tolerances: Tolerances, modem: str | None = None) -> Callable[[str], Path]:
+    """What makes one for a connection over the link of a name; ``modem``: its URL."""
+    baud = baud_of(modem or "", BAUD)
+    return lambda link: ModemPath(tolerances, baud) if link == MODEM else StreamPath(tolerances)

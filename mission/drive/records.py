@@ -8,6 +8,7 @@
     connected      t | link NUL address                        input
     disconnected   t | link NUL address                        input
     navigation     t   (the filter is there from now on)       input
+    ending         t | "now" where no time is left             input (the program is to end)
     store          t | number of the write NUL what failed     input (writes that failed alone)
     step           JSON of the Step                            output
     estimate       JSON of the Estimate                        output, one per telemetry
@@ -44,9 +45,10 @@ from protocol.messages import FrameFault
 
 START, RX, TIMER = "start", "rx", "timer"
 CONNECTED, DISCONNECTED = "connected", "disconnected"
-NAVIGATION, STORE = "navigation", "store"
+NAVIGATION, STORE, ENDING = "navigation", "store", "ending"
 STEP, ESTIMATE, TX, FAULT = "step", "estimate", "tx", "fault"
-INPUTS = frozenset({RX, TIMER, CONNECTED, DISCONNECTED, NAVIGATION, STORE})
+INPUTS = frozenset({RX, TIMER, CONNECTED, DISCONNECTED, NAVIGATION, STORE, ENDING})
+AT_ONCE = "now"  # the text of an ``ending`` that has no more time
 OUTPUTS = frozenset({STEP, ESTIMATE, TX, FAULT})
 
 _T = struct.Struct("<d")
@@ -57,6 +59,16 @@ class Recorder(Protocol):
     """Takes every record, in order; must not raise (a full disk must not stop the vehicle)."""
 
     def record(self, record: Record) -> None: ...
+
+
+class Observer(Protocol):
+    """Who wants to see what was decided as it is decided."""
+
+    def step(self, step: Step) -> None: ...
+
+    def estimate(self, estimate: Estimate) -> None:
+        """One per telemetry."""
+        ...
 
 
 class ListRecorder:

@@ -65,6 +65,9 @@ class Staging:
             return Held()
         return Whole(tuple(self._lines[i] for i in range(1, self._total + 1)))
 
+    def holds(self, line: MissionLine) -> bool:
+        return line.total == self._total and self._lines.get(line.current) == line.payload
+
     def copy(self) -> Staging:
         """For a look at what would be."""
         other = Staging()

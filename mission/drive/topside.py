@@ -1,12 +1,12 @@
 """The Pi's side of the operator protocol: who said what, may he, and what is answered. Sans-IO.
 
-    bytes --path--> command --duplicate? commander? idle?--> Vessel
+    bytes --path--> command --copy? commander? idle?--> Vessel
     answer --path of the request (R12)--> bytes
 
-Rules of protocols.md that live here: R2 (answers N), R3 and R4 (with ``staging``), R6's relaying,
-R9-R11 as far as an answer shows them, R12 (duplicates over two paths, the commander), R13 (with
-``nodes``), R14. STOP and SURFACE pass from any connection, always, and are answered by what became
-of them at the STM32.
+Rules of protocols.md that live here: R2 (answers N), R3 and R4 (with ``uploads``), R6's relaying,
+R9-R11 as far as an answer shows them, R12 (with ``copies``, ``commander``), R13 (with ``nodes``),
+R14. STOP and SURFACE pass from any connection, always, and are answered by what became of them at
+the STM32.
 
 What does not live here: what a command does to the vehicle (engine, behind ``Vessel``), frames
 (protocol), sockets.
@@ -15,18 +15,20 @@ What does not live here: what a command does to the vehicle (engine, behind ``Ve
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from mission.drive.awaited import Awaited
 from mission.drive.commander import Commander
+from mission.drive.copies import Copies
 from mission.drive.nodes import LINK as NODES
 from mission.drive.nodes import NAMES, OPEN, Nodes
 from mission.drive.paths import Heard, Path, Unfit
 from mission.drive.refusals import Refusals
-from mission.drive.staging import Held, OutOfPlace, Staging, Whole
-from mission.drive.vessel import MODEM, Answer, MissionRefused, Peer, Vessel, one_line
-from mission.model import Outcome, Result, Tx, Verdict
+from mission.drive.uploads import Uploads
+from mission.drive.vessel import MODEM, Answer, Peer, Vessel, one_line
+from mission.model import AUTONOMOUS, Outcome, Result, Tx, Verdict
 from mission.store import Store, StoreError
 from protocol.messages import (
     Ack,
@@ -45,26 +47,15 @@ from protocol.messages import (
     SetTime,
     StartMission,
     StoreQuery,
-    StoreReport,
 )
 from protocol.topside import answer
 
-SAME_COMMAND_S = 5.0
 RELAY_ANSWER_S = 5.0
 ORDER_ANSWER_S = 10.0
 
+TELL_S = 1.0  # between two reports that tell one and the same why nothing is relayed
+
 YES, NO = ord("Y"), ord("N")
-REMEMBERED = 64  # commands, for R12; more than that within 5 s is a flood
-
-
-@dataclass(frozen=True, slots=True)
-class _Done:
-    """A command that was accepted, and what was answered."""
-
-    command: Command
-    peer: Peer
-    t: float
-    answer: Answer | None
 
 
 class Topside:
@@ -79,13 +70,14 @@ class Topside:
         """``path`` makes one for a connection over the link of that name."""
         self._vessel, self._store, self._new_path = vessel, store, path
         self._nodes, self._answer_no = nodes, answer_no  # R2
-        self._staging = Staging()
+        self._uploads = Uploads(vessel, store)
         self._paths: dict[Peer, Path] = {}
         self.commander = Commander()
-        self._done: list[_Done] = []
+        self._copies = Copies(self._in_force)
         self._awaited = Awaited()
-        self._switching: tuple[Peer, NodeSwitch] | None = None
+        self._switching: tuple[list[Peer], NodeSwitch] | None = None
         self._refusals = Refusals()
+        self._told = -math.inf  # when a refused relay was
         self._out: list[Tx] = []
         self._faults: list[tuple[Peer, FrameFault]] = []
 
@@ -106,18 +98,9 @@ class Topside:
 
     def foresee(self, peer: Peer, data: bytes, now: float) -> tuple[str, ...]:
         """The set of lines that these bytes would make whole, () if none. Changes nothing."""
-        staged = self._staging
-        may_begin = b"AW" in data or staged.total > 0
-        enough = staged.have + data.count(b"@") + 1 >= staged.total  # one may have begun before
-        if not (b"$" in data and may_begin and enough and self._is_idle and peer in self._paths):
+        if peer not in self._paths or not self._uploads.may_complete(data):
             return ()
-        staging, path = staged.copy(), copy.deepcopy(self._paths[peer])
-        for item in path.receive(data, now):
-            if isinstance(item, MissionLine):
-                held = staging.offer(item, self._store.content.lines, now)
-                if isinstance(held, Whole):
-                    return held.lines
-        return ()
+        return self._uploads.foresee(copy.deepcopy(self._paths[peer]).receive(data, now), now)
 
     def changed(self, data: bytes, now: float) -> None:
         """Bytes of the link ``nodes``."""
@@ -194,7 +177,9 @@ class Topside:
             if isinstance(command, StoreQuery):
                 self.commander.reads_reports(peer)
             self._send(peer, self._query(command, now), now, "asked")
-        elif not self._is_repeated(peer, command, now):
+        elif (verdict := self._copies.judge(peer, command, now)) is not None:
+            self._answer_copy(peer, command, verdict, now)
+        else:
             why = self.commander.why_not(peer, now)
             verdict = Verdict(False, why) if why else self._execute(peer, command, now)
             if isinstance(command, Manual) and verdict is not None and not verdict.accepted:
@@ -212,14 +197,18 @@ class Topside:
             return self._vessel.status(now)
         if isinstance(command, NodeQuery):
             return Ack(now, "N", "I", self._nodes.mask)
-        return self._report(now)
+        refusal = self._refusals.told(now, self._vessel.doubted_at)
+        return self._uploads.report(refusal, now)
 
     def _execute(self, peer: Peer, command: Command, now: float) -> Verdict | None:
         """The verdict, or None if it is not known yet."""
         if isinstance(command, NodeSwitch):
             return self._switch(peer, command, now)
         if isinstance(command, MissionLine):
-            return self._line(command, now)
+            verdict, stored = self._uploads.take(command, now)
+            if stored:
+                self._refusals.end()
+            return verdict
         if isinstance(command, SetTime):
             return self._set_time(peer, command, now)
         if isinstance(command, SetSafety):
@@ -228,90 +217,95 @@ class Topside:
             return self._relay(peer, command, now)
         if isinstance(command, Manual):
             return self._manual(peer, command, now)
-        if isinstance(command, StartMission) and self._is_staging(now):
+        if isinstance(command, StartMission) and self._uploads.incomplete(now):
             return Verdict(
-                False, f"the upload is incomplete: lines {self._staging.missing} missing"
+                False, f"the upload is incomplete: lines {self._uploads.missing} missing"
             )
         verdict = self._vessel.decide(command, now)
         if isinstance(command, ClearMission) and verdict.accepted:
-            self._staging.clear()
+            self._uploads.clear()
         return verdict
 
     def _conclude(self, peer: Peer, command: Command, verdict: Verdict, now: float) -> None:
         if verdict.accepted:
             self._hand_over(peer, now)
+        if not isinstance(command, Manual):
+            self._copies.note(peer, command, verdict.accepted, now)
+        self._answer(peer, command, verdict, now)
+
+    def _answer(self, peer: Peer, command: Command, verdict: Verdict, now: float) -> None:
+        if verdict.accepted:
             self._refusals.accepted(_NAMES[type(command)])
         else:
             self._refusals.note(_NAMES[type(command)], verdict.why, now)
         ack = _acknowledge(command, verdict.accepted, now)
-        if verdict.accepted and not isinstance(command, MissionLine | Manual):
-            self._done.append(_Done(command, peer, now, ack))
         if ack is not None and (verdict.accepted or self._answer_no):
-            self._send(peer, ack, now, "accepted" if verdict.accepted else verdict.why)
+            self._send(peer, ack, now, verdict.why or "accepted")
 
-    def _is_repeated(self, peer: Peer, command: Command, now: float) -> bool:
-        """The same command came over the other path within 5 s: answered again, not executed."""
-        self._done = [d for d in self._done if now - d.t < SAME_COMMAND_S][-REMEMBERED:]
-        for done in self._done:
-            if done.command == command and done.peer.link != peer.link:
-                if isinstance(command, Relay):
-                    self._await_relay(peer, command, now)
-                elif done.answer is not None:
-                    self._send(peer, done.answer, now, "accepted over the other path")
-                return True
-        return False
+    def _answer_copy(self, peer: Peer, command: Command, verdict: Verdict, now: float) -> None:
+        """What is in force is not executed once more; but the STM32 answers for itself."""
+        if isinstance(command, Relay) and command.kind != "D" and verdict.accepted:
+            self._await_relay(peer, command, now)
+            if self._copies.age(command, now) >= RELAY_ANSWER_S:
+                self._vessel.relay(command.frame, f"relay of @{command.kind}, once more", False)
+        self._answer(peer, command, verdict, now)
+
+    def _in_force(self, command: Command) -> bool | None:
+        """Whether the vehicle's state says what the command asks for, None if no state does."""
+        match command:
+            case StartMission():
+                return self._vessel.state.startswith(AUTONOMOUS)
+            case ClearMission():
+                return self._is_idle and not (self._store.content.lines or self._uploads.total)
+            case MissionLine():
+                return self._uploads.holds(command)
+            case SetSafety():
+                return self._merged(command) == self._store.content.limits
+            case NodeSwitch():
+                return self._nodes.are(command.switches)
+        return None
 
     def _hand_over(self, peer: Peer, now: float) -> None:
         """R12. Who loses the command is told by an @AR that says so."""
         loser = self.commander.hand_over(peer)
         if loser is not None:
-            report = replace(self._report(now), refusal=one_line(f"{peer} has taken the command"))
-            self._send(loser, report, now, "the command is taken over")
+            self._tell(loser, f"{peer} has taken the command", now, "the command is taken over")
+
+    def _tell(self, peer: Peer, refusal: str, now: float, reason: str) -> None:
+        self._send(peer, self._uploads.report(one_line(refusal), now), now, reason)
 
     # --- single commands -------------------------------------------------------------------
 
     def _switch(self, peer: Peer, command: NodeSwitch, now: float) -> Verdict | None:
-        if self._switching == (peer, command):
-            return None  # a retry: answered when all have changed
+        if self._switching and self._switching[1] == command:  # answered when all have changed
+            if peer not in self._switching[0]:
+                self._switching[0].append(peer)
+            return None
         closes = {n for n, s in zip(NAMES, command.switches, strict=True) if s != OPEN}
         if "UACM" in closes and not any(p.link != MODEM for p in self._paths):
             return Verdict(False, "the modem is the only live path")
         if "STM32" in closes and not self._is_idle:
             return Verdict(False, "the STM32 is needed until the vehicle is idle")
-        if self._switching:
-            self._conclude(*self._switching, Verdict(False, "overtaken by another @NS"), now)
+        self._conclude_switch(Verdict(False, "overtaken by another @NS"), now)
         was_open = self._nodes.is_open("AUTO")
         requests = self._nodes.switch(command.switches, now)
         if self._nodes.is_open("AUTO") != was_open:
             self._vessel.switch_auto(self._nodes.is_open("AUTO"), now)
         self._out += [Tx(now, NODES, request, "operator @NS") for request in requests]
-        self._switching = (peer, command)
+        self._switching = ([peer], command)
         self._settle(now)
         return None
 
     def _settle(self, now: float) -> None:
-        if (done := self._nodes.settle(now)) is None or self._switching is None:
-            return
-        (peer, command), self._switching = self._switching, None
-        self._conclude(peer, command, Verdict(done, "" if done else "not all nodes changed"), now)
+        if (done := self._nodes.settle(now)) is not None:
+            self._conclude_switch(Verdict(done, "" if done else "not all nodes changed"), now)
 
-    def _line(self, line: MissionLine, now: float) -> Verdict:
-        if not self._is_idle:
-            return Verdict(
-                False, f"a mission can be uploaded in idle only, not in {self._vessel.state}"
-            )
-        held = self._staging.offer(line, self._store.content.lines, now)
-        if isinstance(held, Held):
-            return Verdict(True)
-        if isinstance(held, OutOfPlace):
-            return Verdict(False, held.why)
-        try:
-            self._vessel.accept(held.lines, now)
-        except (MissionRefused, StoreError) as error:
-            return Verdict(False, str(error))
-        self._staging.clear()
-        self._refusals.end()
-        return Verdict(True)
+    def _conclude_switch(self, verdict: Verdict, now: float) -> None:
+        if self._switching is not None:
+            (peers, command), self._switching = self._switching, None
+            self._conclude(peers[0], command, verdict, now)
+            for peer in peers[1:]:
+                self._answer(peer, command, verdict, now)
 
     def _set_time(self, peer: Peer, command: SetTime, now: float) -> Verdict:
         if peer.link == MODEM:
@@ -321,14 +315,18 @@ class Topside:
         self._vessel.set_clock(command.time, now)
         return Verdict(True)
 
-    def _set_safety(self, command: SetSafety, now: float) -> Verdict:
+    def _merged(self, command: SetSafety) -> SetSafety:
+        """With what is kept, where it says nothing."""
         kept = self._store.content.limits
-        merged = SetSafety(
+        return SetSafety(
             radius=kept.radius if command.radius is None else command.radius,
             time=kept.time if command.time is None else command.time,
             depth=kept.depth if command.depth is None else command.depth,
             voltage=kept.voltage if command.voltage is None else command.voltage,
         )
+
+    def _set_safety(self, command: SetSafety, now: float) -> Verdict:
+        merged = self._merged(command)
         try:
             self._store.keep_limits(merged)
         except StoreError as error:
@@ -337,8 +335,15 @@ class Topside:
 
     def _relay(self, peer: Peer, command: Relay, now: float) -> Verdict:
         self._await_relay(peer, command, now)
-        self._vessel.relay(command.frame, f"relay of @{command.kind} for {peer.link}", False)
-        return Verdict(True)
+        why = self._vessel.relay(command.frame, f"relay of @{command.kind} for {peer.link}", False)
+        return self._relayed(peer, why, now)
+
+    def _relayed(self, peer: Peer, why: str, now: float) -> Verdict:
+        """No frame of the documents refuses an M, R or D: who understands an @AR is sent one."""
+        if why and self.commander.reads(peer) and now - self._told >= TELL_S:
+            self._told = now
+            self._tell(peer, f"relay: {why}", now, why)
+        return Verdict(not why, why)
 
     def _await_relay(self, peer: Peer, command: Relay, now: float) -> None:
         if command.kind.startswith("R"):
@@ -347,30 +352,18 @@ class Topside:
     def _manual(self, peer: Peer, command: Manual, now: float) -> Verdict:
         if peer.link == MODEM:
             return Verdict(False, "manual control does not go over the modem")
-        if (verdict := self._vessel.decide(command, now)).accepted:
-            self._vessel.relay(command.frame, f"relay of @{command.kind}", True)
-        return verdict
+        if why := self._vessel.cannot_relay:
+            return self._relayed(peer, why, now)
+        if not (verdict := self._vessel.decide(command, now)).accepted:
+            return verdict
+        why = self._vessel.relay(command.frame, f"relay of @{command.kind}", True)
+        return self._relayed(peer, why, now)
 
     # --- answers ----------------------------------------------------------------------------
 
     @property
     def _is_idle(self) -> bool:
-        return self._vessel.state.startswith("idle")
-
-    def _is_staging(self, now: float) -> bool:
-        return self._staging.incomplete(self._store.content.lines, now)
-
-    def _report(self, now: float) -> StoreReport:
-        staging, stored = self._is_staging(now), len(self._store.content.lines)
-        state = "staging" if staging else "ready" if stored else "empty"
-        return StoreReport(
-            state if self._is_idle else "running",
-            self._staging.total if staging else stored,
-            self._staging.have if staging else stored,
-            self._staging.missing if staging else "",
-            self._vessel.digest[:16],
-            self._refusals.told(now, self._vessel.doubted_at),
-        )
+        return self._uploads.is_idle
 
     def _answer_awaiting(self, key: str, ack: Ack, now: float) -> None:
         """A refusal of X or W may be followed by another try; anything else is final."""

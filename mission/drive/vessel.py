@@ -62,7 +62,14 @@ class Vessel(Protocol):
         """An M that was refused: a stick is held somewhere (R6)."""
         ...
 
-    def relay(self, frame: bytes, reason: str, manual: bool) -> None: ...
+    @property
+    def cannot_relay(self) -> str:
+        """Why the vehicle takes no M, R and D at all, "" if it has them (R14)."""
+        ...
+
+    def relay(self, frame: bytes, reason: str, manual: bool) -> str:
+        """Why it will not leave, "" if it will."""
+        ...
 
     def accept(self, lines: tuple[str, ...], now: float) -> None:
         """Compile, check, store and load a mission; raises MissionRefused or StoreError."""

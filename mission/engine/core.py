@@ -71,6 +71,8 @@ class Core:
         self.auto = True  # node AUTO
         self.emergency_since_idle = False
         self.emergency_at = -math.inf  # when the last one began
+        self.ending = False  # the program is to end
+        self.deep_reports: int | None = None  # in a row, while nobody knows what was under way
         self.uncertain = False  # answered; again only after it was certain in between
         self.reason = ""  # of the state that is active
         self.event = ""
@@ -288,10 +290,11 @@ class Core:
         else:
             self.repeat_set("the line to the vehicle was away: the whole set again")
 
-    def emergency_stop(self, why: str) -> None:
+    def stop_in(self, name: str, state: str, why: str, by: By = By.LIMIT) -> None:
+        """emergency/stopped or surfaced; ``name`` as for ``surface``."""
         self._to_emergency()
         self.doubted_at = -math.inf
-        self._move("X", STOPPED, why, self._stop(why), By.OPERATOR)
+        self._move(name, state, why, self._stop(why), by)
 
     def surface(
         self, name: str, why: str, by: By, evaluations: tuple[Evaluation, ...] = ()
@@ -317,9 +320,18 @@ class Core:
 
     def _to_emergency(self) -> None:
         """The mission is over, the operator has to clear or to take the stick."""
-        self.ascent = None
+        self.ascent = self.deep_reports = None
         self.halt_run()
         self.emergency_since_idle, self.emergency_at = True, self.now
+
+    def say_last(self, action: Action) -> None:
+        """emergency/surfacing with this alone: no ascent goes on from it."""
+        if self.active == SURFACING:
+            self._record((action,))
+        else:
+            self._to_emergency()
+            self._move("end", SURFACING, action.reason, (action,), By.LIMIT)
+        self.ascent = self.stop_at = self.stopped_at = None
 
     def climb(self) -> None:
         """The emergency's ascent goes on, or has reached the surface."""
@@ -351,11 +363,6 @@ class Core:
         why = self.rest.stays_down() if kind == "stopped" else self.rest.sinks
         if why and self.auto:
             self.surface("limit", why, By.LIMIT)
-
-    def rest_again(self, state: str, why: str) -> None:
-        """A restart into the end of an emergency, which is latched."""
-        self._to_emergency()
-        self._move("restart", state, why, self._stop(why), None)
 
     def take_stick(self) -> None:
         """manual/driving; a mission stays where it was interrupted."""
@@ -409,16 +416,17 @@ class Core:
             self.follow(edge, (seen,))
 
     def take_outcome(self, outcome: Outcome) -> None:
-        """What became of a frame: counts, acknowledged stops, refused and lost sets."""
+        """What became of a frame: counts, acknowledged stops, refused, late and lost sets."""
         watch, run = self.watch, self.flying
-        watch.lost = watch.lost + 1 if outcome.result is Result.LOST else 0
+        if outcome.result is not Result.LATE:
+            watch.lost = watch.lost + 1 if outcome.result is Result.LOST else 0
         if outcome.command is Order.STOP and outcome.result is Result.ACCEPTED:
             self.stop_at, self.stopped_at = None, self.now
         if outcome.command != watch.sent or run is None or run.sent is None:
             return
         if outcome.result is Result.ACCEPTED:
             watch.accepted_at = self.now
-        elif outcome.result is Result.REFUSED:
+        elif outcome.result in (Result.REFUSED, Result.LATE):
             run.refused = True
         else:
             self.repeat_set("no answer to one of its frames: the whole set again")

@@ -18,8 +18,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from mission.engine import ending
 from mission.engine.core import Core
 from mission.engine.orders import ORDERS, STICK_QUIET, why_not_clear
+from mission.engine.restart import begin_again, doubt, under_way
 from mission.engine.senses import Navigator
 from mission.engine.words import event_of, short
 from mission.envelope import Bounds, Limit, Response
@@ -27,12 +29,11 @@ from mission.machine import Machine
 from mission.model import (
     AUTONOMOUS,
     MANUAL_DRIVING,
-    STOPPED,
-    SURFACED,
     Action,
     AutoNode,
     By,
     Chart,
+    Ending,
     Estimate,
     LineOpened,
     Loaded,
@@ -42,7 +43,7 @@ from mission.model import (
     Step,
     Verdict,
 )
-from mission.regions import EMERGENCY, IDLE, MANUAL
+from mission.regions import MANUAL
 from mission.variables import VARIABLES, Scope, reading_of
 from mission.vehicle import Vehicle
 from protocol.messages import (
@@ -55,10 +56,8 @@ from protocol.messages import (
 
 MICROSTEPS = 200
 FORGOTTEN = 60.0  # s without M (R6)
-STICK = "the stick, without a mission"  # under way in manual: a restart stops, and is idle
-UNANSWERED = "a stop without its acknowledgement"  # under way in idle: thrusters may still turn
 
-Input = Telemetry | Fix | Outcome | Loaded | AutoNode | LineOpened | Restarted | Command
+Input = Telemetry | Fix | Outcome | Loaded | AutoNode | LineOpened | Restarted | Ending | Command
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,6 +125,10 @@ class Engine:
         self._guard_limits(reported, fixed)
         self._run_mission()
         self._mind_stick()
+        if reported:
+            doubt(core)
+        if core.ending:
+            ending.go_on(core)
         core.climb()
         core.fly_on()
         if reported:
@@ -177,7 +180,9 @@ class Engine:
             elif isinstance(one, LineOpened):
                 core.doubt_line()
             elif isinstance(one, Restarted):
-                self._restarted(one)
+                begin_again(core, one)
+            elif isinstance(one, Ending):
+                ending.begin(core, one)
             elif i not in given and not isinstance(one, Telemetry | Fix | Outcome):
                 order = ORDERS.get(type(one))
                 refusal = Verdict(False, f"{type(one).__name__} is not for the engine")
@@ -188,16 +193,6 @@ class Engine:
         if self._core.auto and not node.open:
             self._core.auto_off()
         self._core.auto = node.open
-
-    def _restarted(self, before: Restarted) -> None:
-        core = self._core
-        why = f"the program restarted during {before.during}"
-        if before.during == STICK and core.region == IDLE:
-            core.stop_quietly(why)
-        elif before.during in (STOPPED, SURFACED) and core.region == IDLE:
-            core.rest_again(before.during, why)
-        elif before.during and core.region == IDLE:
-            core.surface("restart", why, By.LIMIT)
 
     def _guard_limits(self, reported: bool, fixed: bool) -> None:
         core = self._core
@@ -360,6 +355,11 @@ class Engine:
         return self._core.run.round if self._core.run else 1
 
     @property
+    def settled(self) -> bool:
+        """The program may end: nobody has to stay with the vehicle."""
+        return ending.settled(self._core)
+
+    @property
     def doubted_at(self) -> float:
         """When a report last contradicted a stop; -inf: not since the last X."""
         return self._core.doubted_at
@@ -372,14 +372,7 @@ class Engine:
     @property
     def under_way(self) -> str:
         """What a restart would interrupt, for the store; "" if nothing."""
-        core = self._core
-        if core.region in (AUTONOMOUS, EMERGENCY) or core.run is not None:
-            return core.active
-        if core.region == MANUAL:
-            return STICK
-        if core.region == IDLE and core.stop_at is not None:
-            return UNANSWERED
-        return ""
+        return under_way(self._core)
 
     @property
     def readings(self) -> Mapping[str, Reading]:

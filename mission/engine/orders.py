@@ -19,6 +19,7 @@ from typing import Any
 
 from mission.buoyancy import heavy
 from mission.engine.core import Core
+from mission.engine.ending import WHY
 from mission.engine.outset import too_far
 from mission.engine.senses import FIX_AGE, SURFACE_DEPTH
 from mission.envelope import SILENCE, admit
@@ -48,7 +49,7 @@ ACCEPTED = Verdict(True)
 
 def emergency(core: Core, command: Emergency) -> Verdict:
     if command.order is Order.STOP:
-        core.emergency_stop("X from the operator")
+        core.stop_in("X", STOPPED, "X from the operator", By.OPERATOR)
     else:
         core.surface("W", "W from the operator", By.OPERATOR)
     return ACCEPTED
@@ -132,6 +133,8 @@ def start(core: Core, command: StartMission) -> Verdict:
 
 
 def _why_not_start(core: Core) -> str:
+    if core.ending:
+        return f"{WHY} when it has surfaced"
     if core.region == EMERGENCY:
         return "an emergency: clear it (@AC), or take the stick"
     if not core.auto:

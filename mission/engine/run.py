@@ -55,7 +55,7 @@ class Run:
         self.travelled = 0.0
         self.rounds: dict[str, int] = {}
         self.sent: Setpoint | None = None  # while it ascends: none
-        self.refused = False  # the vehicle answered N to the set
+        self.refused = False  # the vehicle answered N to the set, or never got it
         self.wake: float | None = None  # by the last look
         self.ascent: Ascent | None = None
         self.at_surface = False  # the ascent has ended, everything is stopped

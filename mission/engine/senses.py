@@ -16,7 +16,7 @@ from dataclasses import replace
 from typing import Any, Protocol, Self
 
 from mission.engine.attitude import Attitude
-from mission.fixes import SETTLED, Receiver, metres
+from mission.fixes import FIX_DEPTH, SETTLED, Receiver, metres
 from mission.legs.base import Point, wrap
 from mission.model import (
     CONTRADICTED,
@@ -33,7 +33,6 @@ from protocol.messages import Fix, Setpoint, Telemetry
 
 SURFACE_DEPTH = 0.5  # m (R7)
 SURFACE_TIME = 6.0  # s (R7)
-FIX_DEPTH = 0.8  # m: a fix against a depth that is believed to be more proves nothing (R7)
 MAINS, THRUSTERS = 2, 5  # of the actuators: the first are the mains; rudders follow
 _ALL = 0.75  # share of full thrust: as deep, or as high, as it goes
 _POSITION_PERIOD = 1.0  # s: the errors of one second's positions are one error
@@ -88,7 +87,7 @@ class Senses:
         self._grounded = grounded
         self.now = 0.0
         self.telemetry: Telemetry | None = None
-        self.fixes: tuple[Fix, ...] = ()  # the last five, oldest first
+        self.fixes: tuple[Fix, ...] = ()  # the last five that no depth contradicts, oldest first
         self.receiver = Receiver()
         self._fixed_at = -math.inf  # of the last one that proves the surface
         self.estimate: Estimate | None = None
@@ -177,7 +176,8 @@ class Senses:
         self.receiver.take(fix)
         if self._proves_surface(fix):
             self._fixed_at = fix.t
-        self.fixes = (*self.fixes[1 - _MEDIAN_OF :], fix)
+        if self.depth is None or self.depth < FIX_DEPTH:
+            self.fixes = (*self.fixes[1 - _MEDIAN_OF :], fix)
         if self.navigation:
             self.navigation.fix(fix)
             self.estimate = self.navigation.estimate(fix.t)

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
-from mission.model import AutoNode, LineOpened, Loaded, Outcome, Restarted
+from mission.model import AutoNode, Ending, LineOpened, Loaded, Outcome, Restarted
 from protocol.messages import (
     ClearMission,
     Emergency,
@@ -34,6 +34,7 @@ _EVENTS: Mapping[type, str] = MappingProxyType(
         AutoNode: "node AUTO",
         LineOpened: "the line is back",
         Restarted: "restart",
+        Ending: "the end of the program",
     }
 )
 

@@ -24,6 +24,9 @@ POOL = (
     "a: depth 2 heading 0 gear 4 for 20",
 )
 WIDE = encode(SetSafety(radius=60000.0))
+LOOSE = encode(SetSafety(radius=65000.0))
+FALSE_HEAD = b"#\x02\x80\x0c\x01"  # of a content of 3200 bytes
+COPIED = 6.0  # s that a copy is late: the answers are given, and the 5 s of two paths are over
 SETTLE = 0.3  # s: the line, and an answer of the STM32
 BELOW = 3.0  # s: the modem's turn
 
@@ -151,6 +154,41 @@ def _clears_blind(world: World) -> None:
     _clears_again(world)
 
 
+def _slides(world: World, seconds: float) -> None:
+    """A rudder, 60 words a second: the line carries half of them."""
+    for i in range(int(seconds * 60)):
+        world.say(b"@DS%d,%d$" % (i % 3 + 1, i % 20))
+        world.wait(1.0 / 60.0)
+
+
+def _surfaces_under_a_slider(world: World) -> None:
+    world.say(b"@ZAWF$")
+    _slides(world, 12.0)
+
+
+def _surfaces_behind_noise(world: World) -> None:
+    """Behind a head that is none nothing is whole for more than a second."""
+    world.hear_modem(FALSE_HEAD + b"\xff")
+    world.at_once = ""
+    world.say_below(b"@ZAWF$")
+    world.wait(BELOW)
+
+
+def _starts_late(world: World) -> None:
+    world.say(b"@AA$")
+    world.wait(COPIED)
+    world.say_below(b"@AA$")
+    world.wait(BELOW)
+
+
+def _loosens_late(world: World) -> None:
+    for limits in (LOOSE, WIDE):
+        world.say(limits)
+    world.wait(COPIED)
+    world.say_below(LOOSE)
+    world.wait(BELOW)
+
+
 _TIME = encode(SetTime("2026-03-01T12:00:00"))
 _STOPS_BEHIND = frozenset({"X", "M", "AA"})
 # fmt: off
@@ -159,6 +197,8 @@ COMMANDS = (
     Event("W", _says(b"@ZAWF$"), "W"),
     Event("X of another connection", _other_says(b"@ZAX0$"), "X", "tender"),
     Event("W of another connection", _other_says(b"@ZAWF$"), "W", "tender"),
+    Event("W under a slider", script(_surfaces_under_a_slider), "W", "slider"),
+    Event("W by modem behind noise", script(_surfaces_behind_noise), "W", "modem"),
     Event("X by modem", _below(b"@ZAX0$"), "X", "modem"),
     Event("W by modem", _below(b"@ZAWF$"), "W", "modem"),
     Event("X among others in one burst", _says(b"@AA$@ZAX0$"), "X", also=_STOPS_BEHIND),
@@ -176,6 +216,8 @@ COMMANDS = (
     Event("AA of another connection", _other_says(b"@AA$"), "AA", "tender"),
     Event("AA while staging", script(_start_while_staging), "AA", "staging"),
     Event("MM, neutral", _says(b"@MMF0$"), "MM", also=frozenset({"neutral"})),
+    Event("AA, and once more by modem", script(_starts_late), path="both",
+          also=frozenset({"AA", "copy"})),
     Event("AC", _says(b"@AC$"), "AC"),
     Event("AC again after 6 s", script(_clears_again), "AC", "again"),
     Event("AC again, the depth unknown", script(_clears_blind), "AC", "again", sensor="depth",
@@ -191,6 +233,8 @@ COMMANDS = (
     Event("ST", _says(_TIME), "ST"),
     Event("ST by modem", _below(_TIME), "ST", "modem"),
     Event("SP", _says(WIDE), "SP"),
+    Event("SP twice, the first once more by modem", script(_loosens_late), path="both",
+          also=frozenset({"SP", "copy"})),
     Event("SP with an item missing", _says(b"@SP,100,5,20$"), "SP", "broken"),
     Event("RS", _says(b"@RSCOOCCCO$"), "RS"),
     Event("RI", _says(b"@RI$"), "RI"),

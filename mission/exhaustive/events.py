@@ -38,12 +38,8 @@ def _too_deep(world: World) -> None:
 
 
 def _hard_depth(world: World) -> None:
-    """Not told for so long that it may have come there."""
-    world.sea.unknown.add("depth")
-    world.wait(52.0)
-    world.sea.unknown.clear()
-    world.sea.depth = 103.0
-    world.wait(4.5)
+    world.come_to(103.0)
+    world.wait(12.5)
 
 
 def _pushes_in_vain(world: World) -> None:
@@ -94,7 +90,7 @@ def _own_depth(world: World, configuration: Configuration, chart: Chart) -> None
     world.say(encode(SetSafety(depth=60000.0)))
     own, hard = chart.mission.safety, world.vehicle.limits
     bound = hard.depth if own is None or own.depth is None else min(own.depth, hard.depth)
-    world.sea.depth = bound + 1.2
+    world.come_to(bound + 1.2)
     world.wait(12.5)
 
 
@@ -169,12 +165,7 @@ LIMITS = (
     Event("limit radius", _tightens(SetSafety(radius=1.0)), "SP", limit="radius"),
     Event("limit time", _tightens(SetSafety(time=0.6), 1.0), "SP", limit="time"),
     Event("limit depth", script(_too_deep), "SP", limit="depth"),
-    Event(
-        "limit hard depth",
-        script(_hard_depth),
-        limit="hard depth",
-        also=frozenset({"blind"}),
-    ),
+    Event("limit hard depth", script(_hard_depth), limit="hard depth"),
     Event("limit unexplained descent", script(_sinks), limit="unexplained descent"),
     Event("limit no progress", script(_stuck), limit="no progress", also=frozenset({"minute"})),
     Event("limit depth contradicted", script(_pushes_in_vain), limit="depth contradicted"),
@@ -369,6 +360,23 @@ def _line_is_back(world: World) -> None:
     world.wait(2.0)
 
 
+def _ends(depth: float) -> Play:
+    def play(world: World) -> None:
+        world.answers, world.sea.depth = "Y", depth
+        world.wait(8.5)
+        world.end()
+        world.wait(1.0)
+
+    return script(play)
+
+
+def _ends_at_once(world: World) -> None:
+    world.answers, world.sea.depth = "Y", DEEP
+    world.wait(4.5)
+    world.end(at_once=True)
+    world.wait(15.0)
+
+
 _SILENCE = frozenset({"silence", "minute"})
 OTHERS = (
     Event("ACK Y", _answers("Y")),
@@ -384,6 +392,9 @@ OTHERS = (
     Event("W does not stick, U12 does", script(_rises_by_thrust), "W", "rises"),
     Event("X, answered late", script(_unanswered_stop), "X", also=frozenset({"deaf"})),
     Event("the line is back", script(_line_is_back), also=frozenset({"line"})),
+    Event("the program is to end, deep", _ends(DEEP), also=frozenset({"end"})),
+    Event("the program is to end, at the surface", _ends(SHALLOW), also=frozenset({"end"})),
+    Event("the program ends at once", script(_ends_at_once), also=frozenset({"end", "last"})),
     Event("it sinks slowly", script(_sinks_slowly), also=frozenset({"sinks"})),
     Event("restart", script(_restarts), also=frozenset({"restart"})),
 )

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
-from mission.engine.engine import UNANSWERED
+from mission.engine.restart import UNANSWERED
 from mission.exhaustive.cell import Cell
 from mission.model import (
     IDLE_EMPTY,
@@ -156,10 +156,10 @@ _MOVES: dict[tuple[str, str], frozenset[str]] = {
     ("idle", "manual"): frozenset({"M"}),
     ("idle", "emergency"): frozenset({"X", "W", "limit"}) | _SINKING,
     ("autonomous", "manual"): frozenset({"M"}),
-    ("autonomous", "emergency"): frozenset({"X", "W", "restart"}) | _LIMITED,
+    ("autonomous", "emergency"): frozenset({"X", "W", "restart", "end"}) | _LIMITED,
     ("autonomous", "idle"): frozenset({"NS", ""}),
     ("manual", "autonomous"): frozenset({"AA"}),
-    ("manual", "emergency"): frozenset({"X", "W", "minute", "restart", "limit"}) | _SINKING,
+    ("manual", "emergency"): frozenset({"X", "W", "minute", "restart", "limit", "end"}) | _SINKING,
     ("manual", "idle"): frozenset({"minute", "restart"}),
     ("emergency", "manual"): frozenset({"M"}),
     ("emergency", "idle"): frozenset({"AC"}),
@@ -198,9 +198,9 @@ def _emergency(cell: Cell) -> Verdict:
         asked = ""
         causes = allowed.get((here, there), frozenset())
         causes |= {STOPPED: {"X"}, SURFACING: {"W"}, MANUAL_DRIVING: {"M"}}.get(there, set())
-        if there == SURFACING and cell.event.causes & ({"restart", "limit"} | _SINKING):
-            continue
-        if here == there and "restart" in cell.event.causes:  # latched
+        if "restart" in cell.event.causes:
+            continue  # another program: end_laws
+        if there == SURFACING and cell.event.causes & ({"limit"} | _SINKING):
             continue
         if (here, there) == (STOPPED, SURFACING) and stays_down(cell):
             continue
@@ -237,25 +237,6 @@ def _under_way(cell: Cell) -> Verdict:
         (latched and not kept, f"nothing is kept in {cell.state}"),
         (region == "idle" and kept not in ("", UNANSWERED), f"{kept} is kept in idle"),
     )
-
-
-def _restarts(cell: Cell) -> Verdict:
-    """During a mission or an ascent: surfacing; the ends of an emergency are latched; otherwise
-    idle."""
-    if "restart" not in cell.event.causes:
-        return None
-    c = cell.configuration
-    if c.region in ("autonomous", "emergency") or (c.region == "manual" and c.leaf):
-        left = cell.frames(b"@ZA")
-        said = [t.data for t in left if t.t < AT_ONCE]
-        rests = c.state in (STOPPED, SURFACED)
-        wanted = [X] if rests else [X, U12]  # no depth is known yet
-        return wrong(
-            (cell.state != (c.state if rests else SURFACING), f"the state is {cell.state}"),
-            (said != wanted, f"{left} left"),
-        )
-    idle = IDLE_READY if c.loaded else IDLE_EMPTY
-    return wrong((cell.state != idle, f"the state is {cell.state}"))
 
 
 # --- what leaves ------------------------------------------------------------------------------
@@ -373,7 +354,6 @@ STATE_LAWS: tuple[Law, ...] = (
     Law("no exit from an emergency but R7's", "R7", _emergency),
     Law("every change of state is on record", "design 4", _recorded),
     Law("what is under way is kept for a restart", "design 4", _under_way),
-    Law("a restart under way surfaces, otherwise idle", "design 4", _restarts),
     Law("no command without a reason", "design 4", _reasons),
     Law("after stopped nothing leaves but what is allowed", "R7", _after_stopped),
     Law("X0 every 500 ms until it is acknowledged", "R7", _stop_repeats),

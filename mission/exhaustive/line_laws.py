@@ -18,6 +18,7 @@ _GAP = 0.02  # s (vehicle facts: one burst is one frame)
 _ANSWER = 0.3  # s (R1)
 _TRIES = 3  # R1
 _EPS = 1e-6
+_HALVES = 0.15  # s: an answer, and what is on the line
 
 
 def _sent_in(cell: Cell, state: str) -> Iterator[Tx]:
@@ -91,10 +92,28 @@ def _tries(cell: Cell) -> Verdict:
     return wrong((bool(odd), f"{odd[:1]}"))
 
 
+def _halves(cell: Cell) -> Verdict:
+    """Nothing gets between X0 and U12, whatever is relayed meanwhile."""
+    thrust = [t for t in cell.frames(U12) if t.t > cell.before.t]
+    if cell.event.path != "slider" or cell.world.answers != "Y" or not cell.configuration.quiet:
+        return None
+    if SURFACED in cell.states or cell.states[-1] != SURFACING:
+        return None
+    cleared = [t for t in cell.frames(X) if thrust and t.t < thrust[0].t]
+    apart = thrust[0].t - cleared[-1].t if cleared else None
+    relays = cell.frames(b"@D")
+    return wrong(
+        (not thrust, "U12 never left"),
+        (apart is None or apart > _HALVES, f"U12 left {apart} s after X0"),
+        (not relays, "nothing was relayed"),
+    )
+
+
 LINE_LAWS: tuple[Law, ...] = (
     Law("in stopped nothing leaves but X0 and relays", "R7", _stopped),
     Law("in surfacing nothing leaves but W, X0, U12, D12 and relays", "R7", _surfacing),
     Law("in surfaced nothing leaves but X0 and relays", "R7", _surfaced),
+    Law("both halves of an ascent leave under a slider", "R7", _halves),
     Law("20 ms between two frames to the STM32", "vehicle facts", _gap),
     Law("one Z outstanding", "R1", _one_outstanding),
     Law("a frame is tried three times", "R1", _tries),

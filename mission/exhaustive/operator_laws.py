@@ -6,6 +6,7 @@ What does not live here: X, W and M, and the states that commands lead to (laws)
 from __future__ import annotations
 
 from mission.exhaustive.cell import Cell
+from mission.exhaustive.commands import COPIED
 from mission.exhaustive.configurations import DEEP
 from mission.exhaustive.laws import (
     AT_SURFACE,
@@ -19,6 +20,8 @@ from mission.exhaustive.laws import (
 from mission.model import IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, STOPPED, SURFACED
 
 FRESH_FIX = 5.0  # s (R9)
+COPY_OF = 65000.0  # m
+_NOW = 1e-6  # s
 
 
 def _ack(cell: Cell, code: str, accepted: bool) -> str:
@@ -250,6 +253,25 @@ def _stays_up(cell: Cell) -> Verdict:
     return wrong((cell.region == "autonomous", f"the state is {cell.state}"))
 
 
+def _copies(cell: Cell) -> Verdict:
+    """R12: a copy by modem starts nothing and loosens nothing, and is answered as done where it is
+    in force."""
+    if "copy" not in cell.event.causes:
+        return None
+    told = [t for t in cell.answers(b"@ACK_") if not t.address]
+    if "SP" in cell.event.causes:
+        kept = cell.world.store.content.limits.radius
+        return wrong((kept == COPY_OF, "loosened"), (b"SPN" not in told[-1].data, f"{told}"))
+    arrived = cell.before.t + COPIED
+    runs = [s for t, s in cell.world.states if t <= arrived][-1].startswith("autonomous")
+    wanted = b"@ACK_AAA$" if runs else b"@ACK_AAN$"
+    started = [s for s in cell.steps if s.trigger == "start" and s.t >= arrived - _NOW]
+    return wrong(
+        (bool(started), "a copy started it"),
+        (not told or wanted not in told[-1].data, f"{told}, not {wanted!r}"),
+    )
+
+
 OPERATOR_LAWS: tuple[Law, ...] = (
     Law("@AW only in idle", "R3", _line),
     Law("@AA by state", "R3, R6, R7, R9, R13", _start),
@@ -264,6 +286,7 @@ OPERATOR_LAWS: tuple[Law, ...] = (
     Law("@NS by state", "R13", _nodes),
     Law("an answer leaves on the path of its request", "R12", _paths),
     Law("who does not command only reads", "R12", _others_read),
+    Law("a late copy does nothing that is not in force", "R1, R12", _copies),
     Law("one @VS unasked at the surface", "R11", _tells_at_surface),
     Law("no mission out of an emergency or with AUTO closed", "R6, R13", _stays_up),
 )

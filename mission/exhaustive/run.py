@@ -17,6 +17,7 @@ from pathlib import Path
 
 from mission.exhaustive.cell import Cell, Configuration, Event, before
 from mission.exhaustive.configurations import PROFILES, Ground, configurations, ground
+from mission.exhaustive.end_laws import END_LAWS
 from mission.exhaustive.events import EVENTS
 from mission.exhaustive.fork import Fork
 from mission.exhaustive.laws import STATE_LAWS
@@ -28,7 +29,15 @@ from mission.exhaustive.rest_laws import REST_LAWS
 from mission.exhaustive.world import World
 from mission.workers import results
 
-ALL_LAWS = (*STATE_LAWS, *PROOF_LAWS, *LINE_LAWS, *OPERATOR_LAWS, *LEG_LAWS, *REST_LAWS)
+ALL_LAWS = (
+    *STATE_LAWS,
+    *PROOF_LAWS,
+    *LINE_LAWS,
+    *OPERATOR_LAWS,
+    *LEG_LAWS,
+    *REST_LAWS,
+    *END_LAWS,
+)
 KEPT = 200  # violations in words; all are counted
 
 Progress = Callable[[str], None]

@@ -18,11 +18,11 @@ from mission.guards import comparisons
 from mission.model import And, By, Chart, Comparison, Guard
 
 BEYOND = 0.2  # of the variable's unit; an angle is met where it is asked for
-WAIT = 9.0  # s: a depth that jumps is believed at its third report
+WAIT = 9.0  # s: what jumps is believed at its third report
 
 
 def _depth(world: World, value: float) -> None:
-    world.sea.depth = value
+    world.come_to(value)
 
 
 def _altitude(world: World, value: float) -> None:

@@ -69,6 +69,7 @@ class World:
         self.states: list[tuple[float, str]] = [(now, self.drive.state)]
         self.depths = [self.sea.depth]  # the true one, at each of these
         self.last_fix = self.last_stick = -1e9
+        self.ended_in, self.ended_at = "", now  # where and when the program was told to end
         self.at_once = ""  # the state right after the first input since it was emptied
         self._owed: list[tuple[float, bytes]] = []
         self._report_due = now + _PERIOD
@@ -87,6 +88,13 @@ class World:
         for address in (BOAT, TENDER):
             self._take(self.drive.connected(TOPSIDE, address, self.now))
 
+    def come_to(self, depth: float) -> None:
+        """There, as if it had come there long ago: nothing is remembered of another depth."""
+        self.sea.depth = depth
+        navigation = self.engine._core.senses.navigation
+        if isinstance(navigation, Navigation):
+            navigation.forget_depth()
+
     # --- what comes in -------------------------------------------------------------------------
 
     def say(self, data: bytes, address: str = BOAT) -> None:
@@ -96,7 +104,10 @@ class World:
 
     def say_below(self, frame: bytes) -> None:
         """Over the acoustic modem, in its envelope."""
-        data = wrap(frame, Sender.TOPSIDE)
+        self.hear_modem(wrap(frame, Sender.TOPSIDE))
+
+    def hear_modem(self, data: bytes) -> None:
+        """Whatever comes from there."""
         self._take(self.drive.receive(Rx(self.now, MODEM, data, "")))
 
     def hear(self, data: bytes) -> None:
@@ -131,6 +142,11 @@ class World:
         again.depths[:0] = self.depths
         again.sea, again.answers = self.sea, self.answers
         self.__dict__ = again.__dict__
+
+    def end(self, *, at_once: bool = False) -> None:
+        """The program is to end."""
+        self.ended_in, self.ended_at = self.state, self.now
+        self._take(self.drive.end(self.now, at_once=at_once))
 
     def wait(self, seconds: float) -> None:
         """Until then: timers, answers and reports when they are due."""

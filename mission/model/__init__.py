@@ -25,8 +25,10 @@ from mission.model.chart import (
 )
 from mission.model.running import (
     CONTRADICTED,
+    UNKNOWN,
     Action,
     AutoNode,
+    Ending,
     Estimate,
     Evaluation,
     Health,
@@ -93,6 +95,7 @@ __all__ = [
     "SURFACE",
     "SURFACED",
     "SURFACING",
+    "UNKNOWN",
     "Action",
     "And",
     "AutoNode",
@@ -101,6 +104,7 @@ __all__ = [
     "Chart",
     "Comparison",
     "Edge",
+    "Ending",
     "Estimate",
     "Evaluation",
     "Exit",

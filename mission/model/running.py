@@ -92,11 +92,13 @@ class Result(enum.Enum):
     ACCEPTED = "accepted"  # ACK Y
     REFUSED = "refused"  # ACK N
     LOST = "lost"  # no answer after all tries (R1)
+    LATE = "late"  # a set of which something has not left in time
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """Reported to the engine for every Z frame, in the order they were sent."""
+    """Reported to the engine for every Z frame, in the order they were sent; a frame that is
+    LATE may be sent yet."""
 
     result: Result
     frame: bytes
@@ -133,9 +135,20 @@ class AutoNode:
 
 @dataclass(frozen=True, slots=True)
 class Restarted:
-    """The program starts: ``during`` is what ``Engine.under_way`` said last ("" if nothing was)."""
+    """The program starts: ``during`` is what ``Engine.under_way`` said last ("" if nothing was,
+    UNKNOWN where the store cannot tell)."""
 
     during: str
+
+
+UNKNOWN = "something that the store does not tell"
+
+
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """The program is to end, in order: up first. ``now``: it has no more time for that."""
+
+    now: bool = False
 
 
 CONTRADICTED = "contradicted"  # how such a reason begins

@@ -27,12 +27,11 @@ import itertools
 import math
 from typing import NamedTuple, Self
 
-from mission.fixes import Receiver
+from mission.fixes import FIX_DEPTH, Receiver
 from mission.model import CONTRADICTED, Vertical
 
 WINDOW = 14.0  # s: eight reports of the AUV
 STANDS = 0.4  # m between the means of the window's two halves, 8 s apart
-SHALLOW = 0.8  # m: the surface's 0.5 m and three sigma of the sensor
 AGREES = 10.0  # s of fixes as at the surface that make a shallow depth believed again
 _OFFSET_TIME = 30.0  # s of such fixes that contradict a depth
 _LIFTED = 8.0  # s of push upward meanwhile: then it need not even stand
@@ -127,11 +126,11 @@ class DepthBelief:
         quiet = receiver.quiet(t)
         if altitude is not None:
             self._grounded_at = t if altitude <= _GROUND else -math.inf
-        gone = quiet is not None and _FIXES_GO < quiet <= _HAD and abs(depth) < SHALLOW
+        gone = quiet is not None and _FIXES_GO < quiet <= _HAD and abs(depth) < FIX_DEPTH
         if way := self._push(depth, push, gone):
             at_ground = t - self._grounded_at <= _LIES
-            afloat = abs(depth) < SHALLOW and quiet is not None and quiet <= _FIXES_GO
-            if (at_ground or afloat) if way > 0 else depth < SHALLOW:
+            afloat = abs(depth) < FIX_DEPTH and quiet is not None and quiet <= _FIXES_GO
+            if (at_ground or afloat) if way > 0 else depth < FIX_DEPTH:
                 way = 0
         if way != self._way:
             self._way, self._pushed_at = way, t
@@ -193,7 +192,7 @@ class DepthBelief:
             return False
         self._lifted += (self._way < 0) * (t - self._samples[-2].t)
         lasts = t - self._afloat[0] >= _OFFSET_TIME
-        return lasts and abs(depth) >= SHALLOW and (stands or self._lifted >= _LIFTED)
+        return lasts and abs(depth) >= FIX_DEPTH and (stands or self._lifted >= _LIFTED)
 
     def _ground(self, t: float) -> float:
         """m by which the ground came nearer (negative: went) between the halves, evenly; 0: not."""
@@ -226,7 +225,7 @@ class DepthBelief:
             buoyed = self._way == 0 and moved < 0.0 and self._calm_at <= self._samples[0].t
             if moved * self._way > 0.0 or buoyed:
                 self.reason = ""
-        shallow = abs(mean) < SHALLOW and self._high - self._low >= _MOVED
+        shallow = abs(mean) < FIX_DEPTH and self._high - self._low >= _MOVED
         if shallow and receiver.settled(t) >= AGREES:
             self.reason = ""
 

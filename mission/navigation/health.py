@@ -22,7 +22,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from mission.fixes import Receiver
+from mission.fixes import FIX_DEPTH, Receiver
 from mission.model import Health, Vertical
 from mission.navigation.belief import UNPUSHED, DepthBelief
 from mission.vehicle import STALE_AFTER
@@ -180,7 +180,16 @@ class SensorHealth:
         self.receiver.take(f)
         known = 0.0 if math.isnan(monitor.value) else monitor.value
         value = known + 1.0 if self.receiver.fresh else known
-        return monitor.observe(CHANNELS["position"], f.t, value, self.moving, False)
+        good = monitor.observe(CHANNELS["position"], f.t, value, self.moving, False)
+        return good and not (f.accuracy < math.inf and self._under_water(f.t))
+
+    def _under_water(self, now: float) -> bool:
+        """By a depth that is believed: a receiver that says a place there made it up. What the
+        vehicle reckons itself is no fix."""
+        return self.monitors["depth"].good >= FIX_DEPTH and self.of("depth", now).valid
+
+    def forget(self, channel: str) -> None:
+        self.monitors[channel] = _Monitor()
 
     def repeated(self, channel: str) -> bool:
         """The last report says nothing new: an altimeter without an echo repeats its last one."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from mission.distribution import PLANE_95
 from mission.model import Estimate, Health, NavigationMode, Position, Vertical
-from mission.navigation.belief import UNPUSHED
+from mission.navigation.belief import UNPUSHED, DepthBelief
 from mission.navigation.declination import declination
 from mission.navigation.geodesy import LocalFrame
 from mission.navigation.health import SensorHealth
@@ -120,6 +120,11 @@ class Navigation:
         vehicle = self._vehicle
         known = vehicle.compass_bias + vehicle.calibration.deviation.at(compass)
         return compass + self._declination - known
+
+    def forget_depth(self) -> None:
+        """What is heard of the depth from now on is compared with nothing from before."""
+        self._health.forget("depth")
+        self._health.belief = DepthBelief()
 
     def fix(self, f: Fix) -> None:
         if not self._health.fix(f):

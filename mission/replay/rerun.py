@@ -44,4 +44,6 @@ def feed(drive: Drive, record: Record) -> list[Tx]:
         return drive.disconnected(link, address, now)
     if record.kind == rec.NAVIGATION:
         return drive.set_navigation(drive.make_navigation(), now)
+    if record.kind == rec.ENDING:
+        return drive.end(now, at_once=rec.read_texts(record) == (rec.AT_ONCE,))
     return []

@@ -84,6 +84,8 @@ class Health:
     mission_time_s: float | None
     commander: str
     breached: tuple[str, ...]
+    broken: tuple[str, ...]  # of configuration, vehicle file and store, in words
+    ascent_only: str  # why nothing but an ascent is served, "" if more is
     disarmed: Mapping[str, str]  # limit: why it can never act
     margins: Mapping[str, Margin]
     sensors: Mapping[str, Sensor]
@@ -225,6 +227,9 @@ def as_lines(found: Mapping[str, Any], wall: float) -> Iterator[str]:
         value = found[name]
         if value not in ("", None):
             yield f"{name:16} {value if isinstance(value, str) else f'{value:.1f}'}"
+    for text in (found["ascent_only"], *found["broken"]):
+        if text:
+            yield f"{'BROKEN':16} {text}"
     for name in found["breached"]:
         yield f"{'BREACHED':16} {name}"
     for name, margin in found["margins"].items():

@@ -18,9 +18,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
-from mission.drive.drive import Observer
 from mission.drive.records import FAULT as FAULT_RECORD
-from mission.drive.records import Recorder
+from mission.drive.records import Observer, Recorder
 from mission.model import Estimate, Record, Step, Tx
 from mission.regions import EMERGENCY
 

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections import deque
 
-from links import parse_address
 from protocol.topside import EMERGENCIES
 
 BITS_PER_BYTE = 10  # 8N1
@@ -53,9 +52,3 @@ class Pace:
 
     def next_event(self) -> float | None:
         return self._free if self._waiting else None
-
-
-def baud_of(url: str) -> float:
-    """Of a line, as its link is opened."""
-    address = parse_address(url)
-    return address.number("baud", BAUD, 1.0, 1e9) if address.scheme == "serial" else BAUD

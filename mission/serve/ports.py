@@ -4,8 +4,7 @@
     switched off (@NS) --> closed, until switched on
 
 A port that is busy or absent is told once, in the link's own words, and tried again for ever; a
-link's error never leaves here, but for a URL that can never open: that ends ``keep_open`` with
-LinkAddressError. What does not live here: what the bytes mean (drive), the links.
+link's error never leaves here. What does not live here: what the bytes mean (drive), the links.
 """
 
 from __future__ import annotations
@@ -16,11 +15,11 @@ import re
 from collections import Counter
 from collections.abc import Callable
 
-from links import LinkAddressError, open_link
+from links import baud_of, open_link
 from links.admission import Refusal
 from links.base import Link, LinkError, Rx
 from links.tcp import TcpServer
-from mission.serve.pace import BAUD, Pace, baud_of
+from mission.serve.pace import BAUD, Pace
 
 RETRY_S = 1.0  # real time
 
@@ -81,8 +80,6 @@ class Port:
         self._closed.clear()
         try:
             link = await loop.run_in_executor(None, open_link, self.name, self.url)
-        except LinkAddressError:
-            raise
         except (LinkError, OSError) as error:
             self._complain(f"{error} - trying again")
             self._tried.set()
@@ -110,7 +107,7 @@ class Port:
 
     def keep_gaps(self, gap: float) -> None:
         """Of so many s between any two frames that are sent."""
-        self._pace = Pace(gap, baud_of(self.url))
+        self._pace = Pace(gap, baud_of(self.url, BAUD))
 
     def receive(self, now: float) -> list[Rx]:
         for frame in self._pace.due(now):

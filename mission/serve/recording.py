@@ -1,6 +1,7 @@
 """What a running serve writes to the disk: the black box of its drive, and its health.
 
     records --FLUSH_S--> black box        Health --EVERY_S--> status.json
+    what it began with --once it has worked--> working
 
 One thread does all of it, so that nobody waits for the disk but the disk. A disk that fails is
 told, and stops nothing. What does not live here: the files' formats (blackbox, health).
@@ -16,6 +17,8 @@ from pathlib import Path
 from mission.blackbox import FLUSH_S, BlackBox, file_name, new_path
 from mission.serve import health
 from mission.serve.journal import Tally
+from mission.serve.provision import Provision
+from mission.serve.working import find
 
 
 class Recording:
@@ -61,6 +64,17 @@ class Recording:
             if (how := look()) is not None:
                 await loop.run_in_executor(self._disk, health.write, folder, how)
             await asyncio.sleep(health.EVERY_S)
+
+    async def keep_working(self, got: Provision, heard: Callable[[], bool]) -> None:
+        """The configuration, once it has worked; runs until then."""
+        loop = asyncio.get_running_loop()
+        is_first = find(got.homes) is None
+        while not (is_first or heard()):
+            await asyncio.sleep(health.EVERY_S)
+        try:
+            await loop.run_in_executor(self._disk, got.keep)
+        except OSError as error:
+            self._tell(f"should the configuration break, this one cannot be kept for then: {error}")
 
     async def shut(self) -> None:
         box, self.box = self.box, None

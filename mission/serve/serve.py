@@ -24,33 +24,29 @@ from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from typing import Any
 
-from links import LinkAddressError
 from links.base import Rx
-from mission.configuration import Configuration
-from mission.drive.drive import CLOCK, Drive, Observer
+from mission.drive.drive import CLOCK, Drive
 from mission.drive.nodes import LINK as NODES
+from mission.drive.records import Observer
 from mission.drive.vessel import Peer
-from mission.model import AUTONOMOUS, Tx
+from mission.model import Tx
 from mission.serve import health
 from mission.serve.docket import Docket
 from mission.serve.heavy import prepare
 from mission.serve.journal import Journal, Several
+from mission.serve.leaving import MARGIN_S, USUAL_S, Leaving
 from mission.serve.listening import listening, open_to_all, reached_at
 from mission.serve.ports import Port
 from mission.serve.processes import Processes
+from mission.serve.provision import Provision
 from mission.serve.recording import Recording
 from mission.serve.sieve import Sieve, host_of
 from mission.serve.systemclock import set_system_clock
 from mission.serve.watchdog import Watchdog
-from mission.store import Store
-from mission.vehicle import Vehicle
-from protocol.messages import Order
-from protocol.topside import EMERGENCIES
 
 VEHICLE, GPS, TOPSIDE, MODEM = "vehicle", "gps", "topside", "modem"
 NODE_OF = {VEHICLE: "STM32", GPS: "BDGPS", MODEM: "UACM"}
 FIRST_S = 1.0  # real time, that the first W of a restart waits for its port
-LAST_WORDS_S = 1.0  # real time, for an answer to the last X and its further tries
 REBIRTH_S = 1.0  # real time, between a fault of the program and the next drive
 SWITCH_S = 0.0005  # the disk's and the judge's threads give way to the loop so soon, not in 5 ms
 EARLY_S = 0.002  # a timer that fires so much too early counts as in time
@@ -69,15 +65,15 @@ class Server:
 
     def __init__(
         self,
-        configuration: Configuration,
-        vehicle: Vehicle,
-        store: Store,
+        got: Provision,
         tell: Callable[[str], None],
         ready: Callable[[Ready], None] = lambda ready: None,
         speed: float = 1.0,
         observer: Observer | None = None,
+        leave_within: float = USUAL_S - MARGIN_S,
     ) -> None:
-        self._configuration, self._vehicle, self._store = configuration, vehicle, store
+        self._got = got
+        self._configuration, self._vehicle, self._store = got.configuration, got.vehicle, got.store
         self._journal = Journal(tell, time.monotonic)
         self._tell, self._ready, self._speed = self._journal.warning, ready, speed
         self._observer = Several(self._journal, *([observer] if observer else []))
@@ -89,9 +85,8 @@ class Server:
         self._timer: asyncio.TimerHandle | None = None
         self._peers: dict[str, frozenset[str]] = {}
         self._tasks: set[asyncio.Task[None]] = set()
-        self._stopping = asyncio.Event()
+        self._leaving = Leaving(leave_within, lambda: self._drive, self._order_end, self._tell)
         self._announced = False
-        self.refusal = ""  # why it cannot serve at all
         self._watchdog = Watchdog()
 
     async def run(self) -> None:
@@ -119,12 +114,17 @@ class Server:
                 self._spawn(port.keep_open())
         self._spawn(self._recording.keep_box())
         self._spawn(self._recording.keep_status(self._configuration.folder, self._health))
+        self._spawn(self._recording.keep_working(self._got, self._is_heard))
         self._watchdog.ready()  # the drive lives, whether or not topside can be listened to
-        await self._stopping.wait()
+        await self._leaving.ordered.wait()
         await self._end()
 
     def stop(self) -> None:
-        self._stopping.set()
+        """The first time in order: up first (leaving)."""
+        self._leaving.signal()
+
+    def _is_heard(self) -> bool:
+        return self._ports[VEHICLE].heard is not None
 
     def hang_up(self) -> None:
         self._tell("the terminal that serve was started from is gone; serve goes on")
@@ -199,8 +199,10 @@ class Server:
     async def _begin_again(self) -> None:
         await asyncio.sleep(REBIRTH_S)
         await self._recording.shut()
-        if not self._stopping.is_set():
+        if not self._leaving.over:
             await self._begin()
+        if self._leaving.ordered.is_set():
+            self._order_end(False)
 
     # --- in ----------------------------------------------------------------------------------
 
@@ -338,6 +340,8 @@ class Server:
             links=health.of_ports(self._ports, self.now(), faults, dropped),
             **health.of_drive(self._drive, self._vehicle),
             **health.of_box(self._recording.box),
+            broken=(*self._got.faults, *self._got.damage),
+            ascent_only=self._configuration.ascent_only,
         )
 
     # --- tasks -------------------------------------------------------------------------------
@@ -351,27 +355,14 @@ class Server:
         self._tasks.discard(task)
         if task.cancelled() or (error := task.exception()) is None:
             return
-        if not isinstance(error, LinkAddressError):
-            self._journal.fault("".join(traceback.format_exception(error)))
-            return
-        self.refusal = str(error)
-        self.stop()
+        self._journal.fault("".join(traceback.format_exception(error)))
 
-    async def _last_words(self) -> None:
-        """Whoever ends serve in a mission may be about to switch the Pi off: a vehicle that is
-        stopped rises by its buoyancy, one in automatic would keep its last setpoint for ever."""
-        if self._drive is None or self._drive.state.startswith("idle"):
-            return
-        was = self._drive.state
-        if was.startswith(AUTONOMOUS):
-            order = Rx(self.now(), TOPSIDE, EMERGENCIES[Order.STOP], "serve ends")
-            self._do(lambda drive: drive.receive(order))
-            await asyncio.sleep(LAST_WORDS_S)
-        self._tell(f"stopped in {was}: when serve runs again, it surfaces the vehicle")
+    def _order_end(self, at_once: bool) -> None:
+        self._do(lambda drive: drive.end(self.now(), at_once=at_once))
 
     async def _end(self) -> None:
         self._watchdog.stopping()
-        await self._last_words()
+        await self._leaving.leave()
         self._drive = None
         if self._timer is not None:
             self._timer.cancel()

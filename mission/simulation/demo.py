@@ -18,6 +18,7 @@ import bisect
 import csv
 import json
 import math
+import os
 import queue
 import signal
 import subprocess
@@ -174,7 +175,6 @@ class Demo:
         config = self.folder / "serve.yaml"
         config.write_text(
             f"vehicle: {json.dumps(self._vehicle_file())}\n"
-            f"folder: {json.dumps(str((self.folder / 'pi').resolve()))}\n"
             "links:\n"
             f"  vehicle: serial://{vehicle['vehicle']}?baud=9600\n"
             f"  gps: serial://{vehicle['gps']}?baud=9600\n"
@@ -182,6 +182,7 @@ class Demo:
             encoding="utf-8",
         )
         command = [sys.executable, "-m", "mission", "serve", "--config", str(config)]
+        command += ["--folder", str((self.folder / "pi").resolve())]
         command += ["--speed", str(self.speed), "--events"]
         with self._process("auvmission serve", command) as lines:
             yield lines
@@ -205,7 +206,13 @@ class Demo:
     def _process(self, name: str, command: list[str]) -> Iterator[_Lines]:
         log = self.folder / f"{name.split()[-1]}.log"
         with log.open("w", encoding="utf-8") as errors:
-            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True)
+            process = subprocess.Popen(
+                command,
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                text=True,
+                env=os.environ | {"AUVMISSION_STOP_S": "0"},  # no vehicle has to come up
+            )
             lines = _Lines(name, process, log)
             patience = HURRY_S
             try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import select
 import shutil
 import socket
@@ -15,8 +16,10 @@ import pytest
 from patience import LONG, until
 
 from links import open_link
+from links.admission import LOBBY
 from links.base import Link, LinkAbsent, LinkClosed
 from links.tcp import HANDSHAKE, TcpClient, TcpServer
+from links.tls import context
 from mission.serve.keys import make_keys
 
 pytestmark = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl makes the keys")
@@ -135,11 +138,40 @@ def test_who_has_no_certificate_keeps_nobody_out_who_has_one(keys: Path) -> None
                 address = ("127.0.0.1", made.port)
                 held.append(socket.create_connection(address, LONG, source_address=where))
             command(made, keys / "ours" / "boat")
-    assert len(made._streams) <= 2 * 4
     assert bytes(served.heard) == b"@ZAX0$" * 3
     for one in held:
         one.close()
     made.close()
+
+
+def test_half_handshakes_by_the_hundred_from_its_own_address_keep_no_certificate_out(
+    server: TcpServer, keys: Path
+) -> None:
+    """Some say nothing, some have begun and stop; renewed as often as they are dropped."""
+    hello = client_hello(keys)
+    held: list[socket.socket] = []
+    with Served(server) as served:
+        for turn in range(4):
+            for i in range(LOBBY // 2):
+                held.append(socket.create_connection(("127.0.0.1", server.port), 5.0))
+                if i % 2:
+                    held[-1].sendall(hello)
+            command(server, keys / "ours" / ("boat", "tablet")[turn % 2])
+            assert len(server._streams) <= LOBBY + 1
+    assert bytes(served.heard) == b"@ZAX0$" * 4
+    assert not any("a second" in refusal.why for refusal in server.refusals())
+    for one in held:
+        one.close()
+
+
+def client_hello(keys: Path) -> bytes:
+    """The first words of a handshake."""
+    said = ssl.MemoryBIO()
+    tls = context(keys / "ours" / "boat", server=False)
+    begun = tls.wrap_bio(ssl.MemoryBIO(), said, server_hostname="vehicle")
+    with contextlib.suppress(ssl.SSLWantReadError):
+        begun.do_handshake()
+    return said.read()
 
 
 def test_a_boat_of_another_team_is_refused_by_the_vehicle_itself(

@@ -17,8 +17,10 @@ from links.simulated.link import SimulatedVehicle
 from links.simulated.pty import PtyVehicle
 from links.simulated.settings import Settings
 from mission.configuration import Configuration, LinkUrls
+from mission.kept import Homes
 from mission.language import parse, script
 from mission.serve.journal import AGAIN_S
+from mission.serve.provision import Provision
 from mission.serve.serve import Ready, Server
 from mission.store import DiskStore, Store
 from mission.vehicle import load_vehicle
@@ -43,6 +45,11 @@ def soon(holds: Callable[[], bool], what: str, within: float = PATIENCE) -> None
         time.sleep(0.01)
 
 
+def provided(configuration: Configuration, store: Store) -> Provision:
+    homes = Homes(None, configuration.folder, {})
+    return Provision(configuration, load_vehicle("auv"), store, homes)
+
+
 class Running:
     """A server in a thread, on a free port of the loopback."""
 
@@ -55,6 +62,7 @@ class Running:
         speed: float = 1.0,
         topside: str = "tcp://127.0.0.1:0",
         wait: bool = True,
+        leave_within: float = 0.0,
         **more: object,
     ) -> None:
         links = LinkUrls(vehicle=vehicle, gps=gps, topside=topside)
@@ -64,6 +72,7 @@ class Running:
         self.server: Server | None = None
         self.store = store or DiskStore(configuration.store)
         self._configuration, self._speed = configuration, speed
+        self._leave_within = leave_within
         self._began = time.monotonic()
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._run)
@@ -78,12 +87,11 @@ class Running:
 
     async def _main(self) -> None:
         self.server = Server(
-            self._configuration,
-            load_vehicle("auv"),
-            self.store,
+            provided(self._configuration, self.store),
             self.told.append,
             self._announce,
             self._speed,
+            leave_within=self._leave_within,
         )
         await self.server.run()
 
@@ -109,9 +117,13 @@ class Running:
         told = sum(words in line for line in self.told)
         return 1 <= told <= 2 * things * minutes
 
-    def stop(self) -> None:
+    def tell_to_end(self) -> None:
+        """As by SIGTERM."""
         if self.server is not None and self._thread.is_alive():
             self._loop.call_soon_threadsafe(self.server.stop)
+
+    def stop(self) -> None:
+        self.tell_to_end()
         self._thread.join(PATIENCE)
         assert not self._thread.is_alive()
 

@@ -18,7 +18,7 @@ from mission.drive.drive import CLOCK, Drive
 from mission.drive.judge import judge
 from mission.drive.records import ESTIMATE, FAULT, RX, STEP, STORE, TIMER, ListRecorder, read_texts
 from mission.language import parse, script
-from mission.model import SURFACING, Chart, Tx
+from mission.model import STOPPED, SURFACED, SURFACING, Chart, Tx
 from mission.navigation import Navigation
 from mission.replay.replay import replay
 from mission.store import MemoryStore, Stored, StoreError
@@ -232,6 +232,15 @@ def test_a_restart_names_the_leg_that_was_active() -> None:
             assert next_one.drive.engine.reason == f"the program restarted during {now}"
             named.append(now)
     assert {"autonomous/a", "autonomous/b", "autonomous/c"} <= set(named)
+
+
+@pytest.mark.parametrize("during", [STOPPED, SURFACED])
+def test_a_restart_where_everything_was_stopped_stops_it_again_and_stays(during: str) -> None:
+    boat = Boat(MemoryStore(Stored(LINES, under_way=during)), navigation=False)
+    boat.until(1.0)
+    assert boat.drive.state == during
+    assert set(boat.to_vehicle()) == {b"@ZAX0$"}
+    assert boat.store.content.under_way == during
 
 
 def test_the_way_up_does_not_wait_for_the_judge_of_the_stored_mission(

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
+from random import Random
 
 import pytest
 from engine_world import World, flying, guard, leg, legs_of, mission, sets, when
@@ -191,8 +193,9 @@ def test_an_unknown_reading_never_opens_a_guard(expression, doubt: str):
 
 @settings(max_examples=25, deadline=None)
 @given(st.lists(st.sampled_from(["true", "false", "unknown"]), min_size=3, max_size=14))
-def test_held_needs_the_whole_time_without_a_gap(samples: list[str]):
-    """Reports every 2 s; held 5 s: three that hold in a row are 4 s, the timer ends the fifth."""
+def test_held_needs_its_whole_time(samples: list[str]):
+    """Reports every 2 s; held 5 s: three that hold in a row are 4 s, the timer ends the fifth. One
+    that does not hold takes 4 s back: all that there was."""
     world = flying(
         leg("a", when("altitude", "<", 3.0, held=5.0), timeout=LONG), leg("b", timeout=LONG)
     )
@@ -213,6 +216,39 @@ def test_held_needs_the_whole_time_without_a_gap(samples: list[str]):
             assert world.state == "autonomous/b"
             return
         assert world.state == "autonomous/a"
+
+
+def held_for(seconds: float, says: Iterable[bool | None]) -> float | None:
+    """s until ``altitude < 3 held`` opens, a report every 2 s; None if it does not."""
+    body = leg("a", when("altitude", "<", 3.0, held=seconds), timeout=LONG)
+    world = flying(body, leg("b", timeout=LONG))
+    world.t += 2.0 - (world.t % 2.0)
+    begun = world.t
+    for one in says:
+        world.altitude = 1.0 if one else 9.0
+        world.nav.doubt = {} if one is not None else {"altitude": "frozen"}
+        world.tell(world.report())
+        world.wait(2.0, reports=False)
+        if world.state == "autonomous/b":
+            return world.t - begun
+    return None
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_held_sees_through_noise(seed: int):
+    rng = Random(seed)
+    assert held_for(20.0, (rng.random() < 0.85 for _ in range(120))) is not None
+
+
+def test_held_does_not_open_on_what_holds_for_half_of_the_time():
+    assert held_for(20.0, (i % 2 == 0 for i in range(400))) is None
+
+
+def test_a_gap_takes_twice_its_time_back_from_held_and_the_unknown_takes_all():
+    whole = [True] * 11
+    assert held_for(20.0, whole) == 20.0
+    assert held_for(20.0, [*[True] * 5, False, *[True] * 20]) == 26.0
+    assert held_for(20.0, [*[True] * 5, None, *[True] * 20]) == 32.0
 
 
 def test_a_reading_that_goes_stale_while_held_begins_anew():
@@ -331,6 +367,22 @@ def test_a_refused_set_takes_the_else_and_a_refusal_of_an_older_set_does_not():
     assert world.state == "autonomous/a"
     world.tell(Outcome(Result.REFUSED, b"@ZAS5$", world.commands()[-1]))
     assert world.state == "autonomous/c"
+
+
+def test_a_set_that_did_not_leave_in_time_takes_the_else_and_counts_as_no_lost_answer():
+    one = leg("a", timeout=LONG, otherwise="c")
+    world = World(mission(one, leg("b"), leg("c", settings=sets(depth=9.0), timeout=LONG)))
+    world.answer = None
+    assert world.start()
+    (entry,) = world.commands()
+    for _ in range(2):
+        world.tell(Outcome(Result.LOST, b"@ZAF6$", entry))
+    world.tell(Outcome(Result.LATE, b"@ZAS5$", Setpoint(depth=3.0)))  # an older one
+    assert world.state == "autonomous/a"
+    world.tell(Outcome(Result.LATE, b"@ZAS5$", entry))
+    assert world.state == "autonomous/c"
+    world.tell(Outcome(Result.LOST, b"@ZAS9$", world.commands()[-1]))
+    assert world.state == SURFACING  # the third in succession
 
 
 def test_an_unanswered_frame_brings_the_whole_set_again():

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 from engine_world import HOME, M, W, World, X, compiled, leg, mission, sets, when
 
-from mission.engine.engine import STICK, UNANSWERED, Engine
+from mission.engine.engine import Engine
+from mission.engine.restart import STICK, UNANSWERED
 from mission.model import (
     IDLE_EMPTY,
     IDLE_READY,
@@ -286,6 +287,8 @@ def test_a_restart_during_a_mission_or_an_ascent_surfaces_and_the_end_of_one_is_
     if during:
         assert fresh.commands() == [Order.STOP if rests else UPWARD]
         assert not fresh.tell(ClearMission()).verdicts[0].accepted
+    else:
+        assert (fresh.state, fresh.commands()) == (IDLE_READY, [])
 
 
 def test_a_restart_while_the_stick_has_the_vehicle_without_a_mission_stops_and_is_idle():

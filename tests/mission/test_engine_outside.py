@@ -7,7 +7,8 @@ import math
 import pytest
 from engine_world import NEUTRAL, M, W, World, X, compiled, guard, leg, mission, sets, when
 
-from mission.engine.engine import MICROSTEPS, STICK, Engine
+from mission.engine.engine import MICROSTEPS, Engine
+from mission.engine.restart import STICK
 from mission.model import (
     IDLE_EMPTY,
     IDLE_READY,

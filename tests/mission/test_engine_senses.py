@@ -8,8 +8,8 @@ from dataclasses import replace
 import pytest
 from engine_world import HOME, NEUTRAL, Frame, Navigation
 
-from mission.engine.senses import FIX_DEPTH, SURFACE_DEPTH, Senses
-from mission.fixes import metres
+from mission.engine.senses import SURFACE_DEPTH, Senses
+from mission.fixes import FIX_DEPTH, metres
 from mission.model import Local, NavigationMode, Position
 from protocol.messages import Fix, Setpoint, Telemetry
 

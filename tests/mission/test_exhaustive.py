@@ -12,12 +12,14 @@ from click.testing import CliRunner
 
 from links.base import Rx
 from mission.cli import main
-from mission.drive import topside
 from mission.drive.commander import Commander
+from mission.drive.copies import Copies
 from mission.drive.drive import Drive
 from mission.drive.frontseat import Frontseat
+from mission.drive.obeyed import Obeyed
 from mission.drive.staging import Staging
-from mission.engine import core, orders, run, senses
+from mission.drive.uploads import Uploads
+from mission.engine import core, ending, orders, run, senses
 from mission.engine.ascent import Ascent
 from mission.engine.watch import Watch
 from mission.envelope import LIMITS, Bounds, Limit
@@ -28,7 +30,8 @@ from mission.exhaustive.events import EVENTS
 from mission.exhaustive.fork import Fork
 from mission.exhaustive.run import ALL_LAWS, Found, examine_ground, unasked
 from mission.exhaustive.world import World
-from mission.model import AUTONOMOUS, STOPPED, Action, Verdict
+from mission.model import AUTONOMOUS, STOPPED, SURFACED, Action, By, Tx, Verdict
+from mission.navigation.belief import DepthBelief
 from mission.navigation.health import SensorHealth, _Monitor
 from mission.vehicle import Vehicle, missions_folder
 from protocol.messages import UPWARD, Order, SetSafety
@@ -146,11 +149,16 @@ def _believe_all(patch: pytest.MonkeyPatch) -> None:
         return True
 
     patch.setattr(_Monitor, "observe", believed)
+    patch.setattr(DepthBelief, "_contradict", lambda *_, **__: None)
 
 
 def _a_gap_is_no_doubt(patch: pytest.MonkeyPatch) -> None:
     telemetry = SensorHealth.telemetry
-    patch.setattr(SensorHealth, "telemetry", lambda self, t: telemetry(self, replace(t, faults=())))
+    patch.setattr(
+        SensorHealth,
+        "telemetry",
+        lambda self, t, push: telemetry(self, replace(t, faults=()), push),
+    )
 
 
 def _no_timeout(patch: pytest.MonkeyPatch) -> None:
@@ -175,7 +183,7 @@ def _half_a_set(patch: pytest.MonkeyPatch) -> None:
 
 
 def _lines_always(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(topside.Topside, "_is_idle", property(lambda self: True))
+    patch.setattr(Uploads, "is_idle", property(lambda self: True))
 
 
 def _others_command(patch: pytest.MonkeyPatch) -> None:
@@ -227,6 +235,25 @@ def _x_comes_last(patch: pytest.MonkeyPatch) -> None:
         return outcome
 
     patch.setattr(Frontseat, "command", keeps)
+
+
+def _relays_first(patch: pytest.MonkeyPatch) -> None:
+    following = Frontseat._next
+
+    def polite(self: Frontseat, now: float) -> list[Tx]:
+        if self._relays and not self._urgent:
+            return [self._transmit(*self._relays.take(), now)]
+        return following(self, now)
+
+    patch.setattr(Frontseat, "_next", polite)
+
+
+def _copies_are_meant(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Copies, "judge", lambda *_: None)
+
+
+def _orders_in_contents_alone(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Obeyed, "found", lambda self, data: [])
 
 
 def _surface_by_faith(patch: pytest.MonkeyPatch) -> None:
@@ -341,6 +368,36 @@ def _guesses_an_order(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Drive, "receive", lenient)
 
 
+def _ends_with_a_stop(patch: pytest.MonkeyPatch) -> None:
+    stop = lambda c: None if c.region == "emergency" else c.stop_in("end", SURFACED, "over")  # noqa: E731
+    patch.setattr(ending, "go_on", stop)
+
+
+def _ends_as_it_is(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(ending, "settled", lambda c: True)
+
+
+def _ends_with_w_everywhere(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(ending, "go_on", lambda c: c.surface("W", "over", By.OPERATOR))
+
+
+def _restart_only_stops(patch: pytest.MonkeyPatch) -> None:
+    quietly = lambda c, before: c.stop_quietly("a restart")  # noqa: E731
+    patch.setattr("mission.engine.engine.begin_again", quietly)
+    patch.setattr("mission.exhaustive.world._BEGUN", {})
+
+
+def _ascent_after_the_last_words(patch: pytest.MonkeyPatch) -> None:
+    say = core.Core.say_last
+
+    def goes_on(self: core.Core, action: Action) -> None:
+        kept = self.ascent
+        say(self, action)
+        self.ascent = kept
+
+    patch.setattr(core.Core, "say_last", goes_on)
+
+
 BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_refuse_x, "surfacing", "X acts from everywhere within the step"),
     (_refuse_x, "surfacing", "W acts from everywhere within the step"),
@@ -370,6 +427,9 @@ BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_refusal_ignored, "autonomous/dive , Z outstanding", "a refused Z leads to the leg's else"),
     (_x_comes_last, OUTSTANDING, "in stopped nothing leaves but X0 and relays"),
     (_x_comes_last, OUTSTANDING, "in surfacing nothing leaves but W, X0, U12, D12 and relays"),
+    (_relays_first, "surfacing", "both halves of an ascent leave under a slider"),
+    (_copies_are_meant, "ready", "a late copy does nothing that is not in force"),
+    (_orders_in_contents_alone, "ready", "W acts from everywhere within the step"),
     (_thrust_at_the_surface, "surfacing", "in surfaced nothing leaves but X0 and relays"),
     (_surface_by_faith, "surfacing", "at the surface is who is there"),
     (_gives_up, "surfacing", "an ascent tries every way and never gives up"),
@@ -384,6 +444,11 @@ BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_loosest, "autonomous/dive , quiet", "a breach leads to its response where it acts, and only there"),
     (_at_the_first_sample, "autonomous/dive , quiet", "from region to region only for a cause"),
     (_unknown_is_shallow, "waiting", "60 s after the stick: idle at the surface, surfacing where deep"),
+    (_ends_with_a_stop, "autonomous/dive , quiet", "an ordered end brings up what is under way first"),
+    (_ends_as_it_is, "autonomous/dive , quiet", "an ordered end brings up what is under way first"),
+    (_ends_with_w_everywhere, "ready", "an ordered end turns nothing where nothing is under way"),
+    (_restart_only_stops, "autonomous/dive , quiet", "a restart surfaces what was under way and leaves the rest at rest"),
+    (_ascent_after_the_last_words, "surfacing", "the last words of a program are X0 and U12"),
     (_guesses_an_order, "ready", "no other Z of an operator's does anything"),
     (_refusal_ignored, "autonomous/dive , two Z lost, one outstanding", "three Z without an answer surface"),
 )  # fmt: skip

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from mission.drive.frontseat import ANSWER_S, GAP_S, RELAYS, TRIES, Frontseat
+from mission.drive.frontseat import ANSWER_S, GAP_S, TRIES, Frontseat
 from mission.model import Action, Outcome, Result, Tx
 from protocol.codec import CannotEncode
 from protocol.messages import Ack, Order, Setpoint
@@ -242,12 +244,12 @@ def test_stop_is_tried_again_before_a_waiting_relay(line: Line) -> None:
     assert line.frames == [b"@ZAX0$"] * 2
 
 
-def test_flood_of_relays_is_bounded(line: Line) -> None:
+def test_of_a_flood_for_the_same_thrusters_the_newest_is_what_waits(line: Line) -> None:
     line.poll(0.0)
     for i in range(1000):
         line.seat.relay(b"@MMF%d$" % (i % 12), "relay", manual=True)
     line.until(100.0)
-    assert len(line.frames) == RELAYS
+    assert line.frames == [b"@MMF%d$" % (999 % 12)]
 
 
 def test_what_the_vehicle_has_no_word_for_is_an_outcome_not_an_exception(line: Line) -> None:
@@ -320,3 +322,132 @@ def test_what_may_not_be_held_any_more_is_said_whole(spoil: str):
     line.sent.clear()
     line.give(TURNED, 3.0, steers=True)
     assert [d for d in said(line, 3.0) if d in FRAMES[TURNED]][-3:] == FRAMES[TURNED]
+
+
+# --- ranks ----------------------------------------------------------------------------------
+
+
+def test_a_set_that_is_due_leaves_before_any_relay(line: Line) -> None:
+    line.give(LEG, 0.0)
+    line.seat.relay(b"@DS1,5$", "relay")
+    line.seat.relay(b"@RI$", "relay")
+    line.answer(0.01)
+    line.until(0.03)
+    assert line.frames == [b"@ZAF6$", b"@ZAS10$"]
+    line.until(0.2)
+    assert line.frames[2:] == [b"@DS1,5$", b"@RI$"]
+
+
+def test_a_further_try_leaves_before_any_relay(line: Line) -> None:
+    line.give(LEG, 0.0)
+    line.relay(b"@DS1,5$", ANSWER_S - 0.001)
+    line.seat.relay(b"@RI$", "relay")
+    line.until(ANSWER_S + 0.03)
+    assert line.frames == [b"@ZAF6$", b"@DS1,5$", b"@ZAF6$"]
+
+
+FRAME_S = 17 * 10 / 9600 + GAP_S  # the longest that operators have
+
+
+@pytest.mark.parametrize("rate", [5, 20, 60, 200])
+def test_both_frames_of_an_ascent_leave_under_any_slider(line: Line, rate: int) -> None:
+    ascent = Setpoint(heave=-1.0)
+    FRAMES[ascent] = [b"@ZAX0$", b"@ZAU12$"]
+    for i in range(rate * 2):
+        now = i / rate
+        line.until(now)
+        line.relay(b"@DS%d,%d$" % (i % 3 + 1, i % 20), now)
+        if i == rate:
+            line.give(ascent, now)
+    line.until(10.0)
+    left = {tx.data: tx.t for tx in reversed(line.sent)}
+    assert left[b"@ZAX0$"] - 1.0 <= FRAME_S
+    assert left[b"@ZAU12$"] - left[b"@ZAX0$"] <= TRIES * ANSWER_S + 2 * FRAME_S
+
+
+def test_a_set_that_has_not_left_within_5_s_is_told_once(line: Line) -> None:
+    """Each newer set of a leg that steers begins anew, and nobody answers the first try."""
+    t, late = 0.0, []
+    while t < 20.0:
+        line.give(GOTO if round(t) % 2 else TURNED, t, steers=t > 0.0)
+        line.until(t + 0.8)
+        line.answer(t + 0.8)
+        line.until(t + 0.99)
+        late += [(t, o) for o in line.outcomes if o.result is Result.LATE]
+        line.outcomes.clear()
+        t += 1.0
+    assert [(t, o.command) for t, o in late] == [(5.0, GOTO)]
+
+
+def test_the_next_leg_has_its_own_5_s(line: Line) -> None:
+    for t in range(12):
+        if t % 4 == 0:
+            line.give(LEG if t % 8 else GOTO, float(t))
+        else:
+            line.give(LEG if t % 8 > 4 else GOTO, float(t), steers=True)
+        line.until(t + 0.8)
+    assert not [o for o in line.outcomes if o.result is Result.LATE]
+
+
+def test_a_set_that_has_left_is_not_late_though_nobody_answers(line: Line) -> None:
+    line.give(LEG, 0.0)
+    line.until(60.0)
+    assert {o.result for o in line.outcomes} == {Result.LOST}
+
+
+def test_an_idle_line_behind_a_set_is_not_late_for_the_next(line: Line) -> None:
+    line.give(LEG, 0.0)
+    for now in (0.1, 0.2):
+        line.answer(now)
+        line.until(now)
+    line.give(GOTO, 30.0)
+    line.until(30.9)
+    assert line.outcomes[-1].result is not Result.LATE
+
+
+_RELAYED = [b"@DS%d,%d$" % (n, a) for n in (1, 2, 3) for a in (-15, 0, 22)]
+_RELAYED += [b"@DA1,1$", b"@RI$", b"@RSOOOOOOO$"]
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    st.lists(
+        st.tuples(
+            st.floats(0.005, 0.2),
+            st.sampled_from([*_RELAYED, *_RELAYED, LEG, NEXT, GOTO, Order.STOP, Order.SURFACE]),
+        ),
+        max_size=150,
+    ),
+    st.sampled_from([0.0, 0.01, 0.29, 0.31]),
+)
+def test_no_mix_of_relays_keeps_an_order_or_a_set_back(script, latency: float) -> None:
+    """An order leaves with the frame that is on the line; each frame of a set within the tries of
+    those before it. ``latency``: of the board's answers; 0.0: it gives none."""
+    line, now = Line(), 0.0
+    due: list[tuple[bytes, float]] = []
+    answers: list[float] = []
+    for pause, what in script:
+        now += pause
+        for at in [a for a in answers if a <= now]:
+            line.until(at)
+            line.answer(at)
+        answers = [a for a in answers if a > now]
+        line.until(now)
+        if isinstance(what, bytes):
+            line.relay(what, now)
+        else:
+            due = [] if not isinstance(what, Order) else due
+            line.give(what, now)
+            spent = 0.0 if isinstance(what, Order) else 2 * TRIES * ANSWER_S
+            due = [
+                (frame, now + spent + FRAME_S + i * (TRIES * ANSWER_S + FRAME_S))
+                for i, frame in enumerate(FRAMES[what])
+            ]
+        fresh = line.sent
+        if latency:
+            known = len(answers)
+            answers += [tx.t + latency for tx in fresh if tx.data.startswith(b"@ZA")][known:]
+        for tx in fresh:
+            due = [(f, by) for f, by in due if f != tx.data]
+        line.sent = []
+        assert all(now <= by for _, by in due), due

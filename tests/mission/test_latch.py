@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from mission.drive.latch import AGAIN_S, EVERY_S, UNNAMED, Latch
-from mission.engine.engine import STICK, UNANSWERED
+from mission.engine.restart import STICK, UNANSWERED
 from mission.store import MemoryStore, Stored
 
 LEG, OTHER = "autonomous/a", "autonomous/b"

@@ -6,7 +6,8 @@ import itertools
 
 import pytest
 
-from mission.serve.pace import Pace, baud_of
+from links import baud_of
+from mission.serve.pace import Pace
 
 GAP, BAUD = 0.02, 9600.0
 LENGTH_S = 6 * 10 / BAUD  # of @ZAX0$ on the line
@@ -59,6 +60,7 @@ def test_where_no_gap_is_needed_everything_leaves_at_once() -> None:
 
 
 def test_the_line_is_as_fast_as_its_link_is_opened() -> None:
-    assert baud_of("serial:///dev/ttyUSB0?baud=4800") == 4800.0
-    assert baud_of("serial:///dev/ttyUSB0") == 9600.0
-    assert baud_of("tcp://127.0.0.1:9") == 9600.0
+    assert baud_of("serial:///dev/ttyUSB0?baud=4800", 1.0) == 4800.0
+    assert baud_of("serial:///dev/ttyUSB0", 1.0) == 9600.0
+    assert baud_of("tcp://127.0.0.1:9", 9600.0) == 9600.0
+    assert baud_of("no link", 9600.0) == 9600.0

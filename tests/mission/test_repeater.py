@@ -60,46 +60,47 @@ def test_what_the_board_has_no_word_for_leaves_the_old_set(line: Repeater) -> No
     assert frames(line, 1.1) == [b"A", b"B"]
 
 
-def test_a_manual_frame_ends_the_repetition(line: Repeater) -> None:
+def test_nothing_of_an_operators_is_relayed_and_nothing_ends_by_it(line: Repeater) -> None:
     line.command(Action(LEG, "leg"))
-    line.relay(b"M", "stick", manual=True)
-    assert frames(line, 1.0) == [b"M"]
-    assert line.next_timer() is None
+    assert line.cannot_relay
+    assert line.relay(b"@MMF5$", "stick", manual=True) == line.cannot_relay
+    assert frames(line, 1.0) == [b"A", b"B"]
+    assert frames(line, 1.1) == [b"A", b"B"]
 
 
-def test_a_relayed_frame_goes_first_and_at_once_and_ends_nothing_unless_it_is_manual(
-    line: Repeater,
-) -> None:
-    line.relay(b"R", "operator")
-    assert line.next_timer() == 0.0
-    assert frames(line, 1.0) == [b"R"]
-    assert line.next_timer() is None
-    line.command(Action(LEG, "leg"))
-    line.relay(b"R", "operator")
-    assert frames(line, 2.0) == [b"R", b"A", b"B"]
-    line.relay(b"R", "operator")
-    assert line.next_timer() == 0.0
-    assert frames(line, 2.05) == [b"R"]
-    assert frames(line, 2.1) == [b"A", b"B"]
-
-
-def test_a_command_that_waits_is_due_at_once_and_a_manual_frame_takes_its_place(
-    line: Repeater,
-) -> None:
+def test_a_command_that_waits_is_due_at_once(line: Repeater) -> None:
     line.command(Action(LEG, "leg"))
     assert line.next_timer() == 0.0
-    line.relay(b"M", "stick", manual=True)
-    sent, outcomes = line.poll(1.0)
-    assert [tx.data for tx in sent] == [b"M"]
-    assert outcomes == []
+
+
+def test_a_slow_line_is_given_no_more_than_it_carries_and_the_newest_waits_for_no_other() -> None:
+    """A thousand orders in a second on a line that carries ten of them."""
+    line = Repeater(lambda command: [bytes(96)], 0.1, bits_per_s=9600)
+    sent = []
+    for i in range(1000):
+        line.command(Action(Order.STOP if i % 2 else LEG, f"order {i}"))
+        sent += line.poll(i / 1000)[0]
+    assert len(sent) == 10
+    due = line.next_timer()
+    assert due == pytest.approx(sent[-1].t + 0.1)
+    (last,), _ = line.poll(due)
+    assert last.reason == "order 999"
+
+
+def test_what_takes_longer_than_its_period_is_said_as_often_as_the_line_can() -> None:
+    line = Repeater(lambda command: [bytes(96)], 0.05, bits_per_s=9600)
+    line.command(Action(LEG, "leg"))
+    times = []
+    for _ in range(4):
+        times.append(line.next_timer())
+        assert len(line.poll(times[-1])[0]) == 1
+    assert times == pytest.approx([0.0, 0.1, 0.2, 0.3])
 
 
 def test_a_frame_says_why_it_is_sent_and_whether_it_was_said_before(line: Repeater) -> None:
     line.command(Action(NEXT, "leg"))
-    line.relay(b"R", "operator")
     said = [(tx.t, tx.link, tx.reason) for now in (1.0, 2.0) for tx in line.poll(now)[0]]
     assert said == [
-        (1.0, "vehicle", "operator"),
         (1.0, "vehicle", "leg"),
         (2.0, "vehicle", "leg (held)"),
     ]

@@ -10,6 +10,8 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -26,16 +28,18 @@ from served import (
     soon,
 )
 
+from links.simulated.pty import PtyVehicle
 from mission.blackbox import read_parts
 from mission.drive.drive import Drive
 from mission.drive.records import RX
 from mission.language import digest, script
+from mission.model import STOPPED, SURFACED, SURFACING
 from mission.operator.console import converse
 from mission.operator.upload import start, status, upload
 from mission.replay.replay import replay
 from mission.serve import ports
 from mission.serve import serve as shell
-from mission.store import MemoryStore
+from mission.store import MemoryStore, Stored
 
 
 def test_what_was_under_way_surfaces_after_a_restart(tmp_path: Path) -> None:
@@ -54,7 +58,9 @@ def test_what_was_under_way_surfaces_after_a_restart(tmp_path: Path) -> None:
         soon(read, "an upward word")
 
 
-def test_serve_that_is_ended_in_a_mission_leaves_a_vehicle_that_is_stopped(tmp_path: Path) -> None:
+@contextmanager
+def diving(folder: Path, leave_within: float) -> Iterator[tuple[Running, PtyVehicle, list[bytes]]]:
+    """A serve in a mission, at more than 1.5 m; and what the STM32 hears."""
     with simulated(4.0) as sea:
         stm32, gps = (f"serial://{path}" for path in sea.paths)
         heard: list[bytes] = []
@@ -65,15 +71,87 @@ def test_serve_that_is_ended_in_a_mission_leaves_a_vehicle_that_is_stopped(tmp_p
             really(data, now)
 
         sea.vehicle.stm32.receive = hear  # type: ignore[method-assign]
-        with running(tmp_path, stm32, gps=gps, speed=4.0) as pi:
+        with running(folder, stm32, gps=gps, speed=4.0, leave_within=leave_within) as pi:
             converse(pi.url, upload(script(MISSION), digest(MISSION), quiet))
             converse(pi.url, start(patience=60))
-            soon(lambda: b"@ZAS3$" in heard, "the mission")
-        assert pi.has_told("stopped in autonomous/")
-        assert b"".join(heard).endswith(b"@ZAX0$")
-        assert pi.store.content.under_way.startswith("emergency"), "the next one surfaces"
-        assert pi.ready is not None
-        assert replay(list(read_parts(Path(pi.ready.black_box)))).identical
+            soon(lambda: sea.vehicle.truth().depth > 1.5, "the dive")
+            yield pi, sea, heard
+
+
+def is_upward(heard: list[bytes]) -> bool:
+    said = b"".join(heard)
+    return b"@ZAWF$" in said or b"@ZAU12$" in said
+
+
+def last_of(heard: list[bytes], count: int) -> list[bytes]:
+    return b"".join(heard).replace(b"$", b"$ ").split()[-count:]
+
+
+def replays(pi: Running) -> bool:
+    assert pi.ready is not None
+    return replay(list(read_parts(Path(pi.ready.black_box)))).identical
+
+
+def test_serve_that_is_ended_in_a_mission_brings_the_vehicle_up_and_stops_it_first(
+    tmp_path: Path,
+) -> None:
+    with diving(tmp_path, PATIENCE) as (pi, sea, heard):
+        before = len(heard)
+        pi.stop()
+        assert sea.vehicle.truth().depth < 0.5
+    assert is_upward(heard[before:])
+    assert last_of(heard, 1) == [b"@ZAX0$"]
+    assert pi.has_told("serve ends when the vehicle is at the surface")
+    assert pi.store.content.under_way == SURFACED, "the next one turns nothing"
+    assert replays(pi)
+
+
+def test_serve_that_has_no_time_to_bring_the_vehicle_up_leaves_its_thrust_upward(
+    tmp_path: Path,
+) -> None:
+    with diving(tmp_path, 0.0) as (pi, sea, heard):
+        pi.stop()
+        assert last_of(heard, 2) == [b"@ZAX0$", b"@ZAU12$"]
+        soon(lambda: sea.vehicle.truth().depth < 0.5, "up, with nobody there")
+    assert pi.has_told("serve ends before the surface is proved")
+    assert pi.store.content.under_way == SURFACING, "the next one goes on"
+    assert replays(pi)
+
+
+def test_told_to_end_twice_serve_ends_at_once_with_its_last_words(tmp_path: Path) -> None:
+    with diving(tmp_path, PATIENCE) as (pi, _, heard):
+        pi.tell_to_end()
+        soon(lambda: is_upward(heard), "on its way up")
+        pi.stop()
+        assert last_of(heard, 2) == [b"@ZAX0$", b"@ZAU12$"]
+    assert replays(pi)
+
+
+def test_while_serve_ends_the_operator_is_heard_and_no_mission_starts(tmp_path: Path) -> None:
+    with diving(tmp_path, PATIENCE) as (pi, _, heard):
+        with pi.boat() as boat:
+            pi.tell_to_end()
+            soon(lambda: is_upward(heard), "on its way up")
+            assert asked(boat, b"@AA$") == b"@ACK_AAN$"
+            boat.sendall(b"@ZAX0$")
+            soon(lambda: last_of(heard, 1) == [b"@ZAX0$"], "the operator's X")
+        pi.stop()
+    assert replays(pi)
+
+
+@pytest.mark.parametrize("during", ["", STOPPED, SURFACED])
+def test_serve_that_is_ended_and_begun_again_on_deck_turns_no_thruster(
+    tmp_path: Path, during: str
+) -> None:
+    store = MemoryStore(Stored(under_way=during))
+    for _ in range(2):
+        with silent_board() as (master, device):
+            with running(tmp_path, f"serial://{device}", store=store, leave_within=PATIENCE):
+                time.sleep(0.5)
+            heard = read_now(master)
+        assert heard.replace(b"@ZAX0$", b"") == b""
+        assert bool(heard) == bool(during)
+        assert store.content.under_way == during
 
 
 def test_the_first_word_after_a_restart_is_not_lost_on_a_port_that_is_about_to_open(

@@ -546,3 +546,60 @@ def test_a_million_hostile_bytes_cost_no_more_than_one_look_at_each(
         assert len(framer._buffer) < 3300
     framer.flush(1e9)
     assert looks <= len(data) + len(chunks)
+
+
+# --- no sender holds a receiver (G3) ---
+
+
+def test_a_byte_now_and_then_holds_a_frame_back_for_a_second_and_no_longer() -> None:
+    """A false @SD, and noise that never lets the line be idle."""
+    framer = link("auv.from_stm32").framer()
+    items, heard_at = framer.receive(b"@SD", 0.0), None
+    sent = b"@ACK_ZAY$"
+    for i in range(1, 200):
+        now = i * 0.04
+        due = framer.next_timer()
+        if due is not None and due <= now:
+            items += framer.flush(due)
+            heard_at = heard_at or (due if any(isinstance(x, Frame) for x in items) else None)
+        items += framer.receive(sent[i - 1 : i] or b"\xff", now)
+    assert [shown(i) for i in items if isinstance(i, Frame)] == [(3, "auv.ACK", sent)]
+    assert heard_at == pytest.approx(1.0)
+
+
+def test_what_is_given_up_takes_nothing_along_that_began_later() -> None:
+    framer = link("auv.from_stm32").framer()
+    assert framer.receive(b"@SD\xff", 0.0) == []
+    for i in range(1, 25):
+        assert framer.receive(b"\xff", i * 0.04) == []
+    assert framer.receive(SD[:40], 0.98) == []
+    assert framer.next_timer() == 1.0
+    assert framer.flush(1.0) == []
+    assert framer.next_timer() == pytest.approx(1.03)
+    found = framer.receive(SD[40:], 1.02)
+    assert [shown(item) for item in found] == [(0, "truncated", 28), (28, "auv.SD", SD)]
+
+
+def test_bytes_that_come_before_the_timer_complete_a_frame_however_late() -> None:
+    """A program that stood still reads the rest of a frame first, and looks at its timers then."""
+    framer = link("auv.from_stm32").framer()
+    framer.receive(SD[:40], 0.0)
+    (found,) = framer.receive(SD[40:], 8.0)
+    assert isinstance(found, Frame)
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.lists(st.tuples(st.binary(max_size=6), st.floats(0.0, 0.9)), max_size=60))
+def test_the_timer_always_moves_on(chunks: list[tuple[bytes, float]]) -> None:
+    framer, now = link("auv.any").framer(), 0.0
+    for data, pause in chunks:
+        end = now + pause
+        for _ in range(200):
+            due = framer.next_timer()
+            if due is None or due > end:
+                break
+            framer.flush(due)
+        else:
+            raise AssertionError("the timer never moves on")
+        now = end
+        framer.receive(b"@S" + data, now)

@@ -82,3 +82,32 @@ def test_a_false_head_holds_back_a_good_frame_for_a_second_at_most() -> None:
 def test_what_no_modem_takes_is_not_wrapped(content: bytes, address: int) -> None:
     with pytest.raises(CannotEncode):
         wrap(content, address)
+
+
+@pytest.mark.parametrize("baud", [9600, 115200])
+def test_a_content_comes_at_the_pace_of_the_line_or_is_given_up(baud: int) -> None:
+    """A false head, a good frame behind it, and a byte of noise each 0.7 s for half an hour."""
+    made, good = ModemCodec(baud=baud), wrap(CONTENT, 1)
+    found = made.receive(b"#\x02\x80\x0c\x01" + good, 0.0)
+    assert found == []
+    patience, heard = 1.0 + 2.0 * 3207 * 10 / baud, None
+    for i in range(1, 2600):
+        now = i * 0.7
+        due = made.next_timer()
+        if due is not None and due <= now:
+            heard = heard or (due if Envelope(0.0, 1, CONTENT) in made.flush(due) else None)
+        made.receive(b"\xff", now)
+    assert heard == pytest.approx(patience)
+
+
+@pytest.mark.parametrize("baud", [9600, 115200])
+def test_the_longest_content_has_twice_its_time_on_the_line(baud: int) -> None:
+    made, raw, now = ModemCodec(baud=baud), wrap(bytes(MOST), 1), 0.0
+    found: list[object] = []
+    for i in range(0, len(raw), 10):
+        due = made.next_timer()
+        if due is not None and due <= now:
+            found += made.flush(due)
+        found += made.receive(raw[i : i + 10], now)
+        now += 2.0 * 100 / baud
+    assert found == [Envelope(0.0, 1, bytes(MOST))]

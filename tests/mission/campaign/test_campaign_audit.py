@@ -8,10 +8,22 @@ import struct
 import pytest
 
 from mission.campaign.audit import audit, command_of
-from mission.campaign.trial import Event, Heard, Said
+from mission.campaign.deeds import Act
+from mission.campaign.obedience import ignored
+from mission.campaign.trial import Done, Event, Heard, Said
 from mission.engine.words import in_words
-from mission.model import MANUAL_DRIVING, MANUAL_WAITING, STOPPED, SURFACING, Evaluation, Step, Tx
+from mission.model import (
+    IDLE_READY,
+    MANUAL_DRIVING,
+    MANUAL_WAITING,
+    STOPPED,
+    SURFACING,
+    Evaluation,
+    Step,
+    Tx,
+)
 from protocol.messages import Order, Setpoint
+from protocol.modem import wrap
 
 
 def step(t: float, *actions: str, entered: str = "", trigger: str = "") -> Step:
@@ -148,3 +160,59 @@ def test_the_stick_is_as_silent_as_who_holds_it() -> None:
     assert spurious(Said(3.0, "modem", "", b"@MMF5$"), driving) == 1
     # the first boat has gone, and what the other one says is passed on: now it has the stick
     assert spurious(*held, other, sent(4.0, b"@MMF6$"), waits) == 1
+
+
+def test_a_late_copy_of_a_start_by_modem_asks_for_nothing() -> None:
+    """R12: the mission is over, and what its start was said with comes once more."""
+
+    def again(t: float, link: str = "modem") -> tuple[Event, ...]:
+        heard = Said(t, link, "", wrap(b"@AA$", 1) if link == "modem" else b"@AA$")
+        return heard, step(t, "surge 0: entry of a", entered="autonomous/a", trigger="start")
+
+    over = (*STARTED, step(9.0, "everything stopped: it is over", entered=IDLE_READY))
+    assert spurious(*over, *again(23.0)) == 1
+    assert spurious(*over, *again(23.0, "topside")) == 0
+    assert spurious(*over, *again(122.0)) == 0
+    assert spurious(*over, Done(20.0, Act.KILL), Done(22.0, Act.BOOT), *again(23.0)) == 0
+
+
+# --- what was ordered leaves ------------------------------------------------------------------------
+
+
+def held_back(*events: Event) -> int:
+    return len(ignored([*events, said(99.0, b"")], "as-built"))
+
+
+@pytest.mark.parametrize(
+    "data", [b"@ZAX0$", b"#\x02\x80\x0c\x01@ZAX0$\xff", wrap(b"@ZAX0$", 1), b"@ZAWF$@ZAX0$"]
+)
+@pytest.mark.parametrize("link", ["topside", "modem"])
+def test_an_order_in_whatever_came_is_on_its_way_within_100_ms(data: bytes, link: str) -> None:
+    assert held_back(Said(5.0, link, "", data), sent(5.09, b"@ZAX0$")) == 0
+    assert held_back(Said(5.0, link, "", data), sent(5.11, b"@ZAX0$")) == 1
+    assert held_back(Said(5.0, link, "", data), Done(5.05, Act.KILL)) == 0
+
+
+def test_every_frame_of_a_set_leaves_within_5_s() -> None:
+    both = (sent(1.1, b"@ZAS4$"), sent(5.9, b"@ZAH-90,6$"))
+    assert held_back(*STARTED, *both) == 0
+    assert held_back(*STARTED, both[0], sent(6.2, b"@ZAH-90,6$")) == 1
+    assert held_back(*STARTED, both[0], step(3.0, entered=MANUAL_DRIVING)) == 0
+    assert held_back(*STARTED, both[0], *STOP, sent(5.0, b"@ZAX0$")) == 0
+
+
+def test_a_set_that_steers_has_what_is_left_of_the_time_of_the_one_before() -> None:
+    steers = [step(2.0 * i, "surge 0.5 heading 90 depth 4: a steers") for i in range(1, 9)]
+    depths = [sent(2.0 * i + 0.1, b"@ZAS4$") for i in range(1, 9)]
+    each = [event for pair in zip(steers, depths, strict=True) for event in pair]
+    assert held_back(*STARTED, *each) > 0
+    assert held_back(*STARTED, sent(1.1, b"@ZAS4$"), sent(1.2, b"@ZAH-90,6$"), *each[:2]) == 1
+    other = step(4.0, "surge 0.5 heading 90 depth 4: entry of b", entered="autonomous/b")
+    done = (sent(8.0, b"@ZAS4$"), sent(8.1, b"@ZAH-90,6$"))
+    assert held_back(*STARTED, *each[:2], other, *done) == 0
+
+
+def test_both_halves_of_an_ascent_leave() -> None:
+    ascent = step(5.0, "surge 0 heave -1: the depth is 3 m, no less")
+    assert held_back(ascent, sent(5.0, b"@ZAX0$"), sent(5.1, b"@ZAU12$")) == 0
+    assert held_back(ascent, sent(5.0, b"@ZAX0$")) == 1

@@ -203,6 +203,19 @@ def test_an_order_that_does_not_leave_at_once_is_ignored(monkeypatch: pytest.Mon
     assert IGNORED in kinds_of(flown([Deed(60.0, Act.SAY, b"@ZAX0$")]))
 
 
+def test_a_set_that_relays_keep_back_is_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
+    following = Frontseat._next
+
+    def polite(self: Frontseat, now: float) -> list[Tx]:
+        if self._relays and not self._urgent:
+            return [self._transmit(*self._relays.take(), now)]
+        return following(self, now)
+
+    monkeypatch.setattr(Frontseat, "_next", polite)
+    slider = [Deed(60.0 + i / 100, Act.SAY, b"@DS%d,5$" % (i % 2 + 1)) for i in range(2500)]
+    assert IGNORED in kinds_of(flown([Deed(60.0, Act.SAY, b"@ZAWF$"), *slider]))
+
+
 @pytest.mark.parametrize("profile", PROFILES)
 def test_a_thruster_that_turns_at_the_end_is_a_loss(
     profile: str, monkeypatch: pytest.MonkeyPatch

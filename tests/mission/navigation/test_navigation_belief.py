@@ -142,6 +142,12 @@ def test_to_hover_against_buoyancy_is_natural(push):
     assert dive.go(1800.0, push, at(9.8), lambda s: 12.0 + 3.0 * math.sin(0.02 * s)) == ""
 
 
+def test_a_hold_that_is_always_a_little_short_is_natural():
+    """Without an integral part: it pushes as much as the buoyancy asks for, and is never there."""
+    for short, push in ((0.9, Vertical(0.5, 10.0)), (0.9, Vertical(None, 10.0))):
+        assert Dive(noise=0.02).go(600.0, push, at(10.0 - short)) == ""
+
+
 def test_a_dive_that_fails_at_the_surface_is_natural_while_fixes_come():
     assert Dive().go(300.0, DOWN, at(0.2), fixes=True) == ""
 

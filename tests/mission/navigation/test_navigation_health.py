@@ -173,7 +173,8 @@ def stuck(thrust: float, fixes: int = 8) -> tuple[SensorHealth, list[bool]]:
     health, believed = SensorHealth(_ALL), []
     for i in range(fixes):
         if i % 2 == 0:
-            health.telemetry(replace(report(i // 2), actuators=(thrust,) * 2 + (0.0,) * 3))
+            afloat = report(i // 2, depth=0.2 + 0.001 * i)
+            health.telemetry(replace(afloat, actuators=(thrust,) * 2 + (0.0,) * 3))
         believed.append(health.fix(Fix(float(i), 0.5, 2.0, 2.5)))
     return health, believed
 
@@ -186,6 +187,14 @@ def test_a_receiver_that_says_one_place_while_the_vehicle_moves_is_frozen():
     assert health.of("position", 8.0).valid
 
 
+@pytest.mark.parametrize(("depth", "teaches"), [(0.5, True), (0.9, False)])
+def test_a_fix_under_water_teaches_nothing_while_the_depth_is_believed(depth: float, teaches: bool):
+    health = after(*(report(i, depth=depth + 0.001 * i) for i in range(3)))
+    assert health.fix(Fix(5.0, 0.5, 2.0, 2.5)) is teaches
+    assert health.fix(Fix(6.0, 0.5, 2.1, math.inf))  # the vehicle's own reckoning
+    assert health.fix(Fix(11.0, 0.5, 2.2, 2.5))  # the depth is stale
+
+
 @pytest.mark.parametrize("places", [2, 4, 30])
 @pytest.mark.parametrize("pause", [1.0, 20.0])
 def test_a_receiver_that_says_a_few_places_in_turn_while_the_vehicle_moves_is_frozen(
@@ -193,7 +202,7 @@ def test_a_receiver_that_says_a_few_places_in_turn_while_the_vehicle_moves_is_fr
 ):
     health, believed = SensorHealth(_ALL), []
     for i in range(places + 20):
-        health.telemetry(replace(report(i), actuators=_MOVING))
+        health.telemetry(report(i, depth=0.2 + 0.001 * i))
         believed.append(health.fix(Fix(i * pause, 0.5, 2.0 + 1e-6 * (i % places), 2.5)))
     assert believed == [True] * (places + 3) + [False] * 17
     assert health.of("position", (places + 19) * pause).reason == "frozen"

@@ -1,0 +1,87 @@
+"""An orderly end of the program: up first, and only then away.
+
+    a mission, or the stick over one   --> emergency/surfacing, as by W; at a proved surface stopped
+    the stick in use                   --> is left to whoever moves it, until it is silent (R6)
+    an ascent                          --> goes on
+    elsewhere                          --> stays as it is: a thruster that stands is not turned
+
+``settled`` says when the program may go. Where it must go before that, X0 and U12 are its last
+words: on the vehicle as built W does not stick, and nobody will be there to try another way.
+
+What does not live here: for how long the program may stay (serve), the ascent (ascent).
+"""
+
+from __future__ import annotations
+
+from mission.engine.core import Core
+from mission.engine.rest import DEEP
+from mission.engine.senses import SURFACE_DEPTH, SURFACE_TIME
+from mission.model import (
+    AUTONOMOUS,
+    MANUAL_DRIVING,
+    STOPPED,
+    SURFACED,
+    SURFACING,
+    Action,
+    By,
+    Ending,
+)
+from mission.regions import IDLE, MANUAL
+from protocol.messages import UPWARD
+
+WHY = "the program is ended"
+
+
+def begin(core: Core, order: Ending) -> None:
+    core.ending = True
+    if order.now:
+        last_words(core)
+
+
+def go_on(core: Core) -> None:
+    """To be called in every step once the end was ordered."""
+    leaves_below = _ascends_from_stick(core)
+    if core.region == AUTONOMOUS or (leaves_below and core.active != MANUAL_DRIVING):
+        if _at_surface(core):
+            core.stop_in("end", SURFACED, f"{WHY}, at the surface")
+        else:
+            core.surface("end", f"{WHY}: up first", By.LIMIT)
+    elif core.region == MANUAL and not leaves_below and core.stop_at is core.stopped_at is None:
+        core.stop_quietly(WHY)
+
+
+def settled(core: Core) -> bool:
+    """Nobody has to stay with the vehicle."""
+    if core.region == MANUAL:
+        return not _ascends_from_stick(core)
+    if core.region == AUTONOMOUS or core.active == SURFACING:
+        return False
+    return not _is_deep(core)
+
+
+def last_words(core: Core) -> None:
+    """What holds when the program is gone; nothing follows it."""
+    if settled(core) or core.region == IDLE or core.active == STOPPED:
+        return
+    if core.active != SURFACING and _at_surface(core):
+        core.stop_in("end", SURFACED, f"{WHY}, at the surface")
+    else:
+        core.say_last(Action(UPWARD, f"{WHY} before the surface is proved"))
+
+
+def _ascends_from_stick(core: Core) -> bool:
+    """The stick has it, and would leave it under water; while AUTO is closed, nobody else turns
+    a thruster."""
+    return core.region == MANUAL and core.auto and (core.run is not None or _is_deep(core))
+
+
+def _is_deep(core: Core) -> bool:
+    return core.senses.depth is not None and core.senses.depth > DEEP
+
+
+def _at_surface(core: Core) -> bool:
+    """Proved just now (R7), and no depth to believe says otherwise."""
+    depth = core.senses.depth
+    return (depth is None or depth < SURFACE_DEPTH) and core.senses.surfaced(
+        core.now - SURFACE_TIME
+    )

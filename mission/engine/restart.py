@@ -1,0 +1,64 @@
+"""A program that begins again: what was under way comes up, what was at rest is left at rest.
+
+    a mission, an ascent     --> emergency/surfacing, at once
+    stopped, surfaced        --> the same again, everything stopped: the vehicle may be on deck
+    the stick alone          --> stopped, idle
+    the store cannot tell    --> stopped, and up as soon as two reports in a row say a depth to
+                                 believe beyond 2 m: on deck no thruster turns, under water it rises
+
+What does not live here: who keeps what is under way (latch, store).
+"""
+
+from __future__ import annotations
+
+from mission.engine.core import Core
+from mission.engine.rest import DEEP
+from mission.model import AUTONOMOUS, STOPPED, SURFACED, UNKNOWN, By, Restarted
+from mission.regions import EMERGENCY, IDLE, MANUAL
+
+STICK = "the stick, without a mission"  # under way in manual: a restart stops, and is idle
+UNANSWERED = "a stop without its acknowledgement"  # under way in idle: thrusters may still turn
+REPORTS = 2
+
+
+def under_way(core: Core) -> str:
+    """What this program would interrupt if it ended now; "" if nothing."""
+    if unsure(core):
+        return UNKNOWN
+    if core.region in (AUTONOMOUS, EMERGENCY) or core.run is not None:
+        return core.active
+    if core.region == MANUAL:
+        return STICK
+    if core.region == IDLE and core.stop_at is not None:
+        return UNANSWERED
+    return ""
+
+
+def begin_again(core: Core, before: Restarted) -> None:
+    if not before.during or core.region != IDLE:
+        return
+    why = f"the program restarted during {before.during}"
+    if before.during == STICK:
+        core.stop_quietly(why)
+    elif before.during in (STOPPED, SURFACED):
+        core.stop_in("restart", before.during, why)
+    elif before.during == UNKNOWN:
+        core.stop_in("restart", STOPPED, why)
+        core.deep_reports = 0
+    else:
+        core.surface("restart", why, By.LIMIT)
+
+
+def unsure(core: Core) -> bool:
+    return core.deep_reports is not None and core.active == STOPPED
+
+
+def doubt(core: Core) -> None:
+    """With every report, while nobody knows what was under way, and no operator has said."""
+    depth, count = core.senses.depth, core.deep_reports
+    if depth is None or not unsure(core):
+        return
+    core.deep_reports = (count or 0) + 1 if depth > DEEP else 0
+    if core.deep_reports >= REPORTS:
+        why = f"{core.reason}, and it is {depth:.1f} m deep"
+        core.surface("restart", why, By.LIMIT)

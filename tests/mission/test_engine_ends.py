@@ -1,0 +1,223 @@
+"""Laws of how a program ends in order, and how one begins that nobody can tell what it interrupted."""
+
+from __future__ import annotations
+
+import pytest
+from engine_world import M, World, X, compiled, leg, mission
+
+from mission.engine.ascent import UPWARD
+from mission.model import (
+    IDLE_EMPTY,
+    IDLE_READY,
+    MANUAL_DRIVING,
+    STOPPED,
+    SURFACED,
+    SURFACING,
+    UNKNOWN,
+    AutoNode,
+    Ending,
+    Loaded,
+    Restarted,
+)
+from protocol.messages import ClearMission, Order, StartMission
+
+MISSION = mission(leg("a", timeout=600.0), leg("b"))
+STOP, SURFACE = Order.STOP, Order.SURFACE
+
+
+def flying_at(depth: float) -> World:
+    world = World(MISSION)
+    assert world.start()
+    world.depth = depth
+    world.wait(8.0)
+    return world
+
+
+def since(world: World, before: int) -> list[object]:
+    return list(world.commands()[before:])
+
+
+# --- an orderly end -----------------------------------------------------------------------------
+
+
+def test_an_end_in_a_mission_surfaces_at_once_and_is_settled_with_everything_stopped():
+    world = flying_at(5.0)
+    before = len(world.actions)
+    world.tell(Ending())
+    assert (world.state, world.engine.settled) == (SURFACING, False)
+    assert since(world, before) == [SURFACE]
+    world.depth = 0.2
+    world.wait(9.0)
+    assert (world.state, world.engine.settled) == (SURFACED, True)
+    assert since(world, before)[-1] is STOP
+
+
+def test_an_end_at_a_proved_surface_stops_and_turns_nothing():
+    world = flying_at(0.2)
+    before = len(world.actions)
+    world.tell(Ending())
+    assert (world.state, world.engine.settled) == (SURFACED, True)
+    assert since(world, before) == [STOP]
+
+
+def test_a_fix_of_just_now_is_no_surface_against_a_depth_to_believe():
+    world = flying_at(0.2)
+    world.depth = 1.0
+    world.tell(world.report())
+    world.tell(world.fix(north=3.0), Ending())
+    assert world.state == SURFACING
+
+
+@pytest.mark.parametrize("depth", [0.2, 2.0, None])
+def test_an_end_in_idle_sends_nothing_where_no_depth_says_deep(depth: float | None):
+    world = World()
+    world.depth = depth
+    world.wait(4.0)
+    world.tell(Ending())
+    world.wait(4.0)
+    assert (world.state, world.commands(), world.engine.settled) == (IDLE_EMPTY, [], True)
+
+
+def test_nobody_leaves_what_is_deep_in_idle_or_stopped():
+    world = World()
+    world.depth = 2.1
+    world.wait(4.0)
+    world.tell(Ending())
+    assert not world.engine.settled
+    world.tell(X)
+    assert (world.state, world.engine.settled) == (STOPPED, False)
+    world.depth = 2.0
+    world.tell(world.report())
+    assert world.engine.settled
+
+
+def test_the_stick_keeps_what_it_has_until_it_is_silent_for_two_seconds():
+    world = flying_at(5.0)
+    world.tell(M)
+    before = len(world.actions)
+    world.tell(Ending())
+    assert (world.state, world.engine.settled) == (MANUAL_DRIVING, False)
+    assert since(world, before) == []
+    world.wait(2.5)
+    assert world.state == SURFACING
+
+
+def test_the_stick_alone_at_the_surface_is_stopped_at_once():
+    world = World()
+    world.wait(8.0)
+    world.tell(M)
+    world.tell(Ending())
+    assert world.commands() == [STOP]
+    assert world.engine.settled
+
+
+def test_the_stick_alone_and_deep_leads_to_an_ascent_unless_auto_is_closed():
+    for is_open, state in ((True, SURFACING), (False, "manual/waiting")):
+        world = World()
+        world.depth = 5.0
+        world.wait(4.0)
+        world.tell(M, AutoNode(is_open))
+        world.tell(Ending())
+        world.wait(2.5)
+        assert world.state == state
+
+
+def test_while_it_ends_the_operator_is_obeyed_and_no_mission_starts():
+    world = flying_at(5.0)
+    world.tell(Ending())
+    world.tell(X)
+    assert world.state == STOPPED
+    world.depth = 0.2
+    world.wait(8.0)
+    world.tell(ClearMission(), Loaded(compiled(MISSION)))
+    assert world.state == IDLE_READY
+    world.tell(world.fix())
+    world.tell(StartMission())
+    assert "the program is ended" in world.verdicts[-1].why
+
+
+@pytest.mark.parametrize("surfacing_first", [True, False])
+def test_the_last_words_are_thrust_upward_and_nothing_follows_them(surfacing_first: bool):
+    world = flying_at(5.0)
+    if surfacing_first:
+        world.tell(Ending())
+        world.wait(3.0)
+    before = len(world.actions)
+    world.tell(Ending(now=True))
+    world.wait(60.0)
+    assert since(world, before) == [UPWARD]
+    assert (world.state, world.engine.under_way) == (SURFACING, SURFACING)
+
+
+@pytest.mark.parametrize("state", [IDLE_EMPTY, STOPPED, SURFACED])
+def test_there_are_no_last_words_where_nothing_is_under_way(state: str):
+    world = World()
+    world.tell(Restarted("" if state == IDLE_EMPTY else state))
+    world.wait(4.0)
+    before = len(world.actions)
+    world.tell(Ending(now=True))
+    world.wait(4.0)
+    assert (world.state, since(world, before)) == (state, [])
+
+
+def test_what_has_sunk_again_from_surfaced_is_left_with_thrust_upward():
+    world = World()
+    world.tell(Restarted(SURFACED))
+    world.depth = 2.5
+    world.tell(world.report())
+    before = len(world.actions)
+    world.tell(Ending(now=True))
+    assert since(world, before) == [UPWARD]
+
+
+# --- nobody can tell what was under way -------------------------------------------------------------
+
+
+def begun(depth: float | None) -> World:
+    world = World(navigation=False)
+    world.depth = depth
+    world.tell(Restarted(UNKNOWN))
+    return world
+
+
+@pytest.mark.parametrize("depth", [None, 0.2, 2.0])
+def test_what_nobody_knows_is_stopped_and_on_deck_no_thruster_turns(depth: float | None):
+    world = begun(depth)
+    world.wait(60.0)
+    assert (world.state, set(world.commands())) == (STOPPED, {STOP})
+    assert world.engine.under_way == UNKNOWN, "nor does the next program"
+
+
+def test_what_nobody_knows_comes_up_by_the_second_report_that_says_deep():
+    world = begun(2.1)
+    world.tell(world.report())
+    assert world.state == STOPPED
+    world.t += 2.0
+    world.tell(world.report())
+    assert (world.state, world.commands()) == (SURFACING, [STOP, SURFACE])
+    assert world.engine.under_way == SURFACING
+
+
+def test_one_report_between_two_shallow_ones_is_no_dive():
+    world = begun(0.2)
+    for depth in (9.0, 0.2, 9.0, 0.2):
+        world.depth = depth
+        world.t += 2.0
+        world.tell(world.report())
+    assert world.state == STOPPED
+
+
+def test_an_x_of_an_operator_is_no_longer_something_that_nobody_knows():
+    world = begun(0.2)
+    world.tell(X)
+    assert world.engine.under_way == STOPPED
+    world.wait(9.0)
+    world.tell(ClearMission())
+    assert (world.state, world.engine.under_way) == (IDLE_EMPTY, "")
+
+
+def test_what_nobody_knows_can_be_cleared_and_is_then_known():
+    world = begun(0.2)
+    world.wait(9.0)
+    world.tell(ClearMission())
+    assert (world.state, world.engine.under_way) == (IDLE_EMPTY, "")
