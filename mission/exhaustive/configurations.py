@@ -21,6 +21,7 @@ from pathlib import Path
 
 from mission.exhaustive.cell import Configuration
 from mission.exhaustive.fork import Fork
+from mission.exhaustive.wire import Sea
 from mission.exhaustive.world import World
 from mission.language import script
 from mission.model import (
@@ -34,6 +35,7 @@ from mission.model import (
     SURFACING,
     By,
     Chart,
+    Mission,
     Position,
 )
 from mission.navigation import Navigation
@@ -81,7 +83,7 @@ def ground(path: Path, profile: str) -> Ground:
     vehicle = replace(prepared.vehicle, dialect=profile, constant_batteries=False)
     home = prepared.mission.home or _NOT_MINE
     worlds = []
-    for lines in ((), tuple(script(prepared.mission))):
+    for lines in ((), tuple(script(_from_afar(prepared.mission)))):
         world = World(vehicle, Stored(lines), home)
         world.navigate(Navigation(vehicle, date="2026-03-01"))
         for _ in range(5):
@@ -100,6 +102,12 @@ def ground(path: Path, profile: str) -> Ground:
     under_way = Fork(started)
     _let_handlers_act(started, chart)
     return Ground(prepared, profile, chart, idle, empty, under_way, Fork(started))
+
+
+def _from_afar(mission: Mission) -> Mission:
+    """It may be started where ``Sea`` is, and guards on the range are not open from there."""
+    given = [(name, value) for name, value in mission.assume if name != "start"]
+    return replace(mission, assume=(*given, ("start", Sea().north + 2.0)))
 
 
 def configurations(ground: Ground) -> Iterator[tuple[Configuration, World]]:

@@ -38,7 +38,7 @@ class Sea:
     powered: bool = True
     dives: bool = False  # its verticals push down with all they have
     stopped: bool = False  # by X0, which is obeyed whether it is answered or not
-    north: float = 100.0  # m from home
+    north: float = 70.0  # m from home: no guard on the range of the shipped missions is open
     east: float = 0.0
     yaw_offset_deg: float = 0.0  # as no compass says it
     course_deg: float | None = None  # over ground, where a fix tells it
