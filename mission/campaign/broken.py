@@ -282,6 +282,10 @@ def _ascent_never_changes(surgery: Surgery) -> None:
     surgery.put(Ascent, "act", act)
 
 
+_REASONS: Mapping[str, str] = {
+    "hard depth": "the depth in force is never deeper, and acts first; at rest what sinks is brought up",
+    "leak": "the AUV reports no leak; every limit has its bounds tried in test_envelope",
+}
 _RULES: Mapping[str, Broken] = {
     "depth margin": Broken("R5: 1 m beyond the depth", _value(envelope, "DEPTH_MARGIN", 10.0)),
     "silence": Broken("R8: 5 s without a report", _value(envelope, "SILENCE", 60.0)),
@@ -337,6 +341,11 @@ _RULES: Mapping[str, Broken] = {
 }
 
 BROKEN: Mapping[str, Broken] = {
-    **{f"limit {row.name}": Broken(f"R5: {row.name}", _never_acts(row.name)) for row in LIMITS},
+    **{
+        f"limit {row.name}": Broken(
+            f"R5: {row.name}", _never_acts(row.name), _REASONS.get(row.name, "")
+        )
+        for row in LIMITS
+    },
     **_RULES,
 }

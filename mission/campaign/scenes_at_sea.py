@@ -24,9 +24,13 @@ def _heavy_for_ever(rng: Random) -> Scene:
 
 def _heavy_after_x(rng: Random) -> Scene:
     t = rng.uniform(DOWN, 80.0)
-    weight = fault("heavy", t - 2.0, FOREVER, round(rng.uniform(14.6, 15.6), 1))
-    if rng.random() < 0.5:
-        weight = heavy(rng, t + rng.uniform(-5.0, 10.0))
+    return Scene("there", (heavy(rng, t + rng.uniform(-5.0, 10.0)),), (say(t, X),))
+
+
+def _neutral_after_x(rng: Random) -> Scene:
+    """It neither rises nor sinks so that anybody would notice."""
+    t = rng.uniform(DOWN, 80.0)
+    weight = fault("heavy", t - 2.0, FOREVER, round(rng.uniform(14.8, 15.3), 1))
     return Scene("there", (weight,), (say(t, X),))
 
 
@@ -178,6 +182,7 @@ AT_SEA: Mapping[str, SceneRow] = {
         "less buoyancy for ever, down to what thrust lifts", _heavy_for_ever
     ),
     "heavy_after_x": SceneRow("X, and it is heavy", _heavy_after_x),
+    "neutral_after_x": SceneRow("X, and it is neutral", _neutral_after_x),
     "heavy_when_surfaced": SceneRow("surfaced, and then heavy", _heavy_when_surfaced),
     "heavy_when_idle": SceneRow("idle, and then heavy", _heavy_when_idle),
     "heavy_when_waiting": SceneRow("the stick is let go, and it is heavy", _heavy_when_waiting),
@@ -216,7 +221,7 @@ AT_SEA: Mapping[str, SceneRow] = {
     ),
     "loose_compass": SceneRow(
         "course and heading differ at the surface",
-        lambda rng: Scene("transit", (fault("heading_off", 8.0, FOREVER, 100.0),)),
+        lambda rng: Scene("transit", (fault("heading_off", 8.0, FOREVER, rng.uniform(150, 180)),)),
     ),
     "low_battery": SceneRow("a control battery that is reported, and low", _low_battery),
     "blind_compass": SceneRow(

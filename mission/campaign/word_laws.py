@@ -222,7 +222,7 @@ def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
         under_way = stay.autonomous or stay.state == SURFACING
         deep = story.depth(end.t) > _DEEP_ENOUGH
         orders = any(end.t - 1.0 <= s.t <= due and _ORDER.search(s.data) for s in story.said)
-        others = any(d is not end and end.t - 10.0 <= d.t <= due for d in story.done)
+        others = any(end.t - 10.0 <= d.t < end.t for d in story.done)
         if not (under_way and deep) or orders or others or due > story.end:
             continue
         ways = stay.ascends or _has_word(story, end.t - 0.1, due)
@@ -230,7 +230,8 @@ def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
             yield Violation(UNSENT, due, f"told to end in {stay.state}: no upward word")
         gone = next((d.t for d in story.done if d.act is Act.KILL and d.t > end.t), math.inf)
         hurried = any(done.act is Act.HURRY for done in story.done)
-        if gone <= end.t + _STAYS and not hurried and story.depth(gone) > _DEEP_ENOUGH:
+        taken = any(end.t <= s.begin <= gone and s.state.startswith(MANUAL) for s in story.stays)
+        if gone <= end.t + _STAYS and not (hurried or taken) and story.depth(gone) > _DEEP_ENOUGH:
             says = f"told to end in {stay.state}, and gone {story.depth(gone):.1f} m deep"
             yield Violation(UNLAWFUL, gone, says)
 

@@ -50,8 +50,8 @@ def faults(
     flight that fails is told with the command that flies it again: exit 1. The last line of
     stdout is one JSON object.
 
-    With --broken one safety rule (or all, one after the other) is broken in the running program, and
-    flights are flown until one notices: exit 0 if all are noticed but those with a reason.
+    With --broken one safety rule (or all, one after the other) is broken in the running program,
+    and flights are flown until one notices: exit 0 if all are noticed but those with a reason.
     """
     import functools
     import json
@@ -96,7 +96,7 @@ def _break(
     import functools
     import json
 
-    from mission.campaign.broken import BROKEN, Noticed, in_table
+    from mission.campaign.broken import BROKEN, in_table
     from mission.workers import results
 
     if rule != "all" and rule not in BROKEN:
