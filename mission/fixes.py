@@ -27,29 +27,34 @@ _LEAP = 15.0  # m beside that between two fixes: six sigma of a plain receiver
 
 
 class Receiver:
-    __slots__ = ("_last", "_news", "_places", "_since", "fresh")
+    __slots__ = ("_good", "_last", "_news", "_places", "_since", "fresh")
 
     def __init__(self) -> None:
         self.fresh = False  # the last fix said a place that it had not said lately
-        self._places: tuple[tuple[float, float], ...] = ()  # oldest first
+        self._places: dict[tuple[float, float], None] = {}  # oldest first
         self._last: Fix | None = None
+        self._good = False  # by what the last one says of itself
         self._since, self._news = 0.0, 0  # of the run of fixes as at the surface
 
     def clone(self) -> Self:
         other = type(self)()
         for name in self.__slots__:
             setattr(other, name, getattr(self, name))
+        other._places = dict(self._places)
         return other
 
     def take(self, fix: Fix) -> None:
         place = fix.latitude, fix.longitude
         self.fresh = place not in self._places
         if self.fresh:
-            self._places = (*self._places[1 - _REMEMBERED :], place)
-        if not self._follows(fix):
+            self._places[place] = None
+            if len(self._places) > _REMEMBERED:
+                del self._places[next(iter(self._places))]
+        good = _good(fix)
+        if not (good and self._good and self._follows(fix)):
             self._since, self._news = fix.t, 0
-        self._news = self._news + self.fresh if _good(fix) else 0
-        self._last = fix
+        self._news = self._news + self.fresh if good else 0
+        self._last, self._good = fix, good
 
     def settled(self, now: float) -> float:
         """s for which its fixes have behaved as at the surface; 0 where they do not."""
@@ -64,7 +69,7 @@ class Receiver:
 
     def _follows(self, fix: Fix) -> bool:
         last = self._last
-        if last is None or not _good(fix) or not _good(last) or fix.t - last.t > _GAP:
+        if last is None or fix.t - last.t > _GAP:
             return False
         way = metres(last.latitude, last.longitude, fix.latitude, fix.longitude)
         return way <= _LEAP + _FASTEST * (fix.t - last.t)

@@ -136,6 +136,47 @@ def _trim(sign: float, says: str) -> Fault:
     return Fault(says, begin, end, 8.0, "N")
 
 
+def _board_with(
+    name: str, value: object, usual: object, says: str, duration: float = 60.0
+) -> Fault:
+    def begin(vehicle: SimulatedVehicle, _: float) -> None:
+        setattr(vehicle.stm32, name, value)
+
+    def end(vehicle: SimulatedVehicle, _: float) -> None:
+        setattr(vehicle.stm32, name, usual)
+
+    return Fault(says, begin, end, duration=duration)
+
+
+def _dives_until(codes: str, says: str) -> Fault:
+    """At full power whatever it is told, but for one word; once that is heard all is well."""
+
+    def begin(vehicle: SimulatedVehicle, _: float) -> None:
+        vehicle.stm32.runaway, vehicle.stm32.tamed_by = True, codes
+
+    def end(vehicle: SimulatedVehicle, _: float) -> None:
+        vehicle.stm32.tamed_by = ""
+        _dive_over(vehicle, 0.0)
+
+    return Fault(f"it dives at full power until it hears {says}", begin, end)
+
+
+def _capsize(vehicle: SimulatedVehicle, _: float) -> None:
+    vehicle.plant.load(-vehicle.plant.body.righting)
+
+
+def _right(vehicle: SimulatedVehicle, _: float) -> None:
+    vehicle.plant.load(vehicle.plant.body.righting)
+
+
+def _slow(vehicle: SimulatedVehicle, seconds: float) -> None:
+    vehicle.stm32.late = seconds
+
+
+def _prompt(vehicle: SimulatedVehicle, _: float) -> None:
+    vehicle.stm32.late = 0.0
+
+
 def _silence(vehicle: SimulatedVehicle, _: float) -> None:
     vehicle.stm32.tx.silent = True
 
@@ -306,4 +347,15 @@ FAULTS: dict[str, Fault] = {
     "unexplained_dive": Fault(
         "it dives at full power, nobody said so", _dive, _dive_over, duration=20.0
     ),
+    **{
+        f"deaf_to_{word.lower()}": _board_with(
+            "ignores", word, "", f"the board does not hear {word}"
+        )
+        for word in "WUX"
+    },
+    "refuses": _board_with("refuses", "FHS", "", "sets are answered N"),
+    "dives_until_up": _dives_until("U", "U"),
+    "dives_until_stop": _dives_until("X", "X"),
+    "obeys_late": Fault("commands are obeyed late", _slow, _prompt, 1.0, "s"),
+    "capsized": Fault("it turns upside down", _capsize, _right),
 }

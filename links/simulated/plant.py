@@ -32,6 +32,7 @@ SERVO_PWM = 10.0  # us of one degree of rudder
 LEFT_MAIN, RIGHT_MAIN, REAR, LEFT, RIGHT, SERVO_LEFT, SERVO_RIGHT = range(7)
 NEUTRAL = (NEUTRAL_PWM,) * 7
 
+HEEL = radians(10.0)  # by which a hull leans when its ballast moves
 _NEAR = 1e-3  # N: a thruster this near to its target has arrived
 
 
@@ -88,7 +89,7 @@ class Plant:
         "_constants", "_forces", "_main", "_pwm", "_rudders", "_servos", "_settled", "_share",
         "_target", "_thrust", "_vertical", "aground", "body", "buoyancy", "current_east",
         "current_north", "depth", "depth_rate", "east", "floor", "north", "p", "pitch", "q", "r",
-        "roll", "strength", "u", "v", "w", "yaw",
+        "righting", "roll", "strength", "u", "v", "w", "yaw",
     )
     # fmt: on
 
@@ -102,6 +103,7 @@ class Plant:
         self.depth_rate = 0.0
         self.current_north = self.current_east = 0.0
         self.buoyancy = self.body.buoyancy
+        self.righting = self.body.righting  # N m; below 0 it lies upside down
         self.strength = [1.0] * 5  # share of its thrust that each thruster still has
         self.aground = False
         self._main = _thrust_table(self.body.main_thrust, self.body.main_power)
@@ -127,7 +129,7 @@ class Plant:
             b.mass_w - b.mass_u - b.fin_pitch,
             b.mass_u - b.mass_v + b.fin_yaw,
             *(b.inertia_q - b.inertia_r, b.inertia_r - b.inertia_p, b.inertia_p - b.inertia_q),
-            *(b.fin_damping, b.righting, b.draft, b.waterplane, b.surface_damping),
+            *(b.fin_damping, self.righting, b.draft, b.waterplane, b.surface_damping),
             *b.linear,
             *b.quadratic,
         )
@@ -153,6 +155,12 @@ class Plant:
     def weaken(self, thruster: int, share: float) -> None:
         self.strength[thruster] = share
         self._pwm = ()  # so that the next ``drive`` looks at its targets again
+
+    def load(self, righting: float) -> None:
+        """Ballast that moved: another righting moment. A hull is never quite level."""
+        self.righting = righting
+        self.roll += HEEL
+        self._constants = self._per_step()
 
     def drive(self, pwm: tuple[int, ...]) -> None:
         """Let the thrusters follow these seven PWMs (1000..2000) for one tick: first order lag."""
@@ -220,8 +228,8 @@ class Plant:
         """Integrate with constant forces. One function with local names: this is the hot loop."""
         dt = STEP
         (
-            mu, mv, mw, du, dv, dw, dp, dq, dr, cp, cq, cr, gp, gq, gr, fin, righting, draft,
-            waterplane, radiation, xu, yv, zw, kp, mq, nr, xuu, yvv, zww, kpp, mqq, nrr,
+            mu, mv, mw, du, dv, dw, dp, dq, dr, cp, cq, cr, gp, gq, gr, fin, righting,
+            draft, waterplane, radiation, xu, yv, zw, kp, mq, nr, xuu, yvv, zww, kpp, mqq, nrr,
         ) = self._constants  # fmt: skip
         surge, heave, roll_moment, pitch_moment, yaw_moment = self._forces
         rudder_pitch, rudder_roll = self._rudders

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from math import cos, exp, log, nan, pi, radians, sin, sqrt
+from math import cos, exp, log, nan, pi, radians, remainder, sin, sqrt
 from random import Random
 
 from links.simulated.plant import Plant
@@ -85,6 +85,11 @@ class SensorErrors:
     speed_noise: float = 0.05  # m/s per axis, of the GPS
     first_fix: float = 3.0  # s at the surface after power-on
     fix_again: tuple[float, float] = (3.0, 8.0)  # s after surfacing, drawn between
+
+
+def _half_circle(angle: float) -> float:
+    """As a sensor says it: within half a turn either way."""
+    return angle if -pi <= angle <= pi else remainder(angle, TWO_PI)
 
 
 def normals(rng: Random, count: int) -> list[float]:
@@ -170,7 +175,7 @@ class Sensors:
         self._echo = height < errors.altitude_range and self.rng.random() >= errors.altitude_drop
         high, roll, pitch, compass, warm, deep, *magnetic = normals(self.rng, 15)
         values = [
-            plant.roll + roll * noise,
+            _half_circle(plant.roll + roll * noise),
             plant.pitch + pitch * noise,
             (yaw + error + compass * errors.compass_noise) % TWO_PI,
             errors.temperature - 0.05 * plant.depth + warm * errors.temperature_noise,

@@ -178,7 +178,7 @@ class _Auditor:
         for found in _RELAYED.finditer(stream):
             if found.end() > fresh:
                 self._relays.append((said.t, found[0], peer))
-                if said.link != MODEM and found[0].startswith(b"@M") and _moves(found[0]):
+                if said.link != MODEM and found[0].startswith(b"@M") and moves(found[0]):
                     self._sticks[peer] = said.t
         for pattern in (_X, _W, _AA):
             if any(found.end() > fresh for found in pattern.finditer(stream)):
@@ -317,7 +317,7 @@ def _turns(data: bytes) -> bool:
     return any(abs(pwm - 1500) > _NEUTRAL for pwm in _THRUSTERS.unpack_from(data, at + 63))
 
 
-def _moves(frame: bytes) -> bool:
+def moves(frame: bytes) -> bool:
     """Whether it is an M within its range: others move nothing (G4)."""
     return any(isinstance(heard, Manual) for heard in TopsideCodec().receive(frame, 0.0))
 

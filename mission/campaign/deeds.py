@@ -154,16 +154,10 @@ def _relays(rng: Random, _: tuple[str, ...]) -> list[Deed]:
 def _slider(rng: Random, _: tuple[str, ...]) -> list[Deed]:
     """Of rudders, lights or thrusters, moved for a while; more than the line carries, perhaps."""
     rate, seconds = rng.choice(SLIDER_RATES), rng.uniform(2.0, SLIDER)
-    servo = rng.randint(1, 3)
-    kinds: list[Callable[[int], bytes]] = [
-        lambda i: b"@DS%d,%d$" % (servo, i % 38 - 15),
-        lambda i: b"@DS%d,%d$" % (i % 3 + 1, i % 20),
-        lambda i: b"@DA%d,%d$" % (servo, rng.choice([-1, 1])),
-        lambda i: rng.choice([b"@RI$", b"@RSOOOOOO%c$" % rng.choice(b"OC")]),
-        lambda i: rng.choice([b"@DS%d,5$" % servo, b"@DA1,2$", b"@RI$", b"@DU$"]),
-    ]
-    word = rng.choice(kinds)
-    return [_say(i / rate, word(i)) for i in range(int(rate * seconds))]
+    angles = [b"@DS%d,%d$" % (rng.randint(1, 3), angle) for angle in range(-15, 23)]
+    others = [b"@DA1,1$", b"@DA2,-1$", b"@DS3,5$", b"@RI$", b"@RSOOOOOOC$", b"@DU$"]
+    words = rng.choice([angles, others])
+    return [_say(i / rate, rng.choice(words)) for i in range(int(rate * seconds))]
 
 
 def _late_copies(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
@@ -191,11 +185,8 @@ def _modem_drips(rng: Random, _: tuple[str, ...]) -> list[Deed]:
     head = b"#\x02" + rng.randint(1, 3200).to_bytes(2, "little") + b"\x01"
     drips = [_say(i * every, rng.randbytes(1), MODEM, "") for i in range(1, count)]
     order = wrap(rng.choice([b"@ZAX0$", b"@ZAWF$", b"@DU$"]), Sender.TOPSIDE)
-    return [
-        _say(0.0, head, MODEM, ""),
-        *drips,
-        _say(rng.uniform(0.0, count * every), order, MODEM, ""),
-    ]
+    ordered = _say(rng.uniform(0.0, count * every), order, MODEM, "")
+    return [_say(0.0, head, MODEM, ""), *drips, ordered]
 
 
 def _lost(rng: Random, _: tuple[str, ...]) -> list[Deed]:

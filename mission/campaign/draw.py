@@ -13,16 +13,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from random import Random
 
 from links.simulated.faults import FAULTS
 from links.simulated.settings import FaultEvent, Sea, Settings, setting_of
 from mission.campaign.deeds import INCIDENTS, Deed
+from mission.campaign.scene_texts import mission_of
+from mission.campaign.scenes import SCENES
 from mission.campaign.trial import FOREVER
 from mission.language import script
 from mission.model import Mission
+from mission.vehicle import Vehicle, load_vehicle
 
 MOST = 5  # disturbances a flight
 CURRENT = 0.5  # m/s
@@ -30,8 +33,12 @@ HORIZON = 0.4  # of the proved time: about what a mission really takes
 AT_START, TOGETHER = 0.1, 0.4  # shares of the disturbances
 CLUSTERED, CLUSTER = 0.25, 5.0  # share of the flights, s: everything at nearly the same time
 FOR_EVER = 0.15  # share of the faults that may
-OUT_OF_HAND = frozenset({"stm32_hang", "command_lost", "command_corrupted", "unexplained_dive"})
+OUT_OF_HAND = frozenset(
+    {"stm32_hang", "command_lost", "command_corrupted", "unexplained_dive", "deaf_to_x", "refuses"}
+)
 WEIGHT = frozenset({"heavy", "light"})
+STAGED, BESIDE = 0.5, 0.4  # shares: of the flights, and of those with something else beside
+SCENE_TIME, SCENE_FLOOR = 160.0, 30.0  # s that matter, m
 IDLE = ("temperature_", "magnetometer_", "battery_")  # nothing on this vehicle decides by them
 KINDS = (*FAULTS, *INCIDENTS)
 WEIGHTS = tuple(0.25 if name.startswith(IDLE) else 1.0 for name in KINDS)
@@ -66,12 +73,21 @@ class Plan:
     settings: Settings
     incidents: tuple[Drawn, ...]
     heading: float
+    scene: str = ""
+    silence: float | None = None  # that the topside is allowed, s
+    batteries: bool = False  # the vehicle reports them as they are
+
+    @property
+    def vehicle(self) -> Vehicle:
+        found = load_vehicle(self.subject.mission.vehicle)
+        return replace(found, constant_batteries=found.constant_batteries and not self.batteries)
 
     @property
     def kinds(self) -> tuple[str, ...]:
         return (
             *(event.name for event in self.settings.faults),
-            *(drawn.name for drawn in self.incidents),
+            *(drawn.name for drawn in self.incidents if drawn.name != self.scene),
+            *([f"scene {self.scene}"] if self.scene else []),
         )
 
     @property
@@ -91,8 +107,42 @@ class Plan:
         return ", ".join(words)
 
 
-def draw(seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
+def draw(seed: int, number: int, subjects: Sequence[Subject], staged: float = STAGED) -> Plan:
+    """``staged``: share of the flights with a scene."""
     rng = Random(f"faults {seed} {number}")
+    if rng.random() < staged:
+        return _staged(rng, seed, number, subjects)
+    return _disturbed(rng, seed, number, subjects)
+
+
+def _staged(rng: Random, seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
+    """A scene, and in some flights something else that happens meanwhile."""
+    name = rng.choice(tuple(SCENES))
+    scene = SCENES[name].draw(rng)
+    sea = _sea(rng)
+    current = sea.current if scene.current is None else (scene.current, 0.0)
+    subject = Subject(Path(scene.text), mission_of(scene.text), SCENE_TIME)
+    faults, incidents = [*scene.faults], [Drawn(name, 0.0, scene.deeds)]
+    if rng.random() < BESIDE:
+        other = rng.choices(KINDS, WEIGHTS)[0]
+        _disturb(rng, other, rng.uniform(8.0, SCENE_TIME / 2.0), subjects, faults, incidents)
+    settings = Settings(sea=Sea(current, None, SCENE_FLOOR), faults=tuple(faults))
+    return Plan(
+        seed,
+        number,
+        subject,
+        rng.choice(PROFILES),
+        rng.randrange(1 << 31),
+        settings,
+        tuple(incidents),
+        rng.uniform(0.0, math.tau),
+        name,
+        scene.silence,
+        scene.batteries,
+    )
+
+
+def _disturbed(rng: Random, seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
     subject = rng.choice(subjects)
     profile = rng.choice(PROFILES)
     vehicle_seed = rng.randrange(1 << 31)
@@ -101,16 +151,29 @@ def draw(seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
     horizon = HORIZON * subject.proved_time
     names = rng.choices(KINDS, WEIGHTS, k=rng.randint(1, MOST))
     others = [s for s in subjects if s is not subject] or [subject]
-    faults, incidents = [], []
+    faults: list[FaultEvent] = []
+    incidents: list[Drawn] = []
     for name, begin in zip(names, _begins(rng, len(names), horizon), strict=True):
-        if name in FAULTS:
-            faults.append(_fault(rng, name, begin))
-        else:
-            lines = tuple(script(rng.choice(others).mission))
-            deeds = INCIDENTS[name].draw(rng, lines)
-            incidents.append(Drawn(name, begin, tuple(_moved(deed, begin) for deed in deeds)))
+        _disturb(rng, name, begin, others, faults, incidents)
     settings = Settings(sea=sea, faults=tuple(faults))
     return Plan(seed, number, subject, profile, vehicle_seed, settings, tuple(incidents), heading)
+
+
+def _disturb(
+    rng: Random,
+    name: str,
+    begin: float,
+    others: Sequence[Subject],
+    faults: list[FaultEvent],
+    incidents: list[Drawn],
+) -> None:
+    """Draws one row of FAULTS or INCIDENTS."""
+    if name in FAULTS:
+        faults.append(_fault(rng, name, begin))
+        return
+    lines = tuple(script(rng.choice(others).mission))
+    deeds = INCIDENTS[name].draw(rng, lines)
+    incidents.append(Drawn(name, begin, tuple(_moved(deed, begin) for deed in deeds)))
 
 
 def _begins(rng: Random, count: int, horizon: float) -> list[float]:

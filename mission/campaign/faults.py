@@ -8,17 +8,19 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from mission.campaign.draw import Plan, Subject, draw
 from mission.campaign.laws import IGNORED, LOST, OVERRUN, RAISED, SPURIOUS, Violation, violations
 from mission.campaign.trial import Trial, try_out
+from mission.campaign.whole_flight import KINDS, throughout
+from mission.configuration import Configuration
 from mission.drive.records import Recorder
 from mission.model import AUTONOMOUS, STOPPED, SURFACING, Step
 from mission.prepare import check_prepared, prepare
-from mission.vehicle import Vehicle, load_vehicle, missions_folder
+from mission.vehicle import Vehicle, missions_folder
 
 NOT_STARTED = "not started"
 
@@ -52,7 +54,7 @@ class Totals:
         return not self.violated
 
     def as_json(self) -> dict[str, Any]:
-        """The object of design.md, section 5; ``ignored`` and ``raised`` beside it."""
+        """The object of design.md, section 5; ``ignored``, ``raised`` and KINDS beside it."""
         return {
             "flights": self.flights,
             "faults": dict(sorted(self.kinds.items())),
@@ -61,6 +63,7 @@ class Totals:
             "spurious": self.violated[SPURIOUS],
             "ignored": self.violated[IGNORED],
             "raised": self.violated[RAISED],
+            **{kind: self.violated[kind] for kind in KINDS},
             "aborted": dict(sorted(self.aborted.items())),
         }
 
@@ -93,6 +96,7 @@ def fly_plan(
         plan.deeds,
         heading=plan.heading,
         recorder=recorder,
+        configuration=replace(Configuration(), topside_silence=plan.silence),
     )
 
 
@@ -103,12 +107,15 @@ def fare(
     recorder: Callable[[], Recorder | None] = lambda: None,
 ) -> Fared:
     plan = draw(seed, number, known)
-    vehicle = load_vehicle(plan.subject.mission.vehicle)
+    vehicle = plan.vehicle
     return fared_of(plan, fly_plan(plan, vehicle, recorder), vehicle, plan.profile)
 
 
 def fared_of(plan: Plan, trial: Trial, vehicle: Vehicle, profile: str) -> Fared:
-    found = violations(trial, plan.subject.mission, vehicle, profile, plan.settings)
+    flown = plan.subject.mission
+    found = violations(trial, flown, vehicle, profile, plan.settings)
+    found += throughout(trial, flown, vehicle, profile, plan.settings, plan.silence)
+    found.sort(key=lambda violation: violation.t)
     return Fared(plan.number, plan.in_words(), plan.kinds, tuple(found), tuple(_aborts(trial)))
 
 

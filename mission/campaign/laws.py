@@ -49,16 +49,18 @@ from links.simulated.settings import Settings
 from mission.campaign.audit import audit
 from mission.campaign.deeds import Act
 from mission.campaign.obedience import ignored
-from mission.campaign.trial import Done, Event, Said, Told, Trial, from_home
+from mission.campaign.trial import FOREVER, Done, Event, Said, Told, Trial, fault_ends, from_home
 from mission.envelope import SILENCE, Bounds, in_force
-from mission.model import AUTONOMOUS, STOPPED, SURFACING, Mission, Step, Tx
+from mission.model import AUTONOMOUS, STOPPED, SURFACED, SURFACING, Mission, Step, Tx
 from mission.vehicle import Vehicle
 from protocol.messages import SetSafety
 
 LOST, OVERRUN, SPURIOUS, RAISED, IGNORED = "lost", "overrun", "spurious", "raised", "ignored"
 AFLOAT = 0.5  # m (R7)
+HELD, SLIGHT = 3.0, 1.0  # m of a body that its thrusters hold up; N that may lift too slowly
 DEPTH_MARGIN, DEPTH_ERROR = 1.0, 0.4  # m
 SAMPLES, UNPROVED, TURNED, BLIND = 4.2, 11.0, 3.0, 18.0  # s
+ROUND = 30.0  # s of an ascent's three ways
 WAY, FIX_ERROR, SHARE = 8.0, 15.0, 0.25  # s, m, of the way
 LATE = 1.0  # s
 NEAR = 0.25  # m/s
@@ -95,18 +97,30 @@ def violations(
     found = [Violation(SPURIOUS, s.t, s.says) for s in audit(trial.events, profile)]
     if trial.raised:
         found.append(Violation(RAISED, trial.truth.t, trial.raised))
-    elif trial.truth.depth > AFLOAT:
+    elif trial.truth.depth > (AFLOAT if _floats(settings) else HELD):
         says = f"{trial.truth.depth:.1f} m deep at the end, in {trial.state}"
         found.append(Violation(LOST, trial.truth.t, says))
-    elif trial.turning and trial.state != SURFACING:
+    elif trial.turning and trial.state != SURFACING and not _may_be_held(trial, settings):
         says = f"its thrusters turn at the end, in {trial.state}"
         found.append(Violation(LOST, trial.truth.t, says))
     found += [Violation(IGNORED, i.t, i.says) for i in ignored(trial.events, profile)]
-    spans = list(_spans(trial, mission, vehicle))
-    found += _depths(trial, spans, _dive(settings, profile, trial))
-    found += _ranges(trial, spans, settings)
-    found += _times(trial, spans)
+    flown = list(spans(trial, mission, vehicle))
+    found += _depths(trial, flown, _dive(settings, profile, trial))
+    found += _ranges(trial, flown, settings)
+    found += _times(trial, flown)
     return sorted(found, key=lambda violation: violation.t)
+
+
+def _floats(settings: Settings) -> bool:
+    """At the end its buoyancy alone brings it up."""
+    endless = [f for f in settings.faults if f.name == "heavy" and fault_ends(f) >= FOREVER]
+    return settings.body.buoyancy > sum(f.value or 8.0 for f in endless) + SLIGHT
+
+
+def _may_be_held(trial: Trial, settings: Settings) -> bool:
+    """It sank out of surfaced, or so its sensor said: a thruster holds it up (R7, at rest)."""
+    said = any(f.name.startswith("depth_") for f in settings.faults)
+    return trial.state == SURFACED and (said or not _floats(settings))
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +138,7 @@ class Span:
         return self.state.startswith(AUTONOMOUS)
 
 
-def _spans(trial: Trial, mission: Mission, vehicle: Vehicle) -> Iterator[Span]:
+def spans(trial: Trial, mission: Mission, vehicle: Vehicle) -> Iterator[Span]:
     given, asked = SetSafety(), SetSafety()
     span = Span(0.0, 0.0, "idle/empty", in_force(vehicle, mission.safety, given), 0.0)
     interrupted = False
@@ -188,6 +202,10 @@ def _dive(settings: Settings, profile: str, trial: Trial) -> float:
     for fault in settings.faults:
         if fault.name in _OUT_OF_HAND:
             seconds += (fault.duration or 0.0) + UNPROVED
+        if fault.name == "capsized":  # until that is known; with it what is heavy cannot be lifted
+            seconds += ROUND
+        if fault.name in ("capsized", "verticals_dead") and heavy > 0.0:
+            seconds += min(fault.duration or 0.0, 300.0)
     seconds += len(_acts(trial, Act.KILL)) * (DOWN + UNPROVED)
     pulled = zip(_acts(trial, Act.UNPLUG), _acts(trial, Act.PLUG), strict=False)
     seconds += sum(plug - unplug + UNPROVED for unplug, plug in pulled)

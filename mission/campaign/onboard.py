@@ -68,8 +68,10 @@ class OnBoard:
         step: Callable[[Step], None],
         estimate: Callable[[Estimate], None],
         recorder: Callable[[], Recorder | None] = lambda: None,
+        configuration: Configuration | None = None,
     ) -> None:
         self._vehicle, self.store, self._wall = vehicle, store, wall
+        self._configuration = configuration or Configuration()
         self._tell_step, self._tell_estimate, self._recorder = step, estimate, recorder
         self._zero = 0.0
         self._drive: Drive | None = None
@@ -91,7 +93,7 @@ class OnBoard:
         while self._drive is None:
             with suppress(Died):
                 self._drive = Drive(
-                    Configuration(),
+                    self._configuration,
                     self._vehicle,
                     self.store,
                     self._recorder(),

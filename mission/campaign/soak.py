@@ -118,7 +118,7 @@ def _fly_on(
     elapsed = 0.0
     earlier: tuple[Event, ...] = ()
     while elapsed < days * DAY:
-        plan = draw(seed, soaked.missions, subjects)
+        plan = draw(seed, soaked.missions, subjects, staged=0.0)
         lull = rng.uniform(0.0, LULL)
         deeds = [Deed(1.0 + 5.0 * i, Act.SAY, frame) for i in range(3) for frame in _CLEAN]
         trial = try_out(

@@ -28,6 +28,7 @@ from links.simulated.plant import DEAD_BAND_PWM, NEUTRAL_PWM
 from links.simulated.settings import FaultEvent, Settings
 from mission.campaign.deeds import BOAT, MODEM, PORT, TOPSIDE, Act, Deed
 from mission.campaign.onboard import Death, FillableStore, OnBoard
+from mission.configuration import Configuration
 from mission.drive.drive import GPS, VEHICLE
 from mission.drive.nodes import LINK as NODES
 from mission.drive.records import Recorder
@@ -36,6 +37,7 @@ from mission.model import AUTONOMOUS, STOPPED, SURFACED, Estimate, Mission, Step
 from mission.simulation.rehearsal import Operator
 from mission.vehicle import Vehicle
 
+WATCHED = 20.0  # s that a fault is watched at least
 FOREVER = 1e6  # s: longer than any flight
 QUIET = 20.0  # s at the surface with nothing under way
 ASCENT = 900.0  # s that the way up may take at most, when all faults are over
@@ -45,6 +47,7 @@ RADIO = 0.1  # s until the operator's program has answered an answer
 RESTART = 3.0  # s until a program that died by itself is begun anew
 _WAITS = (Act.SAY, Act.JOIN, Act.PART, Act.END, Act.HURRY)  # for a program that stands still
 _DEATHS = {Act.DIE_BEFORE: Death.BEFORE, Act.DIE_AFTER: Death.AFTER}
+AUTO_NODE = re.compile(rb"@NS[OC]{5}([OC])\$")
 _GPS_NODE = re.compile(rb"BDGPS ([OC])")
 _AT_REST = ("idle/", STOPPED, SURFACED)
 _AFLOAT = 0.5  # m (R7)
@@ -114,12 +117,14 @@ def try_out(
     heading: float = 0.0,
     recorder: Callable[[], Recorder | None] = lambda: None,
     board: OnBoard | None = None,
+    configuration: Configuration | None = None,
 ) -> Trial:
     """``deeds`` are at the flight's times. ``offset``: m north and east of home where it begins;
     ``recorder`` makes one for each life of the program. ``board`` lives already, and lives on: it
     is given ``OPERATOR_AFTER`` s before the operator begins."""
     flown = replace(vehicle, dialect=profile)
-    loop = _Loop(mission, flown, seed, settings, deeds, offset, heading, recorder, board)
+    where = offset, heading
+    loop = _Loop(mission, flown, seed, settings, deeds, where, recorder, board, configuration)
     return loop.run()
 
 
@@ -131,11 +136,12 @@ class _Loop:
         seed: int,
         settings: Settings,
         deeds: Sequence[Deed],
-        offset: tuple[float, float],
-        heading: float,
+        where: tuple[tuple[float, float], float],
         recorder: Callable[[], Recorder | None],
         board: OnBoard | None,
+        configuration: Configuration | None,
     ) -> None:
+        offset, heading = where
         home = HOME
         if mission.home is not None:
             home = math.radians(mission.home.latitude_deg), math.radians(mission.home.longitude_deg)
@@ -148,7 +154,8 @@ class _Loop:
         self._boots = board is None
         self._operator_from = 0.0 if board is None else OPERATOR_AFTER
         if board is None:
-            board = OnBoard(vehicle, FillableStore(), wall, self._step, self._told, recorder)
+            store = FillableStore()
+            board = OnBoard(vehicle, store, wall, self._step, self._told, recorder, configuration)
         else:
             board.listen(self._step, self._told)
         self.board = board
@@ -163,7 +170,8 @@ class _Loop:
         self.gps_open = self._lived = True
         self._held: list[Deed] | None = None  # what came while the program stands still
         self._safety = mission.safety.time or vehicle.limits.time
-        ends = [t for event in settings.faults if (t := fault_ends(event)) < math.inf]
+        ends = [t for e in settings.faults if (t := fault_ends(e)) < FOREVER]
+        ends += [event.begin + WATCHED for event in settings.faults if event.begin < FOREVER]
         self._last = max([0.0, *ends, *(deed.after for deed in deeds)])
         self._deadline = self._last + UPLOAD + OPERATOR_AFTER + ASCENT
         self._rests_since: float | None = None

@@ -103,6 +103,7 @@ class Drive:
         self._gps = NmeaDecoder()
         links = configuration.links
         self._frontseat = line_to(self._codec, VEHICLE, links.vehicle)
+        self.gap, self.cannot_relay = self._frontseat.gap, self._frontseat.cannot_relay
         self._topside = Topside(
             self,
             self._store,
@@ -328,11 +329,6 @@ class Drive:
         return self._engine  # to be looked at
 
     @property
-    def gap(self) -> float:
-        """s that the line needs between two frames; those of a repeater are delimited."""
-        return self._frontseat.gap
-
-    @property
     def commander(self) -> Commander:
         return self._topside.commander
 
@@ -370,10 +366,6 @@ class Drive:
 
     def relay(self, frame: bytes, reason: str, manual: bool) -> str:
         return self._frontseat.relay(frame, reason, manual)
-
-    @property
-    def cannot_relay(self) -> str:
-        return self._frontseat.cannot_relay
 
     def accept(self, lines: tuple[str, ...], now: float) -> None:
         chart = self.judge(lines)

@@ -123,7 +123,8 @@ class Frontseat:
         if isinstance(action.command, Order):
             self._relays.clear()
             self._give_up()
-            self._urgent = deque(frames)
+            same = [f for f in self._urgent if f.reason == action.reason]  # of one decision
+            self._urgent = deque([*same, *frames])
         else:
             self._queue.extend(frames)
         return None

@@ -37,7 +37,10 @@ class MissionRefused(ValueError):
 
 
 class Vessel(Protocol):
-    """What the operator's commands act upon; the drive is one."""
+    """What the operator's commands act upon; the drive is one. ``cannot_relay``: why the vehicle
+    takes no M, R and D at all, "" if it has them (R14)."""
+
+    cannot_relay: str
 
     @property
     def state(self) -> str:
@@ -60,11 +63,6 @@ class Vessel(Protocol):
 
     def hear_stick(self, now: float) -> None:
         """An M that was refused: a stick is held somewhere (R6)."""
-        ...
-
-    @property
-    def cannot_relay(self) -> str:
-        """Why the vehicle takes no M, R and D at all, "" if it has them (R14)."""
         ...
 
     def relay(self, frame: bytes, reason: str, manual: bool) -> str:

@@ -3,10 +3,11 @@
     the vehicle's ways in turn, 10 s each:  W -> X0 and U12 -> X0 alone (let go) -> W ...
     upside down, behind them:               D12 for 5 s, at most once a minute
 
-A way that makes the depth fall is kept for as long as it does; an unknown depth counts as not
-falling. It never gives up. Where it begins depends on what is known: with X0 and U12 where the
-depth is not believed or the vehicle sinks from rest (as built, W first goes on diving), by letting
-go where the vehicle is upside down. Whether the surface is reached is seen by the senses.
+A way that makes the depth fall is kept for as long as it does, also where the vehicle sank on
+before it turned; an unknown depth counts as not falling. It never gives up. Where it begins depends
+on what is known: with X0 and U12 where the depth is not believed or the vehicle sinks from rest (as
+built, W first goes on diving), by letting go where the vehicle is upside down. Whether the surface
+is reached is seen by the senses.
 
 What does not live here: which ways a vehicle has (protocol.vehicles), the surface (senses).
 """
@@ -32,7 +33,10 @@ Way = Setpoint | Order
 class Ascent:
     """``ways``: the vehicle's, in their order. ``sinking``: it sinks from rest."""
 
-    __slots__ = ("_at", "_overturned_at", "_since", "_start_depth", "_ways", "_why", "began", "way")
+    __slots__ = (
+        *("_at", "_deepest", "_overturned_at", "_since", "_start_depth", "_ways", "_why"),
+        *("began", "way"),
+    )
 
     def __init__(
         self,
@@ -45,7 +49,8 @@ class Ascent:
         sinking: bool = False,
     ) -> None:
         self.began = self._since = now
-        self._start_depth, self._why, self._ways = depth, why, ways
+        self._start_depth = self._deepest = depth  # of the turn
+        self._why, self._ways = why, ways
         first = ways[0]
         if overturned:
             first = Order.STOP
@@ -65,14 +70,18 @@ class Ascent:
 
     def act(self, now: float, depth: float | None, overturned: bool) -> tuple[Action, ...]:
         """What is due; nothing while the way in use is being tried, or works."""
-        fallen = None if depth is None or self._start_depth is None else self._start_depth - depth
+        start, fallen = self._start_depth, None
+        if depth is not None and start is not None:
+            self._deepest = max(depth, self._deepest or depth)
+            fallen = self._deepest - depth
         is_down = self.way == DOWNWARD
-        if is_down and (not overturned or fallen is None or fallen < -OVERTURNED_MOST):
+        deeper = fallen is None or (depth or 0.0) - (start or 0.0) > OVERTURNED_MOST
+        if is_down and (not overturned or deeper):
             pass  # given up at once
         elif now < self.next_timer():
             return ()
         elif fallen is not None and fallen >= FALL:
-            self._since, self._start_depth = now, depth
+            self._since, self._start_depth, self._deepest = now, depth, depth
             return ()
         seen = "is not known" if fallen is None else f"is {depth:.1f} m, no less"
         why = f"{self._why}: after {now - self._since:.3g} s the depth {seen}"
@@ -82,7 +91,7 @@ class Ascent:
         else:
             self._at = (self._at + 1) % len(self._ways)
             self.way = self._ways[self._at]
-        self._since, self._start_depth = now, depth
+        self._since, self._start_depth, self._deepest = now, depth, depth
         return (Action(self.way, why),)
 
     def _may_push_down(self, now: float) -> bool:

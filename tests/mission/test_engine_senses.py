@@ -146,6 +146,7 @@ def test_a_fix_proves_nothing_against_a_believed_depth_under_water(depth: float,
         senses.take_fix(fix(10.0 + second, north=float(second)))
         told(senses, 10.0 + second, depth=depth)
     assert senses.fixed(10.0) is proves
+    assert (senses.fix is not None) is proves
 
 
 def test_submerged_is_what_was_last_believed_and_no_fix_since_that_proves_the_surface():

@@ -295,7 +295,7 @@ SCENES: tuple[Scene, ...] = (
         slider_legs,
         (reached(), home(150), legs(*SETS)),
     ),
-    Scene("term-after-w", "serve goes on surfacing, then X0", term_after_w, LIGHT),
+    Scene("term-after-w", "serve goes on surfacing, then X0", term_after_w, LIGHT, quick=True),
     Scene(
         "term-in-mission", "serve surfaces, then X0", term_in_mission, (*LIGHT, upward_within(5))
     ),

@@ -126,7 +126,7 @@ SCENES: tuple[Scene, ...] = (
         clogs_at(5.0),
         BACK,
     ),
-    Scene("clogged-1m-short", "the same", clogs_at(7.0), BACK),
+    Scene("clogged-1m-short", "the same", clogs_at(7.0), BACK, quick=True),
     Scene(
         "drift",
         "the altimeter closes on the floor while the depth stands",

@@ -66,6 +66,7 @@ class Stm32(ABC):
     """One board. Sub-classes are the profiles."""
 
     reports_in_manual: bool
+    says_a: bool  # answers every @ZA with the code A
     dead_man: float  # s without an M command in manual mode, inf: none
 
     def __init__(self, sensors: Sensors, rng: Random) -> None:
@@ -81,7 +82,11 @@ class Stm32(ABC):
         self.deaf = False  # commands get lost
         self.garbles = 0.0  # share of commands with a bit turned over
         self.loses_acks = False
-        self.runaway = False  # dives at full power whatever is asked
+        self.runaway = False  # dives at full power whatever is asked ...
+        self.tamed_by = ""  # ... until one of these codes is heard
+        self.ignores = ""  # codes of @ZA that it does not hear
+        self.refuses = ""  # codes of @ZA that it answers N
+        self.late = 0.0  # s from a command until it is obeyed
         self.splice = 0.0  # chance that an answer lands inside the @SD being sent
         self._dead_man_at = inf
 
@@ -98,7 +103,7 @@ class Stm32(ABC):
         return running and (self.reports_in_manual or self.mode is not Mode.MANUAL)
 
     def receive(self, data: bytes, now: float) -> None:
-        self.rx.feed(data, now)
+        self.rx.feed(data, now + self.late)
 
     def process(self, now: float) -> None:
         """Whatever ``due`` announced for ``now``."""
@@ -175,9 +180,16 @@ class Stm32(ABC):
     def _execute(self, frame: bytes, now: float) -> None:
         text = frame[1:-1].decode("ascii", "replace")
         if text.startswith("ZA"):
+            code = text[2:3]
+            if code and code in self.ignores:
+                return
+            if code and code in self.refuses:
+                self.acknowledge(b"ZAN" if self.says_a else b"Z%bN" % code.encode("ascii"), now)
+                return
+            self.runaway = self.runaway and code not in self.tamed_by
             if self.mode is not Mode.AUTO:
                 self.change(Mode.AUTO)
-            self.automatic(text[2:3], text[3:], now)
+            self.automatic(code, text[3:], now)
         elif text.startswith("M"):
             if self.mode is not Mode.MANUAL:
                 self.change(Mode.MANUAL)

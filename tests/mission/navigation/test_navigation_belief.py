@@ -169,8 +169,8 @@ def test_a_slope_under_way_a_step_of_the_ground_and_a_slow_altimeter_are_natural
     assert moving.go(120.0, HOLD, at(9.8), lambda s: 60.0 - 0.4 * s) == ""
     assert Dive().go(200.0, HOLD, at(9.8), lambda s: 20.0 if s < 100.0 else 12.0) == ""
     slow = Dive()
-    slow.go(28.0, DOWN, sinking(0.35), lambda s: 30.0 - 0.2 * s)
-    assert slow.go(120.0, HOLD, at(10.0), lambda s: 20.0 + 4.4 * math.exp(-s / 20.0)) == ""
+    slow.go(28.0, Vertical(0.83, 14.2), sinking(0.5), lambda s: 45.0 - 0.2 * s)
+    assert slow.go(120.0, HOLD, at(14.2), lambda s: 25.0 + 15.0 * math.exp(-s / 30.0)) == ""
 
 
 def test_a_vehicle_that_sinks_truly_is_believed_whatever_its_receiver_says():
@@ -222,6 +222,12 @@ def test_a_depth_that_moves_as_the_vehicle_is_moved_is_believed_again():
 def test_one_that_moves_against_the_push_is_not():
     dive = contradicted()
     assert dive.go(40.0, DOWN, sinking(-0.2, 12.0))
+
+
+def test_what_a_push_upward_in_vain_contradicted_may_be_an_offset_and_is_not_either():
+    dive = Dive(noise=0.05)
+    dive.go(18.0, UP, at(6.0))
+    assert dive.go(40.0, UP, sinking(-0.2, 12.0))
 
 
 def test_a_clogged_port_at_the_surface_is_never_believed():
