@@ -3,11 +3,11 @@
     the vehicle's ways in turn, 10 s each:  W -> X0 and U12 -> X0 alone (let go) -> W ...
     upside down, behind them:               D12 for 5 s, at most once a minute
 
-A way that makes the depth fall is kept for as long as it does, also where the vehicle sank on
-before it turned; an unknown depth counts as not falling. It never gives up. Where it begins depends
-on what is known: with X0 and U12 where the depth is not believed or the vehicle sinks from rest (as
-built, W first goes on diving), by letting go where the vehicle is upside down. Whether the surface
-is reached is seen by the senses.
+A way that makes the depth fall, from the deepest of its turn on, is kept for as long as it does:
+behind a push the wrong way a vehicle sinks on before it rises. An unknown depth counts as not
+falling. It never gives up. Where it begins depends on what is known: with X0 and U12 where the
+depth is not believed or the vehicle sinks from rest (as built, W first goes on diving), by letting
+go where the vehicle is upside down. Whether the surface is reached is seen by the senses.
 
 What does not live here: which ways a vehicle has (protocol.vehicles), the surface (senses).
 """
@@ -21,6 +21,7 @@ from mission.model import Action
 from protocol.messages import UPWARD, Order, Setpoint
 
 TURN = 10.0  # s each way is given (R7)
+LOOK = 1.0  # s between two depths of which the deepest is taken: not the noise of hundreds
 FALL = 0.3  # m in that time: 0.03 m/s, twice the noise of the difference of two depths
 DOWNWARD = Setpoint(heave=1.0)  # lifts a vehicle that is upside down
 OVERTURNED_TURN = 5.0  # s that DOWNWARD is given (R7)
@@ -34,8 +35,8 @@ class Ascent:
     """``ways``: the vehicle's, in their order. ``sinking``: it sinks from rest."""
 
     __slots__ = (
-        *("_at", "_deepest", "_overturned_at", "_since", "_start_depth", "_ways", "_why"),
-        *("began", "way"),
+        *("_at", "_deepest", "_looked", "_overturned_at", "_since", "_start_depth", "_ways"),
+        *("_why", "began", "way"),
     )
 
     def __init__(
@@ -48,9 +49,8 @@ class Ascent:
         overturned: bool = False,
         sinking: bool = False,
     ) -> None:
-        self.began = self._since = now
-        self._start_depth = self._deepest = depth  # of the turn
-        self._why, self._ways = why, ways
+        self.began, self._why, self._ways = now, why, ways
+        self._begin_turn(now, depth)
         first = ways[0]
         if overturned:
             first = Order.STOP
@@ -70,18 +70,13 @@ class Ascent:
 
     def act(self, now: float, depth: float | None, overturned: bool) -> tuple[Action, ...]:
         """What is due; nothing while the way in use is being tried, or works."""
-        start, fallen = self._start_depth, None
-        if depth is not None and start is not None:
-            self._deepest = max(depth, self._deepest or depth)
-            fallen = self._deepest - depth
-        is_down = self.way == DOWNWARD
-        deeper = fallen is None or (depth or 0.0) - (start or 0.0) > OVERTURNED_MOST
-        if is_down and (not overturned or deeper):
+        fallen = self._fallen(now, depth)
+        if self.way == DOWNWARD and not (overturned and self._may_lift(depth)):
             pass  # given up at once
         elif now < self.next_timer():
             return ()
         elif fallen is not None and fallen >= FALL:
-            self._since, self._start_depth, self._deepest = now, depth, depth
+            self._begin_turn(now, depth)
             return ()
         seen = "is not known" if fallen is None else f"is {depth:.1f} m, no less"
         why = f"{self._why}: after {now - self._since:.3g} s the depth {seen}"
@@ -91,8 +86,25 @@ class Ascent:
         else:
             self._at = (self._at + 1) % len(self._ways)
             self.way = self._ways[self._at]
-        self._since, self._start_depth, self._deepest = now, depth, depth
+        self._begin_turn(now, depth)
         return (Action(self.way, why),)
+
+    def _begin_turn(self, now: float, depth: float | None) -> None:
+        self._since = self._looked = now
+        self._start_depth = self._deepest = depth
+
+    def _fallen(self, now: float, depth: float | None) -> float | None:
+        """m from the deepest of the turn's depths, ``LOOK`` apart; None where one is not known."""
+        if depth is None or self._start_depth is None or self._deepest is None:
+            return None
+        if now >= self._looked + LOOK:
+            self._looked, self._deepest = now, max(self._deepest, depth)
+        return self._deepest - depth
+
+    def _may_lift(self, depth: float | None) -> bool:
+        """Whether DOWNWARD has not led deeper so far."""
+        start = self._start_depth
+        return depth is not None and start is not None and depth - start <= OVERTURNED_MOST
 
     def _may_push_down(self, now: float) -> bool:
         """Behind the last of the ways."""

@@ -9,7 +9,8 @@
     absurd   not finite (a codec tells None and a fault), out of the physical range, faster than
              the row's rate, or marked doubtful by the codec. A value that is out of rate is
              believed again once three reports in a row agree with each other: the sensor has
-             come back elsewhere (a depth is then contradicted).
+             come back elsewhere (a depth is then contradicted). Among reports of which more than
+             every third is absurd none is believed.
     contradicted  the depth alone, by what else is known (belief)
 
 Rows are the channels; a sensor is one or more channels and is as good as the worst of them.
@@ -29,6 +30,7 @@ from mission.vehicle import STALE_AFTER
 from protocol.messages import Fix, Telemetry
 
 _SAME = 5  # identical reports that make a sensor frozen (design: readings are three-valued)
+_MOSTLY, _WORST = 3, 6  # of what a channel's bad reports add up to: it says mostly garbage
 _AGREE = 3  # reports that agree with each other and win against the rate limit
 _NEUTRAL = 0.02  # thruster fraction below which nothing moves
 _SLOW, _GPS = 30.0, 5.0  # s: of slow quantities; protocols R9
@@ -45,12 +47,14 @@ class Channel:
     rate: float = math.inf
     freezes: bool = False
     wraps: bool = False
+    sparse: bool = False  # an absurd report is how it says nothing, often
 
 
 # fmt: off
 CHANNELS: Mapping[str, Channel] = MappingProxyType({
     "depth": Channel("depth", STALE_AFTER, -3.0, 1000.0, 2.0, freezes=True),
-    "altitude": Channel("altitude", STALE_AFTER, 1e-6, 300.0, 15.0, freezes=True),  # 0: no echo
+    "altitude": Channel("altitude", STALE_AFTER, 1e-6, 300.0, 15.0, freezes=True,
+                        sparse=True),  # 0: no echo
     "heading": Channel("heading", STALE_AFTER, 0.0, 2.0 * math.pi, 1.6, freezes=True, wraps=True),
     "pitch": Channel("attitude", STALE_AFTER, -1.6, 1.6, 1.6, freezes=True),
     "roll": Channel("attitude", STALE_AFTER, -3.2, 3.2, 3.2, freezes=True, wraps=True),
@@ -79,6 +83,7 @@ class _Monitor:
     same: int = 0  # repeats while moving
     repeated: bool = False  # the last report said the same as the one before
     agreeing: int = 0
+    bad: int = 0  # 2 for a report that is absurd, one less for one that is not
     leapt: float = 0.0  # by so much, with the last report: it is believed elsewhere
     reason: str = ""
 
@@ -96,16 +101,29 @@ class _Monitor:
                 near = _near(row, t - self.good_t, value, self.good)
         self.t, self.value = t, value
         if doubt or not row.low <= value <= row.high:  # also what is not a number
-            self.reason = "absurd"
+            self._is_absurd(row)
         elif row.freezes and self.same >= _SAME - 1:
             self.reason = "frozen"
-        elif near or self.agreeing >= _AGREE:
+        elif self._is_plausible(near):
             self.leapt = 0.0 if near else value - self.good
             self.reason, self.good_t, self.good = "", t, value
             return True
         else:
-            self.reason = "absurd"
+            self._is_absurd(row)
         return False
+
+    def _is_absurd(self, row: Channel) -> None:
+        self.reason = "absurd"
+        if not row.sparse:
+            self.bad = min(self.bad + 2, _WORST)
+
+    def _is_plausible(self, near: bool) -> bool:
+        """Near the last one that was believed, and not one of a few among garbage; or agreed on."""
+        if self.agreeing >= _AGREE:
+            self.bad = 0
+            return True
+        self.bad = max(self.bad - near, 0)
+        return near and self.bad < _MOSTLY
 
 
 def _near(row: Channel, since: float, value: float, other: float) -> bool:

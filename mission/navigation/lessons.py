@@ -38,8 +38,8 @@ def untaught(done: Calibrated) -> list[str]:
     if done.rise is None:
         lines.append(
             f"these logs hold no float test (fewer than {RISES} rises with nothing turning): the "
-            "rise by buoyancy alone is kept as it was; to measure it fly float-test, or a copy of "
-            "it that lets go deeper"
+            "rise by buoyancy alone: kept as it was; to teach it fly float-test, or a copy of it "
+            "that lets go deeper"
         )
     return lines
 

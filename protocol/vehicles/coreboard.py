@@ -47,7 +47,7 @@ from protocol.vehicles.adapter import StreamReader, fraction, heading_of, radian
 
 PERIOD = 0.1  # s between frames to the board (R16)
 SILENCE = 0.5  # s after which the board goes neutral
-LEAK_FRAMES = 3  # in a row confirm a leak (R16)
+LEAK_FRAMES = 3  # more that tell of a leak than deny it confirm one (R16)
 
 HEAD, TAIL, SENSOR_TAIL = Const(b"\xfe\xef"), Const(b"\xfa\xaf"), Const(b"\xfd\xdf")
 XOR = Check(xor8, "B")
@@ -273,11 +273,12 @@ class CoreboardCodec(StreamReader):
         super().__init__(LINKS[0].framer(chosen), self._telemetry)
         self._frame = pc_to_main(chosen)
         self._scale = battery_scale
-        self._leaks = 0  # frames in a row
+        self._leaks = 0  # frames that tell of a leak, less those that do not
 
     def _telemetry(self, frame: Frame) -> Received:
         values = frame.values()
-        self._leaks = self._leaks + 1 if values["leak"] else 0  # an unknown code counts as a leak
+        step = 1 if values["leak"] else -1  # an unknown code counts as a leak
+        self._leaks = min(max(self._leaks + step, 0), 2 * LEAK_FRAMES)
         return telemetry(values, frame.t, self._leaks >= LEAK_FRAMES, self._scale)
 
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:

@@ -26,8 +26,8 @@ from mission.vehicle import load_vehicle
 
 TEXT = """mission {name} vehicle auv
 home 30.2874595 120.1535765
-safety radius 400 time 20min depth 10 voltage 10
-assume current 0.1
+safety radius 600 time 20min depth 10 voltage 10
+assume current 0.1 start 150
 dive: depth {depth} heading {heading} gear 4 until depth >= {until} timeout 90
 repeat 2 rows:
 out: heading 90 gear 6 for 20s

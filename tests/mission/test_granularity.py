@@ -6,7 +6,7 @@ import math
 
 import pytest
 from engine_world import VEHICLE, compiled, leg, mission, sets, when
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from mission.check import check_mission
@@ -98,6 +98,12 @@ def test_whole_metres_and_degrees_are_never_complained_of(depth: int, heading: i
     assert not list(rounded(Leg("a", Hold()), exact, VEHICLE))
 
 
+def south(frames: list[bytes]) -> list[bytes]:
+    """180 and -180 degrees are one heading."""
+    return [frame.replace(b"H-180", b"H180") for frame in frames]
+
+
+@example(0.0, -3.140625)
 @given(st.floats(0.0, 60.0), st.floats(-math.pi, math.pi))
 def test_the_nearest_is_what_the_codec_sends(depth: float, heading: float):
     wanted = Setpoint(surge=0.5, heading=heading, depth=depth)
@@ -109,7 +115,7 @@ def test_the_nearest_is_what_the_codec_sends(depth: float, heading: float):
     )
     for dialect in ("as-built", "documented"):
         made = codec("auv", dialect, {})
-        assert made.encode(wanted) == made.encode(told)
+        assert south(made.encode(wanted)) == south(made.encode(told))
 
 
 @pytest.mark.parametrize("row", VEHICLES, ids=lambda r: r.name)

@@ -153,7 +153,7 @@ def test_rounds_in_rounds_and_handlers_run_alike_in_both_engines(seed: int, tmp_
 
 
 def test_charts_made_by_hand_run_alike_in_both_engines(tmp_path: Path) -> None:
-    assert walk(chart(3, 3, 3, repeat=3), tmp_path, 200, 2) > 60
+    assert walk(chart(3, 3, 3, repeat=3), tmp_path, 280, 2) > 60
 
 
 def test_a_handler_does_nothing_in_the_leg_it_leads_to(tmp_path: Path) -> None:

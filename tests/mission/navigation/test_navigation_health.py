@@ -213,3 +213,28 @@ def test_at_rest_a_receiver_may_say_one_place_for_ever():
     health, believed = stuck(0.0, 60)
     assert all(believed)
     assert health.of("position", 60.0).valid
+
+
+def test_among_garbage_a_value_that_fits_by_chance_is_not_believed() -> None:
+    """Readings of +1000, -1000 and 0 m in turn, at 8 m: 0 is no surface."""
+    health = after(*(report(i, depth=8.0 + 0.01 * i) for i in range(5)))
+    for i in range(5, 35):
+        health.telemetry(report(i, depth=(1000.0, -1000.0, 0.0)[i % 3]))
+        assert not health.of("depth", 2.0 * i).valid
+    for i in range(35, 38):
+        health.telemetry(report(i, depth=9.0 + 0.01 * i))
+    assert health.of("depth", 74.0).valid
+
+
+def test_a_report_that_is_absurd_now_and_then_doubts_no_other() -> None:
+    health = after(report(0))
+    for i in range(1, 40):
+        health.telemetry(report(i, **({"depth": -50.0} if i % 4 == 0 else {})))
+        assert health.of("depth", 2.0 * i).valid is (i % 4 != 0)
+
+
+def test_an_altimeter_without_an_echo_every_other_time_is_believed_in_between() -> None:
+    health = after(report(0))
+    for i in range(1, 40):
+        health.telemetry(report(i, **({"altitude": 0.0} if i % 2 else {})))
+        assert health.of("altitude", 2.0 * i).valid is (i % 2 == 0)
