@@ -283,7 +283,8 @@ def _ascent_never_changes(surgery: Surgery) -> None:
 
 
 _REASONS: Mapping[str, str] = {
-    "hard depth": "the depth in force is never deeper, and acts first; at rest what sinks is brought up",
+    "hard depth": "the depth in force acts before it, at rest whatever sinks is brought up",
+    "depth contradicted": "a depth that is contradicted is unknown, and acts as such 6 s later",
     "leak": "the AUV reports no leak; every limit has its bounds tried in test_envelope",
 }
 _RULES: Mapping[str, Broken] = {

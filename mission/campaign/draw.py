@@ -37,7 +37,7 @@ OUT_OF_HAND = frozenset(
     {"stm32_hang", "command_lost", "command_corrupted", "unexplained_dive", "deaf_to_x", "refuses"}
 )
 WEIGHT = frozenset({"heavy", "light"})
-STAGED, BESIDE = 0.5, 0.4  # shares: of the flights, and of those with something else beside
+STAGED, BESIDE = 0.7, 0.4  # shares: of the flights, and of those with something else beside
 SCENE_TIME, SCENE_FLOOR = 160.0, 30.0  # s that matter, m
 IDLE = ("temperature_", "magnetometer_", "battery_")  # nothing on this vehicle decides by them
 KINDS = (*FAULTS, *INCIDENTS)

@@ -117,7 +117,7 @@ def _started_below(rng: Random) -> Scene:
     t = rng.uniform(DOWN, 60.0)
     said = [say(t, AUTO_CLOSED), say(t + 2.0, AUTO_OPEN)]
     starts = repeated(t + 3.0, t + 12.0, 1.5, AA)
-    return Scene(rng.choice(["deep", "pool"]), (), (*said, *starts))
+    return Scene("pool", (), (*said, *starts))
 
 
 def _started_with_auto_closed(rng: Random) -> Scene:

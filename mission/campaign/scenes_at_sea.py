@@ -90,8 +90,10 @@ def _sinks_adrift(rng: Random) -> Scene:
 
 
 def _weak_thrusters(rng: Random) -> Scene:
-    weak = fault("verticals_weak", rng.uniform(10.0, 20.0), FOREVER, 0.1)
-    return Scene("deep", (weak, fault("light", 8.0, FOREVER, round(rng.uniform(0.0, 5.0), 1))))
+    """Too weak to leave the surface."""
+    return Scene(
+        "deep", (fault("verticals_weak", 2.0, FOREVER, round(rng.uniform(0.05, 0.25), 2)),)
+    )
 
 
 # --- boards --------------------------------------------------------------------------------------

@@ -53,7 +53,7 @@ from protocol.messages import Order
 UNSENT, UNLAWFUL = "unsent", "unlawful"
 _CLOCK = 0.6  # s
 _STOP_AGAIN = 1.6  # s: every 0.5 s, behind three tries of another word
-_TURNS = 3  # reports with a thruster on
+_TURNS = 1  # report with a thruster on: X0 leaves with it
 _UPWARD = 2.0  # s after a restart
 _DEEP_ENOUGH, _STAYS = 1.5, 100.0  # m, s: an ascent from where scenes are
 _DURABLE = 1.5  # s after which a state is on disk
@@ -184,7 +184,7 @@ def _doubts(story: Story, stay: Stay, stops: list[float], end: float) -> Iterato
         if not stay.begin + 2.0 < report.t < end:
             continue
         turning = [*turning, report] if report.turning else []
-        if len(turning) > _TURNS and not any(turning[0].t <= t for t in stops):
+        if len(turning) > _TURNS and not any(turning[0].t <= t <= report.t for t in stops):
             says = f"a thruster is on in {len(turning)} reports in {stay.state}: no X0"
             yield Violation(UNSENT, report.t, says)
             return

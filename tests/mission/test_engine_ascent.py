@@ -145,6 +145,17 @@ def test_three_hundredths_of_a_metre_a_second_is_rising_and_less_is_not():
         assert (ascent.act(10.0, 20.0 - fallen, False) == ()) is kept
 
 
+def test_a_way_that_turns_a_vehicle_round_is_kept_though_it_sank_on_before():
+    """Heavy, or on a board that obeys late: deeper at the end of the turn, and rising."""
+    ascent = begun(20.0)
+    for t in range(2, 10, 2):
+        assert not ascent.act(float(t), 20.0 + 0.2 * t, False)
+    assert ascent.act(10.0, 22.0, False)[0].command == UPWARD
+    for t, depth in ((12.0, 22.6), (14.0, 23.0), (16.0, 22.9), (18.0, 22.6), (20.0, 22.2)):
+        assert not ascent.act(t, depth, False)
+    assert not ascent.act(30.0, 21.0, False)
+
+
 def test_a_way_that_is_given_up_says_what_was_seen():
     for before, after, seen in (
         (20.0, 20.5, "is 20.5 m, no less"),

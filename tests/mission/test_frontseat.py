@@ -171,6 +171,18 @@ def test_orders_overtake_and_drop_everything(line: Line, order: Order) -> None:
     assert line.outcomes == [Outcome(Result.ACCEPTED, FRAMES[order][0], order)]
 
 
+def test_two_orders_of_one_decision_leave_one_behind_the_other(line: Line) -> None:
+    """An operator's W, and then letting go what is upside down (R7)."""
+    line.give(LEG, 0.0)
+    for order in (Order.SURFACE, Order.STOP):
+        line.seat.command(Action(order, "W from the operator"))
+    line.until(0.1)
+    line.answer(0.11)  # owed for F6
+    line.answer(0.12)
+    line.until(0.2)
+    assert line.frames == [b"@ZAF6$", b"@ZAWF$", b"@ZAX0$"]
+
+
 def test_the_answer_owed_to_a_dropped_frame_is_never_taken_for_the_stops(line: Line) -> None:
     line.give(LEG, 0.0)
     line.give(Order.STOP, 0.01)
