@@ -21,9 +21,10 @@ from mission.campaign.faults import fare
 from mission.campaign.laws import Violation
 from mission.drive import frontseat, topside
 from mission.drive.commander import Commander
+from mission.drive.copies import Copies
 from mission.drive.frontseat import Frontseat
 from mission.drive.latch import Latch
-from mission.engine import core, engine, orders, run, senses, watch
+from mission.engine import core, ending, engine, orders, run, senses, watch
 from mission.engine.ascent import Ascent
 from mission.engine.core import Core
 from mission.engine.engine import Engine
@@ -31,10 +32,12 @@ from mission.engine.rest import Rest
 from mission.engine.run import Run
 from mission.engine.senses import Senses
 from mission.envelope import LIMITS, Bounds, in_force
+from mission.fixes import Receiver
 from mission.model import Action, By, Edge, Health, Outcome, Result, Safety, Tx
+from mission.navigation.belief import DepthBelief
 from mission.navigation.health import SensorHealth
 from mission.vehicle import Vehicle
-from protocol.messages import UPWARD, Manual, Order, SetSafety
+from protocol.messages import UPWARD, Fix, Manual, Order, SetSafety
 from protocol.vehicles import vehicle_row
 
 
@@ -71,12 +74,14 @@ class Broken:
 
 @dataclass(frozen=True, slots=True)
 class Noticed:
-    """``flights`` that it took, None: in none of them; ``by`` is the law."""
+    """``flights`` that it took, None: in none of them; ``by`` is the law. ``reason``: why no flight
+    can tell, "" if one can."""
 
     name: str
     rule: str
     flights: int | None
     by: str
+    reason: str = ""
 
 
 @contextmanager
@@ -92,13 +97,19 @@ def broken(name: str) -> Iterator[None]:
 
 def notice(name: str, seed: int, flights: int, known: Sequence[Subject]) -> Noticed:
     """Flies until one notices, at most ``flights``."""
-    rule = BROKEN[name].rule
+    row = BROKEN[name]
     for number in range(flights):
         with broken(name):
             found = fare(seed, number, known).violations
         if found and not fare(seed, number, known).violations:
-            return Noticed(name, rule, number + 1, _in_words(found[0]))
-    return Noticed(name, rule, None, "")
+            return Noticed(name, row.rule, number + 1, _in_words(found[0]))
+    return Noticed(name, row.rule, None, "", row.reason)
+
+
+def in_table(noticed: Noticed) -> str:
+    """A row of the table in docs/quality.md."""
+    seen = "no" if noticed.flights is None else str(noticed.flights)
+    return f"| {noticed.name} | {noticed.rule} | {seen} | {noticed.by or noticed.reason} |"
 
 
 def _in_words(violation: Violation) -> str:
@@ -165,10 +176,7 @@ def _relays_first(surgery: Surgery) -> None:
     honest = Frontseat._next
 
     def relays_before(self: Frontseat, now: float) -> list[Tx]:
-        if self._relays:
-            data, reason = self._relays.popleft()
-            return [self._transmit(data, reason, now)]
-        return honest(self, now)
+        return [self._transmit(*self._relays.take(), now)] if self._relays else honest(self, now)
 
     surgery.put(Frontseat, "_next", relays_before)
 
@@ -245,6 +253,28 @@ def _stop_every_five_seconds(surgery: Surgery) -> None:
     surgery.put(Frontseat, "poll", poll)
 
 
+def _every_place_is_news(surgery: Surgery) -> None:
+    honest = Receiver.take
+
+    def take(self: Receiver, fix: Fix) -> None:
+        honest(self, fix)
+        self.fresh = True
+
+    surgery.put(Receiver, "take", take)
+
+
+def _no_contradiction(surgery: Surgery) -> None:
+    surgery.put(DepthBelief, "_contradict", lambda self, t, why, *, moves: None)
+
+
+def _ends_at_once(surgery: Surgery) -> None:
+    """With an X0, as every stop does, and nobody stays."""
+    surgery.put(ending, "go_on", lambda of: None)
+    surgery.put(ending, "begin", lambda of, order: of.stop_quietly("the program is ended"))
+    surgery.put(ending, "settled", lambda of: True)
+    surgery.put(Engine, "settled", property(lambda self: True))
+
+
 def _ascent_never_changes(surgery: Surgery) -> None:
     def act(self: Ascent, now: float, *seen: Any) -> tuple[Action, ...]:
         return ()
@@ -252,6 +282,10 @@ def _ascent_never_changes(surgery: Surgery) -> None:
     surgery.put(Ascent, "act", act)
 
 
+_REASONS: Mapping[str, str] = {
+    "hard depth": "the depth in force is never deeper, and acts first; at rest what sinks is brought up",
+    "leak": "the AUV reports no leak; every limit has its bounds tried in test_envelope",
+}
 _RULES: Mapping[str, Broken] = {
     "depth margin": Broken("R5: 1 m beyond the depth", _value(envelope, "DEPTH_MARGIN", 10.0)),
     "silence": Broken("R8: 5 s without a report", _value(envelope, "SILENCE", 60.0)),
@@ -260,9 +294,11 @@ _RULES: Mapping[str, Broken] = {
     "latch": Broken("R7: what is under way is kept", _latch_not_kept),
     "relays first": Broken("R7: X and W before everything", _relays_first),
     "surface at once": Broken("R7: 6 s of shallow depth", _value(senses, "SURFACE_TIME", 0.0)),
-    "stuck receiver": Broken(
-        "R7: a stuck receiver proves nothing", _nothing(senses, "_goes_on", False)
-    ),
+    "stuck receiver": Broken("R7: a stuck receiver proves nothing", _every_place_is_news),
+    "fix under water": Broken("R7: a depth contradicts a fix", _value(senses, "FIX_DEPTH", 1e9)),
+    "belief": Broken("a depth is believed as far as something agrees", _no_contradiction),
+    "copies": Broken("R12: a copy of a command", _nothing(Copies, "judge")),
+    "orderly end": Broken("R7: an orderly end brings it up first", _ends_at_once),
     "sinks at rest": Broken("R7, at rest: what sinks is brought up", _always(Rest, "sinks", "")),
     "stays down": Broken(
         "R7, at rest: stopped, and it does not rise", _nothing(Rest, "stays_down", "")
@@ -305,6 +341,11 @@ _RULES: Mapping[str, Broken] = {
 }
 
 BROKEN: Mapping[str, Broken] = {
-    **{f"limit {row.name}": Broken(f"R5: {row.name}", _never_acts(row.name)) for row in LIMITS},
+    **{
+        f"limit {row.name}": Broken(
+            f"R5: {row.name}", _never_acts(row.name), _REASONS.get(row.name, "")
+        )
+        for row in LIMITS
+    },
     **_RULES,
 }

@@ -115,26 +115,35 @@ def draw(seed: int, number: int, subjects: Sequence[Subject], staged: float = ST
     return _disturbed(rng, seed, number, subjects)
 
 
+def stage(name: str, seed: int) -> Plan:
+    """This scene, and nothing else."""
+    return _set_up(name, Random(f"scene {name} {seed}"), seed, 0)
+
+
 def _staged(rng: Random, seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
     """A scene, and in some flights something else that happens meanwhile."""
-    name = rng.choice(tuple(SCENES))
+    plan = _set_up(rng.choice(tuple(SCENES)), rng, seed, number)
+    if rng.random() >= BESIDE:
+        return plan
+    faults, incidents = [*plan.settings.faults], [*plan.incidents]
+    begin = round(rng.uniform(8.0, SCENE_TIME / 2.0), 1)
+    _disturb(rng, rng.choices(KINDS, WEIGHTS)[0], begin, subjects, faults, incidents)
+    settings = replace(plan.settings, faults=tuple(faults))
+    return replace(plan, settings=settings, incidents=tuple(incidents))
+
+
+def _set_up(name: str, rng: Random, seed: int, number: int) -> Plan:
     scene = SCENES[name].draw(rng)
-    sea = _sea(rng)
-    current = sea.current if scene.current is None else (scene.current, 0.0)
-    subject = Subject(Path(scene.text), mission_of(scene.text), SCENE_TIME)
-    faults, incidents = [*scene.faults], [Drawn(name, 0.0, scene.deeds)]
-    if rng.random() < BESIDE:
-        other = rng.choices(KINDS, WEIGHTS)[0]
-        _disturb(rng, other, rng.uniform(8.0, SCENE_TIME / 2.0), subjects, faults, incidents)
-    settings = Settings(sea=Sea(current, None, SCENE_FLOOR), faults=tuple(faults))
+    current = _sea(rng).current if scene.current is None else (scene.current, 0.0)
+    sea = Sea(current, None, SCENE_FLOOR)
     return Plan(
         seed,
         number,
-        subject,
+        Subject(Path(scene.text), mission_of(scene.text), SCENE_TIME),
         rng.choice(PROFILES),
         rng.randrange(1 << 31),
-        settings,
-        tuple(incidents),
+        Settings(sea=sea, faults=scene.faults),
+        (Drawn(name, 0.0, scene.deeds),),
         rng.uniform(0.0, math.tau),
         name,
         scene.silence,

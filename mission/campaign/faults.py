@@ -111,10 +111,14 @@ def fare(
     return fared_of(plan, fly_plan(plan, vehicle, recorder), vehicle, plan.profile)
 
 
-def fared_of(plan: Plan, trial: Trial, vehicle: Vehicle, profile: str) -> Fared:
+def fared_of(
+    plan: Plan, trial: Trial, vehicle: Vehicle, profile: str, *, whole: bool = True
+) -> Fared:
+    """``whole``: the trial begins with the program, so that its whole flight can be judged."""
     flown = plan.subject.mission
     found = violations(trial, flown, vehicle, profile, plan.settings)
-    found += throughout(trial, flown, vehicle, profile, plan.settings, plan.silence)
+    if whole:
+        found += throughout(trial, flown, vehicle, profile, plan.settings, plan.silence)
     found.sort(key=lambda violation: violation.t)
     return Fared(plan.number, plan.in_words(), plan.kinds, tuple(found), tuple(_aborts(trial)))
 

@@ -97,7 +97,7 @@ def violations(
     found = [Violation(SPURIOUS, s.t, s.says) for s in audit(trial.events, profile)]
     if trial.raised:
         found.append(Violation(RAISED, trial.truth.t, trial.raised))
-    elif trial.truth.depth > (AFLOAT if _floats(settings) else HELD):
+    elif trial.truth.depth > _allowed(settings):
         says = f"{trial.truth.depth:.1f} m deep at the end, in {trial.state}"
         found.append(Violation(LOST, trial.truth.t, says))
     elif trial.turning and trial.state != SURFACING and not _may_be_held(trial, settings):
@@ -109,6 +109,14 @@ def violations(
     found += _ranges(trial, flown, settings)
     found += _times(trial, flown)
     return sorted(found, key=lambda violation: violation.t)
+
+
+def _allowed(settings: Settings) -> float:
+    """m at the end. What is heavy and has a depth that was not believed comes up by a third of the
+    time that its thrusters push: physics does not promise that."""
+    if _floats(settings):
+        return AFLOAT
+    return math.inf if any(f.name.startswith("depth_") for f in settings.faults) else HELD
 
 
 def _floats(settings: Settings) -> bool:

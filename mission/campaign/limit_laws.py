@@ -29,6 +29,7 @@ _DEPTH, _ROLL = 1.0 + 0.5, math.radians(6.0)  # m and rad beyond the bound
 _NEARER, _OFF, _STUCK = 0.3, 2.6, 136.0  # m, m, s: 0.5 m, 2 m and 120 s (R5)
 _UNASKED, _SINKING = 3.0, 0.2  # m and m/s: 2 m and 0.1 m/s (R5)
 _BLIND, _UNDER = 10.5, 1.0  # s and m: 6 s without a depth, from the next report on
+_CLOGGED = 6.5  # m
 _TOPSIDE = 1.0  # s
 _LOST = 12  # frames: three commands of three tries, and one that a set replaced
 _LOW, _LOW_TIME = 0.6, 16.0  # V and s: 10 s, and three reports
@@ -63,6 +64,7 @@ def limit_laws(story: Story) -> Iterator[Violation]:
         yield from _voltage(story, begin, end)
         yield from _blind(story, begin, end)
         yield from _false_alarm(story, flight[-1])
+        yield from _clogged(story, flight)
         for stay in flight:
             yield from _no_progress(story, stay)
             yield from _unasked_descent(story, stay)
@@ -179,6 +181,23 @@ def _blind(story: Story, begin: float, end: float) -> Iterator[Violation]:
         told = len(story.told_in(fault.begin, known)) > 3
         if until > known and under and alone and told and not story.hindered(fault.begin, known):
             yield Violation(UNANSWERED, known, "under water without a depth, and still autonomous")
+
+
+def _clogged(story: Story, flight: list[Stay]) -> Iterator[Violation]:
+    """A port that clogs 1 m or more short of what is held: at most the bound and 6 m (R5)."""
+    for fault in story.faults(("depth_stuck",), flight[0].begin, flight[-1].end):
+        stay = story.stay_at(fault.begin)
+        sets = [c for b, e, c in _sets(story, stay) if b <= fault.begin < e]
+        short = sets and (sets[0].depth or 0.0) - story.depth(fault.begin) > 1.0 + _DEPTH
+        end = min(fault_ends(fault), story.end)
+        others = (*DEPTH_FAULTS, "heavy", "capsized", "stm32_", "command_", "verticals_", "dives_")
+        alone = len(story.faults((*others, "unexplained", "obeys", "deaf_to"), 0.0, end)) == 1
+        if not short or not alone or story.hindered(fault.begin, end):
+            continue
+        bound = min(s.bounds.depth for s in story.spans if s.begin <= end and s.end >= fault.begin)
+        if (deepest := story.deepest(fault.begin, end)) > bound + _CLOGGED:
+            says = f"{deepest:.1f} m deep with a clogged port, limit {bound:g} m"
+            yield Violation(UNANSWERED, end, says)
 
 
 # --- by the set in force -------------------------------------------------------------------------

@@ -17,7 +17,7 @@ _PASS = "up: surface until fix timeout 3min\n"
 TEXTS: Mapping[str, str] = {
     # There and back at 6 m, three minutes.
     "there": "mission there vehicle auv\n" + _HOME
-    + "safety radius 600 time 20min depth 10 voltage 10\nassume current 0.5\n"
+    + "safety radius 600 time 20min depth 10 voltage 10\nassume current 0.5 start 100\n"
     "dive: depth 6 heading 0 gear 4 until depth >= 5.5 timeout 90\n"
     "out: heading 0 gear 8 for 60\nback: heading 180 gear 8 for 60\n" + _PASS,
     # A long way one way, which ends by its clock.

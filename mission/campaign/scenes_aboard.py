@@ -131,9 +131,18 @@ def _auto_closed(rng: Random) -> Scene:
 
 
 def _late_copy(rng: Random) -> Scene:
-    """A copy of @AA by modem, when the mission is over."""
-    start = Deed(STARTED + rng.uniform(20.0, 100.0), Act.SAY, wrap(AA, Sender.TOPSIDE), MODEM, "")
-    return Scene("there", (), (say(DOWN, W), say(75.0, AC), say(82.0, AC), start))
+    """A copy of @AA by modem: the mission was ended by AUTO, which is open again."""
+    t = rng.uniform(DOWN, 60.0)
+    copy = Deed(rng.uniform(100.0, 115.0), Act.SAY, wrap(AA, Sender.TOPSIDE), MODEM, "")
+    return Scene("there", (), (say(t, AUTO_CLOSED), say(t + 3.0, AUTO_OPEN), copy))
+
+
+def _ended(rng: Random) -> Scene:
+    """SIGTERM under way, or in an ascent."""
+    t = rng.uniform(DOWN, 60.0)
+    weight = (heavy(rng, t),) if rng.random() < 0.3 else ()
+    word = rng.choice([b"", W])
+    return Scene("deep", weight, (*_maybe(t - 2.0, word), Deed(t, Act.END)))
 
 
 def _modem_stick(rng: Random) -> Scene:
@@ -198,6 +207,7 @@ ABOARD: Mapping[str, SceneRow] = {
     "started_with_auto_closed": SceneRow("@AA with AUTO closed", _started_with_auto_closed),
     "modem_stick": SceneRow("an M by modem", _modem_stick),
     "late_copy": SceneRow("a copy of a word, late", _late_copy),
+    "ended": SceneRow("the program is ended in order", _ended),
     "restarted": SceneRow("killed in a mission", _restarted(b"")),
     "restarted_after_w": SceneRow("killed in an ascent", _restarted(W)),
     "restarted_after_x": SceneRow("killed when it was stopped", _restarted(X)),

@@ -24,9 +24,13 @@ def _heavy_for_ever(rng: Random) -> Scene:
 
 def _heavy_after_x(rng: Random) -> Scene:
     t = rng.uniform(DOWN, 80.0)
-    weight = fault("heavy", t - 2.0, FOREVER, round(rng.uniform(14.6, 15.6), 1))
-    if rng.random() < 0.5:
-        weight = heavy(rng, t + rng.uniform(-5.0, 10.0))
+    return Scene("there", (heavy(rng, t + rng.uniform(-5.0, 10.0)),), (say(t, X),))
+
+
+def _neutral_after_x(rng: Random) -> Scene:
+    """It neither rises nor sinks so that anybody would notice."""
+    t = rng.uniform(DOWN, 80.0)
+    weight = fault("heavy", t - 2.0, FOREVER, round(rng.uniform(14.8, 15.3), 1))
     return Scene("there", (weight,), (say(t, X),))
 
 
@@ -159,6 +163,15 @@ def _stuck_receiver(rng: Random) -> Scene:
     )
 
 
+def _wandering(rng: Random) -> Scene:
+    wanders = fault(rng.choice(["gps_wanders", "gps_in_turn"]), rng.uniform(4.0, 8.0))
+    return Scene("deep", (wanders,), (say(rng.uniform(40.0, 60.0), W),))
+
+
+def _clogged(rng: Random) -> Scene:
+    return Scene("deep", (fault("depth_stuck", rng.uniform(14.0, 30.0)),))
+
+
 def _low_battery(rng: Random) -> Scene:
     low = fault("battery_low", rng.uniform(DOWN, 80.0), FOREVER, round(rng.uniform(7.0, 9.0), 1))
     return Scene("away", (low,), batteries=True)
@@ -169,6 +182,7 @@ AT_SEA: Mapping[str, SceneRow] = {
         "less buoyancy for ever, down to what thrust lifts", _heavy_for_ever
     ),
     "heavy_after_x": SceneRow("X, and it is heavy", _heavy_after_x),
+    "neutral_after_x": SceneRow("X, and it is neutral", _neutral_after_x),
     "heavy_when_surfaced": SceneRow("surfaced, and then heavy", _heavy_when_surfaced),
     "heavy_when_idle": SceneRow("idle, and then heavy", _heavy_when_idle),
     "heavy_when_waiting": SceneRow("the stick is let go, and it is heavy", _heavy_when_waiting),
@@ -199,13 +213,15 @@ AT_SEA: Mapping[str, SceneRow] = {
         "the depth fails under water", _sensor("depth_full_scale", "depth_silent", "depth_frozen")
     ),
     "surfacing_blind": SceneRow("the depth fails before it dives", _surfacing_blind),
+    "wandering_receiver": SceneRow("a receiver that wanders under water, and W", _wandering),
+    "clogged": SceneRow("the port of the depth clogs on the way down", _clogged),
     "stuck_receiver": SceneRow("a receiver that is stuck, and W", _stuck_receiver),
     "wrong_compass": SceneRow(
         "the compass turns the wrong way", _sensor("heading_mirrored", text="there")
     ),
     "loose_compass": SceneRow(
         "course and heading differ at the surface",
-        lambda rng: Scene("transit", (fault("heading_off", 8.0, FOREVER, 100.0),)),
+        lambda rng: Scene("transit", (fault("heading_off", 8.0, FOREVER, rng.uniform(150, 180)),)),
     ),
     "low_battery": SceneRow("a control battery that is reported, and low", _low_battery),
     "blind_compass": SceneRow(

@@ -136,7 +136,7 @@ def _fly_on(
         soaked.days, soaked.missions = elapsed / DAY, soaked.missions + 1
         told_of = replace(trial, events=(*earlier, *trial.events))
         earlier = _last_words(told_of)
-        fared = fared_of(plan, told_of, vehicle, vehicle.dialect)
+        fared = fared_of(plan, told_of, vehicle, vehicle.dialect, whole=False)
         fared = replace(fared, violations=tuple(v for v in fared.violations if v.t >= 0.0))
         soaked.totals.add(fared)
         del trial, told_of

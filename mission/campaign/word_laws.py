@@ -3,6 +3,7 @@
     clock      a leg lasts no longer than its clock allows
     stop       an X0 goes out again until it is acknowledged; and where a report shows a thruster on
     restart    what was under way surfaces; an emergency that had ended is latched
+    end        told to end, the program brings up first what is under way
     surface    surfaced is said only of what is at the surface
     clear      an emergency is cleared at the surface (or by the second @AC, up to 2 m)
     start      a mission begins at the surface (without a fix: up to 2 m)
@@ -54,8 +55,10 @@ _CLOCK = 0.6  # s
 _STOP_AGAIN = 1.6  # s: every 0.5 s, behind three tries of another word
 _TURNS = 3  # reports with a thruster on
 _UPWARD = 2.0  # s after a restart
+_DEEP_ENOUGH, _STAYS = 1.5, 100.0  # m, s: an ascent from where scenes are
 _DURABLE = 1.5  # s after which a state is on disk
 _SHALLOW, _AFLOAT, _FIXED = 1.0, 4.0, 0.4  # m within s before, m that allow a fix
+_NEARLY = 1.2  # m: 0.8 (R7), and the sensor
 _START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
 _CLEAR_AGAIN = 4.5, 30.5  # s
 _BLIND, _FROZEN = 14.0, 12.0  # s: 6 s (R8), and what three reports more may take
@@ -91,6 +94,7 @@ def word_laws(story: Story) -> Iterator[Violation]:
         if stay.before == DEAD:
             yield from _begins_again(story, stay)
     yield from _one_commands(story)
+    yield from _ends_on_its_way_up(story)
     yield from _auto_closed(story)
     yield from _keeps_the_gap(story)
     yield from _heeds_refusals(story)
@@ -209,6 +213,33 @@ def _begins_again(story: Story, stay: Stay) -> Iterator[Violation]:
         yield Violation(UNSENT, due, says)
 
 
+def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
+    """Told to end under way, it is on its way up, and stays until it is there (R7)."""
+    for end in story.done:
+        if end.act is not Act.END:
+            continue
+        stay, due = story.stay_at(end.t - SAME), end.t + _UPWARD
+        under_way = stay.autonomous or stay.state == SURFACING
+        deep = story.depth(end.t) > _DEEP_ENOUGH
+        orders = any(end.t - 1.0 <= s.t <= due and _ORDER.search(s.data) for s in story.said)
+        others = any(end.t - 10.0 <= d.t < end.t for d in story.done)
+        if not (under_way and deep) or orders or others or due > story.end:
+            continue
+        ways = stay.ascends or _has_word(story, end.t - 0.1, due)
+        if story.tilt(end.t) < 1.0 and not ways:
+            yield Violation(UNSENT, due, f"told to end in {stay.state}: no upward word")
+        gone = next((d.t for d in story.done if d.act is Act.KILL and d.t > end.t), math.inf)
+        hurried = any(done.act is Act.HURRY for done in story.done)
+        taken = any(end.t <= s.begin <= gone and s.state.startswith(MANUAL) for s in story.stays)
+        if gone <= end.t + _STAYS and not (hurried or taken) and story.depth(gone) > _DEEP_ENOUGH:
+            says = f"told to end in {stay.state}, and gone {story.depth(gone):.1f} m deep"
+            yield Violation(UNLAWFUL, gone, says)
+
+
+def _has_word(story: Story, begin: float, end: float) -> bool:
+    return any(word.data in UPWARD_WORDS for word in story.words_in(begin, end))
+
+
 # --- the surface ---------------------------------------------------------------------------------
 
 
@@ -217,6 +248,10 @@ def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
     t = stay.begin
     shallow = story.deepest(t - _AFLOAT, t) <= _SHALLOW
     fixed = story.deepest(t - 2.0, t) <= _FIXED
+    unknown = not story.told_in(t - 6.0, t) or story.faulty(DEPTH_FAULTS, t - 20.0, t)
+    wanders = story.faulty(("gps_wanders",), t - 20.0, t)
+    if wanders and (unknown or story.depth(t) < _NEARLY):
+        return  # nothing contradicts fixes as at the surface
     if not (shallow or fixed) and not story.faulty(_UNDETECTED, t - 10.0, t):
         says = (
             f"surfaced, said {story.depth(t):.1f} m deep, {story.depth(t - _AFLOAT):.1f} m before"

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
+    from mission.campaign.broken import Noticed
     from mission.campaign.draw import Subject
     from mission.campaign.faults import Fared
     from mission.drive.records import Recorder
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
 @click.option(
     "--soak", metavar="DAYS", type=click.FloatRange(0.0), help="Missions in a row instead."
 )
+@click.option(
+    "--broken", "rule", metavar="NAME|all", help="Break this safety rule, and see who notices."
+)
 @click.option("--json", "as_json", is_flag=True, help="The object alone, no story.")
 def faults(
     flights: int,
@@ -37,6 +41,7 @@ def faults(
     workers: int | None,
     report: Path | None,
     soak: float | None,
+    rule: str | None,
     as_json: bool,
 ) -> None:
     """Fly the shipped missions with faults of vehicle, links, operators and program.
@@ -44,6 +49,9 @@ def faults(
     Zero vehicles lost, zero limits overrun, zero commands that nothing asked for: exit 0. Each
     flight that fails is told with the command that flies it again: exit 1. The last line of
     stdout is one JSON object.
+
+    With --broken one safety rule (or all, one after the other) is broken in the running program,
+    and flights are flown until one notices: exit 0 if all are noticed but those with a reason.
     """
     import functools
     import json
@@ -53,6 +61,8 @@ def faults(
     from mission.workers import results, with_progress
 
     known = tuple(subjects(shipped()))
+    if rule is not None:
+        sys.exit(_break(rule, seed, flights, workers, known, as_json))
     if soak is not None:
         sys.exit(_soak(soak, seed, known, as_json))
     totals = Totals()
@@ -77,6 +87,36 @@ def _fare(seed: int, known: Sequence[Subject], number: int) -> Fared:
     from mission.campaign.faults import fare
 
     return fare(seed, number, known)
+
+
+def _break(
+    rule: str, seed: int, flights: int, workers: int | None, known: Sequence[Subject], as_json: bool
+) -> int:
+    """The exit code."""
+    import functools
+    import json
+
+    from mission.campaign.broken import BROKEN, in_table
+    from mission.workers import results
+
+    if rule != "all" and rule not in BROKEN:
+        raise click.BadParameter(f"no rule {rule!r}; known: {', '.join(BROKEN)}")
+    names = list(BROKEN) if rule == "all" else [rule]
+    found: list[Noticed] = []
+    work = functools.partial(_notice, seed, flights, known)
+    for noticed in results(work, names, workers):
+        found.append(noticed)
+        click.echo(in_table(noticed), err=as_json)
+    blind = [n.name for n in found if n.flights is None and not n.reason]
+    object_ = {"rules": len(found), "noticed": sum(n.flights is not None for n in found)}
+    click.echo(json.dumps(object_ | {"blind": blind, "flights": flights, "seed": seed}))
+    return 1 if blind else 0
+
+
+def _notice(seed: int, flights: int, known: Sequence[Subject], name: str) -> Noticed:
+    from mission.campaign.broken import notice
+
+    return notice(name, seed, flights, known)
 
 
 def _soak(days: float, seed: int, known: Sequence[Subject], as_json: bool) -> int:

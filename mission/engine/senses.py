@@ -126,7 +126,9 @@ class Senses:
         self.telemetry = report
         self.attitude = self.attitude.after(report)
         if self.navigation:
-            push = Vertical(_downward(report), self._asked())
+            down, asked = _downward(report), self._asked()
+            over = self.overturned  # then the same push leads the other way
+            push = Vertical(None, None) if over else Vertical(down, asked)
             self.navigation.telemetry(self._with_thrust(report), push)
             self.estimate = self.navigation.estimate(report.t)
         self._forget()

@@ -29,6 +29,9 @@ WORDS = {
 }
 
 
+# A board that is deaf to a word is noticed by whoever says it.
+HEARD_BY = {"deaf_to_w": b"@ZAWF$", "deaf_to_u": b"@ZAU9$", "deaf_to_x": b"@ZAX0$"}
+
 # Counts are whole volts, and constants as built: nobody can see these.
 UNSEEN = {("as-built", name) for name in FAULTS if name.startswith("battery")} | {
     ("documented", "battery_frozen"),
@@ -37,7 +40,7 @@ UNSEEN = {("as-built", name) for name in FAULTS if name.startswith("battery")} |
 
 
 def fly(
-    profile: str, fault: str | None, until: float = 70.0, *, dive: bool = True
+    profile: str, fault: str | None, until: float = 70.0, *, dive: bool = True, word: bytes = b""
 ) -> tuple[SimulatedVehicle, list[tuple[float, bytes]]]:
     """Commands before, during and after the fault; what was heard of both lines."""
     events = (FaultEvent(fault, BEGIN, END - BEGIN),) if fault else ()
@@ -47,6 +50,7 @@ def fly(
     heard: list[tuple[float, bytes]] = []
     words = WORDS[profile] if dive else WORDS[profile][:-1]
     sends = [(t + 0.1 * i, w) for t in (5.0, 25.01, 50.0) for i, w in enumerate(words)]
+    sends = sorted([*sends, (30.0, word)])
     for now, word in [*(send for send in sends if send[0] < until), (until, b"")]:
         for link in (vehicle.vehicle_link, vehicle.gps_link):
             heard += [(rx.t, rx.data) for rx in link.receive(now)]
@@ -64,8 +68,9 @@ def volts(heard: list[tuple[float, bytes]]) -> set[bytes]:
 def test_a_fault_is_seen_while_it_lasts_and_not_before(profile: str, fault: str) -> None:
     seen = False
     for dive in (True, False):
-        _, heard = fly(profile, None, 45.0, dive=dive)
-        sick, heard_sick = fly(profile, fault, 45.0, dive=dive)
+        word = HEARD_BY.get(fault, b"")
+        _, heard = fly(profile, None, 45.0, dive=dive, word=word)
+        sick, heard_sick = fly(profile, fault, 45.0, dive=dive, word=word)
         before = [piece for piece in heard if piece[0] < BEGIN]
         assert before == [piece for piece in heard_sick if piece[0] < BEGIN]
         seen |= volts(heard) != volts(heard_sick) if "battery" in fault else heard != heard_sick
