@@ -22,13 +22,15 @@ CODE = 128 + signal.SIGINT
 
 
 def begun(*call: str) -> subprocess.Popen[str]:
-    """In a process group of its own, as a terminal has it."""
+    """In a process group of its own, and with Ctrl-C heard, as a terminal has it: who runs the
+    tests in the background may have it ignored."""
     return subprocess.Popen(
         [sys.executable, *call],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
 
 

@@ -124,7 +124,7 @@ def test_what_is_looked_at_is_told_before() -> None:
 AHEAD = {
     "auv": "a: depth 3 heading 0 gear 6 for 5min",
     "coreboard": "a: depth 3 heading 0 gear 6 for 5min",
-    "rov": "a: gear 6 down 6 for 60s",
+    "rov": "a: gear 6 down 6 for 40s",
     "robot": "a: gear 6 for 60s",
 }
 
