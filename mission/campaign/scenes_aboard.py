@@ -99,9 +99,9 @@ def _other_commander(rng: Random) -> Scene:
 def _slider(rng: Random) -> Scene:
     """A rudder slider of the commander that moves, and an ascent or legs beside it."""
     t = rng.uniform(DOWN, 60.0)
-    rate = rng.choice([5.0, 20.0, 60.0, 200.0])
+    rate = rng.choice([5.0, 60.0, 100.0, 200.0])
     moved = [say(t + i / rate, b"@DS1,%d$" % (i % 20)) for i in range(int(40.0 * rate))]
-    said = [say(t + 10.0, rng.choice([X, W]))] if rng.random() < 0.5 else []
+    said = [say(t + 10.0 * (i + 1) + rng.random(), rng.choice([X, W])) for i in range(3)]
     return Scene("there", (heavy(rng, t),) if rng.random() < 0.4 else (), (*moved, *said))
 
 
