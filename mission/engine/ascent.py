@@ -4,10 +4,11 @@
     upside down, behind them:               D12 for 5 s, at most once a minute
 
 A way that makes the depth fall, from the deepest of its turn on, is kept for as long as it does:
-behind a push the wrong way a vehicle sinks on before it rises. An unknown depth counts as not
-falling. It never gives up. Where it begins depends on what is known: with X0 and U12 where the
-depth is not believed or the vehicle sinks from rest (as built, W first goes on diving), by letting
-go where the vehicle is upside down. Whether the surface is reached is seen by the senses.
+behind a push the wrong way a vehicle sinks on before it rises, and letting go then has two turns.
+An unknown depth counts as not falling. It never gives up. Where it begins depends on what is known:
+with X0 and U12 where the depth is not believed or the vehicle sinks from rest (as built, W first
+goes on diving), by letting go where the vehicle is upside down. Whether the surface is reached is
+seen by the senses.
 
 What does not live here: which ways a vehicle has (protocol.vehicles), the surface (senses).
 """
@@ -26,7 +27,7 @@ FALL = 0.3  # m in that time: 0.03 m/s, twice the noise of the difference of two
 DOWNWARD = Setpoint(heave=1.0)  # lifts a vehicle that is upside down
 OVERTURNED_TURN = 5.0  # s that DOWNWARD is given (R7)
 OVERTURNED_PAUSE = 60.0  # s from one DOWNWARD to the next (R7)
-OVERTURNED_MOST = 1.0  # m deeper, and DOWNWARD is given up (R7)
+DEEPER = 1.0  # m, and DOWNWARD is given up (R7); behind another way, letting go has two turns
 
 Way = Setpoint | Order
 
@@ -36,7 +37,7 @@ class Ascent:
 
     __slots__ = (
         *("_at", "_deepest", "_looked", "_overturned_at", "_since", "_start_depth", "_ways"),
-        *("_why", "began", "way"),
+        *("_turn", "_why", "began", "way"),
     )
 
     def __init__(
@@ -49,7 +50,7 @@ class Ascent:
         overturned: bool = False,
         sinking: bool = False,
     ) -> None:
-        self.began, self._why, self._ways = now, why, ways
+        self.began, self._why, self._ways, self._turn = now, why, ways, TURN
         self._begin_turn(now, depth)
         first = ways[0]
         if overturned:
@@ -71,7 +72,8 @@ class Ascent:
     def act(self, now: float, depth: float | None, overturned: bool) -> tuple[Action, ...]:
         """What is due; nothing while the way in use is being tried, or works."""
         fallen = self._fallen(now, depth)
-        if self.way == DOWNWARD and not (overturned and self._may_lift(depth)):
+        given_up = depth is None or self._start_depth is None or self._has_led_deeper(depth)
+        if self.way == DOWNWARD and (given_up or not overturned):
             pass  # given up at once
         elif now < self.next_timer():
             return ()
@@ -86,7 +88,9 @@ class Ascent:
         else:
             self._at = (self._at + 1) % len(self._ways)
             self.way = self._ways[self._at]
+        driven = self._has_led_deeper(depth) and self.way is Order.STOP
         self._begin_turn(now, depth)
+        self._turn = OVERTURNED_TURN if self.way == DOWNWARD else 2.0 * TURN if driven else TURN
         return (Action(self.way, why),)
 
     def _begin_turn(self, now: float, depth: float | None) -> None:
@@ -101,10 +105,10 @@ class Ascent:
             self._looked, self._deepest = now, max(self._deepest, depth)
         return self._deepest - depth
 
-    def _may_lift(self, depth: float | None) -> bool:
-        """Whether DOWNWARD has not led deeper so far."""
+    def _has_led_deeper(self, depth: float | None) -> bool:
+        """The turn so far, by a metre."""
         start = self._start_depth
-        return depth is not None and start is not None and depth - start <= OVERTURNED_MOST
+        return depth is not None and start is not None and depth - start > DEEPER
 
     def _may_push_down(self, now: float) -> bool:
         """Behind the last of the ways."""
@@ -112,7 +116,7 @@ class Ascent:
         return last and now >= self._overturned_at + OVERTURNED_PAUSE
 
     def next_timer(self) -> float:
-        return self._since + (OVERTURNED_TURN if self.way == DOWNWARD else TURN)
+        return self._since + self._turn
 
     def clone(self) -> Self:
         return copy.copy(self)

@@ -4,7 +4,8 @@ A port that is clogged, a drift, an offset or a jump gives a depth that is fresh
 never twice the same. What speaks against it, over the last ``WINDOW`` seconds:
 
     stands    the verticals push (as reported, or by the set in force) and the depth does not move
-    altimeter the ground comes nearer, or goes, evenly, while the depth stands and nothing drives
+    altimeter the ground comes nearer, or goes, evenly, while the depth stands and nothing drives:
+              quickly within the window, or slowly in all the time since
     leaps     it is elsewhere at once, and stays there
     rate      it moves faster than a body does
     offset    fixes come as at the surface, nothing pushes down, and it is 0.8 m or more off 0, and
@@ -44,6 +45,7 @@ _FIXES_GO = 3.0  # s without one: the antenna is under water
 _HAD = 60.0  # s ago at most, that there were some
 _BODY = 1.25  # m/s: no body is faster up or down
 _CLOSING = 1.7  # m between the halves: 1 m, and a slope of 30 % under a drift of 0.3 m/s
+_SLOWLY = 3.0  # m in any time, while nothing drives: a drift of 0.2 m/s over a slope of 15 m
 _EVENLY = 1.0, 0.4  # m/s and m: what is more at once is a step of the ground
 _AT_REST = 45.0  # s since the depth moved: a slow altimeter has followed by then
 _MOVED = 0.5  # m that a depth must have moved to be believed again
@@ -69,6 +71,7 @@ class DepthBelief:
         self._way, self._pushed_at = 0, -math.inf  # of a push that should move it, down positive
         self._calm_at = self._still_at = math.inf  # since when nothing pushes down; drives
         self._moved_at = self._grounded_at = -math.inf
+        self._ground_from: tuple[float, float] | None = None  # s, m: of a ground that moves slowly
         self._doubted_at = -math.inf
         self._low = self._high = math.nan  # of its means, since then
         self._afloat, self._lifted = (math.inf, math.inf), 0.0  # since when, from what depth; s
@@ -200,15 +203,26 @@ class DepthBelief:
         older = [a for at, a in seen if at < t - 0.5 * WINDOW]
         newer = [a for at, a in seen if at >= t - 0.5 * WINDOW]
         if len(older) < 2 or len(newer) < 2:
+            self._ground_from = None
             return 0.0
         nearer = sum(older) / len(older) - sum(newer) / len(newer)
-        if abs(nearer) < _CLOSING:
-            return 0.0
         way, (rate, noise) = math.copysign(1.0, nearer), _EVENLY
         for (at, a), (bt, b) in itertools.pairwise(seen):
             if not -noise <= (a - b) * way <= rate * (bt - at) + noise:
+                self._ground_from = None
                 return 0.0
-        return nearer
+        if abs(nearer) >= _CLOSING:
+            return nearer
+        return self._slowly(t, sum(newer) / len(newer))
+
+    def _slowly(self, t: float, altitude: float) -> float:
+        """The same since the depth stands and nothing drives: 5 cm/s are 3 m in a minute."""
+        begun = self._ground_from
+        if begun is None or begun[0] < max(self._moved_at, self._still_at):
+            self._ground_from = t, altitude
+            return 0.0
+        nearer = begun[1] - altitude
+        return nearer if abs(nearer) >= _SLOWLY and t - begun[0] >= WINDOW else 0.0
 
     def _contradict(self, t: float, why: str, *, moves: bool) -> None:
         if not self.reason:

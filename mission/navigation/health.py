@@ -9,8 +9,8 @@
     absurd   not finite (a codec tells None and a fault), out of the physical range, faster than
              the row's rate, or marked doubtful by the codec. A value that is out of rate is
              believed again once three reports in a row agree with each other: the sensor has
-             come back elsewhere (a depth is then contradicted). Among reports of which more than
-             every third is absurd none is believed.
+             come back elsewhere (a depth is then contradicted). Among reports of which more
+             than every third is absurd none is believed.
     contradicted  the depth alone, by what else is known (belief)
 
 Rows are the channels; a sensor is one or more channels and is as good as the worst of them.
@@ -83,6 +83,7 @@ class _Monitor:
     same: int = 0  # repeats while moving
     repeated: bool = False  # the last report said the same as the one before
     agreeing: int = 0
+    jumped: float = 0.0  # by so much, when those that agree began
     bad: int = 0  # 2 for a report that is absurd, one less for one that is not
     leapt: float = 0.0  # by so much, with the last report: it is believed elsewhere
     reason: str = ""
@@ -95,18 +96,22 @@ class _Monitor:
         self.leapt = 0.0
         near = row.rate == math.inf
         if not near:
-            near = _near(row, t - self.t, value, before)
-            self.agreeing = self.agreeing + 1 if near else 1
+            near = goes_on = _near(row, t - self.t, value, before)
+            self.agreeing = self.agreeing + 1 if goes_on else 1
             if self.good_t != self.t or self.good != before:  # the last one was not believed
                 near = _near(row, t - self.good_t, value, self.good)
+            if not goes_on:
+                self.jumped = 0.0 if near or not math.isfinite(value) else value - self.good
+            elif self.jumped:  # not to be taken for the old place, in reach of which it comes
+                near = near and _apart(row, value, self.good) <= _apart(row, value, before)
         self.t, self.value = t, value
         if doubt or not row.low <= value <= row.high:  # also what is not a number
             self._is_absurd(row)
         elif row.freezes and self.same >= _SAME - 1:
             self.reason = "frozen"
         elif self._is_plausible(near):
-            self.leapt = 0.0 if near else value - self.good
-            self.reason, self.good_t, self.good = "", t, value
+            self.leapt = 0.0 if near else self.jumped
+            self.reason, self.good_t, self.good, self.jumped = "", t, value, 0.0
             return True
         else:
             self._is_absurd(row)
@@ -128,12 +133,12 @@ class _Monitor:
 
 def _near(row: Channel, since: float, value: float, other: float) -> bool:
     """Whether ``value`` may follow ``other`` within ``since`` seconds."""
-    if other != other:
-        return True
-    change = value - other
-    if row.wraps:
-        change = math.remainder(change, 2.0 * math.pi)
-    return abs(change) <= row.rate * max(since, 1.0)
+    return other != other or _apart(row, value, other) <= row.rate * max(since, 1.0)
+
+
+def _apart(row: Channel, a: float, b: float) -> float:
+    """Between two values of a channel; NaN with none."""
+    return abs(math.remainder(a - b, 2.0 * math.pi)) if row.wraps else abs(a - b)
 
 
 class SensorHealth:

@@ -106,7 +106,7 @@ def test_a_leap_is_absurd_until_three_reports_agree_on_it() -> None:
 
 def test_a_depth_that_leapt_is_contradicted_once_three_reports_agree_on_it() -> None:
     health = after(report(0), report(1))
-    for i, why in [(2, "absurd"), (3, "absurd"), (4, "contradicted: it leapt by 35.4 m")]:
+    for i, why in [(2, "absurd"), (3, "absurd"), (4, "contradicted: it leapt by 35.2 m")]:
         health.telemetry(report(i, depth=40.0 + 0.1 * i))
         assert health.of("depth", 2.0 * i).reason == why
 
