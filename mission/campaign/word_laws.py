@@ -386,6 +386,8 @@ def _heeds_refusals(story: Story) -> Iterator[Violation]:
         if found is None:
             continue
         words = story.words_in(heard.t - 1.0, heard.t - 0.005)
+        if words and found[1] not in (b"A", words[-1].data[3:4]):
+            continue  # it is another word's
         stay = story.stay_at(heard.t)
         if (
             len(words) != 1
