@@ -26,7 +26,7 @@ from protocol.messages import Order, Setpoint
 UNANSWERED = "unanswered"
 _SPARE = 2  # reports, beside those that the rule asks for
 _DEPTH, _ROLL = 1.0 + 0.5, math.radians(6.0)  # m and rad beyond the bound
-_NEARER, _OFF, _STUCK = 0.3, 2.6, 136.0  # m, m, s: 0.5 m, 2 m and 120 s (R5)
+_NEARER, _OFF, _STUCK = 0.45, 2.6, 136.0  # m, m, s: 0.5 m, 2 m and 120 s (R5)
 _UNASKED, _SINKING = 3.0, 0.2  # m and m/s: 2 m and 0.1 m/s (R5)
 _BLIND, _UNDER = 10.5, 1.0  # s and m: 6 s without a depth, from the next report on
 _CLOGGED = 6.5  # m
@@ -224,6 +224,7 @@ def _set_of(step: Step) -> Setpoint | None:
 
 
 def _no_progress(story: Story, stay: Stay) -> Iterator[Violation]:
+    """By the reports: noise of a depth that stands may seem to be a step nearer."""
     since = nearest = 0.0
     wanted: float | None = None
     for begin, end, command in _sets(story, stay):
@@ -232,13 +233,15 @@ def _no_progress(story: Story, stay: Stay) -> Iterator[Violation]:
             continue
         if command.depth != wanted:
             wanted, since, nearest = command.depth, begin, math.inf
-        for told in story.told_in(begin, end):
-            off = abs(story.depth(told.t) - wanted)
+        for report in story.reports:
+            if not begin < report.t < end:
+                continue
+            off = abs(report.depth - wanted)
             if off <= max(nearest - _NEARER, _OFF):
-                since, nearest = told.t, off
-            if told.t - since > _STUCK and _is_plain(story, since, told.t, DEPTH_FAULTS):
-                says = f"no nearer to {wanted:g} m for {told.t - since:.0f} s"
-                yield Violation(UNANSWERED, told.t, f"{says}, and still in {stay.state}")
+                since, nearest = report.t, off
+            if report.t - since > _STUCK and _is_plain(story, since, report.t, DEPTH_FAULTS):
+                says = f"no nearer to {wanted:g} m for {report.t - since:.0f} s"
+                yield Violation(UNANSWERED, report.t, f"{says}, and still in {stay.state}")
                 return
 
 

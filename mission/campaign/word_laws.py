@@ -67,7 +67,7 @@ _COMMANDS = 9.5  # s
 _M, _AC = re.compile(rb"@M[TDMRSP][^@$]*\$"), re.compile(rb"@AC\$")
 _ACKNOWLEDGED = re.compile(rb"@ACK_Z[XA]Y\$")
 _ACCEPTED = re.compile(rb"@ACK_(?:AA|AC|SP|ST|AW|NS)[^N]\$")
-_REFUSED = re.compile(rb"@ACK_Z[A-Z]N\$")
+_REFUSED = re.compile(rb"@ACK_Z([A-Z])N\$")
 _GAP, _NODE = 0.02, 1.0  # s
 _ORDER = re.compile(rb"@ZA(X0|WF)\$")
 _UNDETECTED = ("depth_too", "depth_drifting", "depth_late", "depth_stuck", "depth_inter")
@@ -382,9 +382,12 @@ def _keeps_the_gap(story: Story) -> Iterator[Violation]:
 def _heeds_refusals(story: Story) -> Iterator[Violation]:
     """Where nothing else can be meant: one word alone in the second before."""
     for heard in story.heard:
-        if not _REFUSED.search(heard.data):
+        found = _REFUSED.search(heard.data)
+        if found is None:
             continue
         words = story.words_in(heard.t - 1.0, heard.t - 0.005)
+        if words and found[1] not in (b"A", words[-1].data[3:4]):
+            continue  # it is another word's
         stay = story.stay_at(heard.t)
         if (
             len(words) != 1
