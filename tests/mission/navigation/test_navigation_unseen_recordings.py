@@ -56,7 +56,8 @@ def glider(home: Position, declination: float, begin: float = 1695220914.0) -> R
         for step in range(12 if dive == 3 else 192):
             up, depth, speed = step < 12, 0.05, 0.0
             if not up:
-                pitch = 26.0 if (step // 30) % 2 else -26.0
+                rises = (step // 30) % 2 or step >= 168  # to the surface at its end
+                pitch = 26.0 if rises else -26.0
                 depth = max(float(rows[-1]["depth_m"]) - math.copysign(1.8, pitch), 0.6)
                 speed = 0.18 / math.tan(math.radians(29.0))
             lat, lon = (math.degrees(a) for a in frame.to_geodetic(n, e))
