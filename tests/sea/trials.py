@@ -181,7 +181,8 @@ def once_more(world: World) -> Steps:
     letter = yield from boat(world).ask("@AC$", "AC")
     world.notes.append(f"clear={letter}")
     world.marks.pop("go", None)
-    letter = yield from boat(world).upload(mission(8, 10, stay="20s"))
+    text = mission(8, 10, stay="20s").replace("down:", "assume start 200\n        down:", 1)
+    letter = yield from boat(world).upload(text)  # it has swum and drifted since
     world.notes.append(f"second={letter}")
     yield from world.wait(5)
     letter = yield from boat(world).ask("@AA$", "AA")
