@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test check lint bench score campaign faults exhaustive sea docs clean
+.PHONY: demo test proofs check lint bench score campaign faults exhaustive sea docs clean
 
 DATA ?= ../shared/data/trajectories
 SEED ?= 0
@@ -11,10 +11,13 @@ SEED ?= 0
 demo: $(READY)          ## a mission from a YAML file to the vehicle and home, over real bytes
 	$(BIN)/auvmission demo
 
-test: $(READY)          ## every test
+test: $(READY)          ## every test but the long proofs
 	$(BIN)/pytest -n 2 --dist worksteal --cov --cov-report=term:skip-covered
 
-check: lint test        ## what must be green before anything lands
+proofs: $(READY)        ## the long proofs: flights, states crossed with events, broken rules, recordings
+	$(BIN)/pytest -m proof -n 2 --dist worksteal --ignore tests/sea
+
+check: lint test proofs ## what must be green before anything lands
 
 lint: $(READY)
 	$(BIN)/ruff check .

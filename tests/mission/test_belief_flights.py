@@ -12,6 +12,8 @@ from mission.simulation.flight import fly
 from mission.simulation.flightlog import Flight
 from mission.vehicle import load_vehicle, missions_folder
 
+pytestmark = pytest.mark.proof  # long: make proofs
+
 PROFILES = ("as-built", "documented")
 LIMIT = "limit depth contradicted"
 SINKS = 6.0  # m beyond the limit, in the time that it takes

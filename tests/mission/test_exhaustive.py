@@ -36,6 +36,8 @@ from mission.navigation.health import SensorHealth, _Monitor
 from mission.vehicle import Vehicle, missions_folder
 from protocol.messages import UPWARD, Order, SetSafety
 
+pytestmark = pytest.mark.proof  # long: make proofs
+
 MISSIONS = missions_folder()
 EVERY = 7  # of the configurations: a sample that asks every law
 ELSEWHERE = {"leak": "the AUV reports none"}

@@ -520,7 +520,6 @@ def test_random_and_hostile_bytes_are_faults_and_nothing_else(name: str) -> None
         assert len(framer._buffer) == 0
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", [row.name for row in LINKS])
 def test_a_million_hostile_bytes_cost_no_more_than_one_look_at_each(
     name: str, monkeypatch: pytest.MonkeyPatch

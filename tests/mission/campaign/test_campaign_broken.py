@@ -23,6 +23,8 @@ from mission.envelope import LIMITS
 from mission.language import digest
 from mission.vehicle import load_vehicle
 
+pytestmark = pytest.mark.proof  # long: make proofs
+
 KNOWN = tuple(subjects(shipped()))
 
 # The rule that is broken, a scene and its seed, and the law that sees it.

@@ -48,6 +48,7 @@ def kinds_of(trial: Trial, profile: str = "as-built", settings: Settings = NO_FA
 # --- the campaign --------------------------------------------------------------------------------
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("ten", range(5))
 def test_no_disturbed_flight_loses_overruns_or_sends_unasked(ten: int) -> None:
     for number in range(10 * ten, 10 * ten + 10):
@@ -55,6 +56,7 @@ def test_no_disturbed_flight_loses_overruns_or_sends_unasked(ten: int) -> None:
         assert not fared.violations, fared
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("name", INCIDENTS)
 def test_an_incident_alone_breaks_no_law(name: str) -> None:
     drawn = INCIDENTS[name].draw(random.Random(name), ("mission other vehicle auv", "wait 9"))
@@ -79,6 +81,7 @@ def test_a_flight_is_told_by_its_seed_and_number_alone() -> None:
     assert first.events == second.events
 
 
+@pytest.mark.proof
 def test_what_comes_out_does_not_depend_on_who_works() -> None:
     work = functools.partial(fare, 9, known=KNOWN[:3])
     assert list(results(work, range(3), 2)) == [work(number) for number in range(3)]
@@ -261,6 +264,7 @@ def test_a_power_cut_takes_both_boards() -> None:
 # --- the soak ------------------------------------------------------------------------------------
 
 
+@pytest.mark.proof
 def test_one_program_lives_through_missions_in_a_row(tmp_path: Path) -> None:
     soaked = soak(0.06, 0, KNOWN, VEHICLE, tmp_path)
     assert soaked.totals.clean

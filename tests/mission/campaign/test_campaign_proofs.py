@@ -19,6 +19,8 @@ from mission.compiler.compiler import compile_mission
 from mission.language import digest, parse
 from mission.vehicle import load_vehicle
 
+pytestmark = pytest.mark.proof  # long: make proofs
+
 VEHICLE = load_vehicle("auv")
 MISSIONS, FLIGHTS = 20, 3
 SHIPPED = shipped()

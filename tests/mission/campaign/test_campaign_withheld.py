@@ -34,6 +34,8 @@ from mission.legs import LEGS
 from mission.variables import VARIABLES
 from mission.vehicle import load_vehicle
 
+pytestmark = pytest.mark.proof  # long: make proofs
+
 VEHICLE = load_vehicle("auv")
 CLAIMS = list(claims(VEHICLE))
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 import pytest
 from simulated_truth import Flight, Summary, fly, sum_up
 
+pytestmark = pytest.mark.proof  # long: make proofs
+
 FLIGHTS = 30
 
 
@@ -25,7 +27,6 @@ def summary(flights: list[Flight]) -> Summary:
     return sum_up(flights)
 
 
-@pytest.mark.slow
 def test_nees_of_every_state_group_is_within_its_bounds(summary: Summary) -> None:
     outside = {
         group: value
@@ -35,17 +36,14 @@ def test_nees_of_every_state_group_is_within_its_bounds(summary: Summary) -> Non
     assert not outside, summary
 
 
-@pytest.mark.slow
 def test_innovations_of_fixes_are_as_large_as_they_are_believed(summary: Summary) -> None:
     assert 0.95 < summary.nis < 1.05
 
 
-@pytest.mark.slow
 def test_the_ellipse_holds_the_truth_as_often_as_it_says(summary: Summary) -> None:
     assert 0.93 < summary.coverage < 0.97
 
 
-@pytest.mark.slow
 def test_the_error_at_surfacing_stays_small_against_the_way_swum(summary: Summary) -> None:
     median, most = summary.error_pct
     assert median < 4.0

@@ -20,6 +20,8 @@ from mission.navigation.scoring import as_object, score_folder
 from mission.vehicle import load_vehicle
 from protocol.messages import Fix, Telemetry
 
+pytestmark = pytest.mark.proof  # long: make proofs
+
 HOME = Position(32.85, 34.89)
 
 
@@ -147,7 +149,6 @@ def test_a_state_that_is_not_there_is_refused(folder: Path) -> None:
     assert "waters" in result.output
 
 
-@pytest.mark.slow
 def test_every_reference_is_met_and_the_ellipses_hold(recordings: Path) -> None:
     scores, _ = score_folder(recordings / "trajectories", load_vehicle("auv"))
     found = as_object(scores)
