@@ -11,11 +11,10 @@ looked at. The rules, in the order of the events:
     a Step   that commands must be allowed to where it happens: a set only in a leg; the stop of
              ``stopped`` needs an X, surfacing a W, a limit, a restart, an ordered end or a
              forgotten stick, manual an M, a start an @AA that is no copy by modem (R12). The stick
-             is as silent as who
-             holds it, whatever others or a modem say (R6, R12). A stop is repeated only until the
-             STM32 acknowledged it, when a report says that a thruster turns all the same, or when
-             the line was away. What acknowledges while two frames or more may still be answered
-             need not be believed: it may be the older one's.
+             is as silent as who holds it, whatever others or a modem say (R6, R12). A stop is
+             repeated only until the STM32 acknowledged it, when a report says that a thruster
+             turns all the same, or when the line was away. What acknowledges while two frames or
+             more may still be answered need not be believed: it may be the older one's.
 
 What does not live here: whether a limit was right to act (the engine's tests), what may not come
 of a flight (laws).

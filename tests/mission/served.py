@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import socket
+import subprocess
 import threading
 import time
 import tty
@@ -12,6 +13,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+
+import pytest
 
 from links.simulated.link import SimulatedVehicle
 from links.simulated.pty import PtyVehicle
@@ -43,6 +46,19 @@ def soon(holds: Callable[[], bool], what: str, within: float = PATIENCE) -> None
     while not holds():
         assert time.monotonic() < end, f"not within {within} s: {what}"
         time.sleep(0.01)
+
+
+def noted_processes(monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Popen[str]]:
+    """Every process that is begun from now on."""
+    started: list[subprocess.Popen[str]] = []
+    popen = subprocess.Popen
+
+    def noted(*args: object, **more: object) -> subprocess.Popen[str]:
+        started.append(popen(*args, **more))  # type: ignore[call-overload]
+        return started[-1]
+
+    monkeypatch.setattr(subprocess, "Popen", noted)
+    return started
 
 
 def provided(configuration: Configuration, store: Store) -> Provision:

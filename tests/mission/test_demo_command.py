@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from served import noted_processes
 
 from mission.commands import demo as command
 from mission.simulation.demo import Demo, DemoError, Progress, not_as_planned
@@ -102,17 +102,11 @@ def test_a_demonstration_that_is_told_to_end_ends_its_processes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By SIGTERM as by ctrl-C, once both processes run."""
-    started: list[subprocess.Popen[str]] = []
-    popen = subprocess.Popen
-
-    def noted(*args: object, **more: object) -> subprocess.Popen[str]:
-        started.append(popen(*args, **more))  # type: ignore[call-overload]
-        return started[-1]
+    started = noted_processes(monkeypatch)
 
     def operate(self: Demo, topside: str, events: object) -> None:
         os.kill(os.getpid(), signal.SIGTERM)
 
-    monkeypatch.setattr(subprocess, "Popen", noted)
     monkeypatch.setattr(Demo, "_operate", operate)
     ran = CliRunner().invoke(command.demo, ["--out", str(tmp_path / "out")])
     assert ran.exit_code == 128 + signal.SIGTERM

@@ -11,7 +11,7 @@ from pathlib import Path
 import click
 import pytest
 from click.testing import CliRunner
-from served import PATIENCE, soon
+from served import PATIENCE, noted_processes, soon
 
 from mission.campaign import soak
 from mission.cli import COMMANDS, main
@@ -121,19 +121,13 @@ def test_a_soak_tells_what_it_found_until_it_was_interrupted(
 def test_a_demonstration_waits_for_no_process_that_does_not_end(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    started: list[subprocess.Popen[str]] = []
-    popen = subprocess.Popen
-
-    def noted(*args: object, **more: object) -> subprocess.Popen[str]:
-        started.append(popen(*args, **more))  # type: ignore[call-overload]
-        return started[-1]
+    started = noted_processes(monkeypatch)
 
     def operate(self: Demo, topside: str, events: object) -> None:
         for process in started:
             process.send_signal(signal.SIGSTOP)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(subprocess, "Popen", noted)
     monkeypatch.setattr(Demo, "_operate", operate)
     monkeypatch.setattr(demo, "STOP_S", 100 * PATIENCE)
     ran = CliRunner().invoke(main, ["demo", "--out", str(tmp_path / "out")])
