@@ -47,7 +47,7 @@ sea: $(READY)           ## the second sea, by another hand: every scene; DRAW=n 
 
 docs: $(READY)          ## regenerate what is generated in docs/
 	$(BIN)/python -m protocol.reference > docs/protocol.md
-	$(BIN)/python -m mission.language.manual docs/mission-language.md
+	$(BIN)/python -m mission.authoring.language.manual docs/mission-language.md
 
 clean:
 	rm -rf .venv out build dist

@@ -20,7 +20,7 @@ def main() -> None:
 
 def _lower_lifeboat(error: Exception) -> None:
     """Whatever it is: an import that fails, a file of the program that is damaged."""
-    from mission.lifeboat import launch, plan_from
+    from mission.onboard.lifeboat import launch, plan_from
 
     traceback.print_exception(error)
     plan = plan_from(sys.argv[2:], os.environ)

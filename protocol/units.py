@@ -1,6 +1,6 @@
 """The unit of a decoded value: by the suffix of its name, else by its frame.
 
-What does not live here: units of mission texts (mission.units); inside, all is SI.
+What does not live here: units of mission texts (mission.model.units); inside, all is SI.
 """
 
 from __future__ import annotations

@@ -26,13 +26,14 @@ def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
     calibration on the others. What the logs do not teach stays as the vehicle file has
     it, and is told with what would teach it. Exit 2 where the logs cannot be used.
     """
-    from mission.blackbox import BlackBoxError
-    from mission.buoyancy import heavy
-    from mission.navigation.calibration import CalibrationError
-    from mission.navigation.calibration import calibrate as fit
-    from mission.navigation.lessons import kept, rise, section, untaught
-    from mission.serve.heard import LogError, read_log
-    from mission.vehicle import VehicleError, load_vehicle
+    from mission.onboard.blackbox import BlackBoxError
+    from mission.model.buoyancy import heavy
+    from mission.analysis.calibration import CalibrationError
+    from mission.analysis.calibration import calibrate as fit
+    from mission.analysis.lessons import kept, rise, section, untaught
+    from mission.onboard.serve.heard import LogError, read_log
+    from mission.model.vehicle import VehicleError
+    from mission.model.shipped import load_vehicle
 
     try:
         heard = [read_log(path) for path in logs]
@@ -64,7 +65,7 @@ def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
         if output is not None:
             output.write_text(text, encoding="utf-8")
         if plot is not None:
-            from mission.navigation.drawing import draw_calibration
+            from mission.analysis.drawing import draw_calibration
 
             draw_calibration(done, plot)
     except OSError as error:

@@ -11,7 +11,7 @@ import click
 from mission.commands.options import SEED
 
 if TYPE_CHECKING:
-    from mission.campaign.proofs import Claim, Shown
+    from mission.verification.campaign.proofs import Claim, Shown
 
 Job = tuple["Claim", int, int]  # claim, seed, flight
 
@@ -61,12 +61,12 @@ def campaign(
     import json
     import sys
 
-    from mission.campaign.faults import shipped
-    from mission.campaign.generated import generate
-    from mission.campaign.withheld import claims as withheld
-    from mission.prepare import Unreadable
-    from mission.vehicle import load_vehicle
-    from mission.workers import results, with_progress
+    from mission.verification.campaign.faults import shipped
+    from mission.verification.campaign.generated import generate
+    from mission.verification.campaign.withheld import claims as withheld
+    from mission.authoring.prepare import Unreadable
+    from mission.model.shipped import load_vehicle
+    from mission.verification.workers import results, with_progress
 
     if generated is not None and show:
         click.echo(generate(seed, generated, load_vehicle("auv")).text, nl=False)
@@ -129,8 +129,8 @@ class _Tally:
 
 
 def _claim(path: Path) -> Claim:
-    from mission.campaign.proofs import Claim
-    from mission.prepare import check_prepared, prepare
+    from mission.verification.campaign.proofs import Claim
+    from mission.authoring.prepare import check_prepared, prepare
 
     prepared = prepare(path)
     report = check_prepared(prepared)
@@ -141,18 +141,18 @@ def _claim(path: Path) -> Claim:
 
 
 def _generated(seed: int, number: int) -> Claim:
-    from mission.campaign.generated import generate
-    from mission.campaign.proofs import Claim
-    from mission.vehicle import load_vehicle
+    from mission.verification.campaign.generated import generate
+    from mission.verification.campaign.proofs import Claim
+    from mission.model.shipped import load_vehicle
 
     made = generate(seed, number, load_vehicle("auv"))
     return Claim(f"--generated {number}", made.mission, made.proved)
 
 
 def _show(job: Job) -> Shown:
-    from mission.campaign.proofs import show
-    from mission.campaign.withheld import drawn_for
-    from mission.vehicle import load_vehicle
+    from mission.verification.campaign.proofs import show
+    from mission.verification.campaign.withheld import drawn_for
+    from mission.model.shipped import load_vehicle
 
     claim, seed, flight = job
     vehicle = load_vehicle(claim.mission.vehicle)

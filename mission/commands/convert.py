@@ -26,8 +26,8 @@ def convert(
     Parameters are resolved and comments stay behind; lines are the canonical text that travels
     to the vehicle.
     """
-    from mission.language import MissionErrors, is_yaml, load, to_lines, to_yaml
-    from mission.prepare import Unreadable, mission_file, parameters_of
+    from mission.authoring.language import MissionErrors, is_yaml, load, to_lines, to_yaml
+    from mission.authoring.prepare import Unreadable, mission_file, parameters_of
 
     try:
         mission = mission_file(mission)

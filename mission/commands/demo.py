@@ -12,7 +12,7 @@ import click
 from mission.commands.options import PROFILE, SEED, SETTINGS
 
 if TYPE_CHECKING:
-    from mission.simulation.demo import Progress
+    from mission.verification.simulation.demo import Progress
 
 
 @click.command()
@@ -38,13 +38,13 @@ def demo(
     Exit 0 only if the vehicle surfaced, the mission completed and every leg was left as planned.
     """
     from links.simulated.settings import SettingError, parse_settings
-    from mission.graph.outline import outline
-    from mission.graph.svg import svg
-    from mission.operator.upload import OperatorError
-    from mission.prepare import Unreadable, check_prepared, prepare
-    from mission.simulation.demo import LEFT, Demo, DemoError, not_as_planned
-    from mission.simulation.legtable import table
-    from mission.simulation.plot import draw_flight
+    from mission.authoring.graph.outline import outline
+    from mission.authoring.graph.svg import svg
+    from mission.topside.upload import OperatorError
+    from mission.authoring.prepare import Unreadable, check_prepared, prepare
+    from mission.verification.simulation.demo import LEFT, Demo, DemoError, not_as_planned
+    from mission.verification.simulation.legtable import table
+    from mission.verification.simulation.plot import draw_flight
 
     path = mission or Path("first-dive")
     try:

@@ -31,9 +31,9 @@ def diff(
     import json
     import sys
 
-    from mission.diff import compare
-    from mission.diff.show import as_markdown, as_object, as_text
-    from mission.prepare import Unreadable, parameters_of, prepare
+    from mission.authoring.diff import compare
+    from mission.authoring.diff.show import as_markdown, as_object, as_text
+    from mission.authoring.prepare import Unreadable, parameters_of, prepare
 
     if markdown and as_json:
         raise click.UsageError("either --markdown or --json")

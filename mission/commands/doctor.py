@@ -11,7 +11,7 @@ import click
 from mission.commands.options import AS_JSON
 
 if TYPE_CHECKING:
-    from mission.doctor.findings import Finding
+    from mission.onboard.doctor.findings import Finding
 
 
 _MEND = "mend the file; docs/operation.md lists every key"
@@ -30,7 +30,7 @@ def doctor(config: Path | None, as_json: bool) -> None:
     """
     import json
 
-    from mission.doctor.findings import Condition
+    from mission.onboard.doctor.findings import Condition
 
     found: list[Finding] = []
 
@@ -52,11 +52,12 @@ def doctor(config: Path | None, as_json: bool) -> None:
 
 def _examined(config: Path | None) -> Iterator[Finding]:
     """What cannot be read is a fault, and the rest is as serve would begin with."""
-    from mission.configuration import ConfigurationError, load_configuration
-    from mission.doctor.doctor import examine
-    from mission.doctor.findings import fault
-    from mission.serve.provision import Unusable, provide
-    from mission.vehicle import VehicleError, load_vehicle
+    from mission.onboard.configuration import ConfigurationError, load_configuration
+    from mission.onboard.doctor.doctor import examine
+    from mission.onboard.doctor.findings import fault
+    from mission.onboard.serve.provision import Unusable, provide
+    from mission.model.vehicle import VehicleError
+    from mission.model.shipped import load_vehicle
 
     try:
         configuration = load_configuration(config)

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from mission.campaign.broken import Noticed
-    from mission.campaign.draw import Subject
-    from mission.campaign.faults import Fared
-    from mission.drive.records import Recorder
+    from mission.verification.campaign.broken import Noticed
+    from mission.verification.campaign.draw import Subject
+    from mission.verification.campaign.faults import Fared
+    from mission.onboard.runtime.records import Recorder
 
 
 @click.command()
@@ -57,8 +57,8 @@ def faults(
     import json
     import sys
 
-    from mission.campaign.faults import Totals, fare, shipped, subjects
-    from mission.workers import results, with_progress
+    from mission.verification.campaign.faults import Totals, fare, shipped, subjects
+    from mission.verification.workers import results, with_progress
 
     known = tuple(subjects(shipped()))
     if rule is not None:
@@ -84,7 +84,7 @@ def faults(
 
 
 def _fare(seed: int, known: Sequence[Subject], number: int) -> Fared:
-    from mission.campaign.faults import fare
+    from mission.verification.campaign.faults import fare
 
     return fare(seed, number, known)
 
@@ -96,8 +96,8 @@ def _break(
     import functools
     import json
 
-    from mission.campaign.broken import BROKEN, in_table
-    from mission.workers import results
+    from mission.verification.campaign.broken import BROKEN, in_table
+    from mission.verification.workers import results
 
     if rule != "all" and rule not in BROKEN:
         raise click.BadParameter(f"no rule {rule!r}; known: {', '.join(BROKEN)}")
@@ -114,7 +114,7 @@ def _break(
 
 
 def _notice(seed: int, flights: int, known: Sequence[Subject], name: str) -> Noticed:
-    from mission.campaign.broken import notice
+    from mission.verification.campaign.broken import notice
 
     return notice(name, seed, flights, known)
 
@@ -124,8 +124,8 @@ def _soak(days: float, seed: int, known: Sequence[Subject], as_json: bool) -> in
     import json
     import tempfile
 
-    from mission.campaign import soak
-    from mission.vehicle import load_vehicle
+    from mission.verification.campaign import soak
+    from mission.model.shipped import load_vehicle
 
     def told(soaked: soak.Soaked, fared: Fared) -> None:
         if fared.violations:
@@ -163,7 +163,7 @@ def _recorders(folder: Path | None) -> Iterator[Callable[[], Recorder | None]]:
     if folder is None:
         yield lambda: None
         return
-    from mission.blackbox import BlackBox
+    from mission.onboard.blackbox import BlackBox
 
     lives: list[BlackBox] = []
 

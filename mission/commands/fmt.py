@@ -18,7 +18,7 @@ def fmt(files: tuple[Path, ...], only_check: bool, stdout: bool) -> None:
     Words, numbers and comments stay as they are, and so does the mission's digest. A file with
     errors is left as it is (exit 2).
     """
-    from mission.language import MissionErrors
+    from mission.authoring.language import MissionErrors
 
     changed, unreadable = [], False
     for path in files:
@@ -36,7 +36,7 @@ def fmt(files: tuple[Path, ...], only_check: bool, stdout: bool) -> None:
 
 def _laid_out(path: Path, only_check: bool, stdout: bool) -> bool:
     """True if the file is, or would be, changed."""
-    from mission.language import digest, layout, load, parse
+    from mission.authoring.language import digest, layout, load, parse
 
     mission = load(path)
     before = path.read_bytes().decode("utf-8")

@@ -35,10 +35,10 @@ def graph(
     .svg, .png and .html are for people, .mmd and .dot for other tools that draw, .scxml runs in
     any SCXML engine, .json has the chart's tables.
     """
-    from mission.graph.formats import FORMATS
-    from mission.graph.outline import TooLarge, outline
-    from mission.graph.raster import NoFont
-    from mission.prepare import Unreadable, parameters_of, prepare
+    from mission.authoring.graph.formats import FORMATS
+    from mission.authoring.graph.outline import TooLarge, outline
+    from mission.authoring.graph.raster import NoFont
+    from mission.authoring.prepare import Unreadable, parameters_of, prepare
 
     row = FORMATS.get(output.suffix.lower())
     if row is None:

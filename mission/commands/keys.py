@@ -16,7 +16,7 @@ def keys(folder: Path, boats: tuple[str, ...]) -> None:
 
     Called again, it adds what is missing and changes nothing.
     """
-    from mission.serve.keys import KeysError, make_keys
+    from mission.onboard.serve.keys import KeysError, make_keys
 
     made: list[Path] = []
     try:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from mission.operator.looking import Looked
-    from mission.operator.upload import Script
-    from mission.prepare import Prepared
+    from mission.topside.looking import Looked
+    from mission.topside.upload import Script
+    from mission.authoring.prepare import Prepared
     from protocol.messages import Order
 
 TO = click.option(
@@ -39,9 +39,9 @@ def upload(
 
     Exit 0 when the vehicle holds it, by its digest; 1 if not; 2 if it cannot be read.
     """
-    from mission.language import script
-    from mission.operator import console
-    from mission.prepare import Unreadable, parameters_of, prepare
+    from mission.authoring.language import script
+    from mission.topside import console
+    from mission.authoring.prepare import Unreadable, parameters_of, prepare
 
     try:
         prepared = prepare(mission, vehicle, parameters_of(parameters))
@@ -54,8 +54,8 @@ def upload(
 
 
 def _refuse_unchecked(prepared: Prepared, force: bool) -> None:
-    from mission.check.show import as_text
-    from mission.prepare import check_prepared
+    from mission.authoring.check.show import as_text
+    from mission.authoring.prepare import check_prepared
 
     report = check_prepared(prepared)
     if report.ok:
@@ -85,7 +85,7 @@ class _Progress:
 @click.option("--wait", default=0, metavar="SECONDS", help="Ask again so long while it refuses.")
 def start(to: str, wait: int) -> None:
     """Start the stored mission, or go on with the interrupted one (@AA)."""
-    from mission.operator.upload import start as talk
+    from mission.topside.upload import start as talk
 
     _converse(to, talk(wait))
 
@@ -94,7 +94,7 @@ def start(to: str, wait: int) -> None:
 @TO
 def clear(to: str) -> None:
     """Clear the stored mission, and a latched emergency at the surface (@AC)."""
-    from mission.operator.upload import clear as talk
+    from mission.topside.upload import clear as talk
 
     _converse(to, talk())
 
@@ -139,8 +139,8 @@ def status(to: str, as_json: bool, local: bool, config: Path | None) -> None:
     """
     import json
 
-    from mission.operator.looking import look
-    from mission.operator.underwater import PREFIX
+    from mission.topside.looking import look
+    from mission.topside.underwater import PREFIX
 
     if local:
         _status_here(config, as_json)
@@ -164,8 +164,8 @@ def _status_here(config: Path | None, as_json: bool) -> None:
     import json
     import time
 
-    from mission.configuration import ConfigurationError, load_configuration
-    from mission.serve import health
+    from mission.onboard.configuration import ConfigurationError, load_configuration
+    from mission.onboard.serve import health
 
     try:
         folder = load_configuration(config).folder
@@ -191,7 +191,7 @@ def _status_here(config: Path | None, as_json: bool) -> None:
 
 
 def _values(looked: Looked) -> dict[str, Any]:
-    from mission.operator.console import degrees
+    from mission.topside.console import degrees
 
     told, store = looked.last, looked.store
     fix, own = told.fix, told.telemetry
@@ -220,15 +220,15 @@ def _values(looked: Looked) -> dict[str, Any]:
 def _order(to: str, which: Order) -> None:
     import functools
 
-    from mission.operator.orders import order
-    from mission.operator.underwater import PREFIX
+    from mission.topside.orders import order
+    from mission.topside.underwater import PREFIX
 
     tell = functools.partial(click.echo, err=True)
     _converse(to, order(which, tell, under_water=to.startswith(PREFIX)))
 
 
 def _converse(to: str, script: Script) -> None:
-    from mission.operator.console import converse
+    from mission.topside.console import converse
 
     _say(lambda: converse(to, script))
 
@@ -236,8 +236,8 @@ def _converse(to: str, script: Script) -> None:
 def _say(talk: Callable[[], str]) -> None:
     """What a conversation achieved; what failed goes to stderr with exit 1, or 3 where nothing is
     known to have failed."""
-    from mission.operator.orders import Unconfirmed
-    from mission.operator.upload import OperatorError, Refused
+    from mission.topside.orders import Unconfirmed
+    from mission.topside.upload import OperatorError, Refused
 
     try:
         achieved = talk()

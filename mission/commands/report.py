@@ -10,7 +10,7 @@ import click
 from mission.commands.options import AS_JSON, LOGGED_VEHICLE
 
 if TYPE_CHECKING:
-    from mission.navigation.smoothing import Track
+    from mission.analysis.smoothing import Track
 
 
 @click.command()
@@ -27,11 +27,12 @@ def report(log: Path, output: Path | None, vehicle: str | None, as_json: bool) -
     """
     import json
 
-    from mission.blackbox import BlackBoxError
-    from mission.navigation.drawing import draw_track
-    from mission.navigation.smoothing import smooth
-    from mission.serve.heard import LogError, read_log
-    from mission.vehicle import VehicleError, load_vehicle
+    from mission.onboard.blackbox import BlackBoxError
+    from mission.analysis.drawing import draw_track
+    from mission.analysis.smoothing import smooth
+    from mission.onboard.serve.heard import LogError, read_log
+    from mission.model.vehicle import VehicleError
+    from mission.model.shipped import load_vehicle
 
     try:
         heard = read_log(log)

@@ -12,6 +12,6 @@ def schema() -> None:
     Save it, and begin a mission with
     "# yaml-language-server: $schema=mission.schema.json" to have completion and hover in VS Code.
     """
-    from mission.language.schema import schema_text
+    from mission.authoring.language.schema import schema_text
 
     click.echo(schema_text(), nl=False)

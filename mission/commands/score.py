@@ -22,8 +22,9 @@ def score(folder: Path, vehicle: str, without: tuple[str, ...]) -> None:
     import json
     import sys
 
-    from mission.navigation.scoring import WITHOUT, as_object, score_folder
-    from mission.vehicle import VehicleError, load_vehicle
+    from mission.analysis.scoring import WITHOUT, as_object, score_folder
+    from mission.model.vehicle import VehicleError
+    from mission.model.shipped import load_vehicle
 
     unknown = [name for name in without if name not in WITHOUT]
     if unknown:

@@ -9,8 +9,8 @@ import click
 
 if TYPE_CHECKING:
     from mission.model import Estimate, Step
-    from mission.serve.printer import Printer
-    from mission.serve.serve import Ready
+    from mission.onboard.serve.printer import Printer
+    from mission.onboard.serve.serve import Ready
 
 
 @click.command()
@@ -45,12 +45,12 @@ def serve(
     import os
     import time
 
-    from mission.serve.journal import printed
-    from mission.serve.leaving import time_to_leave
-    from mission.serve.only import AnotherServe, only_one
-    from mission.serve.printer import Printer
-    from mission.serve.provision import Unusable, provide
-    from mission.serve.serve import Server, run
+    from mission.onboard.serve.journal import printed
+    from mission.onboard.serve.leaving import time_to_leave
+    from mission.onboard.serve.only import AnotherServe, only_one
+    from mission.onboard.serve.printer import Printer
+    from mission.onboard.serve.provision import Unusable, provide
+    from mission.onboard.serve.serve import Server, run
 
     def tell(line: str) -> None:
         click.echo(printed(line.rstrip(), time.time()), err=True)
@@ -114,12 +114,12 @@ class _Events:
         self._out = out
 
     def step(self, step: Step) -> None:
-        from mission.drive.records import step_record
+        from mission.onboard.runtime.records import step_record
 
         self._say("step", step_record(step).payload)
 
     def estimate(self, estimate: Estimate) -> None:
-        from mission.drive.records import estimate_record
+        from mission.onboard.runtime.records import estimate_record
 
         self._say("estimate", estimate_record(estimate).payload)
 

@@ -10,8 +10,8 @@ import click
 from mission.commands.options import AS_JSON, PARAMETERS, PROFILE, SEED, SETTINGS, VEHICLE
 
 if TYPE_CHECKING:
-    from mission.blackbox import BlackBox
-    from mission.simulation.flightlog import Flight
+    from mission.onboard.blackbox import BlackBox
+    from mission.verification.simulation.flightlog import Flight
 
 UNREADABLE = 2
 BLACK_BOX = "flight.mcap"
@@ -48,9 +48,9 @@ def simulate(
     import sys
 
     from links.simulated.settings import SettingError, parse_settings
-    from mission.prepare import Unreadable, parameters_of, prepare
-    from mission.simulation.flight import fly
-    from mission.simulation.legtable import table
+    from mission.authoring.prepare import Unreadable, parameters_of, prepare
+    from mission.verification.simulation.flight import fly
+    from mission.verification.simulation.legtable import table
 
     try:
         prepared = prepare(mission, vehicle, parameters_of(parameters))
@@ -75,7 +75,7 @@ def simulate(
 
 
 def _black_box(folder: Path) -> BlackBox:
-    from mission.blackbox import BlackBox
+    from mission.onboard.blackbox import BlackBox
 
     path = folder / BLACK_BOX
     path.unlink(missing_ok=True)
@@ -83,6 +83,6 @@ def _black_box(folder: Path) -> BlackBox:
 
 
 def _draw(flight: Flight, folder: Path, name: str) -> None:
-    from mission.simulation.plot import draw_flight
+    from mission.verification.simulation.plot import draw_flight
 
     draw_flight(flight, folder / "track.png", name)

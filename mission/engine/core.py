@@ -17,8 +17,9 @@ from mission.engine.run import Run
 from mission.engine.senses import SURFACE_DEPTH, Navigator, Senses
 from mission.engine.watch import Watch
 from mission.engine.words import in_words
-from mission.envelope import Limit, admit, in_force
-from mission.machine import Machine
+from mission.engine.limits import Limit
+from mission.engine.bounds import admit, in_force
+from mission.engine.machine import Machine
 from mission.model import (
     AUTONOMOUS,
     IDLE_EMPTY,
@@ -38,8 +39,8 @@ from mission.model import (
     Result,
     Step,
 )
-from mission.regions import IDLE, MANUAL
-from mission.vehicle import Vehicle
+from mission.model.regions import IDLE, MANUAL
+from mission.model.vehicle import Vehicle
 from protocol.messages import Order, Setpoint, SetSafety
 from protocol.vehicles import vehicle_row
 

@@ -26,7 +26,7 @@ from mission.model import (
     By,
     Ending,
 )
-from mission.regions import IDLE, MANUAL
+from mission.model.regions import IDLE, MANUAL
 from protocol.messages import UPWARD
 
 WHY = "the program is ended"

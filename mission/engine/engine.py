@@ -24,8 +24,9 @@ from mission.engine.orders import ORDERS, STICK_QUIET, why_not_clear
 from mission.engine.restart import begin_again, doubt, under_way
 from mission.engine.senses import Navigator
 from mission.engine.words import event_of, short
-from mission.envelope import Bounds, Limit, Response
-from mission.machine import Machine
+from mission.engine.bounds import Bounds
+from mission.engine.limits import Limit, Response
+from mission.engine.machine import Machine
 from mission.model import (
     AUTONOMOUS,
     MANUAL_DRIVING,
@@ -43,9 +44,9 @@ from mission.model import (
     Step,
     Verdict,
 )
-from mission.regions import MANUAL
-from mission.variables import VARIABLES, Scope, reading_of
-from mission.vehicle import Vehicle
+from mission.model.regions import MANUAL
+from mission.engine.variables import VARIABLES, Scope, reading_of
+from mission.model.vehicle import Vehicle
 from protocol.messages import (
     Command,
     Emergency,

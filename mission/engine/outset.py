@@ -5,7 +5,7 @@ What does not live here: where home is, and by which fix that is known (orders).
 
 from __future__ import annotations
 
-from mission.envelope import Bounds
+from mission.engine.bounds import Bounds
 
 
 def too_far(far: float, bounds: Bounds, within: float) -> str:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mission.guards import Compiled, Sheet
+from mission.engine.guards import Compiled, Sheet
 from mission.legs import LEGS, LegType
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, Leg
 from protocol.messages import Setpoint

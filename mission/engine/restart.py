@@ -14,7 +14,7 @@ from __future__ import annotations
 from mission.engine.core import Core
 from mission.engine.rest import DEEP
 from mission.model import AUTONOMOUS, STOPPED, SURFACED, UNKNOWN, By, Restarted
-from mission.regions import EMERGENCY, IDLE, MANUAL
+from mission.model.regions import EMERGENCY, IDLE, MANUAL
 
 STICK = "the stick, without a mission"  # under way in manual: a restart stops, and is idle
 UNANSWERED = "a stop without its acknowledgement"  # under way in idle: thrusters may still turn

@@ -36,8 +36,8 @@ from mission.model import (
     Leg,
     Surface,
 )
-from mission.regions import AGAIN
-from mission.variables import VARIABLES, Scope, Value, value_of
+from mission.model.regions import AGAIN
+from mission.engine.variables import VARIABLES, Scope, Value, value_of
 from protocol.messages import Order, Setpoint
 
 BLIND_TIME = 6.0  # s that a reading which a setpoint needs may be invalid

@@ -16,7 +16,7 @@ from dataclasses import replace
 from typing import Any, Protocol, Self
 
 from mission.engine.attitude import Attitude
-from mission.fixes import FIX_DEPTH, SETTLED, Receiver, metres
+from mission.navigation.fixes import FIX_DEPTH, SETTLED, Receiver, metres
 from mission.legs.base import Point, wrap
 from mission.model import (
     CONTRADICTED,
@@ -28,7 +28,7 @@ from mission.model import (
     Position,
     Vertical,
 )
-from mission.vehicle import STALE_AFTER
+from mission.model.vehicle import STALE_AFTER
 from protocol.messages import Fix, Setpoint, Telemetry
 
 SURFACE_DEPTH = 0.5  # m (R7)

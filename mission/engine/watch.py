@@ -16,10 +16,11 @@ from typing import Self
 
 from mission.engine.lasting import Lasting
 from mission.engine.senses import SURFACE_DEPTH, THRUSTERS, Senses
-from mission.envelope import LIMITS, Bounds, Limit, On, never
+from mission.engine.limits import LIMITS, Limit, On, never
+from mission.engine.bounds import Bounds
 from mission.legs.base import wrap
-from mission.units import GEARS
-from mission.vehicle import Vehicle
+from mission.model.units import GEARS
+from mission.model.vehicle import Vehicle
 from protocol.messages import Fix, Setpoint
 
 _ALLOWANCE = 2.0  # m of momentum, waves and noise that are no descent

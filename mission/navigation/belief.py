@@ -28,7 +28,7 @@ import itertools
 import math
 from typing import NamedTuple, Self
 
-from mission.fixes import FIX_DEPTH, Receiver
+from mission.navigation.fixes import FIX_DEPTH, Receiver
 from mission.model import CONTRADICTED, Vertical
 
 WINDOW = 14.0  # s: eight reports of the AUV

@@ -22,7 +22,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-from mission.vehicle import Vehicle
+from mission.model.vehicle import Vehicle
 
 N, E, CN, CE, WN, WE, SCALE, DEVIATION, COMPASS, SIN, COS, WANDER = range(12)
 DEPTH, RATE, BOTTOM = range(12, 15)

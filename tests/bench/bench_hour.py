@@ -23,13 +23,14 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "bench")]
 from naive import NaiveFlight  # noqa: E402
 
 from links.simulated.settings import Settings  # noqa: E402
-from mission.blackbox import BlackBox  # noqa: E402
-from mission.compiler.compiler import compile_mission  # noqa: E402
-from mission.drive.records import Recorder  # noqa: E402
-from mission.language import digest, parse  # noqa: E402
+from mission.onboard.blackbox import BlackBox  # noqa: E402
+from mission.authoring.compiler.compiler import compile_mission  # noqa: E402
+from mission.onboard.runtime.records import Recorder  # noqa: E402
+from mission.authoring.language import digest, parse  # noqa: E402
 from mission.model import Mission  # noqa: E402
-from mission.simulation.flight import fly  # noqa: E402
-from mission.vehicle import Vehicle, load_vehicle  # noqa: E402
+from mission.verification.simulation.flight import fly  # noqa: E402
+from mission.model.vehicle import Vehicle
+from mission.model.shipped import load_vehicle
 from protocol.vehicles import codec  # noqa: E402
 
 HOUR, SLICES = 3600.0, 16
@@ -50,10 +51,10 @@ ROOMS = {
     "wire": ("protocol/", "pynmea2", "crcmod"),
     "navigation": ("mission/navigation", "filterpy", "numpy"),
     "machine and guards": (
-        "transitions", "mission/machine", "mission/engine", "mission/variables",
-        "mission/envelope", "mission/legs",
+        "transitions", "mission/engine/machine", "mission/engine", "mission/engine/variables",
+        "mission/engine/limits", "mission/legs",
     ),
-    "black box": ("mission/drive/records", "mission/blackbox", "mcap"),
+    "black box": ("mission/onboard/runtime/records", "mission/onboard/blackbox", "mcap"),
 }  # fmt: skip
 
 

@@ -11,10 +11,10 @@ import sys
 import time
 from collections.abc import Callable
 
-from mission.check import check_mission
-from mission.compiler.compiler import compile_mission
-from mission.language import digest, parse, to_yaml
-from mission.vehicle import load_vehicle
+from mission.authoring.check import check_mission
+from mission.authoring.compiler.compiler import compile_mission
+from mission.authoring.language import digest, parse, to_yaml
+from mission.model.shipped import load_vehicle
 
 SMALL, LARGE = 1000, 9000
 

@@ -33,9 +33,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT)]
 
-from mission.language import digest, parse, script  # noqa: E402
-from mission.operator.console import converse  # noqa: E402
-from mission.operator.upload import start, upload  # noqa: E402
+from mission.authoring.language import digest, parse, script  # noqa: E402
+from mission.topside.console import converse  # noqa: E402
+from mission.topside.upload import start, upload  # noqa: E402
 from protocol.nmea import encode_gga, encode_rmc  # noqa: E402
 from protocol.vehicles.auv import ACTUATORS, MAGNETOMETERS, SD  # noqa: E402
 

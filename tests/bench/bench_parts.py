@@ -20,9 +20,9 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "mission")]
 from engine_world import World, compiled, leg, mission, when  # noqa: E402
 
 from links.base import Rx  # noqa: E402
-from mission.machine import Machine  # noqa: E402
+from mission.engine.machine import Machine  # noqa: E402
 from mission.model import And, Comparison, Exit, Group, Guard, Mission  # noqa: E402
-from mission.serve.sieve import Sieve  # noqa: E402
+from mission.onboard.serve.sieve import Sieve  # noqa: E402
 
 FLOOD = 64 * 1024  # bytes at a time
 SMALL, LARGE = 1000, 4000  # legs

@@ -37,7 +37,7 @@ from mission.model import (
     Or,
     Surface,
 )
-from mission.vehicle import Vehicle
+from mission.model.vehicle import Vehicle
 
 RADIUS = 6371000.0
 SILENCE, BLIND, MARGIN = 5.0, 6.0, 1.0  # s without @SD, s without a reading, m beyond a depth

@@ -20,7 +20,7 @@ from links.admission import LOBBY
 from links.base import Link, LinkAbsent, LinkClosed
 from links.tcp import HANDSHAKE, TcpClient, TcpServer
 from links.tls import context
-from mission.serve.keys import make_keys
+from mission.onboard.serve.keys import make_keys
 
 pytestmark = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl makes the keys")
 

@@ -1,7 +1,7 @@
 """Mutation testing of one module: change one thing at a time, and see whether its tests notice.
 
-    python tests/mutation/run.py mission/machine.py tests/mission/test_machine.py ... [--seconds N]
-    python tests/mutation/run.py mission/machine.py tests/mission/test_machine.py ... --only 3,17
+    python tests/mutation/run.py mission/engine/machine.py tests/engine/test_machine.py ... [--seconds N]
+    python tests/mutation/run.py mission/engine/machine.py tests/engine/test_machine.py ... --only 3,17
 
 The tests are collected once; each mutant is a fork of that process in which the functions get the
 bodies of the mutated tree, so no file is ever changed. What stands outside of functions, or within

@@ -12,7 +12,7 @@ from typing import Protocol
 
 from links.acoustic import Tally, Water, acoustic_pair
 from links.base import Link
-from mission.drive.staging import Staging, Whole
+from mission.onboard.runtime.staging import Staging, Whole
 from protocol.arq import Acoustics, Answered, Initiator, NoAnswer, Responder
 from protocol.batch import SILENCE, Outcome, Silent, Stored
 from protocol.messages import FrameFault, MissionLine, StoreQuery, StoreReport

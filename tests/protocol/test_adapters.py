@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from mission.vehicle import load_vehicle, missions_folder
+from mission.model.shipped import load_vehicle, missions_folder
 from protocol.codec import CannotEncode, VehicleCodec
 from protocol.examples import MAIN_TO_PC, PC_TO_MAIN, ROV_UP
 from protocol.messages import FrameFault, Order, Setpoint, Telemetry

@@ -1,0 +1,1 @@
+"""What is done with recordings afterwards: replay, calibration, scores, the smoothed track."""

@@ -1,0 +1,120 @@
+"""The reckonings to be beaten, recomputed on the same rows. Errors in % of the path.
+
+    runs      start    constant speed (mean over ground of the other runs), the heading as it is
+              150 s    speed and current by regularised least squares on the first 150 s
+    gliders   naive    the vehicle's own speed along its compass
+              true     the same with the declination
+              causal   the same with the current that the dive before was found to have
+
+The least squares weigh a position with 5 m, and pull the speed to the other runs' mean and the
+current to none with 0.2 m/s.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mission.analysis.recordings import NEAREST, Recording, held
+
+Array = NDArray[np.float64]
+
+_POSITION, _VELOCITY = 5.0, 0.2  # m, m/s
+
+
+def ground_speed(run: Recording) -> float:
+    return float(run.path[-1] / (run.t[-1] - run.t[0]))
+
+
+def constant_speed(run: Recording, heading: Array, others: Sequence[Recording]) -> float | None:
+    """End error; None where no other run says how fast it is."""
+    if not others:
+        return None
+    ahead = _ahead(run.t, heading)
+    error = np.mean([ground_speed(o) for o in others]) * ahead[-1] - _place(run)[-1]
+    return float(100.0 * np.hypot(*error) / run.path[-1])
+
+
+def least_squares(
+    run: Recording, heading: Array, others: Sequence[Recording], until: float
+) -> float | None:
+    """End error in % of the path since the last fix at ``until``."""
+    if not others:
+        return None
+    prior = np.mean([ground_speed(o) for o in others])
+    ahead, place, known = _ahead(run.t, heading), _place(run), run.t <= until
+    n, last = int(known.sum()), int(known.sum()) - 1
+    rows = np.zeros((2 * n + 3, 3))
+    rows[:n, 0], rows[n : 2 * n, 0] = ahead[known, 0], ahead[known, 1]
+    rows[:n, 1] = rows[n : 2 * n, 2] = run.t[known]
+    rows[: 2 * n] /= _POSITION
+    rows[2 * n :] = np.eye(3) / _VELOCITY
+    pulled = np.array((prior / _VELOCITY, 0.0, 0.0))
+    values = np.concatenate((*(place[known].T / _POSITION), pulled))
+    speed, *current = np.linalg.lstsq(rows, values, rcond=None)[0]
+    moved = speed * (ahead[-1] - ahead[last]) + (run.t[-1] - run.t[last]) * np.array(current)
+    error = place[last] + moved - place[-1]
+    return float(100.0 * np.hypot(*error) / (run.path[-1] - run.path[last]))
+
+
+def _ahead(t: Array, heading: Array) -> Array:
+    """Where a speed of 1 m/s along the heading would have led, n x 2."""
+    dt = np.diff(t)
+    steps = np.column_stack((np.cos(heading[:-1]) * dt, np.sin(heading[:-1]) * dt))
+    return np.vstack((np.zeros(2), np.cumsum(steps, axis=0)))
+
+
+def _place(run: Recording) -> Array:
+    return np.column_stack((run.north, run.east))
+
+
+@dataclass(frozen=True, slots=True)
+class Dive:
+    """Between the rows of two fixes. ``path`` is what the vehicle believed to have swum, m; where
+    its own speed was not recorded, the way from fix to fix (``reckoned`` is False)."""
+
+    begin: int
+    end: int
+    path: float
+    reckoned: bool = True
+
+
+def dives(glider: Recording, fixes: Sequence[int], deep: float, long: float) -> list[Dive]:
+    """Successive fixes ``long`` s or more apart, between which it was deeper than ``deep``."""
+    speed = held(glider.own_speed)
+    found = []
+    for a, b in itertools.pairwise(fixes):
+        depth, t = glider.depth[a : b + 1], glider.t[a : b + 1]
+        if t[-1] - t[0] >= long and np.nanmax(np.append(depth, 0.0)) >= deep:
+            path = float(np.nansum(speed[a:b] * np.diff(t)))
+            if path < NEAREST:
+                ends = _place(glider)[[a, b]]
+                path = max(float(np.hypot(*(ends[1] - ends[0]))), NEAREST)
+                found.append(Dive(a, b, path, reckoned=False))
+                continue
+            found.append(Dive(a, b, path))
+    return found
+
+
+def glider_errors(
+    glider: Recording, found: Sequence[Dive], declination: float, *, causal: bool
+) -> list[float]:
+    """One figure a dive that was reckoned; with ``causal``, the current of the dive before is taken
+    for this one."""
+    speed, heading = held(glider.own_speed), held(glider.heading) + declination
+    errors, current = [], np.zeros(2)
+    for dive in (d for d in found if d.reckoned):
+        rows = slice(dive.begin, dive.end)
+        dt = np.diff(glider.t[dive.begin : dive.end + 1])
+        swum = np.array([np.nansum(speed[rows] * f(heading[rows]) * dt) for f in (np.cos, np.sin)])
+        ends = _place(glider)[[dive.begin, dive.end]]
+        missed = ends[1] - ends[0] - swum
+        duration = float(glider.t[dive.end] - glider.t[dive.begin])
+        errors.append(float(100.0 * np.hypot(*(missed - current * duration)) / dive.path))
+        if causal:
+            current = missed / duration
+    return errors

@@ -1,0 +1,275 @@
+"""After the dive: the track smoothed between fixes, innovations, and what the sensors were like.
+
+Rauch, Tung and Striebel (AIAA Journal 3, 1965, 1445-1450) by filterpy, over the horizontal states.
+The filter is an extended one: what its motion adds beyond F x is taken out of the states before
+the smoother and put back after it, so that the library's linear pass is exact about the track
+that was predicted. A gate that opened counts as process noise of the step before.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from filterpy.kalman import rts_smoother
+
+from mission.model import Position
+from mission.navigation.filter import Array, Filter, Run
+from mission.navigation.health import SENSORS
+from mission.navigation.model import DEPTH, Figures, figures
+from mission.navigation.navigator import Navigation
+from mission.model.vehicle import Vehicle
+from protocol.messages import Fix, Telemetry
+
+_PLANE = DEPTH  # the states before it move the position
+
+
+@dataclass(frozen=True, slots=True)
+class FixSeen:
+    """Where a fix put the vehicle, how far from the estimate (m), and whether it was used."""
+
+    t: float
+    north: float
+    east: float
+    residual: tuple[float, float]
+    nis: float
+    used: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Spell:
+    """A sensor that could not be believed, from ``begin`` to ``end``."""
+
+    sensor: str
+    begin: float
+    end: float
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """n instants. Positions are n x 2 (north, east), covariances n x 2 x 2.
+
+    ``raw`` is compass and thrusters from the first fix on, with no other; ``states`` are all the
+    smoothed states (mission.navigation.model) and ``sigmas`` theirs.
+    """
+
+    t: Array
+    raw: Array
+    filtered: Array
+    filtered_covariance: Array
+    smoothed: Array
+    smoothed_covariance: Array
+    states: Array
+    sigmas: Array
+    depth: Array  # NaN where not known
+    depth_residual: Array
+    fixes: tuple[FixSeen, ...]
+    spells: tuple[Spell, ...]
+
+
+@dataclass(slots=True)
+class _Node:
+    """A posterior, and the step that leads on from it."""
+
+    t: float
+    x: Array
+    p: Array
+    f: Array | None = None
+    q: Array | None = None
+    prior: Array | None = None  # of the next node
+
+
+class TapedFilter(Filter):
+    """Remembers every step it takes, for the way back."""
+
+    def __init__(self, figures: Figures) -> None:
+        super().__init__(figures)
+        self.t = 0.0
+        self.nodes: list[_Node] = []
+        self.begins: list[int] = []  # nodes at which the position was set anew
+        self.innovations: list[tuple[float, float, float]] = []
+
+    def _piece(self, dt: float, run: Run) -> None:
+        node = self._node()
+        super()._piece(dt, run)
+        node.f = self._kf.F[:_PLANE, :_PLANE].copy()
+        node.q = self._kf.Q[:_PLANE, :_PLANE].copy()
+        node.prior = self._kf.x[:_PLANE].copy()
+        self.nodes.append(node)
+        self.t += dt
+
+    def _node(self) -> _Node:
+        return _Node(self.t, self._kf.x[:_PLANE].copy(), self._kf.P[:_PLANE, :_PLANE].copy())
+
+    def place(self, north: float, east: float, variance: float) -> None:
+        super().place(north, east, variance)
+        self.begins.append(len(self.nodes))
+
+    def innovation(self, north: float, east: float, variance: float) -> tuple[float, float, float]:
+        found = super().innovation(north, east, variance)
+        self.innovations.append(found)
+        return found
+
+    def widen(self, factor: float) -> None:
+        before = self._kf.P
+        super().widen(factor)
+        self._account(before)
+
+    def loosen(self, variance: float) -> None:
+        before = self._kf.P
+        super().loosen(variance)
+        self._account(before)
+
+    def _account(self, before: Array) -> None:
+        if self.nodes and (q := self.nodes[-1].q) is not None:
+            q += (self._kf.P - before)[:_PLANE, :_PLANE]
+
+    def finish(self) -> list[_Node]:
+        return [*self.nodes, self._node()]
+
+
+def smooth(
+    inputs: Iterable[Telemetry | Fix],
+    vehicle: Vehicle,
+    origin: Position | None = None,
+    date: str | None = None,
+) -> Track:
+    """In order of time, whatever order they come in. ValueError where there is no fix at all."""
+    ordered = sorted(inputs, key=lambda item: item.t)
+    first = next((i for i in ordered if isinstance(i, Fix)), None)
+    if first is None:
+        raise ValueError("there is no fix: a track has no place")
+    nav, tape = _taped(vehicle, origin, date, ordered[0].t)
+    fixes: list[FixSeen] = []
+    sensors = _Timeline([name for name in SENSORS if name in vehicle.reports])
+    depths: list[tuple[float, float, float]] = []
+    for item in ordered:
+        if isinstance(item, Fix):
+            fixes += _seen(nav, tape, item)
+        else:
+            depths.append(_depth(nav, item))
+        sensors.look(nav, item.t)
+    nodes = tape.finish()
+    begin = tape.begins[0]
+    states, covariances = _backward(nodes, tape.begins)
+    keep = _last_of_each_time(nodes, begin)
+    t = np.array([nodes[i].t for i in keep])
+    known = np.array(depths).reshape(-1, 3)
+    return Track(
+        t=t,
+        raw=_raw(ordered, first, vehicle, origin, date, t),
+        filtered=np.array([nodes[i].x[:2] for i in keep]),
+        filtered_covariance=np.array([nodes[i].p[:2, :2] for i in keep]),
+        smoothed=states[keep][:, :2],
+        smoothed_covariance=covariances[keep][:, :2, :2],
+        states=states[keep],
+        sigmas=np.sqrt(np.maximum(np.diagonal(covariances[keep], axis1=1, axis2=2), 0.0)),
+        depth=np.interp(t, known[:, 0], known[:, 1]) if len(known) else np.full(len(t), np.nan),
+        depth_residual=known[:, [0, 2]],
+        fixes=tuple(fixes),
+        spells=sensors.spells(ordered[-1].t),
+    )
+
+
+def _taped(
+    vehicle: Vehicle, origin: Position | None, date: str | None, begin: float
+) -> tuple[Navigation, TapedFilter]:
+    nav = Navigation(vehicle, origin, date=date)
+    tape = TapedFilter(figures(vehicle))
+    tape.t = begin
+    nav.core.filter = tape
+    return nav, tape
+
+
+def _seen(nav: Navigation, tape: TapedFilter, fix: Fix) -> list[FixSeen]:
+    tape.innovations.clear()
+    nav.fix(fix)
+    assert nav.frame is not None
+    north, east = nav.frame.to_local(fix.latitude, fix.longitude)
+    if not tape.innovations:
+        return []
+    dn, de, nis = tape.innovations[0]
+    return [FixSeen(fix.t, north, east, (dn, de), nis, nav.core.last_fix == fix.t)]
+
+
+def _depth(nav: Navigation, report: Telemetry) -> tuple[float, float, float]:
+    """Time, depth as reported, and how far the estimate is from it."""
+    nav.telemetry(report)
+    known = float(nav.core.filter.x[DEPTH])
+    said = np.nan if report.depth is None else report.depth
+    return report.t, said, said - known
+
+
+def _backward(nodes: Sequence[_Node], begins: Sequence[int]) -> tuple[Array, Array]:
+    """Smoothed states and covariances of every node, each stretch between two placings alone."""
+    states = np.array([n.x for n in nodes])
+    covariances = np.array([n.p for n in nodes])
+    edges = [*begins, len(nodes)]
+    for a, b in itertools.pairwise(edges):
+        if b - a < 2:
+            continue
+        offset = np.zeros((b - a, _PLANE))
+        for k, node in enumerate(nodes[a : b - 1]):
+            assert node.f is not None
+            assert node.prior is not None
+            offset[k + 1] = node.f @ offset[k] + node.prior - node.f @ node.x
+        fs = [n.f for n in nodes[a : b - 1]]
+        qs = [n.q for n in nodes[a : b - 1]]
+        xs, ps, _, _ = rts_smoother(states[a:b] - offset, covariances[a:b], fs, qs)
+        states[a:b], covariances[a:b] = xs + offset, ps
+    return states, covariances
+
+
+def _last_of_each_time(nodes: Sequence[_Node], begin: int) -> list[int]:
+    times = [n.t for n in nodes[begin:]] + [np.inf]
+    return [begin + i for i in range(len(times) - 1) if times[i + 1] > times[i]]
+
+
+def _raw(
+    ordered: Sequence[Telemetry | Fix],
+    first: Fix,
+    vehicle: Vehicle,
+    origin: Position | None,
+    date: str | None,
+    at: Array,
+) -> Array:
+    """Compass and thrusters alone; a first fix without speed, so that it teaches nothing."""
+    nav = Navigation(vehicle, origin, date=date)
+    times, places = [], []
+    for item in ordered:
+        if isinstance(item, Telemetry):
+            nav.telemetry(item)
+        elif item is first:
+            nav.fix(replace(item, speed=None, course=None))
+        estimate = nav.estimate(item.t)
+        if estimate is not None:
+            times.append(item.t)
+            places.append((estimate.north, estimate.east))
+    found = np.array(places)
+    return np.column_stack([np.interp(at, times, found[:, i]) for i in range(2)])
+
+
+class _Timeline:
+    """Collects spells of disbelief, sensor by sensor."""
+
+    def __init__(self, sensors: Sequence[str]) -> None:
+        self._sensors = sensors
+        self._open: dict[str, tuple[float, str]] = {}
+        self._closed: list[Spell] = []
+
+    def look(self, nav: Navigation, t: float) -> None:
+        for sensor in self._sensors:
+            reason = nav.health(sensor, t).reason
+            begin, was = self._open.get(sensor, (t, ""))
+            if reason == was:
+                continue
+            if was:
+                self._closed.append(Spell(sensor, begin, t, was))
+            self._open[sensor] = (t, reason)
+
+    def spells(self, end: float) -> tuple[Spell, ...]:
+        last = [Spell(s, begin, end, why) for s, (begin, why) in self._open.items() if why]
+        return tuple(sorted([*self._closed, *last], key=lambda s: (s.sensor, s.begin)))

@@ -1,0 +1,1 @@
+"""What a mission author works with: texts, compiler, check, graph, differences."""

@@ -1,0 +1,9 @@
+"""The check: what is proved of a mission before it is flown, and what refuses it.
+
+from mission.authoring.check import check_mission
+report = check_mission(chart, vehicle)      # report.ok, .refusals, .proved, .assumed
+"""
+
+from mission.authoring.check.rules import Proved, Refusal, Report, check_mission
+
+__all__ = ["Proved", "Refusal", "Report", "check_mission"]

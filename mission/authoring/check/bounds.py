@@ -1,0 +1,397 @@
+"""What one leg can do at most: bounds on time, energy, place, depth and error.
+
+``Bounds`` holds of every flight that reaches a place in the mission. The vehicle means to be in
+the box ``north`` x ``east``; the truth is within ``error`` of that, and never farther than
+``range`` from home. A speed scale and a compass bias are constant, so they act on the way made
+good since the last fix, not on the path; the current acts on the time, the compass's deviation on
+the path. ``LegBounds`` turns the bounds on entering a leg into those on leaving it, by the way it
+is left. Where a clock, a depth that ends the leg (a vehicle that does not know its depth
+surfaces) or a place that is steered to bounds it, that is used; any other guard may open at any
+time.
+
+What the sea and the vehicle are taken to do at most stands in ``Assumptions``.
+
+What does not live here: where a leg leads by its text (places.py), which leg follows which
+(flow.py), what is refused (rules.py).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from mission.authoring.check.assumptions import (
+    ASCENT_TRIES,
+    FROZEN,
+    LATE,
+    OVERSHOOT,
+    SPEED_SHARE,
+    STICKS,
+    SURFACED,
+    TURNED,
+    TWO_SIGMA,
+    Assumptions,
+)
+from mission.authoring.check.intervals import (
+    Interval,
+    grown,
+    hull,
+    hull_of,
+    least,
+    minus,
+    opens_at,
+    plus,
+    reach,
+    scaled,
+)
+from mission.authoring.check.places import places_of, room_around
+from mission.model import (
+    By,
+    Expression,
+    Follow,
+    Goto,
+    State,
+    Surface,
+    Yoyo,
+)
+from mission.navigation.geodesy import LocalFrame
+from mission.model.units import GEARS
+from mission.model.vehicle import Vehicle
+from protocol.messages import Setpoint
+
+_AFLOAT: Interval = (0.0, 0.5)  # m (R7)
+
+
+@dataclass(frozen=True, slots=True)
+class Trail:
+    """How the worst time came about: the last leg, how it was left, and the trail before it."""
+
+    leg: str
+    by: By
+    time: float
+    before: Trail | None
+
+
+class Bounds(NamedTuple):
+    """A tuple, because five are made for every leg that is walked."""
+
+    time: float  # s since the start, at most
+    energy: float  # J used, at most
+    north: Interval  # m from home, where it means to be
+    east: Interval
+    depth: Interval
+    range: float  # m from home, the truth
+    error: float  # m, of what it means to be against the truth
+    fixed_north: Interval  # where it was at the last fix
+    fixed_east: Interval
+    made_north: Interval  # made good since then
+    made_east: Interval
+    since: float = 0.0  # s since then
+    path: float = 0.0  # m through the water since then
+    fastest: float = 0.0  # m/s through the water since then
+    strayed: float = 0.0  # m since then, to any side of where it means to be
+    way: float = 0.0  # m/s through the water that was asked for last
+    ahead: float = math.inf  # m from home, the place that it steers to; inf where it does not
+    rises_to: float = math.inf  # m deep: what was asked for last lets it rise so far
+    blind: float = 0.0  # m deep at most, the truth, where the sensor of a hold fails unseen
+    trail: Trail | None = None
+
+    @staticmethod
+    def start(within: float, fix: float, depth: float) -> Bounds:
+        box, none = (-within, within), (0.0, 0.0)
+        return Bounds(0.0, 0.0, box, box, (0.0, depth), within + fix, fix, box, box, none, none)
+
+    def join(self, other: Bounds) -> Bounds:
+        later = self if self.time >= other.time else other
+        return Bounds(
+            time=later.time,
+            energy=max(self.energy, other.energy),
+            north=hull(self.north, other.north),
+            east=hull(self.east, other.east),
+            depth=hull(self.depth, other.depth),
+            range=max(self.range, other.range),
+            error=max(self.error, other.error),
+            fixed_north=hull(self.fixed_north, other.fixed_north),
+            fixed_east=hull(self.fixed_east, other.fixed_east),
+            made_north=hull(self.made_north, other.made_north),
+            made_east=hull(self.made_east, other.made_east),
+            since=max(self.since, other.since),
+            path=max(self.path, other.path),
+            fastest=max(self.fastest, other.fastest),
+            strayed=max(self.strayed, other.strayed),
+            way=max(self.way, other.way),
+            ahead=max(self.ahead, other.ahead),
+            rises_to=min(self.rises_to, other.rises_to),
+            blind=max(self.blind, other.blind),
+            trail=later.trail,
+        )
+
+
+class LegBounds:
+    """One leg of the chart on one vehicle; made once, applied to every way it is entered."""
+
+    def __init__(
+        self, state: State, vehicle: Vehicle, assume: Assumptions, frame: LocalFrame | None
+    ):
+        assert state.leg is not None
+        self.path, self.leg = state.path, state.leg
+        self.setpoint = state.setpoint or Setpoint()
+        self.vehicle, self.assume = vehicle, assume
+        gear = GEARS * max(abs(self.setpoint.surge), abs(self.setpoint.turn))
+        self.speed = vehicle.speed_by_gear.at(gear) if self.setpoint.surge else 0.0
+        self.power = vehicle.battery.hotel + vehicle.thruster_power.at(gear) + self._vertical()
+        self.places = places_of(self.leg.kind, frame)
+        self.ascends = isinstance(self.leg.kind, Surface)
+        self.leans_on_floor = False  # some bound of it rests on the floor that is assumed
+
+    # --- what it takes -----------------------------------------------------------------
+
+    @property
+    def duration(self) -> float:
+        """s at most in this leg: whatever it waits for may be withheld, but not its clock."""
+        leg = self.leg
+        limits = [t for t in (leg.duration, leg.timeout) if t is not None]
+        for way in leg.exits:
+            clock = opens_at(way.guard.expression, "elapsed")
+            if clock is not None:
+                limits.append(clock + way.guard.held)
+        return min(limits)
+
+    def _vertical(self) -> float:
+        s = self.setpoint
+        held = s.depth is not None or s.altitude is not None or bool(s.heave)
+        active = held or isinstance(self.leg.kind, Surface | Yoyo)
+        return self.vehicle.battery.vertical if active else 0.0
+
+    # --- from entry to exit ----------------------------------------------------------------
+
+    def sweep(self, entry: Bounds) -> Bounds:
+        """Everywhere it may be while the leg is active, and at any moment of it."""
+        after = self.leave(entry, By.ON)
+        return after._replace(
+            north=hull(entry.north, after.north),
+            east=hull(entry.east, after.east),
+            made_north=hull(entry.made_north, after.made_north),
+            made_east=hull(entry.made_east, after.made_east),
+            depth=hull(entry.depth, after.depth),
+            range=max(entry.range, after.range),
+        )
+
+    def leave(self, entry: Bounds, by: By, *, guard: Expression | None = None) -> Bounds:
+        time = self.duration
+        after = entry._replace(
+            time=entry.time + time,
+            energy=entry.energy + time * self.power,
+            depth=self._depth(entry, time),
+            since=entry.since + time,
+            path=entry.path + self.speed * time,
+            fastest=max(entry.fastest, self.speed),
+            way=self.speed,
+            ahead=math.inf,
+            rises_to=self._rises_to(),
+            blind=self._blind(entry, time),
+            trail=Trail(self.path, by, time, entry.trail),
+        )
+        if self.ascends:
+            return self._surfaced(after, time, by)
+        if self.places:
+            return self._steered(entry, after, time, by)
+        return self._held(after, time, by, guard)
+
+    def _rises_to(self) -> float:
+        """m deep: how far up its buoyancy may carry it while its set is in force."""
+        s = self.setpoint
+        if isinstance(self.leg.kind, Yoyo):
+            return self.leg.kind.shallow
+        if s.depth is not None:
+            return s.depth
+        return math.inf if s.heave is not None and s.heave > 0 else 0.0
+
+    def _error(self, at: Bounds) -> float:
+        """Two sigma; the speed scale acts along the way made good, the bias across it."""
+        sensors = self.vehicle.sensors
+        made = reach(at.made_north, at.made_east)
+        constant = math.hypot(SPEED_SHARE, TWO_SIGMA * sensors.heading_bias)
+        drift = self.assume.current * at.since
+        lost = at.fastest * min(at.since, FROZEN + LATE)  # without a compass, until that is known
+        noise = TWO_SIGMA * sensors.fix + at.path * sensors.heading
+        return noise + made * constant + at.strayed + lost + drift
+
+    def _surfaced(self, after: Bounds, time: float, by: By) -> Bounds:
+        farthest = after.range + self.assume.current * time
+        assert isinstance(self.leg.kind, Surface)
+        if by is not By.END:
+            return after._replace(error=self._error(after), range=farthest)
+        if not self.leg.kind.until_fix:
+            up = after._replace(range=farthest, depth=_AFLOAT, blind=_AFLOAT[1])
+            return up._replace(error=self._error(up))
+        error = self._error(after)
+        north, east = grown(after.north, error), grown(after.east, error)
+        fresh = Bounds.start(0.0, TWO_SIGMA * self.vehicle.sensors.fix, _AFLOAT[1])
+        return fresh._replace(
+            time=after.time,
+            energy=after.energy,
+            trail=after.trail,
+            north=north,
+            east=east,
+            fixed_north=north,
+            fixed_east=east,
+            range=min(farthest, reach(north, east) + fresh.error),
+        )
+
+    def _depth(self, entry: Bounds, time: float) -> Interval:
+        s, kind = self.setpoint, self.leg.kind
+        low, high = entry.depth
+        rate = self.vehicle.dive_rate
+        deepest = high + rate * (time + STICKS)
+        if isinstance(kind, Surface):
+            return 0.0, high
+        if isinstance(kind, Yoyo):
+            return min(low, kind.shallow) - OVERSHOOT, max(high, kind.deep) + OVERSHOOT
+        if s.depth is not None:
+            return min(low, s.depth), max(high, min(deepest, s.depth) + OVERSHOOT)
+        if s.altitude is None and not (s.heave is not None and s.heave > 0):
+            return 0.0, high
+        for way in self.leg.exits:
+            bound = opens_at(way.guard.expression, "depth")
+            if bound is not None:
+                late = rate * (LATE + way.guard.held + STICKS)
+                deepest = min(deepest, max(high, bound) + late)
+        if s.altitude is not None and deepest > self.assume.depth_without_floor:
+            self.leans_on_floor = True
+            deepest = min(deepest, max(high, self.assume.floor - s.altitude) + OVERSHOOT)
+        return 0.0, max(high, deepest)
+
+    def blind(self, entry: Bounds) -> float:
+        """m at most if the sensor that a hold goes by fails: it pushes down until that is known,
+        and until the ascent has turned the dive round."""
+        deepest = max(self._depth(entry, self.duration)[1], entry.blind)
+        if not self._pushes_down:
+            return deepest
+        failed = max(self.duration, FROZEN + LATE) + STICKS + TURNED
+        return self._above_floor(deepest, deepest + self.vehicle.dive_rate * failed)
+
+    def _blind(self, entry: Bounds, time: float) -> float:
+        """Near the depth that is asked for nothing can see that a reading stands: a hold then
+        pushes down for as long as it lasts, and the next one goes on from there."""
+        if not self._pushes_down:
+            return entry.blind
+        deepest = max(entry.blind, self._depth(entry, time)[1])
+        return self._above_floor(deepest, deepest + self.vehicle.dive_rate * time)
+
+    @property
+    def _pushes_down(self) -> bool:
+        s = self.setpoint
+        held = s.depth is not None or s.altitude is not None or isinstance(self.leg.kind, Yoyo)
+        return held or (s.heave is not None and s.heave > 0)
+
+    def _above_floor(self, deepest: float, deeper: float) -> float:
+        """``deeper``, but not below the floor where the mission says how deep that is."""
+        floor = math.inf if self.assume.depth_without_floor else self.assume.floor
+        return max(deepest, min(deeper, floor))
+
+    def _held(self, after: Bounds, time: float, by: By, guard: Expression | None) -> Bounds:
+        """Along a heading, or about where it was entered."""
+        around, heading = room_around(self.leg.kind), self.setpoint.heading
+        if around or (self.speed and heading is None):
+            free = around or self.speed * time
+            north = east = (-free, free)
+        elif not self.speed or heading is None:
+            north = east = (0.0, 0.0)
+        else:
+            bow = heading + self.assume.declination
+            bow += 0.0 if self.setpoint.surge > 0 else math.pi
+            along = self._along(time, by, guard)
+            # until the bow has come round it may go any way, for half a turn at most
+            turning = self.speed * min(time, math.pi / 2.0 / self.vehicle.turn_rate)
+            north = grown(scaled(along, math.cos(bow)), turning)
+            east = grown(scaled(along, math.sin(bow)), turning)
+        moved = after._replace(
+            north=plus(after.north, north),
+            east=plus(after.east, east),
+            made_north=plus(after.made_north, north),
+            made_east=plus(after.made_east, east),
+        )
+        error = self._error(moved)
+        swum = around or self.speed * (1.0 + SPEED_SHARE) * time
+        farthest = min(
+            after.range + swum + self.assume.current * time,
+            reach(moved.north, moved.east) + error,
+        )
+        return moved._replace(error=error, range=farthest)
+
+    def _along(self, time: float, by: By, guard: Expression | None) -> Interval:
+        """How far through the water along its heading, when the leg is left in this way."""
+        most = self.speed * time
+        if by in (By.TIMEOUT, By.FOR):
+            return most, most
+        travelled = least(guard, "travelled") if by is By.UNTIL and guard is not None else 0.0
+        # travelled counts over ground: a following current makes it of less water
+        return min(most, travelled * self.speed / (self.speed + self.assume.current)), most
+
+    def _steered(self, entry: Bounds, after: Bounds, time: float, by: By) -> Bounds:
+        """To places, by the estimate: the truth is where it means to be, within the error.
+
+        On a straight way the distance from home is greatest at one of its ends.
+        """
+        within = getattr(self.leg.kind, "within", 0.0)
+        ends = self.places[-1:] if isinstance(self.leg.kind, Goto | Follow) else self.places
+        north = grown(hull_of(n for n, _ in ends), within)
+        east = grown(hull_of(e for _, e in ends), within)
+        after = after._replace(ahead=reach(north, east))
+        arrived = self._at(after, north, east)
+        share = self._share_of_way(entry, time)
+        far = max(math.hypot(n, e) for n, e in self.places) + within + arrived.error
+        stopped = (1.0 - share) * entry.range + share * far + (1.0 - share) * arrived.error
+        turning = self.speed * math.pi / self.vehicle.turn_rate / 2.0
+        if by is By.END:
+            return arrived._replace(range=far)
+        between = self._at(
+            after,
+            hull(entry.north, hull_of(n for n, _ in self.places)),
+            hull(entry.east, hull_of(e for _, e in self.places)),
+        )
+        if by in (By.TIMEOUT, By.FOR) and share < 1.0:
+            return between._replace(range=max(stopped, far if share else 0.0))
+        return between._replace(range=max(entry.range + turning, stopped, far))
+
+    def _at(self, after: Bounds, north: Interval, east: Interval) -> Bounds:
+        there = after._replace(
+            north=north,
+            east=east,
+            made_north=minus(north, after.fixed_north),
+            made_east=minus(east, after.fixed_east),
+        )
+        error = self._error(there)
+        return there._replace(error=error, ahead=after.ahead + error)
+
+    def _share_of_way(self, entry: Bounds, time: float) -> float:
+        """Of the straight way to the only place, how much is made for sure by ``time``."""
+        if len(self.places) != 1:
+            return 1.0
+        north, east = self.places[0]
+        far = reach(minus(entry.north, (north, north)), minus(entry.east, (east, east)))
+        made = max(0.0, self.speed - self.assume.current) * time
+        return 1.0 if far <= made else made / far
+
+
+def goes_on(leaving: Bounds, vehicle: Vehicle) -> Bounds:
+    """Into an ascent, which begins with W: as built that does not stick. What was asked for last
+    goes on, the way ahead with it, for as long as it happens to rise, and until that has ended."""
+    deeper = max(0.0, leaving.depth[1] - OVERSHOOT - leaving.rises_to)
+    time = 2.0 * STICKS + deeper / vehicle.ascent_buoyancy
+    power = vehicle.thruster_power.at(vehicle.speed_by_gear.inverse(leaving.way))
+    swum = time * leaving.way * (1.0 + SPEED_SHARE)
+    return leaving._replace(
+        energy=leaving.energy + time * power,
+        range=max(leaving.range, min(leaving.range, leaving.ahead) + swum),
+        strayed=leaving.strayed + swum,
+        error=leaving.error + swum,
+        way=0.0,
+    )
+
+
+def ascent_time(depth: float, vehicle: Vehicle) -> float:
+    """s to the surface and to know it, by buoyancy alone, after both ways of R7."""
+    return ASCENT_TRIES + max(0.0, depth) / vehicle.ascent_buoyancy + SURFACED

@@ -1,0 +1,247 @@
+"""Every way through the chart, with the bounds that hold on it.
+
+The tree is walked scope by scope: a group's body in its order, as many rounds as it repeats,
+each leg entered with the join of all ways into it. An edge forward in its scope, or out of it,
+is followed; one backward that is not the round of a group could be taken without end, and is
+reported. ``on`` handlers act once each (a second time the engine surfaces), so the whole is
+walked again from their targets, as many times as there are handlers that lead on, with what the
+walk before handed over. From every leg, at any moment of it, a limit or a handler may end the
+mission: the ascent from there counts.
+
+What does not live here: what a leg does to the bounds (bounds.py), what is refused (rules.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from mission.authoring.check.assumptions import Assumptions
+from mission.authoring.check.bounds import Bounds, LegBounds, Trail, ascent_time, goes_on
+from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, Loop, State
+from mission.model.vehicle import Vehicle
+
+# Legs walked at most; a mission beyond is refused as too long to prove. The Pi judges what is
+# uploaded between two looks at its links: a second or two there is all that it may take.
+ROUNDS = 5_000
+
+K = TypeVar("K")
+Exits = dict[tuple[str, tuple[Loop, ...]], Bounds]
+
+
+class TooLongError(Exception):
+    """More rounds than can be walked."""
+
+
+@dataclass(slots=True)
+class Proof:
+    """What the walk found: the worst of each figure with its bounds, and what it came upon."""
+
+    end: Bounds | None = None  # where the mission's own ways lead
+    worst: Bounds | None = None  # the same, and every ascent that a limit may begin
+    widest: float = 0.0
+    deepest: float = 0.0
+    blind: float = 0.0  # the same if the sensor that a hold goes by fails
+    out_of_radius: tuple[str, Bounds] | None = None  # the first leg in which it may be
+    out_of_depth: tuple[str, Bounds] | None = None
+    reached: set[str] = field(default_factory=set)
+    taken: set[str] = field(default_factory=set)
+    backward: dict[str, Edge] = field(default_factory=dict)
+    walked: int = 0
+
+
+class Flow:
+    def __init__(
+        self,
+        chart: Chart,
+        vehicle: Vehicle,
+        assume: Assumptions,
+        bounds_of: Callable[[State], LegBounds],
+        *,
+        radius: float,
+        depth: float,
+    ) -> None:
+        """``radius`` and ``depth`` in m: the first leg that may be beyond them is kept."""
+        self.chart, self.vehicle, self.assume = chart, vehicle, assume
+        self.radius, self.depth = radius, depth
+        self.proof = Proof()
+        self.legs = {
+            s.path: bounds_of(s) for s in chart.states if s.leg and s.path != IMPLICIT_SURFACE
+        }
+        self.state = {s.path: s for s in chart.states}
+        self.children: dict[str, list[str]] = {}
+        for s in chart.states:
+            self.children.setdefault(s.parent, []).append(s.path)
+        self.place = {path: i for kids in self.children.values() for i, path in enumerate(kids)}
+        self.edges: dict[str, list[Edge]] = {}
+        self.handlers: dict[str, list[Edge]] = {}
+        for edge in chart.edges:
+            handled = edge.by in (By.ON, By.UNCERTAIN)
+            (self.handlers if handled else self.edges).setdefault(edge.source, []).append(edge)
+        self._next: dict[str, Bounds] = {}
+        self._interrupted = False
+
+    def walk(self, start: Bounds) -> Proof:
+        entries = {self.chart.initial: start}
+        handlers = (h for scope in self.handlers.values() for h in scope)
+        lead_on = sum(h.target != IMPLICIT_SURFACE for h in handlers)
+        for generation in range(1 + lead_on):
+            self._interrupted = generation > 0
+            self._next = {}
+            self._scope(AUTONOMOUS, entries, ())
+            entries = self._next
+            if not entries:
+                break
+        return self.proof
+
+    # --- one scope -----------------------------------------------------------------------
+
+    def _scope(self, path: str, entries: dict[str, Bounds], above: tuple[str, ...]) -> Exits:
+        """The bounds with which a group is left, by target and by what is yet to be tested."""
+        group = self.state[path].group if path in self.state else None
+        rounds = group.repeat if group else 1
+        out: Exits = {}
+        for number in range(rounds):
+            again: dict[str, Bounds] = {}
+            last = number == rounds - 1
+            for child in self.children.get(path, ()):
+                for (target, loops), bounds in self._child(child, entries, (*above, path)).items():
+                    self._follow(path, child, last, target, loops, bounds, entries, again, out)
+            entries = again
+            if not entries:
+                break
+        return out
+
+    def _child(self, child: str, entries: dict[str, Bounds], above: tuple[str, ...]) -> Exits:
+        if child in self.children:
+            inside = {t: b for t, b in entries.items() if t.startswith(child + "/")}
+            for target in inside:
+                del entries[target]
+            return self._scope(child, inside, above) if inside else {}
+        bounds = entries.pop(child, None)
+        return {} if bounds is None else self._leg(child, bounds, above)
+
+    def _follow(
+        self,
+        path: str,
+        child: str,
+        last: bool,
+        target: str,
+        loops: tuple[Loop, ...],
+        bounds: Bounds,
+        entries: dict[str, Bounds],
+        again: dict[str, Bounds],
+        out: Exits,
+    ) -> None:
+        """Put one way onward where it belongs: this round, the next, or out of the scope."""
+        mine = [loop for loop in loops if loop.group == path]
+        rest = tuple(loop for loop in loops if loop.group != path)
+        for loop in mine:
+            # a group that was entered by a handler may be in any of its rounds
+            if loop.again is last and not (self._interrupted and not loop.again):
+                return
+        if not self._inside(path, target) or any(loop.again for loop in rest):
+            _merge(out, (target, rest), bounds)
+        elif mine and mine[0].again:
+            _merge(again, target, bounds)
+        elif self.place[self._branch(path, target)] > self.place[child]:
+            _merge(entries, target, bounds)
+        else:
+            self.proof.backward.setdefault(child, self._edge_between(child, target))
+
+    def _inside(self, path: str, target: str) -> bool:
+        return target.startswith(path + "/") and target in self.state
+
+    def _branch(self, path: str, target: str) -> str:
+        head = target[len(path) + 1 :].split("/", 1)[0]
+        return f"{path}/{head}"
+
+    def _edge_between(self, child: str, target: str) -> Edge:
+        return next(
+            e
+            for source, edges in self.edges.items()
+            if source == child or source.startswith(child + "/")
+            for e in edges
+            if e.target == target
+        )
+
+    # --- one leg -------------------------------------------------------------------------
+
+    def _leg(self, path: str, entry: Bounds, above: tuple[str, ...]) -> Exits:
+        if path == IMPLICIT_SURFACE:
+            self._arrive(path, entry)
+            return {}
+        proof, leg = self.proof, self.legs[path]
+        proof.walked += 1
+        if proof.walked > ROUNDS:
+            raise TooLongError
+        proof.reached.add(path)
+        sweep = leg.sweep(entry)
+        self._note(path, sweep)
+        proof.blind = max(proof.blind, leg.blind(entry))
+        self._surface(path, sweep)
+        for scope in above:
+            for handler in self.handlers.get(scope, ()):
+                if handler.target != path:
+                    proof.taken.add(handler.trigger)
+                    _merge(self._next, handler.target, self._into(handler.target, sweep))
+        out: Exits = {}
+        for edge in self.edges.get(path, ()):
+            guard = edge.guard.expression if edge.guard else None
+            proof.taken.add(edge.trigger)
+            left = leg.leave(entry, edge.by, guard=guard)
+            _merge(out, (edge.target, edge.loops), self._into(edge.target, left))
+        return out
+
+    def _into(self, target: str, bounds: Bounds) -> Bounds:
+        ascends = target not in self.legs or self.legs[target].ascends
+        return goes_on(bounds, self.vehicle) if ascends else bounds
+
+    def _arrive(self, path: str, bounds: Bounds) -> None:
+        """The implicit leg: the ascent, and with it the end."""
+        self.proof.reached.add(path)
+        end = self._surface(path, bounds)
+        self.proof.end = end if self.proof.end is None else self.proof.end.join(end)
+
+    def _surface(self, path: str, bounds: Bounds) -> Bounds:
+        """At the surface, from anywhere in these bounds: a limit may act at any moment."""
+        time = ascent_time(bounds.depth[1], self.vehicle)
+        drift = self.assume.current * time
+        battery = self.vehicle.battery
+        bounds = goes_on(bounds, self.vehicle)
+        up = bounds._replace(
+            time=bounds.time + time,
+            energy=bounds.energy + time * (battery.hotel + battery.vertical),
+            range=bounds.range + drift,
+            error=bounds.error + drift,
+            trail=Trail(IMPLICIT_SURFACE, By.END, time, bounds.trail),
+        )
+        self._note(path, up)
+        worst = self.proof.worst
+        self.proof.worst = up if worst is None else worst.join(up)
+        return up
+
+    def _note(self, path: str, bounds: Bounds) -> None:
+        proof = self.proof
+        proof.widest = max(proof.widest, bounds.range)
+        proof.deepest = max(proof.deepest, bounds.depth[1])
+        if proof.out_of_radius is None and bounds.range > self.radius:
+            proof.out_of_radius = (path, bounds)
+        if proof.out_of_depth is None and bounds.depth[1] > self.depth:
+            proof.out_of_depth = (path, bounds)
+
+
+def _merge(table: dict[K, Bounds], key: K, bounds: Bounds) -> None:
+    here = table.get(key)
+    table[key] = bounds if here is None else here.join(bounds)
+
+
+def trail(bounds: Bounds | None) -> Iterable[Trail]:
+    """From the start on."""
+    steps = []
+    at = bounds.trail if bounds else None
+    while at is not None:
+        steps.append(at)
+        at = at.before
+    return reversed(steps)

@@ -1,0 +1,86 @@
+"""The check's report, as a person and as a program reads it (design: what programs print)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mission.authoring.check.rules import Refusal, Report
+from mission.authoring.language.problems import Problem
+from mission.model import Where
+
+
+def as_object(report: Report) -> dict[str, Any]:
+    proved = report.proved
+    return {
+        "ok": report.ok,
+        "refusals": [_refusal(r) for r in report.refusals],
+        "proved": None
+        if proved is None
+        else {
+            "states": proved.states,
+            "transitions": proved.transitions,
+            "worst_time_s": round(proved.worst_time, 1),
+            "worst_energy_wh": round(proved.worst_energy / 3600.0, 1),
+            "max_range_m": round(proved.max_range, 1),
+            "max_depth_m": round(proved.max_depth, 1),
+            "blind_depth_m": round(proved.blind_depth, 1),
+            "blind_time_s": round(proved.blind_time, 1),
+            "uncertainty_m": round(proved.uncertainty, 1),
+            "worst_path": list(proved.path),
+        },
+        "assumed": list(report.assumed),
+    }
+
+
+def _refusal(refusal: Refusal) -> dict[str, Any]:
+    return {
+        "rule": refusal.rule,
+        "line": refusal.where.line,
+        "column": refusal.where.column,
+        "message": refusal.message,
+        "path": list(refusal.path),
+    }
+
+
+def unreadable_object(problems: list[tuple[str, Where, str]]) -> dict[str, Any]:
+    """The same object for a text that has no chart."""
+    refusals = [_refusal(Refusal(rule, where, message)) for rule, where, message in problems]
+    return {"ok": False, "refusals": refusals, "proved": None, "assumed": []}
+
+
+def as_text(source: str, report: Report, digest: str, text: str = "") -> str:
+    """``text``: the mission as its author wrote it; refusals then show the place underlined."""
+    lines = text.split("\n")
+    """``digest``: the canonical text's; its beginning is shown, as the vehicle tells it."""
+    rows = []
+    for refusal in report.refusals:
+        rows.append(_placed(refusal, lines).rendered(source))
+        rows += [f"    {step}" for step in refusal.path]
+    proved = report.proved
+    if proved is not None:
+        rows += [
+            "proved" if report.ok else "found",
+            f"  states and transitions  {proved.states}, {proved.transitions}",
+            f"  worst-case time         {proved.worst_time / 60:.1f} min, the ascent included",
+            f"  worst-case energy       {proved.worst_energy / 3600:.0f} Wh",
+            f"  greatest range          {proved.max_range:.0f} m from home",
+            f"  greatest depth          {proved.max_depth:.1f} m"
+            f" ({proved.blind_depth:.1f} m if the sensor of a hold fails,"
+            f" and {proved.blind_time / 60:.1f} min more to the surface)",
+            f"  uncertainty added       {proved.uncertainty:.0f} m at the end",
+            "  way to the surface      from every state, by clocks alone"
+            if report.ok
+            else "  way to the surface      see above",
+            "worst-case path",
+            *(f"  {step}" for step in proved.path),
+        ]
+    rows += ["assumed", *(f"  {line}" for line in report.assumed)]
+    rows.append(f"{source}: {'ok' if report.ok else 'refused'}, digest {digest[:16]}")
+    return "\n".join(rows)
+
+
+def _placed(refusal: Refusal, lines: list[str]) -> Problem:
+    where = refusal.where
+    line = lines[where.line - 1].removesuffix("\r") if 0 < where.line <= len(lines) else ""
+    length = max(1, min(where.length, len(line) - where.column + 1))
+    return Problem(where.line, where.column, length, line, refusal.message, "", refusal.rule)

@@ -1,0 +1,203 @@
+"""What a vehicle cannot do: legs and guards that its file says it could never follow or know.
+
+A row of checks over one resolved leg, each yielding Problems with the place in the text. What
+does not live here: the proofs over time, place and energy (mission.authoring.check).
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+from mission.authoring.compiler.axes import axis_where
+from mission.authoring.compiler.granularity import granularity_problems
+from mission.engine.guards import comparisons
+from mission.legs import LEGS
+from mission.model import Axis, Expression, Leg, Problem, Surface, Where
+from mission.model.units import GEARS
+from mission.engine.variables import CLOCK, VARIABLES
+from mission.model.vehicle import Vehicle
+from protocol.codec import CannotEncode, VehicleCodec
+from protocol.messages import Setpoint
+from protocol.vehicles import codec
+
+_POSITION_VARIABLES = frozenset({"distance", "cross_track"})
+
+
+def leg_problems(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
+    found = [problem for check in _CHECKS for problem in check(leg, setpoint, vehicle)]
+    yield from found or [
+        *granularity_problems(leg, setpoint, vehicle),
+        *_encodes(leg, setpoint, vehicle),
+    ]
+
+
+def _follows(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
+    wanted = {
+        "surge": setpoint.surge != 0.0,
+        "turn": setpoint.turn != 0.0,
+        "heave": bool(setpoint.heave),
+        "heading": setpoint.heading is not None,
+        "depth": setpoint.depth is not None,
+        "altitude": setpoint.altitude is not None,
+        "attitude": setpoint.pitch is not None or setpoint.roll is not None,
+    }
+    needs = LEGS[type(leg.kind)].needs
+    wanted["heading"] |= "heading" in needs
+    wanted["depth"] |= "depth" in needs
+    for axis, asked in wanted.items():
+        if asked and axis not in vehicle.follows:
+            word = "pitch" if axis == "attitude" else axis
+            yield Problem(
+                "vehicle-cannot-follow",
+                axis_where(leg, word),
+                axis,
+                f"{vehicle.name} cannot follow {axis}",
+                f"it follows {', '.join(sorted(vehicle.follows))}",
+            )
+
+
+def _reports(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
+    needs = LEGS[type(leg.kind)].needs
+    if isinstance(leg.kind, Surface) and leg.kind.until_fix:
+        needs |= {"position"}
+    for sensor in sorted(needs - vehicle.reports):
+        yield Problem(
+            "vehicle-cannot-know",
+            leg.where,
+            leg.name,
+            f"a {LEGS[type(leg.kind)].name} leg needs {sensor}, which {vehicle.name} never reports",
+            "hold a heading for a time instead",
+        )
+
+
+def _one_speed(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
+    horizontal = round(abs(setpoint.surge or setpoint.turn) * GEARS)
+    vertical = round(abs(setpoint.heave or 0.0) * GEARS)
+    if vehicle.one_speed and horizontal and vertical and horizontal != vertical:
+        yield Problem(
+            "one-speed",
+            axis_where(leg, "heave"),
+            leg.name,
+            f"{vehicle.name} has one speed for both: gear {horizontal} ahead or turning and "
+            f"gear {vertical} up or down cannot be held together",
+            "write the same gear for both, or hold a depth",
+        )
+
+
+def _encodes(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
+    """The codec has the last word on what the vehicle's language can say."""
+    row = LEGS[type(leg.kind)]
+    if Axis.HEADING in row.steers and not row.ascends:
+        setpoint = replace(setpoint, heading=0.0)
+    for depth in row.depths(leg.kind) or (setpoint.depth,):
+        fault = _cannot_say(vehicle.codec, vehicle.dialect, replace(setpoint, depth=depth))
+        if fault:
+            yield Problem(
+                "vehicle-has-no-word",
+                leg.where,
+                leg.name,
+                f"{vehicle.name} has no command for this leg: {fault}",
+                "set what the message names in another way",
+            )
+            return
+
+
+@functools.lru_cache(maxsize=1024)  # legs of one mission often hold the same
+def _cannot_say(name: str, dialect: str, setpoint: Setpoint) -> str:
+    try:
+        _codec(name, dialect).encode(setpoint)
+    except CannotEncode as error:
+        return str(error)
+    return ""
+
+
+@functools.lru_cache(maxsize=16)
+def _codec(name: str, dialect: str) -> VehicleCodec:
+    return codec(name, dialect, {})
+
+
+def _figures(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
+    row = LEGS[type(leg.kind)]
+    fault = row.fault(leg.kind)
+    if fault:
+        yield Problem("leg-figures", leg.where, leg.name, fault)
+    if row.makes_way and setpoint.surge <= 0.0:
+        yield Problem(
+            "no-way-on",
+            leg.where,
+            leg.name,
+            f"a {row.name} leg goes nowhere without way on",
+            "add gear (1 to 12) or speed",
+        )
+    for depth in (*row.depths(leg.kind), setpoint.depth):
+        if depth is not None and depth > vehicle.limits.depth:
+            yield Problem(
+                "too-deep",
+                axis_where(leg, "depth"),
+                leg.name,
+                f"depth {depth:g} m is below the hard limit of {vehicle.name}, "
+                f"{vehicle.limits.depth:g} m",
+                "stay above it",
+            )
+
+
+def _bounded(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
+    if leg.duration is None and leg.timeout is None:
+        yield Problem(
+            "no-time-bound",
+            leg.where,
+            leg.name,
+            f"{leg.name} is not bounded by time: it could last for ever",
+            "add timeout (or for)",
+        )
+    for word, value in (("for", leg.duration), ("timeout", leg.timeout)):
+        if value is not None and not 0.0 < value < float("inf"):
+            yield Problem(
+                "no-time-bound",
+                leg.where,
+                leg.name,
+                f"{word} {value:g} s is no bound",
+                "write a time greater than 0",
+            )
+
+
+def guard_problems(
+    expression: Expression, vehicle: Vehicle, where: Where, gives: frozenset[str] | None
+) -> Iterator[Problem]:
+    """``gives``: the variables that only some leg types have and this one has; None: not a leg."""
+    for comparison in comparisons(expression):
+        place = comparison.where if comparison.where.line else where
+        variable = VARIABLES.get(comparison.variable)
+        if variable is None:
+            yield Problem(
+                "unknown-variable",
+                place,
+                comparison.variable,
+                f"there is no variable {comparison.variable!r}",
+                f"known ones: {', '.join(VARIABLES)}",
+            )
+            continue
+        absent = [s for s in variable.source if s != CLOCK and s not in vehicle.reports]
+        if absent:
+            yield Problem(
+                "never-known",
+                place,
+                comparison.variable,
+                f"{comparison.variable} can never be known: {vehicle.name} does not report "
+                f"{' nor '.join(absent)}",
+                "use a variable that this vehicle reports",
+            )
+        elif gives is not None and comparison.variable in _POSITION_VARIABLES - gives:
+            yield Problem(
+                "never-known",
+                place,
+                comparison.variable,
+                f"{comparison.variable} is known only in legs that go to a place",
+                "use travelled, range or elapsed",
+            )
+
+
+_Check = Callable[[Leg, Setpoint, Vehicle], Iterator[Problem]]
+_CHECKS: tuple[_Check, ...] = (_bounded, _figures, _reports, _follows, _one_speed)

@@ -1,0 +1,298 @@
+"""Which value every axis has in every leg: an omitted axis keeps its value.
+
+A value travels along the ways between legs until a leg states the axis. Two different values at
+a leg that omits it are an error; turn and heading exclude each other; what a leg steered itself
+(a goto's heading) cannot be kept by the next, because no text says what it was.
+
+    (surge, turn) | heading | ("depth" | "altitude" | "heave", value) | (pitch, roll)
+
+Linear in legs and ways: a place takes at most two different values of an axis, which is one too
+many. What does not live here: the ways themselves (compiler), what a vehicle can do (abilities).
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from mission.legs import LEGS
+from mission.model import Axis, Leg, LegKind, Problem, Set, Setting, Where
+from mission.model.units import GEARS
+from protocol.messages import Setpoint
+
+_AXIS_OF = {
+    "surge": Axis.HORIZONTAL,
+    "turn": Axis.HORIZONTAL,
+    "heading": Axis.HEADING,
+    "depth": Axis.VERTICAL,
+    "altitude": Axis.VERTICAL,
+    "heave": Axis.VERTICAL,
+    "pitch": Axis.ATTITUDE,
+    "roll": Axis.ATTITUDE,
+}
+_STEERED = ("steered",)  # the leg before held it by itself
+
+Value = tuple[float | str, ...] | None  # None: not controlled
+INITIAL: Mapping[Axis, Value] = {
+    Axis.HORIZONTAL: (0.0, 0.0),
+    Axis.HEADING: None,
+    Axis.VERTICAL: None,
+    Axis.ATTITUDE: None,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """What one leg or bare line does to the axes: ``states`` them, or drops the turn."""
+
+    states: Mapping[Axis, Value]
+    drops_turn: bool
+
+    def apply(self, axis: Axis, value: Value) -> Value:
+        if axis in self.states:
+            return self.states[axis]
+        if axis is Axis.HORIZONTAL and self.drops_turn and value is not None:
+            return (value[0], 0.0)
+        return value
+
+
+@dataclass(frozen=True, slots=True)
+class Flow:
+    """A way by which values travel: from a leg or group to a leg, through bare lines that do
+    ``unit`` together."""
+
+    source: str
+    target: str
+    unit: Unit
+
+
+def unit_of(node: Leg | Set) -> Unit:
+    kind = node.kind if isinstance(node, Leg) else None
+    return _unit(node.settings, kind)
+
+
+def _unit(settings: tuple[Setting, ...], kind: LegKind | None) -> Unit:
+    words = {s.word: s.value for s in settings}
+    states: dict[Axis, Value] = {}
+    if "surge" in words or "turn" in words:
+        states[Axis.HORIZONTAL] = (words.get("surge", 0.0), words.get("turn", 0.0))
+    if "heading" in words:
+        states[Axis.HEADING] = (words["heading"],)
+    elif words.get("turn", 0.0) != 0.0:
+        states[Axis.HEADING] = None
+    for word in ("depth", "altitude", "heave"):
+        if word in words:
+            states[Axis.VERTICAL] = (word, words[word])
+    if "pitch" in words or "roll" in words:
+        states[Axis.ATTITUDE] = (words.get("pitch", 0.0), words.get("roll", 0.0))
+    steers = LEGS[type(kind)].steers if kind is not None else frozenset()
+    states.update(dict.fromkeys(steers, _STEERED))
+    if kind is not None and LEGS[type(kind)].ascends:
+        states.update(INITIAL)  # it ends with everything stopped
+    return Unit(states, "heading" in words or Axis.HEADING in steers)
+
+
+def joined(units: Iterable[Unit]) -> Unit:
+    """What several do one after the other."""
+    states: dict[Axis, Value] = {}
+    drops = False
+    for unit in units:
+        if unit.drops_turn:
+            drops = True
+            if (held := states.get(Axis.HORIZONTAL)) is not None:
+                states[Axis.HORIZONTAL] = (held[0], 0.0)
+        states.update(unit.states)
+    return Unit(states, drops)
+
+
+def statement_problems(node: Leg | Set) -> list[Problem]:
+    """Axes stated twice, or against each other, within one line."""
+    problems: list[Problem] = []
+    seen: dict[str, Setting] = {}
+    for setting in node.settings:
+        if setting.word in seen:
+            problems.append(
+                _clash(setting, f"{setting.word} is stated twice in this line", "state it once")
+            )
+        seen[setting.word] = setting
+    vertical = [w for w in ("depth", "altitude", "heave") if w in seen]
+    if len(vertical) > 1:
+        problems.append(
+            _clash(
+                seen[vertical[1]],
+                f"{vertical[0]} and {vertical[1]} exclude each other: one axis, one holder",
+                f"leave out one of {', '.join(vertical)}",
+            )
+        )
+    if "heading" in seen and "turn" in seen and seen["turn"].value != 0.0:
+        problems.append(
+            _clash(
+                seen["turn"],
+                "turn and heading exclude each other",
+                "either hold a heading (heading, ZAH) or turn at a rate (turn, ZAL, ZAR)",
+            )
+        )
+    if isinstance(node, Leg):
+        steers = LEGS[type(node.kind)].steers
+        own = [s for s in node.settings if _AXIS_OF[s.word] in steers]
+        name = LEGS[type(node.kind)].name
+        problems += [
+            _clash(s, f"a {name} leg steers {_AXIS_OF[s.word].value} itself", f"leave out {s.word}")
+            for s in own
+        ]
+    return problems
+
+
+def _clash(setting: Setting, message: str, hint: str) -> Problem:
+    return Problem("axis-clash", setting.where, setting.word, message, hint)
+
+
+class Resolution:
+    """Values at every leg. ``parents`` leads from every leg and group to the one above it."""
+
+    def __init__(
+        self,
+        legs: Mapping[str, Leg],
+        parents: Mapping[str, str],
+        flows: Iterable[Flow],
+        start: Flow,
+    ) -> None:
+        self._legs, self._parents, self._start = legs, parents, start
+        self._units = {path: unit_of(leg) for path, leg in legs.items()}
+        self._out: dict[str, list[Flow]] = {}
+        for flow in flows:
+            self._out.setdefault(flow.source, []).append(flow)
+        # axis -> place -> the different values that came in, with where each came from
+        self._in: dict[Axis, dict[str, list[tuple[Value, str]]]] = {}
+        for axis in Axis:
+            self._in[axis] = {}
+            self._spread(axis)
+
+    def setpoints(self) -> tuple[dict[str, Setpoint], list[Problem]]:
+        sets, problems = {}, []
+        for path, leg in self._legs.items():
+            values = {axis: self._value(axis, path) for axis in Axis}
+            problems += self._conflicts(path, leg, values)
+            sets[path] = _setpoint(values)
+        return sets, problems
+
+    def _value(self, axis: Axis, path: str) -> Value:
+        came = self._in[axis].get(path)
+        return self._units[path].apply(axis, came[0][0] if came else INITIAL[axis])
+
+    def _spread(self, axis: Axis) -> None:
+        queue: deque[tuple[str, Value, str]] = deque()
+        start = self._start
+        queue.append((start.target, start.unit.apply(axis, INITIAL[axis]), "the start"))
+        for path, unit in self._units.items():
+            if axis in unit.states:
+                self._leave(queue, axis, path, unit.states[axis], path)
+        while queue:
+            place, value, origin = queue.popleft()
+            held = self._in[axis].setdefault(place, [])
+            if any(value == v for v, _ in held) or len(held) == 2:
+                continue
+            held.append((value, origin))
+            here = self._units.get(place)
+            if here is None:  # a group hands on what any of its legs has
+                self._leave(queue, axis, place, value, origin)
+            elif axis not in here.states and len(held) == 1:
+                # a second value is this leg's error, not that of every leg behind it
+                self._leave(queue, axis, place, here.apply(axis, value), place)
+
+    def _leave(
+        self,
+        queue: deque[tuple[str, Value, str]],
+        axis: Axis,
+        place: str,
+        value: Value,
+        origin: str,
+    ) -> None:
+        for flow in self._out.get(place, ()):
+            queue.append((flow.target, flow.unit.apply(axis, value), origin))
+        if place in self._parents:
+            queue.append((self._parents[place], value, origin))
+
+    def _conflicts(self, path: str, leg: Leg, values: dict[Axis, Value]) -> list[Problem]:
+        problems = []
+        unit = self._units[path]
+        for axis in Axis:
+            came = [] if axis in unit.states else self._in[axis].get(path, [])
+            if unit.drops_turn and axis is Axis.HORIZONTAL:
+                came = list({unit.apply(axis, v): (v, o) for v, o in came}.values())
+            if len(came) == 2:
+                problems.append(_conflict(axis, leg, came))
+            elif came and came[0][0] == _STEERED:
+                surge, turn = values[Axis.HORIZONTAL] or (0.0, 0.0)
+                if axis is Axis.VERTICAL or (surge != 0.0 and turn == 0.0):
+                    problems.append(_unknown(axis, leg, came[0][1]))
+        return problems
+
+
+def _conflict(axis: Axis, leg: Leg, came: list[tuple[Value, str]]) -> Problem:
+    (one, by_one), (two, by_two) = came
+    return Problem(
+        "axis-conflict",
+        leg.where,
+        leg.name,
+        f"{leg.name} omits {axis.value}, and the ways into it bring different values: "
+        f"{_words(axis, one)} from {_short(by_one)}, {_words(axis, two)} from {_short(by_two)}",
+        f"state {axis.value} in {leg.name}",
+    )
+
+
+def _unknown(axis: Axis, leg: Leg, origin: str) -> Problem:
+    return Problem(
+        "axis-steered",
+        leg.where,
+        leg.name,
+        f"{leg.name} omits {axis.value}, which {_short(origin)} steered by itself: "
+        "there is no value to keep",
+        f"state {axis.value} in {leg.name}",
+    )
+
+
+def _short(path: str) -> str:
+    return path.partition("/")[2] or path
+
+
+def _words(axis: Axis, value: Value) -> str:
+    if value is None:
+        return "none"
+    if value == _STEERED:
+        return "whatever was steered"
+    if axis is Axis.HEADING:
+        return f"{math.degrees(float(value[0])) % 360.0:g} deg"
+    if axis is Axis.VERTICAL:
+        return f"{value[0]} {float(value[1]):g}"
+    if axis is Axis.HORIZONTAL:
+        return f"surge {float(value[0]) * GEARS:g} turn {float(value[1]) * GEARS:g} (gears)"
+    return f"pitch {math.degrees(float(value[0])):g} roll {math.degrees(float(value[1])):g}"
+
+
+def _setpoint(values: Mapping[Axis, Value]) -> Setpoint:
+    def known(axis: Axis) -> Value:
+        value = values[axis]
+        return None if value == _STEERED else value
+
+    surge, turn = (float(x) for x in known(Axis.HORIZONTAL) or (0.0, 0.0))
+    heading, vertical, attitude = known(Axis.HEADING), known(Axis.VERTICAL), known(Axis.ATTITUDE)
+    word, amount = vertical or ("", 0.0)
+    return Setpoint(
+        surge=surge,
+        turn=turn,
+        heading=float(heading[0]) if heading else None,
+        depth=float(amount) if word == "depth" else None,
+        altitude=float(amount) if word == "altitude" else None,
+        heave=float(amount) if word == "heave" else None,
+        pitch=float(attitude[0]) if attitude else None,
+        roll=float(attitude[1]) if attitude else None,
+    )
+
+
+def axis_where(leg: Leg, word: str) -> Where:
+    """Where the leg states a word, else the leg itself."""
+    places = (s.where for s in leg.settings if s.word == word and s.where.line)
+    return next(places, leg.where)

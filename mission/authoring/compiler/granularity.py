@@ -1,0 +1,101 @@
+"""Setpoints between the steps in which a vehicle can be told: sent as the nearest, never in secret.
+
+    off by more than one sigma of the sensor that the hold goes by  -> refused, with what to write
+    off by less                                                     -> stated by the check
+
+A hold at 4.5 m that is flown at 4 m never opens ``until depth >= 4.4``; half a degree of heading
+is lost in any compass. A heading that the leg itself steers (goto) is sent anew all the time.
+
+What does not live here: the steps themselves (each vehicle's codec).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from mission.authoring.compiler.axes import axis_where
+from mission.legs import LEGS
+from mission.model import Axis, Leg, Problem, Where
+from mission.model.vehicle import Vehicle
+from protocol.messages import Setpoint
+from protocol.vehicles import vehicle_row
+
+BETWEEN_STEPS = "between-steps"  # the rule
+_EXACT = 1e-6  # of a step: degrees went through radians
+
+
+@dataclass(frozen=True, slots=True)
+class Rounded:
+    """A value that a leg holds, the ``nearest`` that can be told, and the steps beside it; in m or
+    deg, as texts say them."""
+
+    word: str
+    unit: str
+    wanted: float
+    below: float
+    above: float
+    nearest: float
+    bearable: bool
+    where: Where
+
+    def __str__(self) -> str:
+        return f"{self.word} {self.wanted:g} {self.unit}"
+
+
+@dataclass(frozen=True, slots=True)
+class _Held:
+    word: str
+    value: float | None
+    step: float
+    sigma: float
+
+
+def rounded(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Rounded]:
+    """What of the leg's holds this vehicle cannot be told exactly."""
+    for held in _holds(leg, setpoint, vehicle):
+        if held.value is None or held.step == 0.0:
+            continue
+        steps = held.value / held.step
+        if abs(steps - round(steps)) < _EXACT:
+            continue
+        unit = "m" if held.word in ("depth", "altitude") else "deg"
+        scale = held.step if unit == "m" else math.degrees(held.step)
+        low = math.floor(steps)
+        turns = round(360.0 / scale) if held.word == "heading" else 0
+        below, above, nearest = (
+            (n % turns if turns else n) * scale for n in (low, low + 1, round(steps))
+        )
+        off = abs(steps - round(steps)) * held.step
+        wanted = round(steps * scale % 360.0 if turns else steps * scale, 9)
+        bearable = off <= held.sigma
+        place = axis_where(leg, held.word)
+        yield Rounded(held.word, unit, wanted, below, above, nearest, bearable, place)
+
+
+def granularity_problems(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
+    for found in rounded(leg, setpoint, vehicle):
+        if not found.bearable:
+            unit = found.unit
+            yield Problem(
+                BETWEEN_STEPS,
+                found.where,
+                leg.name,
+                f"{vehicle.name} cannot be told {found}: it would hold {found.nearest:g} {unit}",
+                f"write {found.below:g} {unit} or {found.above:g} {unit}",
+            )
+
+
+def _holds(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[_Held]:
+    row, sigma = LEGS[type(leg.kind)], vehicle.sensors
+    step = vehicle_row(vehicle.codec).granularity
+    if row.ascends:
+        return
+    for depth in row.depths(leg.kind) or (setpoint.depth,):
+        yield _Held("depth", depth, step.depth, sigma.depth)
+    yield _Held("altitude", setpoint.altitude, step.altitude, sigma.altitude)
+    if Axis.HEADING not in row.steers:
+        yield _Held("heading", setpoint.heading, step.heading, sigma.heading)
+    yield _Held("pitch", setpoint.pitch, step.attitude, 0.0)
+    yield _Held("roll", setpoint.roll, step.attitude, 0.0)

@@ -1,0 +1,44 @@
+"""The transitions that every mission shares, as the pictures show them.
+
+The table itself is mission.model.regions, which the machine is built from; here is only which
+of its rows stand on every picture and which where the safety transitions are asked for.
+"""
+
+from __future__ import annotations
+
+from mission.model import AUTONOMOUS, IDLE_READY, STOPPED, SURFACED
+from mission.model.regions import EMERGENCY, IDLE, LEG, MANUAL, REGION_EDGES, RegionEdge
+from mission.model.regions import REGIONS as _REGIONS
+
+REGIONS = (IDLE, AUTONOMOUS, MANUAL, EMERGENCY)  # in the order of the pictures
+SUBSTATES = tuple(path for name in REGIONS for path in _REGIONS[name])
+
+_USUAL = frozenset({"load", "start", "stick", "silent", "surfaced"})
+_ALSO = frozenset(
+    {
+        ("clear", IDLE_READY),
+        ("clear", STOPPED),
+        ("clear", SURFACED),
+        ("X", AUTONOMOUS),
+        ("W", AUTONOMOUS),
+        ("limit", AUTONOMOUS),
+    }
+)
+
+
+def region(path: str) -> str:
+    return path.partition("/")[0]
+
+
+def shared(safety: bool) -> tuple[RegionEdge, ...]:
+    """All rows, or those that a reader of the mission needs."""
+    return tuple(
+        row
+        for row in REGION_EDGES
+        if safety or row.name in _USUAL or (row.name, row.source) in _ALSO
+    )
+
+
+def target(row: RegionEdge) -> str:
+    """Where it leads, with the whole region for "whichever leg"."""
+    return AUTONOMOUS if row.target == LEG else row.target

@@ -1,0 +1,207 @@
+"""What a chart's parts are called on a picture: guards, setpoints, kinds of legs, times.
+
+Plain characters only (ASCII, Latin-1 and the two signs for "at least" and "at most"), because a
+picture is shown with whatever font the machine has. What does not live here: the canonical text
+of a mission (mission.authoring.language).
+"""
+
+from __future__ import annotations
+
+import math
+
+from mission.model import (
+    And,
+    By,
+    Comparison,
+    Edge,
+    Expression,
+    Follow,
+    Goto,
+    Guard,
+    Hold,
+    Leg,
+    Local,
+    Loiter,
+    Mission,
+    Not,
+    Or,
+    Place,
+    Position,
+    Rows,
+    Surface,
+    Wait,
+    Yoyo,
+)
+from mission.model.units import GEARS, UNITS
+from mission.engine.variables import VARIABLES
+from protocol.messages import Setpoint
+
+_SIGNS = {"<": "<", "<=": "\u2264", ">": ">", ">=": "\u2265"}
+
+
+def number(value: float) -> str:
+    """At most four significant digits beyond the point's left side, no trailing zeros."""
+    return f"{round(value, 3):.10g}"
+
+
+def duration(seconds: float) -> str:
+    if seconds >= 120 and seconds % 60 == 0:
+        return f"{number(seconds / 60)} min"
+    return f"{number(seconds)} s"
+
+
+def bearing(radians: float) -> str:
+    return f"{round(math.degrees(radians), 1) % 360:03g}\u00b0"
+
+
+def expression(value: Expression) -> str:
+    match value:
+        case Comparison():
+            return _comparison(value)
+        case Not(operand):
+            return f"not ({expression(operand)})"
+        case And(operands):
+            return " and ".join(_part(one) for one in operands)
+        case Or(operands):
+            return " or ".join(_part(one) for one in operands)
+
+
+def _part(value: Expression) -> str:
+    return f"({expression(value)})" if isinstance(value, And | Or) else expression(value)
+
+
+def _comparison(value: Comparison) -> str:
+    row = VARIABLES.get(value.variable)
+    unit = row.unit if row is not None else ""
+    bound = value.bound / UNITS[unit].factor if unit in UNITS else value.bound
+    if unit == "s":
+        text = duration(bound)
+    else:
+        text = number(bound) + ("\u00b0" if unit == "deg" else f" {unit}" if unit else "")
+    sure = f" ({number(value.sure * 100)} % sure)" if value.sure is not None else ""
+    return f"{value.variable} {_SIGNS.get(value.operator, value.operator)} {text}{sure}"
+
+
+def guard(value: Guard) -> str:
+    held = f" for {duration(value.held)}" if value.held else ""
+    return expression(value.expression) + held
+
+
+def place(value: Place) -> str:
+    match value:
+        case Position(latitude, longitude):
+            return f"{latitude:.5f}, {longitude:.5f}"
+        case Local(north, east):
+            ns, ew = "N" if north >= 0 else "S", "E" if east >= 0 else "W"
+            return f"{number(abs(north))} m {ns} {number(abs(east))} m {ew}"
+        case _:
+            return str(value)
+
+
+def kind(leg: Leg) -> str:
+    """What the leg does beside holding its set; "" for a plain hold."""
+    match leg.kind:
+        case Hold():
+            return ""
+        case Wait():
+            return "wait"
+        case Goto(where, within):
+            return f"goto {place(where)} within {number(within)} m"
+        case Follow(places, within):
+            return f"follow {len(places)} points within {number(within)} m"
+        case Rows():
+            return _rows(leg.kind)
+        case Yoyo(shallow, deep, cycles):
+            return f"yoyo {number(shallow)} to {number(deep)} m, {cycles} times"
+        case Loiter(where, radius, side):
+            about = f" about {place(where)}" if where is not None else ""
+            turn = "clockwise" if side > 0 else "counter-clockwise"
+            return f"loiter{about}, radius {number(radius)} m, {turn}"
+        case Surface(until_fix):
+            return "surface until a fix" if until_fix else "surface"
+
+
+def _rows(rows: Rows) -> str:
+    start = f" from {place(rows.start)}" if rows.start is not None else ""
+    side = "starboard" if rows.side > 0 else "port"
+    return (
+        f"{rows.count} rows of {number(rows.length)} m, {number(rows.spacing)} m apart to {side}, "
+        f"first {bearing(rows.bearing)}{start}"
+    )
+
+
+def setpoint(value: Setpoint | None) -> str:
+    """The leg's complete set, axis by axis; an axis at rest is left out."""
+    if value is None:
+        return ""
+    words = []
+    if value.heading is not None:
+        words.append(f"heading {bearing(value.heading)}")
+    if value.surge:
+        words.append(f"gear {number(value.surge * GEARS)}")
+    if value.turn:
+        side = "starboard" if value.turn > 0 else "port"
+        words.append(f"turn {side} {number(abs(value.turn) * GEARS)}")
+    if value.depth is not None:
+        words.append(f"depth {number(value.depth)} m")
+    if value.altitude is not None:
+        words.append(f"altitude {number(value.altitude)} m")
+    if value.heave:
+        word = "down" if value.heave > 0 else "up"
+        words.append(f"{word} {number(abs(value.heave) * GEARS)}")
+    if value.pitch is not None:
+        words.append(f"pitch {number(math.degrees(value.pitch))}\u00b0")
+    if value.roll is not None:
+        words.append(f"roll {number(math.degrees(value.roll))}\u00b0")
+    return " \u00b7 ".join(words) or "at rest"
+
+
+def edge(value: Edge, leg: Leg | None) -> str:
+    """What takes this way, as an arrow says it."""
+    if value.guard is not None:
+        return guard(value.guard)
+    match value.by:
+        case By.FOR:
+            return f"after {duration(leg.duration)}" if leg and leg.duration else "time over"
+        case By.TIMEOUT:
+            return f"timeout {duration(leg.timeout)}" if leg and leg.timeout else "timeout"
+        case By.ELSE:
+            return "refused or blind"
+        case By.UNCERTAIN:
+            return "position uncertain"
+        case By.END:
+            return _end(leg)
+        case _:
+            return str(value.by.value)
+
+
+def _end(leg: Leg | None) -> str:
+    match leg.kind if leg is not None else None:
+        case Goto():
+            return "arrived"
+        case Follow():
+            return "at the last point"
+        case Rows():
+            return "all rows done"
+        case Yoyo():
+            return "all cycles done"
+        case Surface(True):
+            return "fix at the surface"
+        case Surface(False):
+            return "at the surface"
+        case _:
+            return "done"
+
+
+def safety(mission: Mission) -> str:
+    own = mission.safety
+    words = []
+    if own.radius is not None:
+        words.append(f"radius {number(own.radius)} m")
+    if own.time is not None:
+        words.append(f"time {duration(own.time)}")
+    if own.depth is not None:
+        words.append(f"depth {number(own.depth)} m")
+    if own.voltage is not None:
+        words.append(f"battery {number(own.voltage)} V")
+    return ", ".join(words) or "the vehicle's hard limits alone"

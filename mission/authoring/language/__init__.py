@@ -1,0 +1,121 @@
+"""Mission texts: two ways to write one Mission, and one canonical text of it.
+
+    lines --lines.py--+                                       +--canonical.py--> lines, digest,
+                      +--> statements --assembly.py--> Mission +                  @AW script
+    YAML --yaml_form--+                                       +--yaml_text.py--> YAML
+
+Everything that is wrong with a text is told at once (``MissionErrors``), each with line, column,
+and what to write instead. What does not live here: whether the mission is safe (mission.authoring.check).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+from mission.model.extent import BYTES, STATEMENTS
+from mission.authoring.language.canonical import digest, script, to_lines
+from mission.authoring.language.problems import MissionErrors, Problem, Problems
+from mission.model import Mission
+
+if TYPE_CHECKING:
+    from mission.authoring.language.clauses import Statement
+
+__all__ = [
+    "MissionErrors",
+    "Problem",
+    "digest",
+    "load",
+    "parse",
+    "parse_script",
+    "read_file",
+    "script",
+    "to_lines",
+    "to_yaml",
+]
+
+_NONE: Mapping[str, str] = MappingProxyType({})
+_YAML_KEY = re.compile(r"""(?m)^(?:["']?(?:mission|legs)["']?\s*:(?:\s|$)|---|%YAML|\{)""")
+
+
+def is_yaml(text: str, source: str = "") -> bool:
+    """By content; the file's suffix decides only where the content does not."""
+    if _YAML_KEY.search(text):
+        return True
+    if re.search(r"(?m)^\s*(?:mission\s+\w|end\b|\w[\w-]*:.*\bZA)", text):
+        return False
+    return source.endswith((".yaml", ".yml")) or bool(re.search(r"(?m)^\s*- ", text))
+
+
+def parse(text: str, source: str = "", parameters: Mapping[str, str] = _NONE) -> Mission:
+    """Reads either form. Raises MissionErrors with everything that is wrong."""
+    text = text.removeprefix("\ufeff").replace("\r\n", "\n")
+    return _parsed(text, source, parameters, yaml=is_yaml(text, source))
+
+
+def _parsed(text: str, source: str, parameters: Mapping[str, str], yaml: bool) -> Mission:
+    from mission.authoring.language import assembly, canonical
+
+    found = Problems(text, source)
+    if yaml:
+        from mission.authoring.language.yaml_form import statements as read
+    else:
+        from mission.authoring.language.lines import statements as read
+    statements = list(_bounded(read(text, found), found))
+    mission, claimed = assembly.Assembly(found, parameters).read(statements)
+    found.complain()
+    mission = canonical.numbered(mission)
+    canonical.check_length(mission, found)
+    if claimed is not None and claimed.text != canonical.total(mission):
+        hint = f"the lines make {canonical.total(mission)}: send them again, or drop the sum"
+        raise found.refusal("sum", claimed.where, "the sum does not fit the lines", hint)
+    return mission
+
+
+def _bounded(statements: Iterable[Statement], found: Problems) -> Iterator[Statement]:
+    for number, statement in enumerate(statements, 1):
+        if number > STATEMENTS.most:
+            message = f"the mission is too long: {STATEMENTS.exceeded}"
+            raise found.refusal(
+                "too-long", statement.where, message, "make it shorter, or two of it"
+            )
+        yield statement
+
+
+def load(path: str | Path, parameters: Mapping[str, str] = _NONE) -> Mission:
+    """Raises MissionErrors, also for a file that cannot be read."""
+    return parse(read_file(path), str(path), parameters)
+
+
+def read_file(path: str | Path) -> str:
+    """A mission file's text. Raises MissionErrors where there is none: no such file, not UTF-8,
+    longer than any mission (a device may never end)."""
+    from mission.model import NOWHERE
+
+    why, hint = "", "give a mission file"
+    try:
+        with Path(path).open("rb") as file:
+            data = file.read(BYTES.most + 1)
+        if len(data) <= BYTES.most:
+            return data.decode("utf-8")
+        why = f"it has {BYTES.exceeded}, which no mission has"
+    except OSError as error:
+        why = error.strerror or str(error)
+    except UnicodeDecodeError:
+        why, hint = "it is not UTF-8", "save it as UTF-8; a mission needs ASCII alone"
+    raise Problems("", str(path)).refusal("unreadable", NOWHERE, f"cannot be read: {why}", hint)
+
+
+def parse_script(lines: Sequence[str], source: str = "script") -> Mission:
+    """What ``@AW`` brought, line by line; ``sum`` in line 1 must fit. Raises MissionErrors."""
+    return _parsed("\n".join(lines), source, _NONE, yaml=False)
+
+
+def to_yaml(mission: Mission) -> str:
+    """The YAML form, with units; parameters are resolved and comments gone."""
+    from mission.authoring.language import yaml_text
+
+    return yaml_text.to_yaml(mission)

@@ -1,0 +1,342 @@
+"""Statements, in their order -> one Mission: headers, groups, names, targets, loops.
+
+Both readers (lines.py, yaml_form.py) hand over the same statements; here they become a Mission:
+
+    parameters first, then the vehicle, then everything else; a name is looked up in the innermost
+    group first, then outwards; a repeated group must contain something that takes time.
+
+What does not live here: grammar (syntax.py), parameters (parameters.py), clauses (legs.py),
+reachability (mission.authoring.check).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from mission.model.extent import DEEPEST_GROUP, HANDLERS, NAME
+from mission.authoring.language.clauses import (
+    End,
+    HomeAt,
+    LegText,
+    MissionHead,
+    Name,
+    Named,
+    On,
+    Opening,
+    Parameter,
+    Statement,
+    WithoutFix,
+)
+from mission.authoring.language.legs import Legs
+from mission.authoring.language.parameters import read_parameters
+from mission.authoring.language.problems import Problems, nearest, suggestion
+from mission.authoring.language.values import Values
+from mission.authoring.language.words import ASSUMPTIONS, GENERATED, LIMITS
+from mission.model import (
+    NOWHERE,
+    SURFACE,
+    Group,
+    Handler,
+    Leg,
+    Mission,
+    Node,
+    Position,
+    Safety,
+    Where,
+)
+from mission.model.shipped import missions_folder
+
+UNNAMED = "unnamed"
+DEFAULT_VEHICLE = "auv"
+MOST_ROUNDS = 9999
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:-[A-Za-z0-9_]+)*\Z")
+
+
+@dataclass(slots=True)
+class _Scope:
+    """A group being filled; the outermost is the mission itself."""
+
+    opening: Opening | None
+    repeat: int = 1
+    body: list[Node] = field(default_factory=list)
+    handlers: list[Handler] = field(default_factory=list)
+    names: dict[str, Where] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class _Target:
+    name: str
+    where: Where
+    scopes: tuple[_Scope, ...]  # outermost first
+
+
+@dataclass(slots=True)
+class _Head:
+    name: str = UNNAMED
+    vehicle: str = DEFAULT_VEHICLE
+    total: Name | None = None
+    home: Position | None = None
+    safety: Safety = field(default_factory=Safety)
+    assume: tuple[tuple[str, float], ...] = ()
+    on_uncertain: str = SURFACE
+    on_timeout: str = SURFACE
+    without_fix: bool = False
+    where: Where = NOWHERE
+
+
+class Assembly:
+    """Takes the statements of one file; ``mission`` is whole only if no problem was found."""
+
+    def __init__(self, problems: Problems, parameters: Mapping[str, str]) -> None:
+        self._problems = problems
+        self._given = parameters
+        self._head = _Head()
+        self._seen: dict[str, Where] = {}
+        self._scopes = [_Scope(None)]
+        self._targets: list[_Target] = []
+        self._handlers = 0
+
+    def read(self, statements: Sequence[Statement]) -> tuple[Mission, Name | None]:
+        """The mission, and the ``sum`` it claims."""
+        parameters = read_parameters(statements, self._given, self._problems)
+        self._values = Values(self._problems, parameters, self._vehicle(statements))
+        self._legs = Legs(self._values)
+        for index, statement in enumerate(statements):
+            self._take(statement, first=index == 0)
+        while len(self._scopes) > 1:
+            self._unclosed()
+        self._resolve()
+        top = self._scopes[0]
+        if not len(self._problems) and not any(_legs(top.body)):
+            where = statements[0].where if statements else Where(1, 1)
+            hint = "add for instance a line  wait 30s"
+            self._problems.add("empty-mission", where, "nothing in this mission takes time", hint)
+        return self._mission(top), self._head.total
+
+    def _mission(self, top: _Scope) -> Mission:
+        head = self._head
+        return Mission(
+            name=head.name,
+            vehicle=head.vehicle,
+            body=tuple(top.body),
+            home=head.home,
+            safety=head.safety,
+            assume=head.assume,
+            handlers=tuple(top.handlers),
+            on_uncertain=head.on_uncertain,
+            on_timeout=head.on_timeout,
+            start_without_fix=head.without_fix,
+            where=head.where,
+        )
+
+    # --- first: what everything else needs ---------------------------------------------------
+
+    def _vehicle(self, statements: Iterable[Statement]) -> str:
+        """Its name; the file itself is read only where something needs it."""
+        named = next((s for s in statements if isinstance(s, MissionHead)), None)
+        name = named.vehicle if named else None
+        wanted = name.text if name else DEFAULT_VEHICLE
+        known = sorted(path.stem for path in (missions_folder() / "vehicles").glob("*.yaml"))
+        if wanted not in known:
+            where = name.where if name else NOWHERE
+            hint = suggestion(wanted, known, "vehicles")
+            self._problems.add("unknown-vehicle", where, f"unknown vehicle {wanted!r}", hint)
+        return wanted
+
+    # --- then: one by one ----------------------------------------------------------------------
+
+    def _take(self, statement: Statement, first: bool) -> None:
+        match statement:
+            case MissionHead():
+                self._mission_head(statement, first)
+            case HomeAt(place, where):
+                if self._header("home", where):
+                    self._head.home = self._values.position(place)
+            case Named("safety", _, where):
+                if self._header("safety", where):
+                    self._head.safety = Safety(**dict(self._named(statement)))
+            case Named(_, _, where):
+                if self._header("assume", where):
+                    self._head.assume = tuple(sorted(self._named(statement)))
+            case Parameter(_, _, where):
+                self._top("param", where)
+            case WithoutFix(where):
+                if self._header("start", where):
+                    self._head.without_fix = True
+            case Opening():
+                self._open(statement)
+            case End(where):
+                self._close(where)
+            case On():
+                self._on(statement)
+            case LegText():
+                self._leg(statement)
+
+    def _mission_head(self, head: MissionHead, first: bool) -> None:
+        if not self._header("mission", head.where):
+            return
+        if not first:
+            hint = "move it to the first line"
+            self._problems.add("not-first", head.where, "mission stands first", hint)
+        self._check_name(head.name)
+        self._head.name = head.name.text
+        self._head.vehicle = head.vehicle.text if head.vehicle else DEFAULT_VEHICLE
+        self._head.total, self._head.where = head.total, head.where
+
+    def _top(self, word: str, where: Where) -> bool:
+        if len(self._scopes) > 1:
+            message = f"{word} does not belong into a group"
+            self._problems.add("inside-group", where, message, "move it to the top")
+        return len(self._scopes) == 1
+
+    def _header(self, word: str, where: Where) -> bool:
+        if not self._top(word, where):
+            return False
+        if word in self._seen:
+            message = f"{word} appears twice; the first is in line {self._seen[word].line}"
+            self._problems.add("twice", where, message, "keep one of them")
+            return False
+        self._seen[word] = where
+        return True
+
+    def _named(self, statement: Named) -> Iterator[tuple[str, float]]:
+        rows = LIMITS if statement.word == "safety" else ASSUMPTIONS
+        seen: set[str] = set()
+        for name, amount in statement.items:
+            row = rows.get(name.text)
+            if row is None:
+                hint = suggestion(name.text, list(rows), statement.word)
+                message = f"{statement.word} has no {name.text!r}"
+                self._problems.add("unknown-word", name.where, message, hint)
+            elif name.text in seen:
+                message = f"{name.text} appears twice"
+                self._problems.add("twice", name.where, message, "keep one of them")
+            else:
+                seen.add(name.text)
+                value = self._values.number(amount, row.unit, row.low, row.high, row.above)
+                yield row.name, value
+
+    def _open(self, opening: Opening) -> None:
+        if len(self._scopes) > DEEPEST_GROUP.most:
+            message = f"groups are nested too deep: {DEEPEST_GROUP.exceeded}"
+            raise self._problems.refusal("too-deep", opening.where, message, "flatten them")
+        self._declare(opening.name)
+        repeat = 1
+        if opening.repeat is not None:
+            repeat = self._values.whole(opening.repeat, 1, MOST_ROUNDS, "repeat")
+        self._scopes.append(_Scope(opening, repeat))
+
+    def _close(self, where: Where) -> None:
+        if len(self._scopes) == 1:
+            hint = "remove it, or write repeat or group before"
+            self._problems.add("end", where, "end closes nothing", hint)
+            return
+        scope = self._scopes.pop()
+        opening = scope.opening
+        assert opening is not None
+        if not self._problems.within(opening.where.line, where.line):
+            self._check_body(scope, opening.name)
+        group = Group(
+            opening.name.text, scope.repeat, tuple(scope.body), tuple(scope.handlers), opening.where
+        )
+        self._scopes[-1].body.append(group)
+
+    def _check_body(self, scope: _Scope, name: Name) -> None:
+        if not scope.body:
+            self._problems.add(
+                "empty-group", name.where, f"group {name.text} is empty", "add a leg"
+            )
+        elif scope.repeat > 1 and not any(_legs(scope.body)):
+            hint = "add a wait: bare ZA lines set and go on at once"
+            message = f"loop {name.text} takes no time"
+            self._problems.add("loop-without-wait", name.where, message, hint)
+
+    def _unclosed(self) -> None:
+        opening = self._scopes[-1].opening
+        assert opening is not None
+        message = f"group {opening.name.text} is not closed"
+        self._problems.add("unclosed", opening.where, message, "write end after its last line")
+        self._close(opening.where)
+
+    def _on(self, on: On) -> None:
+        self._target(on.target)
+        if not isinstance(on.when, str):
+            guard = self._values.guard(on.when)
+            self._scopes[-1].handlers.append(Handler(guard, on.target.text, on.where))
+            self._handlers += 1
+            if self._handlers > HANDLERS.most:
+                raise self._problems.refusal(
+                    "too-long", on.where, HANDLERS.exceeded, "join their guards"
+                )
+        elif self._header(f"on {on.when}", on.where):
+            if on.when == "uncertain":
+                self._head.on_uncertain = on.target.text
+            else:
+                self._head.on_timeout = on.target.text
+
+    def _leg(self, text: LegText) -> None:
+        if text.name is not None:
+            self._declare(text.name)
+        node = self._legs.build(text)
+        self._scopes[-1].body.append(node)
+        for clause in text.clauses:
+            target = getattr(clause, "target", None)
+            if isinstance(target, Name):
+                self._target(target)
+
+    # --- names -----------------------------------------------------------------------------------
+
+    def _check_name(self, name: Name) -> None:
+        if not _NAME.match(name.text):
+            hint = "a letter, then letters, digits, _ and -"
+            self._problems.add("label", name.where, f"{name.text!r} is no name", hint)
+        elif len(name.text) > NAME.most:
+            hint = f"at most {NAME.most} characters"
+            self._problems.add("long-name", name.where, "this name is too long", hint)
+
+    def _declare(self, name: Name) -> None:
+        self._check_name(name)
+        names = self._scopes[-1].names
+        if name.text == SURFACE:
+            hint = "call it for instance up"
+            message = "surface is the name of the leg that ends every mission"
+            self._problems.add("reserved-name", name.where, message, hint)
+        elif GENERATED.match(name.text):
+            hint = f"call it for instance {name.text.replace('line', 'leg')}"
+            message = f"{name.text} is what a leg without a name is called"
+            self._problems.add("reserved-name", name.where, message, hint)
+        elif name.text in names:
+            message = f"{name.text} appears twice; the first is in line {names[name.text].line}"
+            hint = f"call this one for instance {name.text}_2"
+            self._problems.add("duplicate-name", name.where, message, hint)
+        names.setdefault(name.text, name.where)
+
+    def _target(self, name: Name) -> None:
+        self._targets.append(_Target(name.text, name.where, tuple(self._scopes)))
+
+    def _resolve(self) -> None:
+        """Targets may stand before what they name, so they are looked up at the end."""
+        top = (self._scopes[0],)
+        for target in self._targets:
+            if target.name == SURFACE or any(target.name in s.names for s in target.scopes):
+                continue
+            visible = [SURFACE, *(name for s in reversed(target.scopes) for name in s.names)]
+            close = nearest(target.name, visible)
+            hint = f"did you mean {close}?" if close else "names: " + ", ".join(visible[:20])
+            if GENERATED.match(target.name):
+                hint = "give that line a name to go there"
+            elif target.scopes != top:
+                hint += " (a leg inside another group cannot be a target)"
+            self._problems.add(
+                "unknown-target", target.where, f"there is no leg {target.name!r} here", hint
+            )
+
+
+def _legs(body: Iterable[Node]) -> Iterator[Leg]:
+    for node in body:
+        if isinstance(node, Leg):
+            yield node
+        elif isinstance(node, Group):
+            yield from _legs(node.body)

@@ -1,0 +1,209 @@
+"""What both readers hand to the assembly: a leg's clauses and the other statements, with places.
+
+Values are as written (``Amount``); parameters, units and ranges are resolved where the wanted
+unit is known (``mission.authoring.language.values``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mission.model import Where
+
+
+@dataclass(frozen=True, slots=True)
+class Amount:
+    """A number with or without a unit, or the name of a parameter."""
+
+    text: str
+    unit: str
+    where: Where
+    is_name: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    text: str
+    where: Where
+
+
+# --- places -------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class AtHome:
+    where: Where
+
+
+@dataclass(frozen=True, slots=True)
+class Here:
+    where: Where
+
+
+@dataclass(frozen=True, slots=True)
+class Coordinates:
+    latitude: Amount
+    longitude: Amount
+
+
+@dataclass(frozen=True, slots=True)
+class Offset:
+    north: Amount
+    east: Amount
+
+
+PlaceText = AtHome | Here | Coordinates | Offset
+
+# --- guards -------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class ComparisonText:
+    variable: Name
+    operator: str
+    bound: Amount
+    sure: Amount | None
+    where: Where
+
+
+@dataclass(frozen=True, slots=True)
+class Negation:
+    operand: ExpressionText
+
+
+@dataclass(frozen=True, slots=True)
+class Several:
+    """``every`` for and, else or."""
+
+    every: bool
+    operands: tuple[ExpressionText, ...]
+
+
+ExpressionText = ComparisonText | Negation | Several
+
+
+@dataclass(frozen=True, slots=True)
+class GuardText:
+    expression: ExpressionText
+    held: Amount | None
+
+
+# --- clauses of a leg -----------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Wire:
+    """A ZA word, as written."""
+
+    word: Name
+
+
+@dataclass(frozen=True, slots=True)
+class Value:
+    """A word with one amount, or none: a setting, a measure, a count, for, timeout, wait,
+    hold, surface, stop."""
+
+    word: Name
+    amount: Amount | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """goto, loiter, from: one; loiter also none; follow: any number."""
+
+    word: Name
+    places: tuple[PlaceText, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Side:
+    word: Name
+    side: Name
+
+
+@dataclass(frozen=True, slots=True)
+class Until:
+    """``guard`` None: a position fix."""
+
+    word: Name
+    guard: GuardText | None
+    target: Name | None
+
+
+@dataclass(frozen=True, slots=True)
+class Else:
+    word: Name
+    target: Name
+
+
+Clause = Wire | Value | Places | Side | Until | Else
+
+# --- the other statements -------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class MissionHead:
+    name: Name
+    vehicle: Name | None
+    total: Name | None  # sum, 8 hex digits
+    where: Where
+
+
+@dataclass(frozen=True, slots=True)
+class HomeAt:
+    place: Coordinates
+    where: Where
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """safety, assume: names with amounts."""
+
+    word: str
+    items: tuple[tuple[Name, Amount], ...]
+    where: Where
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    name: Name
+    amount: Amount
+    where: Where
+
+
+@dataclass(frozen=True, slots=True)
+class WithoutFix:
+    where: Where
+
+
+@dataclass(frozen=True, slots=True)
+class Opening:
+    """A group opens; ``repeat`` None: once."""
+
+    name: Name
+    repeat: Amount | None
+    where: Where
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    where: Where
+
+
+@dataclass(frozen=True, slots=True)
+class On:
+    """``when``: a guard, or the words uncertain and timeout."""
+
+    when: GuardText | str
+    target: Name
+    where: Where
+
+
+@dataclass(frozen=True, slots=True)
+class LegText:
+    name: Name | None
+    clauses: tuple[Clause, ...]
+    where: Where
+
+
+Statement = MissionHead | HomeAt | Named | Parameter | WithoutFix | Opening | End | On | LegText

@@ -1,0 +1,304 @@
+"""A line that does not fit the grammar, in words: which part, what was expected, what to write.
+
+What does not live here: what is wrong with a line that fits (legs.py, assembly.py, values.py).
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from lark import Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
+
+from mission.authoring.language.problems import nearest
+from mission.authoring.language.words import (
+    ASSUMPTIONS,
+    CLAUSES,
+    ELSEWHERE,
+    KINDS,
+    LIMITS,
+    MEASURES,
+    SETTINGS,
+)
+from mission.model.units import UNITS
+from mission.engine.variables import VARIABLES
+
+
+@dataclass(frozen=True, slots=True)
+class Complaint:
+    rule: str
+    offset: int
+    length: int
+    message: str
+    hint: str
+
+
+# What a terminal of the grammar is called when it is missing, in the order of helpfulness.
+_EXPECTED = {
+    "NUMBER": "a number",
+    "WORD": "a name",
+    "LABEL": "a name with a colon",
+    "OPERATOR": "one of < <= > >=",
+    "DIGEST": "8 hex digits",
+    "PORT": "port or starboard",
+    "_FIX": "fix",
+    "_WITHOUT": "without fix",
+    "_EAST": "east and metres",
+    "_NORTH": "north and east in metres",
+    "AT_HOME": "home",
+    "HERE": "here",
+    "_ARROW": "-> and a target",
+    "LIMIT": "one of " + ", ".join(LIMITS),
+    "ASSUMED": "one of " + ", ".join(ASSUMPTIONS),
+    "SETTING": "a setting",
+    "UNTIL": "a clause (until, for, timeout, else ...)",
+    "RPAR": "a closing parenthesis",
+}
+_STATEMENTS = (
+    "mission",
+    "home",
+    "safety",
+    "assume",
+    "param",
+    "start",
+    "repeat",
+    "group",
+    "end",
+    "on",
+)
+_TARGETS = "write -> and the name of a leg"
+_LEG_WORDS = (*SETTINGS, "stop", *MEASURES, *KINDS, "from", "side", *CLAUSES)
+_KEYWORDS = {
+    "_VEHICLE": "vehicle", "_SUM": "sum", "_HELD": "held", "_SURE": "sure", "_OR": "or",
+    "_AND": "and", "_NOT": "not", "_FIX": "fix", "FIX": "fix", "_WITHOUT": "without",
+    "AT_HOME": "home", "HERE": "here", "_NORTH": "north", "_EAST": "east", "PORT": "port",
+    "STARBOARD": "starboard", "UNCERTAIN": "uncertain", "UNTIL": "until", "FOR": "for",
+    "TIMEOUT": "timeout", "ELSE": "else",
+}  # fmt: skip
+
+_PART = re.compile(r"->|[<>=!]=?|[^\s<>=!(),:]+|\S")
+_NUMBER = re.compile(r"-?(?:\d+\.?\d*|\.\d+)")
+_NUMBER_WORD = re.compile(r"-?(?:\d+\.?\d*|\.\d+)\Z")
+
+
+@dataclass(frozen=True, slots=True)
+class _Misfit:
+    """The word of ``text`` that does not fit, the one before it, and the terminals that would."""
+
+    text: str
+    offset: int
+    part: str
+    before: str
+    expected: frozenset[str]
+
+    def says(self, rule: str, message: str, hint: str) -> Complaint:
+        return Complaint(rule, self.offset, len(self.part), message, hint)
+
+    @property
+    def word(self) -> bool:
+        return re.match(r"[A-Za-z_%/]", self.part) is not None
+
+    @property
+    def glued(self) -> bool:
+        return self.offset > 0 and self.text[self.offset - 1].isdigit()
+
+    @property
+    def first(self) -> bool:
+        """It begins the line, or stands right behind the name."""
+        return not self.text[: self.offset].split(":", 1)[-1].strip()
+
+    def keywords(self) -> list[str]:
+        """Every word that would fit."""
+        words = [_KEYWORDS[t] for t in self.expected if t in _KEYWORDS]
+        words += _LEG_WORDS if "SETTING" in self.expected else []
+        words += LIMITS if "LIMIT" in self.expected else []
+        return words + (list(ASSUMPTIONS) if "ASSUMED" in self.expected else [])
+
+
+def explain(text: str, error: UnexpectedInput) -> Complaint:
+    """The first thing of ``text`` that does not fit, with the rule it breaks."""
+    offset, expected = _offset(text, error), _expected(error)
+    if offset >= len(text.rstrip()):
+        return _unfinished(text, expected)
+    offset, part = _part(text, offset)
+    before = [match[0] for match in _PART.finditer(text[:offset])]
+    misfit = _Misfit(text, offset, part, before[-1] if before else "", expected)
+    for rule in (_by_shape, _by_number, _by_place, _by_word):
+        found = rule(misfit)
+        if found is not None:
+            return found
+    return misfit.says("syntax", f"{part!r} does not fit here", _wanted(expected))
+
+
+def _offset(text: str, error: UnexpectedInput) -> int:
+    if isinstance(error, UnexpectedToken):
+        token = error.token
+        at_end = not isinstance(token, Token) or token.type == "$END" or token.start_pos is None
+        return len(text) if at_end else int(token.start_pos or 0)
+    return int(error.pos_in_stream or 0)
+
+
+def _expected(error: UnexpectedInput) -> frozenset[str]:
+    if isinstance(error, UnexpectedToken):
+        return frozenset(error.accepts or error.expected)
+    if isinstance(error, UnexpectedCharacters):
+        return frozenset(error.allowed or ())
+    return frozenset()
+
+
+def _part(text: str, offset: int) -> tuple[int, str]:
+    """The whole word that covers ``offset``, and where it begins; a unit behind its number."""
+    for match in _PART.finditer(text):
+        if match.start() <= offset < match.end():
+            number = _NUMBER.match(match[0])
+            if number and 0 < offset - match.start() == number.end():
+                return offset, match[0][number.end() :]
+            return match.start(), match[0]
+    return offset, text[offset : offset + 1]
+
+
+def _wanted(expected: frozenset[str]) -> str:
+    names = [name for terminal, name in _EXPECTED.items() if terminal in expected]
+    names += sorted(word for terminal, word in _KEYWORDS.items() if terminal in expected)
+    return f"expected {' or '.join(names[:4])}" if names else "one statement a line"
+
+
+def _unfinished(text: str, expected: frozenset[str]) -> Complaint:
+    end = len(text.rstrip())
+    matches = list(_PART.finditer(text))
+    last, start = (matches[-1][0], matches[-1].start()) if matches else ("", 0)
+    misfit = _Misfit(text, start, last, last, expected)
+    if text.rstrip().endswith(":"):
+        hint = "write what it does, for instance  dive: depth 10 until depth >= 9.5"
+        return Complaint("empty-leg", 0, end, "a name with nothing behind it", hint)
+    if "RPAR" in expected and "_HELD" not in expected:
+        return misfit.says("parenthesis", "a parenthesis is not closed", "add )")
+    if "OPERATOR" in expected:
+        return _no_operator(misfit, "")
+    return misfit.says("unfinished", f"something is missing after {last!r}", _wanted(expected))
+
+
+# --- the rules, in the order in which they are tried ----------------------------------------------
+
+
+def _by_shape(misfit: _Misfit) -> Complaint | None:
+    """Things that are wrong wherever they stand."""
+    part, at = misfit.part, misfit.text[misfit.offset :]
+    if not part.isascii() or not part.isprintable():
+        hint = "comments may hold anything"
+        return misfit.says("ascii", f"{part!r}: only ASCII travels to the vehicle", hint)
+    if re.match(r"\d+:\d", at):
+        hint = "write 90 s, 1.5 min or 2 h"
+        return misfit.says("clock-time", "times are written with a unit", hint)
+    if at.startswith("=>"):
+        return Complaint("arrow", misfit.offset, 2, "an arrow is written ->", _TARGETS)
+    if part in ("=", "==", "!=", "!"):
+        hint = "measured values are never equal: write a range with >= and <="
+        return misfit.says("equality", f"{part!r} is no comparison", hint)
+    if part in ("&&", "||", "&", "|"):
+        return misfit.says("operator", f"{part!r} is no operator", "write and, or, not")
+    if part[0] in "@$":
+        message = f"{part!r}: @ and $ are the wire's, not the mission's"
+        return misfit.says("frame", message, "leave them out")
+    return None
+
+
+def _by_number(misfit: _Misfit) -> Complaint | None:
+    """A word right behind a number is a wrong unit, unless it is nearly a word that fits."""
+    part, expected = misfit.part, misfit.expected
+    behind = misfit.glued or _NUMBER_WORD.fullmatch(misfit.before)
+    labelled = re.match(r"\s*:", misfit.text[misfit.offset + len(part) :])
+    if not misfit.word or not behind or labelled or _is_word(part):
+        return None
+    # where a unit may stand, a long word is one unless it is nearly a word that fits
+    likeness = 0.75 if "UNIT" in expected and len(part) > 5 else 0.6
+    close_word, close_unit = nearest(part, misfit.keywords(), likeness), nearest(part, UNITS)
+    if close_word and not misfit.glued and (len(part) > 3 or not close_unit):
+        return misfit.says("unknown-word", f"unknown word {part!r}", f"did you mean {close_word}?")
+    if "UNIT" not in expected and not misfit.glued:
+        return None
+    hint = f"did you mean {close_unit}?" if close_unit else "units: " + ", ".join(UNITS)
+    return misfit.says("unknown-unit", f"unknown unit {part!r}", hint)
+
+
+def _by_place(misfit: _Misfit) -> Complaint | None:
+    """What its place in the line says about it."""
+    text, offset, part, expected = misfit.text, misfit.offset, misfit.part, misfit.expected
+    if part in ("and", "or") and re.search(r"\bheld\b", text[:offset]):
+        hint = "put held behind the last comparison, before ->"
+        return misfit.says("held-last", "held is for the whole guard", hint)
+    if misfit.first and "_NORTH" not in expected:  # else it is a place, alone in a YAML value
+        return _first_word(misfit)
+    if re.match(r"\s*:", text[offset + len(part) :]):
+        message = f"{part!r}: a name stands first, without blanks"
+        return misfit.says("label", message, "one statement a line")
+    if "OPERATOR" in expected:
+        return _no_operator(misfit, part)
+    if "RPAR" in expected and "LPAR" not in expected:
+        return misfit.says("parenthesis", "a parenthesis is not closed", f"add ) before {part}")
+    return None
+
+
+def _by_word(misfit: _Misfit) -> Complaint | None:
+    """What the word itself may have meant."""
+    part, expected, wanted = misfit.part, misfit.expected, _wanted(misfit.expected)
+    if part == ":" and misfit.text.startswith("repeat"):
+        hint = f"write repeat 2 {misfit.before}:"
+        return misfit.says("count", "repeat needs a count", hint)
+    if "WORD" in expected and not {"NUMBER", "LPAR"} & expected:
+        hint = "a letter, then letters, digits, _ and -"
+        return misfit.says("label", f"{part!r} is no name", hint)
+    if not misfit.word:
+        return None
+    close = nearest(part, misfit.keywords())
+    if close and close != part:
+        return misfit.says("unknown-word", f"unknown word {part!r}", f"did you mean {close}?")
+    if "_NORTH" in expected:
+        hint = "home, north 10 east 20, or latitude longitude"
+        return misfit.says("place", f"{part!r} is no place", hint)
+    if "NUMBER" in expected and misfit.before:
+        message, hint = f"{part!r} is no number", f"{misfit.before} needs a number"
+        return misfit.says("number", message, hint)
+    if _is_word(part):
+        return misfit.says("syntax", f"{part!r} does not fit here", wanted)
+    hint = f"write {ELSEWHERE[part]}" if part in ELSEWHERE else wanted
+    return misfit.says("unknown-word", f"unknown word {part!r}", hint)
+
+
+def _is_word(part: str) -> bool:
+    return part in _STATEMENTS or part in _LEG_WORDS
+
+
+def _first_word(misfit: _Misfit) -> Complaint:
+    part, at_start = misfit.part, misfit.offset == 0
+    label = misfit.text.split(":", 1)[0].strip() if ":" in misfit.text else ""
+    if at_start and " " in label and not _is_word(part):
+        hint = f"write {'_'.join(label.split())}:"
+        return Complaint("label", 0, len(label), f"{label!r} is no name: no blanks", hint)
+    if at_start and label == part:
+        hint = "a name begins with a letter and has letters, digits, _ and - only"
+        return misfit.says("label", f"{part!r} is no name", hint)
+    if part in VARIABLES and not _is_word(part):
+        return misfit.says("unknown-word", f"{part!r} is a variable", f"write until {part} ...")
+    if _is_word(part):
+        hint = "a name with a colon stands before a leg only"
+        return misfit.says("syntax", f"{part!r} does not fit here", hint)
+    close = nearest(part, (*_STATEMENTS, *_LEG_WORDS) if at_start else _LEG_WORDS)
+    hint = f"did you mean {close}?" if close else "a line begins with a name, a word or ZA"
+    hint = f"write {ELSEWHERE[part]}" if part in ELSEWHERE else hint
+    return misfit.says("unknown-word", f"unknown word {part!r}", hint)
+
+
+def _no_operator(misfit: _Misfit, part: str) -> Complaint:
+    """``part`` follows a variable instead of a comparison."""
+    before = misfit.before
+    start = misfit.text.rindex(before, 0, misfit.offset + len(before))
+    close = nearest(before, ["fix", "uncertain", "timeout"]) if before not in VARIABLES else ""
+    if close and part in ("", "->"):
+        message = f"unknown word {before!r}"
+        return Complaint("unknown-word", start, len(before), message, f"did you mean {close}?")
+    if _NUMBER_WORD.fullmatch(part):
+        hint = f"write {before} >= {part}"
+        return misfit.says("comparison", "a comparison needs < <= > or >=", hint)
+    message, hint = f"{before!r} is compared with nothing", f"write for instance {before} >= 1"
+    return Complaint("comparison", start, len(before), message, hint)

@@ -1,0 +1,218 @@
+"""A Mission's parts as words of the texts: pairs of word and value, for lines and for YAML.
+
+Numbers are the shortest that read back as the same bits, in the words' own units; headings are
+as a compass says them. With ``units`` the unit is written behind (YAML), else the number is bare.
+
+What does not live here: how the pairs are laid out (canonical.py, yaml_text.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from mission.authoring.language.words import GENERATED, LIMITS, MEASURES, SETTINGS, SIDES
+from mission.model import (
+    And,
+    Comparison,
+    Exit,
+    Expression,
+    Follow,
+    Goto,
+    Group,
+    Guard,
+    Handler,
+    Hold,
+    Leg,
+    Local,
+    Loiter,
+    Mission,
+    Node,
+    Not,
+    Or,
+    Place,
+    Position,
+    Rows,
+    Safety,
+    Set,
+    Setting,
+    Surface,
+    Wait,
+    Yoyo,
+)
+from mission.model.units import GEARS, degrees_text, number_text
+from mission.engine.variables import VARIABLES
+
+Pair = tuple[str, str]
+
+
+def quantity_text(value: float, unit: str, units: bool) -> str:
+    """``value`` is SI; ``unit`` that of a bare number."""
+    if unit == "deg":
+        return degrees_text(value) + (" deg" if units else "")
+    if units and unit == "s" and value >= 60 and value % 60 == 0:
+        return f"{number_text(value / 60)} min"
+    return number_text(value) + (f" {unit}" if units and unit else "")
+
+
+def setting_pair(setting: Setting, units: bool) -> Pair:
+    value = setting.value
+    match setting.word:
+        case "surge":
+            return ("stop", "") if value == 0 else ("gear", _gears(value))
+        case "turn":
+            return ("right", _gears(value)) if value >= 0 else ("left", _gears(-value))
+        case "heave":
+            return ("down", _gears(value)) if value >= 0 else ("up", _gears(-value))
+        case "heading":
+            return "heading", degrees_text(value)
+        case word:
+            return word, quantity_text(value, SETTINGS[word].unit, units)
+
+
+def _gears(fraction: float) -> str:
+    near = round(fraction * GEARS)
+    return number_text(near if near / GEARS == fraction else fraction * GEARS)
+
+
+# --- guards ---------------------------------------------------------------------------------------
+
+
+def guard_text(guard: Guard, units: bool) -> str:
+    held = f" held {quantity_text(guard.held, 's', units)}" if guard.held else ""
+    return expression_text(guard.expression, units) + held
+
+
+def expression_text(expression: Expression, units: bool) -> str:
+    match expression:
+        case Comparison(variable, operator, bound, sure):
+            unit = VARIABLES[variable].unit if variable in VARIABLES else ""
+            text = f"{variable} {operator} {quantity_text(bound, unit, units)}"
+            return text if sure is None else f"{text} sure {_share(sure, units)}"
+        case Not(operand):
+            inner = expression_text(operand, units)
+            return f"not ({inner})" if isinstance(operand, And | Or) else f"not {inner}"
+        case And(operands):
+            return " and ".join(_within(o, units, Or) for o in operands)
+        case Or(operands):
+            return " or ".join(expression_text(o, units) for o in operands)
+
+
+def _within(operand: Expression, units: bool, weaker: type[Or]) -> str:
+    text = expression_text(operand, units)
+    return f"({text})" if isinstance(operand, weaker) else text
+
+
+def _share(share: float, units: bool) -> str:
+    percent = number_text(round(share * 100, 9))
+    return f"{percent}%" if units and float(percent) / 100 == share else number_text(share)
+
+
+def exit_text(exit_: Exit, units: bool) -> str:
+    target = f" -> {exit_.target}" if exit_.target is not None else ""
+    return guard_text(exit_.guard, units) + target
+
+
+# --- legs -----------------------------------------------------------------------------------------
+
+
+def place_text(place: Place | None) -> str:
+    match place:
+        case None:
+            return "here"
+        case Position(latitude, longitude):
+            return f"{number_text(latitude)} {number_text(longitude)}"
+        case Local(north, east):
+            return f"north {number_text(north)} east {number_text(east)}"
+        case name:
+            return name
+
+
+def node_pairs(node: Leg | Set, units: bool) -> Iterator[Pair]:
+    """The words of a leg in their canonical order; ``until`` comes once for each exit."""
+    if isinstance(node, Leg):
+        yield from _kind_pairs(node, units)
+    for setting in node.settings:
+        yield setting_pair(setting, units)
+    if isinstance(node, Leg):
+        for exit_ in node.exits:
+            yield "until", exit_text(exit_, units)
+        if node.duration is not None and not isinstance(node.kind, Wait):
+            yield "for", quantity_text(node.duration, "s", units)
+        if node.timeout is not None:
+            yield "timeout", quantity_text(node.timeout, "s", units)
+        if node.otherwise is not None:
+            yield "else", node.otherwise
+
+
+def _kind_pairs(leg: Leg, units: bool) -> Iterator[Pair]:
+    def measure(word: str, value: float) -> Pair:
+        return word, quantity_text(value, MEASURES[word].unit, units)
+
+    match leg.kind:
+        case Hold():
+            bounds = leg.exits or leg.otherwise or leg.duration is not None
+            bare = GENERATED.match(leg.name) and not bounds and leg.timeout is None
+            if bare or not leg.settings:
+                yield "hold", ""
+        case Wait():
+            time = leg.duration
+            yield "wait", quantity_text(time, "s", units) if time is not None else ""
+        case Goto(place, within):
+            yield from (("goto", place_text(place)), measure("within", within))
+        case Follow(places, within):
+            yield "follow", ", ".join(map(place_text, places))
+            yield measure("within", within)
+        case Rows():
+            yield from _rows(leg.kind, units)
+        case Yoyo(shallow, deep, cycles):
+            yield "yoyo", str(cycles)
+            yield from (measure("shallow", shallow), measure("deep", deep))
+        case Loiter(place, radius, side):
+            yield from (("loiter", place_text(place)), measure("radius", radius), _side(side))
+        case Surface(until_fix):
+            yield "surface", ""
+            if until_fix:
+                yield "until", "fix"
+
+
+def _rows(rows: Rows, units: bool) -> Iterator[Pair]:
+    yield "rows", str(rows.count)
+    yield "bearing", degrees_text(rows.bearing)
+    for word, value in (("length", rows.length), ("spacing", rows.spacing)):
+        yield word, quantity_text(value, "m", units)
+    yield _side(rows.side)
+    if rows.start is not None:
+        yield "from", place_text(rows.start)
+    yield "within", quantity_text(rows.within, "m", units)
+
+
+def _side(side: int) -> Pair:
+    return "side", next(word for word, sign in SIDES.items() if sign == side)
+
+
+# --- headers --------------------------------------------------------------------------------------
+
+
+def safety_pairs(safety: Safety, units: bool) -> Iterator[Pair]:
+    for row in LIMITS.values():
+        value = getattr(safety, row.name)
+        if value is not None:
+            yield row.name, quantity_text(value, row.unit, units)
+
+
+def handlers_of(mission: Mission) -> Iterator[Pair]:
+    """The two general handlers, where they are not the default."""
+    for word, target in (("uncertain", mission.on_uncertain), ("timeout", mission.on_timeout)):
+        if target != "surface":
+            yield word, target
+
+
+def label(node: Node) -> str:
+    """ "" for a leg without a name of its own."""
+    if isinstance(node, Group) or not (node.name == "" or GENERATED.match(node.name)):
+        return node.name
+    return ""
+
+
+def handler_text(handler: Handler, units: bool) -> str:
+    return guard_text(handler.guard, units)

@@ -1,0 +1,228 @@
+"""The JSON Schema (draft 7) of the YAML form, made from the word tables: completion and hover.
+
+It tells an editor what may stand where. What it cannot say (axes set twice, targets that do not
+exist, ranges behind parameters) the language says.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from mission.model.extent import NAME
+from mission.authoring.language.words import (
+    ASSUMPTIONS,
+    CLAUSES,
+    KINDS,
+    LIMITS,
+    MEASURES,
+    SETTINGS,
+    SIDES,
+    STOP,
+    KindRow,
+    NamedValue,
+    Shape,
+)
+from mission.model.units import UNITS
+from mission.engine.variables import VARIABLES
+from mission.model.shipped import missions_folder
+
+Schema = dict[str, Any]
+
+_NAME = r"^[A-Za-z_][A-Za-z0-9_]*(-[A-Za-z0-9_]+)*$"
+_NUMBER = r"-?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?"
+
+
+def schema() -> Schema:
+    return {
+        "$schema": "http://json-schema.org/draft-07/schema#",
+        "title": "AUV mission",
+        "description": "A mission of auvmission in its YAML form",
+        "type": "object",
+        "additionalProperties": False,
+        "required": ["mission", "legs"],
+        "properties": _top(),
+        "definitions": {
+            "name": _name("the name of a leg or a group"),
+            "target": _name("a leg or a group of this group or an outer one, or surface"),
+            "place": _place(),
+            "coordinates": _coordinates(),
+            "guard": _text("variable, < <= > >=, value; joined by and, or, not; held, sure"),
+            "body": {"type": "array", "minItems": 1, "items": {"$ref": "#/definitions/node"}},
+            "node": _node(),
+            "leg": _leg(),
+            "group": _group(),
+            "handlers": _handlers(),
+        },
+    }
+
+
+def schema_text() -> str:
+    return json.dumps(schema(), indent=2) + "\n"
+
+
+def _ref(name: str, description: str) -> Schema:
+    return {"description": description, "allOf": [{"$ref": f"#/definitions/{name}"}]}
+
+
+def _name(description: str) -> Schema:
+    longest = NAME.most
+    return {"type": "string", "pattern": _NAME, "maxLength": longest, "description": description}
+
+
+def _text(description: str) -> Schema:
+    return {"type": "string", "minLength": 1, "description": description}
+
+
+def _quantity(unit: str, description: str) -> Schema:
+    """A number, a number with a fitting unit, or a parameter."""
+    si = UNITS[unit].si if unit else ""
+    fits = [row.name for row in UNITS.values() if row.si == si] if unit else ["%"]
+    units = "|".join(name.replace("/", r"\/") for name in fits)
+    shown = f"{description} ({unit})" if unit else description
+    pattern = rf"^({_NUMBER}\s*({units})?|[A-Za-z_][A-Za-z0-9_-]*)$"
+    return {"type": ["number", "string"], "pattern": pattern, "description": shown}
+
+
+def _table(rows: Mapping[str, NamedValue], description: str) -> Schema:
+    properties = {row.name: _quantity(row.unit, row.description) for row in rows.values()}
+    return _object(properties, description)
+
+
+def _object(
+    properties: Mapping[str, Schema], description: str, required: Iterable[str] = ()
+) -> Schema:
+    made: Schema = {
+        "type": "object",
+        "description": description,
+        "additionalProperties": False,
+        "properties": dict(properties),
+    }
+    return {**made, "required": list(required)} if required else made
+
+
+def _top() -> dict[str, Schema]:
+    vehicles = sorted(path.stem for path in (missions_folder() / "vehicles").glob("*.yaml"))
+    number = {"type": ["number", "string"], "pattern": rf"^{_NUMBER}\s*[A-Za-z/%]*$"}
+    return {
+        "mission": _name("the mission's name"),
+        "vehicle": {**_name("the vehicle file it is for; auv unless said"), "examples": vehicles},
+        "home": _ref("coordinates", "where range and north/east are counted from"),
+        "safety": _table(LIMITS, "what this mission allows, within the vehicle's hard limits"),
+        "assume": _table(ASSUMPTIONS, "what the check may rely on"),
+        "param": {
+            "type": "object",
+            "description": "numbers with names; `--param name=value` sets them",
+            "patternProperties": {_NAME: number},
+            "additionalProperties": False,
+        },
+        "start": {"const": "without fix", "description": "home is where it starts (a pool)"},
+        "legs": _ref("body", "what the vehicle does, in this order"),
+        "on": _ref("handlers", "what ends any leg of the mission"),
+    }
+
+
+def _coordinates() -> Schema:
+    latitude = {"type": "number", "minimum": -90, "maximum": 90, "description": "deg, WGS 84"}
+    longitude = {"type": "number", "minimum": -180, "maximum": 180, "description": "deg, WGS 84"}
+    table = _object(
+        {"latitude": latitude, "longitude": longitude}, "a position", ("latitude", "longitude")
+    )
+    text = {"type": "string", "pattern": rf"^{_NUMBER}\s*[,\s]\s*{_NUMBER}$"}
+    return {"anyOf": [table, text]}
+
+
+def _place() -> Schema:
+    offset = _object(
+        {"north": _quantity("m", "north of home"), "east": _quantity("m", "east of home")},
+        "metres from home",
+        ("north", "east"),
+    )
+    words = {"type": "string", "pattern": r"^(home|here|north\s.+east\s.+)$"}
+    return {"anyOf": [words, offset, {"$ref": "#/definitions/coordinates"}]}
+
+
+def _node() -> Schema:
+    group = {"anyOf": [{"required": ["legs"]}, {"required": ["repeat"]}]}
+    body = {
+        "if": group,
+        "then": {"$ref": "#/definitions/group"},
+        "else": {"$ref": "#/definitions/leg"},
+    }
+    named = {
+        "type": "object",
+        "minProperties": 1,
+        "maxProperties": 1,
+        "patternProperties": {_NAME: body},
+        "additionalProperties": False,
+        "description": "a leg or a group: its name, and its keys",
+    }
+    line = _text("a line of the line script: ZAF6, or wait 30 s")
+    return {"if": {"type": "object"}, "then": named, "else": line}
+
+
+def _flag(description: str) -> Schema:
+    return {"enum": [True, None, "true", "yes", "on"], "description": description}
+
+
+def _kind(row: KindRow) -> Schema:
+    match row.shape:
+        case Shape.NOTHING:
+            return _flag(row.description)
+        case Shape.TIME:
+            time = _quantity("s", row.description)
+            return {**time, "type": ["number", "string", "boolean", "null"]}
+        case Shape.COUNT:
+            return _quantity("", row.description)
+        case Shape.PLACE:
+            return _ref("place", row.description)
+        case Shape.PLACES:
+            places = {"$ref": "#/definitions/place"}
+            return {
+                "type": "array",
+                "minItems": 2,
+                "items": places,
+                "description": row.description,
+            }
+
+
+def _leg() -> Schema:
+    properties: dict[str, Schema] = {row.word: _kind(row) for row in KINDS.values()}
+    properties |= {r.word: _quantity(r.unit, r.description) for r in SETTINGS.values()}
+    properties[STOP] = _flag("thrusters ahead off, the same as gear 0")
+    properties |= {r.word: _quantity(r.unit, r.description) for r in MEASURES.values()}
+    properties["from"] = _ref("place", "where the first row begins; where it is, unless said")
+    properties["side"] = {
+        "enum": list(SIDES),
+        "description": "of the next rows; of a circle: starboard is clockwise",
+    }
+    guards = ", ".join(VARIABLES)
+    until = {"$ref": "#/definitions/guard"}
+    properties["until"] = {
+        "description": f"{CLAUSES['until']}. Variables: {guards}",
+        "anyOf": [until, {"type": "array", "minItems": 1, "items": until}],
+    }
+    for word in ("for", "timeout"):
+        properties[word] = _quantity("s", CLAUSES[word])
+    properties["else"] = _ref("target", CLAUSES["else"])
+    leg = _object(properties, "a leg: what it holds, and what ends it")
+    needs = {row.word: list(row.needs) for row in KINDS.values() if row.needs}
+    return {**leg, "minProperties": 1, "dependencies": needs}
+
+
+def _group() -> Schema:
+    properties = {
+        "repeat": _quantity("", "rounds of the group; once unless said"),
+        "legs": _ref("body", "the group's legs, in this order"),
+        "on": _ref("handlers", "what ends any leg of the group; stronger than outer ones"),
+    }
+    return _object(properties, "legs that belong together", ("legs",))
+
+
+def _handlers() -> Schema:
+    when = _ref("guard", "a guard; or uncertain, timeout for the whole mission")
+    held = _quantity("s", "how long it must hold without a gap")
+    do = _ref("target", "where to go")
+    handler = _object({"when": when, "held": held, "do": do}, "a handler", ("when", "do"))
+    return {"type": "array", "minItems": 1, "items": handler}

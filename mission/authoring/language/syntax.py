@@ -1,0 +1,325 @@
+"""The grammar at work: one statement (or guard, place, until) of text to clauses, by lark.
+
+Lark's LALR tables are made once, on first use. A text that does not fit costs one Problem, which
+``complaints`` words. Positions go through a ``Strip``: where each part of the text came from.
+
+What does not live here: what the clauses mean (legs.py), how statements make a mission
+(assembly.py).
+"""
+
+from __future__ import annotations
+
+import functools
+import operator
+import re
+from bisect import bisect_right
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lark import Lark, Token, Tree, UnexpectedInput
+
+from mission.model.extent import DEEPEST_GUARD
+from mission.authoring.language import complaints
+from mission.authoring.language.clauses import (
+    Amount,
+    AtHome,
+    Clause,
+    ComparisonText,
+    Coordinates,
+    Else,
+    End,
+    ExpressionText,
+    GuardText,
+    Here,
+    HomeAt,
+    LegText,
+    MissionHead,
+    Name,
+    Named,
+    Negation,
+    Offset,
+    On,
+    Opening,
+    Parameter,
+    Places,
+    PlaceText,
+    Several,
+    Side,
+    Statement,
+    Until,
+    Value,
+    Wire,
+    WithoutFix,
+)
+from mission.authoring.language.problems import Problems
+from mission.authoring.language.words import ASSUMPTIONS, KINDS, LIMITS, MEASURES, SETTINGS, Shape
+from mission.model import Where
+from mission.model.units import UNITS
+
+_NESTING = re.compile(r"[()]|\b(?:not|and|or|until|on)\b")
+COUNTED = tuple(row.word for row in KINDS.values() if row.shape is Shape.COUNT)
+
+
+@dataclass(frozen=True, slots=True)
+class Strip:
+    """A text and where it came from: from ``offset`` on it stands at ``line``, ``column``."""
+
+    text: str
+    parts: tuple[tuple[int, int, int], ...]  # offset, line, column; rising
+
+    def where(self, offset: int, length: int) -> Where:
+        part = bisect_right(self.parts, offset, key=operator.itemgetter(0)) - 1
+        start, line, column = self.parts[max(0, part)]
+        return Where(line, column + offset - start, length)
+
+    @classmethod
+    def at(cls, text: str, line: int, column: int) -> Strip:
+        return cls(text, ((0, line, column),))
+
+
+def grammar() -> str:
+    """grammar.lark with the terminals of the tables: what the parser is made of."""
+    text = (Path(__file__).parent / "grammar.lark").read_text(encoding="utf-8")
+    terminals = {
+        "SETTING": SETTINGS,
+        "MEASURE": MEASURES,
+        "COUNTED": COUNTED,
+        "LIMIT": LIMITS,
+        "ASSUMED": ASSUMPTIONS,
+    }
+    rows = [f"{name}.3: {_any_of(words)}" for name, words in terminals.items()]
+    return "\n".join([text, *rows, f"UNIT.3: {_any_of(UNITS)}", ""])
+
+
+def _any_of(words: Iterable[str]) -> str:
+    longest_first = sorted(words, key=lambda word: (-len(word), word))
+    alternatives = "|".join(re.escape(word).replace("/", r"\/") for word in longest_first)
+    return rf"/(?:{alternatives})(?![A-Za-z0-9_\/%])/"
+
+
+@functools.cache
+def _parser() -> Lark:
+    return Lark(
+        grammar(),
+        parser="lalr",
+        lexer="contextual",
+        start=["statement", "leg", "guard", "until", "place"],
+        maybe_placeholders=True,
+    )
+
+
+class Syntax:
+    """Reads pieces of one file; what does not fit goes to ``problems``."""
+
+    def __init__(self, problems: Problems) -> None:
+        self._problems = problems
+
+    def statement(self, strip: Strip) -> Statement | None:
+        found: Statement | None = self._read(strip, "statement")
+        return found
+
+    def leg(self, strip: Strip) -> LegText | None:
+        found: LegText | None = self._read(strip, "leg")
+        return found
+
+    def guard(self, strip: Strip) -> GuardText | None:
+        found: GuardText | None = self._read(strip, "guard")
+        return found
+
+    def until(self, strip: Strip) -> tuple[GuardText | None, Name | None] | None:
+        found: tuple[GuardText | None, Name | None] | None = self._read(strip, "until")
+        return found
+
+    def place(self, strip: Strip) -> PlaceText | None:
+        found: PlaceText | None = self._read(strip, "place")
+        return found
+
+    def _read(self, strip: Strip, start: str) -> Any:
+        deep = _too_deep(strip.text)
+        if deep is not None:
+            message = f"the guard is nested too deep: {DEEPEST_GUARD.exceeded}"
+            hint = "drop the ones that change nothing"
+            self._problems.add("too-deep", strip.where(deep, 1), message, hint)
+            return None
+        try:
+            tree = _parser().parse(strip.text, start=start)
+        except UnexpectedInput as error:
+            complaint = complaints.explain(strip.text, error)
+            where = strip.where(complaint.offset, complaint.length)
+            self._problems.add(complaint.rule, where, complaint.message, complaint.hint)
+            return None
+        return _Clauses(strip).made(tree)
+
+
+def _too_deep(text: str) -> int | None:
+    """Where a guard is nested deeper than anything that reads it may recurse."""
+    depth, outer = 0, []
+    for match in _NESTING.finditer(text):
+        if match[0] == "not":
+            depth += 1
+        elif match[0] == "(":
+            outer.append(depth)
+            depth += 1
+        elif match[0] == ")":
+            depth = outer.pop() if outer else 0
+        else:
+            depth = outer[-1] + 1 if outer else 0
+        if depth > DEEPEST_GUARD.most:
+            return match.start()
+    return None
+
+
+class _Clauses:
+    """Parse tree to clauses; each method is one rule of the grammar.
+
+    Lark's own Transformer does the same and takes half as long again for a whole mission.
+    """
+
+    def __init__(self, strip: Strip) -> None:
+        self._strip = strip
+        self._all = strip.where(0, len(strip.text)) if len(strip.parts) == 1 else strip.where(0, 1)
+
+    def made(self, node: Any) -> Any:
+        if not isinstance(node, Tree):
+            return node
+        return getattr(self, node.data)(*[self.made(child) for child in node.children])
+
+    def _where(self, token: Token) -> Where:
+        return self._strip.where(token.start_pos or 0, len(token))
+
+    def _name(self, token: Token) -> Name:
+        return Name(str(token), self._where(token))
+
+    # statements
+
+    def statement(self, item: Statement) -> Statement:
+        return item
+
+    def mission(self, name: Token, vehicle: Token | None, total: Token | None) -> MissionHead:
+        given = [self._name(t) if t is not None else None for t in (vehicle, total)]
+        return MissionHead(self._name(name), given[0], given[1], self._all)
+
+    def home(self, place: Coordinates) -> HomeAt:
+        return HomeAt(place, self._all)
+
+    def safety(self, *items: Any) -> Named:
+        return self._named("safety", items)
+
+    def limit(self, name: Token) -> Token:
+        return name
+
+    def assume(self, *items: Any) -> Named:
+        return self._named("assume", items)
+
+    def _named(self, word: str, items: tuple[Any, ...]) -> Named:
+        names = [self._name(token) for token in items[::2]]
+        return Named(word, tuple(zip(names, items[1::2], strict=True)), self._all)
+
+    def param(self, name: Token, number: Token, unit: Token | None) -> Parameter:
+        return Parameter(self._name(name), self.number(number, unit), self._all)
+
+    def start(self) -> WithoutFix:
+        return WithoutFix(self._all)
+
+    def repeat(self, times: Amount, label: Token) -> Opening:
+        return Opening(self._name(label), times, self._all)
+
+    def group(self, label: Token) -> Opening:
+        return Opening(self._name(label), None, self._all)
+
+    def end(self) -> End:
+        return End(self._all)
+
+    def on(self, when: GuardText | Token, target: Token) -> On:
+        condition = when if isinstance(when, GuardText) else str(when)
+        return On(condition, self._name(target), self._all)
+
+    def leg(self, label: Token | None, *clauses: Clause) -> LegText:
+        return LegText(self._name(label) if label else None, clauses, self._all)
+
+    # clauses
+
+    def wire(self, word: Token) -> Wire:
+        return Wire(self._name(word))
+
+    def setting(self, word: Token, amount: Amount) -> Value:
+        return Value(self._name(word), amount)
+
+    measure = counted = time = setting
+
+    def stop(self, word: Token) -> Value:
+        return Value(self._name(word))
+
+    simple = stop
+
+    def wait(self, word: Token, amount: Amount | None) -> Value:
+        return Value(self._name(word), amount)
+
+    def goto(self, word: Token, *places: PlaceText | None) -> Places:
+        return Places(self._name(word), tuple(p for p in places if p is not None))
+
+    follow = loiter = from_place = goto
+
+    def side(self, word: Token, side: Token) -> Side:
+        return Side(self._name(word), self._name(side))
+
+    def until_clause(self, word: Token, until: tuple[GuardText | None, Name | None]) -> Until:
+        return Until(self._name(word), *until)
+
+    def otherwise(self, word: Token, target: Token) -> Else:
+        return Else(self._name(word), self._name(target))
+
+    # guards
+
+    def until(self, what: GuardText | Token, target: Token | None) -> tuple[Any, Any]:
+        guard = what if isinstance(what, GuardText) else None
+        return guard, self._name(target) if target is not None else None
+
+    def guard(self, expression: ExpressionText, held: Amount | None) -> GuardText:
+        return GuardText(expression, held)
+
+    def either(self, *operands: ExpressionText) -> Several:
+        return Several(False, operands)
+
+    def both(self, *operands: ExpressionText) -> Several:
+        return Several(True, operands)
+
+    def negation(self, operand: ExpressionText) -> Negation:
+        return Negation(operand)
+
+    def comparison(
+        self, variable: Token, operator: Token, bound: Amount, sure: Amount | None
+    ) -> ComparisonText:
+        end = (sure or bound).where
+        name = self._name(variable)
+        length = end.column + end.length - name.where.column
+        whole = Where(name.where.line, name.where.column, length)
+        where = whole if end.line == name.where.line else name.where
+        return ComparisonText(name, str(operator), bound, sure, where)
+
+    # places and amounts
+
+    def at_home(self, word: Token) -> AtHome:
+        return AtHome(self._where(word))
+
+    def here(self, word: Token) -> Here:
+        return Here(self._where(word))
+
+    def offset(self, north: Amount, east: Amount) -> Offset:
+        return Offset(north, east)
+
+    def place(self, inner: PlaceText) -> PlaceText:
+        return inner
+
+    def coordinates(self, latitude: Token, longitude: Token) -> Coordinates:
+        return Coordinates(self.number(latitude, None), self.number(longitude, None))
+
+    def number(self, number: Token, unit: Token | None) -> Amount:
+        start = number.start_pos or 0
+        end = (unit if unit is not None else number).end_pos or start
+        return Amount(str(number), str(unit or ""), self._strip.where(start, end - start))
+
+    def parameter(self, name: Token) -> Amount:
+        return Amount(str(name), "", self._where(name), is_name=True)

@@ -1,0 +1,209 @@
+"""Amounts, places and guards as written -> values in SI, with parameters, units and ranges.
+
+Whatever is wrong goes to the problems; a value stands in for it so that reading goes on.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Mapping
+
+from mission.authoring.language.clauses import (
+    Amount,
+    AtHome,
+    ComparisonText,
+    Coordinates,
+    ExpressionText,
+    GuardText,
+    Here,
+    Name,
+    Negation,
+    Offset,
+    PlaceText,
+    Several,
+)
+from mission.authoring.language.problems import Problems, suggestion
+from mission.model import (
+    HOME,
+    And,
+    Comparison,
+    Expression,
+    Guard,
+    Local,
+    Not,
+    Or,
+    Place,
+    Position,
+    Where,
+)
+from mission.model.units import UNITS, UnitError, quantity, range_text
+from mission.engine.variables import VARIABLES
+from mission.model.vehicle import Vehicle, VehicleError
+from mission.model.shipped import load_vehicle
+
+_SHORTEST = 0.1  # s that a leg lasts; no clock of the vehicle is finer
+_FAR = 20_000.0  # m: no mission of this vehicle goes farther from home
+
+
+class Values:
+    """Reads values for one file; ``vehicle`` is the name of the one it is for."""
+
+    def __init__(self, problems: Problems, parameters: Mapping[str, Amount], vehicle: str) -> None:
+        self.problems = problems
+        self._parameters = parameters
+        self._name = vehicle
+
+    @functools.cached_property
+    def vehicle(self) -> Vehicle | VehicleError:
+        try:
+            return load_vehicle(self._name)
+        except VehicleError as error:
+            return error
+
+    def number(
+        self, amount: Amount, unit: str, low: float, high: float, above: bool = False
+    ) -> float:
+        """The amount in SI. ``low``..``high`` are in ``unit``; ``above``: low itself is out."""
+        value, written = self._si(amount, unit)
+        if math.isnan(value):
+            return value
+        factor = UNITS[unit].factor if unit else 1.0
+        bare = value / factor
+        slack = 1e-9 * abs(bare)  # of another unit
+        if bare < low - slack or bare > high + slack or (above and bare <= low):
+            message = f"{written} is out of range"
+            hint = range_text(low, high, unit, above)
+            self.problems.add("range", amount.where, message, hint)
+            return math.nan
+        return value
+
+    def whole(self, amount: Amount, low: int, high: int, what: str) -> int:
+        """A whole number without a unit; ``low`` where there is none."""
+        value, written = self._si(amount, "")
+        if math.isnan(value):
+            return low
+        if value != int(value):
+            message = f"{written}: {what} is a whole number"
+            self.problems.add("whole", amount.where, message, f"write {max(low, round(value))}")
+        elif not low <= value <= high:
+            hint = f"{what} goes from {low} to {high}"
+            self.problems.add("range", amount.where, f"{written} is out of range", hint)
+        else:
+            return int(value)
+        return low
+
+    def seconds(self, amount: Amount, zero: bool = False) -> float:
+        return self.number(amount, "s", 0.0 if zero else _SHORTEST, 1e6)
+
+    def _si(self, amount: Amount, unit: str) -> tuple[float, str]:
+        """NaN where it cannot be read; and how it was written."""
+        given = amount
+        if amount.is_name:
+            found = self._parameters.get(amount.text)
+            if found is None:
+                hint = suggestion(amount.text, list(self._parameters), "parameters")
+                message = f"{amount.text!r} is neither a number nor a parameter"
+                hint = hint or f"write a number{f' of {unit}' if unit else ''}"
+                self.problems.add("unknown-parameter", amount.where, message, hint)
+                return math.nan, amount.text
+            given = found
+        written = f"{given.text} {given.unit}".strip()
+        shown = f"{amount.text} ({written})" if amount.is_name else written
+        try:
+            value = quantity(written, unit)
+        except UnitError as error:
+            rule = "unit" if given.unit else "number"
+            message = f"{shown}: the unit does not fit" if given.unit else f"{shown} is no number"
+            self.problems.add(rule, amount.where, message, str(error))
+            return math.nan, shown
+        if given.unit == "rad":  # texts say degrees: only what they can say is a value
+            value = math.radians(math.degrees(value))
+        return value + 0.0, shown
+
+    # --- places -----------------------------------------------------------------------------
+
+    def position(self, place: Coordinates) -> Position:
+        latitude = self._degrees(place.latitude, 90, "latitude")
+        return Position(latitude, self._degrees(place.longitude, 180, "longitude"))
+
+    def _degrees(self, amount: Amount, limit: int, what: str) -> float:
+        value = math.nan if amount.is_name else float(amount.text)
+        if amount.unit not in ("", "deg") or math.isnan(value):
+            hint = f"write the {what} in degrees, a bare number"
+            self.problems.add("position", amount.where, f"{amount.text!r} is no {what}", hint)
+            return 0.0
+        if not -limit <= value <= limit:
+            hint = f"a {what} goes from -{limit} to {limit}; latitude stands first"
+            self.problems.add("position", amount.where, f"{amount.text} is no {what}", hint)
+            return 0.0
+        return value + 0.0
+
+    def place(self, place: PlaceText, here: bool = False) -> Place | None:
+        """None is where the leg is entered, where that is allowed (``here``)."""
+        match place:
+            case AtHome():
+                return HOME
+            case Here(where):
+                if not here:
+                    hint = "home, north .. east .., or latitude longitude"
+                    self.problems.add("here", where, "the leg is here already", hint)
+                return None
+            case Coordinates():
+                return self.position(place)
+            case Offset(north, east):
+                metres = [self.number(a, "m", -_FAR, _FAR) for a in (north, east)]
+                return Local(metres[0], metres[1])
+
+    # --- guards -----------------------------------------------------------------------------
+
+    def guard(self, text: GuardText) -> Guard:
+        held = 0.0 if text.held is None else self.seconds(text.held, zero=True)
+        return Guard(self.expression(text.expression), held)
+
+    def expression(self, text: ExpressionText) -> Expression:
+        match text:
+            case ComparisonText():
+                return self._comparison(text)
+            case Negation(operand):
+                return Not(self.expression(operand))
+            case Several(every, operands):
+                kind: type[And] | type[Or] = And if every else Or
+                flat: list[Expression] = []
+                for read in map(self.expression, operands):
+                    flat.extend(read.operands if isinstance(read, kind) else [read])
+                return kind(tuple(flat))
+
+    def _comparison(self, text: ComparisonText) -> Comparison:
+        row = VARIABLES.get(text.variable.text)
+        bound, sure = 0.0, None
+        if row is None:
+            self._unknown_variable(text.variable)
+        else:
+            low, high = (0.0, 360.0) if row.circular else (-1e6, 1e7)
+            bound = self.number(text.bound, row.unit, low, high)
+        if text.sure is not None:
+            sure = self._share(text.sure)
+        return Comparison(text.variable.text, text.operator, bound, sure, text.where)
+
+    def _unknown_variable(self, name: Name) -> None:
+        hint = suggestion(name.text, list(VARIABLES), "variables")
+        self.problems.add("unknown-variable", name.where, f"unknown variable {name.text!r}", hint)
+
+    def _share(self, amount: Amount) -> float:
+        share, written = self._si(amount, "")
+        if share > 1 and not amount.unit:
+            self.problems.add("sure", amount.where, f"sure {written}: a share", f"write {written}%")
+        elif not 0 < share < 1 and not math.isnan(share):
+            hint = "a share above 0 % and below 100 %, for instance 95%"
+            self.problems.add("sure", amount.where, f"sure {written} can never be known", hint)
+        return share
+
+
+def whole_place(place: PlaceText) -> Where:
+    """Where a place stands, for complaints about it."""
+    match place:
+        case AtHome(where) | Here(where):
+            return where
+        case Coordinates(first, _) | Offset(first, _):
+            return first.where

@@ -1,0 +1,215 @@
+"""The words of both mission texts, as tables: a new word is a new row.
+
+    SETTINGS    what a leg holds            depth 10      {depth: 10 m}
+    ZA          the wire's own words        ZAS10         (line script, and bare lines)
+    MEASURES    sizes that a kind needs     within 15     {within: 15 m}
+    KINDS       what a leg does             goto home     {goto: home}
+    LIMITS, ASSUMPTIONS   safety and assume, name and value in turn
+
+A word of the line script and the key of the YAML form are the same.
+What does not live here: how clauses stand together (grammar.lark), what they make (legs.py).
+"""
+
+from __future__ import annotations
+
+import enum
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from mission.model.units import GEARS
+
+
+@dataclass(frozen=True, slots=True)
+class SettingRow:
+    """``low``..``high`` in ``unit``; the setpoint's field gets ``sign * value`` (gears / 12)."""
+
+    word: str
+    field: str
+    unit: str  # "" for a gear
+    low: float
+    high: float
+    description: str
+    sign: int = 1
+    gear: bool = False
+
+
+_SETTINGS = (
+    SettingRow("depth", "depth", "m", 0, 9999, "hold this depth below the surface"),
+    SettingRow("altitude", "altitude", "m", 0, 9999, "hold this height above the bottom"),
+    SettingRow("up", "heave", "", 0, GEARS, "vertical thrusters upward, by gear", -1, True),
+    SettingRow("down", "heave", "", 0, GEARS, "vertical thrusters downward, by gear", 1, True),
+    SettingRow("heading", "heading", "deg", 0, 360, "hold this heading, as a compass says it"),
+    SettingRow("gear", "surge", "", -GEARS, GEARS, "ahead by gear; negative: back", 1, True),
+    SettingRow("speed", "surge", "m/s", 0, 20, "ahead, by the gear nearest to this speed"),
+    SettingRow("left", "turn", "", 0, GEARS, "turn to port, by gear", -1, True),
+    SettingRow("right", "turn", "", 0, GEARS, "turn to starboard, by gear", 1, True),
+    SettingRow("pitch", "pitch", "deg", -90, 90, "hold this pitch, nose up positive"),
+    SettingRow("roll", "roll", "deg", -90, 90, "hold this roll, positive to starboard"),
+)
+SETTINGS: Mapping[str, SettingRow] = MappingProxyType({row.word: row for row in _SETTINGS})
+STOP = "stop"  # surge 0, the same as gear 0
+
+# The order in which a leg's settings stand, in the model and in every text made from it.
+FIELD_ORDER = ("depth", "altitude", "heave", "heading", "surge", "turn", "pitch", "roll")
+VERTICAL = frozenset({"depth", "altitude", "heave"})
+STEERING = frozenset({"heading", "turn"})
+
+
+@dataclass(frozen=True, slots=True)
+class WireRow:
+    """A code of ``ZA``: whole numbers from ``low`` to ``high`` become the setting ``word``.
+
+    ``sign`` is the wire's sign against the word's (ZAB4 is gear -4; ZAH90 is west).
+    """
+
+    code: str
+    word: str
+    low: int
+    high: int
+    description: str
+    sign: int = 1
+
+
+_ZA = (
+    WireRow("F", "gear", 0, GEARS, "forward"),
+    WireRow("B", "gear", 0, GEARS, "back", -1),
+    WireRow("L", "left", 0, GEARS, "turn left"),
+    WireRow("R", "right", 0, GEARS, "turn right"),
+    WireRow("U", "up", 0, GEARS, "up"),
+    WireRow("D", "down", 0, GEARS, "down"),
+    WireRow("S", "depth", 0, 9999, "depth in m"),
+    WireRow("E", "altitude", 0, 9999, "altitude in m"),
+    WireRow("H", "heading", -180, 180, "heading in deg, positive to WEST: ZAH-90 is east", -1),
+)
+ZA: Mapping[str, WireRow] = MappingProxyType({row.code: row for row in _ZA})
+ATTITUDE = "A"  # ZAA5;-3: pitch, then roll
+
+# Codes that are no words of a mission, and what to write.
+REFUSED_ZA: Mapping[str, str] = MappingProxyType(
+    {
+        "V": "the vehicle has no speed sensor and refuses it; write speed 0.5 m/s, or gear 6",
+        "X": "the emergency stop is the operator's; write stop",
+        "W": "the emergency surfacing is the operator's; write surface",
+    }
+)
+
+
+@dataclass(frozen=True, slots=True)
+class MeasureRow:
+    word: str
+    unit: str
+    low: float
+    high: float
+    description: str
+
+
+_MEASURES = (
+    MeasureRow("within", "m", 0.5, 1000, "how near counts as there; 10 m unless said"),
+    MeasureRow("bearing", "deg", 0, 360, "direction of the first row"),
+    MeasureRow("length", "m", 1, 20000, "length of each row"),
+    MeasureRow("spacing", "m", 0.5, 2000, "distance between rows"),
+    MeasureRow("shallow", "m", 0, 9999, "upper turning depth"),
+    MeasureRow("deep", "m", 0.5, 9999, "lower turning depth"),
+    MeasureRow("radius", "m", 1, 5000, "of the circle"),
+)
+MEASURES: Mapping[str, MeasureRow] = MappingProxyType({row.word: row for row in _MEASURES})
+WITHIN = 10.0  # m, unless said
+SIDES: Mapping[str, int] = MappingProxyType({"port": -1, "starboard": 1})
+
+
+class Shape(enum.Enum):
+    """What follows the word of a kind."""
+
+    NOTHING = ""
+    TIME = "a time"
+    COUNT = "a count"
+    PLACE = "a place"
+    PLACES = "places"
+
+
+@dataclass(frozen=True, slots=True)
+class KindRow:
+    """``steers`` are setpoint fields that the kind sets itself, which the leg may not."""
+
+    word: str
+    shape: Shape
+    needs: tuple[str, ...]
+    may: tuple[str, ...]
+    steers: frozenset[str]
+    description: str
+
+
+_ALL = frozenset(FIELD_ORDER)
+_KINDS = (
+    KindRow("hold", Shape.NOTHING, (), (), frozenset(), "hold the settings; may be left out"),
+    KindRow("wait", Shape.TIME, (), (), _ALL, "hold whatever is set, for a time"),
+    KindRow("goto", Shape.PLACE, (), ("within",), STEERING, "to a place, along the line"),
+    KindRow("follow", Shape.PLACES, (), ("within",), STEERING, "through several places in turn"),
+    KindRow("rows", Shape.COUNT, ("bearing", "length", "spacing"), ("side", "from", "within"),
+            STEERING, "a lawnmower: so many parallel rows"),
+    KindRow("yoyo", Shape.COUNT, ("shallow", "deep"), (), VERTICAL,
+            "down and up between two depths, so many times"),
+    KindRow("loiter", Shape.PLACE, ("radius",), ("side",), STEERING, "circle about a place"),
+    KindRow("surface", Shape.NOTHING, (), (), _ALL, "up, and prove it; `until fix`: with GPS"),
+)  # fmt: skip
+KINDS: Mapping[str, KindRow] = MappingProxyType({row.word: row for row in _KINDS})
+FIX = "fix"
+GENERATED = re.compile(r"line\d+\Z")  # what a leg without a name is called: by its line
+
+
+@dataclass(frozen=True, slots=True)
+class NamedValue:
+    name: str
+    unit: str
+    low: float
+    high: float
+    description: str
+    above: bool = True  # low itself is out
+
+
+_LIMITS = (
+    NamedValue("radius", "m", 0, 65535, "farthest from home"),
+    NamedValue("time", "s", 0, 65535 * 60, "longest autonomous run"),
+    NamedValue("depth", "m", 0, 65535, "greatest depth"),
+    NamedValue("voltage", "V", 0, 65535, "lowest control battery"),
+)
+LIMITS: Mapping[str, NamedValue] = MappingProxyType({row.name: row for row in _LIMITS})
+_ASSUMPTIONS = (
+    NamedValue("current", "m/s", 0, 5, "greatest current of the water", above=False),
+    NamedValue("floor", "m", 0, 11000, "deepest sea floor; the depth allowed unless said"),
+    NamedValue(
+        "start", "m", 0, 20000, "farthest from home that the mission is started", above=False
+    ),
+)
+ASSUMPTIONS: Mapping[str, NamedValue] = MappingProxyType({row.name: row for row in _ASSUMPTIONS})
+
+# Words that hold a leg's clauses together, with what they say.
+CLAUSES: Mapping[str, str] = MappingProxyType(
+    {
+        "until": "a guard that ends the leg: to the next one, or `-> name`; several may stand",
+        "for": "the leg ends after this time",
+        "timeout": "the leg is given up after this time",
+        "else": "where to go then, and when the vehicle cannot follow; unless said as `on timeout`",
+    }
+)
+
+# Words that authors bring along from elsewhere, and what they are here.
+ELSEWHERE: Mapping[str, str] = MappingProxyType(
+    {
+        "ahead": "gear 4",
+        "attitude": "pitch 5 roll -3",
+        "back": "gear -4",
+        "course": "heading 90",
+        "dive": "depth 5",
+        "forward": "gear 4",
+        "if": "until depth > 5 -> name",
+        "loop": "repeat 3 name:",
+        "sleep": "wait 30s",
+        "thrust": "gear 4",
+        "turn": "left 4, right 4 or heading 90",
+        "when": "until depth > 5 -> name",
+        "while": "until depth > 5",
+    }
+)

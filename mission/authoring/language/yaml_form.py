@@ -1,0 +1,280 @@
+"""The YAML form -> statements: the keys of a mission, a group, a leg, a handler.
+
+What does not live here: YAML itself and its traps (yaml_nodes.py), what words mean (words.py,
+legs.py), values inside a text such as ``until`` (syntax.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+
+from mission.authoring.language.clauses import (
+    Amount,
+    Clause,
+    Coordinates,
+    Else,
+    End,
+    HomeAt,
+    LegText,
+    MissionHead,
+    Name,
+    Named,
+    Offset,
+    On,
+    Opening,
+    Parameter,
+    Places,
+    PlaceText,
+    Side,
+    Statement,
+    Until,
+    Value,
+    WithoutFix,
+)
+from mission.authoring.language.problems import Problems
+from mission.authoring.language.syntax import Syntax
+from mission.authoring.language.words import (
+    ASSUMPTIONS,
+    CLAUSES,
+    KINDS,
+    LIMITS,
+    MEASURES,
+    SETTINGS,
+    SIDES,
+    STOP,
+    Shape,
+)
+from mission.authoring.language.yaml_nodes import Item, Nodes, composed, strip_of, where_of
+from mission.model import Where
+
+TOP_KEYS = ("mission", "vehicle", "home", "safety", "assume", "param", "start", "legs", "on")
+GROUP_KEYS = ("repeat", "legs", "on")
+HANDLER_KEYS = ("when", "held", "do")
+LEG_KEYS = (*SETTINGS, STOP, *KINDS, *MEASURES, "from", "side", *CLAUSES)
+WITHOUT_FIX = "without fix"
+
+_FLAGS = (STOP, *(row.word for row in KINDS.values() if row.shape is Shape.NOTHING))
+_YES = ("true", "yes", "on", "")
+
+
+def statements(text: str, problems: Problems) -> Iterator[Statement]:
+    """Every statement that could be read; the others are among the problems."""
+    root = composed(text, problems)
+    return iter(()) if root is None else _Form(problems).top(root)
+
+
+class _Form:
+    def __init__(self, problems: Problems) -> None:
+        self._problems = problems
+        self._syntax = Syntax(problems)
+        self._nodes = Nodes(problems)
+        self._guessed = False
+
+    def top(self, root: Node) -> Iterator[Statement]:
+        before = len(self._problems)
+        items = dict(self._nodes.items(root, TOP_KEYS, "a mission"))
+        self._guessed = len(self._problems) > before  # a key that is missing may be misspelt
+        keys = {name.text: (name, node) for name, node in items.items()}
+        yield from self._head(keys, root)
+        if "home" in keys:
+            name, node = keys["home"]
+            place = self._place(node)
+            if isinstance(place, Coordinates):
+                yield HomeAt(place, name.where)
+            elif place is not None:
+                hint = "write {latitude: 30.28, longitude: 120.15}"
+                self._problems.add("position", where_of(node), "home is a position", hint)
+        for word, rows in (("safety", LIMITS), ("assume", ASSUMPTIONS)):
+            if word in keys:
+                name, node = keys[word]
+                pairs = self._nodes.items(node, tuple(rows), word)
+                amounts = [(key, self._nodes.amount(value)) for key, value in pairs]
+                given = tuple((key, amount) for key, amount in amounts if amount)
+                yield Named(word, given, name.where)
+        if "param" in keys:
+            for key, value in self._nodes.items(keys["param"][1], None, "param"):
+                amount = self._nodes.number(value) or Amount("1", "", key.where)
+                yield Parameter(key, amount, key.where)
+        if "start" in keys:
+            yield from self._start(*keys["start"])
+        yield from self._body(keys)
+
+    def _head(self, keys: dict[str, Item], root: Node) -> Iterator[Statement]:
+        name = self._nodes.name(keys["mission"][1]) if "mission" in keys else None
+        if "mission" not in keys:
+            hint = "write mission: and its name in the first line"
+            where = Where(root.start_mark.line + 1, root.start_mark.column + 1)
+            self._problems.add("missing-word", where, "the mission has no name", hint)
+        vehicle = self._nodes.name(keys["vehicle"][1]) if "vehicle" in keys else None
+        if name is not None:
+            yield MissionHead(name, vehicle, None, keys["mission"][0].where)
+        if "legs" not in keys and not self._guessed:
+            hint = "write legs: and a list of legs"
+            where = Where(root.start_mark.line + 1, root.start_mark.column + 1)
+            self._problems.add("missing-word", where, "the mission has no legs", hint)
+
+    def _start(self, name: Name, node: Node) -> Iterator[Statement]:
+        text = self._nodes.text(node)
+        if text is None:
+            return
+        if text.text == WITHOUT_FIX:
+            yield WithoutFix(name.where)
+        else:
+            hint = f"write start: {WITHOUT_FIX}, or leave it out"
+            self._problems.add("unknown-word", text.where, f"start has no {text.text!r}", hint)
+
+    def _body(self, keys: dict[str, Item]) -> Iterator[Statement]:
+        if "legs" in keys:
+            for node in self._nodes.entries(keys["legs"][1], "legs"):
+                yield from self._node(node)
+        if "on" in keys:
+            for node in self._nodes.entries(keys["on"][1], "on"):
+                yield from self._handler(node)
+
+    # --- legs and groups --------------------------------------------------------------------------
+
+    def _node(self, node: Node) -> Iterator[Statement]:
+        if isinstance(node, ScalarNode):
+            strip = strip_of(node)
+            leg = self._syntax.leg(strip)
+            if leg is not None and leg.name is not None:
+                hint = f"write {leg.name.text}: and the leg's keys, without quotes"
+                self._problems.add("label", leg.name.where, "a text item has no name", hint)
+            elif leg is not None:
+                yield leg
+            return
+        items = self._nodes.items(node, None, "a leg")
+        if len(items) != 1:
+            hint = "write - name: {...}, one name to each item of legs"
+            if items:
+                message = "a leg is one name with its keys below"
+                self._problems.add("leg-form", items[-1][0].where, message, hint)
+            return
+        name, inner = items[0]
+        keys = [key.value for key, _ in inner.value] if isinstance(inner, MappingNode) else []
+        if "legs" in keys or "repeat" in keys:
+            yield from self._group(name, inner)
+        else:
+            clauses = self._clauses(inner)
+            if clauses:
+                yield LegText(name, tuple(clauses), name.where)
+
+    def _group(self, name: Name, node: Node) -> Iterator[Statement]:
+        keys = {
+            key.text: (key, value) for key, value in self._nodes.items(node, GROUP_KEYS, "a group")
+        }
+        repeat = self._nodes.amount(keys["repeat"][1]) if "repeat" in keys else None
+        if "legs" not in keys:
+            hint = "write legs: and a list of legs"
+            self._problems.add("missing-word", name.where, f"group {name.text} has no legs", hint)
+            yield LegText(name, (), name.where)
+            return
+        yield Opening(name, repeat, name.where)
+        yield from self._body(keys)
+        yield End(replace(name.where, line=node.end_mark.line + 1))
+
+    def _clauses(self, node: Node) -> list[Clause]:
+        clauses: list[Clause] = []
+        for word, value in self._nodes.items(node, LEG_KEYS, "a leg"):
+            clauses += self._clause(word, value)
+        if isinstance(node, MappingNode) and not node.value:
+            message = "a name with nothing behind it"
+            hint = "write for instance {depth: 5 m, until: depth >= 4.5 m}"
+            self._problems.add("empty-leg", where_of(node), message, hint)
+        return clauses
+
+    def _clause(self, word: Name, node: Node) -> Iterator[Clause]:
+        if word.text in _FLAGS:
+            if self._flag(word, node):
+                yield Value(word)
+        elif word.text in ("goto", "loiter", "from"):
+            place = self._place(node)
+            if place is not None:
+                yield Places(word, (place,))
+        elif word.text == "follow":
+            places = [self._place(item) for item in self._nodes.entries(node, "follow")]
+            if places:
+                yield Places(word, tuple(place for place in places if place is not None))
+        elif word.text == "side":
+            side = self._nodes.text(node)
+            if side is not None and side.text in SIDES:
+                yield Side(word, side)
+            elif side is not None:
+                hint = "write " + " or ".join(SIDES)
+                self._problems.add("unknown-word", side.where, f"unknown side {side.text!r}", hint)
+        elif word.text == "until":
+            yield from self._until(word, node)
+        elif word.text == "else":
+            target = self._nodes.name(node)
+            if target is not None:
+                yield Else(word, target)
+        elif word.text == "wait" and isinstance(node, ScalarNode) and node.value in _YES:
+            yield Value(word)
+        else:
+            amount = self._nodes.amount(node)
+            if amount is not None:
+                yield Value(word, amount)
+
+    def _flag(self, word: Name, node: Node) -> bool:
+        text = node.value.lower() if isinstance(node, ScalarNode) else None
+        if text in (*_YES, "null", "~"):
+            return True
+        hint = f"write {word.text}: true, or leave it out"
+        self._problems.add("flag", where_of(node), f"{word.text} has no value", hint)
+        return False
+
+    def _until(self, word: Name, node: Node) -> Iterator[Clause]:
+        for item in (
+            self._nodes.entries(node, "until") if isinstance(node, SequenceNode) else [node]
+        ):
+            text = self._nodes.text(item)
+            if text is None:
+                continue
+            read = self._syntax.until(strip_of(item))
+            if read is not None:
+                yield Until(Name("until", text.where), *read)
+
+    def _handler(self, node: Node) -> Iterator[Statement]:
+        items = self._nodes.items(node, HANDLER_KEYS, "a handler")
+        keys = {key.text: value for key, value in items}
+        for missing in (key for key in ("when", "do") if key not in keys and items):
+            hint = "write {when: battery < 11 V, do: up}"
+            self._problems.add("missing-word", where_of(node), f"a handler needs {missing}", hint)
+        if "when" not in keys or "do" not in keys:
+            return
+        target, text = self._nodes.name(keys["do"]), self._nodes.text(keys["when"])
+        held = self._nodes.amount(keys["held"]) if "held" in keys else None
+        if target is None or text is None:
+            return
+        if text.text in ("uncertain", "timeout"):
+            yield On(text.text, target, where_of(node))
+            return
+        guard = self._syntax.guard(strip_of(keys["when"]))
+        if guard is None:
+            return
+        if held is not None and guard.held is not None:
+            message = "held appears twice"
+            self._problems.add("twice", held.where, message, "keep one of them")
+        elif held is not None:
+            guard = type(guard)(guard.expression, held)
+        yield On(guard, target, where_of(node))
+
+    # --- values -------------------------------------------------------------------------------
+
+    def _place(self, node: Node) -> PlaceText | None:
+        if isinstance(node, ScalarNode):
+            return self._syntax.place(strip_of(node))
+        keys = {k.text: v for k, v in self._nodes.items(node, None, "a place")}
+        for one, other in (("latitude", "longitude"), ("north", "east")):
+            if set(keys) == {one, other}:
+                first, second = self._nodes.amount(keys[one]), self._nodes.amount(keys[other])
+                if first is None or second is None:
+                    return None
+                return (Offset if one == "north" else Coordinates)(first, second)
+        if isinstance(node, MappingNode):
+            hint = "write home, {north: 10 m, east: 20 m} or {latitude: 30.28, longitude: 120.15}"
+            self._problems.add("place", where_of(node), "this is no place", hint)
+        return None

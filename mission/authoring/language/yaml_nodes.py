@@ -1,0 +1,159 @@
+"""YAML nodes as texts with their places: what stands in the tree, checked for its traps.
+
+Plain values are never interpreted by YAML, so ``on`` stays a word, ``1:30`` an error that says
+what to write, and ``1e3`` a number. Keys that stand twice are refused; merge keys (``<<``) work.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+
+from mission.authoring.language.clauses import Amount, Name
+from mission.authoring.language.problems import Problems, suggestion
+from mission.authoring.language.syntax import Strip
+from mission.model import Where
+from mission.model.yaml_tree import YamlFault, tree
+
+_AMOUNT = re.compile(r"(-?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/%]*)\Z")
+_WORD = re.compile(r"[A-Za-z_][\w-]*\Z")
+Item = tuple[Name, Node]
+
+
+def composed(text: str, problems: Problems) -> Node | None:
+    try:
+        root = tree(text)
+    except YamlFault as fault:
+        problems.add(fault.rule, Where(fault.line, fault.column), *_WORDS[fault.rule](fault))
+        return None
+    if root is None:
+        problems.add(
+            "empty-mission", Where(1, 1), "there is no mission here", "write mission: name"
+        )
+    return root
+
+
+def _not_yaml(fault: YamlFault) -> tuple[str, str]:
+    hint = "indent with blanks, and put quotes around a text that holds a colon"
+    return f"this is no YAML: {fault.why or 'it cannot be read'}", hint
+
+
+def _too_long(fault: YamlFault) -> tuple[str, str]:
+    return f"the mission is {fault.why}", "do aliases repeat themselves?"
+
+
+def _too_deep(fault: YamlFault) -> tuple[str, str]:
+    return f"the mission is {fault.why}", "does an alias hold itself?"
+
+
+_WORDS = {"yaml": _not_yaml, "too-long": _too_long, "too-deep": _too_deep}
+
+
+class Nodes:
+    """Reads nodes of one file; what does not fit goes to the problems."""
+
+    def __init__(self, problems: Problems) -> None:
+        self._problems = problems
+
+    def amount(self, node: Node) -> Amount | None:
+        text = self.text(node)
+        if text is None:
+            return None
+        if _WORD.match(text.text):
+            return Amount(text.text, "", text.where, is_name=True)
+        return self.number(node)
+
+    def number(self, node: Node) -> Amount | None:
+        text = self.text(node)
+        match = _AMOUNT.match(text.text) if text else None
+        if text is not None and match is None:
+            rule, hint = "number", "write for instance 10 or 10 m"
+            if re.match(r"\d+:\d", text.text):
+                rule, hint = "clock-time", "write 90 s, 1.5 min or 2 h"
+            elif not text.text:
+                hint = "write a number behind the colon"
+            self._problems.add(rule, text.where, f"{text.text!r} is no number", hint)
+        return Amount(match[1], match[2], text.where) if text and match else None
+
+    def name(self, node: Node) -> Name | None:
+        text = self.text(node)
+        if text is not None and not _WORD.match(text.text):
+            hint = "a letter, then letters, digits, _ and -"
+            self._problems.add("label", text.where, f"{text.text!r} is no name", hint)
+            return None
+        return text
+
+    def text(self, node: Node) -> Name | None:
+        if isinstance(node, ScalarNode):
+            return Name(node.value.strip(), where_of(node))
+        what = "a list" if isinstance(node, SequenceNode) else "a table"
+        hint = "write one value"
+        self._problems.add("yaml-type", where_of(node), f"{what} does not fit here", hint)
+        return None
+
+    def entries(self, node: Node, what: str) -> Sequence[Node]:
+        if isinstance(node, SequenceNode):
+            return list(node.value)
+        hint = "begin each item with a dash"
+        self._problems.add("yaml-type", where_of(node), f"{what} is a list", hint)
+        return []
+
+    def items(self, node: Node, known: Sequence[str] | None, what: str) -> list[Item]:
+        """Key and value in their order, merged keys last; ``known`` None: any name."""
+        if not isinstance(node, MappingNode):
+            hint = "write keys and values, for instance {depth: 5 m, gear: 6}"
+            self._problems.add("yaml-type", where_of(node), f"{what} has keys and values", hint)
+            return []
+        items: dict[str, Item] = {}
+        merged: list[Item] = []
+        for key, value in node.value:
+            if not isinstance(key, ScalarNode):
+                hint = "a key is one word"
+                self._problems.add("yaml-type", where_of(key), "this is no key", hint)
+            elif key.tag == "tag:yaml.org,2002:merge":
+                sources = value.value if isinstance(value, SequenceNode) else [value]
+                merged += [item for source in sources for item in self.items(source, known, what)]
+            else:
+                self._key(items, Name(key.value, where_of(key)), value, known, what)
+        for name, value in merged:
+            items.setdefault(name.text, (name, value))
+        return list(items.values())
+
+    def _key(
+        self,
+        items: dict[str, Item],
+        name: Name,
+        value: Node,
+        known: Sequence[str] | None,
+        what: str,
+    ) -> None:
+        if name.text in items:
+            first = items[name.text][0].where.line
+            message = f"{name.text} appears twice; the first is in line {first}"
+            self._problems.add("twice", name.where, message, "keep one of them")
+        elif known is not None and name.text not in known:
+            hint = suggestion(name.text, known, "keys")
+            if name.text[:2] == "ZA":
+                hint = "write it as an item of its own, - ZAF6, or as gear: 6"
+            message = f"{what} has no key {name.text!r}"
+            self._problems.add("unknown-word", name.where, message, hint)
+        else:
+            items[name.text] = (name, value)
+
+
+def where_of(node: Node) -> Where:
+    """The node's own text, up to the end of its first line."""
+    start, end = node.start_mark, node.end_mark
+    same_line = start.line == end.line and isinstance(node, ScalarNode)
+    length = end.column - start.column if same_line else 1
+    return Where(start.line + 1, start.column + 1, max(1, length))
+
+
+def strip_of(node: Node) -> Strip:
+    """The text of a node that is known to be a scalar."""
+    assert isinstance(node, ScalarNode)
+    quote = 1 if node.style in ("'", '"') else 0
+    mark = node.start_mark
+    return Strip.at(node.value, mark.line + 1, mark.column + 1 + quote)

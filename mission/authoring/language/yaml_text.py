@@ -1,0 +1,109 @@
+"""A Mission as YAML: one line for each leg, with units. Reads back as the same Mission."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from mission.authoring.language import render
+from mission.authoring.language.words import ASSUMPTIONS
+from mission.model import Follow, Group, Handler, Leg, Mission, Node, Place, Set
+from mission.model.units import number_text
+
+# Names that other YAML readers would take for something else than a text.
+_NOT_TEXT = frozenset({"on", "off", "yes", "no", "true", "false", "null", "y", "n"})
+
+
+def to_yaml(mission: Mission) -> str:
+    return "".join(f"{line}\n" for line in _lines(mission))
+
+
+def _lines(mission: Mission) -> Iterator[str]:
+    yield f"mission: {_name(mission.name)}"
+    yield f"vehicle: {_name(mission.vehicle)}"
+    if mission.home is not None:
+        latitude = number_text(mission.home.latitude_deg)
+        longitude = number_text(mission.home.longitude_deg)
+        yield f"home: {{latitude: {latitude}, longitude: {longitude}}}"
+    limits = [f"{word}: {value}" for word, value in render.safety_pairs(mission.safety, True)]
+    if limits:
+        yield f"safety: {_table(limits)}"
+    if mission.assume:
+        units = {name: row.unit for name, row in ASSUMPTIONS.items()}
+        yield "assume: " + _table([f"{n}: {number_text(v)} {units[n]}" for n, v in mission.assume])
+    if mission.start_without_fix:
+        yield "start: without fix"
+    yield "legs:"
+    yield from _body(mission.body, "  ")
+    general = [f"when: {word}, do: {_name(to)}" for word, to in render.handlers_of(mission)]
+    yield from _handlers(general, mission.handlers, "")
+
+
+def _body(body: tuple[Node, ...], indent: str) -> Iterator[str]:
+    for node in body:
+        if isinstance(node, Group):
+            yield f"{indent}- {_name(node.name)}:"
+            inner = f"{indent}    "
+            if node.repeat > 1:
+                yield f"{inner}repeat: {node.repeat}"
+            yield f"{inner}legs:"
+            yield from _body(node.body, f"{inner}  ")
+            yield from _handlers([], node.handlers, inner)
+        elif render.label(node):
+            yield f"{indent}- {_name(node.name)}: {_table(list(_keys(node)))}"
+        else:
+            pairs = render.node_pairs(node, True)
+            text = " ".join(f"{word} {value}".rstrip() for word, value in pairs)
+            yield f"{indent}- {text}"
+
+
+def _keys(node: Leg | Set) -> Iterator[str]:
+    exits: list[str] = []
+    for word, value in render.node_pairs(node, True):
+        if word == "until":
+            exits.append(value)
+            continue
+        if exits:
+            yield _until(exits)
+            exits = []
+        yield f"{word}: {_value(node, word, value)}"
+    if exits:
+        yield _until(exits)
+
+
+def _until(exits: list[str]) -> str:
+    return f"until: {exits[0]}" if len(exits) == 1 else f"until: [{', '.join(exits)}]"
+
+
+def _value(node: Leg | Set, word: str, value: str) -> str:
+    if word == "follow" and isinstance(node, Leg) and isinstance(node.kind, Follow):
+        return f"[{', '.join(map(_place, node.kind.places))}]"
+    if word == "else":
+        return _name(value)
+    return value or "true"
+
+
+def _place(place: Place) -> str:
+    return render.place_text(place)
+
+
+def _handlers(general: list[str], handlers: tuple[Handler, ...], indent: str) -> Iterator[str]:
+    if not general and not handlers:
+        return
+    yield f"{indent}on:"
+    for text in general:
+        yield f"{indent}  - {{{text}}}"
+    for handler in handlers:
+        when = render.expression_text(handler.guard.expression, True)
+        held = handler.guard.held
+        keys = [f"when: {when}"]
+        if held:
+            keys.append(f"held: {render.quantity_text(held, 's', True)}")
+        yield f"{indent}  - {_table([*keys, f'do: {_name(handler.target)}'])}"
+
+
+def _table(items: list[str]) -> str:
+    return f"{{{', '.join(items)}}}"
+
+
+def _name(name: str) -> str:
+    return f'"{name}"' if name.lower() in _NOT_TEXT else name

@@ -1,0 +1,221 @@
+"""Guards in Kleene's three-valued logic: True, False, or None for unknown.
+
+    not unknown = unknown      false and unknown = false      true or unknown = true
+
+Unknown never opens anything and ends ``held``. An expression is compiled once into closures over
+a row of values; a Sheet says which variables all guards of one leg need, so that each is read once
+and no other is read at all.
+
+What does not live here: what a variable is (variables), which guard is looked at when (run).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from mission.navigation import distribution
+from mission.model import And, Comparison, Expression, Guard, Not
+from mission.engine.variables import VARIABLES, Scope, Value, Variable, difference, value_of
+
+Test = Callable[[list[Value], Scope], "bool | None"]
+STRICT_S = 1e-6  # a strict comparison of a time holds from the next microsecond on
+
+
+@dataclass(frozen=True, slots=True)
+class Compiled:
+    """One guard, ready to be asked. ``reads`` are the places of its variables on the sheet,
+    ``timed`` those that grow with time, with the values at which the outcome changes."""
+
+    test: Test
+    held: float
+    reads: tuple[int, ...]
+    timed: tuple[tuple[int, float], ...]
+
+    def next_change(self, values: list[Value], now: float) -> float | None:
+        """When, by the clock alone, a comparison of the guard changes; None if it does not. Times
+        have whole microseconds: before the next one nothing that is compared is another."""
+        due = None
+        for place, bound in self.timed:
+            value = values[place]
+            if value is not None and value < bound:
+                at = now + max(bound - value, STRICT_S)
+                due = at if due is None or at < due else due
+        return due
+
+
+def comparisons(expression: Expression) -> Iterator[Comparison]:
+    """As written, from left to right."""
+    stack = [expression]
+    while stack:
+        node = stack.pop()
+        if isinstance(node, Comparison):
+            yield node
+        elif isinstance(node, Not):
+            stack.append(node.operand)
+        else:
+            stack.extend(reversed(node.operands))
+
+
+class Sheet:
+    """The variables of a set of guards, each read once however many ask for it."""
+
+    __slots__ = ("_places", "rows", "stale_after")
+
+    def __init__(self) -> None:
+        self.rows: list[Variable] = []
+        self._places: dict[str, int] = {}
+        self.stale_after: tuple[float, ...] = ()
+
+    def values(self, scope: Scope) -> list[Value]:
+        return [value_of(row, scope) for row in self.rows]
+
+    def named(self, guard: Compiled, values: list[Value]) -> tuple[tuple[str, Value], ...]:
+        return tuple((self.rows[i].name, values[i]) for i in guard.reads)
+
+    def add(self, guard: Guard) -> Compiled:
+        found = list(comparisons(guard.expression))
+        places = tuple(dict.fromkeys(self._place(c.variable) for c in found))
+        timed = tuple(
+            (self._place(c.variable), c.bound + (STRICT_S if c.operator in (">", "<=") else 0.0))
+            for c in found
+            if VARIABLES[c.variable].timed
+        )
+        ages = {row.max_age for row in self.rows if row.max_age < math.inf}
+        self.stale_after = tuple(sorted(ages))
+        return Compiled(self._test(guard.expression), guard.held, places, timed)
+
+    def _place(self, name: str) -> int:
+        if name not in self._places:
+            self._places[name] = len(self.rows)
+            self.rows.append(VARIABLES[name])
+        return self._places[name]
+
+    def _test(self, expression: Expression) -> Test:
+        if isinstance(expression, Comparison):
+            return self._comparison(expression)
+        if isinstance(expression, Not):
+            return _negation(self._test(expression.operand))
+        tests = tuple(self._test(part) for part in expression.operands)
+        return _all(tests) if isinstance(expression, And) else _any(tests)
+
+    def _comparison(self, c: Comparison) -> Test:
+        place, row = self._place(c.variable), VARIABLES[c.variable]
+        if c.sure is not None:
+            return _sure(place, row, c.operator, c.bound, c.sure)
+        if row.circular:
+            return _circular(place, c.operator, c.bound)
+        return _PLAIN[c.operator](place, c.bound)
+
+
+def _less(place: int, bound: float) -> Test:
+    def test(values: list[Value], scope: Scope) -> bool | None:
+        value = values[place]
+        return None if value is None else value < bound
+
+    return test
+
+
+def _at_most(place: int, bound: float) -> Test:
+    def test(values: list[Value], scope: Scope) -> bool | None:
+        value = values[place]
+        return None if value is None else value <= bound
+
+    return test
+
+
+def _greater(place: int, bound: float) -> Test:
+    def test(values: list[Value], scope: Scope) -> bool | None:
+        value = values[place]
+        return None if value is None else value > bound
+
+    return test
+
+
+def _at_least(place: int, bound: float) -> Test:
+    def test(values: list[Value], scope: Scope) -> bool | None:
+        value = values[place]
+        return None if value is None else value >= bound
+
+    return test
+
+
+_PLAIN: dict[str, Callable[[int, float], Test]] = {
+    "<": _less,
+    "<=": _at_most,
+    ">": _greater,
+    ">=": _at_least,
+}
+
+
+def _circular(place: int, operator: str, bound: float) -> Test:
+    plain = _PLAIN[operator](0, 0.0)
+
+    def test(values: list[Value], scope: Scope) -> bool | None:
+        value = values[place]
+        return None if value is None else plain([_wrapped(value - bound)], scope)
+
+    return test
+
+
+def _wrapped(angle: float) -> float:
+    return math.remainder(angle, 2.0 * math.pi)
+
+
+def _sure(place: int, row: Variable, operator: str, bound: float, sure: float) -> Test:
+    wants_less = operator in ("<", "<=")
+
+    def test(values: list[Value], scope: Scope) -> bool | None:
+        value = values[place]
+        if value is None:
+            return None
+        if row.share is not None:
+            share = row.share(scope, bound)
+            if share is None:
+                return None
+        else:
+            off = difference(row, value, bound)
+            sigma = row.sigma(scope)
+            if sigma <= 0.0:
+                return _PLAIN[operator](0, 0.0)([off], scope)
+            share = distribution.below(0.0, off, sigma)
+        return (share if wants_less else 1.0 - share) >= sure
+
+    return test
+
+
+def _negation(test: Test) -> Test:
+    def negated(values: list[Value], scope: Scope) -> bool | None:
+        result = test(values, scope)
+        return None if result is None else not result
+
+    return negated
+
+
+def _all(tests: tuple[Test, ...]) -> Test:
+    def conjunction(values: list[Value], scope: Scope) -> bool | None:
+        outcome: bool | None = True
+        for test in tests:
+            result = test(values, scope)
+            if result is False:
+                return False
+            if result is None:
+                outcome = None
+        return outcome
+
+    return conjunction
+
+
+def _any(tests: tuple[Test, ...]) -> Test:
+    def disjunction(values: list[Value], scope: Scope) -> bool | None:
+        outcome: bool | None = False
+        for test in tests:
+            result = test(values, scope)
+            if result is True:
+                return True
+            if result is None:
+                outcome = None
+        return outcome
+
+    return disjunction

@@ -1,0 +1,386 @@
+"""The limits of R5 and R8 as a table of rows, and the last gate before a setpoint leaves.
+
+In force is the tightest of three: the mission's own, the operator's (@SP), the vehicle file's hard
+ones. A row says from what it is seen, how long it must last, where it acts and what follows. In
+regions where a row does not act it is still watched, and reported.
+
+What does not live here: the watching itself, with its counters (watch), what a response does
+(engine).
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mission.navigation import distribution
+from mission.model import AUTONOMOUS, MANUAL_WAITING, STOPPED, SURFACED, Safety
+from mission.model.regions import IDLE
+from mission.model.vehicle import Vehicle
+from protocol.messages import Setpoint, SetSafety
+
+if TYPE_CHECKING:
+    from mission.engine.watch import Watch
+
+DEPTH_MARGIN = 1.0  # m beyond the bound (R5)
+SILENCE = 5.0  # s without a good report (R8)
+LOST_MOST = 3  # Z in succession without an answer (R8)
+BLIND_TIME = 6.0  # s without a depth to believe, submerged
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    radius: float
+    time: float
+    depth: float
+    voltage: float
+
+
+def in_force(vehicle: Vehicle, mission: Safety | None, operator: SetSafety) -> Bounds:
+    """The tightest of the three; the voltage is a lower bound."""
+    hard, own = vehicle.limits, mission or Safety()
+
+    def least(*values: float | None) -> float:
+        return min(v for v in values if v is not None)
+
+    voltages = [v for v in (hard.voltage, own.voltage, operator.voltage) if v is not None]
+    return Bounds(
+        radius=least(hard.radius, own.radius, operator.radius),
+        time=least(hard.time, own.time, operator.time),
+        depth=least(hard.depth, own.depth, operator.depth),
+        voltage=max(voltages),
+    )
+
+
+def admit(setpoint: Setpoint, bounds: Bounds, vehicle: Vehicle) -> str:
+    """Why a setpoint must not leave; "" if it may."""
+    s = setpoint
+    for name in ("surge", "turn", "heave"):
+        value = getattr(s, name)
+        if value is not None and not -1.0 <= value <= 1.0:
+            return f"{name} {value:g} is beyond full thrust"
+    for name in ("heading", "depth", "altitude", "pitch", "roll"):
+        value = getattr(s, name)
+        if value is not None and not math.isfinite(value):
+            return f"{name} is not a number"
+    if s.depth is not None and s.depth > bounds.depth:
+        return f"depth {s.depth:g} m is beyond the limit in force, {bounds.depth:g} m"
+    if sum(axis is not None for axis in (s.depth, s.altitude, s.heave)) > 1:
+        return "depth, altitude and heave exclude each other"
+    return ""
+
+
+class Response(enum.Enum):
+    SURFACING = "emergency/surfacing"
+    UNCERTAIN = "the mission's on uncertain"
+    REPEAT = "the whole set again once, then emergency/surfacing"
+
+
+class On(enum.Enum):
+    """When a row is looked at."""
+
+    REPORT = "telemetry"
+    FIX = "fix"
+    CLOCK = "any time"
+
+
+def never(watch: Watch) -> float | None:
+    return None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Limit:
+    """``breached`` gives True, False, or None for unknown (which counts neither way).
+
+    ``bound`` says in words beyond what. It must last for ``samples``, or for ``seconds``: a
+    sample within the bound takes one back, a second within it two. ``acts``: in which regions and
+    states. ``due`` of a CLOCK row is when it will be breached if nothing changes. ``needs``: the
+    reports without which it is disarmed.
+    """
+
+    name: str
+    source: str
+    bound: str
+    breached: Callable[[Watch], bool | None]
+    why: Callable[[Watch], str]
+    on: On = On.REPORT
+    samples: int = 1
+    seconds: float = 0.0
+    acts: frozenset[str] = frozenset({AUTONOMOUS})
+    response: Response = Response.SURFACING
+    due: Callable[[Watch], float | None] = never
+    needs: frozenset[str] = frozenset()
+
+    def disarmed(self, vehicle: Vehicle) -> str:
+        """Why it can never act on this vehicle; "" if it can."""
+        absent = sorted(self.needs - vehicle.reports)
+        if absent:
+            return f"{vehicle.name} does not report {', '.join(absent)}"
+        if "battery" in self.needs and vehicle.constant_batteries:
+            return f"{vehicle.name} reports its batteries as constants"
+        return ""
+
+
+def _deeper(watch: Watch, bound: float) -> bool | None:
+    depth = watch.senses.depth
+    return None if depth is None else depth > bound + DEPTH_MARGIN
+
+
+def _depth(watch: Watch) -> bool | None:
+    return _deeper(watch, watch.bounds.depth)
+
+
+def _hard_depth(watch: Watch) -> bool | None:
+    return _deeper(watch, watch.vehicle.limits.depth)
+
+
+def _depth_words(watch: Watch) -> str:
+    return f"depth {watch.senses.depth or 0.0:.1f} m, limit {watch.bounds.depth:g} m"
+
+
+def _position(watch: Watch) -> tuple[float, float] | None:
+    e = watch.senses.estimate
+    if e is None or not watch.senses.believable("position"):
+        return None
+    return e.north, e.east
+
+
+def _radius(watch: Watch) -> bool | None:
+    here = _position(watch)
+    return None if here is None else math.hypot(*here) > watch.bounds.radius
+
+
+def _uncertain(watch: Watch) -> bool | None:
+    """The 95 % bound of the estimate reaches the radius."""
+    here, e = _position(watch), watch.senses.estimate
+    if here is None or e is None:
+        return None
+    reach = math.hypot(*here) + distribution.PLANE_95 * distribution.principal(e.covariance)[0]
+    if reach <= watch.bounds.radius:  # more than enough, and cheap
+        return False
+    return distribution.within(watch.bounds.radius, *here, e.covariance) < 0.95
+
+
+def _radius_words(watch: Watch) -> str:
+    far = math.hypot(*(_position(watch) or (0.0, 0.0)))
+    return f"{far:.0f} m from home, limit {watch.bounds.radius:g} m"
+
+
+def _voltage(watch: Watch) -> bool | None:
+    report = watch.senses.telemetry
+    if report is None or not report.batteries or not watch.senses.health("battery").valid:
+        return None
+    volts = report.batteries[0]
+    return None if volts is None else volts < watch.bounds.voltage
+
+
+def _time_due(watch: Watch) -> float | None:
+    return None if watch.started is None else watch.started + watch.bounds.time
+
+
+def _silence_due(watch: Watch) -> float | None:
+    return watch.heard + SILENCE
+
+
+def _topside_due(watch: Watch) -> float | None:
+    if watch.topside_silence is None:
+        return None
+    return watch.topside_heard + watch.topside_silence
+
+
+def _blind_due(watch: Watch) -> float | None:
+    return None if watch.blind_since is None else watch.blind_since + BLIND_TIME
+
+
+def _passed(due: Callable[[Watch], float | None]) -> Callable[[Watch], bool | None]:
+    def breached(watch: Watch) -> bool | None:
+        at = due(watch)
+        return at is not None and watch.senses.now >= at
+
+    return breached
+
+
+def _roll(watch: Watch) -> bool | None:
+    report = watch.senses.telemetry
+    if watch.senses.overturned:
+        return True
+    if report is None or report.roll is None or not watch.senses.health("attitude").valid:
+        return None
+    return max(abs(report.roll), abs(report.pitch or 0.0)) > watch.vehicle.limits.roll
+
+
+def _leak(watch: Watch) -> bool | None:
+    return watch.senses.telemetry.leak if watch.senses.telemetry else None
+
+
+# also where everything should be stopped (R7)
+_EVERYWHERE = frozenset({IDLE, AUTONOMOUS, MANUAL_WAITING, STOPPED, SURFACED})
+
+LIMITS: tuple[Limit, ...] = (
+    Limit(
+        "depth",
+        "depth",
+        "the depth in force, and 1 m",
+        _depth,
+        _depth_words,
+        samples=2,
+        needs=frozenset({"depth"}),
+    ),
+    Limit(
+        "hard depth",
+        "depth",
+        "the vehicle's own depth, and 1 m",
+        _hard_depth,
+        lambda w: f"depth {w.senses.depth or 0.0:.1f} m, hard limit {w.vehicle.limits.depth:g} m",
+        samples=2,
+        acts=_EVERYWHERE,
+        needs=frozenset({"depth"}),
+    ),
+    Limit(
+        "unexplained descent",
+        "depth",
+        "2 m deeper while nothing asks for it, or faster than the vehicle dives",
+        lambda w: w.descent.unexplained,
+        lambda w: w.descent.words,
+        samples=2,
+        acts=_EVERYWHERE,
+        needs=frozenset({"depth"}),
+    ),
+    Limit(
+        "no progress",
+        "depth",
+        "120 s at more than 2 m from the depth asked for, and not 0.5 m nearer",
+        lambda w: w.progress.stuck,
+        lambda w: w.progress.words,
+        needs=frozenset({"depth"}),
+    ),
+    Limit(
+        "depth contradicted",
+        "depth",
+        "a depth that what else is known contradicts",
+        lambda w: bool(w.senses.contradicted),
+        lambda w: f"the depth is {w.senses.contradicted}",
+        needs=frozenset({"depth"}),
+    ),
+    Limit(
+        "depth unknown",
+        "depth",
+        f"{BLIND_TIME:g} s submerged without a depth to believe",
+        _passed(_blind_due),
+        lambda w: f"submerged and without a depth to believe for {BLIND_TIME:g} s",
+        on=On.CLOCK,
+        due=_blind_due,
+        needs=frozenset({"depth"}),
+    ),
+    Limit(
+        "telemetry",
+        "the vehicle",
+        f"{SILENCE:g} s without a good report",
+        _passed(_silence_due),
+        lambda w: f"no good report for {SILENCE:g} s",
+        on=On.CLOCK,
+        due=_silence_due,
+    ),
+    Limit(
+        "topside",
+        "the operator",
+        "the configured silence; off unless configured",
+        _passed(_topside_due),
+        lambda w: f"nothing heard from topside for {w.topside_silence or 0.0:g} s",
+        on=On.CLOCK,
+        due=_topside_due,
+    ),
+    Limit(
+        "no answer",
+        "the vehicle",
+        f"{LOST_MOST} commands in succession",
+        lambda w: w.lost >= LOST_MOST,
+        lambda w: f"{w.lost} commands in succession without an answer",
+        on=On.CLOCK,
+    ),
+    Limit(
+        "leak",
+        "leak",
+        "water inside",
+        _leak,
+        lambda w: "water inside",
+        samples=3,
+        needs=frozenset({"leak"}),
+    ),
+    Limit(
+        "roll-over",
+        "attitude",
+        "roll or pitch beyond the vehicle's own, or upside down",
+        _roll,
+        lambda w: f"roll or pitch beyond {math.degrees(w.vehicle.limits.roll):.0f} deg",
+        samples=2,
+        needs=frozenset({"attitude"}),
+    ),
+    Limit(
+        "voltage",
+        "control battery",
+        "the voltage in force",
+        _voltage,
+        lambda w: f"control battery below {w.bounds.voltage:g} V",
+        seconds=10.0,
+        needs=frozenset({"battery"}),
+    ),
+    Limit(
+        "time",
+        "clock",
+        "the autonomous time in force",
+        _passed(_time_due),
+        lambda w: f"autonomous for {w.bounds.time:g} s",
+        on=On.CLOCK,
+        due=_time_due,
+    ),
+    Limit(
+        "radius",
+        "estimate",
+        "the radius in force",
+        _radius,
+        _radius_words,
+        samples=2,
+        needs=frozenset({"position"}),
+    ),
+    Limit(
+        "heading does not follow",
+        "heading",
+        "an error beyond 30 deg that grew by 20 deg in 10 s or more",
+        lambda w: w.steering.astray,
+        lambda w: w.steering.words,
+        needs=frozenset({"heading"}),
+    ),
+    Limit(
+        "course against heading",
+        "fixes",
+        "60 deg, under way at the surface",
+        lambda w: w.course_apart(),
+        lambda w: "course and heading more than 60 deg apart under way at the surface",
+        on=On.FIX,
+        seconds=20.0,
+        needs=frozenset({"heading", "position"}),
+    ),
+    Limit(
+        "brown-out",
+        "actuators",
+        "all thrusters neutral while thrust is set and acknowledged",
+        lambda w: w.powerless(),
+        lambda w: "all thrusters neutral while thrust is set",
+        samples=2,
+        response=Response.REPEAT,
+    ),
+    Limit(
+        "uncertain",
+        "estimate",
+        "the radius in force, not 95 % sure to be within",
+        _uncertain,
+        lambda w: f"95 % bound of the position reaches the radius, {w.bounds.radius:g} m",
+        samples=2,
+        response=Response.UNCERTAIN,
+        needs=frozenset({"position"}),
+    ),
+)

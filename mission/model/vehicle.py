@@ -1,0 +1,189 @@
+"""The vehicle file: limits, rates, calibration, dialect, and what the vehicle can tell and do.
+
+    VehicleError      (the author of the vehicle file must act; says key and what instead)
+
+What does not live here: how the file is read and the range of each number (vehicle_file), frames
+and dialects themselves (protocol.vehicles).
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+# What a vehicle can report, and the axes it can follow, at all: the keys of those two tables.
+REPORTS = frozenset(
+    {
+        "depth",
+        "altitude",
+        "heading",
+        "attitude",
+        "temperature",
+        "battery",
+        "leak",
+        "position",
+    }
+)
+STALE_AFTER = 6.0  # s: three reports missed (design: readings are three-valued)
+FOLLOWS = frozenset({"surge", "turn", "heave", "heading", "depth", "altitude", "attitude"})
+
+
+class VehicleError(ValueError):
+    """A vehicle file cannot be used; the message names file, key and remedy."""
+
+
+@dataclass(frozen=True, slots=True)
+class HardLimits:
+    radius: float
+    time: float
+    depth: float
+    voltage: float
+    descent_rate: float
+    roll: float
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """A piecewise linear table, held at its ends; ``x`` rises strictly, ``y`` does not fall."""
+
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+
+    def at(self, x: float) -> float:
+        if x <= self.x[0]:
+            return self.y[0]
+        if x >= self.x[-1]:
+            return self.y[-1]
+        i = bisect_right(self.x, x)
+        share = (x - self.x[i - 1]) / (self.x[i] - self.x[i - 1])
+        return self.y[i - 1] + share * (self.y[i] - self.y[i - 1])
+
+    def inverse(self, y: float) -> float:
+        """The smallest x that reaches y (held at the ends)."""
+        for i in range(1, len(self.x)):
+            if self.y[i] >= y > self.y[i - 1]:
+                share = (y - self.y[i - 1]) / (self.y[i] - self.y[i - 1])
+                return self.x[i - 1] + share * (self.x[i] - self.x[i - 1])
+        return self.x[0] if y <= self.y[0] else self.x[-1]
+
+
+@dataclass(frozen=True, slots=True)
+class Battery:
+    usable: float  # J
+    hotel: float  # W
+    vertical: float  # W while diving or thrusting up
+
+
+@dataclass(frozen=True, slots=True)
+class Sensors:
+    """One sigma of each, and the period of the telemetry in s."""
+
+    depth: float
+    altitude: float
+    heading: float
+    heading_bias: float
+    fix: float
+    telemetry_period: float
+
+
+@dataclass(frozen=True, slots=True)
+class Deviation:
+    """The compass's error over the magnetic heading it shows: the first two harmonics, rad."""
+
+    sin1: float = 0.0
+    cos1: float = 0.0
+    sin2: float = 0.0
+    cos2: float = 0.0
+
+    def at(self, heading: float) -> float:
+        return (
+            self.sin1 * math.sin(heading)
+            + self.cos1 * math.cos(heading)
+            + self.sin2 * math.sin(2.0 * heading)
+            + self.cos2 * math.cos(2.0 * heading)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """How the vehicle moves and errs, beside the planning figures; what `calibrate` writes.
+
+    ``current`` is what earlier dives found in these waters (north, east), ``current_sigma`` how
+    far it is from that on another day; None: the vehicle's planning figure. ``turn_loss`` is the
+    share of the speed lost, ``turn_slip`` the share of it that goes outward, per rad/s of turn.
+    """
+
+    speed_scale: float = 1.0  # on speed_by_gear
+    speed_scale_sigma: float = 0.1
+    speed_noise: float = 0.05  # m/s, slow
+    speed_time: float = 30.0  # s, how slow
+    surge_length: float = 2.0  # m: mass over drag
+    turn_slip: float = 0.0  # s
+    turn_slip_time: float = 6.0  # s, until the slip has come to it, and is gone again
+    sway_noise: float = 0.03  # share of the speed, quick, to either side
+    turn_loss: float = 0.0  # s
+    deviation: Deviation = Deviation()
+    deviation_sigma: float = math.radians(2.0)  # of what the harmonics leave
+    compass_wander: float = math.radians(1.0)  # comes and goes within compass_wander_time
+    compass_wander_time: float = 300.0  # s
+    current: tuple[float, float] = (0.0, 0.0)
+    current_sigma: float | None = None
+    surface_drift: float = 0.03  # m/s per axis, by wind and waves
+
+
+@dataclass(frozen=True, slots=True)
+class Vehicle:
+    name: str
+    codec: str
+    dialect: str
+    tolerances: Mapping[str, str]
+    limits: HardLimits
+    reports: frozenset[str]
+    follows: frozenset[str]
+    constant_batteries: bool
+    battery_scale: tuple[float, float]
+    one_speed: bool
+    speed_by_gear: Curve
+    dive_rate: float
+    ascent_buoyancy: float  # m/s with nothing turning; 0 or less: it does not rise
+    ascent_thrust: float
+    turn_rate: float
+    current: float
+    battery: Battery
+    thruster_power: Curve
+    sensors: Sensors
+    declination: float | None  # rad; None: from the world magnetic model
+    compass_bias: float  # rad
+    calibration: Calibration = Calibration()
+    ascent_measured: str = ""  # YYYY-MM-DD of the float test; "": ascent_buoyancy is planned
+    stale_after: float = STALE_AFTER  # s: an older report is not believed
+    glides: bool = False  # no thruster: moves forward by sinking and rising
+    drives: bool = False  # on the ground: it is at the surface wherever it is
+
+
+def missions_folder() -> Path:
+    """The shipped missions/: in the wheel inside this package, in a checkout beside it."""
+    here = Path(__file__).resolve().parent
+    shipped = here / "missions"
+    return shipped if shipped.is_dir() else here.parent / "missions"
+
+
+def load_vehicle(name: str | Path) -> Vehicle:
+    """A vehicle by the name of a shipped file or by path. Raises VehicleError."""
+    path = Path(name)
+    if path.suffix not in (".yaml", ".yml"):
+        path = missions_folder() / "vehicles" / f"{name}.yaml"
+    from mission.model.vehicle_file import LONGEST, read_vehicle
+
+    try:
+        with path.open(encoding="utf-8") as file:
+            text = file.read(LONGEST + 1)
+    except FileNotFoundError:
+        known = ", ".join(sorted(p.stem for p in (missions_folder() / "vehicles").glob("*.yaml")))
+        raise VehicleError(f"no vehicle file {path}; shipped ones: {known}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise VehicleError(f"{path}: cannot be read: {error}") from error
+    return read_vehicle(text, str(path))

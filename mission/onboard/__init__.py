@@ -1,0 +1,1 @@
+"""What runs on the Pi inside the vehicle: the runtime, `serve`, and what they keep."""

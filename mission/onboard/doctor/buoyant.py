@@ -1,0 +1,30 @@
+"""Whether the vehicle rises by itself, as X needs it, and how well that is known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from typing import Protocol
+
+from mission.model import buoyancy
+from mission.onboard.doctor.findings import Finding, fault, ok, warning
+from mission.model.vehicle import Vehicle
+
+
+class _Patient(Protocol):
+    @property
+    def vehicle(self) -> Vehicle: ...
+
+
+def buoyant(patient: _Patient) -> Iterator[Finding]:
+    vehicle = patient.vehicle
+    says = f"rises at {buoyancy.told(vehicle)}"
+    if vehicle.drives:
+        return
+    if buoyancy.heavy(vehicle):
+        says = f"does not rise: {buoyancy.told(vehicle)}; no mission passes its check"
+        yield fault("buoyancy", says, f"take ballast out, {buoyancy.LEARN}")
+    elif why := buoyancy.doubt(vehicle, datetime.now(UTC).date()):
+        yield warning("buoyancy", why.partition(": ")[0], buoyancy.LEARN)
+    else:
+        yield ok("buoyancy", says)

@@ -1,0 +1,335 @@
+"""What is wrong with this Pi and its vehicle before a dive: rows of checks, each with its findings.
+
+Where a serve runs, its ports are left alone: what it has written of its health is judged instead.
+What does not live here: listening to the vehicle (bedside), printing (the command).
+"""
+
+from __future__ import annotations
+
+import errno
+import math
+import os
+import shlex
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from links import parse_address
+from links.base import LinkError
+from mission.onboard.configuration import Configuration
+from mission.onboard.doctor import bedside
+from mission.onboard.doctor.buoyant import buoyant
+from mission.onboard.doctor.findings import Condition, Finding, fault, ok, warning
+from mission.engine.limits import LIMITS
+from mission.engine.bounds import in_force
+from mission.onboard.serve import health
+from mission.onboard.serve.listening import listening, open_to_all
+from mission.onboard.store import DiskStore, StoreError
+from mission.model.vehicle import Vehicle
+
+MUCH, LITTLE = 2 << 30, 200 << 20  # bytes free: a day's black boxes, an hour's
+YEARS = range(2024, 2100)
+SILENT_S = 5.0
+
+
+@dataclass(frozen=True, slots=True)
+class Patient:
+    """``running``: the health of a serve that runs now, as it wrote it. ``mute``: the process of
+    one that runs, but tells nothing of itself."""
+
+    configuration: Configuration
+    vehicle: Vehicle
+    running: Mapping[str, Any] | None
+    mute: int | None = None
+
+
+def examine(configuration: Configuration, vehicle: Vehicle) -> Iterator[Finding]:
+    """In the order of ROWS, as they are found."""
+    folder, now = configuration.folder, time.time()
+    patient = Patient(configuration, vehicle, health.read(folder, now), health.mute(folder, now))
+    for check in ROWS:
+        yield from check(patient)
+
+
+def _configured(patient: Patient) -> Iterator[Finding]:
+    c = patient.configuration
+    if c.ascent_only:
+        says = f"{c.ascent_only}; with the folder {c.folder} and the vehicle at {c.links.vehicle}"
+        yield warning("configuration", says, "mend what is broken, then restart serve")
+    else:
+        yield ok("configuration", f"read; vehicle file {c.vehicle}, folder {c.folder}")
+    if patient.mute is not None:
+        yield fault(
+            "serve",
+            f"process {patient.mute} runs, but has not told of its health for {health.STALE_S:g} s",
+            "free the disk if it is full; if it is not: systemctl restart auvmission",
+        )
+    elif patient.running is None:
+        yield ok("serve", "not running; doctor listens to the ports itself")
+    else:
+        yield ok(
+            "serve",
+            f"running (process {patient.running['pid']}, "
+            f"{patient.running['state']}): its ports are left alone",
+        )
+        for broken in patient.running["broken"]:
+            todo = "mend it, then, with the vehicle at the surface, restart serve"
+            yield fault("serve began with", broken, todo)
+
+
+def _disk(patient: Patient) -> Iterator[Finding]:
+    folder = patient.configuration.folder
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=folder, prefix=".doctor-") as file:
+            file.write(b"x")
+            file.flush()
+            os.fsync(file.fileno())
+    except OSError as error:
+        says = f"{folder} cannot be written: {error.strerror}"
+        yield fault("folder", says, _remedy(error, folder))
+        return
+    yield ok("folder", f"{folder} can be written")
+    free = shutil.disk_usage(folder).free
+    says = f"{free / 2**30:.1f} GiB free"
+    if free < LITTLE:
+        yield fault("disk", says, f"move old black boxes from {folder / 'log'} to another computer")
+    elif free < MUCH:
+        yield warning("disk", says, f"soon move old black boxes from {folder / 'log'} elsewhere")
+    else:
+        yield ok("disk", says)
+
+
+def _remedy(error: OSError, folder: Path) -> str:
+    if error.errno in (errno.ENOSPC, errno.EDQUOT):
+        return f"move old black boxes from {folder / 'log'} to another computer, now"
+    if error.errno in (errno.EROFS, errno.EIO):
+        return "the SD card is failing or was not unmounted: check it with fsck, or replace it"
+    return f"chown or chmod {folder} for the user of serve, or name another by `folder:`"
+
+
+def _store(patient: Patient) -> Iterator[Finding]:
+    running = patient.running
+    if running is not None:
+        digest = str(running["mission"])[:16]
+        yield ok("mission", f"digest {digest} is stored" if digest else "none is stored")
+        return
+    try:
+        content = DiskStore(patient.configuration.store).content
+    except StoreError as error:
+        yield fault("store", str(error), "mend the folder's owner and rights")
+        return
+    for damage in content.damage:
+        yield warning("store", damage, "upload the mission again, set @SP again")
+    if content.under_way:
+        yield warning(
+            "store",
+            f"{content.under_way} was under way when serve ended",
+            "serve will surface the vehicle when it starts; `auvmission clear` "
+            "at the surface ends that",
+        )
+    yield ok(
+        "mission", f"{len(content.lines)} lines are stored" if content.lines else "none is stored"
+    )
+
+
+def _clock(patient: Patient) -> Iterator[Finding]:
+    now = datetime.now(UTC)
+    if now.year not in YEARS:
+        yield fault(
+            "clock",
+            f"the system's clock says {now:%Y-%m-%d}",
+            "set it (sudo date -u -s ...), or send @ST with set_system_clock: true",
+        )
+    else:
+        yield ok("clock", f"{now:%Y-%m-%d %H:%M:%S} UTC: compare with your watch")
+    first = time.monotonic()
+    time.sleep(0.01)
+    if not 0.005 < time.monotonic() - first < 1.0:
+        yield fault(
+            "clock monotonic", "does not run evenly", "restart the Pi; replace it if it stays"
+        )
+
+
+def _crc(patient: Patient) -> Iterator[Finding]:
+    from crcmod.crcmod import _usingExtension
+
+    if _usingExtension:
+        yield ok("CRC", "crcmod's C extension is there")
+    else:
+        yield warning(
+            "CRC",
+            "crcmod runs in pure Python, 40 times slower",
+            "apt install gcc python3-dev, then pip install --force-reinstall crcmod",
+        )
+
+
+def _topside(patient: Patient) -> Iterator[Finding]:
+    url = patient.configuration.links.topside
+    try:
+        address = parse_address(listening(url))
+    except LinkError as error:
+        yield fault("topside", str(error), "mend links.topside of the configuration")
+        return
+    tls = address.scheme == "tls-listen"
+    keys = _keys(Path(address.options.get("keys") or _default_keys()).expanduser()) if tls else None
+    port = ok("topside", "")
+    if patient.running is None and patient.mute is None:
+        port = bedside.port_finding("topside", listening(url))
+    if keys is not None and keys.condition is Condition.FAULT:
+        yield keys
+    elif port.condition is not Condition.OK:
+        yield port
+    elif open_to_all(url):
+        yield warning(
+            "topside",
+            f"whoever reaches {url} can command the vehicle",
+            "listen with tls-listen:// (auvmission keys), or add ?allow=ADDRESSES",
+        )
+    else:
+        yield keys or ok("topside", f"{url}: loopback or allowed addresses only")
+
+
+def _default_keys() -> str:
+    from links.tls import FOLDER
+
+    return FOLDER
+
+
+def _keys(folder: Path) -> Finding:
+    from links.tls import context
+
+    try:
+        context(folder, server=True)
+    except LinkError as error:
+        return fault("topside", str(error), "auvmission keys FOLDER, then copy FOLDER/vehicle here")
+    if (folder / "key.pem").stat().st_mode & 0o077:
+        says = f"{folder / 'key.pem'} can be read by others: whoever has it is the vehicle"
+        return warning("topside", says, f"chmod 600 {folder / 'key.pem'}")
+    return ok("topside", f"TLS with the keys in {folder}")
+
+
+def _ports(patient: Patient) -> Iterator[Finding]:
+    links = patient.configuration.links
+    if patient.running is not None:
+        yield from _of_running(patient.running)
+        return
+    if patient.mute is not None:
+        return  # it has the ports
+    yield from bedside.vehicle_findings(links.vehicle, patient.vehicle)
+    if links.gps is None:
+        yield warning("GPS", "none is configured", "every mission must say `start without fix`")
+    else:
+        yield from bedside.gps_findings(links.gps)
+    if links.modem is not None:
+        yield bedside.port_finding("modem port", links.modem)
+
+
+def _camera(patient: Patient) -> Iterator[Finding]:
+    command = patient.configuration.camera
+    if command is None:
+        return
+    try:
+        program = shlex.split(command)[0]
+    except (ValueError, IndexError) as error:
+        yield fault("camera", f"{command}: {error}", "mend `camera:` of the configuration")
+        return
+    if shutil.which(program) is None:
+        yield fault("camera", f"there is no program {program}", "install it, or mend `camera:`")
+    else:
+        yield ok("camera", f"{shutil.which(program)}; `@NS` opens and closes it")
+
+
+def _of_running(running: Mapping[str, Any]) -> Iterator[Finding]:
+    for name, link in running["links"].items():
+        if not link["open"]:
+            yield fault(
+                f"link {name}",
+                f"{link['url']} is not open",
+                "the journal of serve says why; a node that @NS has closed, @NS opens",
+            )
+        elif name in ("vehicle", "gps") and _silent(link) > SILENT_S:
+            yield fault(
+                f"link {name}",
+                f"nothing from {link['url']} for {SILENT_S:g} s",
+                "check its power and cable; a vehicle in manual sends no @SD",
+            )
+        else:
+            says = f"{link['received']} bytes in, {link['sent']} out, {link['faults']} faults"
+            yield ok(f"link {name}", says)
+    for name, sensor in running["sensors"].items():
+        if sensor["why"] and name not in ("leak", "range", "uncertainty"):
+            yield warning(f"sensor {name}", sensor["why"], "check it before the dive")
+    for name, margin in running["margins"].items():
+        left = "not known now" if margin["left"] is None else f"{margin['left']:g} {margin['unit']}"
+        yield ok(f"margin {name}", f"{left} to {margin['bound']:g} {margin['unit']}")
+    for name in running["breached"]:
+        yield fault(f"limit {name}", "is breached now", "see auvmission status --local")
+    if running["black_box_failure"]:
+        yield fault("black box", running["black_box_failure"], "free the disk, restart serve")
+
+
+def _silent(link: Mapping[str, Any]) -> float:
+    return math.inf if link["silent_s"] is None else float(link["silent_s"])
+
+
+def _limits(patient: Patient) -> Iterator[Finding]:
+    """In force is the tightest of three; the mission's own are not known here."""
+    vehicle = patient.vehicle
+    if patient.running is None:
+        try:
+            operator = DiskStore(patient.configuration.store).content.limits
+        except StoreError:
+            return
+        bounds = in_force(vehicle, None, operator)
+        yield ok(
+            "limits",
+            f"without a mission's own: radius {bounds.radius:g} m, depth "
+            f"{bounds.depth:g} m, time {bounds.time / 60:g} min, voltage {bounds.voltage:g} V",
+            "compare with what today's place allows; @SP tightens them",
+        )
+    for row in LIMITS:
+        if why := row.disarmed(vehicle):
+            yield warning(
+                f"limit {row.name}", f"can never act: {why}", "plan as if it were not there"
+            )
+
+
+def _assumed(patient: Patient) -> Iterator[Finding]:
+    yield ok(
+        "assumed",
+        "if the Pi dies while the STM32 is in automatic, the vehicle keeps its "
+        "last setpoint until serve runs again",
+        "have the service manager restart serve (docs/operation.md); keep a rope or a drop weight",
+    )
+    yield ok(
+        "assumed",
+        "an STM32 that hangs keeps its thrusters as they are",
+        "have its hardware watchdog enabled; keep a rope or a drop weight",
+    )
+    if patient.vehicle.calibration == type(patient.vehicle.calibration)():
+        yield warning(
+            "assumed",
+            "speeds and turning are planning figures, not measured",
+            "fly missions/shakedown.yaml, then auvmission calibrate",
+        )
+
+
+ROWS: tuple[Callable[[Patient], Iterable[Finding]], ...] = (
+    _configured,
+    _disk,
+    _store,
+    _clock,
+    _crc,
+    _topside,
+    _ports,
+    _camera,
+    _limits,
+    buoyant,
+    _assumed,
+)

@@ -1,0 +1,264 @@
+"""The last way up, when serve cannot be loaded: of the standard library alone, in one loop.
+
+    the store says under way              --> up with thrust, let go, surface: TURN_S each in turn;
+                                              what makes the depth fall is kept; stop at the surface
+    it says at rest, or nothing is known  --> stop; as above by DEEP_REPORTS that say deep
+    it says nothing                       --> nothing: the error that led here is all
+
+Words, port and bit rate are those of the configuration that worked (serve: working), else the
+AUV's. A depth is read where the report is an ``@SD``. No operator is heard and nothing is recorded:
+whoever reads the journal has to mend the program. What does not live here: everything else; an
+ascent that is flown as it should be is the engine's.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import os
+import select
+import signal
+import struct
+import sys
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from mission.onboard.kept import Homes, default_folder, read_summed
+from mission.onboard.serve.watchdog import Watchdog
+
+TURN_S, FALL_M = 10.0, 0.3
+AGAIN_S, TIMES = 0.5, 3  # a word is said so often: no answer is waited for
+GAP_S = 0.05  # between two frames; the STM32 misreads what comes in one burst
+DEEP_M, DEEP_REPORTS = 2.0, 3
+SHALLOW_M, SHALLOW_S = 0.5, 6.0
+STALE_S = 6.0
+REPORT, DEPTH_AT = 86, 19  # of an @SD
+AT_REST = ("emergency/stopped", "emergency/surfaced", "the stick", "something that the store")
+_BUFFER = 4096
+
+Way = tuple[bytes, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """``period``: s, where a board wants to be told again and again; None: it keeps what it was
+    told. ``climbs``: something is under way."""
+
+    device: str = "/dev/serial0"
+    baud: int = 9600
+    stop: Way = (b"@ZAX0$",)
+    surface: Way = (b"@ZAWF$",)
+    up: Way = (b"@ZAX0$", b"@ZAU12$")
+    period: float | None = None
+    climbs: bool = True
+
+
+class Climb:
+    """Decides; times are given by who calls."""
+
+    def __init__(self, plan: Plan, now: float) -> None:
+        self._plan, self._climbs = plan, plan.climbs
+        self._ways = (plan.up or plan.surface, plan.stop, plan.surface)
+        self._turn = 0
+        self._start: float | None = None
+        self._since, self._due, self._left = now, now, TIMES
+        self._depth, self._heard = math.nan, -math.inf
+        self._shallow: float | None = None
+        self._deep = 0
+
+    @property
+    def way(self) -> Way:
+        return self._ways[self._turn % len(self._ways)] if self._climbs else self._plan.stop
+
+    @property
+    def last_words(self) -> Way:
+        """What may stay in force when nobody is there."""
+        return self._ways[0] if self._climbs else ()
+
+    def hear(self, depth: float, now: float) -> None:
+        self._depth, self._heard = depth, now
+        self._start = depth if self._start is None else self._start
+        self._deep = self._deep + 1 if depth > DEEP_M else 0
+        if depth >= SHALLOW_M:
+            self._shallow = None
+        elif self._shallow is None:
+            self._shallow = now
+        at_surface = self._shallow is not None and now - self._shallow >= SHALLOW_S
+        if self._climbs and at_surface:
+            self._change(False, now)
+        elif not self._climbs and self._deep >= DEEP_REPORTS:
+            self._change(True, now)
+
+    def words(self, now: float) -> Way:
+        """What is due."""
+        if self._climbs and now - self._since >= TURN_S:
+            self._take_turns(now)
+        if now < self._due or (self._left <= 0 and self._plan.period is None):
+            return ()
+        self._left -= 1
+        self._due = now + (self._plan.period or AGAIN_S)
+        return self.way
+
+    def _change(self, climbs: bool, now: float) -> None:
+        self._climbs, self._turn, self._start = climbs, 0, self._known(now)
+        self._since, self._due, self._left = now, now, TIMES
+
+    def _take_turns(self, now: float) -> None:
+        before, depth, self._since = self._start, self._known(now), now
+        self._start = depth
+        if before is None or depth is None or before - depth < FALL_M:
+            self._turn += 1
+            self._due, self._left = now, TIMES
+
+    def _known(self, now: float) -> float | None:
+        return self._depth if now - self._heard <= STALE_S else None
+
+
+def depths(buffer: bytearray) -> Iterator[float]:
+    """Of the whole reports in it, which are taken out."""
+    while (at := buffer.find(b"@SD")) >= 0 and len(buffer) >= at + REPORT:
+        frame = bytes(buffer[at : at + REPORT])
+        whole = frame.endswith(b"$")
+        del buffer[: at + (REPORT if whole else 1)]
+        (depth,) = struct.unpack_from("<f", frame, DEPTH_AT)
+        if whole and math.isfinite(depth) and abs(depth) < 1000.0:
+            yield depth
+    del buffer[:-_BUFFER]
+
+
+def plan_from(arguments: Sequence[str], environment: Mapping[str, str]) -> Plan | None:
+    """None: nothing is under way."""
+    given = {name: _option(arguments, name) for name in ("--config", "-c", "--folder", "--vehicle")}
+    config, folder = given["--config"] or given["-c"], given["--folder"]
+    homes = Homes(Path(config) if config else None, Path(folder) if folder else None, environment)
+    kept = next((found for path in homes.paths() if (found := _json(path))), {})
+    plan = _words(kept, given["--vehicle"])
+    where = homes.folder or Path(kept.get("configuration", {}).get("folder", default_folder()))
+    under_way = _under_way(where / "store", known=bool(kept) or homes.folder is not None)
+    if not under_way:
+        return None
+    return plan if not under_way.startswith(AT_REST) else _at_rest(plan)
+
+
+def _at_rest(plan: Plan) -> Plan:
+    return Plan(plan.device, plan.baud, plan.stop, plan.surface, plan.up, plan.period, False)
+
+
+def _under_way(store: Path, known: bool) -> str:
+    try:
+        return read_summed(store / "under-way")
+    except FileNotFoundError:
+        return "" if known else AT_REST[-1]
+    except (OSError, ValueError):
+        return AT_REST[-1]
+
+
+def _words(kept: dict, vehicle: str) -> Plan:  # type: ignore[type-arg]
+    url = vehicle or kept.get("configuration", {}).get("links", {}).get("vehicle", "")
+    usual = Plan()
+    device, _, options = url.removeprefix("serial://").partition("?")
+    baud = options.removeprefix("baud=")
+    ways = {name: tuple(map(bytes.fromhex, way)) for name, way in kept.get("ways", {}).items()}
+    return Plan(
+        device if url.startswith("serial:///") else usual.device,
+        int(baud) if baud.isdigit() else usual.baud,
+        ways.get("stop", usual.stop),
+        ways.get("surface", usual.surface),
+        ways.get("up", () if ways else usual.up),
+        kept.get("period"),
+    )
+
+
+def _json(path: Path) -> dict:  # type: ignore[type-arg]
+    try:
+        found = json.loads(read_summed(path))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _option(arguments: Sequence[str], name: str) -> str:
+    for i, argument in enumerate(arguments):
+        if argument == name and i + 1 < len(arguments):
+            return arguments[i + 1]
+        if argument.startswith(f"{name}="):
+            return argument.partition("=")[2]
+    return ""
+
+
+# --- with clock and port -------------------------------------------------------------------------
+
+
+def launch(plan: Plan) -> None:
+    """Until a signal ends it."""
+    signals: list[int] = []
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda received, _: signals.append(received))
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    watchdog, climb, buffer = Watchdog(), Climb(plan, time.monotonic()), bytearray()
+    watchdog.ready()
+    port = -1
+    while not signals:
+        watchdog.fed(time.monotonic())
+        if port < 0:
+            port = _opened(plan)
+        try:
+            _turn(port, climb, buffer)
+        except OSError:
+            port = _closed(port)
+    with contextlib.suppress(OSError):
+        _say(port, climb.last_words)
+
+
+def _turn(port: int, climb: Climb, buffer: bytearray) -> None:
+    """One look at the port. Raises OSError."""
+    if port < 0:
+        time.sleep(AGAIN_S)
+        return
+    if select.select([port], [], [], 0.1)[0]:
+        data = os.read(port, 4096)
+        if not data:
+            raise OSError("the device went away")
+        buffer += data
+    now = time.monotonic()
+    for depth in depths(buffer):
+        climb.hear(depth, now)
+    _say(port, climb.words(now))
+
+
+def _say(port: int, way: Way) -> None:
+    for frame in way:
+        os.write(port, frame)
+        time.sleep(GAP_S)
+    if way:
+        sys.stderr.write(f"lifeboat: to the vehicle: {b' '.join(way)!r}\n")
+
+
+def _opened(plan: Plan) -> int:
+    """-1: not now."""
+    import fcntl
+    import termios
+    import tty
+
+    try:
+        port = os.open(plan.device, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    except OSError:
+        return -1
+    try:
+        fcntl.flock(port, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        tty.setraw(port)
+        attributes = termios.tcgetattr(port)
+        attributes[4] = attributes[5] = getattr(termios, f"B{plan.baud}", termios.B9600)
+        termios.tcsetattr(port, termios.TCSANOW, attributes)
+    except (OSError, termios.error):
+        return _closed(port)
+    return port
+
+
+def _closed(port: int) -> int:
+    with contextlib.suppress(OSError):
+        os.close(port)
+    return -1

@@ -1,0 +1,58 @@
+"""Who commands (R12): the connection whose command was accepted last, while it is heard.
+
+    nobody --accepted--> A --accepted from B: A closed, or silent for 10 s--> B
+                         A --X or W from B, at any time--> B
+
+What does not live here: what a command does and what is answered (topside).
+"""
+
+from __future__ import annotations
+
+import math
+
+from mission.onboard.runtime.vessel import MODEM, Peer
+
+COMMANDER_SILENT_S = 10.0
+
+
+class Commander:
+    def __init__(self) -> None:
+        self.peer: Peer | None = None
+        self.heard_at = -math.inf  # when some operator last said something that is a frame
+        self._heard: dict[Peer, float] = {}
+        self._readers: set[Peer] = set()
+
+    def hear(self, peer: Peer, now: float) -> None:
+        self._heard[peer] = self.heard_at = now
+
+    def reads_reports(self, peer: Peer) -> None:
+        """It has asked for an @AR, so it understands one."""
+        self._readers.add(peer)
+
+    def reads(self, peer: Peer) -> bool:
+        return peer in self._readers
+
+    def knows(self, peer: Peer) -> bool:
+        """It has said something that is a frame."""
+        return peer in self._heard
+
+    def forget(self, peer: Peer) -> None:
+        self._heard.pop(peer, None)
+        self._readers.discard(peer)
+        if self.peer == peer:
+            self.peer = None
+
+    def why_not(self, peer: Peer, now: float) -> str:
+        """Why ``peer`` may not command; "" if he may."""
+        other = self.peer
+        if other is None or other == peer or now - self._heard.get(other, now) > COMMANDER_SILENT_S:
+            return ""
+        return f"{other} commands; others read until it closes or is silent 10 s"
+
+    def hand_over(self, peer: Peer) -> Peer | None:
+        """``peer`` commands now; who lost it, if he can be told: a plain topside knows no frame
+        that would say so, and under water nobody speaks unasked (R15)."""
+        loser, self.peer = self.peer, peer
+        if loser is None or loser == peer or loser.link == MODEM or loser not in self._readers:
+            return None
+        return loser

@@ -1,0 +1,101 @@
+"""Commands that come twice (R1, R12): the other path's, a modem's that was late, a repetition.
+
+    accepted less than 2 min ago, that or this by modem    -->  a copy
+    refused less than 2 min ago, and this by modem         -->  a copy
+    a copy:  it is in force still   -->  answered as done, not executed
+             it is not              -->  refused: who said it meant what was then
+
+Bytes do not tell a copy from a new wish. Who means it says it by the network, and once more 5 s
+after that was refused (one who asks by the network asks for 3 s alone); or waits until the 2 min
+are over; or says something else. A refused @AC and a refused line of a mission may be said again
+at once, which is their rule (R7, R3). X, W and M are never copies, nor is @ST, which is refused by
+modem. By the network alone nothing is: a connection keeps its order, and asks one thing at a time.
+
+What does not live here: what is in force (topside), who may command (commander).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from mission.onboard.runtime.vessel import MODEM, Peer
+from mission.model import Verdict
+from protocol.messages import ClearMission, Command, MissionLine, Relay, SetTime
+
+LATE_S = 120.0  # a copy may come so much later
+TWICE_S = 5.0  # an increment by both paths
+AGAIN_S = 5.0  # after a refusal: longer than the tries of one command last
+REMEMBERED = 20_000  # commands: two of the longest uploads
+
+_REPEATED = (ClearMission, MissionLine)  # once they were refused
+
+
+@dataclass(slots=True)
+class _Said:
+    peer: Peer
+    t: float
+    accepted: bool
+    refused: float | None = None  # when a copy by the network was, first
+
+
+class Copies:
+    def __init__(self, in_force: Callable[[Command], bool | None]) -> None:
+        """``in_force``: None where nothing but the newest command of its kind tells."""
+        self._in_force = in_force
+        self._said: dict[Command, _Said] = {}  # the newest last
+
+    def note(self, peer: Peer, command: Command, accepted: bool, now: float) -> None:
+        """It was executed, or refused."""
+        kept = self._said
+        kept.pop(command, None)
+        kept[command] = _Said(peer, now, accepted)
+        while now - kept[oldest := next(iter(kept))].t >= LATE_S or len(kept) > REMEMBERED:
+            del kept[oldest]
+
+    def age(self, command: Command, now: float) -> float:
+        """s since it was said. KeyError if it was not."""
+        return now - self._said[command].t
+
+    def judge(self, peer: Peer, command: Command, now: float) -> Verdict | None:
+        """What a copy is answered; None: it is none, or meant."""
+        said = self._said.get(command)
+        if said is None or not _may_be_copy(said, peer, command, now):
+            return None
+        in_force = self._in_force(command)
+        if in_force is None:
+            lasts = not _adds(command) or now - said.t < TWICE_S
+            in_force = lasts and self._is_newest(command)
+        if in_force:
+            return Verdict(True, "accepted before")
+        how = f"say it by the network, or in {said.t + LATE_S - now:.0f} s"
+        if peer.link != MODEM:
+            how = f"say it again in {AGAIN_S:g} s"
+            said.refused = now if said.refused is None else said.refused
+            if now - said.refused >= AGAIN_S:
+                return None
+        return Verdict(False, f"said {now - said.t:.0f} s ago, and not in force since; {how}")
+
+    def _is_newest(self, command: Command) -> bool:
+        """Accepted, and no other of its kind since."""
+        accepted = (c for c in reversed(self._said) if self._said[c].accepted)
+        return command == next((c for c in accepted if _kind(c) == _kind(command)), None)
+
+
+def _kind(command: Command) -> object:
+    return command.kind if isinstance(command, Relay) else type(command)
+
+
+def _adds(command: Command) -> bool:
+    """What it set cannot be seen to be set."""
+    return isinstance(command, Relay) and command.frame.startswith(b"@DA")
+
+
+def _may_be_copy(said: _Said, peer: Peer, command: Command, now: float) -> bool:
+    if MODEM not in (peer.link, said.peer.link) or isinstance(command, SetTime):
+        return False
+    if isinstance(command, MissionLine) and peer.link != MODEM:
+        return False
+    if not said.accepted and (peer.link != MODEM or isinstance(command, _REPEATED)):
+        return False
+    return now - said.t < LATE_S

@@ -1,0 +1,399 @@
+"""The drive: clock-less and without IO, the one core of the sea and of the simulation.
+
+    Rx vehicle --vehicle codec--> Telemetry, Ack --+                +--> Action --> Frontseat --> Tx
+    Rx gps -----NMEA------------> Fix -------------+--> Engine.step +--> Step, Estimate --> record
+    Rx topside, modem --Topside-> commands --------+                +--> Verdict --> Topside --> Tx
+    Rx nodes ---Topside
+
+Two pumps turn it: the lock-step loop of the simulation (flight) and asyncio (serve). A pump gives
+it every byte, connection and timer with its time, and sends what it returns. Everything that went
+in and came out is recorded first (records); nothing else has an effect on what it does. What must
+be durable is durable before the Tx that says so is returned; the latch of an emergency alone is
+written by the timer that follows at once, so that no disk stands before a STOP.
+
+What does not live here: rules of the states (engine), of the line (frontseat), of the operator
+(topside), files and sockets (store, links).
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+from links.base import Rx
+from mission import __version__
+from mission.onboard.configuration import Configuration
+from mission.onboard.runtime import records as rec
+from mission.onboard.runtime.commander import Commander
+from mission.onboard.runtime.judge import Judge
+from mission.onboard.runtime.latch import Latch
+from mission.onboard.runtime.line import line_to
+from mission.onboard.runtime.nodes import LINK as NODES
+from mission.onboard.runtime.nodes import Nodes, with_process
+from mission.onboard.runtime.paths import paths
+from mission.onboard.runtime.topside import Topside
+from mission.onboard.runtime.vessel import MissionRefused, Peer
+from mission.onboard.runtime.wallclock import WallClock
+from mission.engine.engine import Engine, Input
+from mission.model import (
+    AUTONOMOUS,
+    SURFACING,
+    AutoNode,
+    Chart,
+    Ending,
+    LineOpened,
+    Loaded,
+    Outcome,
+    Record,
+    Restarted,
+    Step,
+    Tx,
+    Verdict,
+)
+from mission.onboard.store import Store, StoreError, WatchedStore
+from mission.model.vehicle import Vehicle
+from protocol.codec import Received
+from protocol.messages import (
+    ClearMission,
+    Command,
+    Fix,
+    FrameFault,
+    StartMission,
+    Status,
+    Telemetry,
+)
+from protocol.nmea import NmeaDecoder
+from protocol.tolerances import Tolerances
+from protocol.vehicles import codec as vehicle_codec
+
+if TYPE_CHECKING:
+    from mission.navigation import Navigation
+
+VEHICLE, GPS = "vehicle", "gps"
+AT_SURFACE_M = 0.5
+FRESH_FIX_S = 5.0
+MOST_ROUNDS = 10  # of outcomes that lead to commands that lead to outcomes, at one time
+CLOCK = "clock"  # a Tx to it asks the pump to set the system's clock (R10)
+
+
+class Drive:
+    """``wall`` is the wall clock at the engine's time 0, in s since 1970 UTC."""
+
+    def __init__(
+        self,
+        configuration: Configuration,
+        vehicle: Vehicle,
+        store: Store,
+        recorder: rec.Recorder | None = None,
+        navigation: Navigation | None = None,
+        wall: float = 0.0,
+        observer: rec.Observer | None = None,
+    ) -> None:
+        self._configuration, self._vehicle = configuration, vehicle
+        self._store = WatchedStore(store, self._failed_write)
+        self.judge = Judge(vehicle, configuration.ascent_only)
+        self._recorder, self._observer = recorder, observer
+        start = rec.Start(__version__, configuration, vehicle, store.content, wall)
+        self._record(rec.start_record, start, 0.0)
+        self._clock = WallClock(wall, configuration.utc_offset)
+        self._codec = vehicle_codec(
+            vehicle.codec, vehicle.dialect, vehicle.tolerances, vehicle.battery_scale
+        )
+        self._gps = NmeaDecoder()
+        links = configuration.links
+        self._frontseat = line_to(self._codec, VEHICLE, links.vehicle)
+        self.gap, self.cannot_relay = self._frontseat.gap, self._frontseat.cannot_relay
+        self._topside = Topside(
+            self,
+            self._store,
+            paths(Tolerances.parse(configuration.tolerances), links.modem),
+            Nodes(with_process(links)),
+            configuration.answer_no,
+        )
+        self._engine = Engine(vehicle, forgotten_after=configuration.manual_for)
+        self._engine.limit_topside_silence(configuration.topside_silence)
+        self._chart: Chart | None = None
+        self._telemetry: Telemetry | None = None
+        self._fix: Fix | None = None
+        self._now = 0.0
+        self._latch = Latch(self._store)
+        self._owes_report = False
+        self._has_news = False  # a report, a fix or a step since the last look at the surface
+        self._refused: list[Outcome] = []  # commands for which the vehicle has no word
+        self._out: list[Tx] = []
+        self._begin()
+        if navigation is not None:
+            self.set_navigation(navigation, 0.0)
+
+    # --- what a pump does --------------------------------------------------------------------
+
+    def receive(self, rx: Rx, now: float | None = None) -> list[Tx]:
+        """``now`` is when the last of the bytes came; ``rx.t`` the first."""
+        self._now = now = max(self._now, rx.t if now is None else now)
+        self._record(rec.rx_record, rx, now)
+        if rx.link == VEHICLE:
+            self._from_vehicle(self._codec.receive(rx.data, rx.t), now)
+        elif rx.link == GPS:
+            self._from_gps(self._gps.receive(rx.data, rx.t), now)
+        elif rx.link == NODES:
+            self._topside.changed(rx.data, now)
+        else:
+            self._topside.receive(Peer(rx.link, rx.address), rx.data, now)
+            self._engine.hear_topside(self._topside.commander.heard_at)
+        return self._leave(now)
+
+    def connected(self, link: str, address: str, now: float) -> list[Tx]:
+        """An operator, or the vehicle's port that was away."""
+        self._now = now = max(self._now, now)
+        self._record(rec.input_record, now, rec.CONNECTED, link, address)
+        if link == VEHICLE:
+            self._step(now, (LineOpened(),))
+        else:
+            self._topside.connected(Peer(link, address))
+        return self._leave(now)
+
+    def disconnected(self, link: str, address: str, now: float) -> list[Tx]:
+        self._now = now = max(self._now, now)
+        self._record(rec.input_record, now, rec.DISCONNECTED, link, address)
+        self._topside.disconnected(Peer(link, address))
+        return self._leave(now)
+
+    def handle_timer(self, now: float) -> list[Tx]:
+        self._now = now = max(self._now, now)
+        self._record(rec.input_record, now, rec.TIMER)
+        self._latch.handle_timer(now)
+        if _is_due(self._codec.next_timer(), now):
+            self._from_vehicle(self._codec.flush(now), now)
+        if _is_due(self._gps.next_timer(), now):
+            self._from_gps(self._gps.flush(now), now)
+        self._topside.handle_timer(now)
+        if _is_due(self._engine.next_timer(), now):
+            self._step(now, ())
+        return self._leave(now)
+
+    def end(self, now: float, *, at_once: bool = False) -> list[Tx]:
+        """The program is to end: when the engine is settled, or ``at_once`` with its last words."""
+        self._now = now = max(self._now, now)
+        self._record(rec.input_record, now, rec.ENDING, *([rec.AT_ONCE] if at_once else []))
+        self._step(now, (Ending(at_once),))
+        return self._leave(now)
+
+    @property
+    def said_all(self) -> bool:
+        """Nothing waits to be sent to the vehicle, or for its answer."""
+        return self._frontseat.next_timer() is None
+
+    def next_timer(self) -> float | None:
+        first = self._latch.next_timer()
+        for due in (
+            self._codec.next_timer(),
+            self._gps.next_timer(),
+            self._topside.next_timer(),
+            self._frontseat.next_timer(),
+            self._engine.next_timer(),
+        ):
+            if due is not None and (first is None or due < first):
+                first = due
+        return first
+
+    def foresee(self, rx: Rx) -> tuple[str, ...]:
+        """The lines that these bytes would complete to a mission, () if to none: to be given to
+        ``judge`` before ``receive``, where that may take its time. Changes nothing."""
+        return self._topside.foresee(Peer(rx.link, rx.address), rx.data, rx.t)
+
+    def make_navigation(self) -> Navigation:
+        """About a second of imports: for a thread of the pump, whose result goes to
+        ``set_navigation``. Made from what is on record alone."""
+        from mission.navigation import Navigation
+
+        return Navigation(self._vehicle, date=self._clock.utc_date(0.0))
+
+    def set_navigation(self, navigation: Navigation, now: float) -> list[Tx]:
+        self._now = now = max(self._now, now)
+        self._record(rec.input_record, now, rec.NAVIGATION)
+        self._engine.attach(navigation)
+        return self._leave(now)
+
+    # --- in -----------------------------------------------------------------------------------
+
+    def _begin(self) -> None:
+        """What the store knows, and a restart under way (design: A restart). The way up does not
+        wait for the judge of the stored mission: nobody can start it before idle."""
+        kept = self._store.content
+        self._unjudged = kept.lines
+        if not kept.under_way:
+            self._judge_kept(0.0)
+        self._step(0.0, (kept.limits, Restarted(kept.under_way)))
+
+    def _judge_kept(self, now: float) -> None:
+        lines, self._unjudged = self._unjudged, ()
+        if lines:
+            with contextlib.suppress(MissionRefused):  # @AQ shows it as refused
+                self._load(self.judge(lines), now)
+
+    def _from_vehicle(self, messages: Sequence[Received], now: float) -> None:
+        inputs: list[Input] = []
+        heard = False
+        for message in messages:
+            if isinstance(message, FrameFault):
+                self._record(rec.fault_record, now, VEHICLE, message)
+            elif isinstance(message, Telemetry):
+                self._telemetry, heard, self._has_news = message, True, True
+                inputs.append(message)
+            elif message.group == "R":
+                self._topside.relayed_answer(message, now)
+            elif (outcome := self._frontseat.answer(message, now)) is not None:
+                self._topside.order_outcome(outcome, now)
+                inputs.append(outcome)
+        if inputs:
+            self._step(now, inputs)
+        if heard and (estimate := self._engine.estimate) is not None:
+            self._record(rec.estimate_record, estimate)
+            if self._observer is not None:
+                self._observer.estimate(estimate)
+
+    def _from_gps(self, messages: Sequence[Fix | FrameFault], now: float) -> None:
+        for message in messages:
+            if isinstance(message, FrameFault):
+                self._record(rec.fault_record, now, GPS, message)
+            else:
+                self._fix, self._has_news = message, True
+                self._step(now, (message,))
+
+    def _step(self, now: float, inputs: Sequence[Input]) -> tuple[Verdict, ...]:
+        outputs = self._engine.step(now, inputs)
+        for step in outputs.steps:
+            self._record(rec.step_record, step)
+            self._note(step)
+            if self._observer is not None:
+                self._observer.step(step)
+        for action in outputs.actions:
+            refused = self._frontseat.command(action)
+            if refused is not None:
+                self._refused.append(refused)
+        self._latch.follow(self._engine.under_way, now)
+        return outputs.verdicts
+
+    # --- out ----------------------------------------------------------------------------------
+
+    def _leave(self, now: float) -> list[Tx]:
+        if self._unjudged and self.state.startswith("idle"):
+            self._judge_kept(now)
+        for _ in range(MOST_ROUNDS):
+            sent, outcomes = self._frontseat.poll(now)
+            if sent:
+                self._out += sent
+            if self._refused:
+                outcomes, self._refused = outcomes + self._refused, []
+            if not outcomes:
+                break
+            for outcome in outcomes:
+                self._topside.order_outcome(outcome, now)
+            self._step(now, outcomes)
+        if self._owes_report and self._has_news:
+            self._has_news = False
+            self._report_at_surface(now)
+        out = self._topside.outgoing(now)
+        if self._out:
+            out, self._out = self._out + out, []
+        for peer, fault in self._topside.faults():
+            self._record(rec.fault_record, now, peer.link, fault)
+        for tx in out:
+            self._record(rec.tx_record, tx)
+        return out
+
+    def _note(self, step: Step) -> None:
+        """Who was under way owes the boat one @VS at the surface (R11)."""
+        self._has_news = True
+        if any(path.startswith((AUTONOMOUS, "emergency")) for path in step.entered):
+            self._owes_report = True
+
+    def _report_at_surface(self, now: float) -> None:
+        if self.state.startswith((AUTONOMOUS, "manual")):
+            return
+        depth = self._telemetry.depth if self._telemetry else None
+        fixed = self._fix is not None and now - self._fix.t <= FRESH_FIX_S
+        if self.state != SURFACING and (fixed or (depth is not None and depth < AT_SURFACE_M)):
+            self._owes_report = False
+            self._topside.report_unasked(now, "at the surface")
+
+    # --- what Topside asks (Vessel) ---------------------------------------------------------------
+
+    @property
+    def state(self) -> str:
+        return self._engine.state
+
+    @property
+    def engine(self) -> Engine:
+        return self._engine  # to be looked at
+
+    @property
+    def commander(self) -> Commander:
+        return self._topside.commander
+
+    @property
+    def digest(self) -> str:
+        return self._chart.digest if self._chart else ""
+
+    @property
+    def doubted_at(self) -> float:
+        return self._engine.doubted_at
+
+    def decide(self, command: Command, now: float) -> Verdict:
+        chart = self._chart if isinstance(command, StartMission) else None
+        if chart is not None and (why := self._latch.foresee(chart.initial)):
+            return Verdict(False, why)
+        if isinstance(command, ClearMission):
+            self._step(now, ())  # whether it may be cleared is asked of this instant
+        clears = isinstance(command, ClearMission) and self._engine.may_clear
+        if clears:  # durable before it is done, or nothing is
+            try:
+                self._store.keep_lines(())
+            except StoreError as error:
+                return Verdict(False, str(error))
+            self._unjudged = ()
+        verdict = self._step(now, (command,))[-1]
+        if clears:
+            self._load(None, now)
+        return verdict
+
+    def switch_auto(self, is_open: bool, now: float) -> None:
+        self._step(now, (AutoNode(is_open),))
+
+    def hear_stick(self, now: float) -> None:
+        self._engine.hear_stick(now)
+
+    def relay(self, frame: bytes, reason: str, manual: bool) -> str:
+        return self._frontseat.relay(frame, reason, manual)
+
+    def accept(self, lines: tuple[str, ...], now: float) -> None:
+        chart = self.judge(lines)
+        self._store.keep_lines(lines)
+        self._load(chart, now)
+
+    def status(self, now: float) -> Status:
+        newest = self._telemetry.t if self._telemetry else now
+        return Status(self._clock.local(newest), self._fix, self._telemetry)
+
+    def set_clock(self, time: str, now: float) -> None:
+        self._clock.set(time, now)
+        if self._configuration.set_system_clock:
+            self._out.append(Tx(now, CLOCK, time.encode(), "operator @ST"))
+
+    def _load(self, chart: Chart | None, now: float) -> None:
+        self._chart, self._unjudged = chart, ()
+        self._step(now, (Loaded(chart),))
+
+    # --- record -----------------------------------------------------------------------------------
+
+    def _failed_write(self, number: int, why: str) -> None:
+        self._record(rec.input_record, self._now, rec.STORE, str(number), why)
+
+    def _record(self, make: Callable[..., Record], *values: object) -> None:
+        if self._recorder is not None:
+            self._recorder.record(make(*values))
+
+
+def _is_due(timer: float | None, now: float) -> bool:
+    return timer is not None and timer <= now

@@ -1,0 +1,222 @@
+"""The way to the STM32: one line, one command outstanding, safety first. Sans-IO, no clock.
+
+    1  STOP, SURFACE  --> urgent --+
+    2  setpoints --> queue --------+--> line (20 ms after the end of the frame before) --> STM32
+    3  relays (M, R, @DA/@DS) -----+        one Z outstanding; 300 ms, 3 tries (R1)
+
+The smaller number has the line first: an order, the further tries of what is not answered, both
+frames of an ascent's X0 and U12, a leg's set. What operators pass on has what is left, at least
+while an answer is waited for. Under the stick there are no sets, and M has their place.
+
+Rules of protocols.md that live here: R1 (stop and wait), R7's overtaking (what is queued is
+dropped, an unanswered Z is given up), the as-built ACK code ``A`` for any Z, and the gap without
+which two frames arrive as one burst and are misread. A set that is not out after 5 s, though
+newer ones of the same leg have taken its place meanwhile, is told as LATE, once.
+
+An ACK of code A does not say which Z it answers. Whoever gave up on a Z or sent it twice is still
+owed an answer; until that came or could no longer come (300 ms) an ACK of code A is not believed
+to be the next frame's, and the next setpoint waits. STOP and SURFACE do not wait: at worst they
+are sent once more.
+
+What does not live here: what the commands mean and the R8 consequence of three lost Z (engine),
+which relay is next (relays), frames (protocol.vehicles), bytes on the port (links).
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from mission.onboard.runtime.relays import Relays
+from mission.model import Action, Outcome, Result, Tx
+from protocol.codec import CannotEncode
+from protocol.messages import Ack, Order, Setpoint
+from protocol.vehicles.auv import change
+
+ANSWER_S = 0.3
+TRIES = 3
+GAP_S = 0.02
+BITS_PER_BYTE = 10  # 8N1
+BITS_PER_S = 9600
+LEAVES_S = 5.0  # within which a set must be out
+ANY = "A"  # as-built firmware acknowledges every Z with this code
+
+
+@dataclass(frozen=True, slots=True)
+class _Frame:
+    data: bytes
+    command: Setpoint | Order
+    reason: str
+
+    @property
+    def code(self) -> str:
+        return chr(self.data[3]) if len(self.data) > 3 else ""
+
+
+@dataclass(frozen=True, slots=True)
+class _Outstanding:
+    frame: _Frame
+    tries: int
+    deadline: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Owed:
+    """An answer that may still come for a transmission nobody waits for any more."""
+
+    code: str
+    until: float
+
+
+class Frontseat:
+    """Turns Actions and relays into bytes at the right time, and ACKs into Outcomes.
+
+    A frame that a newer set or a safety command replaced before it was answered has no Outcome.
+    """
+
+    gap = GAP_S  # s that the line needs between two frames
+    cannot_relay = ""
+
+    def __init__(
+        self,
+        encode: Callable[[Setpoint | Order], list[bytes]],
+        link: str = "vehicle",
+        bits_per_s: float = BITS_PER_S,
+    ) -> None:
+        self._encode, self._link = encode, link
+        self._seconds_per_byte = BITS_PER_BYTE / bits_per_s
+        self._urgent: deque[_Frame] = deque()
+        self._relays = Relays()
+        self._queue: deque[_Frame] = deque()
+        self._outstanding: _Outstanding | None = None
+        self._owed: list[_Owed] = []
+        self._becoming: Setpoint | None = None  # of which nothing was refused or lost so far
+        self._held: Setpoint | None = None  # all of it was accepted, and nothing left since
+        self._set: Setpoint | None = None  # the newest
+        self._late_at: float | None = None  # unless all of a set has left by then
+        self._free = 0.0  # from when on the line may be used
+
+    @property
+    def idle(self) -> bool:
+        """Nothing waits to be sent or answered."""
+        return not (self._urgent or self._relays or self._queue or self._outstanding)
+
+    def command(self, action: Action) -> Outcome | None:
+        """Queue an action; an Outcome only if the vehicle has no word for it."""
+        try:
+            data = self._encode(action.command)
+        except CannotEncode as error:
+            return Outcome(Result.REFUSED, str(error).encode(), action.command)
+        if action.steers and self._held is not None:
+            data = change(data, self._encode(self._held))
+        frames = [_Frame(d, action.command, action.reason) for d in data]
+        self._held = None
+        before, self._set = self._set, None
+        if isinstance(action.command, Setpoint):
+            self._set = action.command
+        self._becoming = self._set
+        if not action.steers and self._set != before:
+            self._late_at = None  # another leg, or none
+        self._queue.clear()  # a set is complete: what is left of the one before is obsolete
+        if isinstance(action.command, Order):
+            self._relays.clear()
+            self._give_up()
+            same = [f for f in self._urgent if f.reason == action.reason]  # of one decision
+            self._urgent = deque([*same, *frames])
+        else:
+            self._queue.extend(frames)
+        return None
+
+    def relay(self, data: bytes, reason: str, manual: bool = False) -> str:
+        """Pass a frame on unchanged; why not, "" if it will leave. A manual one ends every Z, the
+        stop of a silent stick included: a later try of it would throw the STM32 out of manual
+        mode (R6)."""
+        if manual:
+            self._queue.clear()
+            self._urgent.clear()
+            self._give_up()
+            self._held = self._becoming = self._set = self._late_at = None
+        return self._relays.add(data, reason, manual)
+
+    def answer(self, ack: Ack, now: float) -> Outcome | None:
+        """What an ACK of group Z decides; None if it answers nothing that is outstanding."""
+        self._owed = [owed for owed in self._owed if owed.until > now]
+        owed = next((o for o in self._owed if ack.function in (ANY, o.code)), None)
+        if owed is not None:
+            self._owed.remove(owed)
+            return None
+        waiting = self._outstanding
+        if waiting is None or ack.function not in (ANY, waiting.frame.code):
+            return None
+        self._outstanding = None
+        self._owed += [_Owed(waiting.frame.code, waiting.deadline)] * (waiting.tries - 1)
+        result = Result.ACCEPTED if ack.ok else Result.REFUSED
+        self._becoming = self._becoming if ack.ok else None
+        if not self._queue:
+            self._held = self._becoming
+        return Outcome(result, waiting.frame.data, waiting.frame.command)
+
+    def poll(self, now: float) -> tuple[list[Tx], list[Outcome]]:
+        """Send what is due (at most one frame: the gap follows it), give up what was lost. What
+        was lost is told before anything further leaves: it may be the reason for an order."""
+        waiting = self._outstanding
+        if waiting is None and self.idle:
+            return [], []
+        if self._queue and self._late_at is None:
+            self._late_at = now + LEAVES_S
+        if self._queue and self._late_at is not None and now >= self._late_at:
+            self._late_at = math.inf
+            return [], [Outcome(Result.LATE, self._queue[0].data, self._queue[0].command)]
+        if waiting and now >= waiting.deadline and waiting.tries >= TRIES:
+            self._outstanding = self._becoming = None
+            return [], [Outcome(Result.LOST, waiting.frame.data, waiting.frame.command)]
+        return (self._next(now) if now >= self._free else []), []
+
+    def _next(self, now: float) -> list[Tx]:
+        waiting = self._outstanding
+        if waiting is None and self._urgent:
+            return [self._send(self._urgent.popleft(), 1, now)]
+        if waiting and now >= waiting.deadline:
+            return [self._send(waiting.frame, waiting.tries + 1, now)]
+        if waiting is None and self._queue and not any(o.until > now for o in self._owed):
+            frame = self._queue.popleft()
+            self._late_at = self._late_at if self._queue else None
+            return [self._send(frame, 1, now)]
+        return [self._transmit(*self._relays.take(), now)] if self._relays else []
+
+    def next_timer(self) -> float | None:
+        """When ``poll`` has something to do."""
+        waiting = self._outstanding
+        if waiting is None:
+            if self._urgent:
+                return self._free
+            if not (self._relays or self._queue):
+                return None
+        due = [self._free] if self._relays else []
+        if self._queue and self._late_at is not None:
+            due.append(self._late_at)
+        if waiting:
+            # The last wait ends by the clock alone; another try needs the line.
+            last = waiting.tries >= TRIES
+            due.append(waiting.deadline if last else max(self._free, waiting.deadline))
+        elif self._queue:
+            due.append(max([self._free, *(owed.until for owed in self._owed)]))
+        first = min(due, default=math.inf)
+        return first if first < math.inf else None
+
+    def _send(self, frame: _Frame, tries: int, now: float) -> Tx:
+        self._outstanding = _Outstanding(frame, tries, now + ANSWER_S)
+        again = f" (try {tries} of {TRIES})" if tries > 1 else ""
+        return self._transmit(frame.data, frame.reason + again, now)
+
+    def _transmit(self, data: bytes, reason: str, now: float) -> Tx:
+        self._free = now + len(data) * self._seconds_per_byte + GAP_S
+        return Tx(now, self._link, data, reason)
+
+    def _give_up(self) -> None:
+        if self._outstanding:
+            owed = _Owed(self._outstanding.frame.code, self._outstanding.deadline)
+            self._owed += [owed] * self._outstanding.tries
+            self._outstanding = None

@@ -1,0 +1,68 @@
+"""The last judge of a mission: its lines become a Chart, or are refused in one line of words (R3).
+
+A verdict follows from the lines and the vehicle alone, so it may be found in advance: ``Judge``
+keeps the last one. A shell that lets it think in a thread of its own, before the line that
+completes the mission is heard, keeps the drive from thinking for seconds (docket); a replay just
+thinks again.
+
+What does not live here: where the lines come from (staging, store), the rules (language, compiler,
+check).
+"""
+
+from __future__ import annotations
+
+from mission.authoring.compiler.compiler import CompileErrors, compile_mission
+from mission.onboard.runtime.vessel import MissionRefused
+from mission.model import Chart
+from mission.model.vehicle import Vehicle
+
+
+class Judge:
+    """Of the missions of one vehicle. ``closed``: why none is accepted, "" if that depends."""
+
+    def __init__(self, vehicle: Vehicle, closed: str = "") -> None:
+        self._vehicle, self._closed = vehicle, closed
+        self._last: tuple[tuple[str, ...], Chart | str] = ((), "there are no lines")
+
+    def __call__(self, lines: tuple[str, ...]) -> Chart:
+        """Raises MissionRefused, with the first thing that is wrong."""
+        if self._closed:
+            raise MissionRefused(self._closed)
+        known, verdict = self._last
+        if known != lines:
+            try:
+                verdict = judge(lines, self._vehicle)
+            except MissionRefused as refusal:
+                verdict = str(refusal)
+            self._last = lines, verdict
+        if isinstance(verdict, str):
+            raise MissionRefused(verdict)
+        return verdict
+
+
+def judge(lines: tuple[str, ...], vehicle: Vehicle) -> Chart:
+    """As above."""
+    try:
+        from mission.authoring.check import check_mission
+        from mission.authoring.language import MissionErrors, digest, parse_script
+    except ImportError as error:
+        raise MissionRefused(f"missions cannot be judged: {error}") from error
+
+    try:
+        mission = parse_script(lines)
+        chart = compile_mission(mission, vehicle, digest(mission))
+    except MissionErrors as error:
+        found = error.problems[0]
+        raise MissionRefused(_said(found.line, found.column, found.message)) from None
+    except CompileErrors as error:
+        where = error.problems[0].where
+        raise MissionRefused(_said(where.line, where.column, error.problems[0].message)) from None
+    report = check_mission(chart, vehicle)
+    if not report.ok:
+        refusal = report.refusals[0]
+        raise MissionRefused(_said(refusal.where.line, refusal.where.column, refusal.message))
+    return chart
+
+
+def _said(line: int, column: int, message: str) -> str:
+    return f"line {line}:{column}: {message}"

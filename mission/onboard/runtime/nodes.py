@@ -1,0 +1,90 @@
+"""The Pi's nodes (R13): which are open, and a switch that is answered when all have changed.
+
+    bit   0    1      2      3     4       5        of @ACK_NI, and the letters of @NS
+    node  Pi   STM32  BDGPS  UACM  CAMERA  AUTO
+
+Pi and AUTO change here and now. The others belong to processes: a request leaves as
+``Tx(link="nodes", data=b"CAMERA O")``, whoever runs the process answers with
+``Rx(link="nodes", data=b"CAMERA O\\n")`` when it is so. All within 5 s, or the switch
+is answered N.
+
+What does not live here: who may switch (topside), what AUTO does (engine), processes (the pump).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from mission.onboard.configuration import LinkUrls
+
+NAMES = ("Pi", "STM32", "BDGPS", "UACM", "CAMERA", "AUTO")
+OWN = ("Pi", "AUTO")  # no process behind them
+LINK = "nodes"
+CHANGED_WITHIN_S = 5.0
+OPEN, CLOSE = "O", "C"
+
+
+@dataclass(frozen=True, slots=True)
+class _Pending:
+    wanted: Mapping[str, bool]
+    deadline: float
+
+
+class Nodes:
+    """``configured`` names the nodes with a process that runs from the start."""
+
+    def __init__(self, configured: frozenset[str]) -> None:
+        self._open = {name: name in OWN or name in configured for name in NAMES}
+        self._pending: _Pending | None = None
+
+    def is_open(self, name: str) -> bool:
+        return self._open[name]
+
+    def are(self, switches: str) -> bool:
+        """All as these letters say; the Pi's own is not looked at (E-T2)."""
+        named = zip(NAMES[1:], switches[1:], strict=True)
+        return all(self._open[name] == (letter == OPEN) for name, letter in named)
+
+    @property
+    def mask(self) -> int:
+        return sum(1 << bit for bit, name in enumerate(NAMES) if self._open[name])
+
+    def switch(self, switches: str, now: float) -> list[bytes]:
+        """Begin a switch; what the processes are asked for. ``settle`` tells when it is done."""
+        wanted = {name: letter == OPEN for name, letter in zip(NAMES, switches, strict=True)}
+        wanted["Pi"] = True  # E-T2: the Pi does not close itself
+        self._open["AUTO"] = wanted["AUTO"]
+        self._pending = _Pending(wanted, now + CHANGED_WITHIN_S)
+        return [
+            f"{name} {OPEN if wanted[name] else CLOSE}".encode()
+            for name in NAMES
+            if self._open[name] != wanted[name]
+        ]
+
+    def changed(self, data: bytes) -> None:
+        """A process says what is so now; lines that name no node are ignored."""
+        for line in data.decode("ascii", "replace").splitlines():
+            name, _, letter = line.partition(" ")
+            if name in NAMES and name not in OWN and letter in (OPEN, CLOSE):
+                self._open[name] = letter == OPEN
+
+    def settle(self, now: float) -> bool | None:
+        """True: all nodes of the pending switch have changed; False: too late; None: not yet, or
+        nothing is pending. Either answer is given once."""
+        if self._pending is None:
+            return None
+        done = all(self._open[name] == value for name, value in self._pending.wanted.items())
+        if not done and now < self._pending.deadline:
+            return None
+        self._pending = None
+        return done
+
+    def next_timer(self) -> float | None:
+        return self._pending.deadline if self._pending else None
+
+
+def with_process(links: LinkUrls) -> frozenset[str]:
+    """The nodes whose processes run from the start."""
+    there = {"STM32": True, "BDGPS": links.gps is not None, "UACM": links.modem is not None}
+    return frozenset(name for name, runs in there.items() if runs)

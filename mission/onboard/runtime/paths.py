@@ -1,0 +1,151 @@
+"""The two ways between an operator and the Pi (R12): a stream of frames, and the modem's envelopes.
+
+    StreamPath   one TCP connection: frames as they come, answers at once
+    ModemPath    half duplex: the answers to one request leave together, when it is their turn
+                 (R15); X and W are heard in whatever comes (``obeyed``)
+
+A command whose frame is whole but whose value is not (G4) is heard as ``Unfit``, so that it can be
+answered N; what is no frame at all, or has the wrong number of fields (E-V2), is a fault alone.
+
+What does not live here: envelope and turns (protocol.modem, protocol.arq), what is answered
+(topside).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from links import baud_of
+from mission.onboard.runtime.obeyed import Obeyed
+from mission.onboard.runtime.vessel import MODEM, Answer
+from protocol.arq import Responder
+from protocol.messages import Command, FrameFault
+from protocol.modem import BAUD, Envelope
+from protocol.tolerances import Tolerances
+from protocol.topside import TopsideCodec, encode
+
+
+@dataclass(frozen=True, slots=True)
+class Unfit:
+    """A command that is refused whole; ``code`` is what an N answers, ``AW`` and the like."""
+
+    code: str
+    fault: FrameFault
+
+
+Heard = Command | FrameFault | Unfit
+
+_ANSWERED = ("NS", "AW", "ST", "SP")  # those with values that may be unfit
+_UNFIT = ("out_of_range", "bad_enum", "non_numeric")
+_LONGEST = 512  # bytes that a fault may reach back
+
+
+class _Listener:
+    """A TopsideCodec that knows what the faulty bytes were."""
+
+    def __init__(self, tolerances: Tolerances) -> None:
+        self._codec = TopsideCodec(tolerances)
+        self._recent, self._offset = b"", 0  # the last bytes, and where they begin in the stream
+
+    def receive(self, data: bytes, now: float) -> list[Heard]:
+        self._recent += data
+        heard = [self._named(item) for item in self._codec.receive(data, now)]
+        spare = max(len(self._recent) - _LONGEST, 0)
+        self._recent, self._offset = self._recent[spare:], self._offset + spare
+        return heard
+
+    def flush(self, now: float) -> list[Heard]:
+        return [self._named(item) for item in self._codec.flush(now)]
+
+    def next_timer(self) -> float | None:
+        return self._codec.next_timer()
+
+    def _named(self, item: Command | FrameFault) -> Heard:
+        if not isinstance(item, FrameFault) or item.kind not in _UNFIT:
+            return item
+        begin = item.offset - self._offset
+        raw = self._recent[max(begin, 0) : begin + item.length]
+        code = raw[1:3].decode("ascii", "replace")
+        whole = begin >= 0 and raw.startswith(b"@") and raw.endswith(b"$")
+        return Unfit(code, item) if whole and code in _ANSWERED else item
+
+
+class Path(Protocol):
+    def receive(self, data: bytes, now: float) -> list[Heard]: ...
+
+    def handle_timer(self, now: float) -> list[Heard]: ...
+
+    def send(self, answer: Answer, now: float, reason: str, unasked: bool = False) -> None: ...
+
+    def outgoing(self, now: float) -> Sequence[tuple[bytes, str]]:
+        """What leaves now, each with its reason."""
+        ...
+
+    def next_timer(self) -> float | None: ...
+
+
+class StreamPath:
+    def __init__(self, tolerances: Tolerances) -> None:
+        self._codec = _Listener(tolerances)
+        self._out: list[tuple[bytes, str]] = []
+
+    def receive(self, data: bytes, now: float) -> list[Heard]:
+        return self._codec.receive(data, now)
+
+    def handle_timer(self, now: float) -> list[Heard]:
+        due = self._codec.next_timer()
+        return self._codec.flush(now) if due is not None and due <= now else []
+
+    def send(self, answer: Answer, now: float, reason: str, unasked: bool = False) -> None:
+        self._out.append((encode(answer), reason))
+
+    def outgoing(self, now: float) -> Sequence[tuple[bytes, str]]:
+        if not self._out:
+            return ()
+        out, self._out = self._out, []
+        return out
+
+    def next_timer(self) -> float | None:
+        return self._codec.next_timer()
+
+
+class ModemPath:
+    def __init__(self, tolerances: Tolerances, baud: float) -> None:
+        self._responder = Responder(tolerances=tolerances, baud=baud)
+        self._tolerances, self._obeyed = tolerances, Obeyed(tolerances)
+
+    def receive(self, data: bytes, now: float) -> list[Heard]:
+        found = self._obeyed.found(data)
+        heard = self._opened(self._responder.receive(data, now), now)
+        return [*self._obeyed.at_once(found, heard, now), *heard]
+
+    def handle_timer(self, now: float) -> list[Heard]:
+        return self._opened(self._responder.receive(b"", now), now)
+
+    def send(self, answer: Answer, now: float, reason: str, unasked: bool = False) -> None:
+        (self._responder.unasked if unasked else self._responder.answer)(encode(answer), now)
+
+    def outgoing(self, now: float) -> list[tuple[bytes, str]]:
+        return [(data, "answers by modem") for data in self._responder.outgoing(now)]
+
+    def next_timer(self) -> float | None:
+        return self._responder.next_timer()
+
+    def _opened(self, items: Sequence[Envelope | FrameFault], now: float) -> list[Heard]:
+        heard: list[Heard] = []
+        for item in items:
+            if isinstance(item, FrameFault):
+                heard.append(item)
+                continue
+            codec = _Listener(self._tolerances)  # a content holds whole frames: nothing carries
+            content = codec.receive(item.content, item.t) + codec.flush(now)
+            heard += self._obeyed.left_of(content, now)
+        return heard
+
+
+def paths(tolerances: Tolerances, modem: str | None = None) -> Callable[[str], Path]:
+    """What makes one for a connection over the link of a name; ``modem``: its URL."""
+    baud = baud_of(modem or "", BAUD)
+    return lambda link: ModemPath(tolerances, baud) if link == MODEM else StreamPath(tolerances)

@@ -1,0 +1,394 @@
+"""The Pi's side of the operator protocol: who said what, may he, and what is answered. Sans-IO.
+
+    bytes --path--> command --copy? commander? idle?--> Vessel
+    answer --path of the request (R12)--> bytes
+
+Rules of protocols.md that live here: R2 (answers N), R3 and R4 (with ``uploads``), R6's relaying,
+R9-R11 as far as an answer shows them, R12 (with ``copies``, ``commander``), R13 (with ``nodes``),
+R14. STOP and SURFACE pass from any connection, always, and are answered by what became of them at
+the STM32.
+
+What does not live here: what a command does to the vehicle (engine, behind ``Vessel``), frames
+(protocol), sockets.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+from mission.onboard.runtime.awaited import Awaited
+from mission.onboard.runtime.commander import Commander
+from mission.onboard.runtime.copies import Copies
+from mission.onboard.runtime.nodes import LINK as NODES
+from mission.onboard.runtime.nodes import NAMES, OPEN, Nodes
+from mission.onboard.runtime.paths import Heard, Path, Unfit
+from mission.onboard.runtime.refusals import Refusals
+from mission.onboard.runtime.uploads import Uploads
+from mission.onboard.runtime.vessel import MODEM, Answer, Peer, Vessel, one_line
+from mission.model import AUTONOMOUS, Outcome, Result, Tx, Verdict
+from mission.onboard.store import Store, StoreError
+from protocol.messages import (
+    Ack,
+    ClearMission,
+    Command,
+    DataQuery,
+    Emergency,
+    FrameFault,
+    Manual,
+    MissionLine,
+    NodeQuery,
+    NodeSwitch,
+    Order,
+    Relay,
+    SetSafety,
+    SetTime,
+    StartMission,
+    StoreQuery,
+)
+from protocol.topside import answer
+
+RELAY_ANSWER_S = 5.0
+ORDER_ANSWER_S = 10.0
+
+TELL_S = 1.0  # between two reports that tell one and the same why nothing is relayed
+
+YES, NO = ord("Y"), ord("N")
+
+
+class Topside:
+    def __init__(
+        self,
+        vessel: Vessel,
+        store: Store,
+        path: Callable[[str], Path],
+        nodes: Nodes,
+        answer_no: bool = True,
+    ) -> None:
+        """``path`` makes one for a connection over the link of that name."""
+        self._vessel, self._store, self._new_path = vessel, store, path
+        self._nodes, self._answer_no = nodes, answer_no  # R2
+        self._uploads = Uploads(vessel, store)
+        self._paths: dict[Peer, Path] = {}
+        self.commander = Commander()
+        self._copies = Copies(self._in_force)
+        self._awaited = Awaited()
+        self._switching: tuple[list[Peer], NodeSwitch] | None = None
+        self._refusals = Refusals()
+        self._told = -math.inf  # when a refused relay was
+        self._out: list[Tx] = []
+        self._faults: list[tuple[Peer, FrameFault]] = []
+
+    # --- connections ---------------------------------------------------------------------
+
+    def connected(self, peer: Peer) -> None:
+        if peer not in self._paths:
+            self._paths[peer] = self._new_path(peer.link)
+
+    def disconnected(self, peer: Peer) -> None:
+        self._paths.pop(peer, None)
+        self._awaited.forget(peer)
+        self.commander.forget(peer)
+
+    def receive(self, peer: Peer, data: bytes, now: float) -> None:
+        self.connected(peer)
+        self._take(peer, self._paths[peer].receive(data, now), now)
+
+    def foresee(self, peer: Peer, data: bytes, now: float) -> tuple[str, ...]:
+        """The set of lines that these bytes would make whole, () if none. Changes nothing."""
+        if peer not in self._paths or not self._uploads.may_complete(data):
+            return ()
+        return self._uploads.foresee(copy.deepcopy(self._paths[peer]).receive(data, now), now)
+
+    def changed(self, data: bytes, now: float) -> None:
+        """Bytes of the link ``nodes``."""
+        self._nodes.changed(data)
+        self._settle(now)
+
+    def handle_timer(self, now: float) -> None:
+        for peer, path in list(self._paths.items()):
+            self._take(peer, path.handle_timer(now), now)
+        self._settle(now)
+
+    def next_timer(self) -> float | None:
+        first = self._nodes.next_timer()
+        for path in self._paths.values():
+            due = path.next_timer()
+            if due is not None and (first is None or due < first):
+                first = due
+        return first
+
+    def outgoing(self, now: float) -> list[Tx]:
+        """What leaves now."""
+        out, self._out = self._out, []
+        for peer, path in self._paths.items():
+            for data, why in path.outgoing(now):
+                out.append(Tx(now, peer.link, data, why, peer.address))
+        return out
+
+    def faults(self) -> list[tuple[Peer, FrameFault]]:
+        """Bytes that were no frame, since the last call."""
+        faults, self._faults = self._faults, []
+        return faults
+
+    # --- what others report ---------------------------------------------------------------
+
+    def relayed_answer(self, ack: Ack, now: float) -> None:
+        """An R acknowledge of the STM32: passed on, byte for byte, to whoever asked (R14)."""
+        self._answer_awaiting(ack.function, ack, now)
+
+    def order_outcome(self, outcome: Outcome, now: float) -> None:
+        """What became of a STOP or SURFACE at the STM32, for whoever gave it."""
+        if not isinstance(outcome.command, Order):
+            return
+        letter = "X" if outcome.command is Order.STOP else "W"
+        result = YES if outcome.result is Result.ACCEPTED else NO
+        self._answer_awaiting(outcome.command.name, Ack(now, "Z", letter, result), now)
+
+    def report_unasked(self, now: float, reason: str) -> None:
+        """One @VS on every path (R11)."""
+        for peer in sorted(self._paths):
+            self._paths[peer].send(self._vessel.status(now), now, reason, unasked=True)
+
+    # --- commands -------------------------------------------------------------------------
+
+    def _take(self, peer: Peer, heard: list[Heard], now: float) -> None:
+        for item in heard:
+            if isinstance(item, FrameFault):
+                self._faults.append((peer, item))
+            elif isinstance(item, Unfit):
+                self._refuse_unfit(peer, item, now)
+            else:
+                self.commander.hear(peer, now)
+                self._command(peer, item, now)
+
+    def _refuse_unfit(self, peer: Peer, unfit: Unfit, now: float) -> None:
+        self._faults.append((peer, unfit.fault))
+        self._refusals.note(unfit.code, unfit.fault.kind, now)
+        if self._answer_no:
+            self._send(peer, answer(unfit.code, False, now), now, unfit.fault.kind)
+
+    def _command(self, peer: Peer, command: Command, now: float) -> None:
+        if isinstance(command, Emergency):
+            self._emergency(peer, command, now)
+        elif isinstance(command, DataQuery | StoreQuery | NodeQuery):
+            if isinstance(command, StoreQuery):
+                self.commander.reads_reports(peer)
+            self._send(peer, self._query(command, now), now, "asked")
+        elif (verdict := self._copies.judge(peer, command, now)) is not None:
+            self._answer_copy(peer, command, verdict, now)
+        else:
+            why = self.commander.why_not(peer, now)
+            verdict = Verdict(False, why) if why else self._execute(peer, command, now)
+            if isinstance(command, Manual) and verdict is not None and not verdict.accepted:
+                self._vessel.hear_stick(now)
+            if verdict is not None:
+                self._conclude(peer, command, verdict, now)
+
+    def _emergency(self, peer: Peer, command: Emergency, now: float) -> None:
+        self._awaited.add(peer, command.order.name, now, ORDER_ANSWER_S)
+        self._hand_over(peer, now)
+        self._vessel.decide(command, now)
+
+    def _query(self, command: DataQuery | StoreQuery | NodeQuery, now: float) -> Answer:
+        if isinstance(command, DataQuery):
+            return self._vessel.status(now)
+        if isinstance(command, NodeQuery):
+            return Ack(now, "N", "I", self._nodes.mask)
+        refusal = self._refusals.told(now, self._vessel.doubted_at)
+        return self._uploads.report(refusal, now)
+
+    def _execute(self, peer: Peer, command: Command, now: float) -> Verdict | None:
+        """The verdict, or None if it is not known yet."""
+        if isinstance(command, NodeSwitch):
+            return self._switch(peer, command, now)
+        if isinstance(command, MissionLine):
+            verdict, stored = self._uploads.take(command, now)
+            if stored:
+                self._refusals.end()
+            return verdict
+        if isinstance(command, SetTime):
+            return self._set_time(peer, command, now)
+        if isinstance(command, SetSafety):
+            return self._set_safety(command, now)
+        if isinstance(command, Relay):
+            return self._relay(peer, command, now)
+        if isinstance(command, Manual):
+            return self._manual(peer, command, now)
+        if isinstance(command, StartMission) and self._uploads.incomplete(now):
+            return Verdict(
+                False, f"the upload is incomplete: lines {self._uploads.missing} missing"
+            )
+        verdict = self._vessel.decide(command, now)
+        if isinstance(command, ClearMission) and verdict.accepted:
+            self._uploads.clear()
+        return verdict
+
+    def _conclude(self, peer: Peer, command: Command, verdict: Verdict, now: float) -> None:
+        if verdict.accepted:
+            self._hand_over(peer, now)
+        if not isinstance(command, Manual):
+            self._copies.note(peer, command, verdict.accepted, now)
+        self._answer(peer, command, verdict, now)
+
+    def _answer(self, peer: Peer, command: Command, verdict: Verdict, now: float) -> None:
+        if verdict.accepted:
+            self._refusals.accepted(_NAMES[type(command)])
+        else:
+            self._refusals.note(_NAMES[type(command)], verdict.why, now)
+        ack = _acknowledge(command, verdict.accepted, now)
+        if ack is not None and (verdict.accepted or self._answer_no):
+            self._send(peer, ack, now, verdict.why or "accepted")
+
+    def _answer_copy(self, peer: Peer, command: Command, verdict: Verdict, now: float) -> None:
+        """What is in force is not executed once more; but the STM32 answers for itself."""
+        if isinstance(command, Relay) and command.kind != "D" and verdict.accepted:
+            self._await_relay(peer, command, now)
+            if self._copies.age(command, now) >= RELAY_ANSWER_S:
+                self._vessel.relay(command.frame, f"relay of @{command.kind}, once more", False)
+        self._answer(peer, command, verdict, now)
+
+    def _in_force(self, command: Command) -> bool | None:
+        """Whether the vehicle's state says what the command asks for, None if no state does."""
+        match command:
+            case StartMission():
+                return self._vessel.state.startswith(AUTONOMOUS)
+            case ClearMission():
+                return self._is_idle and not (self._store.content.lines or self._uploads.total)
+            case MissionLine():
+                return self._uploads.holds(command)
+            case SetSafety():
+                return self._merged(command) == self._store.content.limits
+            case NodeSwitch():
+                return self._nodes.are(command.switches)
+        return None
+
+    def _hand_over(self, peer: Peer, now: float) -> None:
+        """R12. Who loses the command is told by an @AR that says so."""
+        loser = self.commander.hand_over(peer)
+        if loser is not None:
+            self._tell(loser, f"{peer} has taken the command", now, "the command is taken over")
+
+    def _tell(self, peer: Peer, refusal: str, now: float, reason: str) -> None:
+        self._send(peer, self._uploads.report(one_line(refusal), now), now, reason)
+
+    # --- single commands -------------------------------------------------------------------
+
+    def _switch(self, peer: Peer, command: NodeSwitch, now: float) -> Verdict | None:
+        if self._switching and self._switching[1] == command:  # answered when all have changed
+            if peer not in self._switching[0]:
+                self._switching[0].append(peer)
+            return None
+        closes = {n for n, s in zip(NAMES, command.switches, strict=True) if s != OPEN}
+        if "UACM" in closes and not any(p.link != MODEM for p in self._paths):
+            return Verdict(False, "the modem is the only live path")
+        if "STM32" in closes and not self._is_idle:
+            return Verdict(False, "the STM32 is needed until the vehicle is idle")
+        self._conclude_switch(Verdict(False, "overtaken by another @NS"), now)
+        was_open = self._nodes.is_open("AUTO")
+        requests = self._nodes.switch(command.switches, now)
+        if self._nodes.is_open("AUTO") != was_open:
+            self._vessel.switch_auto(self._nodes.is_open("AUTO"), now)
+        self._out += [Tx(now, NODES, request, "operator @NS") for request in requests]
+        self._switching = ([peer], command)
+        self._settle(now)
+        return None
+
+    def _settle(self, now: float) -> None:
+        if (done := self._nodes.settle(now)) is not None:
+            self._conclude_switch(Verdict(done, "" if done else "not all nodes changed"), now)
+
+    def _conclude_switch(self, verdict: Verdict, now: float) -> None:
+        if self._switching is not None:
+            (peers, command), self._switching = self._switching, None
+            self._conclude(peers[0], command, verdict, now)
+            for peer in peers[1:]:
+                self._answer(peer, command, verdict, now)
+
+    def _set_time(self, peer: Peer, command: SetTime, now: float) -> Verdict:
+        if peer.link == MODEM:
+            return Verdict(False, "the time is not set over the modem")
+        if not self._is_idle:
+            return Verdict(False, f"the time is set in idle only, not in {self._vessel.state}")
+        self._vessel.set_clock(command.time, now)
+        return Verdict(True)
+
+    def _merged(self, command: SetSafety) -> SetSafety:
+        """With what is kept, where it says nothing."""
+        kept = self._store.content.limits
+        return SetSafety(
+            radius=kept.radius if command.radius is None else command.radius,
+            time=kept.time if command.time is None else command.time,
+            depth=kept.depth if command.depth is None else command.depth,
+            voltage=kept.voltage if command.voltage is None else command.voltage,
+        )
+
+    def _set_safety(self, command: SetSafety, now: float) -> Verdict:
+        merged = self._merged(command)
+        try:
+            self._store.keep_limits(merged)
+        except StoreError as error:
+            return Verdict(False, str(error))
+        return self._vessel.decide(merged, now)
+
+    def _relay(self, peer: Peer, command: Relay, now: float) -> Verdict:
+        self._await_relay(peer, command, now)
+        why = self._vessel.relay(command.frame, f"relay of @{command.kind} for {peer.link}", False)
+        return self._relayed(peer, why, now)
+
+    def _relayed(self, peer: Peer, why: str, now: float) -> Verdict:
+        """No frame of the documents refuses an M, R or D: who understands an @AR is sent one."""
+        if why and self.commander.reads(peer) and now - self._told >= TELL_S:
+            self._told = now
+            self._tell(peer, f"relay: {why}", now, why)
+        return Verdict(not why, why)
+
+    def _await_relay(self, peer: Peer, command: Relay, now: float) -> None:
+        if command.kind.startswith("R"):
+            self._awaited.add(peer, command.kind[1], now, RELAY_ANSWER_S)
+
+    def _manual(self, peer: Peer, command: Manual, now: float) -> Verdict:
+        if peer.link == MODEM:
+            return Verdict(False, "manual control does not go over the modem")
+        if why := self._vessel.cannot_relay:
+            return self._relayed(peer, why, now)
+        if not (verdict := self._vessel.decide(command, now)).accepted:
+            return verdict
+        why = self._vessel.relay(command.frame, f"relay of @{command.kind}", True)
+        return self._relayed(peer, why, now)
+
+    # --- answers ----------------------------------------------------------------------------
+
+    @property
+    def _is_idle(self) -> bool:
+        return self._uploads.is_idle
+
+    def _answer_awaiting(self, key: str, ack: Ack, now: float) -> None:
+        """A refusal of X or W may be followed by another try; anything else is final."""
+        for peer in self._awaited.answered(key, now, final=ack.group != "Z" or ack.ok):
+            self._send(peer, replace(ack, t=now), now, "answer of the STM32")
+
+    def _send(self, peer: Peer, answer: Answer, now: float, reason: str) -> None:
+        if peer in self._paths:
+            self._paths[peer].send(answer, now, reason)
+
+
+_NAMES: dict[type, str] = {
+    NodeSwitch: "NS",
+    StartMission: "AA",
+    ClearMission: "AC",
+    MissionLine: "AW",
+    SetTime: "ST",
+    SetSafety: "SP",
+    Relay: "relay",
+    Manual: "manual",
+}
+
+
+def _acknowledge(command: Command, accepted: bool, now: float) -> Ack | None:
+    """R2; None for what only the STM32 may answer."""
+    if isinstance(command, Relay | Manual):
+        return None
+    return answer(_NAMES[type(command)], accepted, now)

@@ -1,0 +1,92 @@
+"""What operators upload and ask of the store (R3, R4): lines in, a mission stored, reports of both.
+
+What does not live here: which lines make a set (staging), who may send them (topside), the files
+(store).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from mission.onboard.runtime.staging import Held, OutOfPlace, Staging, Whole
+from mission.onboard.runtime.vessel import MissionRefused, Vessel
+from mission.model import Verdict
+from mission.onboard.store import Store, StoreError
+from protocol.messages import MissionLine, StoreReport
+
+
+class Uploads:
+    def __init__(self, vessel: Vessel, store: Store) -> None:
+        self._vessel, self._store = vessel, store
+        self._staging = Staging()
+
+    @property
+    def is_idle(self) -> bool:
+        return self._vessel.state.startswith("idle")
+
+    @property
+    def total(self) -> int:
+        """Lines of the set that is on its way, 0 if none is."""
+        return self._staging.total
+
+    @property
+    def missing(self) -> str:
+        return self._staging.missing
+
+    def may_complete(self, data: bytes) -> bool:
+        """A quick look: whether these bytes might make a set whole."""
+        staged = self._staging
+        may_begin = b"AW" in data or staged.total > 0
+        enough = staged.have + data.count(b"@") + 1 >= staged.total  # one may have begun before
+        return b"$" in data and may_begin and enough and self.is_idle
+
+    def foresee(self, heard: Iterable[object], now: float) -> tuple[str, ...]:
+        """The set of lines that what was heard would make whole, () if none. Changes nothing."""
+        staging = self._staging.copy()
+        for item in heard:
+            if isinstance(item, MissionLine):
+                held = staging.offer(item, self._store.content.lines, now)
+                if isinstance(held, Whole):
+                    return held.lines
+        return ()
+
+    def take(self, line: MissionLine, now: float) -> tuple[Verdict, bool]:
+        """And whether a set was made whole, and is stored."""
+        if not self.is_idle:
+            why = f"a mission can be uploaded in idle only, not in {self._vessel.state}"
+            return Verdict(False, why), False
+        held = self._staging.offer(line, self._store.content.lines, now)
+        if isinstance(held, Held):
+            return Verdict(True), False
+        if isinstance(held, OutOfPlace):
+            return Verdict(False, held.why), False
+        try:
+            self._vessel.accept(held.lines, now)
+        except (MissionRefused, StoreError) as error:
+            return Verdict(False, str(error)), False
+        self._staging.clear()
+        return Verdict(True), True
+
+    def holds(self, line: MissionLine) -> bool:
+        """It is a line of what is staged, or stored."""
+        stored = self._store.content.lines
+        is_stored = len(stored) == line.total and stored[line.current - 1] == line.payload
+        return is_stored or self._staging.holds(line)
+
+    def clear(self) -> None:
+        self._staging.clear()
+
+    def incomplete(self, now: float) -> bool:
+        return self._staging.incomplete(self._store.content.lines, now)
+
+    def report(self, refusal: str, now: float) -> StoreReport:
+        staging, stored = self.incomplete(now), len(self._store.content.lines)
+        state = "staging" if staging else "ready" if stored else "empty"
+        return StoreReport(
+            state if self.is_idle else "running",
+            self._staging.total if staging else stored,
+            self._staging.have if staging else stored,
+            self._staging.missing if staging else "",
+            self._vessel.digest[:16],
+            refusal,
+        )

@@ -1,0 +1,263 @@
+"""How a running serve is: state, sensors, margins to the limits, links; in a file, for anybody.
+
+    <folder>/status.json    written whole once a second (beside, then renamed), not synced: it
+                            tells of now, and after a power cut nobody asks for it
+
+The frames of the documents carry only the sensors (@VS) and the store (@AR); the rest is read on
+the Pi, by `auvmission status --local` and `doctor`. What does not live here: the black box.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mission import __version__
+from mission.onboard.blackbox import BlackBox
+from mission.onboard.runtime.drive import Drive
+from mission.model.plain import to_plain
+from mission.engine.limits import LIMITS
+from mission.model import Reading
+from mission.onboard.serve.ports import Port
+from mission.engine.variables import VARIABLES
+from mission.model.vehicle import Vehicle
+
+FILE = "status.json"
+EVERY_S = 1.0
+STALE_S = 10.0  # older: serve is not running, or hangs
+_SHOWN = (
+    "depth", "altitude", "heading", "pitch", "roll", "speed", "range", "uncertainty", "fix_age",
+    "battery", "temperature", "leak",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor:
+    """``why``: stale, missing, frozen, absurd; "" where the value is to be believed."""
+
+    value: float | None
+    unit: str
+    age_s: float | None
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Margin:
+    """To a limit in force; None where what it limits is not known now."""
+
+    bound: float
+    now: float | None
+    left: float | None
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class LinkHealth:
+    """``silent_s``: since the last byte came, None: none ever did."""
+
+    url: str
+    open: bool
+    received: int
+    sent: int
+    dropped: int
+    faults: int
+    silent_s: float | None
+    peers: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Health:
+    version: str
+    pid: int
+    wall: float  # s since 1970 UTC
+    up_s: float
+    state: str
+    leg: str
+    reason: str
+    mission: str  # digest
+    mission_time_s: float | None
+    commander: str
+    breached: tuple[str, ...]
+    broken: tuple[str, ...]  # of configuration, vehicle file and store, in words
+    ascent_only: str  # why nothing but an ascent is served, "" if more is
+    disarmed: Mapping[str, str]  # limit: why it can never act
+    margins: Mapping[str, Margin]
+    sensors: Mapping[str, Sensor]
+    links: Mapping[str, LinkHealth]
+    black_box: str
+    black_box_failure: str
+    black_box_lost: int
+
+
+def of_drive(drive: Drive, vehicle: Vehicle) -> dict[str, Any]:
+    """The fields of Health that the drive knows."""
+    engine = drive.engine
+    readings, bounds = engine.readings, engine.bounds
+
+    def known(name: str) -> float | None:
+        return _finite(readings[name].value) if readings[name].valid else None
+
+    elapsed, volts = engine.mission_time, known("battery")
+    return {
+        "version": __version__,
+        "pid": os.getpid(),
+        "commander": str(drive.commander.peer or ""),
+        "state": engine.state,
+        "leg": engine.leg,
+        "reason": engine.reason,
+        "mission": engine.chart.digest if engine.chart else "",
+        "mission_time_s": elapsed,
+        "breached": tuple(row.name for row in engine.breaches),
+        "disarmed": {row.name: why for row in LIMITS if (why := row.disarmed(vehicle))},
+        "margins": {
+            "depth": _margin(bounds.depth, known("depth"), "m"),
+            "radius": _margin(bounds.radius, known("range"), "m"),
+            "time": _margin(bounds.time, elapsed, "s"),
+            "voltage": Margin(
+                bounds.voltage, volts, None if volts is None else volts - bounds.voltage, "V"
+            ),
+        },
+        "sensors": {name: _sensor(name, readings[name]) for name in _SHOWN},
+    }
+
+
+def of_ports(
+    ports: Mapping[str, Port], now: float, faults: Mapping[str, int], dropped: Mapping[str, int]
+) -> dict[str, LinkHealth]:
+    return {
+        name: LinkHealth(
+            url=port.url,
+            open=port.link is not None,
+            received=port.received,
+            sent=port.sent,
+            dropped=dropped.get(name, 0),
+            faults=faults.get(name, 0),
+            silent_s=None if port.heard is None else max(0.0, now - port.heard),
+            peers=port.peers,
+        )
+        for name, port in ports.items()
+    }
+
+
+def of_box(box: BlackBox | None) -> dict[str, Any]:
+    return {
+        "black_box": str(box.path) if box else "",
+        "black_box_failure": box.failure if box else "nothing is recorded",
+        "black_box_lost": box.lost if box else 0,
+    }
+
+
+def _margin(bound: float, now: float | None, unit: str) -> Margin:
+    return Margin(bound, now, None if now is None else bound - now, unit)
+
+
+def _sensor(name: str, reading: Reading) -> Sensor:
+    unit, value = VARIABLES[name].unit, _finite(reading.value)
+    if unit == "deg" and value is not None:
+        value = math.degrees(value)
+    return Sensor(value, unit, _finite(reading.age), reading.reason)
+
+
+def _finite(value: float) -> float | None:
+    return value if abs(value) < float("inf") else None  # a NaN is not less either
+
+
+def write(folder: Path, health: Health) -> None:
+    """A disk that fails changes nothing: the file is then old, and says when it was written."""
+    beside = folder / f"{FILE}.new"
+    with contextlib.suppress(OSError):
+        beside.write_text(json.dumps(to_plain(health)) + "\n", encoding="utf-8")
+        beside.replace(folder / FILE)
+
+
+def read(folder: Path, wall: float) -> Mapping[str, Any] | None:
+    """What a serve that runs now has written; None where none runs, or does not tell."""
+    found = _written(folder)
+    if found is None or abs(wall - found["wall"]) > STALE_S:
+        return None
+    return found
+
+
+def mute(folder: Path, wall: float) -> int | None:
+    """The process of a serve that runs, but has not told of itself for long: its disk takes
+    nothing, or it hangs."""
+    found = _written(folder)
+    if found is None or abs(wall - found["wall"]) <= STALE_S or not _serves(int(found["pid"])):
+        return None
+    return int(found["pid"])
+
+
+def process(folder: Path) -> int | None:
+    """Of the serve that told last, if it lives."""
+    found = _written(folder)
+    return None if found is None else int(found["pid"])
+
+
+def _written(folder: Path) -> dict[str, Any] | None:
+    """By a process that lives."""
+    try:
+        found = json.loads((folder / FILE).read_text(encoding="utf-8"))
+        found["wall"] = float(found["wall"])
+        os.kill(int(found["pid"]), 0)
+    except PermissionError:  # it runs as another user
+        return found if isinstance(found, dict) else None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    return found if isinstance(found, dict) else None
+
+
+def _serves(pid: int) -> bool:
+    """After a restart of the Pi the number may be another program's."""
+    try:
+        return b"serve" in Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")
+    except OSError:
+        return False
+
+
+def as_lines(found: Mapping[str, Any], wall: float) -> Iterator[str]:
+    """For people: what concerns the dive first, and how old it is ``wall`` s after 1970 UTC."""
+    yield f"{'told':16} {max(0.0, wall - found['wall']):.0f} s ago"
+    for name in ("state", "leg", "reason", "mission_time_s", "mission", "commander"):
+        value = found[name]
+        if value not in ("", None):
+            yield f"{name:16} {value if isinstance(value, str) else f'{value:.1f}'}"
+    for text in (found["ascent_only"], *found["broken"]):
+        if text:
+            yield f"{'BROKEN':16} {text}"
+    for name in found["breached"]:
+        yield f"{'BREACHED':16} {name}"
+    for name, margin in found["margins"].items():
+        left = (
+            "not known now" if margin["left"] is None else f"{margin['left']:.1f} {margin['unit']}"
+        )
+        yield f"{'to ' + name:16} {left}, limit {margin['bound']:g} {margin['unit']}"
+    for name, why in found["disarmed"].items():
+        yield f"{'no ' + name:16} {why}"
+    for name, sensor in found["sensors"].items():
+        yield f"{name:16} {_sensed(sensor)}".rstrip()
+    for name, link in found["links"].items():
+        state = "open" if link["open"] else "CLOSED"
+        silent = (
+            "never heard" if link["silent_s"] is None else f"heard {link['silent_s']:.1f} s ago"
+        )
+        peers = f", {len(link['peers'])} connected" if name == "topside" else ""
+        yield (
+            f"{'link ' + name:16} {state}, {silent}, {link['received']} bytes in, "
+            f"{link['sent']} out, {link['faults']} faults{peers}"
+        )
+    yield f"{'black box':16} {found['black_box_failure'] or found['black_box']}"
+
+
+def _sensed(sensor: Mapping[str, Any]) -> str:
+    """What is not to be believed is no value of now: why, and how old it is."""
+    value = "" if sensor["value"] is None else f"{sensor['value']:.2f} {sensor['unit']}"
+    if not sensor["why"]:
+        return value
+    age = "" if sensor["age_s"] is None else f", {sensor['age_s']:.0f} s old"
+    return f"{sensor['why'].upper()}{age}{': last ' if value else ''}{value}"

@@ -1,0 +1,31 @@
+"""What a mission will need and takes long to import, in a thread, before anybody waits for it.
+
+It stays for ever, and with it some hundred thousand objects of the libraries. The collector would
+look through all of them now and then, for 60 ms on a fast machine: between a report and the command
+that answers it. So they are taken out of its sight.
+"""
+
+from __future__ import annotations
+
+import gc
+from typing import TYPE_CHECKING
+
+from mission.onboard.runtime.drive import Drive
+
+if TYPE_CHECKING:
+    from mission.navigation import Navigation
+
+
+def prepare(drive: Drive) -> Navigation:
+    gc.disable()
+    try:
+        import mission.authoring.check
+        import mission.authoring.language.assembly
+        import mission.authoring.language.lines  # noqa: F401
+
+        navigation = drive.make_navigation()
+        if not gc.get_freeze_count():  # a further drive: its predecessor may be garbage by now
+            gc.freeze()
+        return navigation
+    finally:
+        gc.enable()

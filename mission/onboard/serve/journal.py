@@ -1,0 +1,179 @@
+"""What an operator reads of a running serve: lines in order, each with its level, none without end.
+
+    info     what happens as it should: states, commands sent to the vehicle with their reason
+    warning  somebody should look at it: refusals, ports that are away, a fault of a limit
+    fault    the program or the vehicle needs help now
+
+The same thing again within a minute is counted, and told as a count afterwards. Of a ``kind`` that
+others can multiply (by addresses, by connections) ``OF_A_KIND`` different ones are told within a
+minute, and the rest is counted: no flood fills the disk. What does not live here: the black box,
+which has everything.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+from mission.onboard.runtime.records import FAULT as FAULT_RECORD
+from mission.onboard.runtime.records import Observer, Recorder
+from mission.model import Estimate, Record, Step, Tx
+from mission.model.regions import EMERGENCY
+
+INFO, WARNING, FAULT = "info", "warning", "fault"
+LEVELS = {INFO: 6, WARNING: 4, FAULT: 3}  # syslog's numbers
+AGAIN_S = 60.0
+OF_A_KIND = 20  # different things that are told within ``AGAIN_S``
+REMEMBERED = 512
+_COMMAND = "to the vehicle\0"  # keys of what the vehicle was sent begin so
+
+
+@dataclass(slots=True)
+class _Told:
+    t: float
+    level: str
+    text: str
+    more: int = 0
+
+
+class Journal:
+    """``now`` is any clock that does not go back."""
+
+    def __init__(self, write: Callable[[str], None], now: Callable[[], float]) -> None:
+        self._write, self._now = write, now
+        self._told: dict[str, _Told] = {}
+
+    def info(self, text: str, key: str = "", kind: str = "") -> None:
+        """``key``: what counts as the same thing; by itself the text."""
+        self._tell(INFO, text, key, 1, kind)
+
+    def warning(self, text: str, key: str = "", times: int = 1, kind: str = "") -> None:
+        self._tell(WARNING, text, key, times, kind)
+
+    def fault(self, text: str) -> None:
+        """Always told."""
+        self._write(f"{FAULT}: {text.rstrip()}")
+
+    def settle(self) -> None:
+        """The counts whose minute is over; to be called now and then."""
+        now = self._now()
+        self._end([k for k, told in self._told.items() if now - told.t >= AGAIN_S])
+
+    def _forget(self, prefix: str) -> None:
+        self._end([k for k in self._told if k.startswith(prefix)])
+
+    def _end(self, keys: Iterable[str]) -> None:
+        for key in keys:
+            told = self._told.pop(key)
+            if told.more:
+                self._write(f"{told.level}: {told.more} more of: {told.text}")
+
+    def _tell(self, level: str, text: str, key: str, times: int, kind: str = "") -> None:
+        now, key = self._now(), f"{kind}\0{key or text}" if kind else key or text
+        if kind and key not in self._told and self._is_full(kind, now):
+            key, text = kind, f"{kind}: beyond {OF_A_KIND} different ones a minute they are counted"
+        told = self._told.get(key)
+        if told is not None and now - told.t < AGAIN_S:
+            told.more += times
+            return
+        if told is not None or len(self._told) >= REMEMBERED:
+            self.settle()
+        if len(self._told) < REMEMBERED:
+            self._told[key] = _Told(now, level, text, times - 1)
+        self._write(f"{level}: {text.rstrip()}")
+
+    def _is_full(self, kind: str, now: float) -> bool:
+        recent = (told for key, told in self._told.items() if key.startswith(f"{kind}\0"))
+        return sum(now - told.t < AGAIN_S for told in recent) >= OF_A_KIND
+
+    # --- what a drive does -----------------------------------------------------------------
+
+    def commanded(self, tx: Tx, sent: bool) -> None:
+        """What the vehicle was sent; always told, a stick that is held once a minute."""
+        frame = _shown(tx.data)
+        manual = "@M" in tx.reason or "@D" in tx.reason
+        key = _COMMAND + (tx.reason if manual else f"{frame} {tx.reason}")
+        if sent:
+            self.info(f"to the vehicle: {frame} - {tx.reason}", key)
+        else:
+            self.warning(f"NOT SENT, the port is closed: {frame} - {tx.reason}", f"{key} not sent")
+
+    def answered(self, tx: Tx) -> None:
+        """What topside was sent: told where it says no."""
+        if tx.data.startswith(b"@ACK_") and tx.data.endswith(b"N$"):
+            to = f"{tx.link} {tx.address}".rstrip()
+            said = f"refused: {_shown(tx.data)} to {to} - {tx.reason}"
+            self.warning(said, kind="refused commands")
+
+    def commands(self, peer: str, loser: str) -> None:
+        if loser:
+            text = f"{peer} has taken the command over from {loser}"
+            self.warning(text, kind="changes of command")
+        else:
+            self.info(f"{peer} commands", kind="new commanders")
+
+    def step(self, step: Step) -> None:
+        if step.entered:  # the same command in another state is another thing
+            self._forget(_COMMAND)
+        for path in step.entered[-1:]:
+            because = step.trigger or step.event
+            what = "; ".join(step.actions)
+            self._now_in(path, f"{because}{': ' if what else ''}{what}")
+
+    def estimate(self, estimate: Estimate) -> None:
+        """Not for people."""
+
+    def _now_in(self, path: str, because: str) -> None:
+        level = WARNING if path.startswith(EMERGENCY) else INFO
+        self._write(f"{level}: now {path} - {because}")
+
+
+class Several:
+    """Observers of one drive, in their order."""
+
+    def __init__(self, *observers: Observer) -> None:
+        self._observers = observers
+
+    def step(self, step: Step) -> None:
+        for observer in self._observers:
+            observer.step(step)
+
+    def estimate(self, estimate: Estimate) -> None:
+        for observer in self._observers:
+            observer.estimate(estimate)
+
+
+class Tally:
+    """A recorder in front of the black box that counts faults by link."""
+
+    def __init__(self) -> None:
+        self.faults: Counter[str] = Counter()
+        self._recorder: Recorder | None = None
+
+    def over(self, recorder: Recorder | None) -> Tally:
+        self._recorder = recorder
+        return self
+
+    def record(self, record: Record) -> None:
+        if record.kind == FAULT_RECORD:
+            self.faults[record.payload.partition(b"\0")[0].decode()] += 1
+        if self._recorder is not None:
+            self._recorder.record(record)
+
+
+def _shown(data: bytes) -> str:
+    return data.decode("ascii") if data.isascii() else data.hex(" ")
+
+
+def printed(line: str, wall: float) -> str:
+    """For the system's journal with its level as a number, for a terminal with the time."""
+    level, _, text = line.partition(": ")
+    if level not in LEVELS:
+        level, text = INFO, line
+    if "JOURNAL_STREAM" in os.environ:
+        return "\n".join(f"<{LEVELS[level]}>{row}" for row in text.split("\n"))
+    stamp = datetime.fromtimestamp(wall, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+    return f"{stamp} {level:7} {text}"

@@ -1,0 +1,90 @@
+"""When serve may go: when the vehicle needs nobody, or when there is no more time.
+
+    signal --> up first, while the operator's words still count --> settled        --> end
+    another signal, or MARGIN_S before the service manager kills --> last words    --> end
+
+Whoever ends serve may be about to switch the Pi off, and a vehicle in automatic keeps its last
+setpoint for ever. The service manager tells nobody how long it waits: the unit says it twice, as
+TimeoutStopSec and as AUVMISSION_STOP_S. What does not live here: what is said to the vehicle
+(engine: ending).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Callable, Mapping
+
+from mission.onboard.runtime.drive import Drive
+
+VARIABLE = "AUVMISSION_STOP_S"
+USUAL_S = 300.0  # TimeoutStopSec of the unit
+MARGIN_S = 10.0  # real time, for the last words and for the black box
+LAST_WORDS_S = 3.0  # real time, for the answers to the last words and their further tries
+LOOK_S = 0.05
+UP_FIRST = (
+    "serve ends when the vehicle is at the surface; X, W and the stick are still heard; "
+    "told once more (ctrl-C, SIGTERM) it ends at once"
+)
+TOO_EARLY = (
+    "serve ends before the surface is proved: what the vehicle was told last holds; "
+    "when serve runs again, it surfaces the vehicle"
+)
+
+
+def time_to_leave(environment: Mapping[str, str]) -> float:
+    """s of real time between the signal and the last words."""
+    try:
+        given = float(environment.get(VARIABLE, ""))
+    except ValueError:
+        given = USUAL_S
+    return max(0.0, (given if math.isfinite(given) else USUAL_S) - MARGIN_S)
+
+
+class Leaving:
+    """``living`` gives the drive, None while another one is about to begin; ``end`` is called with
+    whether the last words are due; ``tell`` gets what an operator should know."""
+
+    def __init__(
+        self,
+        seconds: float,
+        living: Callable[[], Drive | None],
+        end: Callable[[bool], None],
+        tell: Callable[[str], None],
+    ) -> None:
+        self._seconds, self._living, self._end, self._tell = seconds, living, end, tell
+        self.ordered, self._hurry = asyncio.Event(), asyncio.Event()
+        self.over = False
+
+    def signal(self) -> None:
+        """The second one hurries."""
+        if self.ordered.is_set():
+            self._hurry.set()
+        self.ordered.set()
+
+    async def leave(self) -> None:
+        self._end(False)
+        if not self._settled():
+            self._tell(UP_FIRST)
+        await _until(lambda: self._settled() or self._hurry.is_set(), self._seconds)
+        if not self._settled():
+            self._end(True)
+            self._tell(TOO_EARLY)
+        await _until(self._said_all, LAST_WORDS_S)
+        self.over = True
+
+    def _settled(self) -> bool:
+        drive = self._living()
+        return drive is not None and drive.engine.settled
+
+    def _said_all(self) -> bool:
+        drive = self._living()
+        return drive is None or drive.said_all
+
+
+async def _until(holds: Callable[[], bool], seconds: float) -> None:
+    """At most so long."""
+    clock = asyncio.get_running_loop().time
+    end = clock() + seconds
+    while not holds() and clock() < end:
+        await asyncio.sleep(LOOK_S)

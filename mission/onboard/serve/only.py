@@ -1,0 +1,53 @@
+"""One serve for one folder: two would take turns at the vehicle, and at what is under way.
+
+The lock is on the folder itself and ends with the process, however that ends. A disk that knows no
+locks keeps no serve from beginning: it may have a vehicle to surface. What does not live here: the
+exclusive use of a port (links).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from mission.onboard.serve import health
+
+
+class AnotherServe(OSError):
+    """The operator must act: says which process has the folder."""
+
+
+@contextlib.contextmanager
+def only_one(folder: Path) -> Iterator[None]:
+    """Raises AnotherServe."""
+    descriptor = _locked(folder)
+    try:
+        yield
+    finally:
+        if descriptor >= 0:
+            os.close(descriptor)
+
+
+def _locked(folder: Path) -> int:
+    """-1: there is no locking here."""
+    try:
+        import fcntl
+
+        descriptor = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
+    except (ImportError, OSError):
+        return -1
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(descriptor)
+        who = health.process(folder)
+        raise AnotherServe(
+            f"another serve{f' (process {who})' if who else ''} runs with the folder {folder}: "
+            "stop that one first (systemctl stop auvmission), or give --folder"
+        ) from None
+    except OSError:
+        os.close(descriptor)
+        return -1
+    return descriptor

@@ -1,0 +1,184 @@
+"""The configured links of `serve`, each kept open: opened in a thread, watched, opened again.
+
+    closed --open_link--> open --LinkClosed--> closed --RETRY_S--> ...
+    switched off (@NS) --> closed, until switched on
+
+A port that is busy or absent is told once, in the link's own words, and tried again for ever; a
+link's error never leaves here. What does not live here: what the bytes mean (drive), the links.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import re
+from collections import Counter
+from collections.abc import Callable
+
+from links import baud_of, open_link
+from links.admission import Refusal
+from links.base import Link, LinkError, Rx
+from links.tcp import TcpServer
+from mission.onboard.serve.pace import BAUD, Pace
+
+RETRY_S = 1.0  # real time
+
+
+class Port:
+    """``readable`` is called when the link has something, ``changed`` when it opened or closed."""
+
+    def __init__(
+        self,
+        name: str,
+        url: str,
+        readable: Callable[[Port], None],
+        changed: Callable[[Port], None],
+        tell: Callable[[str], None],
+    ) -> None:
+        self.name, self.url = name, url
+        self._readable, self._changed, self._tell = readable, changed, tell
+        self.link: Link | None = None
+        self.received = self.sent = 0  # bytes
+        self.heard: float | None = None  # the engine's time
+        self._told = ""
+        self._pace = Pace(0.0, BAUD)
+        self._closed, self._tried = asyncio.Event(), asyncio.Event()
+        self._on = asyncio.Event()
+        self._on.set()
+
+    @property
+    def peers(self) -> tuple[str, ...]:
+        """Who is connected, where the link has several peers."""
+        return self.link.peers if isinstance(self.link, TcpServer) else ()
+
+    def vouch(self, address: str) -> None:
+        """What came from there makes sense."""
+        if isinstance(self.link, TcpServer):
+            self.link.vouch(address)
+
+    def refusals(self) -> Counter[Refusal]:
+        """Who was turned away or dropped, and how often, since the last call."""
+        return self.link.refusals() if isinstance(self.link, TcpServer) else Counter()
+
+    async def keep_open(self) -> None:
+        """Runs until it is cancelled."""
+        try:
+            while True:
+                await self._on.wait()
+                await self._open()
+        finally:
+            self._tried.set()
+            self.close()
+
+    async def tried(self, seconds: float) -> None:
+        """Waits until it is open, or until that has failed once, or so long."""
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(self._tried.wait(), seconds)
+
+    async def _open(self) -> None:
+        loop = asyncio.get_running_loop()
+        self._closed.clear()
+        try:
+            link = await loop.run_in_executor(None, open_link, self.name, self.url)
+        except (LinkError, OSError) as error:
+            self._complain(f"{error} - trying again")
+            self._tried.set()
+            await asyncio.sleep(RETRY_S)
+            return
+        if not self._on.is_set():
+            link.close()
+            return
+        self._adopt(link)
+        await self._closed.wait()
+        if self._on.is_set():
+            await asyncio.sleep(RETRY_S)
+
+    def _adopt(self, link: Link) -> None:
+        self.link = link
+        if isinstance(link, TcpServer):
+            self.url = re.sub(r":0(?=$|\?)", f":{link.port}", self.url)  # the same one, again
+        if self._told:
+            self._told = ""
+            self._tell(f"{self.name}: {self.url} is open")
+        self._tried.set()
+        if link.fileno() >= 0:
+            asyncio.get_running_loop().add_reader(link.fileno(), self._readable, self)
+        self._changed(self)
+
+    def keep_gaps(self, gap: float) -> None:
+        """Of so many s between any two frames that are sent."""
+        self._pace = Pace(gap, baud_of(self.url, BAUD))
+
+    def receive(self, now: float) -> list[Rx]:
+        for frame in self._pace.due(now):
+            self._write(frame, now, "")
+        if self.link is None:
+            return []
+        watched = self.link.fileno()
+        try:
+            heard = self.link.receive(now)
+        except (LinkError, OSError) as error:
+            self._lose(watched, error)
+            return []
+        if heard:
+            self.heard = now
+            self.received += sum(len(rx.data) for rx in heard)
+        return heard
+
+    def send(self, data: bytes, now: float, address: str) -> bool:
+        """What cannot leave is lost, as on a line that nobody listens to; False says so."""
+        if self.link is None:
+            return False
+        for frame in self._pace.leaving(data, now):
+            self._write(frame, now, address)
+        return self.link is not None
+
+    def _write(self, data: bytes, now: float, address: str) -> None:
+        if self.link is None:
+            return
+        watched = self.link.fileno()
+        try:
+            self.link.send(data, now, address)
+            self.sent += len(data)
+        except (LinkError, OSError) as error:
+            if not isinstance(self.link, TcpServer):  # else one peer is gone, not the link
+                self._lose(watched, error)
+
+    def next_event(self) -> float | None:
+        """When to look though nothing came: bytes of a link without a descriptor, a peer's end."""
+        if self.link is None:
+            return None
+        events = (self.link.next_event(), self._pace.next_event())
+        return min((event for event in events if event is not None), default=None)
+
+    def switch(self, on: bool) -> None:
+        if on:
+            self._on.set()
+        else:
+            self._on.clear()
+            self.close()
+
+    def close(self) -> None:
+        if self.link is not None:
+            self._drop(self.link.fileno())
+
+    def _lose(self, watched: int, error: OSError) -> None:
+        self._complain(f"{error} - trying again")
+        self._drop(watched)
+
+    def _drop(self, watched: int) -> None:
+        """``watched``: the descriptor; a link that lost its device has forgotten it."""
+        link, self.link = self.link, None
+        self._pace.clear()
+        if watched >= 0:
+            asyncio.get_running_loop().remove_reader(watched)
+        if link is not None:
+            with contextlib.suppress(OSError):
+                link.close()
+            self._closed.set()
+            self._changed(self)
+
+    def _complain(self, text: str) -> None:
+        if text != self._told:
+            self._told = text
+            self._tell(text)

@@ -1,0 +1,111 @@
+"""What stands behind the nodes (R13): links that are switched, and the camera's command.
+
+A request is ``CAMERA O``; what is so afterwards is answered as ``CAMERA O\\n``, or not at all: then
+the switch is refused after its 5 s. A camera whose command ends by itself is closed: that is told,
+and reported as ``CAMERA C\\n`` unasked. The command and whatever it started are one group, and end
+together. What does not live here: which switches are allowed (topside).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import shlex
+import signal
+from asyncio.subprocess import DEVNULL, Process
+from collections.abc import Callable, Mapping
+
+from mission.onboard.runtime.nodes import CLOSE, OPEN
+from mission.onboard.serve.ports import Port
+
+PATIENCE_S = 3.0  # that a process has to end by itself
+BEGINS_S = 0.3  # that a command has to fail in at once: then it was never open
+CAMERA = "CAMERA"
+
+
+class Processes:
+    """``ports``: by the name of their node. ``camera``: a command line, None: there is none.
+    ``report`` gets what is so though nobody asked for it."""
+
+    def __init__(
+        self,
+        ports: Mapping[str, Port],
+        camera: str | None,
+        tell: Callable[[str], None],
+        report: Callable[[bytes], None],
+    ) -> None:
+        self._ports, self._camera, self._tell, self._report = ports, camera, tell, report
+        self._process: Process | None = None
+        self._watch: asyncio.Task[None] | None = None
+
+    async def switch(self, request: bytes) -> bytes:
+        """The answer, b"" if it did not work."""
+        name, _, letter = request.decode("ascii", "replace").partition(" ")
+        on = letter == OPEN
+        if name in self._ports:
+            self._ports[name].switch(on)
+        elif name != CAMERA or not await self._switch_camera(on):
+            return b""
+        return request + b"\n"
+
+    async def end(self) -> None:
+        await self._switch_camera(False)
+
+    async def _switch_camera(self, on: bool) -> bool:
+        running = self._process is not None and self._process.returncode is None
+        if on == running:
+            return True
+        if not on:
+            await self._stop()
+            return True
+        if self._camera is None:
+            self._tell("CAMERA was to be opened, but the configuration has no command for it")
+            return False
+        try:
+            self._process = await asyncio.create_subprocess_exec(
+                *shlex.split(self._camera),
+                stdin=DEVNULL,
+                stdout=DEVNULL,
+                stderr=DEVNULL,
+                start_new_session=True,
+            )
+        except (OSError, ValueError) as error:
+            self._tell(f"CAMERA: {self._camera}: {error}")
+            return False
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(self._process.wait(), BEGINS_S)
+            self._tell(f"CAMERA: {self._camera}: {_ended(self._process)} at once")
+            return False
+        self._watch = asyncio.ensure_future(self._until_it_ends(self._process))
+        return True
+
+    async def _until_it_ends(self, process: Process) -> None:
+        await process.wait()
+        if process is self._process:
+            _signal(process, signal.SIGTERM)  # what it left behind
+            self._tell(f"CAMERA: {self._camera}: {_ended(process)} by itself")
+            self._report(f"{CAMERA} {CLOSE}\n".encode())
+
+    async def _stop(self) -> None:
+        process, self._process = self._process, None
+        if process is None:
+            return
+        _signal(process, signal.SIGTERM)
+        try:
+            await asyncio.wait_for(process.wait(), PATIENCE_S)
+        except TimeoutError:
+            pass
+        finally:
+            _signal(process, signal.SIGKILL)  # whoever of the group is still there
+        await process.wait()
+
+
+def _signal(process: Process, number: signal.Signals) -> None:
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        os.killpg(process.pid, number)
+
+
+def _ended(process: Process) -> str:
+    code = process.returncode or 0
+    return f"ended by signal {-code}" if code < 0 else f"ended with exit code {code}"

@@ -1,0 +1,183 @@
+"""What serve begins with, whatever is broken: it may have a vehicle to bring up.
+
+    configuration, vehicle file, store are good       --> that
+    the store is broken                               --> one that keeps nothing, and does not know
+                                                          what was under way
+    configuration or vehicle file are broken, and
+       nothing was under way                          --> Unusable: somebody has to mend them
+       something was, or may have been                --> the last that worked (working), else what
+                                                          is shipped; for the ascent alone
+
+``ascent only``: no mission is accepted, none starts; with an old configuration the operator's port
+is the loopback's, since a revoked key or an old list of addresses must not come back.
+
+What does not live here: what the ascent is (engine), the files themselves (configuration, vehicle,
+store, working).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from links import LinkAddressError, check_url, parse_address
+from links.base import LinkError
+from mission.onboard.configuration import (
+    Configuration,
+    ConfigurationError,
+    LinkUrls,
+    load_configuration,
+)
+from mission.onboard.kept import Homes
+from mission.onboard.serve.listening import listening
+from mission.onboard.serve.working import Working, find, keep
+from mission.onboard.store import DiskStore, LostStore, Store, StoreError
+from mission.model.vehicle import Vehicle, VehicleError
+from mission.model.shipped import load_vehicle
+
+BUILT_IN = "auv"
+TOPSIDE_PORT = 4000
+
+
+class Unusable(ValueError):
+    """The operator must act; nothing was under way that would have to come up."""
+
+
+@dataclass(frozen=True, slots=True)
+class Provision:
+    """``faults``: what is broken, in words; ``damage``: what of the store."""
+
+    configuration: Configuration
+    vehicle: Vehicle
+    store: Store
+    homes: Homes
+    faults: tuple[str, ...] = ()
+    damage: tuple[str, ...] = ()
+
+    def keep(self) -> None:
+        """It worked; what only brings a vehicle up is not kept. Raises OSError."""
+        if not self.configuration.ascent_only:
+            keep(Working(self.configuration, self.vehicle), self.homes)
+
+
+def provide(
+    config: Path | None,
+    given: Mapping[str, str | None],
+    folder: Path | None,
+    environment: Mapping[str, str] = os.environ,
+) -> Provision:
+    """``given``: the links of the command line, by name. Raises Unusable."""
+    homes = Homes(config, folder, environment)
+    faults: list[str] = []
+    configuration = _configuration(config, given, folder, faults)
+    vehicle = None if configuration is None else _vehicle(configuration.vehicle, faults)
+    if configuration is None or vehicle is None:
+        configuration, vehicle, store = _fall_back(configuration, given, homes, faults)
+    else:
+        store = _store(configuration.store)
+    if isinstance(store, LostStore):
+        faults.append(store.why)
+    return Provision(configuration, vehicle, store, homes, tuple(faults), store.content.damage)
+
+
+def _configuration(
+    config: Path | None,
+    given: Mapping[str, str | None],
+    folder: Path | None,
+    faults: list[str],
+) -> Configuration | None:
+    try:
+        read = load_configuration(config)
+        links = _with(read.links, given)
+        for url in _urls(links):
+            check_url(url)
+    except (ConfigurationError, LinkError) as error:
+        faults.append(str(error))
+    except Exception as error:  # a library that is missing, a home that nobody has
+        faults.append(f"the configuration cannot be read: {type(error).__name__}: {error}")
+    else:
+        return replace(read, links=links, folder=folder or read.folder)
+    return None
+
+
+def _vehicle(name: str, faults: list[str]) -> Vehicle | None:
+    try:
+        return load_vehicle(name)
+    except VehicleError as error:
+        faults.append(str(error))
+    except Exception as error:
+        faults.append(f"the vehicle file {name} cannot be read: {type(error).__name__}: {error}")
+    return None
+
+
+def _store(folder: Path) -> Store:
+    try:
+        return DiskStore(folder)
+    except StoreError as error:
+        return LostStore(str(error))
+
+
+def _fall_back(
+    configuration: Configuration | None,
+    given: Mapping[str, str | None],
+    homes: Homes,
+    faults: list[str],
+) -> tuple[Configuration, Vehicle, Store]:
+    kept = find(homes)
+    base = configuration or _old(kept, given, homes)
+    known = configuration is not None or kept is not None or homes.folder is not None
+    store = _left_behind(base.store, known)
+    if not store.content.under_way:
+        raise Unusable("\n".join(faults))
+    vehicle = kept.vehicle if kept is not None else load_vehicle(BUILT_IN)
+    why = f"serve brings the vehicle up, and nothing else: {faults[0].splitlines()[0]}"
+    return replace(base, ascent_only=why), vehicle, store
+
+
+def _old(kept: Working | None, given: Mapping[str, str | None], homes: Homes) -> Configuration:
+    base = kept.configuration if kept is not None else Configuration()
+    sound = {name: url for name, url in given.items() if url and _opens(name, url)}
+    links = _with(base.links, sound)
+    return replace(
+        base,
+        links=replace(links, topside=f"tcp-listen://127.0.0.1:{_port(links.topside)}"),
+        folder=homes.folder or base.folder,
+        camera=None,
+        set_system_clock=False,
+    )
+
+
+def _left_behind(folder: Path, known: bool) -> Store:
+    """What the store says; nothing is made, so that none is found where none was."""
+    if os.path.lexists(folder):
+        return _store(folder)
+    if known:
+        return LostStore(f"there is no store {folder}", under_way="")
+    return LostStore("nobody knows where the store is")
+
+
+def _with(links: LinkUrls, given: Mapping[str, str | None]) -> LinkUrls:
+    urls = {n: None if n == "gps" and u == "none" else u for n, u in given.items() if u}
+    return replace(links, **urls)  # type: ignore[arg-type]
+
+
+def _urls(links: LinkUrls) -> list[str]:
+    urls = (links.vehicle, links.gps, listening(links.topside), links.modem)
+    return [url for url in urls if url is not None]
+
+
+def _opens(name: str, url: str) -> bool:
+    try:
+        check_url(listening(url) if name == "topside" else url)
+    except LinkAddressError:
+        return name == "gps" and url == "none"
+    return True
+
+
+def _port(topside: str) -> int:
+    try:
+        return parse_address(listening(topside)).port or 0
+    except LinkAddressError:
+        return TOPSIDE_PORT

@@ -1,0 +1,92 @@
+"""What a running serve writes to the disk: the black box of its drive, and its health.
+
+    records --FLUSH_S--> black box        Health --EVERY_S--> status.json
+    what it began with --once it has worked--> working
+
+One thread does all of it, so that nobody waits for the disk but the disk. A disk that fails is
+told, and stops nothing. What does not live here: the files' formats (blackbox, health).
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from mission.onboard.blackbox import FLUSH_S, BlackBox, file_name, new_path
+from mission.onboard.serve import health
+from mission.onboard.serve.journal import Tally
+from mission.onboard.serve.provision import Provision
+from mission.onboard.serve.working import find
+
+
+class Recording:
+    def __init__(self, tell: Callable[[str], None]) -> None:
+        self._tell = tell
+        self.tally = Tally()  # what the drive writes to
+        self.box: BlackBox | None = None
+        self._failure = ""  # as it was told
+        self._disk = ThreadPoolExecutor(1, "black box")
+
+    @property
+    def path(self) -> str:
+        """Of the black box, "" if there is none."""
+        return str(self.box.path) if self.box is not None else ""
+
+    def begin(self, folder: Path, wall: float) -> None:
+        """A black box of its own for a drive that begins."""
+        self.box = BlackBox(_free_path(folder, wall), wall, shell=True)
+        self._failure = self.box.failure
+        if self._failure:
+            self._tell(f"{self._failure} - nothing will be recorded until that is mended")
+        self.tally.over(self.box)
+
+    async def keep_box(self) -> None:
+        """Runs until it is cancelled."""
+        while True:
+            await asyncio.sleep(FLUSH_S)
+            box = self.box
+            if box is None:
+                continue
+            if (data := box.take()) or box.failure:
+                # shielded: what was taken is written even when this task is cancelled
+                stored = self._disk.submit(box.store, data, True)
+                await asyncio.shield(asyncio.wrap_future(stored))
+            if box.failure != self._failure:
+                self._failure = box.failure
+                self._tell(f"black box: {self._failure or 'it is written now'}")
+
+    async def keep_status(self, folder: Path, look: Callable[[], health.Health | None]) -> None:
+        """Runs until it is cancelled."""
+        loop = asyncio.get_running_loop()
+        while True:
+            if (how := look()) is not None:
+                await loop.run_in_executor(self._disk, health.write, folder, how)
+            await asyncio.sleep(health.EVERY_S)
+
+    async def keep_working(self, got: Provision, heard: Callable[[], bool]) -> None:
+        """The configuration, once it has worked; runs until then."""
+        loop = asyncio.get_running_loop()
+        is_first = find(got.homes) is None
+        while not (is_first or heard()):
+            await asyncio.sleep(health.EVERY_S)
+        try:
+            await loop.run_in_executor(self._disk, got.keep)
+        except OSError as error:
+            self._tell(f"should the configuration break, this one cannot be kept for then: {error}")
+
+    async def shut(self) -> None:
+        box, self.box = self.box, None
+        if box is not None:
+            await asyncio.get_running_loop().run_in_executor(self._disk, box.close)
+
+    def end(self) -> None:
+        self._disk.shutdown()
+
+
+def _free_path(folder: Path, wall: float) -> Path:
+    try:
+        return new_path(folder, wall)
+    except OSError:  # a folder that cannot be looked into: making the file says why
+        return folder / file_name(wall)

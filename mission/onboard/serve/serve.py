@@ -1,0 +1,389 @@
+"""The asyncio shell around the drive: ports, timers, black box, signals. It decides nothing.
+
+    bytes --Port--Sieve--> Drive.receive --+   (the sieve: topside's connections alone)
+    timer -------------> Drive.handle_timer +--> Tx --> Port | nodes | system clock
+    peers -------------> connected, ...  --+     records --every 0.1 s, in a thread--> black box
+
+What an operator should read goes to the journal, how everything is to status.json (health).
+The wall clock and the monotonic clock are read here and nowhere else in the sea's way; the engine's
+time begins with the drive, ``speed`` times as fast as real time (a demonstration; 1 at sea).
+The filter is imported in a thread once the ports are there; until then @AA is refused.
+
+A fault of the program ends the drive, not the vehicle: it is told, and another drive begins as
+after a restart (what was under way surfaces), on the same ports, with a black box of its own.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+import sys
+import time
+import traceback
+from collections.abc import Callable, Coroutine
+from dataclasses import dataclass
+from typing import Any
+
+from links.base import Rx
+from mission.onboard.runtime.drive import CLOCK, Drive
+from mission.onboard.runtime.nodes import LINK as NODES
+from mission.onboard.runtime.records import Observer
+from mission.onboard.runtime.vessel import Peer
+from mission.model import Tx
+from mission.onboard.serve import health
+from mission.onboard.serve.docket import Docket
+from mission.onboard.serve.heavy import prepare
+from mission.onboard.serve.journal import Journal, Several
+from mission.onboard.serve.leaving import MARGIN_S, USUAL_S, Leaving
+from mission.onboard.serve.listening import listening, open_to_all, reached_at
+from mission.onboard.serve.ports import Port
+from mission.onboard.serve.processes import Processes
+from mission.onboard.serve.provision import Provision
+from mission.onboard.serve.recording import Recording
+from mission.onboard.serve.sieve import Sieve, host_of
+from mission.onboard.serve.systemclock import set_system_clock
+from mission.onboard.serve.watchdog import Watchdog
+
+VEHICLE, GPS, TOPSIDE, MODEM = "vehicle", "gps", "topside", "modem"
+NODE_OF = {VEHICLE: "STM32", GPS: "BDGPS", MODEM: "UACM"}
+FIRST_S = 1.0  # real time, that the first W of a restart waits for its port
+REBIRTH_S = 1.0  # real time, between a fault of the program and the next drive
+SWITCH_S = 0.0005  # the disk's and the judge's threads give way to the loop so soon, not in 5 ms
+EARLY_S = 0.002  # a timer that fires so much too early counts as in time
+
+
+@dataclass(frozen=True, slots=True)
+class Ready:
+    """Told once, when an operator can connect."""
+
+    topside: str  # tcp://host:port, the port as it really is
+    black_box: str  # path, "" if there is none
+
+
+class Server:
+    """``tell`` gets the journal's lines; ``ready`` is called once."""
+
+    def __init__(
+        self,
+        got: Provision,
+        tell: Callable[[str], None],
+        ready: Callable[[Ready], None] = lambda ready: None,
+        speed: float = 1.0,
+        observer: Observer | None = None,
+        leave_within: float = USUAL_S - MARGIN_S,
+    ) -> None:
+        self._got = got
+        self._configuration, self._vehicle, self._store = got.configuration, got.vehicle, got.store
+        self._journal = Journal(tell, time.monotonic)
+        self._tell, self._ready, self._speed = self._journal.warning, ready, speed
+        self._observer = Several(self._journal, *([observer] if observer else []))
+        self._sieve, self._began = Sieve(time.monotonic()), time.monotonic()
+        self._recording, self._docket = Recording(self._tell), Docket(self._hear, self._spawn)
+        self._commander: Peer | None = None
+        self._drive: Drive | None = None
+        self._zero = 0.0
+        self._timer: asyncio.TimerHandle | None = None
+        self._peers: dict[str, frozenset[str]] = {}
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._leaving = Leaving(leave_within, lambda: self._drive, self._order_end, self._tell)
+        self._announced = False
+        self._watchdog = Watchdog()
+
+    async def run(self) -> None:
+        """Until ``stop``."""
+        links = self._configuration.links
+        urls = {
+            TOPSIDE: listening(links.topside),
+            VEHICLE: links.vehicle,
+            GPS: links.gps,
+            MODEM: links.modem,
+        }
+        self._ports = {
+            name: Port(name, url, self._readable, self._changed, self._tell)
+            for name, url in urls.items()
+            if url is not None
+        }
+        nodes = {NODE_OF[name]: port for name, port in self._ports.items() if name in NODE_OF}
+        camera = self._configuration.camera
+        self._processes = Processes(nodes, camera, self._tell, self._changed_node)
+        self._spawn(self._ports[VEHICLE].keep_open())
+        await self._ports[VEHICLE].tried(FIRST_S)
+        await self._begin()
+        for name, port in self._ports.items():
+            if name != VEHICLE:
+                self._spawn(port.keep_open())
+        self._spawn(self._recording.keep_box())
+        self._spawn(self._recording.keep_status(self._configuration.folder, self._health))
+        self._spawn(self._recording.keep_working(self._got, self._is_heard))
+        self._watchdog.ready()  # the drive lives, whether or not topside can be listened to
+        await self._leaving.ordered.wait()
+        await self._end()
+
+    def stop(self) -> None:
+        """The first time in order: up first (leaving)."""
+        self._leaving.signal()
+
+    def _is_heard(self) -> bool:
+        return self._ports[VEHICLE].heard is not None
+
+    def hang_up(self) -> None:
+        self._tell("the terminal that serve was started from is gone; serve goes on")
+
+    def now(self) -> float:
+        """The engine's time."""
+        return (time.monotonic() - self._zero) * self._speed
+
+    # --- the drive ---------------------------------------------------------------------------
+
+    async def _begin(self) -> None:
+        """A drive with its black box, from what the store holds."""
+        wall = time.time()
+        self._recording.begin(self._configuration.log, wall)
+        self._zero = time.monotonic()
+        try:
+            self._drive = Drive(
+                self._configuration,
+                self._vehicle,
+                self._store,
+                self._recording.tally,
+                wall=wall,
+                observer=self._observer,
+            )
+        except Exception:
+            self._fault()
+            return
+        self._ports[VEHICLE].keep_gaps(self._drive.gap)
+        for name, port in self._ports.items():
+            self._peers[name] = frozenset()
+            self._meet(port)
+        self._spawn(self._navigate(self._drive))
+        self._schedule()
+
+    async def _navigate(self, drive: Drive) -> None:
+        """The filter's import takes a second and more: not in this thread."""
+        loop = asyncio.get_running_loop()
+        try:
+            navigation = await loop.run_in_executor(None, prepare, drive)
+        except Exception:
+            self._journal.fault("navigation cannot be loaded, no mission can start:")
+            self._journal.fault(traceback.format_exc())
+            return
+        if drive is self._drive:
+            self._do(lambda d: d.set_navigation(navigation, self.now()))
+
+    def _do(self, call: Callable[[Drive], list[Tx]]) -> None:
+        """One input to the drive, and everything that leaves because of it."""
+        if self._drive is None:
+            return
+        try:
+            out = call(self._drive)
+        except Exception:
+            self._fault()
+            return
+        for tx in out:
+            self._leave(tx)
+        if self._drive.commander.peer != self._commander:
+            self._hand_over(self._drive.commander.peer)
+        self._watchdog.fed(time.monotonic())
+        self._schedule()
+
+    def _fault(self) -> None:
+        """A mistake in the program: never the end of the vehicle."""
+        self._journal.fault("a fault of the program; what was under way surfaces:")
+        self._journal.fault(traceback.format_exc())
+        self._drive = None
+        if self._timer is not None:
+            self._timer.cancel()
+        self._spawn(self._begin_again())
+
+    async def _begin_again(self) -> None:
+        await asyncio.sleep(REBIRTH_S)
+        await self._recording.shut()
+        if not self._leaving.over:
+            await self._begin()
+        if self._leaving.ordered.is_set():
+            self._order_end(False)
+
+    # --- in ----------------------------------------------------------------------------------
+
+    def _readable(self, port: Port) -> None:
+        now = self.now()
+        heard = port.receive(now)
+        self._meet(port)
+        if port.name == TOPSIDE:
+            heard = self._sifted(port, heard)
+        for rx in heard:
+            if port.name in (TOPSIDE, MODEM) and self._drive is not None:
+                self._docket.hear(rx, self._drive)
+            else:
+                self._hear(rx)
+        self._part(port)
+
+    def _hear(self, rx: Rx) -> None:
+        self._do(lambda drive: drive.receive(rx, self.now()))
+        if self._drive is not None and self._drive.commander.knows(Peer(rx.link, rx.address)):
+            self._ports[rx.link].vouch(rx.address)
+
+    def _sifted(self, port: Port, heard: list[Rx]) -> list[Rx]:
+        """Less what floods; those with an X or W first."""
+        for refusal, times in port.refusals().items():
+            text = f"topside: {refusal.host} turned away: {refusal.why}"
+            self._journal.warning(text, times=times, kind="connections turned away")
+        return self._sieve.sift(heard, time.monotonic(), self._flooded)
+
+    def _flooded(self, host: str) -> None:
+        self._journal.warning(f"topside: {host} floods; only its X and W are heard", kind="floods")
+
+    def _changed(self, port: Port) -> None:
+        if port.link is None:
+            self._part(port)
+            if port.name == MODEM:
+                self._disconnect(MODEM, "")
+        elif port.name == VEHICLE:  # it was away: the first opening comes before the drive
+            self._do(lambda drive: drive.connected(VEHICLE, "", self.now()))
+        elif port.name == TOPSIDE and not self._announced:
+            self._announced = True
+            self._ready(Ready(reached_at(port.url), self._recording.path))
+            if open_to_all(port.url):
+                self._tell(f"whoever reaches {port.url} can command the vehicle: add "
+                           "?allow=ADDRESSES to it, or listen with tls-listen://")  # fmt: skip
+        self._schedule()
+
+    def _meet(self, port: Port) -> None:
+        known = self._peers.get(port.name, frozenset())
+        for address in port.peers:
+            if address not in known:
+                self._peers[port.name] = self._peers[port.name] | {address}
+                self._journal.info(f"topside: {address} is connected", host_of(address), "arrivals")
+                self._do(lambda d, a=address: d.connected(port.name, a, self.now()))  # type: ignore[misc]
+
+    def _part(self, port: Port) -> None:
+        for address in self._peers.get(port.name, frozenset()) - set(port.peers):
+            self._peers[port.name] = self._peers[port.name] - {address}
+            self._sieve.forget(address)
+            self._journal.info(f"topside: {address} is gone", host_of(address), "departures")
+            self._disconnect(port.name, address)
+
+    def _disconnect(self, link: str, address: str) -> None:
+        def told() -> None:
+            self._do(lambda drive: drive.disconnected(link, address, self.now()))
+
+        self._docket.part(link, address, told)
+
+    def _schedule(self) -> None:
+        """One timer for everything that is due next."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        dues = [port.next_event() for port in self._ports.values()]
+        if self._drive is not None:
+            dues.append(self._drive.next_timer())
+        due = min((d for d in dues if d is not None), default=float("inf"))
+        delay = max(0.0, (due - self.now()) / self._speed)
+        delay = min(delay, self._watchdog.remaining(time.monotonic()))
+        if delay != float("inf"):
+            loop = asyncio.get_running_loop()
+            self._timer = loop.call_later(delay, self._due, due)
+
+    def _due(self, due: float) -> None:
+        self._timer = None
+        now = self.now()
+        if now < due <= now + EARLY_S * self._speed:
+            now = due
+        for port in self._ports.values():
+            event = port.next_event()
+            if event is not None and event <= now:
+                self._readable(port)
+        self._do(lambda drive: drive.handle_timer(now))
+
+    # --- out ---------------------------------------------------------------------------------
+
+    def _hand_over(self, commander: Peer | None) -> None:
+        """R12: the journal has both names."""
+        loser, self._commander = self._commander, commander
+        if commander is not None:
+            self._journal.commands(str(commander), str(loser or ""))
+
+    def _leave(self, tx: Tx) -> None:
+        sent = True
+        if tx.link == NODES:
+            self._spawn(self._switch(tx.data))
+        elif tx.link == CLOCK:
+            local, offset = tx.data.decode("ascii"), self._configuration.utc_offset
+            if why := set_system_clock(local, offset):
+                self._tell(f"the system's clock was not set: {why}")
+        elif (port := self._ports.get(tx.link)) is not None:
+            sent = port.send(tx.data, self.now(), tx.address)
+            self._part(port)
+        if tx.link == VEHICLE:
+            self._journal.commanded(tx, sent)
+        else:
+            self._journal.answered(tx)
+
+    async def _switch(self, request: bytes) -> None:
+        answer = await self._processes.switch(request)
+        if answer:
+            self._changed_node(answer)
+
+    def _changed_node(self, answer: bytes) -> None:
+        self._do(lambda drive: drive.receive(Rx(self.now(), NODES, answer)))
+
+    def _health(self) -> health.Health | None:
+        """How it is now; the counts of the journal's last minute are told as well."""
+        self._journal.settle()
+        if self._drive is None:
+            return None
+        faults, dropped = self._recording.tally.faults, {TOPSIDE: self._sieve.dropped}
+        return health.Health(
+            up_s=time.monotonic() - self._began,
+            wall=time.time(),
+            links=health.of_ports(self._ports, self.now(), faults, dropped),
+            **health.of_drive(self._drive, self._vehicle),
+            **health.of_box(self._recording.box),
+            broken=(*self._got.faults, *self._got.damage),
+            ascent_only=self._configuration.ascent_only,
+        )
+
+    # --- tasks -------------------------------------------------------------------------------
+
+    def _spawn(self, work: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.get_running_loop().create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._ended)
+
+    def _ended(self, task: asyncio.Task[None]) -> None:
+        self._tasks.discard(task)
+        if task.cancelled() or (error := task.exception()) is None:
+            return
+        self._journal.fault("".join(traceback.format_exception(error)))
+
+    def _order_end(self, at_once: bool) -> None:
+        self._do(lambda drive: drive.end(self.now(), at_once=at_once))
+
+    async def _end(self) -> None:
+        self._watchdog.stopping()
+        await self._leaving.leave()
+        self._drive = None
+        if self._timer is not None:
+            self._timer.cancel()
+        for task in tuple(self._tasks):
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await self._processes.end()
+        await self._recording.shut()
+        self._recording.end()
+
+
+def run(server: Server) -> None:
+    """In the foreground, until SIGINT or SIGTERM."""
+
+    async def main() -> None:
+        loop = asyncio.get_running_loop()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            loop.add_signal_handler(number, server.stop)
+        if hasattr(signal, "SIGHUP"):  # the terminal may be at the other end of a radio
+            loop.add_signal_handler(signal.SIGHUP, server.hang_up)
+        await server.run()
+
+    sys.setswitchinterval(SWITCH_S)
+    asyncio.run(main())

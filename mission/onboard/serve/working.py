@@ -1,0 +1,81 @@
+"""The last configuration that worked, kept beside the store: what an ascent needs when another one
+cannot be read.
+
+    <folder>/working                 as the store's files: a sum, and JSON
+    ~/.local/state/auvmission/working-<8 hex of the configuration file's path>
+                                     the same, where nothing but that file says which folder
+
+It worked when the vehicle was heard with it; the very first is kept without that. Beside the
+configuration and the vehicle it has the vehicle's own words for an ascent, for a program that
+cannot load their codec (lifeboat). What does not live here: when it is used (provision).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+from mission.onboard.configuration import Configuration
+from mission.model.plain import from_plain, to_plain
+from mission.onboard.kept import Homes, read_summed, write_summed
+from mission.model.vehicle import Vehicle
+from protocol.messages import UPWARD, Order
+from protocol.vehicles import codec
+
+
+@dataclass(frozen=True, slots=True)
+class Working:
+    configuration: Configuration
+    vehicle: Vehicle
+
+
+def find(homes: Homes) -> Working | None:
+    """The first that is whole."""
+    return next((found for path in homes.paths() if (found := _read(path)) is not None), None)
+
+
+def keep(working: Working, homes: Homes) -> None:
+    """Where it is not yet. Raises OSError."""
+    text = json.dumps(_plain(working), sort_keys=True)
+    for path in homes.places(working.configuration.folder):
+        if _text(path) != text:
+            write_summed(path, text)
+
+
+def _plain(working: Working) -> dict[str, object]:
+    c, v = working.configuration, working.vehicle
+    made = codec(v.codec, v.dialect, v.tolerances, v.battery_scale)
+    ways: dict[str, list[str]] = {}
+    for name, command in (("stop", Order.STOP), ("surface", Order.SURFACE), ("up", UPWARD)):
+        with contextlib.suppress(ValueError):  # the robot on land has no word for up
+            ways[name] = [frame.hex() for frame in made.encode(command)]
+    return {
+        "configuration": to_plain(c),
+        "vehicle": to_plain(v),
+        "ways": ways,
+        "period": getattr(made, "period", None),
+    }
+
+
+def _text(path: Path) -> str | None:
+    try:
+        return read_summed(path)
+    except (OSError, ValueError):
+        return None
+
+
+def _read(path: Path) -> Working | None:
+    """None for what is not whole, or of another version."""
+    text = _text(path)
+    if text is None:
+        return None
+    try:
+        plain = json.loads(text)
+        return Working(
+            from_plain(Configuration, plain["configuration"]),
+            from_plain(Vehicle, plain["vehicle"]),
+        )
+    except (ValueError, TypeError, KeyError):
+        return None

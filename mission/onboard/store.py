@@ -1,0 +1,204 @@
+"""What outlives the process: the mission's lines, the operator's limits, what is under way.
+
+    <folder>/mission   the accepted lines        Each file: "sha256 <hex of the rest>\\n" and the
+    <folder>/limits    what @SP set              rest. Written beside, flushed, fsynced, renamed
+    <folder>/under-way what must end safely      into place, folder fsynced: after a power cut
+                       after a restart           there is the old content or the new, whole.
+
+StoreError             (the operator must act: disk full, no permission, not a folder)
+
+A file that does not match its own sum, or that the disk does not give back, is damaged. It never
+raises: the mission or the limits in it count as absent, a damaged ``under-way`` as something that
+nobody knows (engine: restart), and ``Stored.damage`` says so in words.
+
+What does not live here: staging, texts and their compilation (staging, language, compiler).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+
+from mission.onboard.kept import read_summed, write_summed
+from mission.model import UNKNOWN
+from protocol.messages import SetSafety
+
+NO_LIMITS = SetSafety()
+_V = TypeVar("_V")
+
+
+class StoreError(OSError):
+    """Something could not be made durable; the old content stands."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stored:
+    lines: tuple[str, ...] = ()  # of the accepted mission, as @AW brought them; () is none
+    limits: SetSafety = NO_LIMITS
+    under_way: str = ""  # as Engine.under_way says it; "" is nothing
+    damage: tuple[str, ...] = ()  # what could not be read, in words
+
+
+class Store(Protocol):
+    """Every ``keep_`` returns when its content is durable, or raises StoreError."""
+
+    @property
+    def content(self) -> Stored: ...
+
+    def keep_lines(self, lines: tuple[str, ...]) -> None: ...
+
+    def keep_limits(self, limits: SetSafety) -> None: ...
+
+    def keep_under_way(self, what: str) -> None: ...
+
+
+class MemoryStore:
+    """The twin for tests, simulation and replay. ``failures``: number of the write (from 0) and
+    what it said, so that a replay meets the same full disk."""
+
+    def __init__(self, content: Stored | None = None, failures: Mapping[int, str] = {}) -> None:
+        self._content, self._failures, self._writes = content or Stored(), failures, 0
+
+    @property
+    def content(self) -> Stored:
+        return self._content
+
+    def keep_lines(self, lines: tuple[str, ...]) -> None:
+        self._write(replace(self._content, lines=lines))
+
+    def keep_limits(self, limits: SetSafety) -> None:
+        self._write(replace(self._content, limits=limits))
+
+    def keep_under_way(self, what: str) -> None:
+        self._write(replace(self._content, under_way=what))
+
+    def _write(self, content: Stored) -> None:
+        number, self._writes = self._writes, self._writes + 1
+        if number in self._failures:
+            raise StoreError(self._failures[number])
+        self._content = content
+
+
+class WatchedStore:
+    """Passes on to another store and tells every failure with the number of its write."""
+
+    def __init__(self, store: Store, failed: Callable[[int, str], None]) -> None:
+        self._store, self._failed, self._writes = store, failed, 0
+
+    @property
+    def content(self) -> Stored:
+        return self._store.content
+
+    def keep_lines(self, lines: tuple[str, ...]) -> None:
+        self._watch(self._store.keep_lines, lines)
+
+    def keep_limits(self, limits: SetSafety) -> None:
+        self._watch(self._store.keep_limits, limits)
+
+    def keep_under_way(self, what: str) -> None:
+        self._watch(self._store.keep_under_way, what)
+
+    def _watch(self, keep: Callable[[_V], None], value: _V) -> None:
+        number, self._writes = self._writes, self._writes + 1
+        try:
+            keep(value)
+        except StoreError as error:
+            self._failed(number, str(error))
+            raise
+
+
+class LostStore:
+    """In place of one that cannot be used: says why, and keeps nothing."""
+
+    def __init__(self, why: str, under_way: str = UNKNOWN) -> None:
+        self.why, self.content = why, Stored(under_way=under_way)
+
+    def keep_lines(self, lines: tuple[str, ...]) -> None:
+        raise StoreError(self.why)
+
+    def keep_limits(self, limits: SetSafety) -> None:
+        raise StoreError(self.why)
+
+    def keep_under_way(self, what: str) -> None:
+        raise StoreError(self.why)
+
+
+class DiskStore:
+    """A folder, made if absent. Raises StoreError if it cannot be one."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            for left_over in folder.glob("*.new"):
+                with contextlib.suppress(OSError):  # a medium that is read-only can be read
+                    left_over.unlink()
+        except FileExistsError as error:
+            raise StoreError(f"the store {folder} cannot be used: it is no folder") from error
+        except OSError as error:
+            raise StoreError(
+                f"the store {folder} cannot be used: {error.strerror or error}"
+            ) from error
+        self._content = self._read()
+
+    @property
+    def content(self) -> Stored:
+        return self._content
+
+    def keep_lines(self, lines: tuple[str, ...]) -> None:
+        self._write("mission", "\n".join(lines))
+        self._content = replace(self._content, lines=lines)
+
+    def keep_limits(self, limits: SetSafety) -> None:
+        self._write("limits", json.dumps(_limits(limits), sort_keys=True))
+        self._content = replace(self._content, limits=limits)
+
+    def keep_under_way(self, what: str) -> None:
+        self._write("under-way", what)
+        self._content = replace(self._content, under_way=what)
+
+    def _read(self) -> Stored:
+        damage: list[str] = []
+        mission = self._body("mission", damage, "")
+        limits = self._body("limits", damage, "{}")
+        under_way = self._body("under-way", damage, UNKNOWN)
+        return Stored(
+            tuple(mission.split("\n")) if mission else (),
+            self._limits(limits or "{}", damage),
+            under_way,
+            tuple(damage),
+        )
+
+    def _limits(self, text: str, damage: list[str]) -> SetSafety:
+        try:
+            return SetSafety(**json.loads(text))
+        except (ValueError, TypeError):  # of another version
+            damage.append(f"{self._folder / 'limits'} is not understood and was not used")
+            return NO_LIMITS
+
+    def _body(self, name: str, damage: list[str], if_damaged: str) -> str:
+        path = self._folder / name
+        try:
+            return read_summed(path)
+        except FileNotFoundError:
+            return ""
+        except OSError as error:  # a failing disk must not keep serve from surfacing a vehicle
+            damage.append(f"{path} cannot be read and was not used: {error.strerror or error}")
+        except ValueError:
+            damage.append(f"{path} is damaged and was not used")
+        return if_damaged
+
+    def _write(self, name: str, text: str) -> None:
+        path = self._folder / name
+        try:
+            write_summed(path, text)
+        except OSError as error:
+            raise StoreError(f"{path} could not be written: {error.strerror or error}") from error
+
+
+def _limits(limits: SetSafety) -> dict[str, Any]:
+    return {field.name: getattr(limits, field.name) for field in fields(limits)}

@@ -1,0 +1,131 @@
+"""What an operator's program says of X and W: only what a report shows is called done. Sans-IO.
+
+    X or W --@ACK_Z.Y--> @DU, @DU, ... until a report from after it shows
+                         stop:     every thruster off
+                         surface:  the surface, or a depth that has fallen by ``RISEN_M``
+           --> @AQ: what the vehicle's program itself holds against it
+
+An acknowledgement proves nothing, and behind a board that acknowledges nothing it says only that
+the order was sent (R16, R17). A report is from after the order when its time is another one than
+that of the first one that was asked for. The robot of document 004 tells the boat neither thrusters
+nor depth: nothing confirms its stop.
+
+    Contradicted   (the reports show the opposite; the vehicle's program goes on sending it)
+    Unconfirmed    (it was sent; nothing that was reported shows that it is obeyed)
+
+What does not live here: who waits (console), the vehicle's side (topside).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+
+from mission.topside.upload import Ask, NoAnswer, OperatorError, Script, is_report
+from protocol.messages import Ack, DataQuery, Emergency, Order, Status, StoreQuery, StoreReport
+from protocol.topside import Answer
+
+ORDER_TRIES = 10  # an order is sent until it is answered
+LOOKS = {Order.STOP: 8, Order.SURFACE: 30}  # a second apart by radio
+LOOKS_UNDER_WATER = {Order.STOP: 2, Order.SURFACE: 4}  # some seconds each
+THRUSTERS = 5  # the first of the actuators; rudders follow
+NEUTRAL = 0.02  # share of full thrust
+SURFACE_M, RISEN_M = 0.5, 0.5
+WORDS = {Order.STOP: "stop", Order.SURFACE: "surface"}
+
+
+class Contradicted(OperatorError):
+    pass
+
+
+class Unconfirmed(OperatorError):
+    pass
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What reports show of an order. ``shown``: that it is obeyed; ``words``: in either case;
+    both None and "" where they show neither."""
+
+    shown: bool | None
+    words: str
+
+
+def order(
+    which: Order, tell: Callable[[str], None] = lambda _: None, *, under_water: bool = False
+) -> Script:
+    """STOP or SURFACE. ``tell`` gets what is known before the reports are looked at. Raises
+    NoAnswer, Contradicted, Unconfirmed."""
+    what = WORDS[which]
+    answer = yield Ask(what, Emergency(which), _is_order_taken, tries=ORDER_TRIES)
+    if answer is None:
+        raise NoAnswer((yield from _why_no_answer(what)))
+    tell(f"{what}: the vehicle has it; what its reports show is looked at now")
+    looks = (LOOKS_UNDER_WATER if under_water else LOOKS)[which]
+    seen = yield from _look(which, looks)
+    report = yield Ask("store", StoreQuery(), is_report)
+    held = report.refusal if isinstance(report, StoreReport) else ""
+    if which is Order.STOP and held.startswith("X:"):
+        seen = Seen(False, held.removeprefix("X:").strip())
+    if seen.shown:
+        return f"{what}: {seen.words}"
+    if seen.shown is None:
+        raise Unconfirmed(f"{what} was sent, and nothing confirms it: {seen.words}")
+    raise Contradicted(f"{what} was sent, but {seen.words}; the vehicle is still told to {what}")
+
+
+def _look(which: Order, looks: int) -> Generator[Ask, Answer | None, Seen]:
+    """Until it is shown, or so often."""
+    judge = _stopped if which is Order.STOP else _surfaced
+    first = yield from _report()
+    seen, fresh = Seen(None, "no report of the vehicle has come since"), list[Status]()
+    for _ in range(looks):
+        yield Ask("wait", StoreQuery(), lambda _: False, tries=1)
+        told = yield from _report()
+        if told is None or (first is not None and told.time == first.time):
+            continue
+        fresh.append(told)
+        seen = judge(fresh if first is None else [first, *fresh])
+        if seen.shown:
+            break
+    return seen
+
+
+def _report() -> Generator[Ask, Answer | None, Status | None]:
+    answer = yield Ask("status", DataQuery(), lambda a: isinstance(a, Status))
+    return answer if isinstance(answer, Status) else None
+
+
+def _stopped(told: list[Status]) -> Seen:
+    newest = told[-1].telemetry
+    thrusters = newest.actuators[:THRUSTERS] if newest is not None and newest.actuators else ()
+    if not thrusters:
+        return Seen(None, "no thrusters are reported; watch it")
+    if all(abs(share) <= NEUTRAL for share in thrusters):
+        return Seen(True, "its report shows every thruster off")
+    shares = " ".join(f"{100 * share:+.0f}" for share in thrusters)
+    return Seen(False, f"its report still shows thrusters on ({shares} %)")
+
+
+def _surfaced(told: list[Status]) -> Seen:
+    depths = [s.telemetry.depth for s in told if s.telemetry and s.telemetry.depth is not None]
+    now = told[-1].telemetry.depth if told[-1].telemetry else None
+    if now is None:
+        return Seen(None, "no depth is reported; watch it")
+    if now < SURFACE_M:
+        return Seen(True, f"its report shows {now:.1f} m: at the surface")
+    if now <= max(depths) - RISEN_M:
+        return Seen(True, f"it rises: {max(depths):.1f} m deep, then {now:.1f} m; watch it")
+    return Seen(False, f"its depth does not fall: {depths[0]:.1f} m, now {now:.1f} m")
+
+
+def _why_no_answer(what: str) -> Generator[Ask, Answer | None, str]:
+    report = yield Ask("store", StoreQuery(), is_report)
+    if report is None:
+        return f"no answer to {what}: it is not known whether it arrived"
+    return f"the Pi has {what} and goes on sending it, but the STM32 has not acknowledged it"
+
+
+def _is_order_taken(answer: Answer) -> bool:
+    """As built, the STM32 answers every Z with the code A."""
+    return isinstance(answer, Ack) and answer.group == "Z" and answer.ok

@@ -1,0 +1,154 @@
+"""An operator's conversation with a vehicle behind the acoustic modem. Sans-IO.
+
+    modem+serial:///dev/ttyUSB0?range=800&rate=600      (m, bit/s on the water)
+    modem+tcp://10.0.0.7:9000?range=800&rate=600
+
+Timeouts follow from the greatest slant range and the bit rate that the URL states, and from the
+lengths of what is said (R1, protocol.arq). ``Submerged`` holds the same scripts as
+``upload.Conversation``, two tries each; ``BatchTalk`` uploads in batches (protocol.batch).
+
+What does not live here: the scripts (upload), sockets and clocks (console), the vehicle's side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from urllib.parse import parse_qsl, urlencode
+
+from mission.topside.upload import NoAnswer, OperatorError, Refused, Script, Scripted
+from protocol.arq import TRIES, Acoustics, Answered, Initiator
+from protocol.arq import NoAnswer as Unanswered
+from protocol.batch import BatchUpload, Declined, Silent, Stored
+from protocol.messages import DataQuery, Emergency, FrameFault, StoreQuery
+from protocol.topside import Answer, ConsoleCodec, encode
+from protocol.topside_frames import LONG
+
+PREFIX = "modem+"
+RANGE_M, BIT_RATE = 1000.0, 300.0  # the slow and far case: a timeout too long only costs time
+_ACK = 9  # bytes
+
+
+class WrongAddress(OperatorError):
+    """Says what to write instead."""
+
+
+@dataclass(frozen=True, slots=True)
+class ModemAddress:
+    link: str  # the modem's own URL
+    acoustics: Acoustics
+
+
+def modem_address(url: str) -> ModemAddress | None:
+    """None for a URL that leads to no modem. Raises WrongAddress."""
+    if not url.startswith(PREFIX):
+        return None
+    link, _, query = url.removeprefix(PREFIX).partition("?")
+    options = dict(parse_qsl(query, keep_blank_values=True))
+    range_m = _number(url, options.pop("range", RANGE_M), "range", "m")
+    bit_rate = _number(url, options.pop("rate", BIT_RATE), "rate", "bit/s")
+    own = f"?{urlencode(options)}" if options else ""
+    return ModemAddress(link + own, Acoustics(range_m, bit_rate))
+
+
+def _number(url: str, text: str | float, option: str, unit: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < 1e6:
+        raise WrongAddress(f"{url}: {option}={text}: a number of {unit} above 0 is needed")
+    return value
+
+
+class Submerged(Scripted):
+    """As ``upload.Conversation``, over an Initiator."""
+
+    def __init__(self, script: Script, acoustics: Acoustics) -> None:
+        super().__init__(script)
+        self._arq = Initiator(acoustics)
+        self._fitting: Answer | None = None
+
+    def begin(self, now: float) -> list[bytes]:
+        return self._go(None, now)
+
+    def next_timer(self) -> float | None:
+        return self._arq.next_timer()
+
+    def handle_timer(self, now: float) -> list[bytes]:
+        return self.receive(b"", now)
+
+    def receive(self, data: bytes, now: float) -> list[bytes]:
+        for heard in self._arq.receive(data, now):
+            if isinstance(heard, Answered):
+                return self._go(self._fitting, now)
+            if isinstance(heard, Unanswered):
+                return self._go(None, now)
+        return self._arq.outgoing(now)
+
+    def _go(self, answer: Answer | None, now: float) -> list[bytes]:
+        ask = self._next(answer)
+        if ask is None:
+            return []
+        command = ask.command
+        longest = LONG if isinstance(command, (DataQuery, StoreQuery)) else _ACK
+        tries = ask.tries if isinstance(command, Emergency) else min(TRIES, ask.tries)
+        self._arq.ask(encode(command), longest, tries=tries, matches=self._fits)
+        return self._arq.outgoing(now)
+
+    def _fits(self, content: bytes) -> bool:
+        assert self._ask is not None
+        for answer in ConsoleCodec().receive(content, 0.0):
+            if not isinstance(answer, FrameFault) and self._ask.fits(answer):
+                self._fitting = answer
+                return True
+        return False
+
+
+class BatchTalk:
+    """An upload in batches, to be held like a conversation. ``progress``: lines held, and all."""
+
+    def __init__(
+        self,
+        lines: Sequence[str],
+        digest: str,
+        acoustics: Acoustics,
+        progress: Callable[[int, int], None],
+    ) -> None:
+        self._total, self._digest, self._progress = len(lines), digest[:16], progress
+        self._batch = BatchUpload(lines, self._digest, acoustics)
+
+    @property
+    def over(self) -> bool:
+        return self._batch.outcome is not None
+
+    @property
+    def result(self) -> str | None:
+        stored = isinstance(self._batch.outcome, Stored)
+        return f"{self._total} lines stored, digest {self._digest}" if stored else None
+
+    @property
+    def failure(self) -> OperatorError | None:
+        match self._batch.outcome:
+            case Declined(why=why):
+                return Refused(why)
+            case Silent():
+                return NoAnswer("no answer; what the vehicle holds is not known; see status")
+            case _:
+                return None
+
+    def begin(self, now: float) -> list[bytes]:
+        return self._batch.outgoing(now)
+
+    def next_timer(self) -> float | None:
+        return self._batch.next_timer()
+
+    def handle_timer(self, now: float) -> list[bytes]:
+        return self.receive(b"", now)
+
+    def receive(self, data: bytes, now: float) -> list[bytes]:
+        before = self._batch.missing
+        self._batch.receive(data, now)
+        if self._batch.missing != before:
+            self._progress(self._total - len(self._batch.missing), self._total)
+        return [] if self.over else self._batch.outgoing(now)

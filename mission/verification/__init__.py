@@ -1,0 +1,1 @@
+"""How the engine is tested: simulated flights, fault campaigns, every state with every event."""

@@ -1,0 +1,336 @@
+"""The audit of every byte that went to the STM32: who asked for it?
+
+A frame is asked for by a Step on record, or by an operator's own bytes; reasons in the Tx are not
+looked at. The rules, in the order of the events:
+
+    @ZA...   belongs to the command of the newest Step that has one: each of its frames at most
+             three times (R1). A newer set leaves the frame before it only its tries, a newer
+             order or the stick nothing (R6, R7). None while the stick is held.
+    @M @D @R was said by an operator within the last ``RELAYED`` s, each byte for byte and once;
+             @M only while the stick has the vehicle.
+    a Step   that commands must be allowed to where it happens: a set only in a leg; the stop of
+             ``stopped`` needs an X, surfacing a W, a limit, a restart, an ordered end or a
+             forgotten stick, manual an M, a start an @AA that is no copy by modem (R12). The stick
+             is as silent as who holds it, whatever others or a modem say (R6, R12). A stop is
+             repeated only until the STM32 acknowledged it, when a report says that a thruster
+             turns all the same, or when the line was away. What acknowledges while two frames or
+             more may still be answered need not be believed: it may be the older one's.
+
+What does not live here: whether a limit was right to act (the engine's tests), what may not come
+of a flight (laws).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import struct
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from mission.verification.campaign.deeds import Act
+from mission.verification.campaign.trial import Done, Event, Heard, Said
+from mission.onboard.runtime.drive import VEHICLE
+from mission.onboard.runtime.vessel import MODEM, Peer
+from mission.engine.ascent import DOWNWARD
+from mission.model import (
+    AUTONOMOUS,
+    IDLE_READY,
+    MANUAL_DRIVING,
+    MANUAL_WAITING,
+    STOPPED,
+    SURFACED,
+    SURFACING,
+    Step,
+    Tx,
+)
+from protocol.messages import UPWARD, Manual, Order, Setpoint
+from protocol.modem import Sender, wrap
+from protocol.topside import TopsideCodec
+from protocol.vehicles.auv import AuvCodec
+
+TRIES = 3  # R1
+ANSWER = 0.3  # s after which a frame is answered no more (R1)
+STALE = 1.5  # s after which no try of an older set may be left
+RELAYED = 10.0  # s: 32 relays of 60 ms, behind 0.9 s of tries, and a modem's idle time
+HEARD = 2.0  # s from bytes to the Step they lead to: an unfinished frame before them (G3), modem
+STICK = 2.0  # s (R6)
+UNBELIEVED = 3  # acknowledgements that may belong to earlier frames (as built, code A)
+COPY = 120.0  # s that a copy may be late (R12)
+_SAME = 1e-3  # s
+
+_FRAME = re.compile(rb"@ZA([A-Z])(-?\d*)[,;]?(-?\d*)\$")
+_RELAYED = re.compile(rb"@[MRD][^@$]{0,60}\$")
+_X, _W, _AA = re.compile(rb"@ZAX0\$"), re.compile(rb"@ZAWF\$"), re.compile(rb"@AA\$")
+_ENVELOPES = frozenset({wrap(b"@AA$", Sender.TOPSIDE)})
+_STOPPED_ACK = re.compile(rb"@ACK_Z[XA]Y\$")
+_LONGEST = 64
+_REPORT, _THRUSTERS, _NEUTRAL = 86, struct.Struct("<5H"), 10  # @SD; us
+_ORDERS = {"everything stopped": Order.STOP, "emergency surfacing": Order.SURFACE}
+_ANGLES = ("heading", "pitch", "roll")
+
+
+@dataclass(frozen=True, slots=True)
+class Spurious:
+    t: float
+    says: str
+
+
+@dataclass(slots=True)
+class _Permit:
+    frame: bytes
+    order: bool
+    tries: int = 0
+    ends: float = math.inf
+
+    def sent(self, t: float) -> None:
+        """What left at the instant when it was replaced has its tries still before it."""
+        if not self.tries and self.ends < math.inf and not self.order:
+            self.ends = t + STALE
+        self.tries += 1
+
+
+def command_of(words: str) -> Setpoint | Order:
+    """What a Step's action says, without its reason."""
+    text = words.partition(":")[0]
+    if text in _ORDERS:
+        return _ORDERS[text]
+    parts = text.split()
+    values = {name: float(value) for name, value in zip(parts[::2], parts[1::2], strict=True)}
+    turned = {n: math.radians(v) if n in _ANGLES else v for n, v in values.items()}
+    return Setpoint(**turned)
+
+
+def audit(events: Sequence[Event], dialect: str) -> list[Spurious]:
+    """Everything that nothing asked for, in order."""
+    return list(_Auditor(dialect).walk(events))
+
+
+class _Auditor:
+    def __init__(self, dialect: str) -> None:
+        self._encode = AuvCodec(dialect).encode
+        self._state = ""
+        self._permits: list[_Permit] = []
+        self._relays: list[tuple[float, bytes, Peer]] = []
+        self._sticks: dict[Peer, float] = {}  # the last M of each
+        self._holder: Peer | None = None  # whose M the vehicle follows
+        self._tails: dict[Peer, bytes] = {}
+        self._last: dict[re.Pattern[bytes], float] = {}
+        self._starts: deque[tuple[float, str]] = deque(maxlen=64)  # each @AA, and its link
+        self._booted = -math.inf
+        self._acks = 0  # of a stop, since the newest reason to stop
+        self._sent_at: deque[float] = deque(maxlen=2)  # the newest frames to the vehicle
+        self._stalled: float | None = None
+        self._ends = False  # the program was told to
+
+    def walk(self, events: Sequence[Event]) -> Iterator[Spurious]:
+        for event in events:
+            match event:
+                case Said():
+                    self._said(event)
+                case Heard():
+                    if not self._may_be_of_two(event.t):
+                        self._acks += len(_STOPPED_ACK.findall(event.data))
+                    if _turns(event.data):
+                        self._acks = 0
+                case Done(t=t, act=Act.STALL):
+                    self._stalled = t if self._stalled is None else self._stalled
+                case Done(t=t, act=Act.RUN):
+                    self._run_again(t)
+                case Done(t=t, act=Act.KILL | Act.BOOT):
+                    self._stalled = None
+                    self._permits, self._relays, self._tails = [], [], {}
+                    self._state, self._booted, self._acks, self._ends = "", t, 0, False
+                    self._starts.clear()
+                case Done(act=Act.END):
+                    self._ends = True
+                case Done(act=Act.PLUG):
+                    self._acks = 0  # who knows whose they were
+                case Step():
+                    yield from self._step(event)
+                case Tx(link=link) if link == VEHICLE:
+                    self._sent_at.append(event.t)
+                    yield from self._sent(event)
+                case _:
+                    pass
+
+    def _may_be_of_two(self, t: float) -> bool:
+        return len(self._sent_at) == 2 and t - self._sent_at[0] <= ANSWER
+
+    def _run_again(self, t: float) -> None:
+        """What was to be sent meanwhile is late by as much."""
+        late, self._stalled = t - (t if self._stalled is None else self._stalled), None
+        for permit in self._permits:
+            permit.ends += late
+        self._relays = [(said + late, frame, peer) for said, frame, peer in self._relays]
+        for pattern in (_X, _W, _AA):
+            if pattern in self._last:
+                self._last[pattern] += late
+
+    # --- asked for -----------------------------------------------------------------------------
+
+    def _said(self, said: Said) -> None:
+        peer = Peer(said.link, said.address)
+        stream = self._tails.get(peer, b"") + said.data
+        fresh = len(stream) - len(said.data)
+        for found in _RELAYED.finditer(stream):
+            if found.end() > fresh:
+                self._relays.append((said.t, found[0], peer))
+                if said.link != MODEM and found[0].startswith(b"@M") and moves(found[0]):
+                    self._sticks[peer] = said.t
+        for pattern in (_X, _W, _AA):
+            if any(found.end() > fresh for found in pattern.finditer(stream)):
+                self._last[pattern] = said.t
+        if _AA.search(said.data) and (said.link != MODEM or said.data in _ENVELOPES):
+            self._starts.append((said.t, said.link))
+        self._tails[peer] = stream[-_LONGEST:]
+
+    def _was_said(self, pattern: re.Pattern[bytes], t: float, within: float = HEARD) -> bool:
+        return t - self._last.get(pattern, -math.inf) <= within
+
+    def _is_copy(self, t: float) -> bool:
+        """Every @AA that may have led here came by modem, behind another one (R12)."""
+        recent = [(at, link) for at, link in self._starts if t - at <= HEARD]
+        before = [at for at, _ in self._starts if recent and COPY > recent[-1][0] - at > 0.0]
+        return bool(before) and all(link == MODEM for _, link in recent)
+
+    def _is_held(self, t: float, within: float) -> bool:
+        """Whether an M came since then from whoever has the stick."""
+        return self._holder is not None and t - self._sticks[self._holder] <= within
+
+    def _step(self, step: Step) -> Iterator[Spurious]:
+        before, moved = self._state, bool(step.entered)
+        if moved:
+            self._state = step.entered[-1]
+        if moved and self._state == MANUAL_DRIVING:
+            self._holder = max(self._sticks, key=self._sticks.__getitem__, default=None)
+        try:
+            commands = [command_of(words) for words in step.actions]
+        except (TypeError, ValueError):
+            yield Spurious(step.t, f"a step that says what is no command: {step.actions}")
+            return
+        yield from self._unjustified(step, before, moved, commands)
+        for command in commands:
+            self._permit(command, step.t)
+        if moved and self._state in (STOPPED, MANUAL_WAITING, IDLE_READY, SURFACED):
+            self._acks = 0
+
+    def _unjustified(
+        self, step: Step, before: str, moved: bool, commands: list[Setpoint | Order]
+    ) -> Iterator[Spurious]:
+        state, t = self._state, step.t
+        if moved and (why := self._unasked(step, before)):
+            yield Spurious(t, f"{before or 'a start'} -> {state}: {why}")
+        for command in commands:
+            if not self._fits(command, state):
+                yield Spurious(t, f"{step.actions} in {state}")
+        repeats = commands == [Order.STOP] and not moved and state != SURFACING  # there it lets go
+        if repeats and not state.startswith(AUTONOMOUS) and self._acks > UNBELIEVED:
+            yield Spurious(t, f"a stop repeated in {state} after {self._acks} acknowledgements")
+
+    def _unasked(self, step: Step, before: str) -> str:
+        """Why a move was asked for by nobody; "" if it was."""
+        state, t = self._state, step.t
+        inside = before.startswith(AUTONOMOUS)
+        if state.startswith(AUTONOMOUS) and not inside and not self._was_said(_AA, t):
+            return "without an @AA"
+        if state.startswith(AUTONOMOUS) and not inside and self._is_copy(t):
+            return "by a copy of an @AA"
+        restarted = step.trigger == "restart" and t - self._booted <= _SAME
+        if state == STOPPED and not (restarted or self._was_said(_X, t)):
+            return "without an X"
+        if state == MANUAL_DRIVING and not self._is_held(t, HEARD):
+            return "without an M"
+        if state == MANUAL_WAITING and self._is_held(t, STICK - _SAME):
+            return "with an M less than 2 s ago"
+        if state == SURFACING:
+            limit = any(e.trigger.startswith("limit ") and e.result for e in step.evaluations)
+            forgotten = step.trigger == "forgotten" and not self._is_held(t, 59.0)
+            runaway = step.trigger == "limit"
+            ends = step.trigger == "end" and self._ends
+            if not (limit or ends or restarted or forgotten or runaway or self._was_said(_W, t)):
+                return "without a W, a limit, a restart or a forgotten stick"
+        return ""
+
+    def _fits(self, command: Setpoint | Order, state: str) -> bool:
+        if state.startswith(AUTONOMOUS):
+            return True
+        if state == SURFACING:
+            return isinstance(command, Order) or command in (UPWARD, DOWNWARD)
+        return (state != MANUAL_DRIVING or self._ends) and command is Order.STOP
+
+    def _permit(self, command: Setpoint | Order, t: float) -> None:
+        order = isinstance(command, Order)
+        for permit in self._permits:
+            ended = t + _SAME if order or not permit.tries else t + STALE
+            if order or not permit.order:
+                permit.ends = min(permit.ends, ended)
+        self._permits = [p for p in self._permits if p.ends > t]
+        self._permits += [_Permit(frame, order) for frame in self._encode(command)]
+
+    # --- sent ----------------------------------------------------------------------------------
+
+    def _sent(self, tx: Tx) -> Iterator[Spurious]:
+        if tx.data.startswith(b"@ZA"):
+            yield from self._commanded(tx)
+        else:
+            yield from self._relayed(tx)
+
+    def _commanded(self, tx: Tx) -> Iterator[Spurious]:
+        for permit in self._permits:  # the oldest that is left has the line
+            live = tx.t <= permit.ends and permit.tries < TRIES
+            if live and alike(permit.frame, tx.data):
+                permit.sent(tx.t)
+                break
+        else:
+            yield Spurious(
+                tx.t, f"{tx.data!r} in {self._state}: no step asked for it ({tx.reason})"
+            )
+        if self._state == MANUAL_DRIVING and not self._ends:
+            yield Spurious(tx.t, f"{tx.data!r} while the stick is held ({tx.reason})")
+
+    def _relayed(self, tx: Tx) -> Iterator[Spurious]:
+        self._relays = [relay for relay in self._relays if tx.t - relay[0] <= RELAYED]
+        found = [i for i, (_, frame, _) in enumerate(self._relays) if frame == tx.data]
+        if not found:
+            yield Spurious(tx.t, f"{tx.data!r} in {self._state}: no operator said it ({tx.reason})")
+            return
+        _, _, peer = self._relays[found[-1]]
+        del self._relays[found[0]]
+        if not tx.data.startswith(b"@M"):
+            return
+        if peer in self._sticks:
+            self._holder = peer
+        if self._state != MANUAL_DRIVING:
+            yield Spurious(tx.t, f"{tx.data!r} relayed in {self._state}")
+        for permit in self._permits:
+            permit.ends = min(permit.ends, tx.t)
+
+
+def _turns(data: bytes) -> bool:
+    """A report in which one of the five thrusters is on."""
+    at = data.find(b"@SD")
+    if at < 0 or len(data) < at + _REPORT:
+        return False
+    return any(abs(pwm - 1500) > _NEUTRAL for pwm in _THRUSTERS.unpack_from(data, at + 63))
+
+
+def moves(frame: bytes) -> bool:
+    """Whether it is an M within its range: others move nothing (G4)."""
+    return any(isinstance(heard, Manual) for heard in TopsideCodec().receive(frame, 0.0))
+
+
+def alike(asked: bytes, sent: bytes) -> bool:
+    """The same frame; numbers may differ by one, for a Step rounds what it says."""
+    a, b = _FRAME.fullmatch(asked), _FRAME.fullmatch(sent)
+    if asked == sent or a is None or b is None:
+        return asked == sent
+    near = [_near(x, y) for x, y in zip(a.groups()[1:], b.groups()[1:], strict=True)]
+    return a[1] == b[1] and all(near)
+
+
+def _near(a: bytes, b: bytes) -> bool:
+    if not a or not b:
+        return a == b
+    return (int(a) - int(b)) % 360 in (0, 1, 359)

@@ -1,0 +1,353 @@
+"""The campaign, tested: each safety rule broken alone, and whether its flights notice.
+
+A row of BROKEN says how one rule is broken, in the running objects of this process and never in a
+file. The flights are those of ``faults``, by seed and number; one that the whole program flies
+without a violation, and the broken one does not, has noticed. What a row names must exist: a rule
+that is written anew has its row written anew.
+
+What does not live here: the flights (draw, scenes), what is asked of them (laws, whole_flight).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any
+
+from mission.engine import limits as envelope
+from mission.verification.campaign.draw import Subject
+from mission.verification.campaign.faults import fare
+from mission.verification.campaign.laws import Violation
+from mission.onboard.runtime import frontseat, topside
+from mission.onboard.runtime.commander import Commander
+from mission.onboard.runtime.copies import Copies
+from mission.onboard.runtime.frontseat import Frontseat
+from mission.onboard.runtime.latch import Latch
+from mission.engine import core, ending, engine, orders, run, senses, watch
+from mission.engine.ascent import Ascent
+from mission.engine.core import Core
+from mission.engine.engine import Engine
+from mission.engine.rest import Rest
+from mission.engine.run import Run
+from mission.engine.senses import Senses
+from mission.engine.limits import LIMITS
+from mission.engine.bounds import Bounds, in_force
+from mission.navigation.fixes import Receiver
+from mission.model import Action, By, Edge, Health, Outcome, Result, Safety, Tx
+from mission.navigation.belief import DepthBelief
+from mission.navigation.health import SensorHealth
+from mission.model.vehicle import Vehicle
+from protocol.messages import UPWARD, Fix, Manual, Order, SetSafety
+from protocol.vehicles import vehicle_row
+
+
+class Surgery:
+    """Puts values in place of others, and back."""
+
+    def __init__(self) -> None:
+        self._before: list[tuple[Any, str, Any]] = []
+
+    def put(self, owner: Any, name: str, value: Any) -> None:
+        """AttributeError if there is nothing of this name to break."""
+        self._before.append(
+            (owner, name, vars(owner)[name] if isinstance(owner, type) else getattr(owner, name))
+        )
+        setattr(owner, name, value)
+
+    def undo(self) -> None:
+        for owner, name, value in reversed(self._before):
+            setattr(owner, name, value)
+        self._before.clear()
+
+
+Break = Callable[[Surgery], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Broken:
+    """``rule`` is broken; ``reason``: why no flight can tell, "" if one can."""
+
+    rule: str
+    how: Break
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Noticed:
+    """``flights`` that it took, None: in none of them; ``by`` is the law. ``reason``: why no flight
+    can tell, "" if one can."""
+
+    name: str
+    rule: str
+    flights: int | None
+    by: str
+    reason: str = ""
+
+
+@contextmanager
+def broken(name: str) -> Iterator[None]:
+    """Within it the rule does not hold. KeyError for a name that is not in BROKEN."""
+    surgery = Surgery()
+    try:
+        BROKEN[name].how(surgery)
+        yield
+    finally:
+        surgery.undo()
+
+
+def notice(name: str, seed: int, flights: int, known: Sequence[Subject]) -> Noticed:
+    """Flies until one notices, at most ``flights``."""
+    row = BROKEN[name]
+    for number in range(flights):
+        with broken(name):
+            found = fare(seed, number, known).violations
+        if found and not fare(seed, number, known).violations:
+            return Noticed(name, row.rule, number + 1, _in_words(found[0]))
+    return Noticed(name, row.rule, None, "", row.reason)
+
+
+def in_table(noticed: Noticed) -> str:
+    """A row of the table in docs/quality.md."""
+    seen = "no" if noticed.flights is None else str(noticed.flights)
+    return f"| {noticed.name} | {noticed.rule} | {seen} | {noticed.by or noticed.reason} |"
+
+
+def _in_words(violation: Violation) -> str:
+    return f"{violation.kind}: {violation.says.splitlines()[-1]}"
+
+
+# --- ways of breaking ----------------------------------------------------------------------------
+
+
+def _value(owner: Any, name: str, value: Any) -> Break:
+    return lambda s: s.put(owner, name, value)
+
+
+def _nothing(owner: Any, name: str, result: Any = None) -> Break:
+    return _value(owner, name, lambda *_args, **_named: result)
+
+
+def _always(owner: type, name: str, result: Any) -> Break:
+    """A property."""
+    return _value(owner, name, property(lambda self: result))
+
+
+def _never_acts(name: str) -> Break:
+    return lambda s: s.put(watch, "LIMITS", tuple(row for row in LIMITS if row.name != name))
+
+
+def _without_way(way: Any) -> Break:
+    honest = vehicle_row
+
+    def fewer(codec: str) -> Any:
+        row = honest(codec)
+        return replace(row, ways=tuple(w for w in row.ways if w != way))
+
+    return _value(core, "vehicle_row", fewer)
+
+
+def _sensor_is_healthy(sensor: str) -> Break:
+    honest = SensorHealth.of
+
+    def of(self: SensorHealth, name: str, now: float) -> Health:
+        return Health(True, "", 0.0) if name == sensor else honest(self, name, now)
+
+    return _value(SensorHealth, "of", of)
+
+
+def _restart_only_stops(surgery: Surgery) -> None:
+    honest = Core.surface
+
+    def surface(self: Core, name: str, why: str, by: By, *rest: Any) -> None:
+        if name == "restart":
+            self.stop_quietly(why)
+        else:
+            honest(self, name, why, by, *rest)
+
+    surgery.put(Core, "surface", surface)
+
+
+def _latch_not_kept(surgery: Surgery) -> None:
+    surgery.put(Latch, "follow", lambda self, under_way, now: None)
+    surgery.put(Latch, "foresee", lambda self, leaf: "")
+
+
+def _relays_first(surgery: Surgery) -> None:
+    honest = Frontseat._next
+
+    def relays_before(self: Frontseat, now: float) -> list[Tx]:
+        return [self._transmit(*self._relays.take(), now)] if self._relays else honest(self, now)
+
+    surgery.put(Frontseat, "_next", relays_before)
+
+
+def _turns_with_auto_closed(surgery: Surgery) -> None:
+    honest = Core.mind_rest
+
+    def mind_rest(self: Core) -> None:
+        known, self.auto = self.auto, True
+        honest(self)
+        self.auto = known
+
+    surgery.put(Core, "mind_rest", mind_rest)
+
+
+def _starts_anywhere(surgery: Surgery) -> None:
+    honest = orders._why_not_fly
+
+    def why_not_fly(*given: Any) -> str:
+        why = honest(*given)
+        return "" if why.endswith("a mission starts at the surface") else why
+
+    surgery.put(orders, "_why_not_fly", why_not_fly)
+
+
+def _starts_with_auto_closed(surgery: Surgery) -> None:
+    honest = orders._why_not_start
+
+    def why_not_start(of: Core) -> str:
+        why = honest(of)
+        return "" if why == "node AUTO is closed" else why
+
+    surgery.put(orders, "_why_not_start", why_not_start)
+
+
+def _clears_anywhere(surgery: Surgery) -> None:
+    surgery.put(orders, "_at_surface", lambda of: True)
+
+
+def _loosest(surgery: Surgery) -> None:
+    def without(vehicle: Vehicle, mission: Safety | None, operator: SetSafety) -> Bounds:
+        return in_force(vehicle, mission, SetSafety())
+
+    surgery.put(core, "in_force", without)
+
+
+def _legs_for_ever(surgery: Surgery) -> None:
+    honest = Run._due
+
+    def due(self: Run, edge: Edge, known: Senses) -> float | None:
+        return None if edge.by in (By.FOR, By.TIMEOUT) else honest(self, edge, known)
+
+    surgery.put(Run, "_due", due)
+
+
+def _refusals_accepted(surgery: Surgery) -> None:
+    honest = Core.take_outcome
+
+    def take(self: Core, outcome: Outcome) -> None:
+        accepted = outcome.result is Result.REFUSED
+        honest(self, replace(outcome, result=Result.ACCEPTED) if accepted else outcome)
+
+    surgery.put(Core, "take_outcome", take)
+
+
+def _stop_every_five_seconds(surgery: Surgery) -> None:
+    honest = Frontseat.poll
+
+    def poll(self: Frontseat, now: float) -> tuple[list[Tx], list[Outcome]]:
+        sent, outcomes = honest(self, now)
+        due = not sent and now >= self._free and int(now) % 5 == 0
+        return ([*sent, Tx(now, "vehicle", b"@ZAX0$", "every 5 s")] if due else sent), outcomes
+
+    surgery.put(Frontseat, "poll", poll)
+
+
+def _every_place_is_news(surgery: Surgery) -> None:
+    honest = Receiver.take
+
+    def take(self: Receiver, fix: Fix) -> None:
+        honest(self, fix)
+        self.fresh = True
+
+    surgery.put(Receiver, "take", take)
+
+
+def _no_contradiction(surgery: Surgery) -> None:
+    surgery.put(DepthBelief, "_contradict", lambda self, t, why, *, moves: None)
+
+
+def _ends_at_once(surgery: Surgery) -> None:
+    """With an X0, as every stop does, and nobody stays."""
+    surgery.put(ending, "go_on", lambda of: None)
+    surgery.put(ending, "begin", lambda of, order: of.stop_quietly("the program is ended"))
+    surgery.put(ending, "settled", lambda of: True)
+    surgery.put(Engine, "settled", property(lambda self: True))
+
+
+def _ascent_never_changes(surgery: Surgery) -> None:
+    def act(self: Ascent, now: float, *seen: Any) -> tuple[Action, ...]:
+        return ()
+
+    surgery.put(Ascent, "act", act)
+
+
+_REASONS: Mapping[str, str] = {
+    "hard depth": "the depth in force acts before it, at rest whatever sinks is brought up",
+    "depth contradicted": "a depth that is contradicted is unknown, and acts as such 6 s later",
+    "leak": "the AUV reports no leak; every limit has its bounds tried in test_envelope",
+}
+_RULES: Mapping[str, Broken] = {
+    "depth margin": Broken("R5: 1 m beyond the depth", _value(envelope, "DEPTH_MARGIN", 10.0)),
+    "silence": Broken("R8: 5 s without a report", _value(envelope, "SILENCE", 60.0)),
+    "operator's limits": Broken("R5: the tightest of three", _loosest),
+    "restart": Broken("R7: a restart surfaces", _restart_only_stops),
+    "latch": Broken("R7: what is under way is kept", _latch_not_kept),
+    "relays first": Broken("R7: X and W before everything", _relays_first),
+    "surface at once": Broken("R7: 6 s of shallow depth", _value(senses, "SURFACE_TIME", 0.0)),
+    "stuck receiver": Broken("R7: a stuck receiver proves nothing", _every_place_is_news),
+    "fix under water": Broken("R7: a depth contradicts a fix", _value(senses, "FIX_DEPTH", 1e9)),
+    "belief": Broken("a depth is believed as far as something agrees", _no_contradiction),
+    "copies": Broken("R12: a copy of a command", _nothing(Copies, "judge")),
+    "orderly end": Broken("R7: an orderly end brings it up first", _ends_at_once),
+    "sinks at rest": Broken("R7, at rest: what sinks is brought up", _always(Rest, "sinks", "")),
+    "stays down": Broken(
+        "R7, at rest: stopped, and it does not rise", _nothing(Rest, "stays_down", "")
+    ),
+    "held up": Broken(
+        "R7, at rest: what sank out of surfaced", _always(Ascent, "pushes_up", False)
+    ),
+    "rest with AUTO closed": Broken("R7, at rest: AUTO closed", _turns_with_auto_closed),
+    "way W": Broken("R7: W is one of the ways", _without_way(Order.SURFACE)),
+    "way U12": Broken("R7: X0 and U12 is one of the ways", _without_way(UPWARD)),
+    "way X0": Broken("R7: letting go is one of the ways", _without_way(Order.STOP)),
+    "way D12": Broken("R7: upside down D12", _nothing(Ascent, "_may_push_down", False)),
+    "ways in turn": Broken("R7: the depth has to fall", _ascent_never_changes),
+    "upside down": Broken("R7: upside down is a state", _always(Senses, "overturned", False)),
+    "cleared below": Broken("R7: cleared at the surface", _clears_anywhere),
+    "started below": Broken("R7: started at the surface", _starts_anywhere),
+    "held stick": Broken("R6: every stick still for 2 s", _value(orders, "STICK_QUIET", 0.0)),
+    "neutral stick": Broken("R6: no neutral M takes over", _always(Manual, "neutral", False)),
+    "any stick": Broken("R6: whoever holds it", _nothing(Engine, "hear_stick")),
+    "silent stick": Broken("R6: 2 s without M", _value(engine, "STICK_QUIET", 30.0)),
+    "forgotten stick": Broken("R6: 60 s without M", _nothing(Core, "stick_forgotten")),
+    "modem stick": Broken("R6: M but by modem", _value(topside, "MODEM", "nobody")),
+    "commander": Broken("R12: one commands", _nothing(Commander, "why_not", "")),
+    "AUTO ends": Broken("R13: closing AUTO ends a mission", _nothing(Core, "auto_off")),
+    "AUTO starts": Broken("R13: no @AA until it is open", _starts_with_auto_closed),
+    "stop again": Broken("R7: X until it is acknowledged", _nothing(Core, "stop_again")),
+    "stop doubted": Broken("R7: X where a report shows a thruster", _nothing(Core, "doubt_stop")),
+    "line doubted": Broken(
+        "R8: said again behind a line that was away", _nothing(Core, "doubt_line")
+    ),
+    "refused set": Broken("R8: a set answered N", _refusals_accepted),
+    "clock of a leg": Broken("every leg has its clock", _legs_for_ever),
+    "blind leg": Broken("R8: a reading that a leg needs", _value(run, "BLIND_TIME", 1e9)),
+    "healthy depth": Broken("a depth is not believed", _sensor_is_healthy("depth")),
+    "healthy heading": Broken("a heading is not believed", _sensor_is_healthy("heading")),
+    "healthy attitude": Broken("an attitude is not believed", _sensor_is_healthy("attitude")),
+    "healthy altitude": Broken("an altitude is not believed", _sensor_is_healthy("altitude")),
+    "gap": Broken("20 ms between two frames", _value(frontseat, "GAP_S", 0.0)),
+    "unasked": Broken("nothing that nothing asked for", _stop_every_five_seconds),
+}
+
+BROKEN: Mapping[str, Broken] = {
+    **{
+        f"limit {row.name}": Broken(
+            f"R5: {row.name}", _never_acts(row.name), _REASONS.get(row.name, "")
+        )
+        for row in LIMITS
+    },
+    **_RULES,
+}

@@ -1,0 +1,191 @@
+"""Laws of the depth over the whole flight: what is under water, or goes down, is on its way up.
+
+By the true depth and the words on the wire, from R7 alone:
+
+    at rest    what sinks where everything is stopped is brought up: over 2 m deep (in surfaced 1 m)
+               and 0.5 m deeper than it has been, it is surfacing by the fourth report
+    stopped    over 2 m, and not risen by 0.5 m in 20 s: the same
+    held       what sank out of surfaced and is brought up does not sink out of it again
+    upward     whatever begins an ascent, an upward word leaves within 3 s
+    ways       while the depth does not fall all ways are tried: W, X0 and U12, X0 alone
+    down       upside down, D12 is among them
+    up         a vehicle that its thrusters (or its buoyancy) could lift comes up
+
+What excuses: physics (``_liftable``), a program that is dead or stands still, a closed node AUTO,
+and a depth sensor that is not healthy, where the rule goes by the depth that is believed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+
+from mission.verification.campaign.laws import Violation
+from mission.verification.campaign.story import DOWN_WORD, STOP_WORD, UPWARD_WORDS, Stay, Story
+from mission.model import STOPPED, SURFACED, SURFACING
+
+SUNK = "sunk"
+DEPTH_FAULTS = ("depth_",)
+_ERROR = 0.4  # m of the depth sensor
+_DEEP, _DEEP_AGAIN = 2.0 + _ERROR, 1.0 + _ERROR  # m
+_DEEPER = 0.5 + _ERROR  # m deeper than it has been
+_ROSE = 1.1  # m more, where it rose before: 6 s of smoothing
+_REPORTS = 3  # two in a row, and what noise may cost
+_STALE = 9.0  # s without a report: it begins anew
+_RISE = 22, 0.3  # s and m: less than 0.5 m in 20 s, by reports that come every 2 s
+_NEVER_RISEN = 70.0  # s: two times of that at least, whenever they begin
+_FALL = 10, 0.05  # s and m: no way makes the depth fall
+_FIRST = 3.0  # s until an upward word has left: three tries, and the X0 before U12
+_ROUND = 50.0  # s: three ways of 10 s, D12, and a turn in which it fell
+_OVERTURNED_ROUND = 110.0  # s: D12 comes once a minute, behind the last way
+_SHALLOW = 1.5  # m: so near to the surface nothing need be tried
+_NOT_LIFTED = 60.0  # s: a round, and 10 s more
+_UPRIGHT, _OVERTURNED = math.radians(60.0), math.radians(130.0)
+_MOSTLY = 0.9  # of the seconds
+_SPARE = 8.0  # N of lift that make a rise within a turn
+_OUT_OF_HAND = (
+    *("stm32_", "command_", "unexplained_dive", "deaf_to", "dives_until", "obeys_late"),
+    *("ack_lost", "verticals_", "bytes_corrupted", "line_noise", "splice"),
+)
+
+
+def depth_laws(story: Story) -> Iterator[Violation]:
+    for stay in story.stays:
+        if stay.rests and stay.state != STOPPED:
+            yield from _sinks_from_rest(story, stay)
+        if stay.state == STOPPED:
+            yield from _stays_down(story, stay)
+        if stay.state == SURFACING:
+            yield from _begins_upward(story, stay)
+        if stay.ascends:
+            yield from _tries_all(story, stay)
+            yield from _comes_up(story, stay)
+    yield from _is_held_up(story)
+
+
+def _excused(story: Story, begin: float, end: float) -> bool:
+    return (
+        story.faulty(DEPTH_FAULTS, begin, end)
+        or story.hindered(begin, end)
+        or story.auto_closed(begin, end)
+    )
+
+
+def _sinks_from_rest(story: Story, stay: Stay) -> Iterator[Violation]:
+    deep = _DEEP_AGAIN if stay.state == SURFACED else _DEEP
+    shallowest, seen, last = math.inf, 0, -math.inf
+    deeper = _DEEPER + (_ROSE if story.depth(stay.begin) > 1.0 else 0.0)
+    for told in story.told_in(stay.begin, stay.end):
+        depth = story.depth(told.t)
+        if told.t - last > _STALE:
+            shallowest, seen = math.inf, 0
+        shallowest, last = min(shallowest, depth), told.t
+        seen = seen + 1 if depth > deep and depth > shallowest + deeper else 0
+        if seen > _REPORTS and not _excused(story, told.t - 20.0, told.t):
+            yield Violation(SUNK, told.t, f"sinks in {stay.state}, {depth:.1f} m deep: no response")
+            return
+
+
+def _stays_down(story: Story, stay: Stay) -> Iterator[Violation]:
+    for begin, end in story.flat(stay.begin, stay.end, *_RISE, _DEEP):
+        if end - begin < _NEVER_RISEN or _excused(story, begin, end):
+            continue
+        if max(b - a for a, b in _pauses(story, begin, end)) <= _STALE:
+            says = f"stopped {story.depth(end):.1f} m deep for {end - begin:.0f} s: no response"
+            yield Violation(SUNK, end, says)
+
+
+def _pauses(story: Story, begin: float, end: float) -> list[tuple[float, float]]:
+    times = [begin, *(told.t for told in story.told_in(begin, end)), end]
+    return list(pairwise(times))
+
+
+def _begins_upward(story: Story, stay: Stay) -> Iterator[Violation]:
+    """Not where a leg's ascent goes on, nor upside down: there it begins by letting go."""
+    goes_on = stay.step is not None and not stay.step.actions
+    end = stay.begin + _FIRST
+    if goes_on or stay.end < end or story.hindered(stay.begin - 1.0, end):
+        return
+    if story.tilt(stay.begin) > _UPRIGHT or story.faulty(("attitude_", "roll_"), stay.begin, end):
+        return
+    if not any(word.data in UPWARD_WORDS for word in story.words_in(stay.begin, end)):
+        yield Violation(SUNK, end, f"no upward word within {_FIRST:g} s of {stay.state}")
+
+
+def _tries_all(story: Story, stay: Stay) -> Iterator[Violation]:
+    for begin, end in story.flat(stay.begin, stay.end, *_FALL, _SHALLOW):
+        if end - begin < _ROUND or story.hindered(begin, end):
+            continue
+        if story.faulty(DEPTH_FAULTS, begin, end):
+            continue
+        missing = _missing(story, begin, end)
+        if missing:
+            says = f"{end - begin:.0f} s of an ascent without {' or '.join(missing)}"
+            yield Violation(SUNK, end, f"{says}, {story.depth(end):.1f} m deep")
+
+
+def _missing(story: Story, begin: float, end: float) -> list[str]:
+    words = story.words_in(begin, end)
+    sent = {word.data for word in words}
+    missing = [word.decode() for word in UPWARD_WORDS if word not in sent]
+    if not any(_lets_go(story, word.t) for word in words if word.data == STOP_WORD):
+        missing.append("letting go")
+    seconds = int(end - begin)
+    over = sum(story.tilt(begin + i) > _OVERTURNED for i in range(seconds)) > _MOSTLY * seconds
+    known = not story.faulty(("attitude_", "roll_"), begin, end)
+    if over and known and seconds > _OVERTURNED_ROUND and DOWN_WORD not in sent:
+        missing.append(DOWN_WORD.decode())
+    return missing
+
+
+def _lets_go(story: Story, t: float) -> bool:
+    """An X0 that is not the first half of another word."""
+    after = story.words_in(t, t + 2.0)
+    return not any(word.data[:4] in (b"@ZAU", b"@ZAD") for word in after)
+
+
+def _comes_up(story: Story, stay: Stay) -> Iterator[Violation]:
+    for begin, end in story.flat(stay.begin, stay.end, *_FALL, _SHALLOW):
+        if end - begin < _NOT_LIFTED or story.hindered(begin, end):
+            continue
+        if story.faulty((*_OUT_OF_HAND, *DEPTH_FAULTS), begin, end):
+            continue
+        if _liftable(story, begin, end):
+            says = f"not risen for {end - begin:.0f} s, {story.depth(end):.1f} m deep"
+            yield Violation(SUNK, end, f"{says}, though it could")
+
+
+def net_buoyancy(story: Story, begin: float, end: float) -> float:
+    """N, the least in this time."""
+    heavier = sum(f.value or 8.0 for f in story.faults(("heavy",), begin, end))
+    return story.settings.body.buoyancy - heavier
+
+
+def _liftable(story: Story, begin: float, end: float) -> bool:
+    """Upright by thrust, upside down by its buoyancy."""
+    net = net_buoyancy(story, begin, end)
+    if story.faulty(("capsized",), begin, end):
+        return net > _SPARE
+    return net + 3.0 * story.settings.body.vertical_thrust > _SPARE
+
+
+def _is_held_up(story: Story) -> Iterator[Violation]:
+    """Nobody else having a say in between, a body that sinks out of surfaced does so once."""
+    sank = False
+    for stay in story.stays:
+        if stay.state not in (SURFACING, SURFACED):
+            sank = False
+        elif stay.state == SURFACING:
+            again = stay.before == SURFACED and _by_itself(stay)
+            begin = stay.begin - 20.0
+            free = story.hindered(begin, stay.begin) or story.faulty(
+                (*_OUT_OF_HAND, *DEPTH_FAULTS, "capsized"), begin, stay.begin
+            )
+            if again and sank and not free:
+                yield Violation(SUNK, stay.begin, "sank out of surfaced again: it was not held up")
+            sank = again or (sank and _by_itself(stay))
+
+
+def _by_itself(stay: Stay) -> bool:
+    return stay.step is not None and stay.step.trigger == "limit"

@@ -1,0 +1,228 @@
+"""What goes wrong in flight ``number`` of the fault campaign with seed ``seed``: always the same.
+
+A mission, a profile, a sea with up to 0.5 m/s of current, and one to five disturbances, drawn
+from FAULTS and INCIDENTS, at random times; in a quarter of the flights all of them within
+5 s. A fault may last for ever, but not one of those
+that take the vehicle out of everybody's hands (OUT_OF_HAND) or change its weight: bringing such a
+vehicle home is physically impossible, and design.md, section 4 excludes it.
+
+What does not live here: what a fault or an incident does (links.simulated.faults, deeds).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from random import Random
+
+from links.simulated.faults import FAULTS
+from links.simulated.settings import FaultEvent, Sea, Settings, setting_of
+from mission.verification.campaign.deeds import INCIDENTS, Deed
+from mission.verification.campaign.scene_texts import mission_of
+from mission.verification.campaign.scenes import SCENES
+from mission.verification.campaign.trial import FOREVER
+from mission.authoring.language import script
+from mission.model import Mission
+from mission.model.vehicle import Vehicle
+from mission.model.shipped import load_vehicle
+
+MOST = 5  # disturbances a flight
+CURRENT = 0.5  # m/s
+HORIZON = 0.4  # of the proved time: about what a mission really takes
+AT_START, TOGETHER = 0.1, 0.4  # shares of the disturbances
+CLUSTERED, CLUSTER = 0.25, 5.0  # share of the flights, s: everything at nearly the same time
+FOR_EVER = 0.15  # share of the faults that may
+OUT_OF_HAND = frozenset(
+    {"stm32_hang", "command_lost", "command_corrupted", "unexplained_dive", "deaf_to_x", "refuses"}
+)
+WEIGHT = frozenset({"heavy", "light"})
+STAGED, BESIDE = 0.7, 0.4  # shares: of the flights, and of those with something else beside
+SCENE_TIME, SCENE_FLOOR = 160.0, 30.0  # s that matter, m
+IDLE = ("temperature_", "magnetometer_", "battery_")  # nothing on this vehicle decides by them
+KINDS = (*FAULTS, *INCIDENTS)
+WEIGHTS = tuple(0.25 if name.startswith(IDLE) else 1.0 for name in KINDS)
+PROFILES = ("as-built", "documented")
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """A mission to fly; ``proved_time`` is the check's, s."""
+
+    path: Path
+    mission: Mission
+    proved_time: float
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """An incident with what it came to, at the flight's times."""
+
+    name: str
+    begin: float
+    deeds: tuple[Deed, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    seed: int
+    number: int
+    subject: Subject
+    profile: str
+    vehicle_seed: int
+    settings: Settings
+    incidents: tuple[Drawn, ...]
+    heading: float
+    scene: str = ""
+    silence: float | None = None  # that the topside is allowed, s
+    batteries: bool = False  # the vehicle reports them as they are
+
+    @property
+    def vehicle(self) -> Vehicle:
+        found = load_vehicle(self.subject.mission.vehicle)
+        return replace(found, constant_batteries=found.constant_batteries and not self.batteries)
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        return (
+            *(event.name for event in self.settings.faults),
+            *(drawn.name for drawn in self.incidents if drawn.name != self.scene),
+            *([f"scene {self.scene}"] if self.scene else []),
+        )
+
+    @property
+    def deeds(self) -> tuple[Deed, ...]:
+        return tuple(deed for drawn in self.incidents for deed in drawn.deeds)
+
+    def in_words(self) -> str:
+        sea = self.settings.sea
+        speed, direction = sea.current
+        words = [
+            f"{self.subject.path.stem} on {self.profile}",
+            f"current {speed:.2f} m/s towards {math.degrees(direction):.0f} deg",
+            f"floor {sea.floor:.0f} m",
+            *(setting_of(event) for event in self.settings.faults),
+            *(f"{drawn.name}@{drawn.begin:.1f}" for drawn in self.incidents),
+        ]
+        return ", ".join(words)
+
+
+def draw(seed: int, number: int, subjects: Sequence[Subject], staged: float = STAGED) -> Plan:
+    """``staged``: share of the flights with a scene."""
+    rng = Random(f"faults {seed} {number}")
+    if rng.random() < staged:
+        return _staged(rng, seed, number, subjects)
+    return _disturbed(rng, seed, number, subjects)
+
+
+def stage(name: str, seed: int) -> Plan:
+    """This scene, and nothing else."""
+    return _set_up(name, Random(f"scene {name} {seed}"), seed, 0)
+
+
+def _staged(rng: Random, seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
+    """A scene, and in some flights something else that happens meanwhile."""
+    plan = _set_up(rng.choice(tuple(SCENES)), rng, seed, number)
+    if rng.random() >= BESIDE:
+        return plan
+    faults, incidents = [*plan.settings.faults], [*plan.incidents]
+    begin = round(rng.uniform(8.0, SCENE_TIME / 2.0), 1)
+    _disturb(rng, rng.choices(KINDS, WEIGHTS)[0], begin, subjects, faults, incidents)
+    settings = replace(plan.settings, faults=tuple(faults))
+    return replace(plan, settings=settings, incidents=tuple(incidents))
+
+
+def _set_up(name: str, rng: Random, seed: int, number: int) -> Plan:
+    scene = SCENES[name].draw(rng)
+    current = _sea(rng).current if scene.current is None else (scene.current, 0.0)
+    sea = Sea(current, None, SCENE_FLOOR)
+    return Plan(
+        seed,
+        number,
+        Subject(Path(scene.text), mission_of(scene.text), SCENE_TIME),
+        rng.choice(PROFILES),
+        rng.randrange(1 << 31),
+        Settings(sea=sea, faults=scene.faults),
+        (Drawn(name, 0.0, scene.deeds),),
+        rng.uniform(0.0, math.tau),
+        name,
+        scene.silence,
+        scene.batteries,
+    )
+
+
+def _disturbed(rng: Random, seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
+    subject = rng.choice(subjects)
+    profile = rng.choice(PROFILES)
+    vehicle_seed = rng.randrange(1 << 31)
+    sea = _sea(rng)
+    heading = rng.uniform(0.0, math.tau)
+    horizon = HORIZON * subject.proved_time
+    names = rng.choices(KINDS, WEIGHTS, k=rng.randint(1, MOST))
+    others = [s for s in subjects if s is not subject] or [subject]
+    faults: list[FaultEvent] = []
+    incidents: list[Drawn] = []
+    for name, begin in zip(names, _begins(rng, len(names), horizon), strict=True):
+        _disturb(rng, name, begin, others, faults, incidents)
+    settings = Settings(sea=sea, faults=tuple(faults))
+    return Plan(seed, number, subject, profile, vehicle_seed, settings, tuple(incidents), heading)
+
+
+def _disturb(
+    rng: Random,
+    name: str,
+    begin: float,
+    others: Sequence[Subject],
+    faults: list[FaultEvent],
+    incidents: list[Drawn],
+) -> None:
+    """Draws one row of FAULTS or INCIDENTS."""
+    if name in FAULTS:
+        faults.append(_fault(rng, name, begin))
+        return
+    lines = tuple(script(rng.choice(others).mission))
+    deeds = INCIDENTS[name].draw(rng, lines)
+    incidents.append(Drawn(name, begin, tuple(_moved(deed, begin) for deed in deeds)))
+
+
+def _begins(rng: Random, count: int, horizon: float) -> list[float]:
+    if rng.random() < CLUSTERED:
+        first = _begin(rng, (), horizon)
+        return [round(first + rng.uniform(0.0, CLUSTER), 1) for _ in range(count)]
+    begins: list[float] = []
+    for _ in range(count):
+        begins.append(_begin(rng, begins, horizon))
+    return begins
+
+
+def _begin(rng: Random, others: Sequence[float], horizon: float) -> float:
+    """Anywhere, about the start, or shortly before or after another: troubles come together."""
+    drawn = rng.random()
+    if drawn < AT_START:
+        begin = rng.uniform(1.0, 15.0)
+    elif others and drawn < AT_START + TOGETHER:
+        begin = max(1.0, rng.choice(others) + rng.uniform(-10.0, 30.0))
+    else:
+        begin = rng.uniform(1.0, horizon)
+    return round(begin, 1)
+
+
+def _sea(rng: Random) -> Sea:
+    surface = rng.uniform(0.0, CURRENT), rng.uniform(0.0, math.tau)
+    deep = (rng.uniform(0.0, CURRENT), rng.uniform(0.0, math.tau)) if rng.random() < 0.3 else None
+    floor = rng.uniform(3.0, 60.0) if rng.random() < 0.8 else 150.0
+    return Sea(surface, deep, floor)
+
+
+def _fault(rng: Random, name: str, begin: float) -> FaultEvent:
+    row = FAULTS[name]
+    duration = round(row.duration * 10.0 ** rng.uniform(-0.5, 0.5), 1)
+    if rng.random() < FOR_EVER and name not in OUT_OF_HAND | WEIGHT:
+        duration = FOREVER
+    value = round(row.value * rng.uniform(0.5, 1.5), 3) if row.unit else None
+    return FaultEvent(name, begin, duration, value)
+
+
+def _moved(deed: Deed, begin: float) -> Deed:
+    return Deed(begin + deed.after, deed.act, deed.data, deed.link, deed.address)

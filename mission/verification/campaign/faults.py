@@ -1,0 +1,144 @@
+"""The fault campaign: disturbed flights by seed and number, and what became of them together.
+
+What does not live here: one flight (trial), what is drawn (draw), what is asked of it (laws,
+audit), workers (pool).
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from mission.verification.campaign.draw import Plan, Subject, draw
+from mission.verification.campaign.laws import IGNORED, LOST, OVERRUN, RAISED, SPURIOUS, Violation, violations
+from mission.verification.campaign.trial import Trial, try_out
+from mission.verification.campaign.whole_flight import KINDS, throughout
+from mission.onboard.configuration import Configuration
+from mission.onboard.runtime.records import Recorder
+from mission.model import AUTONOMOUS, STOPPED, SURFACING, Step
+from mission.authoring.prepare import check_prepared, prepare
+from mission.model.vehicle import Vehicle
+from mission.model.shipped import missions_folder
+
+NOT_STARTED = "not started"
+
+
+@dataclass(frozen=True, slots=True)
+class Fared:
+    """How one flight fared; small, for it comes from another process."""
+
+    number: int
+    words: str
+    kinds: tuple[str, ...]
+    violations: tuple[Violation, ...]
+    aborted: tuple[str, ...]
+
+
+@dataclass(slots=True)
+class Totals:
+    flights: int = 0
+    kinds: Counter[str] = field(default_factory=Counter)
+    aborted: Counter[str] = field(default_factory=Counter)
+    violated: Counter[str] = field(default_factory=Counter)  # flights, by kind of violation
+
+    def add(self, fared: Fared) -> None:
+        self.flights += 1
+        self.kinds.update(fared.kinds)
+        self.aborted.update(fared.aborted)
+        self.violated.update({violation.kind for violation in fared.violations})
+
+    @property
+    def clean(self) -> bool:
+        return not self.violated
+
+    def as_json(self) -> dict[str, Any]:
+        """The object of design.md, section 5; ``ignored``, ``raised`` and KINDS beside it."""
+        return {
+            "flights": self.flights,
+            "faults": dict(sorted(self.kinds.items())),
+            "lost": self.violated[LOST],
+            "overruns": self.violated[OVERRUN],
+            "spurious": self.violated[SPURIOUS],
+            "ignored": self.violated[IGNORED],
+            "raised": self.violated[RAISED],
+            **{kind: self.violated[kind] for kind in KINDS},
+            "aborted": dict(sorted(self.aborted.items())),
+        }
+
+
+def shipped() -> list[Path]:
+    return sorted(missions_folder().glob("*.yaml"))
+
+
+def subjects(paths: Iterable[Path]) -> list[Subject]:
+    """Raises Unreadable, ValueError for a mission that the check refuses."""
+    found = []
+    for path in paths:
+        prepared = prepare(path)
+        report = check_prepared(prepared)
+        if not report.ok or report.proved is None:
+            raise ValueError(f"{path}: refused by the check: {report.refusals[0].message}")
+        found.append(Subject(path, prepared.mission, report.proved.worst_time))
+    return found
+
+
+def fly_plan(
+    plan: Plan, vehicle: Vehicle, recorder: Callable[[], Recorder | None] = lambda: None
+) -> Trial:
+    return try_out(
+        plan.subject.mission,
+        vehicle,
+        plan.profile,
+        plan.vehicle_seed,
+        plan.settings,
+        plan.deeds,
+        heading=plan.heading,
+        recorder=recorder,
+        configuration=replace(Configuration(), topside_silence=plan.silence),
+    )
+
+
+def fare(
+    seed: int,
+    number: int,
+    known: Sequence[Subject],
+    recorder: Callable[[], Recorder | None] = lambda: None,
+) -> Fared:
+    plan = draw(seed, number, known)
+    vehicle = plan.vehicle
+    return fared_of(plan, fly_plan(plan, vehicle, recorder), vehicle, plan.profile)
+
+
+def fared_of(
+    plan: Plan, trial: Trial, vehicle: Vehicle, profile: str, *, whole: bool = True
+) -> Fared:
+    """``whole``: the trial begins with the program, so that its whole flight can be judged."""
+    flown = plan.subject.mission
+    found = violations(trial, flown, vehicle, profile, plan.settings)
+    if whole:
+        found += throughout(trial, flown, vehicle, profile, plan.settings, plan.silence)
+    found.sort(key=lambda violation: violation.t)
+    return Fared(plan.number, plan.in_words(), plan.kinds, tuple(found), tuple(_aborts(trial)))
+
+
+def _aborts(trial: Trial) -> list[str]:
+    """Why missions did not come to their own end, by the names of limits and operators."""
+    if trial.started is None:
+        return [NOT_STARTED]
+    reasons, state = [], ""
+    for event in trial.events:
+        if isinstance(event, Step) and event.entered:
+            before, state = state, event.entered[-1]
+            if event.trigger == "restart":
+                reasons.append("restart")
+            elif before.startswith(AUTONOMOUS) and state in (SURFACING, STOPPED):
+                reasons.append(_reason(event))
+    return reasons
+
+
+def _reason(step: Step) -> str:
+    limit = next((e.trigger for e in step.evaluations if e.trigger.startswith("limit ")), "")
+    return limit or f"operator {step.trigger}"

@@ -1,0 +1,333 @@
+"""What may not come of a disturbed flight: a vehicle lost, a limit overrun, a program that raises.
+
+**Lost**: not at the surface, or with a thruster that turns, at the end, which comes
+``trial.ASCENT`` after the last fault is over and the last mission must have ended. A thruster may
+turn while it still surfaces: without depth and fix it never knows that it has arrived (R7). Faults
+that make surfacing physically impossible all end before that (draw.OUT_OF_HAND, WEIGHT); what
+design.md, section 4 excludes (a dead Pi while the STM32 is in automatic, an STM32 that hangs for
+ever with its thrusters on) is not drawn.
+
+**Overrun**: truly beyond a limit in force (the tightest of the mission's, the vehicle's, and the
+operator's @SP that was acknowledged) while autonomous or surfacing, by more than detection and
+physics explain:
+
+    depth   the bound, or where it was when the bound came into force, and
+              1 m        beyond which R5 counts
+              0.4 m      of the depth sensor (bias and noise, three sigma)
+              v * s      v: the terminal speed of the dive, from thrust, drag and the least
+                         buoyancy of the flight; s: the seconds that it may go on:
+                4.2        two samples in a row, 2 s apart, and the frame that brings the second
+                10 + 1     as built, W does not stick: U12 follows after 10 s (R7), three tries
+                3          until the thrusters have turned the dive round
+                +18        if depths or reports were ever missing or wrong: 12 s until a frozen
+                           one is known (five identical samples), 6 s without a depth (design)
+                + all      of what takes the vehicle out of everybody's hands: a board that
+                           hangs, is deaf or dives by itself, a pulled cable, a dead program,
+                           each with the 11 s of another ascent; a program that stands still
+                + beside   what depths read less than the truth, by an offset, a drift, a delay; one
+                           that is stuck within half a metre of what is asked for leads down
+                           with 0.25 m/s unseen
+    radius  the bound, and 8 s of way (two samples, their age, the limit's own step), and what
+            dead reckoning cannot know since the last fix: 15 m, the current's way, a quarter of
+            the way through the water; all of that way twice if the compass or a main thruster was
+            not healthy; and what the GPS was beside the truth
+    time    the bound, and 1 s, in the mission's legs; time under the stick counts
+    report  5 s without a good report (R8), and 0.5 s, in the mission's legs
+
+What does not live here: bytes to the vehicle (audit).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+from links.simulated.faults import FAULTS
+from links.simulated.settings import Settings
+from mission.verification.campaign.audit import audit
+from mission.verification.campaign.deeds import Act
+from mission.verification.campaign.obedience import ignored
+from mission.verification.campaign.trial import FOREVER, Done, Event, Said, Told, Trial, fault_ends, from_home
+from mission.engine.limits import SILENCE
+from mission.engine.bounds import Bounds, in_force
+from mission.model import AUTONOMOUS, STOPPED, SURFACED, SURFACING, Mission, Step, Tx
+from mission.model.vehicle import Vehicle
+from protocol.messages import SetSafety
+
+LOST, OVERRUN, SPURIOUS, RAISED, IGNORED = "lost", "overrun", "spurious", "raised", "ignored"
+AFLOAT = 0.5  # m (R7)
+HELD, SLIGHT = 3.0, 1.0  # m of a body that its thrusters hold up; N that may lift too slowly
+DEPTH_MARGIN, DEPTH_ERROR = 1.0, 0.4  # m
+SAMPLES, UNPROVED, TURNED, BLIND = 4.2, 11.0, 3.0, 18.0  # s
+ROUND = 30.0  # s of an ascent's three ways
+WAY, FIX_ERROR, SHARE = 8.0, 15.0, 0.25  # s, m, of the way
+LATE = 1.0  # s
+NEAR = 0.25  # m/s
+DOWN = 8.0  # s that a killed program is down at most (deeds)
+FIX_DEPTH, FIX_TIME = 0.3, 15.0  # m, s at the surface that give a fix
+_OUT_OF_HAND = (
+    *("stm32_hang", "command_lost", "command_corrupted", "unexplained_dive", "stm32_restart"),
+)
+_UNSEEN = ("depth_", "stm32_silent", "bytes_corrupted", "line_noise", "splice", "stm32_restart")
+_ASTRAY = (
+    "heading_",
+    "left_main",
+    "right_main",
+    "mains_dead",
+    "attitude_",
+    "gps_stuck",
+    "gps_in_turn",
+)
+_GPS_CLOSED = re.compile(rb"@NS[OC]{2}C[OC]{3}\$")
+_SP = re.compile(rb"@SP,([^,$]*),([^,$]*),([^,$]*),([^,$]*),\$")
+_AUTO_CLOSED = re.compile(rb"@NS[OC]{5}C\$")
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    kind: str
+    t: float
+    says: str
+
+
+def violations(
+    trial: Trial, mission: Mission, vehicle: Vehicle, profile: str, settings: Settings
+) -> list[Violation]:
+    found = [Violation(SPURIOUS, s.t, s.says) for s in audit(trial.events, profile)]
+    if trial.raised:
+        found.append(Violation(RAISED, trial.truth.t, trial.raised))
+    elif trial.truth.depth > _allowed(settings):
+        says = f"{trial.truth.depth:.1f} m deep at the end, in {trial.state}"
+        found.append(Violation(LOST, trial.truth.t, says))
+    elif trial.turning and trial.state != SURFACING and not _may_be_held(trial, settings):
+        says = f"its thrusters turn at the end, in {trial.state}"
+        found.append(Violation(LOST, trial.truth.t, says))
+    found += [Violation(IGNORED, i.t, i.says) for i in ignored(trial.events, profile)]
+    flown = list(spans(trial, mission, vehicle))
+    found += _depths(trial, flown, _dive(settings, profile, trial))
+    found += _ranges(trial, flown, settings)
+    found += _times(trial, flown)
+    return sorted(found, key=lambda violation: violation.t)
+
+
+def _allowed(settings: Settings) -> float:
+    """m at the end. What is heavy and has a depth that was not believed comes up by a third of the
+    time that its thrusters push: physics does not promise that."""
+    if _floats(settings):
+        return AFLOAT
+    return math.inf if any(f.name.startswith("depth_") for f in settings.faults) else HELD
+
+
+def _floats(settings: Settings) -> bool:
+    """At the end its buoyancy alone brings it up."""
+    endless = [f for f in settings.faults if f.name == "heavy" and fault_ends(f) >= FOREVER]
+    return settings.body.buoyancy > sum(f.value or 8.0 for f in endless) + SLIGHT
+
+
+def _may_be_held(trial: Trial, settings: Settings) -> bool:
+    """It sank out of surfaced, or so its sensor said: a thruster holds it up (R7, at rest)."""
+    said = any(f.name.startswith("depth_") for f in settings.faults)
+    return trial.state == SURFACED and (said or not _floats(settings))
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """Within it neither the region nor the limits in force changed."""
+
+    begin: float
+    end: float
+    state: str  # at its begin
+    bounds: Bounds
+    started: float  # of the mission
+
+    @property
+    def autonomous(self) -> bool:
+        return self.state.startswith(AUTONOMOUS)
+
+
+def spans(trial: Trial, mission: Mission, vehicle: Vehicle) -> Iterator[Span]:
+    given, asked = SetSafety(), SetSafety()
+    span = Span(0.0, 0.0, "idle/empty", in_force(vehicle, mission.safety, given), 0.0)
+    interrupted = False
+    for event in trial.events:
+        news = span
+        match event:
+            case Step(t=t, entered=(*_, state)):
+                before, now = _region(span.state), _region(state)
+                fresh = now == AUTONOMOUS and before != AUTONOMOUS and not interrupted
+                interrupted = now == "manual" and (interrupted or before == AUTONOMOUS)
+                if before != now or STOPPED in (state, span.state):
+                    news = replace(span, state=state, started=t if fresh else span.started)
+            case Done(t=t, act=Act.KILL):
+                interrupted, news = False, replace(span, state="dead")
+            case Said(t=t, data=data):
+                if found := _SP.search(data):
+                    asked = _merged(given, found)
+                interrupted = interrupted and not _AUTO_CLOSED.search(data)
+            case Tx(t=t, data=b"@ACK_SPP$"):
+                given = asked
+                news = replace(span, bounds=in_force(vehicle, mission.safety, given))
+            case _:
+                pass
+        if news is not span:
+            yield replace(span, end=t)
+            span = replace(news, begin=t)
+    yield replace(span, end=trial.truth.t)
+
+
+def _region(state: str) -> str:
+    return state.partition("/")[0]
+
+
+def _merged(given: SetSafety, found: re.Match[bytes]) -> SetSafety:
+    values = [_number(text) for text in found.groups()]
+    if values[1] is not None:
+        values[1] *= 60.0
+    news = dict(zip(("radius", "time", "depth", "voltage"), values, strict=True))
+    return replace(given, **{name: value for name, value in news.items() if value})
+
+
+def _number(text: bytes) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+# --- depth ---------------------------------------------------------------------------------------
+
+
+def _dive(settings: Settings, profile: str, trial: Trial) -> float:
+    """m that a dive may go on beyond its bound."""
+    body = settings.body
+    heavy = sum(f.value or 8.0 for f in settings.faults if f.name == "heavy")
+    thrust = 3.0 * body.vertical_thrust - (body.buoyancy - heavy)
+    speed = math.sqrt(max(thrust, 0.0) / body.quadratic[2])
+    seconds = SAMPLES + TURNED + (UNPROVED if profile == "as-built" else 1.0)
+    if any(f.name.startswith(_UNSEEN) for f in settings.faults) or _acts(trial, Act.UNPLUG):
+        seconds += BLIND
+    for fault in settings.faults:
+        if fault.name in _OUT_OF_HAND:
+            seconds += (fault.duration or 0.0) + UNPROVED
+        if fault.name == "capsized":  # until that is known; with it what is heavy cannot be lifted
+            seconds += ROUND
+        if fault.name in ("capsized", "verticals_dead") and heavy > 0.0:
+            seconds += min(fault.duration or 0.0, 300.0)
+    seconds += len(_acts(trial, Act.KILL)) * (DOWN + UNPROVED)
+    pulled = zip(_acts(trial, Act.UNPLUG), _acts(trial, Act.PLUG), strict=False)
+    seconds += sum(plug - unplug + UNPROVED for unplug, plug in pulled)
+    seconds += sum(end - begin for begin, end in stalls(trial.events))
+    return DEPTH_MARGIN + DEPTH_ERROR + _unseen(settings, trial, speed) + speed * seconds
+
+
+def _unseen(settings: Settings, trial: Trial, speed: float) -> float:
+    """m by which a depth that looks well is, or leads, beside the truth."""
+    metres = 0.0
+    for fault in settings.faults:
+        lasts = min(fault.duration or FAULTS[fault.name].duration, trial.truth.t)
+        value = abs(fault.value or FAULTS[fault.name].value)
+        if fault.name == "depth_too_shallow":
+            metres += value
+        elif fault.name == "depth_drifting":
+            metres += value * lasts
+        elif fault.name == "depth_late":
+            metres += value * speed
+        elif fault.name == "depth_stuck":
+            metres += NEAR * lasts
+    return metres
+
+
+def stalls(events: Iterable[Event]) -> list[tuple[float, float]]:
+    """From when to when the program stood still."""
+    found: list[tuple[float, float]] = []
+    since: float | None = None
+    for event in events:
+        if not isinstance(event, Done):
+            continue
+        if event.act is Act.STALL and since is None:
+            since = event.t
+        elif event.act in (Act.RUN, Act.KILL) and since is not None:
+            found.append((since, event.t))
+            since = None
+    return found
+
+
+def _acts(trial: Trial, act: Act) -> list[float]:
+    return [e.t for e in trial.events if isinstance(e, Done) and e.act is act]
+
+
+def _depths(trial: Trial, spans: list[Span], dive: float) -> Iterator[Violation]:
+    base = 0.0
+    bound = math.inf
+    for span in spans:
+        acts = span.autonomous or span.state == SURFACING
+        places = [p for p in trial.track if span.begin <= p.t <= span.end]
+        if span.autonomous and places and (bound != span.bounds.depth or base == 0.0):
+            bound, base = span.bounds.depth, max(span.bounds.depth, places[0].depth)
+        if not acts:
+            base = 0.0
+        elif base and places:
+            deepest = max(places, key=lambda p: p.depth)
+            if deepest.depth > base + dive:
+                says = f"{deepest.depth:.1f} m, limit {bound:g} m, explained {dive:.1f} m more"
+                yield Violation(OVERRUN, deepest.t, f"depth {says}")
+
+
+# --- radius --------------------------------------------------------------------------------------
+
+
+def _ranges(trial: Trial, spans: list[Span], settings: Settings) -> Iterator[Violation]:
+    astray = any(f.name.startswith(_ASTRAY) for f in settings.faults)
+    beside = sum(f.value or 200.0 for f in settings.faults if f.name == "gps_jump")
+    closed = any(isinstance(e, Said) and _GPS_CLOSED.search(e.data) for e in trial.events)
+    blind = closed or any(f.name.startswith("gps_") for f in settings.faults)
+    stalled = sum(end - begin for begin, end in stalls(trial.events))
+    share = 2.0 if astray else SHARE
+    unknown = shallow = 0.0
+    flown = iter(span for span in spans if span.autonomous)
+    span = next(flown, None)
+    for place in trial.track:
+        speed, current = abs(place.speed), math.hypot(*place.current)
+        shallow = shallow + 1.0 if place.depth <= FIX_DEPTH else 0.0
+        unknown += current + share * speed
+        if shallow > FIX_TIME and not blind:
+            unknown = 0.0
+        while span is not None and span.end < place.t:
+            span = next(flown, None)
+        if span is None or place.t < span.begin:
+            continue
+        far = math.hypot(*from_home(trial, place))
+        explained = FIX_ERROR + unknown + beside + (WAY + stalled) * (speed + current)
+        if place.t == math.ceil(span.begin) and far > span.bounds.radius:
+            explained += far - span.bounds.radius  # it was outside when the bound came into force
+        if far > span.bounds.radius + explained and place.t > span.begin + WAY:
+            says = f"{far:.0f} m, limit {span.bounds.radius:g} m, explained {explained:.0f} m"
+            yield Violation(OVERRUN, place.t, f"radius {says}")
+            return
+
+
+# --- time and reports -----------------------------------------------------------------------------
+
+
+def _times(trial: Trial, spans: list[Span]) -> Iterator[Violation]:
+    told = [event.t for event in trial.events if isinstance(event, Told)]
+    stood = stalls(trial.events)
+    for span in spans:
+        if not span.autonomous:
+            continue
+        due = max(span.started + span.bounds.time, span.begin)
+        if span.end > due + LATE + _share(stood, due, span.end):
+            says = f"autonomous for {span.end - span.started:.0f} s, limit {span.bounds.time:g} s"
+            yield Violation(OVERRUN, span.end, says)
+        last = span.begin
+        for t in [*(t for t in told if span.begin < t <= span.end), span.end]:
+            if t - last > SILENCE + 0.5 + _share(stood, last, t):
+                yield Violation(OVERRUN, t, f"autonomous for {t - last:.1f} s without a report")
+            last = t
+
+
+def _share(stood: list[tuple[float, float]], begin: float, end: float) -> float:
+    """s between begin and end in which the program stood still."""
+    return sum(max(min(e, end) - max(b, begin), 0.0) for b, e in stood)

@@ -1,0 +1,361 @@
+"""Laws of the limits (R5, R8) over the whole flight: passed in truth, and the response in time.
+
+Each law says when its limit is passed in truth by more than the sensors explain. Reports that came
+are counted, for the limits act by reports: once it is passed in as many as the rule says, and
+two more, the mission must have been left. A sensor with a fault excuses; so does a program that
+stands still. What goes by the clock has the clock.
+
+What does not live here: depth, radius, time and silence as bounds (laws).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from mission.verification.campaign.audit import command_of
+from mission.verification.campaign.depth_laws import DEPTH_FAULTS
+from mission.verification.campaign.laws import Violation
+from mission.verification.campaign.story import Report, Stay, Story, gaps
+from mission.verification.campaign.trial import FOREVER, Told, fault_ends
+from mission.model import Step
+from protocol.messages import Order, Setpoint
+
+UNANSWERED = "unanswered"
+_SPARE = 2  # reports, beside those that the rule asks for
+_DEPTH, _ROLL = 1.0 + 0.5, math.radians(6.0)  # m and rad beyond the bound
+_NEARER, _OFF, _STUCK = 0.45, 2.6, 136.0  # m, m, s: 0.5 m, 2 m and 120 s (R5)
+_UNASKED, _SINKING = 3.0, 0.2  # m and m/s: 2 m and 0.1 m/s (R5)
+_BLIND, _UNDER = 10.5, 1.0  # s and m: 6 s without a depth, from the next report on
+_CLOGGED = 6.5  # m
+_TOPSIDE = 1.0  # s
+_LOST = 12  # frames: three commands of three tries, and one that a set replaced
+_LOW, _LOW_TIME = 0.6, 16.0  # V and s: 10 s, and three reports
+_ASTRAY, _GROWN, _STEERED = 40.0, 28.0, 14.0  # deg, deg, s: 30, 20 and 10 (R5)
+_APART, _UNDER_WAY, _DRIFTS = math.radians(75.0), 0.7, 32.0  # rad, m/s, s: 60 deg, 0.4, 20 s
+_SURE = 1.645  # of a normal: 95 %
+_ANSWER = re.compile(rb"@ACK_Z")
+_NO_COURSE = (
+    *("gps_", "depth_", "heading_absurd", "heading_full", "heading_silent", "heading_frozen"),
+    "heading_inter",
+)
+_SAYS_THE_SAME = ("heading_frozen", "heading_silent", "heading_inter")
+
+
+@dataclass(frozen=True, slots=True)
+class _Limit:
+    """``passed`` of (story, stay, told, since): in truth, by more than sensors explain."""
+
+    name: str
+    passed: Callable[[Story, Stay, Told], bool]
+    reports: int
+    faults: tuple[str, ...] = ()
+
+
+def limit_laws(story: Story) -> Iterator[Violation]:
+    for flight in story.flights():
+        for limit in _BY_REPORT:
+            yield from _by_report(story, flight, limit)
+        begin, end = flight[0].begin, flight[-1].end
+        yield from _topside(story, begin, end)
+        yield from _unanswered(story, begin, end)
+        yield from _voltage(story, begin, end)
+        yield from _blind(story, begin, end)
+        yield from _false_alarm(story, flight[-1])
+        yield from _clogged(story, flight)
+        for stay in flight:
+            yield from _no_progress(story, stay)
+            yield from _unasked_descent(story, stay)
+            yield from _heading_astray(story, stay)
+            yield from _without_power(story, stay)
+            yield from _uncertain(story, stay)
+            yield from _course_apart(story, stay)
+
+
+def _by_report(story: Story, flight: list[Stay], limit: _Limit) -> Iterator[Violation]:
+    seen = 0
+    for stay in flight:
+        for told in story.told_in(stay.begin, stay.end):
+            seen = seen + 1 if limit.passed(story, stay, told) else 0
+            if seen <= limit.reports + _SPARE or story.hindered(told.t - 10.0, told.t):
+                continue
+            if not story.faulty(limit.faults, told.t - 10.0, told.t):
+                says = f"{limit.name} passed in {seen} reports, and still in {stay.state}"
+                yield Violation(UNANSWERED, told.t, says)
+                return
+
+
+def _depth(story: Story, stay: Stay, told: Told) -> bool:
+    span = next((s for s in story.spans if s.begin <= told.t - 6.0 and told.t <= s.end), None)
+    return span is not None and story.depth(told.t) > span.bounds.depth + _DEPTH
+
+
+def _roll(story: Story, stay: Stay, told: Told) -> bool:
+    return story.tilt(told.t) > story.vehicle.limits.roll + _ROLL
+
+
+_BY_REPORT = (
+    _Limit("depth", _depth, 2, DEPTH_FAULTS),
+    _Limit("roll", _roll, 2, ("attitude_", "roll_")),
+)
+
+
+def _false_alarm(story: Story, stay: Stay) -> Iterator[Violation]:
+    """A mission that a limit ended, of which the truth knows nothing, with that sensor healthy; or
+    with one at full scale, which says nothing about anything."""
+    step = next((s for s in story.steps if s.t == stay.end and s.trigger == "limit"), None)
+    names = {e.trigger for e in step.evaluations if e.result} if step is not None else set()
+    if "limit depth" in names and not story.faulty(DEPTH_FAULTS, stay.end - 20.0, stay.end):
+        bound = min(s.bounds.depth for s in story.spans if s.end >= stay.end - 8.0)
+        if story.deepest(stay.end - 8.0, stay.end) < bound + 0.5:
+            yield Violation(UNANSWERED, stay.end, "a limit of depth that was not passed")
+    odd = [
+        f for f in story.faults(("attitude_", "roll_"), 0.0, stay.end) if "full_scale" not in f.name
+    ]
+    worst = max(story.tilt(stay.end - i) for i in range(9))
+    if "limit roll-over" in names and not odd and worst < story.vehicle.limits.roll - _ROLL:
+        yield Violation(UNANSWERED, stay.end, "a limit of roll that was not passed")
+
+
+# --- by the clock --------------------------------------------------------------------------------
+
+
+def _topside(story: Story, begin: float, end: float) -> Iterator[Violation]:
+    if story.silence is None:
+        return
+    for quiet, until in gaps((said.t for said in story.said), begin, end):
+        if until - quiet > story.silence + _TOPSIDE and not story.hindered(quiet, until):
+            says = f"nothing heard from topside for {until - quiet:.0f} s, and still autonomous"
+            yield Violation(UNANSWERED, until, says)
+            return
+
+
+def _unanswered(story: Story, begin: float, end: float) -> Iterator[Violation]:
+    """Words to the vehicle that nothing came back to."""
+    answers = [h.t for h in story.heard if _ANSWER.search(h.data)]
+    for quiet, until in gaps(answers, begin, end):
+        words = [w for w in story.words_in(quiet, until) if w.data.startswith(b"@ZA")]
+        lost = len(words) > _LOST and until > words[_LOST].t + 1.0
+        if lost and not story.hindered(quiet, until):
+            says = f"{len(words)} words without an answer, and still autonomous"
+            yield Violation(UNANSWERED, until, says)
+            return
+
+
+def _voltage(story: Story, begin: float, end: float) -> Iterator[Violation]:
+    """Where the vehicle reports its batteries."""
+    if story.vehicle.constant_batteries or story.profile != "documented":
+        return
+    for fault in story.settings.faults:
+        if fault.name != "battery_low":
+            continue
+        low, until = max(fault.begin, begin), min(fault_ends(fault), end)
+        least = min(s.bounds.voltage for s in story.spans)
+        told = story.told_in(low, min(low + _LOW_TIME, until))
+        steady = len(told) > _LOW_TIME / 2.0 - 2.0 and not story.hindered(low, until)
+        others = [f for f in story.faults(("battery_",), low, until) if f is not fault]
+        if (
+            (fault.value or 9.0) < least - _LOW
+            and until > low + _LOW_TIME
+            and steady
+            and not others
+        ):
+            yield Violation(UNANSWERED, until, f"{fault.value} V, and still autonomous")
+
+
+def _blind(story: Story, begin: float, end: float) -> Iterator[Violation]:
+    """A depth at full scale, or silent by the board that says so, is known to be none at once."""
+    for fault in story.settings.faults:
+        silent = fault.name == "depth_silent" and story.profile == "documented"
+        frozen = fault.name == "depth_frozen"
+        if not (silent or frozen or fault.name == "depth_full_scale"):
+            continue
+        if fault.begin < begin + 10.0:
+            continue
+        until = min(fault_ends(fault), end, FOREVER)
+        known = fault.begin + _BLIND + (10.0 if frozen else 0.0)
+        under = min(story.depth(t) for t in (fault.begin - 6.0, fault.begin, known)) > _UNDER
+        alone = len(story.faults(("depth_",), fault.begin - 10.0, until)) == 1
+        told = len(story.told_in(fault.begin, known)) > 3
+        if until > known and under and alone and told and not story.hindered(fault.begin, known):
+            yield Violation(UNANSWERED, known, "under water without a depth, and still autonomous")
+
+
+def _clogged(story: Story, flight: list[Stay]) -> Iterator[Violation]:
+    """A port that clogs 1 m or more short of what is held: at most the bound and 6 m (R5)."""
+    for fault in story.faults(("depth_stuck",), flight[0].begin, flight[-1].end):
+        stay = story.stay_at(fault.begin)
+        sets = [c for b, e, c in _sets(story, stay) if b <= fault.begin < e]
+        short = sets and (sets[0].depth or 0.0) - story.depth(fault.begin) > 1.0 + _DEPTH
+        end = min(fault_ends(fault), story.end)
+        others = (*DEPTH_FAULTS, "heavy", "capsized", "stm32_", "command_", "verticals_", "dives_")
+        alone = len(story.faults((*others, "unexplained", "obeys", "deaf_to"), 0.0, end)) == 1
+        if not short or not alone or story.hindered(fault.begin, end):
+            continue
+        bound = min(s.bounds.depth for s in story.spans if s.begin <= end and s.end >= fault.begin)
+        if (deepest := story.deepest(fault.begin, end)) > bound + _CLOGGED:
+            says = f"{deepest:.1f} m deep with a clogged port, limit {bound:g} m"
+            yield Violation(UNANSWERED, end, says)
+
+
+# --- by the set in force -------------------------------------------------------------------------
+
+
+def _is_plain(story: Story, begin: float, end: float, faults: tuple[str, ...]) -> bool:
+    """Nothing excuses."""
+    return not (story.hindered(begin, end) or story.faulty(faults, begin, end))
+
+
+def _sets(story: Story, stay: Stay) -> list[tuple[float, float, Setpoint]]:
+    """The sets of a leg, from when to when."""
+    steps = [step for step in story.steps if stay.begin <= step.t < stay.end]
+    found = [(step.t, command) for step in steps if (command := _set_of(step)) is not None]
+    ends = [*(t for t, _ in found[1:]), stay.end][: len(found)]
+    return [(t, end, command) for (t, command), end in zip(found, ends, strict=True)]
+
+
+def _set_of(step: Step) -> Setpoint | None:
+    if not step.actions:
+        return None
+    command = command_of(step.actions[-1])
+    return None if isinstance(command, Order) else command
+
+
+def _no_progress(story: Story, stay: Stay) -> Iterator[Violation]:
+    """By the reports: noise of a depth that stands may seem to be a step nearer."""
+    since = nearest = 0.0
+    wanted: float | None = None
+    for begin, end, command in _sets(story, stay):
+        if command.depth is None:
+            wanted = None
+            continue
+        if command.depth != wanted:
+            wanted, since, nearest = command.depth, begin, math.inf
+        for report in story.reports:
+            if not begin < report.t < end:
+                continue
+            off = abs(report.depth - wanted)
+            if off <= max(nearest - _NEARER, _OFF):
+                since, nearest = report.t, off
+            if report.t - since > _STUCK and _is_plain(story, since, report.t, DEPTH_FAULTS):
+                says = f"no nearer to {wanted:g} m for {report.t - since:.0f} s"
+                yield Violation(UNANSWERED, report.t, f"{says}, and still in {stay.state}")
+                return
+
+
+def _unasked_descent(story: Story, stay: Stay) -> Iterator[Violation]:
+    if stay.ascends:
+        return
+    shallowest, seen = math.inf, 0
+    sets = _sets(story, stay)
+    for told in story.told_in(stay.begin, stay.end):
+        depth = story.depth(told.t)
+        command = next((c for b, e, c in sets if b <= told.t < e), None)
+        if command is None or _asks_down(command, depth):
+            shallowest, seen = depth, 0
+        shallowest = min(shallowest, depth)
+        sinks = depth > shallowest + _UNASKED and story.depth(told.t - 2.0) < depth - 2.0 * _SINKING
+        seen = seen + 1 if sinks else 0
+        if seen > 2 + _SPARE and _is_plain(story, told.t - 20.0, told.t, DEPTH_FAULTS):
+            says = f"{depth:.1f} m and sinking, which nothing asks for, in {stay.state}"
+            yield Violation(UNANSWERED, told.t, says)
+            return
+
+
+def _asks_down(command: Setpoint, depth: float) -> bool:
+    if command.depth is not None:
+        return depth < command.depth + 1.0
+    return command.altitude is not None or (command.heave or 0.0) > 0.0
+
+
+def _heading_astray(story: Story, stay: Stay) -> Iterator[Violation]:
+    """By the reports: the compass is what the limit has."""
+    for begin, end, command in _sets(story, stay):
+        if command.heading is None or story.faulty(("heading_absurd", "heading_full"), begin, end):
+            continue
+        wanted = math.degrees(command.heading)
+        errors = [
+            (r.t, abs(math.remainder(-r.yaw - wanted, 360.0)))
+            for r in story.reports
+            if begin < r.t < end and abs(r.yaw) <= 180.0
+        ]
+        seen = 0
+        for (t, error), (_, last) in zip(errors[1:], errors, strict=False):
+            grown = error - errors[0][1] > _GROWN and error >= last - 4.0
+            late = t - errors[0][0] > _STEERED and error > _ASTRAY
+            seen = seen + 1 if grown and late else 0
+            if seen > _SPARE + 1 and _is_plain(story, t - 10.0, t, _SAYS_THE_SAME):
+                says = f"heading {error:.0f} deg off and growing, and still in {stay.state}"
+                yield Violation(UNANSWERED, t, says)
+                return
+
+
+def _without_power(story: Story, stay: Stay) -> Iterator[Violation]:
+    """Thrust is set, no thruster turns, and nothing is said about it."""
+    for begin, end, command in _sets(story, stay):
+        if command.surge < 0.2:
+            continue
+        still: list[Report] = []
+        for report in story.reports:
+            if not begin + 3.0 < report.t < end:
+                continue
+            still = [] if report.turning else [*still, report]
+            if len(still) < 4 or story.hindered(still[0].t - 5.0, report.t):
+                continue
+            if not story.words_in(still[0].t, report.t):
+                says = f"no thruster turns in {len(still)} reports, and no word in {stay.state}"
+                yield Violation(UNANSWERED, report.t, says)
+                return
+
+
+# --- by the estimate -----------------------------------------------------------------------------
+
+
+def _uncertain(story: Story, stay: Stay) -> Iterator[Violation]:
+    """Once it becomes uncertain, another leg: unless it is on its way up already."""
+    if stay.ascends or stay.state.endswith("/surface"):
+        return
+    certain, seen = False, 0
+    for told in story.told_in(stay.begin, stay.end):
+        e, radius = told.estimate, _radius(story, told.t)
+        far = math.hypot(e.north, e.east)
+        a, b, d = e.covariance
+        north, east = (e.north / far, e.east / far) if far > 1.0 else (1.0, 0.0)
+        sigma = math.sqrt(max(a * north * north + 2.0 * b * north * east + d * east * east, 0.0))
+        certain = certain or radius - far > 3.0 * math.sqrt(a + d)
+        seen = seen + 1 if certain and radius - far < _SURE * sigma else 0
+        if seen > 2 + _SPARE and not story.hindered(told.t - 10.0, told.t):
+            says = f"{far:.0f} m off, sigma {sigma:.0f} m, limit {radius:g} m: still {stay.state}"
+            yield Violation(UNANSWERED, told.t, says)
+            return
+
+
+def _radius(story: Story, t: float) -> float:
+    """The largest in force in the last seconds."""
+    near = [s.bounds.radius for s in story.spans if s.begin <= t and s.end >= t - 10.0]
+    return max(near, default=math.inf)
+
+
+def _course_apart(story: Story, stay: Stay) -> Iterator[Violation]:
+    """At the surface, under way, with fixes."""
+    since: float | None = None
+    speeds = story.vehicle.speed_by_gear
+    sets = [(b, e, c) for b, e, c in _sets(story, stay) if speeds.at(12.0 * c.surge) >= _UNDER_WAY]
+    for told in story.told_in(stay.begin, stay.end):
+        place = story.trial.track[min(int(told.t), len(story.trial.track) - 1)]
+        moves = place.ground_speed > _UNDER_WAY and place.depth < 0.25
+        set_out = any(b + 6.0 < told.t < e for b, e, _ in sets)
+        known = told.estimate.heading is not None
+        apart = known and abs(
+            math.remainder(place.course - (told.estimate.heading or 0.0), math.tau)
+        )
+        if not (moves and set_out and apart > _APART):
+            since = None
+        elif since is None:
+            since = told.t
+        elif told.t - since > _DRIFTS and _is_plain(story, since - 10.0, told.t, _NO_COURSE):
+            says = f"course and heading apart for {told.t - since:.0f} s in {stay.state}"
+            yield Violation(UNANSWERED, told.t, says)
+            return

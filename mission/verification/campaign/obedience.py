@@ -1,0 +1,87 @@
+"""What was ordered leaves: X and W within 100 ms of being known (R7), a set within 5 s (R12).
+
+X and W are looked for in whatever came while the program ran, whatever stands around them. The
+sets are those of the Steps: a leg's, both halves of an ascent's. What a later order, another set,
+the stick or the program's death overtook in time is excused.
+
+What does not live here: who else asked for a byte (audit).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from mission.verification.campaign.audit import alike, command_of
+from mission.verification.campaign.deeds import Act
+from mission.verification.campaign.trial import Done, Event, Said
+from mission.onboard.runtime.drive import VEHICLE
+from mission.model import MANUAL_DRIVING, Step, Tx
+from protocol.messages import Order, Setpoint
+from protocol.topside import EMERGENCIES
+from protocol.vehicles.auv import AuvCodec
+
+WITHIN = 0.1  # s from known to on its way
+SET = 5.1  # s: the time that a set has, and the frame that is on the line
+_SAME = 1e-6  # s
+_CLEAR = EMERGENCIES[Order.STOP]
+_ORDER = re.compile(b"|".join(re.escape(frame) for frame in EMERGENCIES.values()))
+
+
+@dataclass(frozen=True, slots=True)
+class Ignored:
+    t: float
+    says: str
+
+
+def ignored(events: Sequence[Event], dialect: str) -> list[Ignored]:
+    """Orders and sets that did not leave in time."""
+    return sorted([*_orders(events), *_sets(events, dialect)], key=lambda one: one.t)
+
+
+def _orders(events: Sequence[Event]) -> Iterator[Ignored]:
+    waits: tuple[Said, bytes] | None = None
+    lives = True
+    for event in events:
+        if waits is not None and event.t > waits[0].t + WITHIN + _SAME:
+            said, frame = waits
+            yield Ignored(said.t, f"{frame!r} of {said.address or said.link}: nothing left")
+            waits = None
+        match event:
+            case Said(data=data) if lives and (found := _ORDER.findall(data)):
+                waits = (event, found[-1])
+            case Done(act=Act.KILL | Act.STALL):
+                waits = None
+                lives = event.act is not Act.KILL and lives
+            case Done(act=Act.BOOT):
+                lives = True
+            case Tx(link=link, data=data) if link == VEHICLE and waits is not None:
+                waits = None if data == waits[1] else waits
+            case _:
+                pass
+
+
+def _sets(events: Sequence[Event], dialect: str) -> Iterator[Ignored]:
+    """A newer set of the same leg has what is left of the time of the one before. X0 at the head
+    of one that steers is left out: there is nothing to clear."""
+    encode = AuvCodec(dialect).encode
+    since, owed = 0.0, list[bytes]()
+    for event in events:
+        if owed and event.t > since + SET + _SAME:
+            yield Ignored(since, f"{owed[0]!r}: it did not leave within {SET:g} s")
+            owed = []
+        match event:
+            case Step(t=t, actions=(*_, words), entered=entered):
+                command = command_of(words)
+                is_set = isinstance(command, Setpoint)
+                since = since if owed and not entered else t
+                owed = [f for f in encode(command) if f != _CLEAR] if is_set else []
+            case Step(entered=(*_, state)) if state == MANUAL_DRIVING:
+                owed = []
+            case Done(act=Act.KILL | Act.STALL):
+                owed = []
+            case Tx(link=link, data=data) if link == VEHICLE:
+                owed = [frame for frame in owed if not alike(frame, data)]
+            case _:
+                pass

@@ -1,0 +1,191 @@
+"""The program on board, on the flight's clock: a drive that can be killed and begun anew.
+
+Each drive's time begins at 0, as at sea; here all times are the flight's. While nobody lives,
+bytes are lost. What a drive made durable is all that the next one knows. A drive may die inside a
+write of its store; what it would have sent then is never sent.
+
+What does not live here: when it is killed (deeds), the loop (trial).
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+
+from links.base import Rx
+from mission.onboard.configuration import Configuration
+from mission.onboard.runtime.drive import Drive
+from mission.onboard.runtime.records import Recorder
+from mission.model import Estimate, Step, Tx
+from mission.onboard.store import MemoryStore, Stored, StoreError
+from mission.model.vehicle import Vehicle
+
+NAVIGATION_AFTER = 2.0  # s from a start until the filter is loaded, on the Pi
+_SAME = 1e-6  # s
+LEAVES_WITHIN = 290.0  # s, from SIGTERM to the last words (serve: leaving)
+LAST_WORDS = 3.0  # s that they are given
+DEAD = "dead"  # the state while no drive lives
+
+
+class Died(Exception):
+    """The program was killed inside a write."""
+
+
+class Death(enum.Enum):
+    BEFORE = "the old content stays"
+    AFTER = "the new content is durable, and nobody was told"
+
+
+class FillableStore(MemoryStore):
+    """A disk that may be full for a while; ``death`` is what the next write is for the program."""
+
+    def __init__(self, content: Stored | None = None) -> None:
+        super().__init__(content)
+        self.full = False
+        self.death: Death | None = None
+
+    def _write(self, content: Stored) -> None:
+        if self.full:
+            raise StoreError("no space left on device")
+        death, self.death = self.death, None
+        if death is not Death.BEFORE:
+            super()._write(content)
+        if death is not None:
+            raise Died
+
+
+class OnBoard:
+    """``step`` and ``estimate`` are told with the flight's times. Recorded is the drive that
+    lives; ``recorder`` is called once for each."""
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        store: FillableStore,
+        wall: float,
+        step: Callable[[Step], None],
+        estimate: Callable[[Estimate], None],
+        recorder: Callable[[], Recorder | None] = lambda: None,
+        configuration: Configuration | None = None,
+    ) -> None:
+        self._vehicle, self.store, self._wall = vehicle, store, wall
+        self._configuration = configuration or Configuration()
+        self._tell_step, self._tell_estimate, self._recorder = step, estimate, recorder
+        self._zero = 0.0
+        self._drive: Drive | None = None
+        self._navigation_due: float | None = None
+        self._leaves: float | None = None  # when the last words are due
+        self._gone: float | None = None  # when it has said them, at the latest
+
+    @property
+    def lives(self) -> bool:
+        return self._drive is not None
+
+    @property
+    def state(self) -> str:
+        return self._drive.state if self._drive else DEAD
+
+    def boot(self, now: float, navigation_after: float = NAVIGATION_AFTER) -> None:
+        """Who dies in the first write of a start is started again; the store kills once."""
+        self._zero, wall = now, self._wall + now
+        while self._drive is None:
+            with suppress(Died):
+                self._drive = Drive(
+                    self._configuration,
+                    self._vehicle,
+                    self.store,
+                    self._recorder(),
+                    wall=wall,
+                    observer=self,
+                )
+        self._navigation_due = now + navigation_after
+
+    def kill(self) -> None:
+        self._drive = self._navigation_due = self._leaves = self._gone = None
+
+    def end(self, now: float, *, at_once: bool = False) -> list[Tx]:
+        """As by SIGTERM: it dies by itself when the vehicle needs nobody (serve: leaving)."""
+        if at_once and self._leaves is None:
+            return []
+        self._leaves = now if at_once else now + LEAVES_WITHIN
+        out = self._shifted(lambda drive, at: drive.end(at, at_once=at_once), now)
+        self._leave(now, said=at_once)
+        return out
+
+    def _leave(self, now: float, *, said: bool = False) -> None:
+        """Where it was told to, and may."""
+        drive = self._drive
+        if drive is None or self._leaves is None:
+            return
+        if self._gone is None and (said or drive.engine.settled):
+            self._gone = now + LAST_WORDS
+        if self._gone is not None and (now >= self._gone or drive.said_all):
+            self.kill()
+
+    def listen(self, step: Callable[[Step], None], estimate: Callable[[Estimate], None]) -> None:
+        """Somebody else is told from now on."""
+        self._tell_step, self._tell_estimate = step, estimate
+
+    def begin_again(self, now: float) -> None:
+        """``now`` is 0 of another flight; the program lives on."""
+        self._zero -= now
+        if self._navigation_due is not None:
+            self._navigation_due -= now
+        self._leaves = None if self._leaves is None else self._leaves - now
+        self._gone = None if self._gone is None else self._gone - now
+        self._wall += now
+
+    # --- as a drive ------------------------------------------------------------------------------
+
+    def receive(self, rx: Rx, now: float) -> list[Tx]:
+        t = max(rx.t - self._zero, 0.0)
+        moved = Rx(t, rx.link, rx.data, rx.address)
+        return self._shifted(lambda drive, at: drive.receive(moved, at), now)
+
+    def connected(self, link: str, address: str, now: float) -> list[Tx]:
+        return self._shifted(lambda drive, at: drive.connected(link, address, at), now)
+
+    def disconnected(self, link: str, address: str, now: float) -> list[Tx]:
+        return self._shifted(lambda drive, at: drive.disconnected(link, address, at), now)
+
+    def handle_timer(self, now: float) -> list[Tx]:
+        out: list[Tx] = []
+        if self._navigation_due is not None and now >= self._navigation_due:
+            self._navigation_due = None
+            out = self._shifted(lambda d, at: d.set_navigation(d.make_navigation(), at), now)
+        if self._gone is None and self._leaves is not None and now >= self._leaves:
+            out += self.end(now, at_once=True)
+        return out + self._shifted(lambda drive, at: drive.handle_timer(at), now)
+
+    def next_timer(self) -> float | None:
+        due = self._drive.next_timer() if self._drive else None
+        dues = [
+            self._navigation_due,
+            self._gone or self._leaves,
+            None if due is None else due + self._zero,
+        ]
+        return min((t for t in dues if t is not None), default=None)
+
+    def _shifted(self, call: Callable[[Drive, float], list[Tx]], now: float) -> list[Tx]:
+        if self._drive is None:
+            return []
+        at, due = now - self._zero, self._drive.next_timer()
+        if due is not None and at < due < at + _SAME:  # the sum was rounded
+            at = due
+        try:
+            out = [replace(tx, t=now) for tx in call(self._drive, at)]
+        except Died:
+            self.kill()
+            return []
+        self._leave(now)
+        return out
+
+    # --- as the drive's observer -----------------------------------------------------------------
+
+    def step(self, step: Step) -> None:
+        self._tell_step(replace(step, t=step.t + self._zero))
+
+    def estimate(self, estimate: Estimate) -> None:
+        self._tell_estimate(estimate._replace(t=estimate.t + self._zero))

@@ -1,0 +1,246 @@
+"""Flights within what the check assumed, against what it proved.
+
+A mission that passed is flown in any current up to the assumed one, started anywhere within the
+assumed distance of home, with a compass, a speed scale and a floor within what is assumed, with
+sensors that fail and links that are lost. Then, from the start to the end of what was started
+(idle, or the surface after an emergency):
+
+    time    not past the proved worst time      range   never beyond the proved one
+    depth   never beyond the proved one (that    energy  no more than was proved
+            for a failed sensor, if one fails)  end     at the surface, by itself
+
+Link loss is that of the boat, and of the line's telemetry and answers; a line over which commands
+get lost is a vehicle out of everybody's hands for so long, and a matter of the fault campaign.
+
+What does not live here: what is proved (check), the flight (trial).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from random import Random
+
+from links.simulated.faults import FAULTS
+from links.simulated.plant import Body
+from links.simulated.sensors import Health, Sensor, SensorErrors
+from links.simulated.settings import FaultEvent, Sea, Settings, setting_of
+from mission.verification.campaign.deeds import INCIDENTS, Deed
+from mission.verification.campaign.draw import PROFILES
+from mission.verification.campaign.laws import AFLOAT, Violation
+from mission.verification.campaign.trial import FOREVER, Trial, from_home, try_out
+from mission.authoring.check import Proved
+from mission.authoring.check.assumptions import Assumptions
+from mission.model import AUTONOMOUS, IDLE_READY, SURFACED, Mission, Step
+from mission.model.vehicle import Vehicle
+
+MOST = 3  # faults a flight
+BIAS = math.radians(4.0)  # one sigma, of the compass; cut at two (assumed: 12 deg)
+SPEED = 0.08  # one sigma, of the speed scale; cut at two (assumed: 20 %)
+LINKS = ("stm32_silent", "ack_lost", "bytes_corrupted", "line_noise", "splice")
+LOST_LINKS = ("topside_lost", "topside_garbage", "topside_floods")
+TIME, DEPTH, RANGE, ENERGY, END = "time", "depth", "range", "energy", "end"
+_BLIND = ("depth_", "altitude_")
+LOOKS_WELL = ("_stuck", "_drifting", "_late")  # of a sensor: near what is asked for unseen
+LOSSES = (
+    *(f"{s.name.lower()}_{h.value}" for s in Sensor for h in Health if h is not Health.HEALTHY),
+    *("gps_lost", "gps_silent", "gps_corrupted", *LINKS),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """A mission with what was proved of it; ``source`` is the way to it on a command line."""
+
+    source: str
+    mission: Mission
+    proved: Proved
+
+
+@dataclass(frozen=True, slots=True)
+class Proof:
+    """One flight of a claim, as drawn."""
+
+    profile: str
+    vehicle_seed: int
+    settings: Settings
+    deeds: tuple[Deed, ...]
+    offset: tuple[float, float]
+    heading: float
+    lost: tuple[str, ...]  # incidents, with their times
+
+    def in_words(self) -> str:
+        sea = self.settings.sea
+        words = [
+            self.profile,
+            f"current {sea.current[0]:.2f} m/s towards {math.degrees(sea.current[1]):.0f} deg",
+            f"floor {sea.floor:.1f} m",
+            f"from {self.offset[0]:.0f} north {self.offset[1]:.0f} east",
+            *(setting_of(event) for event in self.settings.faults),
+            *self.lost,
+        ]
+        return ", ".join(words)
+
+
+@dataclass(frozen=True, slots=True)
+class Margin:
+    """What a flight needed, or what was proved: s, m from home, m deep, J."""
+
+    time: float
+    range: float
+    depth: float
+    energy: float
+
+
+_NOTHING = Margin(0.0, 0.0, 0.0, 0.0)
+Draw = Callable[[Claim, Vehicle, int, int], Proof]
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """What came of one flight."""
+
+    source: str
+    flight: int
+    words: str
+    started: bool
+    violations: tuple[Violation, ...]
+    needed: Margin
+    proved: Margin
+
+
+def draw_proof(claim: Claim, vehicle: Vehicle, seed: int, flight: int) -> Proof:
+    rng = Random(f"proof {seed} {claim.mission.name} {flight}")
+    allowed = claim.mission.safety.depth or vehicle.limits.depth
+    assume = Assumptions.of(claim.mission, vehicle, min(allowed, vehicle.limits.depth))
+    faults, deeds, lost = [], [], []
+    horizon = 0.4 * claim.proved.worst_time
+    for name in rng.choices([*LOSSES, *LOST_LINKS], k=rng.randint(0, MOST)):
+        begin = round(rng.uniform(8.0, 10.0 + horizon), 1)
+        if name in FAULTS:
+            faults.append(_loss(rng, name, begin))
+        else:
+            said = INCIDENTS[name].draw(rng, ())
+            deeds += [Deed(begin + d.after, d.act, d.data, d.link, d.address) for d in said]
+            lost.append(f"{name}@{begin}")
+    away = rng.uniform(0.0, 0.9 * assume.start), rng.uniform(0.0, math.tau)
+    return Proof(
+        rng.choice(PROFILES),
+        rng.randrange(1 << 31),
+        Settings(_sea(rng, assume), _errors(rng), _body(rng), tuple(faults)),
+        tuple(deeds),
+        (away[0] * math.cos(away[1]), away[0] * math.sin(away[1])),
+        rng.uniform(0.0, math.tau),
+        tuple(lost),
+    )
+
+
+def _sea(rng: Random, assume: Assumptions) -> Sea:
+    surface = assume.current * rng.choice([1.0, rng.random()]), rng.uniform(0.0, math.tau)
+    deep = (assume.current * rng.random(), rng.uniform(0.0, math.tau))
+    floor = max(3.0, assume.floor * rng.choice([1.0, 1.0, rng.uniform(0.3, 1.0)]))
+    return Sea(surface, deep if rng.random() < 0.3 else None, min(floor, assume.floor))
+
+
+def _errors(rng: Random) -> SensorErrors:
+    return SensorErrors(compass_bias=_within(rng, BIAS))
+
+
+def _body(rng: Random) -> Body:
+    thrust = Body().main_thrust * (1.0 + _within(rng, SPEED)) ** 2
+    return Body(main_thrust=thrust)
+
+
+def _within(rng: Random, sigma: float) -> float:
+    return min(max(rng.gauss(0.0, sigma), -2.0 * sigma), 2.0 * sigma)
+
+
+def _loss(rng: Random, name: str, begin: float) -> FaultEvent:
+    duration = round(FAULTS[name].duration * 10.0 ** rng.uniform(-0.5, 0.5), 1)
+    return FaultEvent(name, begin, FOREVER if rng.random() < 0.15 else duration)
+
+
+def show(claim: Claim, vehicle: Vehicle, seed: int, flight: int, draw: Draw = draw_proof) -> Shown:
+    proof = draw(claim, vehicle, seed, flight)
+    trial = try_out(
+        claim.mission,
+        vehicle,
+        proof.profile,
+        proof.vehicle_seed,
+        proof.settings,
+        proof.deeds,
+        offset=proof.offset,
+        heading=proof.heading,
+    )
+    begun, ended = _times(trial)
+    of = _proved(claim, vehicle, proof)
+    words = f"{claim.source}: {proof.in_words()}"
+    if trial.raised:
+        raised = Violation("raised", trial.truth.t, trial.raised)
+        return Shown(claim.source, flight, words, True, (raised,), _NOTHING, of)
+    if begun is None:
+        return Shown(claim.source, flight, words, False, (), _NOTHING, of)
+    needed = _needed(trial, vehicle, begun, trial.truth.t if ended is None else ended)
+    found = list(_violations(trial, of, begun, ended, needed))
+    return Shown(claim.source, flight, words, True, tuple(found), needed, of)
+
+
+def _proved(claim: Claim, vehicle: Vehicle, proof: Proof) -> Margin:
+    """Where a reading stands and looks well, the ascent from the blind depth counts as well."""
+    proved = claim.proved
+    faults = [event.name for event in proof.settings.faults if event.name.startswith(_BLIND)]
+    depth = proved.blind_depth if faults else proved.max_depth
+    longer = proved.blind_time if any(name.endswith(LOOKS_WELL) for name in faults) else 0.0
+    battery = vehicle.battery
+    return Margin(
+        proved.worst_time + longer,
+        proved.max_range + longer * claim.mission.current(vehicle.current),
+        depth,
+        proved.worst_energy + longer * (battery.hotel + battery.vertical),
+    )
+
+
+def _times(trial: Trial) -> tuple[float | None, float | None]:
+    """When the mission began, and when it or its emergency had ended."""
+    begun = None
+    for event in trial.events:
+        if not isinstance(event, Step) or not event.entered:
+            continue
+        state = event.entered[-1]
+        if begun is None and state.startswith(AUTONOMOUS):
+            begun = event.t
+        elif begun is not None and state in (IDLE_READY, SURFACED):
+            return begun, event.t
+    return begun, None
+
+
+def _needed(trial: Trial, vehicle: Vehicle, begun: float, ended: float) -> Margin:
+    places = [place for place in trial.track if begun <= place.t <= ended]
+    thrust = places[-1].used - places[0].used if places else 0.0
+    return Margin(
+        ended - begun,
+        max((math.hypot(*from_home(trial, place)) for place in places), default=0.0),
+        max((place.depth for place in places), default=0.0),
+        thrust + vehicle.battery.hotel * (ended - begun),
+    )
+
+
+def _violations(
+    trial: Trial, proved: Margin, begun: float, ended: float | None, needed: Margin
+) -> Iterator[Violation]:
+    if needed.time > proved.time:
+        says = f"{needed.time:.0f} s, proved {proved.time:.0f} s"
+        yield Violation(TIME, begun + needed.time, says)
+    if needed.range > proved.range:
+        says = f"{needed.range:.0f} m from home, proved {proved.range:.0f} m"
+        yield Violation(RANGE, begun, says)
+    if needed.depth > proved.depth:
+        says = f"{needed.depth:.1f} m deep, proved {proved.depth:.1f} m"
+        yield Violation(DEPTH, begun, says)
+    if needed.energy > proved.energy:
+        says = f"{needed.energy / 3600:.1f} Wh, proved {proved.energy / 3600:.1f} Wh"
+        yield Violation(ENERGY, begun, says)
+    if ended is None or trial.truth.depth > AFLOAT:
+        says = f"{trial.truth.depth:.1f} m deep, in {trial.state}"
+        yield Violation(END, trial.truth.t, says)

@@ -1,0 +1,18 @@
+"""Flights that can tell a rule from its absence: one row a scene, drawn with its own figures.
+
+What is drawn at random seldom meets the one situation in which a rule matters (a body that sinks
+while the operator has stopped it; a stick that is held while another boat orders W). A scene puts
+it there: missions of its own, faults, deeds and how the vehicle is set up.
+
+What does not live here: what else happens in the flight (draw), what the rules are (the laws).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from mission.verification.campaign.scene import SceneRow
+from mission.verification.campaign.scenes_aboard import ABOARD
+from mission.verification.campaign.scenes_at_sea import AT_SEA
+
+SCENES: Mapping[str, SceneRow] = {**AT_SEA, **ABOARD}

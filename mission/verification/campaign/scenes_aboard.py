@@ -1,0 +1,216 @@
+"""Scenes of bounds that somebody sets, of operators, and of the program.
+
+What does not live here: bodies, boards and sensors (scenes_at_sea).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from random import Random
+
+from mission.verification.campaign.deeds import MODEM, OTHER_BOAT, PORT, Act, Deed
+from mission.verification.campaign.scene import (
+    AA,
+    AC,
+    DOWN,
+    STARTED,
+    Scene,
+    SceneRow,
+    W,
+    X,
+    fault,
+    heavy,
+    joins,
+    repeated,
+    say,
+)
+from mission.verification.campaign.scenes_at_sea import AUTO_CLOSED, AUTO_OPEN
+from protocol.modem import Sender, wrap
+
+# --- bounds --------------------------------------------------------------------------------------
+
+
+def _tight(
+    field: int, low: int, high: int, text: str, current: float | None = None
+) -> Callable[[Random], Scene]:
+    """An @SP while it is under way, or before."""
+
+    def draw(rng: Random) -> Scene:
+        values = [b"2000", b"240", b"100", b"10"]
+        values[field] = b"%d" % rng.randint(low, high)
+        said = say(rng.uniform(DOWN, 60.0), b"@SP,%b,$" % b",".join(values))
+        return Scene(text, (), (said,), current=current)
+
+    return draw
+
+
+def _swept_away(rng: Random) -> Scene:
+    """Where it is grows uncertain under way, before the radius."""
+    said = say(rng.uniform(DOWN, 60.0), b"@SP,%d,240,100,10,$" % rng.randint(200, 330))
+    return Scene("away", (fault("gps_lost", DOWN),), (said,), current=0.4)
+
+
+def _silent_topside(rng: Random) -> Scene:
+    return Scene("away", silence=rng.uniform(30.0, 60.0))
+
+
+# --- operators -----------------------------------------------------------------------------------
+
+
+def _held_stick(rng: Random) -> Scene:
+    """The commander's stick is held; another boat orders W or X."""
+    t = rng.uniform(DOWN, 60.0)
+    held = repeated(t - 3.0, t + 25.0, rng.choice([0.2, 0.5, 1.0, 1.8]), b"@MMD6$")
+    return Scene("there", (), (joins(), say(t, rng.choice([X, W]), OTHER_BOAT), *held))
+
+
+def _neutral_stick(rng: Random) -> Scene:
+    """A program that says now and then that the stick is in neutral."""
+    t = rng.uniform(DOWN, 60.0)
+    said = repeated(t + 1.0, t + 40.0, rng.uniform(2.5, 9.0), b"@MMF0$")
+    return Scene("there", (), (say(t, rng.choice([X, W])), *said))
+
+
+def _stick_taken_and_left(rng: Random) -> Scene:
+    """Held, and then the link is lost without a goodbye."""
+    t = rng.uniform(DOWN, 60.0)
+    held = repeated(t, t + rng.uniform(1.0, 8.0), 0.2, b"@MMD%d$" % rng.randint(2, 9))
+    return Scene(
+        "there", (), (*held, Deed(held[-1].after + 0.1, Act.PART), Deed(t + 90.0, Act.JOIN))
+    )
+
+
+def _other_commander(rng: Random) -> Scene:
+    """Somebody else would command, while the commander goes on saying something."""
+    t = rng.uniform(DOWN, 60.0)
+    words = [
+        AA,
+        AC,
+        b"@SP,2000,240,100,10,$",
+        b"@NSOOOCCC$",
+        b"@MMF5$",
+        b"@ST,2025/01/11 16:56:06,$",
+    ]
+    talk = repeated(STARTED, t + 30.0, 4.0, b"@DU$")
+    said = [say(t + 3.0 * i, rng.choice(words), OTHER_BOAT) for i in range(6)]
+    return Scene("there", (), (joins(), *talk, *said))
+
+
+def _slider(rng: Random) -> Scene:
+    """A rudder slider of the commander that moves, and an ascent or legs beside it."""
+    t = rng.uniform(DOWN, 60.0)
+    rate = rng.choice([5.0, 60.0, 100.0, 200.0])
+    moved = [say(t + i / rate, b"@DS1,%d$" % (i % 20)) for i in range(int(40.0 * rate))]
+    said = [say(t + 10.0 * (i + 1) + rng.random(), rng.choice([X, W])) for i in range(3)]
+    return Scene("there", (heavy(rng, t),) if rng.random() < 0.4 else (), (*moved, *said))
+
+
+def _cleared_below(rng: Random) -> Scene:
+    """X under water, and @AC at once and again; then a start."""
+    t = rng.uniform(DOWN, 60.0)
+    after = [say(t + d, AC) for d in (1.0, rng.uniform(3.0, 7.0), rng.uniform(8.0, 14.0))]
+    return Scene("deep", (), (say(t, X), *after))
+
+
+def _started_below(rng: Random) -> Scene:
+    """AUTO is closed and opened under water, then a start."""
+    t = rng.uniform(DOWN, 60.0)
+    said = [say(t, AUTO_CLOSED), say(t + 2.0, AUTO_OPEN)]
+    starts = repeated(t + 3.0, t + 12.0, 1.5, AA)
+    return Scene("pool", (), (*said, *starts))
+
+
+def _started_with_auto_closed(rng: Random) -> Scene:
+    """It comes up by itself; then somebody starts it all the same."""
+    t = rng.uniform(DOWN, 60.0)
+    return Scene("there", (), (say(t, AUTO_CLOSED), *repeated(t + 40.0, t + 60.0, 4.0, AA)))
+
+
+def _auto_closed(rng: Random) -> Scene:
+    return Scene("there", (), (say(rng.uniform(DOWN, 60.0), AUTO_CLOSED),))
+
+
+def _late_copy(rng: Random) -> Scene:
+    """A copy of @AA by modem: the mission was ended by AUTO, which is open again."""
+    t = rng.uniform(DOWN, 60.0)
+    copy = Deed(rng.uniform(100.0, 115.0), Act.SAY, wrap(AA, Sender.TOPSIDE), MODEM, "")
+    return Scene("there", (), (say(t, AUTO_CLOSED), say(t + 3.0, AUTO_OPEN), copy))
+
+
+def _ended(rng: Random) -> Scene:
+    """SIGTERM under way, or in an ascent."""
+    t = rng.uniform(DOWN, 60.0)
+    weight = (heavy(rng, t),) if rng.random() < 0.3 else ()
+    word = rng.choice([b"", W])
+    return Scene("deep", weight, (*_maybe(t - 2.0, word), Deed(t, Act.END)))
+
+
+def _modem_stick(rng: Random) -> Scene:
+    said = Deed(rng.uniform(DOWN, 60.0), Act.SAY, wrap(b"@MMD6$", Sender.TOPSIDE), MODEM, "")
+    return Scene("there", (), (said,))
+
+
+# --- the program ---------------------------------------------------------------------------------
+
+
+def _restarted(word: bytes) -> Callable[[Random], Scene]:
+    """Killed in a mission, or in what the word began, and begun anew."""
+
+    def draw(rng: Random) -> Scene:
+        t = rng.uniform(DOWN, 60.0)
+        killed = t + (rng.uniform(2.0, 40.0) if word == X else rng.uniform(2.0, 12.0))
+        back = killed + rng.uniform(1.0, 6.0)
+        ends = [Deed(killed, Act.KILL), Deed(back, Act.BOOT), Deed(back + 1.0, Act.JOIN)]
+        return Scene(
+            "deep", (heavy(rng, t),) if rng.random() < 0.3 else (), (*_maybe(t, word), *ends)
+        )
+
+    return draw
+
+
+def _maybe(t: float, word: bytes) -> tuple[Deed, ...]:
+    return (say(t, word),) if word else ()
+
+
+def _pulled(rng: Random) -> Scene:
+    t = rng.uniform(DOWN, 80.0)
+    said = (say(t + 1.0, X),) if rng.random() < 0.5 else ()
+    return Scene(
+        "there", (), (Deed(t, Act.UNPLUG), *said, Deed(t + rng.uniform(2.0, 4.5), Act.PLUG))
+    )
+
+
+def _answered_by_another(rng: Random) -> Scene:
+    """Something else is on the port and acknowledges the X; the board says nothing any more."""
+    t = rng.uniform(DOWN, 60.0)
+    answers = [Deed(t + 0.6, Act.SAY, b"@ACK_Z%bY$" % code, PORT, "") for code in (b"A", b"X")]
+    cut = (Deed(t, Act.UNPLUG), say(t + 0.55, X), *answers, Deed(t + 3.0, Act.PLUG))
+    return Scene("there", (fault("stm32_silent", t),), cut)
+
+
+ABOARD: Mapping[str, SceneRow] = {
+    "short_time": SceneRow("@SP with less time", _tight(1, 1, 3, "away")),
+    "small_radius": SceneRow(
+        "@SP with a smaller radius", _tight(0, 40, 80, "stubborn", current=0.05)
+    ),
+    "shallow_depth": SceneRow("@SP with less depth", _tight(2, 5, 9, "deep")),
+    "swept_away": SceneRow("uncertain before it is beyond the radius", _swept_away),
+    "silent_topside": SceneRow("a bound on the topside's silence", _silent_topside),
+    "held_stick": SceneRow("a stick that is held, and somebody else's W", _held_stick),
+    "neutral_stick": SceneRow("a stick in neutral, now and then, in an emergency", _neutral_stick),
+    "stick_left": SceneRow("the stick is held, and the link is lost", _stick_taken_and_left),
+    "other_commander": SceneRow("two would command", _other_commander),
+    "slider": SceneRow("a slider at 5 to 200 Hz", _slider),
+    "cleared_below": SceneRow("@AC under water", _cleared_below),
+    "started_below": SceneRow("@AA under water", _started_below),
+    "auto_closed": SceneRow("AUTO is closed under way", _auto_closed),
+    "started_with_auto_closed": SceneRow("@AA with AUTO closed", _started_with_auto_closed),
+    "modem_stick": SceneRow("an M by modem", _modem_stick),
+    "late_copy": SceneRow("a copy of a word, late", _late_copy),
+    "ended": SceneRow("the program is ended in order", _ended),
+    "restarted": SceneRow("killed in a mission", _restarted(b"")),
+    "restarted_after_w": SceneRow("killed in an ascent", _restarted(W)),
+    "restarted_after_x": SceneRow("killed when it was stopped", _restarted(X)),
+    "answered_by_another": SceneRow("something else acknowledges an X", _answered_by_another),
+    "pulled": SceneRow("the cable is pulled for a moment", _pulled),
+}

@@ -1,0 +1,176 @@
+"""The soak: missions in a row for days, with faults, and one program that lives through them.
+
+After each flight the vehicle is towed home and recharged: another simulated vehicle, the same
+drive (unless a fault kills it), the same store, the same black box. Memory is looked at after
+every mission in three ways: the objects that the collector knows, the blocks that Python has
+allocated (strings and numbers too), and what of the process is resident. The black box is looked
+at whenever it goes on in another part: a part that is closed must be whole, and is then taken away.
+
+What does not live here: what goes wrong (draw), what may not come of it (laws).
+"""
+
+from __future__ import annotations
+
+import gc
+import resource
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from random import Random
+
+from links.simulated.link import START
+from mission.onboard.blackbox import BlackBox, part_path, read_records
+from mission.verification.campaign.deeds import Act, Deed
+from mission.verification.campaign.draw import Subject, draw
+from mission.verification.campaign.faults import Fared, Totals, fared_of
+from mission.verification.campaign.onboard import FillableStore, OnBoard
+from mission.verification.campaign.trial import Event, Trial, try_out
+from mission.onboard.runtime.records import Recorder
+from mission.model import Step
+from mission.model.vehicle import Vehicle
+
+DAY = 86400.0
+PART = 4 << 20  # bytes of one part of the black box
+LULL = 600.0  # s at most between two missions, adrift
+_MEGABYTE = 1 << 20
+_CLEAN = (b"@NSOOOCCO$", b"@SP,2000,240,100,10,$", b"@AC$")
+RECENT = 5.0  # s of the flight before that bytes of the next may come from
+FLAT = 0.02  # share by which what is alive may differ between missions
+FLAT_RESIDENT = 0.05  # the same of the process: its allocator gives little back
+SETTLED = 5  # missions until everything that is kept once is there, at least
+_STATM = Path("/proc/self/statm")
+
+
+@dataclass(slots=True)
+class Soaked:
+    days: float = 0.0
+    missions: int = 0
+    totals: Totals = field(default_factory=Totals)
+    objects: list[float] = field(default_factory=list)  # alive after each mission
+    blocks: list[float] = field(default_factory=list)
+    resident: list[float] = field(default_factory=list)  # MB; empty where nobody tells
+    parts: int = 1
+    megabytes: float = 0.0  # of the parts that were taken away
+    broken_parts: int = 0
+    interrupted: bool = False
+
+    @property
+    def growth(self) -> dict[str, float]:
+        """From when everything was there to the end, as shares."""
+        series = {"objects": self.objects, "blocks": self.blocks, "resident": self.resident}
+        return {name: round(grown(values), 4) for name, values in series.items()}
+
+    @property
+    def flat(self) -> bool:
+        growth = self.growth
+        alive = max(growth["objects"], growth["blocks"])
+        return alive < FLAT and growth["resident"] < FLAT_RESIDENT
+
+    def look_at_memory(self) -> None:
+        gc.collect()
+        self.objects.append(float(len(gc.get_objects())))
+        self.blocks.append(float(sys.getallocatedblocks()))
+        if _STATM.exists():
+            pages = int(_STATM.read_text().split()[1])
+            self.resident.append(pages * resource.getpagesize() / _MEGABYTE)
+
+
+def grown(values: Sequence[float]) -> float:
+    """The least of the last few over the greatest of the second tenth, less one: a leak shows,
+    a mission that is larger than the others does not. 0 for too few values."""
+    if len(values) <= 2 * SETTLED:
+        return 0.0
+    tenth = max(len(values) // 10, SETTLED)
+    return min(values[-SETTLED:]) / max(values[tenth : 2 * tenth]) - 1.0
+
+
+def soak(
+    days: float,
+    seed: int,
+    subjects: Sequence[Subject],
+    vehicle: Vehicle,
+    folder: Path,
+    told: Callable[[Soaked, Fared], None] = lambda soaked, fared: None,
+) -> Soaked:
+    """``folder`` is for the black box. Ctrl-C ends it early; what was found so far is returned."""
+    box = BlackBox(folder / "soak.mcap", limit=PART)
+    soaked = Soaked()
+    try:
+        _fly_on(soaked, days, seed, subjects, vehicle, box, told)
+    except KeyboardInterrupt:
+        soaked.interrupted = True
+    box.close()
+    return soaked
+
+
+def _fly_on(
+    soaked: Soaked,
+    days: float,
+    seed: int,
+    subjects: Sequence[Subject],
+    vehicle: Vehicle,
+    box: BlackBox,
+    told: Callable[[Soaked, Fared], None],
+) -> None:
+    rng = Random(f"soak {seed}")
+    board = _board(vehicle, box)
+    elapsed = 0.0
+    earlier: tuple[Event, ...] = ()
+    while elapsed < days * DAY:
+        plan = draw(seed, soaked.missions, subjects, staged=0.0)
+        lull = rng.uniform(0.0, LULL)
+        deeds = [Deed(1.0 + 5.0 * i, Act.SAY, frame) for i in range(3) for frame in _CLEAN]
+        trial = try_out(
+            plan.subject.mission,
+            vehicle,
+            vehicle.dialect,
+            plan.vehicle_seed,
+            plan.settings,
+            [Deed(0.1, Act.FREE), *deeds, *plan.deeds, Deed(lull, Act.FREE)],
+            heading=plan.heading,
+            board=board,
+        )
+        board.begin_again(trial.truth.t)
+        elapsed += trial.truth.t
+        soaked.days, soaked.missions = elapsed / DAY, soaked.missions + 1
+        told_of = replace(trial, events=(*earlier, *trial.events))
+        earlier = _last_words(told_of)
+        fared = fared_of(plan, told_of, vehicle, vehicle.dialect, whole=False)
+        fared = replace(fared, violations=tuple(v for v in fared.violations if v.t >= 0.0))
+        soaked.totals.add(fared)
+        del trial, told_of
+        soaked.look_at_memory()
+        _take_away(soaked, box)
+        told(soaked, fared)
+
+
+def _last_words(trial: Trial) -> tuple[Event, ...]:
+    """What the audit of the next flight must know of this one, at that one's times: the state
+    that was entered last, and what was said shortly before."""
+    end, events = trial.truth.t, trial.events
+    entered = [e for e in events if isinstance(e, Step) and e.entered][-1:]
+    words = [e for e in events if e.t > end - RECENT and e not in entered]
+    return tuple(replace(e, t=e.t - end) for e in (*entered, *words))
+
+
+def _board(vehicle: Vehicle, box: BlackBox) -> OnBoard:
+    def recorder() -> Recorder:
+        return box
+
+    board = OnBoard(
+        vehicle, FillableStore(), START.timestamp(), lambda s: None, lambda e: None, recorder
+    )
+    board.boot(0.0, 0.0)
+    return board
+
+
+def _take_away(soaked: Soaked, box: BlackBox) -> None:
+    """Parts that are closed: whole, or counted as broken."""
+    first = box.path.parent / "soak.mcap"
+    while (part := part_path(first, soaked.parts)) != box.path:
+        whole = any(True for _ in read_records(part)) and part.stat().st_size <= 2 * PART
+        soaked.broken_parts += not whole
+        soaked.megabytes += part.stat().st_size / _MEGABYTE
+        part.unlink()
+        soaked.parts += 1

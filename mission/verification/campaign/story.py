@@ -1,0 +1,276 @@
+"""A trial as timelines: what the laws over the whole flight ask.
+
+    stays     the states one after the other, "dead" while no program lives
+    told      when a report of the vehicle was taken, with the estimate that came of it
+    words     the bytes to the vehicle
+    said      the bytes of the operators
+    depth     the true one, at any time
+    faulty    whether a fault of some kind was there, or its traces
+    hindered  whether the program could not do its part: dead, standing still, its cable pulled
+
+What does not live here: what is asked (whole_flight and its laws).
+"""
+
+from __future__ import annotations
+
+import bisect
+import math
+import re
+import struct
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+from links.simulated.settings import FaultEvent, Settings
+from mission.verification.campaign.deeds import Act
+from mission.verification.campaign.laws import Span, spans
+from mission.verification.campaign.onboard import DEAD
+from mission.verification.campaign.trial import (
+    AUTO_NODE,
+    Done,
+    Heard,
+    Said,
+    Told,
+    Trial,
+    fault_ends,
+)
+from mission.onboard.runtime.drive import VEHICLE
+from mission.model import (
+    AUTONOMOUS,
+    MANUAL_WAITING,
+    STOPPED,
+    SURFACED,
+    SURFACING,
+    Mission,
+    Step,
+    Tx,
+)
+from mission.model.vehicle import Vehicle
+
+SAME = 1e-3  # s
+TRACES = 30.0  # s for which a fault that is over may still be felt
+AGAIN = 1.5  # s from the end of a hindrance until all is as before
+UPWARD_WORDS = (b"@ZAWF$", b"@ZAU12$")
+STOP_WORD, DOWN_WORD = b"@ZAX0$", b"@ZAD12$"
+_RESTS = (STOPPED, SURFACED, MANUAL_WAITING)
+_ASCENDS = ("emergency surfacing", "surge 0 heave -1")
+_REPORT = re.compile(rb"@SD(.{82})\$", re.DOTALL)
+_DATA = struct.Struct("<15f7H2H4x")
+
+
+@dataclass(frozen=True, slots=True)
+class Stay:
+    """In one state; ``step`` led to it, None for the first and for the dead."""
+
+    state: str
+    begin: float
+    end: float
+    before: str
+    step: Step | None
+
+    @property
+    def autonomous(self) -> bool:
+        return self.state.startswith(AUTONOMOUS)
+
+    @property
+    def rests(self) -> bool:
+        """Everything should be stopped."""
+        return self.state.startswith("idle") or self.state in _RESTS
+
+    @property
+    def ascends(self) -> bool:
+        """The emergency's ascent, or a leg's."""
+        if self.state == SURFACING or self.step is None:
+            return self.state == SURFACING
+        return self.autonomous and any(a.startswith(_ASCENDS) for a in self.step.actions)
+
+
+class Report(NamedTuple):
+    """What the vehicle said: deg, m, us of the five thrusters."""
+
+    t: float
+    roll: float
+    pitch: float
+    yaw: float
+    depth: float
+    pwm: tuple[int, ...]
+
+    @property
+    def turning(self) -> bool:
+        return any(abs(pwm - 1500) > 10 for pwm in self.pwm)
+
+
+class Story:
+    """``silence``: the configured one of the topside, None if any length is allowed."""
+
+    def __init__(
+        self,
+        trial: Trial,
+        mission: Mission,
+        vehicle: Vehicle,
+        profile: str,
+        settings: Settings,
+        silence: float | None = None,
+    ) -> None:
+        self.trial, self.mission, self.vehicle = trial, mission, vehicle
+        self.profile, self.settings, self.silence = profile, settings, silence
+        events = trial.events
+        self.end = trial.truth.t
+        self.steps = [e for e in events if isinstance(e, Step)]
+        self.told = [e for e in events if isinstance(e, Told)]
+        self.words = [e for e in events if isinstance(e, Tx) and e.link == VEHICLE]
+        self.answers = [e for e in events if isinstance(e, Tx) and e.link != VEHICLE]
+        self.said = [e for e in events if isinstance(e, Said)]
+        self.heard = [e for e in events if isinstance(e, Heard)]
+        self.done = [e for e in events if isinstance(e, Done)]
+        self.stays = list(self._stays())
+        self.reports = list(self._reports())
+        self.spans: list[Span] = list(spans(trial, mission, vehicle))
+        self._depths = [place.depth for place in trial.track]
+        self._told_at = [told.t for told in self.told]
+        self._word_at = [word.t for word in self.words]
+        self._hindered = list(self._hindrances())
+        self._closed = list(self._auto_closed())
+
+    # --- how it came about -----------------------------------------------------------------------
+
+    def _stays(self) -> Iterator[Stay]:
+        now = Stay("idle/empty", 0.0, 0.0, "", None)
+        for event in self.trial.events:
+            state, step = "", None
+            if isinstance(event, Step) and event.entered:
+                state, step = event.entered[-1], event
+            elif isinstance(event, Done) and event.act is Act.KILL:
+                state = DEAD
+            elif isinstance(event, Done) and event.act is Act.BOOT:
+                state = "idle/empty"
+            if state:
+                yield Stay(now.state, now.begin, event.t, now.before, now.step)
+                now = Stay(state, event.t, event.t, now.state, step)
+        yield Stay(now.state, now.begin, self.end, now.before, now.step)
+
+    def _reports(self) -> Iterator[Report]:
+        """Those that came in one piece."""
+        for heard in self.heard:
+            for found in _REPORT.finditer(heard.data):
+                values = _DATA.unpack(found[1])
+                if all(map(math.isfinite, values[:3])):
+                    roll, pitch, yaw, _, depth = values[:5]
+                    yield Report(heard.t, roll, pitch, yaw, depth, values[15:20])
+
+    def _hindrances(self) -> Iterator[tuple[float, float]]:
+        pairs = {
+            Act.KILL: (Act.BOOT,),
+            Act.STALL: (Act.RUN, Act.KILL),
+            Act.UNPLUG: (Act.PLUG,),
+        }
+        for i, done in enumerate(self.done):
+            if done.act in pairs:
+                later = (d.t for d in self.done[i + 1 :] if d.act in pairs[done.act])
+                yield done.t, next(later, math.inf) + AGAIN
+            elif done.act is Act.POWER:
+                yield done.t, done.t + AGAIN
+
+    def _auto_closed(self) -> Iterator[tuple[float, float]]:
+        """From when to when node AUTO may be closed."""
+        since: float | None = None
+        for said in self.said:
+            for found in AUTO_NODE.finditer(said.data):
+                if found[1] == b"C" and since is None:
+                    since = said.t
+                elif found[1] == b"O" and since is not None:
+                    yield since, said.t + 6.0  # until it is known
+                    since = None
+        if since is not None:
+            yield since, math.inf
+
+    # --- what is asked ---------------------------------------------------------------------------
+
+    def depth(self, t: float) -> float:
+        """m, truly; linear between the seconds."""
+        at = min(max(t, 0.0), len(self._depths) - 1.001)
+        i = int(at)
+        return self._depths[i] + (at - i) * (
+            self._depths[min(i + 1, len(self._depths) - 1)] - self._depths[i]
+        )
+
+    def deepest(self, begin: float, end: float) -> float:
+        inside = self._depths[math.ceil(max(begin, 0.0)) : int(end) + 1]
+        return max([*inside, self.depth(begin), self.depth(end)])
+
+    def tilt(self, t: float) -> float:
+        """rad away from upright."""
+        place = self.trial.track[min(int(t), len(self.trial.track) - 1)]
+        return math.acos(math.cos(place.roll) * math.cos(place.pitch))
+
+    def told_in(self, begin: float, end: float) -> Sequence[Told]:
+        """After ``begin`` and before ``end``."""
+        low, high = (
+            bisect.bisect_right(self._told_at, begin),
+            bisect.bisect_left(self._told_at, end),
+        )
+        return self.told[low:high]
+
+    def words_in(self, begin: float, end: float) -> Sequence[Tx]:
+        """From ``begin`` to ``end``, both with it, but for what rounding moves."""
+        low = bisect.bisect_left(self._word_at, begin - SAME)
+        high = bisect.bisect_right(self._word_at, end + SAME)
+        return self.words[low:high]
+
+    def faults(self, names: Iterable[str], begin: float, end: float) -> list[FaultEvent]:
+        """Those whose names begin so, and that are there or leave traces in this time."""
+        prefixes = tuple(names)
+        return [
+            fault
+            for fault in self.settings.faults
+            if fault.name.startswith(prefixes)
+            and fault.begin <= end
+            and fault_ends(fault) + TRACES >= begin
+        ]
+
+    def faulty(self, names: Iterable[str], begin: float, end: float) -> bool:
+        return bool(self.faults(names, begin, end))
+
+    def hindered(self, begin: float, end: float) -> bool:
+        return any(b <= end and e >= begin for b, e in self._hindered)
+
+    def auto_closed(self, begin: float, end: float) -> bool:
+        return any(b <= end and e >= begin for b, e in self._closed)
+
+    def stay_at(self, t: float) -> Stay:
+        at = bisect.bisect_right([stay.begin for stay in self.stays], t) - 1
+        return self.stays[max(at, 0)]
+
+    def flights(self) -> Iterator[list[Stay]]:
+        """Stays in legs, one after the other without a break."""
+        part: list[Stay] = []
+        for stay in self.stays:
+            if stay.autonomous:
+                part.append(stay)
+            elif part:
+                yield part
+                part = []
+        if part:
+            yield part
+
+    def flat(
+        self, begin: float, end: float, within: int, most: float, deep: float
+    ) -> Iterator[tuple[float, float]]:
+        """Stretches deeper than ``deep`` in which it never rises by ``most`` in ``within`` s."""
+        depths, since = self._depths, None
+        last = min(int(end), len(depths) - 1) - within
+        for i in range(math.ceil(begin), last + 1):
+            level = depths[i] > deep and depths[i] - depths[i + within] < most
+            if level and since is None:
+                since = i
+            elif not level and since is not None:
+                yield float(since), float(i - 1 + within)
+                since = None
+        if since is not None:
+            yield float(since), float(last + within)
+
+
+def gaps(times: Iterable[float], begin: float, end: float) -> Iterator[tuple[float, float]]:
+    """Between neighbours, the two ends with them."""
+    yield from pairwise([begin, *(t for t in times if begin < t < end), end])

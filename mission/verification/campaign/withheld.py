@@ -1,0 +1,205 @@
+"""Every word of the language, flown with what it waits for withheld: no fix, no arrival, a guard
+that never holds, a sensor that stands or is gone, ``else`` taken.
+
+The check bounds what can happen, not what is likely. So each row of the language's tables has
+missions here (a word without one fails a test), and each is flown at the edge of what is assumed:
+the whole current, the farthest start, the deepest floor, the compass and the speed as far off as
+they may be, something withheld for as long as the flight lasts.
+
+What does not live here: the laws of a flight (proofs), the words themselves (language.words).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from random import Random
+
+from links.simulated.plant import Body
+from links.simulated.sensors import Health, Sensor, SensorErrors
+from links.simulated.settings import FaultEvent, Sea, Settings
+from mission.verification.campaign.draw import PROFILES
+from mission.verification.campaign.proofs import BIAS, SPEED, Claim, Draw, Proof, draw_proof
+from mission.verification.campaign.trial import FOREVER
+from mission.authoring.check import check_mission
+from mission.authoring.check.assumptions import Assumptions
+from mission.authoring.compiler.compiler import compile_mission
+from mission.authoring.language import digest, parse
+from mission.legs.guidance import GIVES
+from mission.model.vehicle import Vehicle
+
+HEAD = (
+    "mission {name} vehicle auv\nhome 30.2874595 120.1535765\n"
+    "safety radius 400 time 30min depth 30\n"
+)
+_WAY = "heading 0 gear 8 depth 4"
+_TO = "goto north 60 east 0 gear 8 depth 4"
+_SENSORS = (Sensor.DEPTH, Sensor.ALTITUDE, Sensor.HEADING, Sensor.ATTITUDE)
+_HELD = (Sensor.DEPTH, Sensor.ALTITUDE)  # stuck and noisy, they look well
+_NO_FIX = "gps_lost"
+SOURCE = "--word"  # on the command line of the campaign, with its number
+
+KINDS: Mapping[str, tuple[str, ...]] = {
+    "hold": (f"a: {_WAY} for 40",),
+    "wait": (f"a: {_WAY} for 10\nb: wait 30",),
+    "goto": (
+        "a: goto north 30 east 0 gear 8 depth 4 timeout 60",
+        "a: goto north 200 east 0 gear 8 depth 4 timeout 40 else b\nb: heading 0 gear 0 for 10",
+    ),
+    "follow": ("a: follow north 20 east 0, north 20 east 20 gear 8 depth 4 timeout 60",),
+    "rows": (
+        "a: rows 2 bearing 90 length 20 spacing 10 within 5 gear 6 depth 4 timeout 60",
+        "a: rows 2 bearing 0 length 20 spacing 10 from north 10 east 0 gear 6 depth 4 timeout 90",
+    ),
+    "yoyo": ("a: yoyo 2 shallow 2 deep 6 heading 0 gear 6 timeout 60",),
+    "loiter": (
+        "a: loiter here radius 10 gear 4 depth 4 for 60",
+        "a: loiter north 20 east 0 radius 10 gear 4 depth 4 for 60",
+    ),
+    "surface": (
+        f"a: {_WAY} for 20\nb: surface timeout 90",
+        f"a: {_WAY} for 20\nb: surface until fix timeout 3min\nc: {_WAY} for 20",
+        f"a: {_WAY} for 20\nb: surface until fix timeout 5",
+    ),
+}
+SETTINGS: Mapping[str, tuple[str, ...]] = {
+    "depth": ("a: depth 5 gear 4 heading 0 for 60\nb: depth 2 gear 4 heading 0 for 30",),
+    "altitude": ("a: altitude 3 gear 4 heading 0 for 90",),
+    "up": ("a: gear 0 down 8 for 20\nb: up 8 for 20",),
+    "down": ("a: gear 0 down 8 for 30", "a: gear 0 down 8 until depth > 6 timeout 60"),
+    "heading": (f"a: {_WAY} for 20\nb: heading 180 for 40",),
+    "gear": ("a: gear 10 heading 0 for 30\nb: gear 0 heading 0 for 20", "a: gear -6 for 20"),
+    "speed": ("a: speed 0.75 m/s heading 0 depth 3 for 30",),
+    "left": ("a: gear 0 left 6 for 20",),
+    "right": ("a: gear 0 right 6 for 20",),
+}
+# What this vehicle cannot do or tell: the compiler refuses the words.
+REFUSED: Mapping[str, str] = {
+    "pitch": "a: pitch 5 for 20",
+    "roll": "a: roll 5 for 20",
+    "leak": f"a: {_WAY} until leak > 0 timeout 20",
+}
+UNTIL: Mapping[str, str] = {
+    "depth": "depth >= 3.5 held 2s",
+    "depth_rate": "depth_rate > 2",
+    "altitude": "altitude < 1 sure 90%",
+    "heading": "heading > 90",
+    "course": "course > 120",
+    "pitch": "pitch > 60",
+    "roll": "roll > 60",
+    "speed": "speed > 5",
+    "ground_speed": "ground_speed > 5",
+    "north": "north > 500",
+    "east": "east > 500",
+    "range": "range > 500 sure 90%",
+    "bearing": "bearing < 90 and range > 500",
+    "distance": "distance > 500",
+    "cross_track": "cross_track > 500",
+    "travelled": "travelled >= 25",
+    "current": "current > 3",
+    "uncertainty": "uncertainty > 900",
+    "fix_age": "fix_age > 900",
+    "temperature": "temperature < -3",
+    "battery": "battery < 1",
+    "battery_power": "battery_power < 1",
+    "elapsed": "elapsed > 30 held 5s",
+    "mission_time": "mission_time > 900",
+    "round": "round > 900",
+}
+CLAUSES: Mapping[str, tuple[str, ...]] = {
+    "until": (
+        f"a: {_WAY} until travelled >= 20 until depth > 9 -> c timeout 40\nc: heading 90 for 10",
+    ),
+    "for": (f"a: {_WAY} for 15\nb: heading 90 for 15",),
+    "timeout": (f"a: {_WAY} until range > 900 timeout 30",),
+    "else": (
+        f"a: {_WAY} until altitude < 1 timeout 40 else b\nb: heading 180 for 20",
+        "a: altitude 3 gear 4 heading 0 until range > 900 timeout 60 else b\n"
+        "b: depth 2 gear 4 heading 0 for 15",
+    ),
+}
+ASSUMPTIONS: Mapping[str, tuple[str, ...]] = {
+    "current": (f"assume current 0.5\na: {_WAY} for 40", f"assume current 0\na: {_WAY} for 40"),
+    "floor": ("assume floor 8\na: altitude 3 gear 4 heading 0 for 60",),
+    "start": (f"assume start 150\na: {_WAY} for 30", f"assume start 0\na: {_WAY} for 30"),
+}
+STATEMENTS: Mapping[str, tuple[str, ...]] = {
+    "repeat": (
+        f"repeat 3 r:\n a: {_WAY} until range > 900 timeout 15\n b: heading 180 for 15\nend",
+    ),
+    "on": (
+        f"a: {_WAY} for 30\nb: heading 180 for 30\non depth > 3 held 4s -> b",
+        f"a: {_WAY} for 30\nb: surface until fix timeout 90\non uncertain -> b",
+        f"a: {_WAY} until range > 900 timeout 20\nb: heading 90 for 20\n"
+        "c: surface timeout 60 else surface\non timeout -> c",
+    ),
+    "start": (f"start without fix\na: {_WAY} for 30",),
+}
+
+
+def drawn_for(claim: Claim, flight: int) -> Draw:
+    """A word is always flown so, a mission every third time."""
+    return draw_withheld if claim.source.startswith(SOURCE) or flight % 3 == 2 else draw_proof
+
+
+def missions() -> Iterator[tuple[str, str]]:
+    """Every word with each of its texts."""
+    for table in (KINDS, SETTINGS, CLAUSES, ASSUMPTIONS, STATEMENTS):
+        for word, bodies in table.items():
+            for body in bodies:
+                yield word, body
+    for variable, guard in UNTIL.items():
+        way = _TO if variable in GIVES else _WAY
+        yield variable, f"a: {way} until {guard} timeout 40"
+
+
+def claims(vehicle: Vehicle) -> Iterator[Claim]:
+    """What the check proves of each."""
+    for number, (word, body) in enumerate(missions()):
+        yield claim_of(vehicle, word, body, number)
+
+
+def claim_of(vehicle: Vehicle, word: str, body: str, number: int) -> Claim:
+    """Raises ValueError where the check refuses the text: a fault of these tables."""
+    mission = parse(f"{HEAD.format(name=f'{word}-{number}')}{body}\n")
+    report = check_mission(compile_mission(mission, vehicle, digest(mission)), vehicle)
+    if not report.ok or report.proved is None:
+        raise ValueError(f"{word}: the check refuses {body!r}: {report.refusals}")
+    return Claim(f"{SOURCE} {number}", mission, report.proved)
+
+
+def draw_withheld(claim: Claim, vehicle: Vehicle, seed: int, flight: int) -> Proof:
+    """At the edge of what is assumed, with something withheld to the end."""
+    rng = Random(f"withheld {seed} {claim.mission.name} {flight}")
+    allowed = claim.mission.safety.depth or vehicle.limits.depth
+    assume = Assumptions.of(claim.mission, vehicle, min(allowed, vehicle.limits.depth))
+    sea = Sea((assume.current, _direction(rng)), None, assume.floor)
+    edge = math.sqrt(Body().main_thrust) * (1.0 + 2.0 * SPEED * rng.choice((-1.0, 0.0, 1.0)))
+    errors = SensorErrors(compass_bias=2.0 * BIAS * rng.choice((-1.0, 0.0, 1.0)))
+    away, towards = 0.9 * assume.start, _direction(rng)
+    return Proof(
+        PROFILES[flight % len(PROFILES)],
+        rng.randrange(1 << 31),
+        Settings(sea, errors, Body(main_thrust=edge * edge), tuple(_withheld(rng, claim))),
+        (),
+        (away * math.cos(towards), away * math.sin(towards)),
+        rng.uniform(0.0, math.tau),
+        (),
+    )
+
+
+def _direction(rng: Random) -> float:
+    """North, where most of the texts lead, or any."""
+    return rng.choice((0.0, rng.choice(range(8)) * math.tau / 8.0))
+
+
+def _withheld(rng: Random, claim: Claim) -> Iterator[FaultEvent]:
+    """A sensor, or the fixes (not the depth as well: then nothing would prove the surface)."""
+    begin = round(rng.uniform(10.0, 12.0 + 0.5 * claim.proved.worst_time), 1)
+    sensor = rng.choice((*_SENSORS, None))
+    if sensor is not None:
+        ways = [h.value for h in Health if h is not Health.HEALTHY]
+        ways += ["stuck"] if sensor in _HELD else []
+        yield FaultEvent(f"{sensor.name.lower()}_{rng.choice(ways)}", begin, FOREVER)
+    if sensor is not Sensor.DEPTH:
+        yield FaultEvent(_NO_FIX, begin, FOREVER)

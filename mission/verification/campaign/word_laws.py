@@ -1,0 +1,406 @@
+"""Laws of words and moves over the whole flight: who may do what, and what must have left.
+
+    clock      a leg lasts no longer than its clock allows
+    stop       an X0 goes out again until it is acknowledged; and where a report shows a thruster on
+    restart    what was under way surfaces; an emergency that had ended is latched
+    end        told to end, the program brings up first what is under way
+    surface    surfaced is said only of what is at the surface
+    clear      an emergency is cleared at the surface (or by the second @AC, up to 2 m)
+    start      a mission begins at the surface (without a fix: up to 2 m)
+    stick      no stick that is held, and none in neutral, takes an emergency over (R6); 2 s without
+               M everything is stopped, a minute later manual is left
+    commander  one connection commands while it is heard (R12)
+    AUTO       closed, and no mission goes on or begins, and nothing at rest turns by itself (R13)
+    gap        20 ms between two frames on the line
+    refused    a set that is answered N: the leg's else (R8)
+    blind      a leg that needs a reading which fails is left within 6 s of that being known
+
+What does not live here: who asked for a byte (audit), an X, W or set in time (obedience).
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import re
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+
+from links.simulated.firmware.uart import BYTE_TIME
+from mission.verification.campaign.audit import command_of, moves
+from mission.verification.campaign.deeds import MODEM, TOPSIDE, Act
+from mission.verification.campaign.depth_laws import DEPTH_FAULTS
+from mission.verification.campaign.laws import Violation
+from mission.verification.campaign.onboard import DEAD
+from mission.verification.campaign.story import SAME, STOP_WORD, UPWARD_WORDS, Report, Stay, Story
+from mission.verification.campaign.trial import AUTO_NODE, Said, fault_ends
+from mission.authoring.compiler.compiler import compile_mission
+from mission.authoring.language import digest, parse, script
+from mission.model import (
+    AUTONOMOUS,
+    IMPLICIT_SURFACE,
+    MANUAL_DRIVING,
+    MANUAL_WAITING,
+    STOPPED,
+    SURFACED,
+    SURFACING,
+    Tx,
+)
+from mission.model.regions import EMERGENCY, MANUAL
+from mission.model.shipped import load_vehicle
+from protocol.messages import Order
+
+UNSENT, UNLAWFUL = "unsent", "unlawful"
+_CLOCK = 0.6  # s
+_STOP_AGAIN = 1.6  # s: every 0.5 s, behind three tries of another word
+_TURNS = 1  # report with a thruster on: X0 leaves with it
+_UPWARD = 2.0  # s after a restart
+_DEEP_ENOUGH, _STAYS = 1.5, 100.0  # m, s: an ascent from where scenes are
+_DURABLE = 1.5  # s after which a state is on disk
+_SHALLOW, _AFLOAT, _FIXED = 1.0, 4.0, 0.4  # m within s before, m that allow a fix
+_NEARLY = 1.2  # m: 0.8 (R7), and the sensor
+_START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
+_CLEAR_AGAIN = 4.5, 30.5  # s
+_BLIND, _FROZEN = 14.0, 12.0  # s: 6 s (R8), and what three reports more may take
+_QUIET, _SILENT, _FORGOTTEN = 1.9, 2.6, 61.5  # s
+_COMMANDS = 9.5  # s
+_M, _AC = re.compile(rb"@M[TDMRSP][^@$]*\$"), re.compile(rb"@AC\$")
+_ACKNOWLEDGED = re.compile(rb"@ACK_Z[XA]Y\$")
+_ACCEPTED = re.compile(rb"@ACK_(?:AA|AC|SP|ST|AW|NS)[^N]\$")
+_REFUSED = re.compile(rb"@ACK_Z([A-Z])N\$")
+_GAP, _NODE = 0.02, 1.0  # s
+_ORDER = re.compile(rb"@ZA(X0|WF)\$")
+_UNDETECTED = ("depth_too", "depth_drifting", "depth_late", "depth_stuck", "depth_inter")
+
+
+def word_laws(story: Story) -> Iterator[Violation]:
+    text = "\n".join(script(story.mission)) + "\n"
+    clocks = _clocks(text, story.mission.vehicle)
+    for stay in story.stays:
+        if stay.autonomous:
+            yield from _ends_in_time(story, stay, clocks)
+            yield from _starts_at_surface(story, stay)
+            yield from _is_left_blind(story, stay)
+        if stay.rests and stay.step is not None:
+            yield from _stops(story, stay)
+        if stay.state == SURFACED and stay.before == SURFACING:
+            yield from _is_at_surface(story, stay)
+        if stay.state.startswith("idle"):
+            yield from _is_cleared(story, stay)
+        if stay.state == MANUAL_DRIVING and stay.before.startswith(EMERGENCY):
+            yield from _takes_over(story, stay)
+        if stay.state.startswith(MANUAL):
+            yield from _lets_go(story, stay)
+        if stay.before == DEAD:
+            yield from _begins_again(story, stay)
+    yield from _one_commands(story)
+    yield from _ends_on_its_way_up(story)
+    yield from _auto_closed(story)
+    yield from _keeps_the_gap(story)
+    yield from _heeds_refusals(story)
+
+
+# --- legs ----------------------------------------------------------------------------------------
+
+
+@functools.lru_cache(maxsize=64)
+def _clocks(text: str, vehicle: str) -> Mapping[str, float]:
+    """The longest stay in each leg, s."""
+    mission = parse(text)
+    chart = compile_mission(mission, load_vehicle(vehicle), digest(mission))
+    legs = {state.path: state.leg for state in chart.states if state.leg is not None}
+    return {
+        path: min(leg.duration or math.inf, leg.timeout or math.inf)
+        for path, leg in legs.items()
+        if path != IMPLICIT_SURFACE
+    }
+
+
+def _ends_in_time(story: Story, stay: Stay, clocks: Mapping[str, float]) -> Iterator[Violation]:
+    due = stay.begin + clocks.get(stay.state, math.inf)
+    if stay.end > due + _CLOCK and not story.hindered(due - 0.1, due + _CLOCK):
+        says = (
+            f"{stay.end - stay.begin:.0f} s in {stay.state}, its clock says {due - stay.begin:g} s"
+        )
+        yield Violation(UNLAWFUL, due, says)
+
+
+def _starts_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
+    if not stay.before.startswith("idle") or story.faulty(
+        DEPTH_FAULTS, stay.begin - 10.0, stay.begin
+    ):
+        return
+    depth = story.depth(stay.begin)
+    if depth > (_START_FREE if story.mission.start_without_fix else _START):
+        yield Violation(UNLAWFUL, stay.begin, f"a mission begins {depth:.1f} m deep")
+
+
+def _is_left_blind(story: Story, stay: Stay) -> Iterator[Violation]:
+    """Frozen is known by five reports while a thruster turns, and so is a heading at full scale."""
+    if stay.step is None or not stay.step.actions or stay.ascends:
+        return
+    command = command_of(stay.step.actions[-1])
+    for fault in story.settings.faults:
+        sensor, _, how = fault.name.partition("_")
+        needed = not isinstance(command, Order) and getattr(command, sensor, None) is not None
+        if not needed or how not in ("full_scale", "frozen"):
+            continue
+        begin = max(fault.begin, stay.begin)
+        due = begin + _BLIND + _FROZEN
+        turned = all(r.turning for r in story.reports if begin - 2.0 <= r.t <= due)
+        told = len(story.told_in(begin, due)) >= (due - begin) / 2.0 - 2.0
+        alone = len(story.faults((sensor,), begin - 10.0, due)) == 1
+        known = turned and told and alone and not story.hindered(begin, due)
+        if known and min(stay.end, fault_ends(fault)) > due:
+            yield Violation(UNLAWFUL, due, f"{fault.name}, and still in {stay.state}")
+
+
+# --- stops ---------------------------------------------------------------------------------------
+
+
+def _stops(story: Story, stay: Stay) -> Iterator[Violation]:
+    assert stay.step is not None
+    if not any(a.startswith("everything stopped") for a in stay.step.actions):
+        return
+    end = min(stay.end, story.end)
+    if story.hindered(stay.begin - 0.1, end):
+        return
+    stops = [w.t for w in story.words_in(stay.begin, end) if w.data == STOP_WORD]
+    answered = next(
+        (h.t for h in story.heard if h.t > stay.begin and _ACKNOWLEDGED.search(h.data)), end
+    )
+    last = stay.begin
+    for t in [*(t for t in stops if t < answered), min(answered, end)]:
+        if t - last > _STOP_AGAIN:
+            yield Violation(UNSENT, t, f"no X0 for {t - last:.1f} s in {stay.state}, unanswered")
+            return
+        last = t
+    yield from _doubts(story, stay, stops, end)
+
+
+def _doubts(story: Story, stay: Stay, stops: list[float], end: float) -> Iterator[Violation]:
+    turning: list[Report] = []
+    for report in story.reports:
+        if not stay.begin + 2.0 < report.t < end:
+            continue
+        turning = [*turning, report] if report.turning else []
+        if len(turning) > _TURNS and not any(turning[0].t <= t <= report.t for t in stops):
+            says = f"a thruster is on in {len(turning)} reports in {stay.state}: no X0"
+            yield Violation(UNSENT, report.t, says)
+            return
+
+
+# --- the program begins again --------------------------------------------------------------------
+
+
+def _begins_again(story: Story, stay: Stay) -> Iterator[Violation]:
+    """What was under way long enough to be on the disk, and the disk had room."""
+    dead = next(s for s in reversed(story.stays) if s.state == DEAD and s.end <= stay.begin)
+    was = next(s for s in reversed(story.stays) if s.end <= dead.begin and s.begin < dead.begin)
+    full = any(done.act is Act.FILL and done.t < stay.begin for done in story.done)
+    due = stay.begin + _UPWARD
+    again = any(done.act is Act.KILL and stay.begin <= done.t <= due for done in story.done)
+    if was.end - was.begin < _DURABLE or full or again or due > story.end:
+        return
+    now = story.stay_at(stay.begin + 1e-6).state
+    if was.state in (STOPPED, SURFACED) and not now.startswith(EMERGENCY):
+        yield Violation(UNLAWFUL, stay.begin, f"restarted out of {was.state} into {now}")
+    if not (was.autonomous or was.state == SURFACING):
+        return
+    words = {word.data for word in story.words_in(stay.begin, due)}
+    if words.isdisjoint(UPWARD_WORDS) and now != MANUAL_DRIVING:
+        says = f"no upward word within {_UPWARD:g} s of a restart during {was.state}"
+        yield Violation(UNSENT, due, says)
+
+
+def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
+    """Told to end under way, it is on its way up, and stays until it is there (R7)."""
+    for end in story.done:
+        if end.act is not Act.END:
+            continue
+        stay, due = story.stay_at(end.t - SAME), end.t + _UPWARD
+        under_way = stay.autonomous or stay.state == SURFACING
+        deep = story.depth(end.t) > _DEEP_ENOUGH
+        orders = any(end.t - 1.0 <= s.t <= due and _ORDER.search(s.data) for s in story.said)
+        others = any(end.t - 10.0 <= d.t < end.t for d in story.done)
+        if not (under_way and deep) or orders or others or due > story.end:
+            continue
+        ways = stay.ascends or _has_word(story, end.t - 0.1, due)
+        if story.tilt(end.t) < 1.0 and not ways:
+            yield Violation(UNSENT, due, f"told to end in {stay.state}: no upward word")
+        gone = next((d.t for d in story.done if d.act is Act.KILL and d.t > end.t), math.inf)
+        hurried = any(done.act is Act.HURRY for done in story.done)
+        taken = any(end.t <= s.begin <= gone and s.state.startswith(MANUAL) for s in story.stays)
+        if gone <= end.t + _STAYS and not (hurried or taken) and story.depth(gone) > _DEEP_ENOUGH:
+            says = f"told to end in {stay.state}, and gone {story.depth(gone):.1f} m deep"
+            yield Violation(UNLAWFUL, gone, says)
+
+
+def _has_word(story: Story, begin: float, end: float) -> bool:
+    return any(word.data in UPWARD_WORDS for word in story.words_in(begin, end))
+
+
+# --- the surface ---------------------------------------------------------------------------------
+
+
+def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
+    """By 6 s of shallow depth, or by a fix: its antenna is out of the water for a while."""
+    t = stay.begin
+    shallow = story.deepest(t - _AFLOAT, t) <= _SHALLOW
+    fixed = story.deepest(t - 2.0, t) <= _FIXED
+    unknown = not story.told_in(t - 6.0, t) or story.faulty(DEPTH_FAULTS, t - 20.0, t)
+    wanders = story.faulty(("gps_wanders",), t - 20.0, t)
+    if wanders and (unknown or story.depth(t) < _NEARLY):
+        return  # nothing contradicts fixes as at the surface
+    if not (shallow or fixed) and not story.faulty(_UNDETECTED, t - 10.0, t):
+        says = (
+            f"surfaced, said {story.depth(t):.1f} m deep, {story.depth(t - _AFLOAT):.1f} m before"
+        )
+        yield Violation(UNLAWFUL, t, says)
+
+
+def _is_cleared(story: Story, stay: Stay) -> Iterator[Violation]:
+    if stay.step is None or stay.step.trigger != "clear" or not stay.before.startswith(EMERGENCY):
+        return
+    t, depth = stay.begin, story.depth(stay.begin)
+    if stay.before == SURFACING:
+        yield Violation(UNLAWFUL, t, "cleared while it surfaces")
+    early, late = t - _CLEAR_AGAIN[1], t - _CLEAR_AGAIN[0]
+    asked = any(early <= s.t <= late and _AC.search(s.data) for s in story.said)
+    bound = _START_FREE if asked else _CLEAR
+    if depth > bound and not story.faulty(DEPTH_FAULTS, t - 10.0, t):
+        yield Violation(UNLAWFUL, t, f"cleared {depth:.1f} m deep")
+
+
+# --- the stick -----------------------------------------------------------------------------------
+
+
+def _takes_over(story: Story, stay: Stay) -> Iterator[Violation]:
+    t = stay.begin
+    sticks = [(s, found) for s in story.said if s.link != MODEM for found in _M.findall(s.data)]
+    now = [found for s, found in sticks if abs(s.t - t) < 0.01]
+    if now and all(_neutral(found) for found in now):
+        yield Violation(UNLAWFUL, t, f"{now[-1]!r} takes over {stay.before}")
+    held = [s.t for s, found in sticks if t - _QUIET < s.t < t - 0.01 and moves(found)]
+    if held and not story.hindered(t - _QUIET, t):
+        says = f"a stick heard {t - held[-1]:.1f} s before takes over {stay.before}"
+        yield Violation(UNLAWFUL, t, says)
+    emergency = next(s for s in reversed(story.stays) if s.end <= t and s.state == stay.before)
+    if t - emergency.begin < _QUIET and emergency.before.startswith((AUTONOMOUS, MANUAL, "idle")):
+        yield Violation(UNLAWFUL, t, f"{stay.before} taken over after {t - emergency.begin:.1f} s")
+
+
+def _neutral(frame: bytes) -> bool:
+    """Speed or force come first in MS and MP, in all others the last number moves."""
+    numbers = re.findall(rb"-?\d+", frame[3:])
+    return bool(numbers) and int(numbers[0 if frame[2:3] in b"SP" else -1]) == 0
+
+
+def _lets_go(story: Story, stay: Stay) -> Iterator[Violation]:
+    last = max(
+        (w.t for w in story.words if w.t < stay.end and w.data[:2] == b"@M"), default=math.nan
+    )
+    driving = stay.state == MANUAL_DRIVING
+    due = last + (_SILENT if driving else _FORGOTTEN)
+    if stay.end > due and not story.hindered(last - 0.1, due):
+        says = f"{stay.end - last:.1f} s without M, and still in {stay.state}"
+        yield Violation(UNLAWFUL, due, says)
+    due = stay.begin + 1.5
+    if stay.state != MANUAL_WAITING or stay.end < due or story.hindered(stay.begin - 0.1, due):
+        return
+    if not any(word.data == STOP_WORD for word in story.words_in(stay.begin, due)):
+        yield Violation(UNSENT, stay.begin, "the stick is silent, and no X0 has left")
+
+
+# --- operators -----------------------------------------------------------------------------------
+
+
+def _one_commands(story: Story) -> Iterator[Violation]:
+    """By what was acknowledged to whom; X and W hand the command over."""
+    commander, heard = "", -math.inf
+    for event in story.trial.events:
+        if isinstance(event, Said):
+            if event.link == TOPSIDE and _ORDER.search(event.data):
+                commander = event.address
+            if event.address == commander:
+                heard = event.t
+            elif event.link == MODEM:
+                commander = ""  # who commands over it is not read here
+        elif isinstance(event, Tx) and event.link == TOPSIDE and _ACCEPTED.search(event.data):
+            other = commander and event.address != commander and event.t - heard < _COMMANDS
+            if other and not story.hindered(event.t - _COMMANDS, event.t):
+                says = f"{event.data!r} to {event.address!r} while {commander!r} commands"
+                yield Violation(UNLAWFUL, event.t, says)
+            commander, heard = event.address, event.t
+        elif not isinstance(event, Said | Tx) and getattr(event, "act", None) in (
+            Act.PART,
+            Act.KILL,
+        ):
+            commander = ""
+
+
+def _auto_closed(story: Story) -> Iterator[Violation]:
+    """Once it is acknowledged, and until somebody opens it."""
+    for said in story.said:
+        found = AUTO_NODE.fullmatch(said.data)
+        if found is None or found[1] == b"O":
+            continue
+        answers = (a.t for a in story.answers if a.t >= said.t and a.data == b"@ACK_NSS$")
+        closed = next(answers, math.inf) + _NODE
+        others = (s.t for s in story.said if s.t > said.t and b"@NS" in s.data)
+        until = min(next(others, math.inf), *(d.t for d in story.done if d.t > said.t), story.end)
+        if closed > said.t + 6.0 + _NODE or closed >= until:
+            continue
+        for stay in story.stays:
+            inside = max(stay.begin, closed) < min(stay.end, until)
+            turned = stay.state == SURFACING and stay.begin >= closed and _at_rest(stay.before)
+            if inside and (stay.autonomous or (turned and _by_limit(stay))):
+                yield Violation(UNLAWFUL, closed, f"node AUTO is closed, and then {stay.state}")
+                return
+
+
+def _at_rest(state: str) -> bool:
+    return state.startswith("idle") or state in (STOPPED, SURFACED, MANUAL_WAITING)
+
+
+def _by_limit(stay: Stay) -> bool:
+    return stay.step is not None and stay.step.trigger == "limit"
+
+
+# --- the line ------------------------------------------------------------------------------------
+
+
+def _keeps_the_gap(story: Story) -> Iterator[Violation]:
+    for one, other in pairwise(story.words):
+        free = one.t + len(one.data) * BYTE_TIME + _GAP
+        if other.t < free - 1e-6:
+            says = f"{other.data!r} leaves {free - other.t:.3f} s too soon behind {one.data!r}"
+            yield Violation(UNLAWFUL, other.t, says)
+            return
+
+
+def _heeds_refusals(story: Story) -> Iterator[Violation]:
+    """Where nothing else can be meant: one word alone in the second before."""
+    for heard in story.heard:
+        found = _REFUSED.search(heard.data)
+        if found is None:
+            continue
+        words = story.words_in(heard.t - 1.0, heard.t - 0.005)
+        if words and found[1] not in (b"A", words[-1].data[3:4]):
+            continue  # it is another word's
+        stay = story.stay_at(heard.t)
+        if (
+            len(words) != 1
+            or not stay.autonomous
+            or stay.ascends
+            or story.hindered(heard.t - 1.0, heard.t)
+        ):
+            continue
+        if (
+            words[0].data.startswith(b"@ZA")
+            and stay.end > heard.t + 0.5
+            and stay.begin < words[0].t + SAME
+        ):
+            says = f"{words[0].data!r} was answered N, and still in {stay.state}"
+            yield Violation(UNLAWFUL, heard.t, says)
+            return

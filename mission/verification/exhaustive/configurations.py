@@ -1,0 +1,357 @@
+"""The ways into every configuration of the drive, for one mission on one profile.
+
+    regions     each row of WAYS, by bytes
+    legs        each leg x rounds (first, last, of every group that repeats around it)
+                x handlers not acted, acted x no Z outstanding, one, one after two that were lost
+    manual      each leg x rounds, interrupted: driving, waiting
+
+The AUV's control battery is taken as measured here, so that its limit can act, too; it reports no
+leak.
+
+What does not live here: what happens next (events).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from mission.verification.exhaustive.cell import Configuration
+from mission.verification.exhaustive.fork import Fork
+from mission.verification.exhaustive.wire import Sea
+from mission.verification.exhaustive.world import World
+from mission.authoring.language import script
+from mission.model import (
+    AUTONOMOUS,
+    IDLE_EMPTY,
+    IDLE_READY,
+    MANUAL_DRIVING,
+    MANUAL_WAITING,
+    STOPPED,
+    SURFACED,
+    SURFACING,
+    By,
+    Chart,
+    Mission,
+    Position,
+)
+from mission.navigation import Navigation
+from mission.authoring.prepare import Prepared, prepare
+from mission.onboard.store import Stored
+from protocol.messages import SetSafety
+from protocol.topside import encode
+
+PROFILES = ("as-built", "documented")
+SPOKEN = "auv"  # the vehicle whose frames wire and laws know
+DEEP, SHALLOW = 3.0, 0.2  # m
+STICK = b"@MMF5$"
+_NOT_MINE = Position(30.0, 120.0)  # where a mission names no home
+
+
+class Unreachable(RuntimeError):
+    """A way does not lead to the configuration that it is for: this room must be mended."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """A mission on a profile, and worlds to begin from."""
+
+    prepared: Prepared
+    profile: str
+    chart: Chart
+    idle: Fork[World]
+    empty: Fork[World]
+    under_way: Fork[World]
+    acted: Fork[World]
+
+    @property
+    def mission(self) -> str:
+        return Path(self.prepared.source).name
+
+
+def ground(path: Path, profile: str) -> Ground:
+    """Raises Unreadable, or Unreachable where the mission does not start."""
+    prepared = prepare(path)
+    if prepared.vehicle.name != SPOKEN:
+        raise Unreachable(
+            f"{path}: for {prepared.vehicle.name}, and this proof speaks the bytes of {SPOKEN} "
+            "alone; auvmission check and simulate take every vehicle"
+        )
+    vehicle = replace(prepared.vehicle, dialect=profile, constant_batteries=False)
+    home = prepared.mission.home or _NOT_MINE
+    worlds = []
+    for lines in ((), tuple(script(_from_afar(prepared.mission)))):
+        world = World(vehicle, Stored(lines), home)
+        world.navigate(Navigation(vehicle, date="2026-03-01"))
+        for _ in range(5):
+            world.wait(1.0)
+            world.fix()
+        world.wait(0.5)
+        worlds.append(world)
+    empty, idle = (Fork(world) for world in worlds)
+    started = idle.copy()
+    started.say(b"@AA$")
+    _expect(started, AUTONOMOUS, "@AA")
+    started.wait(1.0)
+    chart = started.engine.chart
+    assert chart is not None
+    sink(started)
+    under_way = Fork(started)
+    _let_handlers_act(started, chart)
+    return Ground(prepared, profile, chart, idle, empty, under_way, Fork(started))
+
+
+def _from_afar(mission: Mission) -> Mission:
+    """It may be started where ``Sea`` is, and guards on the range are not open from there."""
+    given = [(name, value) for name, value in mission.assume if name != "start"]
+    return replace(mission, assume=(*given, ("start", Sea().north + 2.0)))
+
+
+def configurations(ground: Ground) -> Iterator[tuple[Configuration, World]]:
+    for way in WAYS:
+        yield _by(way, ground)
+    for leaf, rounds in _places(ground.chart):
+        for acted, line in itertools.product((False, True), LINES):
+            yield _in_leg(ground, leaf, rounds, acted, line)
+        for state, seconds in ((MANUAL_DRIVING, 0.1), (MANUAL_WAITING, 2.3)):
+            yield _interrupted(ground, leaf, rounds, state, seconds)
+
+
+def sink(world: World) -> None:
+    """To where one is under water: at a rate that is seen once, which no limit minds."""
+    world.wait(2.0)
+    world.sea.depth = DEEP
+    world.wait(4.0)
+
+
+def rise(world: World) -> None:
+    world.sea.depth = SHALLOW
+    world.wait(9.0)
+
+
+# --- regions ------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """``begin`` is a world of the ground."""
+
+    name: str
+    state: str
+    begin: str
+    play: Callable[[World], None]
+    auto: bool = True
+    loaded: bool = True
+    preceded: bool = False
+    quiet: bool = True
+
+
+def _stay(world: World) -> None:
+    pass
+
+
+def _auto_off(world: World) -> None:
+    world.say(b"@NSOOOOCC$")
+    for node in ("UACM", "BDGPS", "STM32"):
+        world.node(f"{node} O\n".encode())
+    world.wait(0.1)
+
+
+def _stop(world: World) -> None:
+    world.say(b"@ZAX0$")
+    world.wait(0.3)
+
+
+def _surface(world: World) -> None:
+    world.say(b"@ZAWF$")
+    world.wait(0.3)
+
+
+def _stick(world: World) -> None:
+    world.say(STICK)
+    world.wait(0.1)
+
+
+def _let_go(world: World) -> None:
+    world.say(STICK)
+    world.wait(2.3)
+
+
+def _deaf(world: World) -> None:
+    world.answers = ""
+
+
+def _surfaced(world: World) -> None:
+    _surface(world)
+    rise(world)
+
+
+def _deaf_at_the_end(world: World) -> None:
+    _surface(world)
+    world.sea.depth = SHALLOW
+    world.wait(4.0)
+    _deaf(world)
+    world.wait(5.0)
+
+
+def _chain(*parts: Callable[[World], None]) -> Callable[[World], None]:
+    def play(world: World) -> None:
+        for part in parts:
+            part(world)
+
+    return play
+
+
+def _for(seconds: float) -> Callable[[World], None]:
+    return lambda world: world.wait(seconds)
+
+
+_E = {"preceded": True}
+# fmt: off
+WAYS: tuple[Way, ...] = (
+    Way("empty", IDLE_EMPTY, "empty", _stay, loaded=False),
+    Way("empty, deep", IDLE_EMPTY, "empty", sink, loaded=False),
+    Way("ready", IDLE_READY, "idle", _stay),
+    Way("ready, deep", IDLE_READY, "idle", sink),
+    Way("ready, AUTO closed", IDLE_READY, "idle", _auto_off, auto=False),
+    Way("ended by AUTO", IDLE_READY, "under_way", _auto_off, auto=False),
+    Way("driving, empty", MANUAL_DRIVING, "empty", _stick, loaded=False),
+    Way("waiting, empty", MANUAL_WAITING, "empty", _let_go, loaded=False),
+    Way("driving", MANUAL_DRIVING, "idle", _stick),
+    Way("waiting", MANUAL_WAITING, "idle", _let_go),
+    Way("driving, deep", MANUAL_DRIVING, "idle", _chain(sink, _stick)),
+    Way("waiting, deep", MANUAL_WAITING, "idle", _chain(sink, _let_go)),
+    Way("waiting, unanswered", MANUAL_WAITING, "idle", _chain(_deaf, _let_go), quiet=False),
+    Way("driving, AUTO closed", MANUAL_DRIVING, "under_way", _chain(_stick, _auto_off, _stick),
+        auto=False),
+    Way("waiting, AUTO closed", MANUAL_WAITING, "under_way", _chain(_stick, _auto_off, _for(2.3)),
+        auto=False),
+    Way("driving, emergency before", MANUAL_DRIVING, "under_way", _chain(_stop, _for(2.0), _stick),
+        **_E),
+    Way("waiting, emergency before", MANUAL_WAITING, "under_way",
+        _chain(_stop, _for(2.0), _let_go), **_E),
+    Way("stopped, empty", STOPPED, "empty", _stop, loaded=False, preceded=True),
+    Way("stopped", STOPPED, "idle", _stop, preceded=True),
+    Way("stopped, deep", STOPPED, "under_way", _stop, preceded=True),
+    Way("stopped, unanswered", STOPPED, "under_way", _chain(_deaf, _stop), quiet=False, **_E),
+    Way("stopped, stick held", STOPPED, "under_way", _chain(_stick, _stop), preceded=True),
+    Way("stopped, AUTO closed", STOPPED, "idle", _chain(_auto_off, _stop), auto=False, **_E),
+    Way("stopped out of W", STOPPED, "under_way", _chain(_surface, _stop), preceded=True),
+    Way("surfacing, empty", SURFACING, "empty", _chain(sink, _surface), loaded=False, **_E),
+    Way("surfacing", SURFACING, "under_way", _surface, preceded=True),
+    Way("surfacing out of idle", SURFACING, "idle", _chain(sink, _surface), preceded=True),
+    Way("surfacing by thrust", SURFACING, "under_way", _chain(_surface, _for(10.5)), **_E),
+    Way("surfacing by W again", SURFACING, "under_way", _chain(_surface, _for(20.5)), **_E),
+    Way("surfacing, unanswered", SURFACING, "under_way", _chain(_deaf, _surface), quiet=False,
+        **_E),
+    Way("surfacing, stick held", SURFACING, "under_way", _chain(_stick, _surface), **_E),
+    Way("surfaced", SURFACED, "under_way", _surfaced, preceded=True),
+    Way("surfaced, empty", SURFACED, "empty", _surfaced, loaded=False, preceded=True),
+    Way("surfaced, unanswered", SURFACED, "under_way", _deaf_at_the_end, quiet=False, **_E),
+)
+# fmt: on
+
+
+def _by(way: Way, ground: Ground) -> tuple[Configuration, World]:
+    fork: Fork[World] = getattr(ground, way.begin)
+    world = fork.copy()
+    way.play(world)
+    _expect(world, way.state, way.name)
+    found = Configuration(
+        ground.mission,
+        ground.profile,
+        way.name,
+        way.state,
+        auto=way.auto,
+        loaded=way.loaded,
+        preceded=way.preceded,
+        quiet=way.quiet,
+    )
+    return found, world
+
+
+# --- legs ---------------------------------------------------------------------------------
+
+Rounds = tuple[tuple[str, int], ...]
+LINES = ("quiet", "Z outstanding", "two Z lost, one outstanding")
+
+
+def _places(chart: Chart) -> Iterator[tuple[str, Rounds]]:
+    for state in chart.states:
+        if state.leg is None:
+            continue
+        groups = [
+            (s.path, s.group.repeat)
+            for s in chart.states
+            if s.group is not None and s.group.repeat > 1 and state.path.startswith(s.path + "/")
+        ]
+        for rounds in itertools.product(*([(p, 1), (p, last)] for p, last in groups)):
+            yield state.path, rounds
+
+
+def _in_leg(
+    ground: Ground, leaf: str, rounds: Rounds, acted: bool, line: str
+) -> tuple[Configuration, World]:
+    world = (ground.acted if acted else ground.under_way).copy()
+    world.engine.place(leaf, dict(rounds))
+    if line != "quiet":
+        _let_go(world)
+        _deaf(world)
+        world.say(b"@AA$")
+        world.wait(0.05 if line == "Z outstanding" else 1.95)
+    _expect(world, leaf, line)
+    name = f"{leaf} {_words(rounds)}{', handlers acted' if acted else ''}, {line}"
+    quiet = line == "quiet"
+    found = Configuration(
+        ground.mission, ground.profile, name, leaf, leaf, rounds, quiet=quiet, acted=acted
+    )
+    return found, world
+
+
+def _interrupted(
+    ground: Ground, leaf: str, rounds: Rounds, state: str, seconds: float
+) -> tuple[Configuration, World]:
+    world = ground.under_way.copy()
+    world.engine.place(leaf, dict(rounds))
+    world.say(STICK)
+    world.wait(seconds)
+    _expect(world, state, leaf)
+    name = f"{state}, interrupted {leaf} {_words(rounds)}"
+    return Configuration(ground.mission, ground.profile, name, state, leaf, rounds), world
+
+
+def _words(rounds: Rounds) -> str:
+    return ", ".join(f"round {number} of {path}" for path, number in rounds)
+
+
+def _let_handlers_act(world: World, chart: Chart) -> None:
+    """The battery's handler, and ``on uncertain``: each once, from the first leg."""
+    world.engine.place(chart.initial, {})
+    world.sea.control_v = 10
+    world.wait(14.0)
+    world.sea.control_v = 12
+    world.wait(2.0)
+    world.engine.place(chart.initial, {})
+    doubt(world)
+    world.say(encode(SetSafety(radius=60000.0)))
+    world.wait(2.5)
+    _expect(world, AUTONOMOUS, "handlers")
+    if not any(step.by is By.UNCERTAIN for step in world.notes.steps):
+        raise Unreachable("on uncertain has not acted")
+
+
+def doubt(world: World) -> None:
+    """A radius that the vehicle is within, but not surely; it goes along the circle."""
+    here = world.engine.estimate
+    assert here is not None
+    world.sea.heading_deg = 90.0
+    world.say(encode(SetSafety(radius=math.hypot(here.north, here.east) + 2.0)))
+    world.wait(4.5)
+
+
+def _expect(world: World, state: str, way: str) -> None:
+    if not world.state.startswith(state):
+        raise Unreachable(f"{way}: {world.state}, not {state}: {world.drive._engine.reason}")

@@ -1,0 +1,83 @@
+"""Laws of how the program begins again, and how it ends: what was under way comes up, what is at
+rest is left so. Rows as in laws.
+
+What does not live here: what is kept for a restart (laws), how long the program may stay (serve).
+"""
+
+from __future__ import annotations
+
+from mission.verification.exhaustive.cell import Cell
+from mission.verification.exhaustive.laws import AT_ONCE, AT_SURFACE, U12, Law, Verdict, X, wrong
+from mission.model import IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, STOPPED, SURFACED, SURFACING
+
+_AT_REST = (STOPPED, SURFACED)
+
+
+def _under_way(cell: Cell, state: str) -> bool:
+    """A mission, or an ascent; one that the stick interrupts counts."""
+    region = state.partition("/")[0]
+    interrupted = region == "manual" and bool(cell.configuration.leaf)
+    return region == "autonomous" or state == SURFACING or interrupted
+
+
+def _restarts(cell: Cell) -> Verdict:
+    if "restart" not in cell.event.causes:
+        return None
+    c, first = cell.configuration, [t.data for t in cell.frames(b"@ZA") if t.t < AT_ONCE]
+    if _under_way(cell, c.state):
+        return wrong(
+            (cell.state != SURFACING, f"the state is {cell.state}"),
+            (first[:2] != [X, U12], f"{first} left"),  # no depth is known yet
+        )
+    idle = IDLE_READY if c.loaded else IDLE_EMPTY
+    return wrong(
+        (cell.state != (c.state if c.state in _AT_REST else idle), f"the state is {cell.state}"),
+        (c.state in _AT_REST and X not in first, f"{first} left"),
+        (bool(set(first) - {X}), f"{first} left"),
+    )
+
+
+def _ends_upward(cell: Cell) -> Verdict:
+    if "end" not in cell.event.causes or not _under_way(cell, cell.world.ended_in):
+        return None
+    if cell.world.ended_in == MANUAL_DRIVING:
+        return None  # whoever moves the stick keeps it
+    goals = (SURFACING, SURFACED) if cell.world.sea.depth < AT_SURFACE else (SURFACING,)
+    return wrong(
+        (cell.state not in goals, f"the state is {cell.state}"),
+        (cell.world.engine.settled != (cell.state == SURFACED), "when it may go"),
+    )
+
+
+def _ends_at_rest(cell: Cell) -> Verdict:
+    """No thruster is turned, and where it can be left alone the program may go. Deep, the stick
+    does not leave it."""
+    if "end" not in cell.event.causes or _under_way(cell, cell.world.ended_in):
+        return None
+    shallow = cell.world.sea.depth < AT_SURFACE
+    if cell.world.ended_in.startswith("manual") and not shallow and cell.configuration.auto:
+        return wrong((cell.state not in (SURFACING, MANUAL_DRIVING), f"{cell.state}"))
+    others = [t.data for t in cell.frames(b"@Z") if t.data != X and t.t >= cell.world.ended_at]
+    return wrong(
+        (bool(others), f"{others[:1]} left"),
+        (shallow and not cell.world.engine.settled, f"it stays in {cell.state}"),
+    )
+
+
+def _last_words(cell: Cell) -> Verdict:
+    """X0 and U12 under water, and nothing after them."""
+    if "last" not in cell.event.causes or not _under_way(cell, cell.world.ended_in):
+        return None
+    left = [t.data for t in cell.frames(b"@Z") if t.t >= cell.world.ended_at]
+    return wrong(
+        (cell.state != SURFACING, f"the state is {cell.state}"),
+        (left != [X, U12], f"{left} left"),
+    )
+
+
+END_LAWS: tuple[Law, ...] = (
+    Law("a restart surfaces what was under way and leaves the rest at rest", "R7", _restarts),
+    Law("an ordered end brings up what is under way first", "R7", _ends_upward),
+    Law("an ordered end turns nothing where nothing is under way", "R7", _ends_at_rest),
+    Law("the last words of a program are X0 and U12", "R7", _last_words),
+)

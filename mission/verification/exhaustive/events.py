@@ -1,0 +1,402 @@
+"""Events, the others: every limit, every reading, every answer, time, a restart.
+
+What a sensor says goes into an ``@SD``. An event is played in every configuration, also where it
+cannot do anything: then that is the law.
+
+What does not live here: what operators say (commands), what must follow (laws).
+"""
+
+from __future__ import annotations
+
+import math
+
+from mission.verification.exhaustive.cell import Configuration, Event
+from mission.verification.exhaustive.commands import COMMANDS, SETTLE, Play, script
+from mission.verification.exhaustive.configurations import DEEP, SHALLOW, doubt
+from mission.verification.exhaustive.wishes import come_true
+from mission.verification.exhaustive.world import World
+from mission.model import Chart
+from protocol.messages import SetSafety
+from protocol.topside import encode
+
+# --- limits --------------------------------------------------------------------------------
+
+
+def _tightens(limits: SetSafety, seconds: float = 4.5) -> Play:
+    def play(world: World) -> None:
+        world.say(encode(limits))
+        world.wait(seconds)
+
+    return script(play)
+
+
+def _too_deep(world: World) -> None:
+    world.sea.depth = DEEP
+    world.wait(4.0)
+    world.say(encode(SetSafety(depth=1.5)))
+    world.wait(4.5)
+
+
+def _hard_depth(world: World) -> None:
+    world.come_to(103.0)
+    world.wait(12.5)
+
+
+def _pushes_in_vain(world: World) -> None:
+    world.sea.dives = True
+    world.wait(18.5)
+
+
+def _sinks(world: World) -> None:
+    world.wait(2.0)
+    for _ in range(3):
+        world.sea.depth += 3.0
+        world.wait(2.0)
+    world.wait(0.1)
+
+
+def _sinks_slowly(world: World) -> None:
+    """0.15 m/s, to 2.5 m and more."""
+    world.wait(2.0)
+    for _ in range(10):
+        world.sea.depth += 0.3
+        world.wait(2.0)
+    world.wait(0.1)
+
+
+def _overturned(world: World) -> None:
+    for roll_deg in (170.0, 172.0, -178.0, 171.0, 169.0):
+        world.sea.roll_deg = roll_deg
+        world.wait(2.0)
+
+
+def _blinded(world: World) -> None:
+    world.sea.unknown.add("depth")
+    world.wait(8.5)
+
+
+def _silent(world: World) -> None:
+    world.reports = False
+    world.wait(7.5)
+
+
+def _spoilt(world: World) -> None:
+    world.spoils = True
+    world.wait(7.5)
+
+
+def _own_depth(world: World, configuration: Configuration, chart: Chart) -> None:
+    """The mission's, though @SP allows more."""
+    world.say(encode(SetSafety(depth=60000.0)))
+    own, hard = chart.mission.safety, world.vehicle.limits
+    bound = hard.depth if own is None or own.depth is None else min(own.depth, hard.depth)
+    world.come_to(bound + 1.2)
+    world.wait(12.5)
+
+
+def _stuck(world: World) -> None:
+    world.wait(124.5)
+
+
+def _topside_silent(world: World) -> None:
+    world.engine.limit_topside_silence(3.0)
+    world.wait(4.5)
+
+
+def _rolls(world: World) -> None:
+    world.sea.roll_deg = 75.0
+    world.wait(4.5)
+
+
+def _low(world: World) -> None:
+    world.sea.control_v = 9
+    world.wait(14.5)
+
+
+def _turns_away(world: World, configuration: Configuration, chart: Chart) -> None:
+    """From the heading that the leg holds, if it does."""
+    state = chart.state(configuration.leaf) if configuration.leaf else None
+    held = state.setpoint.heading if state is not None and state.setpoint is not None else None
+    for number in range(10):
+        world.sea.heading_deg = math.degrees(held or 0.0) + 15.0 * (number + 1)
+        world.wait(2.0)
+
+
+def _goes_elsewhere(world: World) -> None:
+    world.sea.depth = SHALLOW
+    world.wait(2.0)
+    world.sea.course_deg = world.sea.heading_deg + 120.0
+    for _ in range(24):
+        world.fix()
+        world.wait(1.0)
+
+
+def _loses_power(world: World) -> None:
+    world.wait(2.5)
+    world.sea.powered = False
+    world.wait(9.0)
+
+
+def _doubts(world: World) -> None:
+    here = world.engine.estimate
+    if here is None:
+        return
+    doubt(world)
+
+
+def _nobody_answers(world: World, configuration: Configuration, chart: Chart) -> None:
+    world.answers = ""
+    _end_leg(world, configuration, chart)
+    world.wait(24.0)
+
+
+def _end_leg(world: World, configuration: Configuration, chart: Chart) -> None:
+    """Its time is up in a moment."""
+    if configuration.region != "autonomous":
+        return
+    leg = chart.state(configuration.leaf).leg
+    assert leg is not None
+    times = [t for t in (leg.duration, leg.timeout) if t is not None]
+    if times:
+        world.engine.place(configuration.leaf, dict(configuration.rounds), min(times) - 0.05)
+
+
+LIMITS = (
+    Event("limit radius", _tightens(SetSafety(radius=1.0)), "SP", limit="radius"),
+    Event("limit time", _tightens(SetSafety(time=0.6), 1.0), "SP", limit="time"),
+    Event("limit depth", script(_too_deep), "SP", limit="depth"),
+    Event("limit hard depth", script(_hard_depth), limit="hard depth"),
+    Event("limit unexplained descent", script(_sinks), limit="unexplained descent"),
+    Event("limit no progress", script(_stuck), limit="no progress", also=frozenset({"minute"})),
+    Event("limit depth contradicted", script(_pushes_in_vain), limit="depth contradicted"),
+    Event(
+        "limit depth unknown", script(_blinded), limit="depth unknown", sensor="depth", after=6.0
+    ),
+    Event("limit telemetry", script(_silent), limit="telemetry"),
+    Event("limit telemetry, spoilt reports", script(_spoilt), limit="telemetry"),
+    Event("limit depth, the operator's wider", _own_depth, "SP", limit="depth"),
+    Event("limit topside", script(_topside_silent), limit="topside"),
+    Event("limit no answer", _nobody_answers, limit="no answer"),
+    Event("limit roll-over", script(_rolls), limit="roll-over"),
+    Event("limit roll-over, upside down", script(_overturned), limit="roll-over"),
+    Event("limit voltage", script(_low), limit="voltage"),
+    Event("limit heading does not follow", _turns_away, limit="heading does not follow"),
+    Event("limit course against heading", script(_goes_elsewhere), limit="course against heading"),
+    Event("limit brown-out", script(_loses_power), limit="brown-out"),
+    Event("limit uncertain", script(_doubts), "SP", limit="uncertain"),
+)
+
+
+# --- readings ------------------------------------------------------------------------------
+
+
+def _missing(field: str, seconds: float = 8.9) -> Play:
+    def play(world: World) -> None:
+        world.sea.unknown.add(field)
+        world.wait(seconds)
+
+    return script(play)
+
+
+def _absurd(attribute: str, value: float) -> Play:
+    def play(world: World) -> None:
+        setattr(world.sea, attribute, value)
+        world.wait(8.9)
+
+    return script(play)
+
+
+def _frozen(field: str) -> Play:
+    def play(world: World) -> None:
+        world.wait(2.0)
+        world.sea.frozen.add(field)
+        world.wait(17.0)
+
+    return script(play)
+
+
+def _all_missing(world: World) -> None:
+    world.sea.unknown |= {"depth", "altitude", "yaw", "roll", "pitch", "temperature"}
+    world.wait(15.0)
+
+
+def _missing_for_a_while(world: World) -> None:
+    world.sea.unknown.add("depth")
+    world.wait(3.5)
+    world.sea.unknown.clear()
+    world.wait(4.0)
+
+
+def _reports(world: World) -> None:
+    world.wait(4.1)
+
+
+def _half_a_minute(world: World) -> None:
+    world.wait(26.0)
+
+
+def _fixes(world: World) -> None:
+    world.sea.depth = SHALLOW
+    world.wait(2.0)
+    world.fix()
+    world.wait(1.0)
+    world.fix()
+    world.wait(SETTLE)
+
+
+def _one_too_deep(world: World) -> None:
+    """A single sample beyond the bound: less than R5 asks for."""
+    depth = world.sea.depth
+    world.wait(2.0 - (world.now % 2.0) + 0.1)
+    world.sea.depth = depth + 1.0
+    world.say(encode(SetSafety(depth=max(depth - 0.5, 0.1))))
+    world.wait(2.0)
+    world.say(encode(SetSafety(depth=60000.0)))
+    world.wait(2.0)
+
+
+_AT_SURFACE = frozenset({"surface"})
+READINGS = (
+    Event("good reports", script(_reports)),
+    Event("good reports for half a minute", script(_half_a_minute)),
+    Event("fixes at the surface", script(_fixes), also=_AT_SURFACE),
+    Event("one sample too deep", script(_one_too_deep), "SP", also=frozenset({"deeper"})),
+    Event("depth missing", _missing("depth"), sensor="depth", after=2.1, also=frozenset({"blind"})),
+    Event("altitude missing", _missing("altitude", 15.0), sensor="altitude", after=2.1),
+    Event("heading missing", _missing("yaw", 15.0), sensor="heading", after=2.1),
+    Event("attitude missing", _missing("roll"), sensor="attitude", after=2.1),
+    Event("all missing", script(_all_missing), sensor="all", after=2.1, also=frozenset({"blind"})),
+    Event("depth missing for 4 s", script(_missing_for_a_while)),
+    Event("temperature missing", _missing("temperature"), sensor="temperature", after=30.0),
+    Event("depth absurd", _absurd("depth", 2000.0), sensor="depth", also=frozenset({"blind"})),
+    Event("altitude absurd", _absurd("altitude", -1.0), sensor="altitude"),
+    Event("heading absurd", _absurd("yaw_offset_deg", 400.0), sensor="heading"),
+    Event("attitude absurd", _absurd("roll_deg", 95.0), sensor="attitude"),
+    Event("temperature absurd", _absurd("temperature", -50.0), sensor="temperature"),
+    Event("depth frozen", _frozen("depth"), sensor="depth", after=11.0, also=frozenset({"blind"})),
+    Event("altitude frozen", _frozen("altitude"), sensor="altitude", after=11.0),
+    Event("heading frozen", _frozen("yaw"), sensor="heading", after=11.0),
+    Event("attitude frozen", _frozen("roll"), sensor="attitude", after=11.0),
+)
+
+
+# --- answers, time, restart ----------------------------------------------------------------
+
+
+def _answers(letter: str) -> Play:
+    def play(world: World) -> None:
+        world.answers = letter
+        if letter:
+            world.hear(f"@ACK_ZA{letter}$".encode())
+        world.wait(4.0)
+
+    return script(play)
+
+
+def _leg_ends(world: World, configuration: Configuration, chart: Chart) -> None:
+    world.answers = "Y"
+    _end_leg(world, configuration, chart)
+    world.wait(2.0)
+
+
+def _minute(depth: float) -> Play:
+    """Of silence; the vehicle is heard again just before its end."""
+
+    def play(world: World) -> None:
+        world.reports = False
+        world.wait(56.0)
+        world.sea.depth, world.reports = depth, True
+        world.wait(7.0)
+
+    return script(play)
+
+
+def _minute_blind(world: World) -> None:
+    world.reports = False
+    world.wait(40.0)
+    world.sea.unknown.add("depth")
+    world.reports = True
+    world.wait(23.0)
+
+
+def _rises(world: World) -> None:
+    world.answers = "Y"
+    world.say(b"@ZAWF$")
+    world.wait(2.0)
+    world.sea.depth = SHALLOW
+    world.wait(10.0)
+
+
+def _rises_by_thrust(world: World) -> None:
+    world.answers, world.sea.depth = "Y", DEEP
+    world.say(b"@ZAWF$")
+    world.rises_by = b"@ZAU12$"
+    world.wait(24.0)
+
+
+def _sinks_for_ever(world: World) -> None:
+    world.answers, world.sea.depth = "Y", DEEP
+    world.say(b"@ZAWF$")
+    world.wait(45.0)
+
+
+def _unanswered_stop(world: World) -> None:
+    world.answers = ""
+    world.say(b"@ZAX0$")
+    world.wait(2.5)
+    world.answers = "Y"
+    world.wait(2.0)
+
+
+def _restarts(world: World) -> None:
+    world.wait(0.05)
+    world.restart()
+    world.wait(SETTLE)
+
+
+def _line_is_back(world: World) -> None:
+    world.wait(0.05)
+    world.line_is_back()
+    world.wait(2.0)
+
+
+def _ends(depth: float) -> Play:
+    def play(world: World) -> None:
+        world.answers, world.sea.depth = "Y", depth
+        world.wait(8.5)
+        world.end()
+        world.wait(1.0)
+
+    return script(play)
+
+
+def _ends_at_once(world: World) -> None:
+    world.answers, world.sea.depth = "Y", DEEP
+    world.wait(4.5)
+    world.end(at_once=True)
+    world.wait(15.0)
+
+
+_SILENCE = frozenset({"silence", "minute"})
+OTHERS = (
+    Event("ACK Y", _answers("Y")),
+    Event("ACK N", _answers("N"), also=frozenset({"deaf"})),
+    Event("no ACK", _answers(""), also=frozenset({"deaf"})),
+    Event("the leg's time is up", _leg_ends),
+    Event("what the leg waits for", come_true),
+    Event("a minute of silence, deep", _minute(DEEP), also=_SILENCE),
+    Event("a minute of silence, then at the surface", _minute(SHALLOW), also=_SILENCE),
+    Event("a minute of silence, the depth unknown", script(_minute_blind), also=_SILENCE),
+    Event("W, and nothing helps", script(_sinks_for_ever), "W", "sinks"),
+    Event("W, and it rises", script(_rises), "W", "rises"),
+    Event("W does not stick, U12 does", script(_rises_by_thrust), "W", "rises"),
+    Event("X, answered late", script(_unanswered_stop), "X", also=frozenset({"deaf"})),
+    Event("the line is back", script(_line_is_back), also=frozenset({"line"})),
+    Event("the program is to end, deep", _ends(DEEP), also=frozenset({"end"})),
+    Event("the program is to end, at the surface", _ends(SHALLOW), also=frozenset({"end"})),
+    Event("the program ends at once", script(_ends_at_once), also=frozenset({"end", "last"})),
+    Event("it sinks slowly", script(_sinks_slowly), also=frozenset({"sinks"})),
+    Event("restart", script(_restarts), also=frozenset({"restart"})),
+)
+
+EVENTS: tuple[Event, ...] = (*COMMANDS, *LIMITS, *READINGS, *OTHERS)

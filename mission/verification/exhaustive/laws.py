@@ -1,0 +1,365 @@
+"""Laws of the states: rows of name, source, and what is asked of a cell.
+
+A law answers None where it says nothing about a cell, "" where it holds, else what is wrong. It is
+written from the design and from protocols alone, never from what the engine does. All are asked at
+the drive, of bytes, Steps and states: R3-R14 and section 4 of the design.
+
+What does not live here: laws of legs against limits and readings (leg_laws), of what operators
+are answered (operator_laws).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+from mission.engine.restart import UNANSWERED
+from mission.verification.exhaustive.cell import Cell
+from mission.model import (
+    IDLE_EMPTY,
+    IDLE_READY,
+    IMPLICIT_SURFACE,
+    MANUAL_DRIVING,
+    MANUAL_WAITING,
+    STOPPED,
+    SURFACED,
+    SURFACING,
+    Surface,
+)
+
+X, W, U12 = b"@ZAX0$", b"@ZAWF$", b"@ZAU12$"
+STICK_QUIET = 2.0  # s (R6)
+AT_ONCE = 0.1  # s: X and W have left (issue 6)
+AT_SURFACE = 0.5  # m (R7)
+DEEP_REST, RISE_TIME = 2.0, 20.0  # m, s (R7)
+
+Verdict = str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Law:
+    """``of_legs``: it asks about a kind of leg, which not every mission has."""
+
+    name: str
+    source: str
+    ask: Callable[[Cell], Verdict]
+    of_legs: bool = False
+
+
+def stays_down(cell: Cell) -> bool:
+    """In stopped and over 2 m deep for as long as X leaves a vehicle to its buoyancy (R7)."""
+    since = max((t for t, state in cell.world.states if state == STOPPED), default=math.inf)
+    return cell.world.sea.depth > DEEP_REST and cell.world.now - since >= RISE_TIME
+
+
+def wrong(*faults: tuple[bool, str]) -> str:
+    """The first that is so."""
+    return next((words for is_so, words in faults if is_so), "")
+
+
+# --- X, W, M ---------------------------------------------------------------------------------
+
+
+def _order(letter: str, frame: bytes, target: str) -> Callable[[Cell], Verdict]:
+    def ask(cell: Cell) -> Verdict:
+        if cell.event.command != letter:
+            return None
+        left = cell.frames(b"@ZA")
+        late = not left or left[0].t > cell.before.t + AT_ONCE
+        burst = cell.event.path == "tender"  # something was said just before
+        return wrong(
+            (cell.world.at_once not in (target, SURFACED), f"the state is {cell.world.at_once}"),
+            (not left or left[0].data != frame, f"{left[:1]} left for the vehicle first"),
+            (late and not burst, "it left late"),
+        )
+
+    return ask
+
+
+def _answered(cell: Cell) -> Verdict:
+    if cell.event.command not in ("X", "W") or cell.event.path == "modem":
+        return None
+    if cell.world.answers != "Y" or not cell.configuration.quiet:
+        return None
+    return wrong((not cell.answers(b"@ACK_Z" + cell.event.command.encode()), "no answer"))
+
+
+def _taken(cell: Cell) -> bool:
+    """Whether an M may take over (R6, R12)."""
+    in_emergency = cell.configuration.region == "emergency"
+    silent = min(cell.before.stick_age, cell.before.emergency_age)
+    held = in_emergency and (silent < STICK_QUIET or "neutral" in cell.event.causes)
+    return cell.event.path == "boat" and not held
+
+
+def _stick(cell: Cell) -> Verdict:
+    if not cell.event.command.startswith("M"):
+        return None
+    relayed = cell.frames(b"@M")
+    if not _taken(cell):
+        return wrong(
+            (cell.world.at_once != cell.configuration.state, f"now {cell.world.at_once}"),
+            (bool(relayed), "it was passed on"),
+        )
+    return wrong(
+        (cell.world.at_once != MANUAL_DRIVING, f"the state is {cell.world.at_once}"),
+        (not relayed, "it was not passed on"),
+    )
+
+
+def _no_z_under_the_stick(cell: Cell) -> Verdict:
+    """From the first M on, and while the vehicle was driven before."""
+    if cell.event.causes - {"M"} or not (
+        (cell.event.command.startswith("M") and _taken(cell))
+        or cell.configuration.state == MANUAL_DRIVING
+    ):
+        return None
+    if cell.state != MANUAL_DRIVING:
+        return None
+    return wrong((bool(cell.frames(b"@ZA")), f"{cell.frames(b'@ZA')[:1]} under the stick"))
+
+
+def _stick_let_go(cell: Cell) -> Verdict:
+    """2 s of silence: X0, and waiting."""
+    if cell.configuration.state != MANUAL_DRIVING or cell.event.causes:
+        return None
+    if cell.world.now - cell.before.t < STICK_QUIET:
+        return None
+    return wrong(
+        (cell.states[1:2] != [MANUAL_WAITING], f"the states are {cell.states}"),
+        (not cell.frames(X), "no X0 left"),
+    )
+
+
+def _forgotten(cell: Cell) -> Verdict:
+    if "minute" not in cell.event.causes or cell.configuration.region != "manual":
+        return None
+    if cell.world.sea.depth >= AT_SURFACE:
+        return wrong((cell.state != SURFACING, f"deep, and the state is {cell.state}"))
+    if "depth" in cell.world.sea.unknown:
+        return wrong((cell.state != SURFACING, f"nobody knows how deep, and {cell.state}"))
+    idle = IDLE_READY if cell.configuration.loaded else IDLE_EMPTY
+    unknown = SURFACING  # the depth was stale when the minute was over
+    return wrong((cell.state not in (idle, unknown, SURFACED), f"the state is {cell.state}"))
+
+
+# --- the map of the states ----------------------------------------------------------------------
+
+_STATES = (IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, MANUAL_WAITING, STOPPED, SURFACING, SURFACED)
+# What may lead from a region to another; "" is the mission's own way, or time.
+_LIMITED = frozenset({"limit", "blind", "silence", "deaf", "sinks"})
+_SINKING = frozenset({"sinks", "deeper"})  # from rest
+_MOVES: dict[tuple[str, str], frozenset[str]] = {
+    ("idle", "autonomous"): frozenset({"AA"}),
+    ("idle", "manual"): frozenset({"M"}),
+    ("idle", "emergency"): frozenset({"X", "W", "limit"}) | _SINKING,
+    ("autonomous", "manual"): frozenset({"M"}),
+    ("autonomous", "emergency"): frozenset({"X", "W", "restart", "end"}) | _LIMITED,
+    ("autonomous", "idle"): frozenset({"NS", ""}),
+    ("manual", "autonomous"): frozenset({"AA"}),
+    ("manual", "emergency"): frozenset({"X", "W", "minute", "restart", "limit", "end"}) | _SINKING,
+    ("manual", "idle"): frozenset({"minute", "restart"}),
+    ("emergency", "manual"): frozenset({"M"}),
+    ("emergency", "idle"): frozenset({"AC"}),
+}
+
+
+def _known_states(cell: Cell) -> Verdict:
+    legs = {s.path for s in cell.chart.states if s.leg is not None}
+    strange = [s for s in cell.states if s not in _STATES and s not in legs]
+    foreign = cell.event.path == "whole" or not cell.configuration.loaded
+    return wrong((bool(strange) and not foreign, f"{strange[:1]}"))
+
+
+def _moves(cell: Cell) -> Verdict:
+    for here, there in pairwise(s.partition("/")[0] for s in cell.states):
+        if here == there:
+            continue
+        causes = _MOVES.get((here, there), frozenset())
+        deaf = not cell.configuration.quiet and (here, there) == ("autonomous", "emergency")
+        if not (causes & cell.event.causes or "" in causes or deaf):
+            return f"{here} -> {there}: {cell.world.engine.reason}"
+    return ""
+
+
+def _emergency(cell: Cell) -> Verdict:
+    """R7's ways alone: stopped and surfaced by @AC, any by M; X and W between; surfaced at last."""
+    allowed = {
+        (SURFACING, SURFACED): frozenset({""}),
+        (STOPPED, IDLE_EMPTY): frozenset({"AC"}),
+        (SURFACED, IDLE_EMPTY): frozenset({"AC"}),
+    }
+    asked = None
+    for here, there in pairwise(cell.states):
+        if not here.startswith("emergency"):
+            continue
+        asked = ""
+        causes = allowed.get((here, there), frozenset())
+        causes |= {STOPPED: {"X"}, SURFACING: {"W"}, MANUAL_DRIVING: {"M"}}.get(there, set())
+        if "restart" in cell.event.causes:
+            continue  # another program: end_laws
+        if there == SURFACING and cell.event.causes & ({"limit"} | _SINKING):
+            continue
+        if (here, there) == (STOPPED, SURFACING) and stays_down(cell):
+            continue
+        if not (causes & cell.event.causes or "" in causes):
+            return f"{here} -> {there}"
+    return "" if cell.configuration.region == "emergency" else asked
+
+
+def _recorded(cell: Cell) -> Verdict:
+    """Every change of state stands in a Step that left the one and entered the other."""
+    if "restart" in cell.event.causes:
+        return None
+    at = cell.configuration.state
+    for step in cell.steps:
+        if not step.entered and not step.exited:
+            continue
+        if at not in (step.exited[:1] or (at,)):
+            return f"a Step leaves {step.exited[:1]} while the state is {at}"
+        at = step.entered[-1] if step.entered else at
+    placed = "time is up" in cell.event.name or cell.event.limit == "no answer"
+    return wrong((at != cell.state and not placed, f"the Steps end in {at}, not in {cell.state}"))
+
+
+def _under_way(cell: Cell) -> Verdict:
+    """What the store would tell after a restart."""
+    kept = cell.world.store.content.under_way
+    region = cell.region if cell.event.path != "whole" else kept.partition("/")[0]
+    if region == "manual" and not cell.configuration.leaf:
+        return None
+    latched = region in ("autonomous", "emergency") or (
+        region == "manual" and cell.configuration.region == "autonomous"
+    )
+    return wrong(
+        (latched and not kept, f"nothing is kept in {cell.state}"),
+        (region == "idle" and kept not in ("", UNANSWERED), f"{kept} is kept in idle"),
+    )
+
+
+# --- what leaves ------------------------------------------------------------------------------
+
+
+def _reasons(cell: Cell) -> Verdict:
+    """Every command stands in a Step with the same reason, or passes an operator's frame on."""
+    if not cell.frames():
+        return None
+    known = {words.split(": ", 1)[1] for s in cell.world.notes.steps for words in s.actions}
+    for tx in cell.frames():
+        reason = tx.reason.split(" (try ")[0]
+        relay = reason.startswith("relay of") and not tx.data.startswith(b"@Z")
+        if not relay and reason not in known:
+            return f"{tx.data!r} left because of {tx.reason!r}"
+    return ""
+
+
+def _after_stopped(cell: Cell) -> Verdict:
+    """Nothing but X0 until its ACK, and what an operator asked for since."""
+    if cell.configuration.state != STOPPED:
+        return None
+    if cell.event.causes & {"W", "M", "restart"} or SURFACING in cell.states:
+        return None
+    others = [t for t in cell.frames(b"@Z") if t.data != X]
+    strange = [t for t in cell.frames() if t.data[:2] not in (b"@Z", b"@R", b"@D")]
+    return wrong((bool(others + strange), f"{(others + strange)[:1]} left"))
+
+
+def _stop_repeats(cell: Cell) -> Verdict:
+    """X0 leaves again at least every 500 ms until it is acknowledged, and then no more."""
+    if cell.event.name != "X, answered late":
+        return None
+    times = [t.t - cell.before.t for t in cell.frames(X)]
+    gaps = [b - a for a, b in pairwise(times)]
+    return wrong(
+        (len([t for t in times if t <= 2.5]) < 5, f"X0 left at {times}"),
+        (any(gap > 0.55 for gap in gaps), f"X0 left at {times}"),
+        (bool(times) and times[-1] > 3.3, "X0 leaves after it was acknowledged"),
+    )
+
+
+def _quiet_idle(cell: Cell) -> Verdict:
+    """In idle, nothing leaves that nobody asked for."""
+    if cell.configuration.region != "idle" or cell.region != "idle" or len(cell.states) > 1:
+        return None
+    if cell.event.causes & {"restart", "line"}:
+        return None
+    return wrong((bool(cell.frames(b"@Z")), f"{cell.frames(b'@Z')[:1]} left in idle"))
+
+
+def _line_was_away(cell: Cell) -> Verdict:
+    """What was acknowledged meanwhile need not have been heard: a stop and a leg's set are said
+    again (an ascent says its own all the time). Nothing else leaves."""
+    if "line" not in cell.event.causes or cell.region != cell.configuration.region:
+        return None
+    left = [t.data for t in cell.frames(b"@Z")]
+    stopped = cell.state in (STOPPED, SURFACED)
+    if stopped or cell.region == "idle":
+        return wrong((set(left) > {X} or (stopped and not left), f"{left} left in {cell.state}"))
+    if cell.region == "manual":
+        return wrong((cell.state == MANUAL_DRIVING and bool(left), f"{left} left under the stick"))
+    leg = cell.leg.leg if cell.leg else None
+    flies = leg is not None and not isinstance(leg.kind, Surface) and len(cell.states) == 1
+    return wrong((flies and not left, "the set was not said again"))
+
+
+def _to_the_surface(cell: Cell) -> Verdict:
+    """From everywhere: W, and whichever way makes it rise, to X0 at the surface (R7)."""
+    if cell.event.path != "rises":
+        return None
+    last = cell.frames(b"@Z")[-1:]
+    return wrong(
+        (cell.state != SURFACED, f"the state is {cell.state}"),
+        (not last or last[0].data != X, f"{last} was the last"),
+    )
+
+
+def _comes_up_alone(cell: Cell) -> Verdict:
+    """Without operator and reports, whoever is under way or was left by the stick surfaces."""
+    if "silence" not in cell.event.causes and cell.event.limit != "telemetry":
+        return None
+    c = cell.configuration
+    if c.region != "autonomous" and not (c.region == "manual" and "minute" in cell.event.causes):
+        return None
+    if c.region == "manual" and cell.world.sea.depth < AT_SURFACE:
+        return None
+    return wrong((cell.region != "emergency", f"the state is {cell.state}"))
+
+
+def _implicit_end(cell: Cell) -> Verdict:
+    """The mission's end: out of the implicit leg alone, with everything stopped."""
+    ended = [
+        step for step in cell.steps if step.trigger != "auto off" and IDLE_READY in step.entered
+    ]
+    ended = [s for s in ended if s.exited and s.exited[0].startswith("autonomous")]
+    if not ended:
+        return None
+    return wrong(
+        (ended[0].exited[0] != IMPLICIT_SURFACE, f"out of {ended[0].exited[0]}"),
+        (not ended[0].actions or "stopped" not in ended[0].actions[0], "nothing was stopped"),
+    )
+
+
+STATE_LAWS: tuple[Law, ...] = (
+    Law("X acts from everywhere within the step", "R7", _order("X", X, STOPPED)),
+    Law("W acts from everywhere within the step", "R7", _order("W", W, SURFACING)),
+    Law("who gave X or W hears what became of it", "R7, R12", _answered),
+    Law("M takes over at once, in an emergency after 2 s of silence", "R6", _stick),
+    Law("under the stick no Z leaves", "R6", _no_z_under_the_stick),
+    Law("2 s after the stick everything is stopped", "R6", _stick_let_go),
+    Law("60 s after the stick: idle at the surface, surfacing where deep", "R6", _forgotten),
+    Law("only states that the design knows", "design 4", _known_states),
+    Law("from region to region only for a cause", "design 4, R5-R8", _moves),
+    Law("no exit from an emergency but R7's", "R7", _emergency),
+    Law("every change of state is on record", "design 4", _recorded),
+    Law("what is under way is kept for a restart", "design 4", _under_way),
+    Law("no command without a reason", "design 4", _reasons),
+    Law("after stopped nothing leaves but what is allowed", "R7", _after_stopped),
+    Law("X0 every 500 ms until it is acknowledged", "R7", _stop_repeats),
+    Law("in idle nothing leaves that nobody asked for", "design 4", _quiet_idle),
+    Law("behind a line that was away what holds is said again", "R7, R8", _line_was_away),
+    Law("from everywhere to the surface by W", "R7", _to_the_surface),
+    Law("who is left alone comes up", "R6, R8", _comes_up_alone),
+    Law("a mission ends out of the implicit leg, stopped", "design 5", _implicit_end),
+)

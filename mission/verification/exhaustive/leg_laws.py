@@ -1,0 +1,291 @@
+"""Laws of legs: limits and readings, refused and unanswered commands, time, and the whole set.
+
+What does not live here: the states' own laws (laws), which legs a chart has (the compiler).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+from mission.verification.exhaustive.cell import Cell
+from mission.verification.exhaustive.configurations import DEEP
+from mission.verification.exhaustive.laws import Law, Verdict, wrong
+from mission.model import (
+    IMPLICIT_SURFACE,
+    MANUAL_WAITING,
+    STOPPED,
+    SURFACED,
+    SURFACING,
+    And,
+    By,
+    Comparison,
+    Expression,
+    Hold,
+    Not,
+    Step,
+    Surface,
+    Wait,
+)
+from protocol.messages import Setpoint
+from protocol.vehicles import codec
+
+_AHEAD = 4 / 12  # share of full thrust: slower, the course over ground tells nothing
+_OFF = 2.0  # m (limits: no progress)
+_TRIES = 3  # R1
+_PERIOD, _BLIND, _LATE = 2.0, 6.0, 0.1  # s: between reports; without a reading (design 4)
+_LOST = 3  # R8
+# What a guard asks about, by the sensor without which it is not known.
+_OF = {
+    "depth": frozenset({"depth", "depth_rate"}),
+    "altitude": frozenset({"altitude"}),
+    "heading": frozenset({"heading"}),
+    "attitude": frozenset({"pitch", "roll"}),
+    "temperature": frozenset({"temperature"}),
+}
+_OF["all"] = frozenset().union(*_OF.values())
+
+
+# --- limits ----------------------------------------------------------------------------------
+
+
+def _thrust(cell: Cell) -> bool:
+    """Something certainly turns: a leg that states it."""
+    leg = cell.leg
+    s = leg.setpoint if leg is not None else None
+    if s is None or leg is None or leg.leg is None:
+        return False
+    return isinstance(leg.leg.kind, Hold | Wait) and bool(s.surge or s.turn or s.heave)
+
+
+def _left(cell: Cell) -> list[Step]:
+    """Ways out of the leg; one that leads back into it, for its next round, is one, too."""
+    return [s for s in cell.steps if cell.configuration.leaf in s.exited]
+
+
+def _stayed(cell: Cell) -> bool:
+    return not _left(cell)
+
+
+def _real(cell: Cell) -> bool:
+    """Whether the limit's breach is one in this leg (the others are one everywhere)."""
+    leg, limit = cell.leg, cell.event.limit
+    kept = cell.configuration.quiet and _until_emergency(cell)
+    state = leg.setpoint if leg is not None else None
+    plain = leg is not None and leg.leg is not None and isinstance(leg.leg.kind, Hold | Wait)
+    if limit == "heading does not follow":
+        return kept and plain and state is not None and state.heading is not None
+    if limit == "no progress":
+        asked = state.depth if state is not None else None
+        return kept and plain and asked is not None and abs(asked - DEEP) > _OFF
+    if limit == "course against heading":
+        return kept and plain and state is not None and state.surge >= _AHEAD
+    if limit == "brown-out":
+        return kept and _thrust(cell)
+    if limit == "depth contradicted":
+        return kept and plain
+    if limit == "no answer":
+        return _unanswered(cell) >= _LOST
+    return True
+
+
+def _until_emergency(cell: Cell) -> bool:
+    """The leg was not left by a way of its own."""
+    return not any(s.entered[-1].startswith("autonomous") for s in _left(cell) if s.entered)
+
+
+def _unanswered(cell: Cell) -> int:
+    """The longest run of Z frames that left three times and got no answer, X and W included."""
+    run = longest = tries = 0
+    for tx in cell.frames(b"@ZA"):
+        tries = tries + 1 if f"try {tries + 1} of" in tx.reason else 1
+        if tries == _TRIES and cell.world.now - tx.t > 0.31:
+            run += 1
+        longest = max(longest, run)
+    return longest
+
+
+def _limits(cell: Cell) -> Verdict:
+    """R5, R8: a breach while autonomous surfaces; at rest the hard depth and a descent do."""
+    limit, region = cell.event.limit, cell.configuration.region
+    if not limit or limit == "uncertain":
+        return None
+    everywhere = limit in ("hard depth", "unexplained descent")
+    state, auto = cell.configuration.state, cell.configuration.auto
+    at_rest = region == "idle" or state in (MANUAL_WAITING, STOPPED, SURFACED)
+    if everywhere and at_rest and auto:
+        return wrong((cell.state != SURFACING, f"{limit}: the state is {cell.state}"))
+    acts = region == "autonomous"
+    if not acts:
+        same = cell.region == region or region == "manual"
+        ended = "emergency" if region == "emergency" else cell.region
+        return wrong((not same or cell.region != ended, f"{limit} acts in {region}: {cell.state}"))
+    if not _real(cell):
+        return None
+    return wrong((cell.region != "emergency", f"{limit}: the state is {cell.state}"))
+
+
+def _latched(cell: Cell) -> Verdict:
+    """R7: a further limit does not begin the surfacing anew, nor ends it."""
+    if not cell.event.limit or cell.configuration.state != SURFACING:
+        return None
+    moved = [s.trigger for s in cell.steps if s.trigger and s.trigger != "surfaced"]
+    return wrong((bool(moved), f"{moved}"))
+
+
+def _uncertain(cell: Cell) -> Verdict:
+    """R5: not sure to be within the radius: the mission's own way, no emergency."""
+    if cell.event.limit != "uncertain" or cell.configuration.region != "autonomous":
+        return None
+    if cell.configuration.leaf == IMPLICIT_SURFACE or not cell.configuration.quiet:
+        return None
+    ways = [e for e in cell.chart.edges if e.by is By.UNCERTAIN]
+    if any(e.target == cell.configuration.leaf for e in ways):
+        return None
+    taken = [s for s in cell.steps if s.by is By.UNCERTAIN]
+    return wrong(
+        (len(taken) > 1, "answered twice"),
+        (not taken and cell.region != "emergency", f"not answered: {cell.states}"),
+    )
+
+
+def _brown_out(cell: Cell) -> Verdict:
+    """R8: before the emergency, the whole set leaves once more."""
+    if cell.event.limit != "brown-out" or cell.leg is None or not _real(cell):
+        return None
+    again = [s for s in cell.steps if s.actions and "brown-out" in s.actions[0] and not s.trigger]
+    return wrong((len(again) != 1, f"sent again {len(again)} times"))
+
+
+# --- readings --------------------------------------------------------------------------------
+
+
+def _can_hold(expression: Expression, unknown: frozenset[str], wanted: bool = True) -> bool:
+    """Whether it could be ``wanted`` while nothing is known of these (Kleene)."""
+    if isinstance(expression, Comparison):
+        return expression.variable not in unknown
+    if isinstance(expression, Not):
+        return _can_hold(expression.operand, unknown, not wanted)
+    every = isinstance(expression, And) is wanted
+    parts = [_can_hold(one, unknown, wanted) for one in expression.operands]
+    return all(parts) if every else any(parts)
+
+
+def _unknown(cell: Cell) -> Verdict:
+    """Unknown never opens an exit."""
+    if not cell.event.sensor:
+        return None
+    unknown, since = _OF[cell.event.sensor], cell.before.t + cell.event.after
+    guards = {e.trigger: e.guard for e in cell.chart.edges if e.guard is not None}
+    asked: Verdict = None
+    if cell.leg is not None:
+        asked = ""
+    for step in cell.steps:
+        guard = guards.get(step.trigger)
+        if guard is None or step.t < since:
+            continue
+        if not _can_hold(guard.expression, unknown):
+            return f"{step.trigger} was taken, and {cell.event.sensor} is not known"
+    return asked
+
+
+def _blind(cell: Cell) -> Verdict:
+    """A reading that the leg's set needs is not known for 6 s: the leg is left."""
+    leg, sensor = cell.leg, cell.event.sensor
+    if leg is None or leg.leg is None or leg.setpoint is None or sensor == "temperature":
+        return None
+    if not sensor or isinstance(leg.leg.kind, Surface):
+        return None
+    needs = ("depth", "altitude", "heading") if sensor == "all" else (sensor,)
+    if all(getattr(leg.setpoint, need, None) is None for need in needs):
+        return None
+    left = [s.t - cell.before.t for s in _left(cell)]
+    prompt = cell.event.name.endswith("missing")
+    late = prompt and bool(left) and left[0] > _PERIOD + _BLIND + _LATE
+    return wrong((not left, "the leg goes on"), (late, f"the leg goes on for {left[:1]} s"))
+
+
+# --- answers ---------------------------------------------------------------------------------
+
+
+def _refused(cell: Cell) -> Verdict:
+    """R8: a Z of the leg's set that is answered N: the leg's else."""
+    if cell.event.name != "ACK N" or cell.leg is None or cell.configuration.quiet:
+        return None
+    if cell.leg.leg is None or isinstance(cell.leg.leg.kind, Surface):
+        return None
+    ways = [s.by for s in _left(cell)[:1]]
+    return wrong(
+        (not ways, "the leg goes on"),
+        (ways[:1] not in ([By.ELSE], [By.LIMIT]), f"the leg is left by {ways[:1]}"),
+    )
+
+
+def _lost(cell: Cell) -> Verdict:
+    """R8: three Z in succession that nobody answered: surfacing."""
+    if cell.configuration.region != "autonomous" or _unanswered(cell) < _LOST:
+        return None
+    if "emergency" not in (s.partition("/")[0] for s in cell.states[1:]):
+        return f"{_unanswered(cell)} Z without an answer: {cell.state}"
+    return ""
+
+
+# --- time, and the whole set -----------------------------------------------------------------
+
+
+def _timed(cell: Cell) -> Verdict:
+    """A leg is left when its time is up, whatever is known."""
+    if cell.event.name != "the leg's time is up" or cell.leg is None or cell.leg.leg is None:
+        return None
+    if cell.leg.leg.timeout is None and cell.leg.leg.duration is None:
+        return None
+    return wrong((_stayed(cell), "the leg goes on"))
+
+
+@cache
+def _frames(profile: str, setpoint: Setpoint) -> tuple[bytes, ...]:
+    return tuple(codec("auv", profile, {}).encode(setpoint))
+
+
+def _whole_set(cell: Cell) -> Verdict:
+    """On entry of a leg its complete set leaves, in order."""
+    entries = [s for s in cell.steps if s.entered and s.entered[-1].startswith("autonomous")]
+    if not entries or cell.event.path == "whole" or cell.world.answers != "Y":
+        return None
+    last = entries[-1]
+    state = cell.chart.state(last.entered[-1])
+    if state.leg is None or state.setpoint is None or cell.state != state.path:
+        return None
+    if not isinstance(state.leg.kind, Hold | Wait) or cell.world.now - last.t < 1.5:
+        return None
+    wanted = list(_frames(cell.configuration.profile, state.setpoint))
+    sent = [t for t in cell.frames(b"@ZA") if t.t >= last.t and "(try " not in t.reason]
+    left = [t.data for t in sent]
+    if left[:1] == [b"@ZAX0$"] != wanted[:1]:
+        left = left[1:]
+    return wrong((left[: len(wanted)] != wanted, f"{left} left, not {wanted}"))
+
+
+def _rounds_go_on(cell: Cell) -> Verdict:
+    """Back into an interrupted leg, its rounds are as they were (design: history)."""
+    c = cell.configuration
+    if cell.event.name != "AA" or c.region != "manual" or not c.rounds:
+        return None
+    if cell.state != c.leaf:
+        return None
+    inner = max(c.rounds, key=lambda pair: len(pair[0]))
+    return wrong((cell.world.engine.round != inner[1], f"round {cell.world.engine.round}"))
+
+
+LEG_LAWS: tuple[Law, ...] = (
+    Law("a breach leads to its response where it acts, and only there", "R5, R8", _limits),
+    Law("a limit does not begin a surfacing anew", "R7", _latched),
+    Law("not sure of the radius: the mission's own way", "R5", _uncertain),
+    Law("after a brown-out the set leaves once more", "R8", _brown_out, of_legs=True),
+    Law("unknown never opens an exit", "design 4", _unknown),
+    Law("a set whose reading is unknown is given up", "design 4", _blind, of_legs=True),
+    Law("a refused Z leads to the leg's else", "R8", _refused, of_legs=True),
+    Law("three Z without an answer surface", "R8", _lost),
+    Law("every leg is left when its time is up", "design 5", _timed),
+    Law("a leg's whole set leaves on entry", "design 5", _whole_set, of_legs=True),
+    Law("rounds go on after an interruption", "design 4", _rounds_go_on, of_legs=True),
+)

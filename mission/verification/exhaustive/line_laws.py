@@ -1,0 +1,120 @@
+"""Laws of the serial line: what leaves in which state, how often, and how far apart.
+
+What does not live here: why a frame leaves (laws), which set a leg has (leg_laws).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+from mission.verification.exhaustive.cell import Cell
+from mission.verification.exhaustive.laws import U12, Law, Verdict, W, X, wrong
+from mission.model import STOPPED, SURFACED, SURFACING, Tx
+
+D12 = b"@ZAD12$"  # upside down (R7)
+_BYTE = 10 / 9600  # s, 8N1
+_GAP = 0.02  # s (vehicle facts: one burst is one frame)
+_ANSWER = 0.3  # s (R1)
+_TRIES = 3  # R1
+_EPS = 1e-6
+_HALVES = 0.15  # s: an answer, and what is on the line
+
+
+def _sent_in(cell: Cell, state: str) -> Iterator[Tx]:
+    """What left for the vehicle while it was in this state, from the frame of its entry on."""
+    taken = [(cell.before.t, cell.configuration.state), *cell.world.states[cell.before.states :]]
+    spans = pairwise((*taken, (cell.world.now + 1.0, "")))
+    for (since, here), (until, _) in spans:
+        if here != state:
+            continue
+        left = [t for t in cell.frames() if since <= t.t < until]
+        new = since > cell.before.t or here != cell.configuration.state
+        skip = 0
+        if new:  # what left at the same instant, before the order that led here
+            first = next((i for i, t in enumerate(left) if t.data in (X, W)), 0)
+            skip = first if left and left[first].t == since else 0
+        yield from left[skip:]
+
+
+def _only(cell: Cell, state: str, allowed: tuple[bytes, ...]) -> Verdict:
+    if "restart" in cell.event.causes:  # another line begins with another program
+        return None
+    sent = list(_sent_in(cell, state))
+    if state not in cell.states:
+        return None
+    relays = (b"@R", b"@D")
+    strange = [t for t in sent if t.data not in allowed and t.data[:2] not in relays]
+    return wrong((bool(strange), f"{strange[:1]} left in {state}"))
+
+
+def _stopped(cell: Cell) -> Verdict:
+    """Also what was half sent when the X came: nothing of it follows."""
+    return _only(cell, STOPPED, (X,))
+
+
+def _surfacing(cell: Cell) -> Verdict:
+    return _only(cell, SURFACING, (W, X, U12, D12))
+
+
+def _surfaced(cell: Cell) -> Verdict:
+    return _only(cell, SURFACED, (X,))
+
+
+def _gap(cell: Cell) -> Verdict:
+    """Two frames at once would be one burst, which is read as one frame."""
+    if "restart" in cell.event.causes or len(cell.frames()) < 2:
+        return None
+    for a, b in pairwise(cell.frames()):
+        if b.t - a.t < len(a.data) * _BYTE + _GAP - _EPS:
+            return f"{b.data!r} left {b.t - a.t:.3f} s after {a.data!r}"
+    return ""
+
+
+def _one_outstanding(cell: Cell) -> Verdict:
+    """While nobody answers, a Z waits for the end of the one before; X and W, and what was said
+    by a stick that took over, do not wait."""
+    if cell.event.name != "no ACK" or cell.configuration.region in ("manual", "idle"):
+        return None
+    for a, b in pairwise(t for t in cell.frames(b"@ZA") if t.t > cell.before.t + _GAP):
+        if b.data not in (X, W) and b.t - a.t < _ANSWER - _EPS:
+            return f"{b.data!r} left {b.t - a.t:.3f} s after {a.data!r}"
+    return ""
+
+
+def _tries(cell: Cell) -> Verdict:
+    """A frame leaves three times at most for one command; X of a stop goes on by new commands."""
+    again = [t for t in cell.frames(b"@ZA") if "(try " in t.reason]
+    if not again:
+        return None
+    last = f"of {_TRIES})"
+    odd = [t for t in again if not t.reason.endswith(last) or "(try 4" in t.reason]
+    return wrong((bool(odd), f"{odd[:1]}"))
+
+
+def _halves(cell: Cell) -> Verdict:
+    """Nothing gets between X0 and U12, whatever is relayed meanwhile."""
+    thrust = [t for t in cell.frames(U12) if t.t > cell.before.t]
+    if cell.event.path != "slider" or cell.world.answers != "Y" or not cell.configuration.quiet:
+        return None
+    if SURFACED in cell.states or cell.states[-1] != SURFACING:
+        return None
+    cleared = [t for t in cell.frames(X) if thrust and t.t < thrust[0].t]
+    apart = thrust[0].t - cleared[-1].t if cleared else None
+    relays = cell.frames(b"@D")
+    return wrong(
+        (not thrust, "U12 never left"),
+        (apart is None or apart > _HALVES, f"U12 left {apart} s after X0"),
+        (not relays, "nothing was relayed"),
+    )
+
+
+LINE_LAWS: tuple[Law, ...] = (
+    Law("in stopped nothing leaves but X0 and relays", "R7", _stopped),
+    Law("in surfacing nothing leaves but W, X0, U12, D12 and relays", "R7", _surfacing),
+    Law("in surfaced nothing leaves but X0 and relays", "R7", _surfaced),
+    Law("both halves of an ascent leave under a slider", "R7", _halves),
+    Law("20 ms between two frames to the STM32", "vehicle facts", _gap),
+    Law("one Z outstanding", "R1", _one_outstanding),
+    Law("a frame is tried three times", "R1", _tries),
+)

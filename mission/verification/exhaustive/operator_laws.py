@@ -1,0 +1,292 @@
+"""Laws of the operator's side: what is taken when, what is answered to whom, what is passed on.
+
+What does not live here: X, W and M, and the states that commands lead to (laws).
+"""
+
+from __future__ import annotations
+
+from mission.verification.exhaustive.cell import Cell
+from mission.verification.exhaustive.commands import COPIED
+from mission.verification.exhaustive.configurations import DEEP
+from mission.verification.exhaustive.laws import (
+    AT_SURFACE,
+    DEEP_REST,
+    STICK_QUIET,
+    Law,
+    Verdict,
+    X,
+    wrong,
+)
+from mission.model import IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, STOPPED, SURFACED
+
+FRESH_FIX = 5.0  # s (R9)
+COPY_OF = 65000.0  # m
+_NOW = 1e-6  # s
+
+
+def _ack(cell: Cell, code: str, accepted: bool) -> str:
+    """The answer, once, on the path of its request."""
+    letter = code[1:].encode() if accepted else b"N"
+    wanted = b"@ACK_" + code.encode() + letter + b"$"
+    at = {"tender": "tender", "modem": ""}.get(cell.event.path, "boat")
+    found = [t for t in cell.answers(b"@ACK_" + code.encode()) if t.address == at]
+    return wrong((not found, "no answer"), (wanted not in found[-1].data if found else False,
+                   f"{found[-1:]}, not {wanted!r}"))  # fmt: skip
+
+
+def _line(cell: Cell) -> Verdict:
+    """R3: only in idle, and a line of nothing not even there."""
+    if cell.event.command != "AW":
+        return None
+    idle = cell.configuration.region == "idle"
+    taken = idle and cell.event.path != "misplaced"
+    return _ack(cell, "AW", taken) or wrong(
+        (not idle and cell.state.partition("/")[0] == "idle" and len(cell.states) > 1, "idle"),
+        (cell.event.path == "whole" and idle and cell.state != IDLE_READY, "it is not ready"),
+    )
+
+
+def _may_start(cell: Cell) -> bool:
+    c = cell.configuration
+    if c.region == "autonomous":
+        return cell.event.path == "boat"
+    if cell.event.path != "boat" or not (c.auto and c.loaded) or c.region == "emergency":
+        return False
+    if c.region == "manual" and (cell.before.stick_age < STICK_QUIET or c.preceded):
+        return False
+    return _placed(cell)
+
+
+def _placed(cell: Cell) -> bool:
+    """Where it is, as far as a start asks (R7, R9)."""
+    if cell.configuration.leaf:
+        return True
+    free, depth = cell.chart.mission.start_without_fix, cell.before.depth
+    return depth < DEEP_REST if free else depth < AT_SURFACE and cell.before.fix_age <= FRESH_FIX
+
+
+def _start(cell: Cell) -> Verdict:
+    """@AA, by state: from idle with a fix, from manual 2 s after the stick, never out of an
+    emergency, with AUTO closed or with lines missing; while it runs Y and no effect."""
+    if cell.event.command != "AA" or cell.event.path == "after the stick":
+        return None
+    c, accepted = cell.configuration, _may_start(cell)
+    if cell.event.path == "staging" and c.region != "idle":
+        accepted = _may_start_now(cell)
+    fault = _ack(cell, "AA", accepted)
+    after = cell.world.at_once if cell.event.path != "staging" else cell.states[-1]
+    if fault or cell.event.path == "staging":
+        return fault
+    if not accepted or c.region == "autonomous":
+        return wrong((after != c.state, f"the state is {after}"))
+    leg = c.leaf or cell.chart.initial
+    return wrong((after != leg, f"the state is {after}, not {leg}"))
+
+
+def _may_start_now(cell: Cell) -> bool:
+    """As by the boat: in these states no line is taken, so nothing is being staged."""
+    c = cell.configuration
+    if c.region == "autonomous":
+        return True
+    ready = c.auto and c.loaded and c.region == "manual" and not c.preceded
+    return ready and cell.before.stick_age >= STICK_QUIET and _placed(cell)
+
+
+def _no_restart(cell: Cell) -> Verdict:
+    """@AA while it runs: nothing leaves because of it."""
+    if cell.event.command != "AA" or cell.configuration.region != "autonomous":
+        return None
+    if not cell.configuration.quiet or cell.event.path == "after the stick":
+        return None
+    started = [s for s in cell.steps if s.trigger == "start"]
+    return wrong((bool(started), "it was started again"))
+
+
+def _clear(cell: Cell) -> Verdict:
+    """@AC from idle; from stopped and surfaced at the surface, or said again where no depth above
+    2 m is believed; N elsewhere."""
+    if cell.event.command != "AC":
+        return None
+    state = cell.states[-2] if len(cell.states) > 1 else cell.configuration.state
+    state = state if cell.state == IDLE_EMPTY else cell.state
+    may = state in (IDLE_EMPTY, IDLE_READY, STOPPED, SURFACED)
+    if state in (STOPPED, SURFACED):
+        known, again = cell.event.sensor != "depth", cell.event.path == "again"
+        at_surface = known and cell.world.sea.depth < AT_SURFACE
+        may = at_surface or (again and not (known and cell.world.sea.depth > DEEP_REST))
+    may = may and cell.event.path in ("boat", "again")
+    cleared = cell.state == IDLE_EMPTY and not cell.world.store.content.lines
+    held = cell.configuration.loaded and not cell.world.store.content.lines
+    return _ack_of_anyone(cell, may) or wrong(
+        (may and not cleared, f"not cleared: {cell.state}"),
+        (not may and held, "the mission is gone"),
+    )
+
+
+def _ack_of_anyone(cell: Cell, accepted: bool) -> str:
+    wanted = b"@ACK_ACC$" if accepted else b"@ACK_ACN$"
+    found = cell.answers(b"@ACK_AC")
+    return wrong((not found or wanted not in found[-1].data, f"{found}, not {wanted!r}"))
+
+
+def _clock(cell: Cell) -> Verdict:
+    """@ST only in idle, and never over the modem (R10)."""
+    if cell.event.command != "ST":
+        return None
+    idle = cell.configuration.region == "idle"
+    return _ack(cell, "ST", idle and cell.event.path == "boat")
+
+
+def _safety(cell: Cell) -> Verdict:
+    """@SP always; with a wrong number of fields no answer at all (E-V2). Durable."""
+    if cell.event.command != "SP":
+        return None
+    if cell.event.path == "broken":
+        return wrong((bool(cell.answers(b"@ACK_SP")), "answered"))
+    kept = cell.world.store.content.limits
+    told = any(v is not None for v in (kept.radius, kept.time, kept.depth, kept.voltage))
+    return _ack(cell, "SP", True) or wrong((not told, "it is not stored"))
+
+
+def _queries(cell: Cell) -> Verdict:
+    """@DU, @NI, @AQ: one answer each, and nothing else."""
+    words = {"DU": b"@VS", "NI": b"@ACK_NI", "AQ": b"@AR,"}
+    start = words.get(cell.event.command)
+    if start is None:
+        return None
+    found = [t for t in cell.answers(start) if t.address == "boat" and t.reason == "asked"]
+    return wrong((len(found) != 1, f"{len(found)} answers"))
+
+
+def _state_of_store(cell: Cell) -> Verdict:
+    if cell.event.command != "AQ":
+        return None
+    idle, loaded = cell.configuration.region == "idle", cell.configuration.loaded
+    wanted = b"running" if not idle else b"ready" if loaded else b"empty"
+    found = cell.answers(b"@AR,")
+    return wrong((not found or not found[0].data.startswith(b"@AR," + wanted), f"{found}"))
+
+
+def _relays(cell: Cell) -> Verdict:
+    """R and rudder frames of the commander reach the STM32 once, whatever the state (R12, R14)."""
+    frames = {"RS": b"@RSCOOCCC", "RI": b"@RI$", "D": b"@D"}
+    start = frames.get(cell.event.command)
+    if start is None:
+        return None
+    found = cell.frames(start)
+    moved = len(cell.states) > 1 and cell.states[1] == MANUAL_DRIVING
+    wanted = 0 if cell.event.path == "tender" else 1
+    return wrong((len(found) != wanted, f"{len(found)} left"), (moved, "manual"))
+
+
+def _not_theirs(cell: Cell) -> Verdict:
+    """Of the Z class an operator has X0 and WF alone; a safety command is not guessed (E-V15)."""
+    if cell.event.command != "Z":
+        return None
+    strange = [t for t in cell.frames() if t.data in (b"@ZAF11$", b"@ZAS77$", b"@ZAX1$", b"@ZAW0$")]
+    return wrong(
+        (bool(strange), f"{strange[:1]} was passed on"),
+        (cell.world.at_once != cell.configuration.state, f"now {cell.world.at_once}"),
+    )
+
+
+def _nodes(cell: Cell) -> Verdict:
+    """R13: AUTO closed ends a mission, and a suspended one; the STM32 closes in idle alone; the
+    Pi never; whoever does not change state within 5 s is answered N."""
+    if cell.event.command != "NS":
+        return None
+    c = cell.configuration
+    if cell.event.path == "unanswered":
+        return _ack(cell, "NS", False)
+    if cell.event.path in ("open", "uacm", "camera", "pi"):
+        return _ack(cell, "NS", True)
+    if cell.event.path == "stm32":
+        if c.region == "idle":
+            return None
+        return _ack(cell, "NS", False)
+    if c.region == "autonomous":
+        return wrong(
+            (cell.world.at_once != IDLE_READY, f"the state is {cell.world.at_once}"),
+            (X not in [t.data for t in cell.frames(b"@ZA")][:1], "X0 is not the first to leave"),
+        )
+    return wrong((cell.world.at_once != c.state, f"the state is {cell.world.at_once}"))
+
+
+def _paths(cell: Cell) -> Verdict:
+    """R12: an answer leaves on the path of its request alone."""
+    answers = [t for t in cell.answers(b"@ACK_") if b"@ACK_Z" not in t.data]
+    if not answers:
+        return None
+    paths = {"tender": {"tender", "boat"}, "modem": {""}, "both": {"boat", ""}}
+    allowed = paths.get(cell.event.path, {"boat"})
+    if cell.event.name == "AC of another, the boat silent":
+        allowed = {"tender"}
+    strange = [t for t in answers if t.address not in allowed]
+    return wrong((bool(strange), f"{strange[:1]}"))
+
+
+def _others_read(cell: Cell) -> Verdict:
+    """R12: who does not command changes nothing but by X and W."""
+    if cell.event.path != "tender" or cell.event.command in ("X", "W"):
+        return None
+    return wrong((cell.world.at_once != cell.configuration.state, f"now {cell.world.at_once}"))
+
+
+def _tells_at_surface(cell: Cell) -> Verdict:
+    """R11: one @VS unasked on every path at the surface."""
+    if "restart" in cell.event.causes:  # nobody is connected yet
+        return None
+    if SURFACED not in cell.states[1:] or cell.state != SURFACED or cell.world.sea.depth >= DEEP:
+        return None
+    told = [t for t in cell.answers(b"@VS") if t.reason != "asked" and t.address]
+    each = sorted(t.address for t in told)
+    return wrong((each != ["boat", "tender"], f"told {each}"))
+
+
+def _stays_up(cell: Cell) -> Verdict:
+    """Manual under AUTO closed has no mission to go back to (R13), nor has an emergency (R6)."""
+    c = cell.configuration
+    if c.region not in ("manual", "emergency") or "AA" not in cell.event.causes:
+        return None
+    if c.auto and not c.preceded:
+        return None
+    return wrong((cell.region == "autonomous", f"the state is {cell.state}"))
+
+
+def _copies(cell: Cell) -> Verdict:
+    """R12: a copy by modem starts nothing and loosens nothing, and is answered as done where it is
+    in force."""
+    if "copy" not in cell.event.causes:
+        return None
+    told = [t for t in cell.answers(b"@ACK_") if not t.address]
+    if "SP" in cell.event.causes:
+        kept = cell.world.store.content.limits.radius
+        return wrong((kept == COPY_OF, "loosened"), (b"SPN" not in told[-1].data, f"{told}"))
+    arrived = cell.before.t + COPIED
+    runs = [s for t, s in cell.world.states if t <= arrived][-1].startswith("autonomous")
+    wanted = b"@ACK_AAA$" if runs else b"@ACK_AAN$"
+    started = [s for s in cell.steps if s.trigger == "start" and s.t >= arrived - _NOW]
+    return wrong(
+        (bool(started), "a copy started it"),
+        (not told or wanted not in told[-1].data, f"{told}, not {wanted!r}"),
+    )
+
+
+OPERATOR_LAWS: tuple[Law, ...] = (
+    Law("@AW only in idle", "R3", _line),
+    Law("@AA by state", "R3, R6, R7, R9, R13", _start),
+    Law("@AA while it runs has no effect", "R1", _no_restart),
+    Law("@AC by state", "R7", _clear),
+    Law("@ST only in idle, not by modem", "R10", _clock),
+    Law("@SP always, and durable", "R5", _safety),
+    Law("one answer to a question", "R4, R11, R13", _queries),
+    Law("@AQ tells the store's state", "R4", _state_of_store),
+    Law("R and rudder frames are passed on once", "R12, R14", _relays),
+    Law("no other Z of an operator's does anything", "R7, E-V15", _not_theirs),
+    Law("@NS by state", "R13", _nodes),
+    Law("an answer leaves on the path of its request", "R12", _paths),
+    Law("who does not command only reads", "R12", _others_read),
+    Law("a late copy does nothing that is not in force", "R1, R12", _copies),
+    Law("one @VS unasked at the surface", "R11", _tells_at_surface),
+    Law("no mission out of an emergency or with AUTO closed", "R6, R13", _stays_up),
+)

@@ -1,0 +1,171 @@
+"""Laws of what must be proved: the surface by depth, the ascent by trying, the chart by its edges.
+
+What does not live here: by which cause a region is left (laws).
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from mission.verification.exhaustive.cell import Cell
+from mission.verification.exhaustive.laws import AT_SURFACE, U12, Law, Verdict, W, X, wrong
+from mission.verification.exhaustive.wishes import wish
+from mission.model import SURFACED, SURFACING, Chart, Edge
+
+_TURN = 10.0  # s each way is given (R7)
+_EPS = 1e-6
+_SUSPENDED = ("autonomous", "manual")
+# What is watched in manual as everywhere, whatever the vehicle does (R5).
+_REPORTED = ("hard depth", "roll-over", "voltage")
+
+
+# --- the surface ---------------------------------------------------------------------------------
+
+
+def _at_the_surface(cell: Cell) -> Verdict:
+    """surfaced, the end of a mission, and idle after the stick: only where the depth says so."""
+    asked: Verdict = None
+    first = cell.before.states - 1
+    for i, ((_, here), (_, there)) in enumerate(pairwise(cell.world.states[first:])):
+        ended = there.startswith("idle") and here.startswith(_SUSPENDED)
+        ended = ended and not cell.event.causes & {"NS", "restart"}
+        if there == SURFACED or ended:
+            asked = ""
+            depth = cell.world.depths[cell.before.states + i]
+            if depth >= AT_SURFACE:
+                return f"{here} -> {there} at {depth:.1f} m"
+    return asked
+
+
+def _never_gives_up(cell: Cell) -> Verdict:
+    """While the depth does not fall: W, X0 with U12, and X0 alone in turn, 10 s each, for as long
+    as it takes."""
+    if cell.event.path != "sinks":
+        return None
+    ways = _ways(cell)
+    turns = [b[0] - a[0] for a, b in pairwise(ways)]
+    wanted = int((cell.world.now - cell.before.t) / _TURN)
+    order = [(W, U12, X)[i % 3] for i in range(len(ways))]
+    return wrong(
+        (cell.state != SURFACING, f"the state is {cell.state}"),
+        ([way for _, way in ways] != order, f"{ways} were tried"),
+        (len(turns) < wanted - 1, f"{len(ways)} ways tried in {wanted} turns"),
+        (any(abs(seconds - _TURN) > 0.5 for seconds in turns), f"{turns} s each"),
+    )
+
+
+def _ways(cell: Cell) -> list[tuple[float, bytes]]:
+    """What an ascent tried from its W on, and when; the X0 before a U12 belongs to that."""
+    said = [(t.t, t.data) for t in cell.frames(b"@ZA") if _first(t.reason)]
+    begun = next((i for i, (_, data) in enumerate(said) if data == W), len(said))
+    ways: list[tuple[float, bytes]] = []
+    for t, data in said[begun:]:
+        if data == U12 and ways and ways[-1][1] == X:
+            ways[-1] = (ways[-1][0], U12)
+        elif data in (W, X, U12):
+            ways.append((t, data))
+    return ways
+
+
+def _first(reason: str) -> bool:
+    return "(try " not in reason
+
+
+# --- an interruption -----------------------------------------------------------------------------
+
+
+def _clock_goes_on(cell: Cell) -> Verdict:
+    """Manual time counts; a run that goes on began when it began."""
+    run = cell.world.engine._core.run
+    if cell.before.started is None or run is None or "restart" in cell.event.causes:
+        return None
+    late = run.started - cell.before.started
+    return wrong((abs(late) > _EPS, f"the mission's clock began {late:.1f} s later"))
+
+
+def _reports_anew(cell: Cell) -> Verdict:
+    """R6: no report comes while the stick is held; their age starts again with @AA."""
+    c = cell.configuration
+    if cell.event.path != "after the stick" or not (c.leaf and c.auto) or c.preceded:
+        return None
+    if cell.world.answers != "Y":
+        return None
+    return wrong((cell.region == "emergency", f"{cell.world.engine.reason}"))
+
+
+def _reported_in_manual(cell: Cell) -> Verdict:
+    """R5: in manual a limit is reported."""
+    if cell.configuration.region != "manual" or cell.event.limit not in _REPORTED:
+        return None
+    seen = [row.name for row in cell.world.engine.breaches]
+    return wrong((cell.event.limit not in seen, f"breached: {seen}"))
+
+
+# --- the chart -----------------------------------------------------------------------------------
+
+
+def _edges(chart: Chart, trigger: str) -> list[Edge]:
+    return [e for e in chart.edges if e.trigger == trigger]
+
+
+def _along_the_chart(cell: Cell) -> Verdict:
+    """The first edge that is taken leaves this leg or a group around it, to where the chart says,
+    and its rounds say that it may."""
+    c = cell.configuration
+    if c.region != "autonomous":
+        return None
+    for step in cell.steps:
+        if not step.exited or step.exited[0] != c.leaf:
+            continue
+        for edge in _edges(cell.chart, step.trigger):
+            rounds = dict(c.rounds)
+            open_ = all(
+                (rounds.get(loop.group, 1) < _repeat(cell.chart, loop.group)) is loop.again
+                for loop in edge.loops
+            )
+            return wrong(
+                (not f"{c.leaf}/".startswith(edge.source + "/"), f"{edge.source} is not active"),
+                (step.entered[-1:] != (edge.target,), f"to {step.entered}, not {edge.target}"),
+                (not open_, f"{edge.trigger} in {c.rounds}"),
+                (_miscounts(cell, edge), f"round {cell.world.engine.round} after {c.rounds}"),
+            )
+        return None
+    return None
+
+
+def _fulfilled(cell: Cell) -> Verdict:
+    """What a leg waits for is so: it is left for good, or for its next round."""
+    if cell.event.name != "what the leg waits for":
+        return None
+    if wish(cell.configuration, cell.chart) is None:
+        return None
+    left = [s for s in cell.steps if cell.configuration.leaf in s.exited]
+    return wrong((not left, "the leg goes on"))
+
+
+def _repeat(chart: Chart, path: str) -> int:
+    group = chart.state(path).group
+    return group.repeat if group else 1
+
+
+def _miscounts(cell: Cell, edge: Edge) -> bool:
+    """One round more where there are any left, from the first again where there are none."""
+    moved = [s for s in cell.steps if s.exited and s.exited[0].startswith("autonomous")]
+    counts = [loop for loop in edge.loops if cell.state.startswith(loop.group + "/")]
+    if len(moved) > 1 or len(counts) != 1 or cell.state != edge.target:
+        return False
+    loop = counts[0]
+    rounds = cell.world.engine._core.run
+    now = rounds.rounds.get(loop.group, 1) if rounds is not None else 0
+    return now != (dict(cell.configuration.rounds).get(loop.group, 1) + 1 if loop.again else 1)
+
+
+PROOF_LAWS: tuple[Law, ...] = (
+    Law("at the surface is who is there", "R6, R7", _at_the_surface),
+    Law("an ascent tries every way and never gives up", "R7", _never_gives_up),
+    Law("an interruption does not stop the mission's clock", "R6", _clock_goes_on),
+    Law("the age of the reports starts again with @AA", "R6", _reports_anew),
+    Law("in manual a limit is reported", "R5", _reported_in_manual),
+    Law("an exit that holds is taken", "design 5", _fulfilled, of_legs=True),
+    Law("a mission goes along its chart, round by round", "design 4", _along_the_chart),
+)

@@ -1,0 +1,64 @@
+"""Laws of rest: where everything is stopped, what sinks is brought up, and nothing else turns.
+
+What does not live here: the ascent itself (proof_laws), stops that are said again (laws).
+"""
+
+from __future__ import annotations
+
+from mission.verification.exhaustive.cell import Cell
+from mission.verification.exhaustive.laws import DEEP_REST, U12, Law, Verdict, W, stays_down, wrong
+from mission.model import MANUAL_WAITING, STOPPED, SURFACED, SURFACING
+
+_BLIND = 6.5  # s after which a depth that is not told is not believed
+_LATE = 3.0  # s: a report, and the line
+_ASKED = frozenset({"X", "W", "M", "AA", "AC", "NS", "restart", "minute", "silence", "line"})
+
+
+def _rests(cell: Cell) -> bool:
+    c = cell.configuration
+    return c.region == "idle" or c.state in (STOPPED, SURFACED, MANUAL_WAITING)
+
+
+def _upward(cell: Cell) -> list[bytes]:
+    return [t.data for t in cell.frames(b"@ZA") if t.data in (W, U12)]
+
+
+def _brought_up(cell: Cell) -> Verdict:
+    """What sinks from rest; while AUTO is closed nothing turns by itself."""
+    if not _rests(cell) or "sinks" not in cell.event.causes:
+        return None
+    if not cell.configuration.auto:
+        return wrong((bool(_upward(cell)), f"{_upward(cell)[:1]} left while AUTO was closed"))
+    return wrong(
+        (cell.state != SURFACING, f"{cell.world.sea.depth:.1f} m deep, the state is {cell.state}"),
+        (U12 not in _upward(cell), "no U12 left"),
+    )
+
+
+def _not_left_below(cell: Cell) -> Verdict:
+    """In stopped: 20 s for the buoyancy, then up."""
+    c = cell.configuration
+    if c.state != STOPPED or not c.auto or cell.event.causes & (_ASKED | {"blind", "limit"}):
+        return None
+    rests = min(cell.before.depth, cell.world.sea.depth) <= DEEP_REST
+    if rests or not cell.world.reports or cell.world.spoils:
+        return None
+    if not stays_down(cell) or cell.world.now - cell.before.t < 20.0 + _LATE:
+        return None
+    return wrong((cell.state != SURFACING or U12 not in _upward(cell), f"left in {cell.state}"))
+
+
+def _blind_at_rest(cell: Cell) -> Verdict:
+    """An unknown depth turns no thruster: somebody may have the vehicle on deck."""
+    if not _rests(cell) or cell.event.sensor not in ("depth", "all"):
+        return None
+    if cell.event.causes & _ASKED - {"AC"}:
+        return None
+    return wrong((bool(_upward(cell)), f"{_upward(cell)[:1]} left, and the depth is not known"))
+
+
+REST_LAWS: tuple[Law, ...] = (
+    Law("what sinks from rest is brought up by thrust", "R7", _brought_up),
+    Law("a stop leaves nobody below for longer than 20 s", "R7", _not_left_below),
+    Law("an unknown depth at rest turns no thruster", "R7", _blind_at_rest),
+)

@@ -1,0 +1,166 @@
+"""All cells: each configuration of each mission and profile, crossed with each event.
+
+An exception out of the drive is a violation as any other. A law that was asked nowhere, and a cell
+that was not evaluated, are errors of this room. For each configuration the first event is played
+once more after all others: what is seen must be the same, or the copies are none.
+
+What does not live here: how it is shown (commands.exhaustive).
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from mission.verification.exhaustive.cell import Cell, Configuration, Event, before
+from mission.verification.exhaustive.configurations import PROFILES, Ground, configurations, ground
+from mission.verification.exhaustive.end_laws import END_LAWS
+from mission.verification.exhaustive.events import EVENTS
+from mission.verification.exhaustive.fork import Fork
+from mission.verification.exhaustive.laws import STATE_LAWS
+from mission.verification.exhaustive.leg_laws import LEG_LAWS
+from mission.verification.exhaustive.line_laws import LINE_LAWS
+from mission.verification.exhaustive.operator_laws import OPERATOR_LAWS
+from mission.verification.exhaustive.proof_laws import PROOF_LAWS
+from mission.verification.exhaustive.rest_laws import REST_LAWS
+from mission.verification.exhaustive.world import World
+from mission.verification.workers import results
+
+ALL_LAWS = (
+    *STATE_LAWS,
+    *PROOF_LAWS,
+    *LINE_LAWS,
+    *OPERATOR_LAWS,
+    *LEG_LAWS,
+    *REST_LAWS,
+    *END_LAWS,
+)
+KEPT = 200  # violations in words; all are counted
+
+Progress = Callable[[str], None]
+
+
+@dataclass(slots=True)
+class Found:
+    """``asked`` counts the cells of each law; ``violations`` are those kept, of ``broken``."""
+
+    missions: set[str] = field(default_factory=set)
+    configurations: int = 0
+    cells: int = 0
+    asked: Counter[str] = field(default_factory=Counter)
+    broken: Counter[str] = field(default_factory=Counter)
+    violations: list[dict[str, str]] = field(default_factory=list)
+
+    def add(self, other: Found) -> None:
+        self.missions |= other.missions
+        self.configurations += other.configurations
+        self.cells += other.cells
+        self.asked += other.asked
+        self.broken += other.broken
+        self.violations = (self.violations + other.violations)[:KEPT]
+
+    def as_json(self) -> dict[str, object]:
+        return {
+            "missions": len(self.missions),
+            "configurations": self.configurations,
+            "events": len(EVENTS),
+            "cells": self.cells,
+            "violations": self.violations,
+        }
+
+
+def examine(missions: Sequence[Path], workers: int, progress: Progress) -> Found:
+    """All cells of these missions on every profile."""
+    shares = [(path, profile) for path in missions for profile in PROFILES]
+    found = Found()
+    for share, done in zip(shares, results(_share, shares, workers, ahead=1), strict=True):
+        found.add(done)
+        progress(_words(*share, found))
+    return found
+
+
+def unasked(found: Found, *, of_legs: bool = True) -> list[str]:
+    """Laws that no cell asks; ``of_legs`` False: without those that need a kind of leg."""
+    laws = [law for law in ALL_LAWS if of_legs or not law.of_legs]
+    return [law.name for law in laws if not found.asked[law.name]]
+
+
+def _words(path: Path, profile: str, found: Found) -> str:
+    return f"{path.name} {profile}: {found.cells} cells so far, {found.broken.total()} violations"
+
+
+def _share(share: tuple[Path, str]) -> Found:
+    return examine_ground(ground(*share))
+
+
+def examine_ground(on: Ground, every: int = 1) -> Found:
+    """``every``: only each n-th configuration, for tests."""
+    found = Found({on.mission})
+    for configuration, world in itertools.islice(configurations(on), 0, None, every):
+        found.configurations += 1
+        _examine(configuration, world, on, found)
+    if found.cells != found.configurations * len(EVENTS):
+        raise AssertionError("a cell was skipped")
+    return found
+
+
+def _examine(configuration: Configuration, world: World, on: Ground, found: Found) -> None:
+    fork = Fork(world)
+    first = ""
+    for event in EVENTS:
+        cell, fault = _played(configuration, event, on, fork)
+        found.cells += 1
+        first = first or _seen(cell)
+        for name, words in _judged(cell, fault, found):
+            found.broken[name] += 1
+            _keep(found, cell, name, words)
+    again, _ = _played(configuration, EVENTS[0], on, fork)
+    if _seen(again) != first:
+        raise AssertionError(f"{configuration.name}: the same event twice is not the same")
+
+
+def _played(
+    configuration: Configuration, event: Event, on: Ground, fork: Fork[World]
+) -> tuple[Cell, str]:
+    world = fork.copy()
+    world.at_once = ""
+    cell = Cell(configuration, event, on.chart, before(world), world)
+    try:
+        event.play(world, configuration, on.chart)
+    except Exception as error:  # whatever comes out of a drive is a finding
+        return cell, f"{type(error).__name__}: {error}"
+    return cell, ""
+
+
+def _judged(cell: Cell, fault: str, found: Found) -> Iterator[tuple[str, str]]:
+    if fault:
+        yield "no exception leaves the drive", fault
+        return
+    for law in ALL_LAWS:
+        verdict = law.ask(cell)
+        if verdict is not None:
+            found.asked[law.name] += 1
+        if verdict:
+            yield law.name, verdict
+
+
+def _keep(found: Found, cell: Cell, law: str, words: str) -> None:
+    if len(found.violations) < KEPT:
+        c = cell.configuration
+        found.violations.append(
+            {
+                "law": law,
+                "mission": c.mission,
+                "profile": c.profile,
+                "configuration": c.name,
+                "event": cell.event.name,
+                "seen": words,
+            }
+        )
+
+
+def _seen(cell: Cell) -> str:
+    return f"{cell.sent} {cell.steps} {cell.states}"

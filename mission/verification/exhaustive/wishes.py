@@ -1,0 +1,76 @@
+"""What a leg waits for, brought about: the readings that open its first exit.
+
+Of the variables that a guard may name, those that one report or the run itself decides; an exit
+that asks for another one (a position, a current) is not brought about here, but by simulation.
+
+What does not live here: that the exit is then taken, and by its rounds (proof_laws).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+
+from mission.verification.exhaustive.cell import Configuration
+from mission.verification.exhaustive.world import World
+from mission.engine.guards import comparisons
+from mission.model import And, By, Chart, Comparison, Guard
+
+BEYOND = 0.2  # of the variable's unit; an angle is met where it is asked for
+WAIT = 9.0  # s: what jumps is believed at its third report
+
+
+def _depth(world: World, value: float) -> None:
+    world.come_to(value)
+
+
+def _altitude(world: World, value: float) -> None:
+    world.sea.altitude = value
+
+
+def _temperature(world: World, value: float) -> None:
+    world.sea.temperature = value
+
+
+def _heading(world: World, value: float) -> None:
+    world.sea.heading_deg = math.degrees(value)
+
+
+def _travelled(world: World, value: float) -> None:
+    run = world.engine._core.run
+    assert run is not None
+    run.travelled = value
+
+
+_BRING: Mapping[str, Callable[[World, float], None]] = MappingProxyType(
+    {
+        "depth": _depth,
+        "altitude": _altitude,
+        "temperature": _temperature,
+        "heading": _heading,
+        "travelled": _travelled,
+    }
+)
+
+
+def wish(configuration: Configuration, chart: Chart) -> Guard | None:
+    """The leg's first exit, if it can be brought about."""
+    if configuration.region != "autonomous":
+        return None
+    for edge in chart.leaving(configuration.leaf):
+        if edge.by is By.UNTIL and edge.guard is not None:
+            plain = isinstance(edge.guard.expression, Comparison | And)
+            known = all(c.variable in _BRING for c in comparisons(edge.guard.expression))
+            return edge.guard if plain and known else None
+    return None
+
+
+def come_true(world: World, configuration: Configuration, chart: Chart) -> None:
+    guard = wish(configuration, chart)
+    world.answers = "Y"
+    if guard is None:
+        return
+    for c in comparisons(guard.expression):
+        _BRING[c.variable](world, c.bound + (BEYOND if c.operator[0] == ">" else -BEYOND))
+    world.wait(WAIT + guard.held)

@@ -1,0 +1,193 @@
+"""A drive with a vehicle on its serial line, a GPS receiver and operators, and what was seen of it.
+
+Time goes from event to event: the next timer, the next answer of the STM32, the next report.
+
+What does not live here: physics (the sea is told what it is), simulated firmware (links).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from links.base import Rx
+from mission.onboard.configuration import Configuration, LinkUrls
+from mission.onboard.runtime.drive import GPS, VEHICLE, Drive
+from mission.onboard.runtime.vessel import MODEM
+from mission.engine.engine import Engine
+from mission.verification.exhaustive.fork import Fork
+from mission.verification.exhaustive.wire import Sea, answer
+from mission.model import Estimate, Position, Step, Tx
+from mission.navigation import Navigation
+from mission.onboard.store import MemoryStore, Stored
+from mission.model.vehicle import Vehicle
+from protocol.modem import Sender, wrap
+
+BOAT, TENDER = "boat", "tender"  # two connections of the operators
+TOPSIDE = "topside"
+_PERIOD = 2.0  # s between reports
+_LATENCY = 0.02  # s until the STM32 answers
+_STOP = b"@ZAX0$"
+_BUSY = 200  # inputs at one instant: more, and a timer is never done
+_CONFIGURATION = Configuration(links=LinkUrls(modem="memory://modem"))
+
+
+class Busy(RuntimeError):
+    """The drive asks for its timer again and again."""
+
+
+_BEGUN: dict[object, Fork[World]] = {}  # a drive is made of nothing but these
+
+
+@dataclass(slots=True)
+class Notes:
+    """What an observer of the drive wrote down."""
+
+    steps: list[Step] = field(default_factory=list)
+
+    def step(self, step: Step) -> None:
+        self.steps.append(step)
+
+    def estimate(self, estimate: Estimate) -> None:
+        pass
+
+
+class World:
+    """``answers`` is the letter of the STM32's acknowledges, "" for none; ``rises_by`` the start
+    of a frame after which the vehicle comes up."""
+
+    def __init__(self, vehicle: Vehicle, stored: Stored, home: Position, now: float = 0.0) -> None:
+        self.vehicle, self.home = vehicle, home
+        self.sea, self.notes = Sea(), Notes()
+        self.store = MemoryStore(stored)
+        self.drive = Drive(_CONFIGURATION, vehicle, self.store, observer=self.notes)
+        self.now = now
+        self.answers = "Y"
+        self.reports = True
+        self.spoils = False  # each report loses a bit on its way
+        self.rises_by = b""
+        self.sent: list[Tx] = []
+        self.states: list[tuple[float, str]] = [(now, self.drive.state)]
+        self.depths = [self.sea.depth]  # the true one, at each of these
+        self.last_fix = self.last_stick = -1e9
+        self.ended_in, self.ended_at = "", now  # where and when the program was told to end
+        self.at_once = ""  # the state right after the first input since it was emptied
+        self._owed: list[tuple[float, bytes]] = []
+        self._report_due = now + _PERIOD
+        self._take(self.drive.handle_timer(now))
+
+    @property
+    def engine(self) -> Engine:
+        return self.drive._engine
+
+    @property
+    def state(self) -> str:
+        return self.drive.state
+
+    def navigate(self, navigation: Navigation) -> None:
+        self._take(self.drive.set_navigation(navigation, self.now))
+        for address in (BOAT, TENDER):
+            self._take(self.drive.connected(TOPSIDE, address, self.now))
+
+    def come_to(self, depth: float) -> None:
+        """There, as if it had come there long ago: nothing is remembered of another depth."""
+        self.sea.depth = depth
+        navigation = self.engine._core.senses.navigation
+        if isinstance(navigation, Navigation):
+            navigation.forget_depth()
+
+    # --- what comes in -------------------------------------------------------------------------
+
+    def say(self, data: bytes, address: str = BOAT) -> None:
+        if data.startswith(b"@M"):
+            self.last_stick = self.now
+        self._take(self.drive.receive(Rx(self.now, TOPSIDE, data, address)))
+
+    def say_below(self, frame: bytes) -> None:
+        """Over the acoustic modem, in its envelope."""
+        self.hear_modem(wrap(frame, Sender.TOPSIDE))
+
+    def hear_modem(self, data: bytes) -> None:
+        """Whatever comes from there."""
+        self._take(self.drive.receive(Rx(self.now, MODEM, data, "")))
+
+    def hear(self, data: bytes) -> None:
+        """Something of the STM32's."""
+        self._take(self.drive.receive(Rx(self.now, VEHICLE, data, "")))
+
+    def report(self) -> None:
+        data = self.sea.report()
+        self.hear(data[:40] + bytes([data[40] ^ 1]) + data[41:] if self.spoils else data)
+
+    def fix(self) -> None:
+        self.last_fix = self.now
+        self._take(self.drive.receive(Rx(self.now, GPS, self.sea.sentences(self.home, self.now))))
+
+    def line_is_back(self) -> None:
+        """The vehicle's port was away, for no time at all."""
+        self._take(self.drive.connected(VEHICLE, "", self.now))
+
+    def node(self, line: bytes) -> None:
+        """What a node's process reports."""
+        self._take(self.drive.receive(Rx(self.now, "nodes", line, "")))
+
+    def restart(self) -> None:
+        """The program dies, and begins again with what the store holds; navigation comes later."""
+        kept = self.store.content
+        key = (self.vehicle.dialect, kept, self.home)
+        if key not in _BEGUN:
+            _BEGUN[key] = Fork(World(self.vehicle, kept, self.home))
+        again = _BEGUN[key].copy()
+        again.notes.steps[:0] = self.notes.steps
+        again.sent[:0], again.states[:0] = self.sent, self.states
+        again.depths[:0] = self.depths
+        again.sea, again.answers = self.sea, self.answers
+        self.__dict__ = again.__dict__
+
+    def end(self, *, at_once: bool = False) -> None:
+        """The program is to end."""
+        self.ended_in, self.ended_at = self.state, self.now
+        self._take(self.drive.end(self.now, at_once=at_once))
+
+    def wait(self, seconds: float) -> None:
+        """Until then: timers, answers and reports when they are due."""
+        end, busy = self.now + seconds, 0
+        while True:
+            timer = self.drive.next_timer()
+            answers = [t for t, _ in self._owed[:1]]
+            due = min(t for t in (timer, self._report_due, *answers) if t is not None)
+            if due > end:
+                break
+            busy = busy + 1 if due <= self.now else 0
+            if busy > _BUSY:
+                raise Busy(f"{busy} inputs at {self.now:.3f} s, in {self.state}")
+            self.now = max(self.now, due)
+            if timer is not None and timer <= self.now:
+                self._take(self.drive.handle_timer(self.now))
+            elif self._owed and self._owed[0][0] <= self.now:
+                self.hear(self._owed.pop(0)[1])
+            else:
+                self._report_due = self.now + _PERIOD
+                if self.reports:
+                    self.report()
+        self.now = end
+
+    # --- what goes out -------------------------------------------------------------------------
+
+    def _take(self, sent: list[Tx]) -> None:
+        self.sent += sent
+        for tx in sent:
+            if tx.link != VEHICLE:
+                continue
+            if self.rises_by and tx.data.startswith(self.rises_by):
+                self.sea.depth, self.rises_by = 0.2, b""
+            if tx.data.startswith((b"@ZA", b"@M")):
+                self.sea.stopped = tx.data == _STOP
+            if tx.data.startswith(b"@ZA") and self.answers:
+                data = answer(tx.data, self.answers, self.vehicle.dialect)
+                self._owed.append((self.now + _LATENCY, data))
+            elif tx.data.startswith(b"@RS"):
+                self._owed.append((self.now + _LATENCY, b"@ACK_RSS$"))
+        self.at_once = self.at_once or self.drive.state
+        if self.states[-1][1] != self.drive.state:
+            self.states.append((self.now, self.drive.state))
+            self.depths.append(self.sea.depth)

@@ -1,0 +1,346 @@
+"""The demonstration: a mission from its file to the vehicle and home, over real bytes.
+
+    python -m links.simulated  <-- pty 9600 8N1 -->  auvmission serve  <-- TCP -->  this process
+    (STM32, plant, GPS)        <-- pty NMEA ------>  (the Pi's program)             (the operator)
+
+Three processes and one time factor. The operator uploads line by line, starts with ``@AA`` and
+asks with ``@DU``; state and leg come from the events that ``serve --events`` prints. What is shown
+at the end comes from the black box, and the truth from the simulated vehicle's own track.
+
+    DemoError      (something of the set-up does not work; the message says which process and why)
+
+What does not live here: the command line (commands/demo), pictures (plot, graph).
+"""
+
+from __future__ import annotations
+
+import bisect
+import csv
+import json
+import math
+import os
+import queue
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from links.simulated.geodesy import local
+from mission.onboard.blackbox import read_parts
+from mission.onboard.runtime.records import ESTIMATE, START, STEP, estimate_of, read_start, step_of
+from mission.authoring.language import script
+from mission.model import Estimate, NavigationMode, Position, Step
+from mission.topside.console import converse
+from mission.topside.upload import OperatorError, start, status, upload
+from mission.authoring.prepare import Prepared
+from mission.verification.simulation.flightlog import Flight, FlightEnd, FlightLog, TruePlace
+from mission.verification.simulation.plot import ellipse
+from protocol.messages import Status, StoreReport
+
+READY_S = 20.0  # real, for a process to say that it is there
+POLL_S = 0.25  # real, between two @DU
+STOP_S = 10.0  # real, for a process to end when told
+HURRY_S = 0.5  # the same, where the demonstration does not get to its end
+PLANNED = frozenset({"until", "for", "end"})
+LEFT = frozenset(
+    {
+        "graph.svg",
+        "pi",
+        "serve.log",
+        "serve.yaml",
+        "track.png",
+        "truth.csv",
+        "vehicle.log",
+        "vehicle.yaml",
+    }
+)  # what a demonstration leaves in its folder, and the next one may remove
+
+
+class DemoError(RuntimeError):
+    pass
+
+
+@dataclass(slots=True)
+class Progress:
+    """What the operator sees while it flies."""
+
+    lines: int = 0  # of the mission that are in the vehicle
+    state: str = "idle"
+    leg: str = ""
+    depth: float | None = None
+    position: tuple[float, float] | None = None  # m north and east of home, as estimated
+    uncertainty: float | None = None  # m, the longer half axis of its 95 % ellipse
+    started: float | None = None  # engine's time
+    left: float | None = None  # s at most, by the check's worst case
+    over: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Demo:
+    prepared: Prepared
+    folder: Path
+    speed: float
+    profile: str
+    seed: int
+    settings: tuple[str, ...]
+    worst_time: float  # s
+    tell: Callable[[str], None]
+    show: Callable[[Progress], None]
+    progress: Progress = field(default_factory=Progress)
+
+    def fly(self) -> Flight:
+        """Raises DemoError, and OperatorError for what the Pi refuses."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        began = time.monotonic()
+        with _told_to_end(), self._vehicle() as vehicle, self._serve(vehicle) as events:
+            ready = events.take(READY_S)
+            topside, box = ready["topside"], Path(ready["black_box"])
+            self.tell(f"the Pi listens on {topside}; STM32 on {vehicle['vehicle']}")
+            self._operate(topside, events)
+        return self._flight(box, vehicle["wall"], time.monotonic() - began)
+
+    # --- the operator ------------------------------------------------------------------------
+
+    def _operate(self, topside: str, events: _Lines) -> None:
+        lines = script(self.prepared.mission)
+        talk = upload(lines, self.prepared.chart.digest, self._line)
+        self.tell(converse(topside, talk))
+        self.tell(converse(topside, start(patience=30)))
+        deadline = time.monotonic() + 2.0 * self.worst_time / self.speed + READY_S
+        while not self.progress.over:
+            if time.monotonic() > deadline:
+                raise DemoError("the mission is not over after twice its worst-case time")
+            self._hear(events)
+            with suppress(OperatorError):  # one lost answer: the next poll asks again
+                converse(topside, status(self._told))
+            self.show(self.progress)
+            time.sleep(POLL_S)
+
+    def _line(self, have: int, total: int) -> None:
+        if have > self.progress.lines:
+            self.progress.lines = have
+            self.tell(f"  line {have} of {total} is in the vehicle")
+
+    def _hear(self, events: _Lines) -> None:
+        for event in events.waiting():
+            if "step" in event:
+                self._step(step_of(json.dumps(event["step"])))
+            elif "estimate" in event:
+                self._estimate(estimate_of(json.dumps(event["estimate"])))
+
+    def _estimate(self, estimate: Estimate) -> None:
+        progress = self.progress
+        if estimate.mode is not NavigationMode.NONE:
+            progress.position = (estimate.north, estimate.east)
+            progress.uncertainty = ellipse(estimate.covariance)[0] / 2.0
+        if progress.started is not None:
+            progress.left = max(0.0, self.worst_time - (estimate.t - progress.started))
+
+    def _step(self, step: Step) -> None:
+        progress = self.progress
+        for path in step.entered:
+            region, _, rest = path.partition("/")
+            progress.state, progress.leg = region, rest
+            if region == "autonomous" and progress.started is None:
+                progress.started = step.t
+            ended = path in ("idle/ready", "emergency/surfaced", "emergency/stopped")
+            progress.over = progress.started is not None and ended
+
+    def _told(self, told: Status, _: StoreReport | None) -> None:
+        self.progress.depth = told.telemetry.depth if told.telemetry else None
+
+    # --- the other two processes ---------------------------------------------------------------
+
+    @contextmanager
+    def _vehicle(self) -> Iterator[dict[str, Any]]:
+        command = [sys.executable, "-m", "links.simulated", "--profile", self.profile]
+        command += ["--seed", str(self.seed), "--speed", str(self.speed)]
+        command += ["--track", str(self.folder / "truth.csv")]
+        for setting in self.settings:
+            command += ["--set", setting]
+        home = self.prepared.mission.home
+        if home is not None:
+            command += [f"--position={home.latitude_deg},{home.longitude_deg}"]
+        with self._process("the simulated vehicle", command) as lines:
+            yield lines.take(READY_S)
+
+    @contextmanager
+    def _serve(self, vehicle: dict[str, Any]) -> Iterator[_Lines]:
+        config = self.folder / "serve.yaml"
+        config.write_text(
+            f"vehicle: {json.dumps(self._vehicle_file())}\n"
+            "links:\n"
+            f"  vehicle: serial://{vehicle['vehicle']}?baud=9600\n"
+            f"  gps: serial://{vehicle['gps']}?baud=9600\n"
+            "  topside: tcp://127.0.0.1:0\n",
+            encoding="utf-8",
+        )
+        command = [sys.executable, "-m", "mission", "serve", "--config", str(config)]
+        command += ["--folder", str((self.folder / "pi").resolve())]
+        command += ["--speed", str(self.speed), "--events"]
+        with self._process("auvmission serve", command) as lines:
+            yield lines
+
+    def _vehicle_file(self) -> str:
+        """The vehicle's file, in the dialect of the profile that flies."""
+        from mission.model.shipped import missions_folder
+
+        text = (missions_folder() / "vehicles" / f"{self.prepared.vehicle.name}.yaml").read_text(
+            encoding="utf-8"
+        )
+        rows = [
+            f"dialect: {self.profile}" if row.startswith("dialect:") else row
+            for row in text.split("\n")
+        ]
+        path = self.folder / "vehicle.yaml"
+        path.write_text("\n".join(rows), encoding="utf-8")
+        return str(path.resolve())
+
+    @contextmanager
+    def _process(self, name: str, command: list[str]) -> Iterator[_Lines]:
+        log = self.folder / f"{name.split()[-1]}.log"
+        with log.open("w", encoding="utf-8") as errors:
+            process = subprocess.Popen(
+                command,
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                text=True,
+                env=os.environ | {"AUVMISSION_STOP_S": "0"},  # no vehicle has to come up
+            )
+            lines = _Lines(name, process, log)
+            patience = HURRY_S
+            try:
+                yield lines
+                patience = STOP_S
+            finally:
+                process.terminate()
+                try:
+                    process.wait(patience)
+                except subprocess.TimeoutExpired:
+                    process.kill()
+                    process.wait()
+                lines.close()
+
+    # --- what came of it -----------------------------------------------------------------------
+
+    def _flight(self, box: Path, vehicle_wall: float, wall: float) -> Flight:
+        """From the black box, with the true track beside it."""
+        track = self._track()
+        times = [place.t for place in track]
+        log = FlightLog(self.prepared.mission)
+        offset, last, state = 0.0, 0.0, "idle/ready"
+        for record in read_parts(box):
+            last = max(last, record.t)
+            if record.kind == START:
+                offset = (read_start(record).wall - vehicle_wall) * self.speed
+            elif record.kind == STEP:
+                step = step_of(record.payload)
+                log.step(step)
+                state = step.entered[-1] if step.entered else state
+            elif record.kind == ESTIMATE:
+                log.estimate(estimate_of(record.payload))
+        beside = (bisect.bisect_left(times, e.t + offset) for e in log.estimates)
+        seen = tuple(track[min(at, len(track) - 1)] for at in beside)
+        shifted = tuple(TruePlace(p.t - offset, p.north, p.east, p.depth) for p in track)
+        at_surface = track[-1].depth < 0.5
+        digest = self.prepared.chart.digest
+        return log.flight("", FlightEnd(last, digest, wall, state, shifted, seen, at_surface))
+
+    def _track(self) -> list[TruePlace]:
+        home = self.prepared.mission.home
+        with (self.folder / "truth.csv").open(newline="", encoding="ascii") as file:
+            rows = list(csv.DictReader(file))
+        if not rows:
+            raise DemoError(f"the simulated vehicle left no track in {self.folder / 'truth.csv'}")
+        first = (
+            math.radians(float(rows[0]["latitude_deg"])),
+            math.radians(float(rows[0]["longitude_deg"])),
+        )
+        origin = _radians(home) if home is not None else first
+        places = []
+        for row in rows:
+            latitude, longitude = float(row["latitude_deg"]), float(row["longitude_deg"])
+            north, east = local(origin, math.radians(latitude), math.radians(longitude))
+            places.append(TruePlace(float(row["t"]), north, east, float(row["depth_m"])))
+        return places
+
+
+def _radians(position: Position) -> tuple[float, float]:
+    return math.radians(position.latitude_deg), math.radians(position.longitude_deg)
+
+
+def not_as_planned(flight: Flight) -> list[str]:
+    """What keeps the demonstration from exit 0: where it ended, how, and by what a leg was left."""
+    found = [] if flight.at_surface else ["the vehicle is not at the surface"]
+    if flight.outcome != "completed":
+        found.append(f"the mission was not completed but {flight.outcome}")
+    odd = [leg for leg in flight.legs if leg.by not in PLANNED]
+    return found + [f"{leg.name} was left by {leg.by or 'nothing'}" for leg in odd]
+
+
+@contextmanager
+def _told_to_end() -> Iterator[None]:
+    """SIGTERM and a terminal that is closed end the other processes too, as ctrl-C does."""
+
+    def end(number: int, _: object) -> None:
+        raise SystemExit(128 + number)
+
+    before = {number: signal.signal(number, end) for number in (signal.SIGTERM, signal.SIGHUP)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+class _Lines:
+    """JSON lines of a process, read in a thread."""
+
+    def __init__(self, name: str, process: subprocess.Popen[str], log: Path) -> None:
+        self._name, self._process, self._log = name, process, log
+        self._queue: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self) -> None:
+        assert self._process.stdout is not None
+        for line in self._process.stdout:
+            self._queue.put(line)
+        self._queue.put(None)
+
+    def close(self) -> None:
+        """Once the process has ended."""
+        self._reader.join(STOP_S)
+        if self._process.stdout is not None and not self._reader.is_alive():
+            self._process.stdout.close()
+
+    def take(self, seconds: float) -> dict[str, Any]:
+        """The next one. Raises DemoError where none comes."""
+        try:
+            line = self._queue.get(timeout=seconds)
+        except queue.Empty:
+            raise DemoError(f"{self._name} says nothing after {seconds:.0f} s") from None
+        if line is None:
+            raise self._ended()
+        found: dict[str, Any] = json.loads(line)
+        return found
+
+    def waiting(self) -> Iterator[dict[str, Any]]:
+        while True:
+            try:
+                line = self._queue.get_nowait()
+            except queue.Empty:
+                return
+            if line is None:
+                raise self._ended()
+            yield json.loads(line)
+
+    def _ended(self) -> DemoError:
+        said = self._log.read_text(encoding="utf-8").strip()
+        return DemoError(f"{self._name} has ended: {said or 'without a word'}")

@@ -1,0 +1,64 @@
+"""What came of a flight, for people: a row per leg with the guard that ended it, then the figures.
+
+What does not live here: the figures themselves (flightlog), pictures (plot).
+"""
+
+from __future__ import annotations
+
+from mission.authoring.graph import words
+from mission.model import Chart
+from mission.verification.simulation.flightlog import Flight, LegFlown
+from mission.model.units import UNITS
+from mission.engine.variables import VARIABLES
+
+_SIGNS = str.maketrans({"\u2264": "<=", "\u2265": ">=", "\u00b0": " deg"})  # for any terminal
+
+
+def table(flight: Flight, chart: Chart) -> str:
+    width = max([3, *(len(leg.name) for leg in flight.legs)])
+    rows = [f"{'leg':{width}}  {'entered':>9}  {'left':>9}  {'lasted':>9}  {'by':8}  because"]
+    for leg in flight.legs:
+        times = (leg.entered, leg.left, leg.left - leg.entered)
+        cells = "  ".join(f"{t:7.1f} s" for t in times)
+        because = _because(leg, chart)
+        rows.append(f"{leg.name:{width}}  {cells}  {leg.by or '(active)':8}  {because}".rstrip())
+    return "\n".join([*rows, "", *_figures(flight)])
+
+
+def _figures(flight: Flight) -> list[str]:
+    far = f"{flight.max_range:.1f} m from home (true)"
+    error_end, error_p95 = flight.error_end, flight.error_p95
+    errors = (
+        "unknown"
+        if error_end is None
+        else f"{error_end:.1f} m at the end, 95 % below {error_p95:.1f} m"
+    )
+    speed = f", {flight.mission_time / flight.wall:.0f} times real time" if flight.wall else ""
+    return [
+        f"outcome           {flight.outcome}: {flight.reason}",
+        f"final state       {flight.final_state}",
+        f"mission           {flight.mission_time:.1f} s, digest {flight.digest[:16]}",
+        f"depth, range      {flight.max_depth:.1f} m, {far}",
+        f"navigation error  {errors}",
+        f"flown in          {flight.wall:.2f} s{speed}",
+    ]
+
+
+def _because(leg: LegFlown, chart: Chart) -> str:
+    """The guard as the mission has it and what it saw; what else ended the leg, in its words."""
+    edge = next((e for e in chart.edges if leg.trigger and e.trigger == leg.trigger), None)
+    if edge is None:
+        return leg.why
+    states = {state.path: state for state in chart.states}
+    source = states.get(edge.source)
+    text = words.edge(edge, source.leg if source else None)
+    told = [(name, value) for name, value in leg.seen if edge.guard or value is None]
+    seen = ", ".join(_value(name, value) for name, value in told)
+    return (f"{text} ({seen})" if seen else text).translate(_SIGNS)
+
+
+def _value(name: str, value: float | None) -> str:
+    if value is None:
+        return f"{name} unknown"
+    unit = VARIABLES[name].unit if name in VARIABLES else ""
+    return f"{name} {value / UNITS[unit].factor if unit in UNITS else value:.4g} {unit}".rstrip()

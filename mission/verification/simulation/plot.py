@@ -1,0 +1,244 @@
+"""The picture of a flight: plan view with 95 % ellipses, depth over time with the legs coloured.
+
+Legs have a colour and a number, because there are more legs than colours that can be told apart:
+the number stands at the leg's middle in the plan, over its share of the profile, and in the key.
+
+matplotlib is imported when a picture is drawn, with the Agg back end: no display is needed.
+
+What does not live here: the state graph (graph), figures (flightlog).
+"""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mission.verification.simulation.flightlog import Flight, LegFlown, Sample
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_QUANTILE_95 = math.sqrt(-2.0 * math.log(0.05))  # of the plane: chi-square, two degrees of freedom
+_ELLIPSES = 12
+_DIGIT = 0.011  # width of a number's digit over the profile, as a share of the mission
+_NEAR = 0.04  # of the plan's width: a number nearer than this to another would hide it
+_TITLE_WIDTH = 100  # characters
+_KEY_WIDTH = 120  # characters of the key in one row
+_TRUE, _ESTIMATE = "#2b2b2b", "#c1440e"
+_PALETTE = ("#88ccee", "#ddcc77", "#44aa99", "#cc6677", "#999933", "#aa4499", "#6699cc", "#117733")
+
+
+def draw_flight(flight: Flight, path: Path, title: str) -> None:
+    """Writes a PNG."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.0, 10.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    drawn(figure, flight, title)
+    figure.savefig(path, dpi=110)
+
+
+def drawn(figure: Figure, flight: Flight, title: str) -> None:
+    plan, profile = figure.subplots(2, 1, height_ratios=(2.2, 1.0))
+    marks = _marks(flight.legs)
+    _draw_plan(plan, flight, marks)
+    _draw_profile(profile, flight, marks)
+    figure.suptitle(_title(flight, title), fontsize=11)
+
+
+def _title(flight: Flight, title: str) -> str:
+    rows = [f"{title}: {flight.outcome}"]
+    if flight.outcome != "completed":
+        rows += textwrap.wrap(flight.reason, _TITLE_WIDTH)
+    if flight.error_end is not None:
+        rows.append(
+            f"{flight.mission_time / 60:.1f} min, to {flight.max_depth:.1f} m deep and "
+            f"{flight.max_range:.0f} m from home; the estimate is {flight.error_end:.1f} m off "
+            "at the end"
+        )
+    return "\n".join(rows)
+
+
+def ellipse(covariance: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Full axes (m, along and across) of the 95 % ellipse and its major axis's bearing (rad).
+
+    ``covariance`` is (nn, ne, ee) of north and east.
+    """
+    nn, ne, ee = covariance
+    middle, spread = (nn + ee) / 2.0, math.hypot((nn - ee) / 2.0, ne)
+    bearing = 0.5 * math.atan2(2.0 * ne, nn - ee)
+    long_, short = math.sqrt(middle + spread), math.sqrt(max(middle - spread, 0.0))
+    return 2.0 * _QUANTILE_95 * long_, 2.0 * _QUANTILE_95 * short, bearing
+
+
+@dataclass(frozen=True, slots=True)
+class _Mark:
+    number: int
+    colour: str
+
+
+def _marks(legs: Sequence[LegFlown]) -> dict[str, _Mark]:
+    names = dict.fromkeys(_plain(leg.name) for leg in legs)
+    return {name: _Mark(i + 1, _PALETTE[i % len(_PALETTE)]) for i, name in enumerate(names)}
+
+
+def _plain(name: str) -> str:
+    return name.partition("#")[0]
+
+
+def _draw_plan(axes: Axes, flight: Flight, marks: dict[str, _Mark]) -> None:
+    samples = flight.samples
+    flown = [(leg, [s for s in samples if leg.entered <= s.t <= leg.left]) for leg in flight.legs]
+    for leg, seen in flown:  # by the estimate, as the guards saw it
+        axes.plot(
+            [s.estimate.east for s in seen],
+            [s.estimate.north for s in seen],
+            color=marks[_plain(leg.name)].colour,
+            linewidth=5.0,
+            solid_capstyle="round",
+            alpha=0.8,
+        )
+    axes.plot(
+        [s.true.east for s in samples],
+        [s.true.north for s in samples],
+        color=_TRUE,
+        linewidth=1.2,
+        label="true track, to its end",
+        marker="s",
+        markersize=5.0,
+        markevery=[len(samples) - 1] if samples else [],
+    )
+    axes.plot(
+        [s.estimate.east for s in samples],
+        [s.estimate.north for s in samples],
+        color=_ESTIMATE,
+        linewidth=1.0,
+        linestyle="--",
+        label="estimate, with 95 % ellipses",
+        marker="s",
+        markersize=5.0,
+        markevery=[len(samples) - 1] if samples else [],
+    )
+    for sample in _spread(samples, _ELLIPSES):
+        _draw_ellipse(axes, sample)
+    _number_legs(axes, flown, marks)
+    axes.plot(0.0, 0.0, marker="*", markersize=14, color=_TRUE, linestyle="", label="home")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel("east of home, m")
+    axes.set_ylabel("north of home, m")
+    axes.grid(alpha=0.3)
+    axes.legend(loc="best", fontsize=9)
+
+
+def _number_legs(
+    axes: Axes, flown: Sequence[tuple[LegFlown, Sequence[Sample]]], marks: dict[str, _Mark]
+) -> None:
+    """One a leg, about its middle, where there is room; further rounds lie about there, too."""
+    low, high = axes.get_xlim()
+    bottom, top = axes.get_ylim()
+    near = _NEAR * max(high - low, top - bottom)
+    placed: list[tuple[float, float]] = []
+    for leg, seen in flown:
+        if not seen or leg.name != _plain(leg.name):
+            continue
+        spots = (seen[int(share * (len(seen) - 1))].estimate for share in (0.5, 0.25, 0.75))
+        at = next(
+            (
+                spot
+                for spot in spots
+                if all(math.hypot(spot.east - e, spot.north - n) >= near for e, n in placed)
+            ),
+            None,
+        )
+        if at is None:
+            continue
+        placed.append((at.east, at.north))
+        mark = marks[leg.name]
+        axes.annotate(
+            str(mark.number),
+            (at.east, at.north),
+            xytext=(7, 7),
+            textcoords="offset points",
+            fontsize=9,
+            fontweight="bold",
+            color=_TRUE,
+            bbox={"boxstyle": "circle,pad=0.2", "fc": "white", "ec": mark.colour, "alpha": 0.85},
+        )
+
+
+def _draw_ellipse(axes: Axes, sample: Sample) -> None:
+    from matplotlib.patches import Ellipse
+
+    along, across, bearing = ellipse(sample.estimate.covariance)
+    patch: Any = Ellipse(
+        (sample.estimate.east, sample.estimate.north),
+        along,
+        across,
+        angle=90.0 - math.degrees(bearing),
+        fill=False,
+        edgecolor=_ESTIMATE,
+        linewidth=0.7,
+        alpha=0.6,
+    )
+    axes.add_patch(patch)
+
+
+def _draw_profile(axes: Axes, flight: Flight, marks: dict[str, _Mark]) -> None:
+    named: set[str] = set()
+    free = 0.0  # s from which on there is room for a number
+    for leg in flight.legs:
+        name = _plain(leg.name)
+        mark = marks[name]
+        label = None if name in named else f"{mark.number}  {name}"
+        named.add(name)
+        axes.axvspan(leg.entered, leg.left, color=mark.colour, alpha=0.6, lw=0, label=label)
+        middle = (leg.entered + leg.left) / 2.0
+        half = _DIGIT * flight.mission_time * (len(str(mark.number)) + 0.5) / 2.0
+        if middle - half >= free:
+            free = middle + half
+            axes.text(
+                middle,
+                1.01,
+                str(mark.number),
+                transform=axes.get_xaxis_transform(),
+                ha="center",
+                va="bottom",
+                fontsize=8,
+            )
+    axes.plot(
+        [s.t for s in flight.samples],
+        [s.true.depth for s in flight.samples],
+        color=_TRUE,
+        linewidth=1.2,
+    )
+    known = [(s.t, s.estimate.depth) for s in flight.samples if s.estimate.depth is not None]
+    axes.plot(
+        [t for t, _ in known],
+        [depth for _, depth in known],
+        color=_ESTIMATE,
+        linewidth=1.0,
+        linestyle="--",
+    )
+    axes.invert_yaxis()
+    axes.set_xlabel("s from the start of the mission")
+    axes.set_ylabel("depth, m")
+    axes.grid(alpha=0.3)
+    if named:
+        below = (0.5, -0.2)  # beside the curves it would hide one of them
+        longest = max(len(name) for name in named)
+        columns = max(1, min(len(named), 6, _KEY_WIDTH // (longest + 8)))
+        axes.legend(loc="upper center", bbox_to_anchor=below, fontsize=8, ncols=columns)
+
+
+def _spread(samples: Sequence[Sample], count: int) -> Sequence[Sample]:
+    step = max(1, len(samples) // count)
+    return samples[step - 1 :: step]

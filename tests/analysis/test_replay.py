@@ -1,0 +1,148 @@
+"""Laws of replay: the same inputs give the same records, and the first difference is shown."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from links.simulated.settings import parse_settings
+from mission.onboard.blackbox import BlackBox, read_records
+from mission.commands.replay import replay as command
+from mission.onboard.runtime.records import ESTIMATE, RX, STEP, TIMER, TX, ListRecorder
+from mission.model import Record
+from mission.authoring.prepare import prepare
+from mission.analysis.replay.replay import ReplayError, replay, summary
+from mission.verification.simulation.flight import fly
+from mission.model.shipped import missions_folder
+
+
+@pytest.fixture(scope="module")
+def recorded() -> list[Record]:
+    prepared = prepare(missions_folder() / "first-dive.yaml")
+    recorder = ListRecorder()
+    sea = parse_settings(["current=0.2@70"])
+    fly(prepared.mission, prepared.vehicle, seed=5, settings=sea, recorder=recorder)
+    return recorder.records
+
+
+def saved(path: Path, records: list[Record]) -> Path:
+    box = BlackBox(path)
+    for record in records:
+        box.record(record)
+    box.close()
+    return path
+
+
+def test_a_flight_from_the_file_is_identical(recorded: list[Record], tmp_path: Path) -> None:
+    path = saved(tmp_path / "box.mcap", recorded)
+    ran = CliRunner().invoke(command, [str(path)])
+    assert ran.exit_code == 0, ran.output
+    assert ran.output.startswith(f"identical: {len(recorded)} records")
+
+
+def test_a_cut_file_is_replayed_to_its_last_whole_record(
+    recorded: list[Record], tmp_path: Path
+) -> None:
+    path = saved(tmp_path / "box.mcap", recorded)
+    whole = path.read_bytes()
+    for share in (0.3, 0.5, 0.77):
+        path.write_bytes(whole[: int(len(whole) * share)])
+        result = replay(list(read_records(path)))
+        assert result.identical
+        assert 100 < result.records < len(recorded)
+
+
+def changed(recorded: list[Record], kind: str, at: int = 20) -> tuple[int, list[Record]]:
+    """One record of that kind with another last byte."""
+    number = [n for n, r in enumerate(recorded) if r.kind == kind][at]
+    old = recorded[number]
+    payload = old.payload[:-2] + bytes([old.payload[-2] ^ 1]) + old.payload[-1:]
+    new = Record(old.t, old.kind, payload)
+    return number, [*recorded[:number], new, *recorded[number + 1 :]]
+
+
+def test_what_a_damaged_file_leaves_out_is_told(recorded: list[Record], tmp_path: Path) -> None:
+    path = saved(tmp_path / "b.mcap", recorded)
+    whole = path.read_bytes()
+    assert CliRunner().invoke(command, [str(path)]).stderr == ""
+    path.write_bytes(whole[: len(whole) // 2])
+    ran = CliRunner().invoke(command, ["--json", str(path)])
+    assert "is cut or damaged behind byte" in ran.stderr
+    assert json.loads(ran.stdout)["left_out"] == [ran.stderr.strip()]
+
+
+@pytest.mark.parametrize("kind", [TX, STEP, ESTIMATE])
+def test_the_first_difference_is_found_and_shown(recorded: list[Record], kind: str) -> None:
+    number, records = changed(recorded, kind, 5 if kind != ESTIMATE else 40)
+    result = replay(records)
+    assert result.divergence is not None
+    assert result.divergence.number == number
+    assert result.divergence.expected == records[number]
+    assert result.divergence.actual == recorded[number]
+    told = summary(result)
+    assert told.startswith(f"different at {recorded[number].t:.6f} s, record {number}")
+    assert "recorded" in told
+
+
+def test_of_two_steps_the_fields_that_differ_are_named(recorded: list[Record]) -> None:
+    number = [n for n, r in enumerate(recorded) if r.kind == STEP][5]
+    step = json.loads(recorded[number].payload) | {"event": "something else"}
+    text = json.dumps(step, separators=(",", ":")).encode()
+    records = [*recorded[:number], Record(recorded[number].t, STEP, text), *recorded[number + 1 :]]
+    assert '  event: "something else" -> ' in summary(replay(records))
+
+
+def test_another_input_is_followed_by_other_outputs(recorded: list[Record]) -> None:
+    number = next(n for n, r in enumerate(recorded) if r.kind == RX and b"@AA$" in r.payload)
+    records = [*recorded[:number], *recorded[number + 1 :]]
+    found = replay(records).divergence
+    assert found is not None
+    assert found.number >= number
+
+
+def test_a_missing_and_a_surplus_output_are_differences(recorded: list[Record]) -> None:
+    at = next(n for n, r in enumerate(recorded) if r.kind == TX and n > 100)
+    missing = replay([*recorded[:at], *recorded[at + 1 :]]).divergence
+    assert missing is not None
+    assert missing.actual == recorded[at]
+    surplus = replay([*recorded[: at + 1], recorded[at], *recorded[at + 1 :]]).divergence
+    assert surplus is not None
+    assert surplus.number == at + 1
+
+
+def test_a_timer_that_came_at_another_time_is_no_silent_change(recorded: list[Record]) -> None:
+    timers = [n for n, r in enumerate(recorded) if r.kind == TIMER]
+    at = timers[len(timers) // 2]
+    old = recorded[at]
+    records = [*recorded[:at], Record(old.t + 0.5, TIMER, old.payload), *recorded[at + 1 :]]
+    assert replay(records).divergence is not None
+
+
+def test_without_a_whole_start_nothing_is_replayed(recorded: list[Record], tmp_path: Path) -> None:
+    with pytest.raises(ReplayError, match="no whole start record"):
+        replay(recorded[1:])
+    with pytest.raises(ReplayError, match="no whole start record"):
+        replay([])
+    path = saved(tmp_path / "box.mcap", recorded)
+    path.write_bytes(path.read_bytes()[:400])
+    ran = CliRunner().invoke(command, [str(path)])
+    assert ran.exit_code == 2
+    assert "no whole start record" in ran.output
+
+
+def test_a_start_of_another_shape_names_the_versions(recorded: list[Record]) -> None:
+    data = json.loads(recorded[0].payload) | {"unheard_of": 1}
+    with pytest.raises(ReplayError, match="replay with the version"):
+        replay([Record(0.0, "start", json.dumps(data).encode())])
+
+
+def test_json_says_where_it_differs(recorded: list[Record], tmp_path: Path) -> None:
+    number, records = changed(recorded, TX)
+    ran = CliRunner().invoke(command, ["--json", str(saved(tmp_path / "b.mcap", records))])
+    assert ran.exit_code == 1
+    told = json.loads(ran.output)
+    assert told["identical"] is False
+    assert told["divergence"]["record"] == number

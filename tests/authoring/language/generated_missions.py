@@ -1,0 +1,213 @@
+"""Missions out of hypothesis, in the normal form that reading a text yields."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+from hypothesis import strategies as st
+
+from mission.authoring.language.canonical import numbered
+from mission.authoring.language.words import FIELD_ORDER, LIMITS
+from mission.model import (
+    And,
+    Comparison,
+    Exit,
+    Expression,
+    Follow,
+    Goto,
+    Group,
+    Guard,
+    Handler,
+    Hold,
+    Leg,
+    LegKind,
+    Local,
+    Loiter,
+    Mission,
+    Node,
+    Not,
+    Or,
+    Place,
+    Position,
+    Rows,
+    Safety,
+    Set,
+    Setting,
+    Surface,
+    Wait,
+    Yoyo,
+)
+from mission.model.units import GEARS, compass
+from mission.engine.variables import VARIABLES
+
+# Names that are words of the language, or of YAML, on purpose.
+NAMES = (
+    "dive",
+    "rows",
+    "turn",
+    "on",
+    "yes",
+    "null",
+    "until",
+    "end",
+    "up",
+    "a-b",
+    "x_1",
+    "ZAF6",
+    "home",
+)
+
+
+def numbers(low: float, high: float) -> st.SearchStrategy[float]:
+    return st.one_of(
+        st.integers(math.ceil(low), math.floor(high)).map(float),
+        st.floats(low, high, allow_subnormal=False).map(lambda x: x + 0.0),
+    )
+
+
+seconds = st.one_of(st.integers(1, 7200).map(float), st.floats(0.1, 1e5))
+headings = st.one_of(st.integers(0, 359), st.floats(0, 359.99)).map(compass)
+positions = st.builds(Position, numbers(-90, 90), numbers(-180, 180))
+locals_ = st.builds(Local, numbers(-20000, 20000), numbers(-20000, 20000))
+places: st.SearchStrategy[Place] = st.one_of(st.just("home"), positions, locals_)
+
+
+@st.composite
+def comparisons(draw: st.DrawFn) -> Comparison:
+    row = draw(st.sampled_from(list(VARIABLES.values())))
+    bound = draw(headings) if row.circular else draw(numbers(-1000, 1000))
+    if row.unit == "deg" and not row.circular:
+        bound = math.radians(bound)
+    sure = draw(
+        st.one_of(st.none(), st.integers(1, 99).map(lambda p: p / 100), st.floats(0.01, 0.99))
+    )
+    return Comparison(row.name, draw(st.sampled_from(["<", "<=", ">", ">="])), bound, sure)
+
+
+def _joined(kind: type[And] | type[Or], operands: list[Expression]) -> Expression:
+    flat: list[Expression] = []
+    for operand in operands:
+        flat.extend(operand.operands if isinstance(operand, kind) else [operand])
+    return kind(tuple(flat))
+
+
+def _combined(inner: st.SearchStrategy[Expression]) -> st.SearchStrategy[Expression]:
+    several = st.lists(inner, min_size=2, max_size=3)
+    return st.one_of(
+        inner.map(Not),
+        several.map(lambda o: _joined(And, o)),
+        several.map(lambda o: _joined(Or, o)),
+    )
+
+
+expressions: st.SearchStrategy[Expression] = st.recursive(comparisons(), _combined, max_leaves=4)
+guards = st.builds(Guard, expressions, st.one_of(st.just(0.0), seconds))
+
+
+@st.composite
+def settings_of(
+    draw: st.DrawFn, vertical: bool = True, steering: bool = True
+) -> tuple[Setting, ...]:
+    gear = st.integers(-GEARS, GEARS).map(lambda n: n / GEARS)
+    chosen: dict[str, float] = {}
+    if vertical:
+        word = draw(st.sampled_from(["", "depth", "altitude", "heave"]))
+        if word:
+            chosen[word] = draw(gear if word == "heave" else numbers(0, 9999))
+    if steering:
+        word = draw(st.sampled_from(["", "heading", "turn"]))
+        if word:
+            chosen[word] = draw(gear if word == "turn" else headings)
+    if draw(st.booleans()):
+        chosen["surge"] = draw(gear if steering else st.integers(1, GEARS).map(lambda n: n / GEARS))
+    for word in ("pitch", "roll"):
+        if draw(st.integers(0, 9)) == 0:
+            chosen[word] = math.radians(draw(numbers(-90, 90)))
+    return tuple(Setting(w, chosen[w]) for w in FIELD_ORDER if w in chosen)
+
+
+@st.composite
+def kinds(draw: st.DrawFn) -> LegKind:
+    side = st.sampled_from([-1, 1])
+    within = numbers(0.5, 1000)
+    shallow = draw(numbers(0, 4999))
+    return draw(
+        st.one_of(
+            st.just(Hold()),
+            st.just(Wait()),
+            st.builds(Goto, places, within),
+            st.lists(places, min_size=2, max_size=9)
+            .filter(lambda p: all(a != b for a, b in itertools.pairwise(p)))
+            .map(lambda p: Follow(tuple(p), 10.0)),
+            st.builds(
+                Rows, st.one_of(st.none(), places), headings, numbers(1, 20000), numbers(0.5, 2000),
+                st.integers(1, 99), side, within,
+            ),
+            st.builds(Yoyo, st.just(shallow), numbers(5000, 9999), st.integers(1, 99)),
+            st.builds(Loiter, st.one_of(st.none(), places), numbers(1, 5000), side),
+            st.builds(Surface, st.booleans()),
+        )
+    )  # fmt: skip
+
+
+@st.composite
+def legs(draw: st.DrawFn, name: str, targets: tuple[str, ...]) -> Node:
+    """``name`` empty: a leg without one, or a bare line."""
+    target = st.one_of(st.none(), st.sampled_from(targets))
+    kind = draw(kinds())
+    steered = not isinstance(kind, Hold | Yoyo)
+    settings: tuple[Setting, ...] = ()
+    if not isinstance(kind, Wait | Surface):
+        settings = draw(settings_of(vertical=not isinstance(kind, Yoyo), steering=not steered))
+    if not name and isinstance(kind, Hold) and settings and draw(st.booleans()):
+        return Set("", settings)
+    return Leg(
+        name,
+        kind,
+        settings,
+        tuple(draw(st.lists(st.builds(Exit, guards, target), max_size=2))),
+        draw(seconds) if isinstance(kind, Wait) or draw(st.booleans()) else None,
+        draw(st.one_of(st.none(), seconds)),
+        draw(target),
+    )
+
+
+@st.composite
+def bodies(draw: st.DrawFn, depth: int, outer: tuple[str, ...]) -> tuple[Node, ...]:
+    names = draw(st.lists(st.sampled_from(NAMES), min_size=1, max_size=2, unique=True))
+    targets = (*outer, *names)
+    nodes: list[Node] = []
+    for name in names:
+        if depth and draw(st.integers(0, 2)) == 0:
+            body = draw(bodies(depth - 1, targets))
+            handlers = draw(
+                st.lists(st.builds(Handler, guards, st.sampled_from(targets)), max_size=1)
+            )
+            nodes.append(Group(name, draw(st.sampled_from([1, 2, 9999])), body, tuple(handlers)))
+        else:
+            nodes.append(draw(legs(name, targets)))
+        if draw(st.booleans()):
+            nodes.append(draw(legs("", targets)))
+    return (*nodes, Leg("last", Wait(), (), (), draw(seconds)))
+
+
+@st.composite
+def missions(draw: st.DrawFn) -> Mission:
+    limits = {row.name: draw(st.one_of(st.none(), numbers(1e-6, 65535))) for row in LIMITS.values()}
+    target = st.sampled_from(["surface", "last"])
+    mission = Mission(
+        name=draw(st.sampled_from(["m", "harbour-survey", "x_1", "no"])),
+        vehicle="auv",
+        body=draw(bodies(2, ("surface", "last"))),
+        home=draw(st.one_of(st.none(), positions)),
+        safety=Safety(**limits),
+        assume=draw(
+            st.sampled_from([(), (("current", 0.2),), (("current", 0.0), ("floor", 30.5))])
+        ),
+        handlers=tuple(draw(st.lists(st.builds(Handler, guards, target), max_size=2))),
+        on_uncertain=draw(target),
+        on_timeout=draw(target),
+        start_without_fix=draw(st.booleans()),
+    )
+    return numbered(mission)

@@ -1,0 +1,71 @@
+"""Every shipped mission comes home: on both vehicles, in a current, within what was proved."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from links.simulated.settings import parse_settings
+from mission.authoring.prepare import Unreadable, check_prepared, mission_file, prepare
+from mission.verification.simulation.flight import fly
+
+MISSIONS = sorted((Path(__file__).resolve().parents[2] / "missions").glob("*.yaml"))
+
+
+def test_there_are_eight_missions_each_with_a_comment_on_top() -> None:
+    assert len(MISSIONS) >= 8
+    for path in MISSIONS:
+        assert path.read_text(encoding="utf-8").startswith("# "), path
+
+
+def test_the_shakedown_says_every_word_that_the_vehicle_follows() -> None:
+    text = next(p for p in MISSIONS if p.stem == "shakedown").read_text(encoding="utf-8")
+    plain = re.sub(r"#.*", "", text)
+    assert set(re.findall(r"\bZA([A-Z])", plain)) == set("FBLRUDSEH")
+
+
+@pytest.mark.parametrize("profile", ["as-built", "documented"])
+@pytest.mark.parametrize("path", MISSIONS, ids=lambda p: p.stem)
+def test_a_shipped_mission_comes_home_in_a_current(path: Path, profile: str) -> None:
+    prepared = prepare(path)
+    proved = check_prepared(prepared).proved
+    assert proved is not None
+    # where a mission states no floor, the check takes the depth allowed for it
+    sea = parse_settings(["current=0.2@45", f"floor={prepared.mission.safety.depth}"])
+    flight = fly(prepared.mission, prepared.vehicle, profile, 3, sea)
+    assert flight.outcome == "completed", flight.reason
+    assert flight.at_surface
+    assert flight.mission_time <= proved.worst_time
+    assert flight.max_range <= proved.max_range
+    assert flight.max_depth <= proved.max_depth
+
+
+@pytest.mark.parametrize("path", MISSIONS, ids=lambda p: p.stem)
+def test_a_shipped_mission_is_found_by_its_name_from_any_folder(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert mission_file(path.stem).samefile(path)
+    assert prepare(path.stem).mission == prepare(path).mission
+
+
+def test_a_file_of_that_name_comes_before_the_shipped_mission(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "first-dive").write_text("mission mine\nsafety time 2min\nwait 30s\n")
+    assert prepare("first-dive").mission.name == "mine"
+
+
+def test_a_name_that_is_neither_says_which_missions_there_are(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(
+        Unreadable, match=r"first-dve: no such file.*first-dive, float-test, harbour-survey"
+    ):
+        prepare("first-dve")
+    with pytest.raises(Unreadable, match=r"first-dive\.yaml: cannot be read: No such file"):
+        prepare("first-dive.yaml")

@@ -1,0 +1,135 @@
+"""Ctrl-C ends a command and whatever works for it, without a word of Python."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner
+from served import PATIENCE, noted_processes, soon
+
+from mission.verification.campaign import soak
+from mission.cli import COMMANDS, main
+from mission.verification.simulation import demo
+from mission.verification.simulation.demo import Demo
+
+CODE = 128 + signal.SIGINT
+
+
+def begun(*call: str) -> subprocess.Popen[str]:
+    """In a process group of its own, and with Ctrl-C heard, as a terminal has it: who runs the
+    tests in the background may have it ignored."""
+    return subprocess.Popen(
+        [sys.executable, *call],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+
+
+def group_of(process: subprocess.Popen[str]) -> list[int]:
+    """The processes of its group that live."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            state, _, group = stat.read_text().rpartition(")")[2].split()[:3]
+        except (FileNotFoundError, ProcessLookupError):
+            continue
+        if int(group) == process.pid and state != "Z":
+            found.append(int(stat.parent.name))
+    return found
+
+
+def interrupted(process: subprocess.Popen[str]) -> tuple[int, str]:
+    """Exit code, and what was said to stderr after Ctrl-C."""
+    os.killpg(process.pid, signal.SIGINT)
+    _, said = process.communicate(timeout=PATIENCE)
+    soon(lambda: not group_of(process), "nobody is left")
+    return process.returncode, said
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_that_is_interrupted_ends_with_exit_130_and_one_word(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    found = main.get_command(click.Context(main), name)
+    monkeypatch.setattr(found, "callback", interrupt)
+    monkeypatch.setattr(found, "params", [])
+    ran = CliRunner().invoke(main, [name])
+    assert (ran.exit_code, ran.stdout, ran.stderr) == (CODE, "", "interrupted\n")
+
+
+def test_flights_in_several_processes_end_with_their_processes() -> None:
+    process = begun("-m", "mission", "faults", "--flights", "2000", "--workers", "2")
+    try:
+        soon(lambda: len(group_of(process)) >= 4, "both work, and who tracks what they share")
+        code, said = interrupted(process)
+    finally:
+        if group_of(process):
+            os.killpg(process.pid, signal.SIGKILL)
+    assert code == CODE
+    rest = [line for line in said.splitlines() if " of 2000 flights" not in line]
+    assert rest == ["interrupted"]
+
+
+@pytest.mark.parametrize("after", [0, 3])
+def test_jobs_that_never_end_do_not_outlive_who_wanted_them(after: int) -> None:
+    """Interrupted while the processes begin, and while they work."""
+    job = "import sys, time; print(flush=True); time.sleep(1e6)"
+    code = (
+        "from mission.verification.workers import results\n"
+        "if __name__ == '__main__':\n"
+        "    print('begins', flush=True)\n"
+        f"    for _ in results(exec, [{job!r}] * 2, 2): pass\n"
+    )
+    process = begun("-c", code)
+    try:
+        assert process.stdout is not None
+        for _ in range(after):
+            process.stdout.readline()
+        soon(lambda: bool(after) or len(group_of(process)) >= 2, "it begins")
+        ended, said = interrupted(process)
+    finally:
+        if group_of(process):
+            os.killpg(process.pid, signal.SIGKILL)
+    assert ended == -signal.SIGINT
+    assert said.count("Traceback") == 1, "the script's own; its processes say nothing"
+
+
+def test_a_soak_tells_what_it_found_until_it_was_interrupted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(soak, "try_out", interrupt)
+    ran = CliRunner().invoke(main, ["faults", "--soak", "1"])
+    assert ran.exit_code == CODE
+    assert '"missions": 0' in ran.stdout
+
+
+def test_a_demonstration_waits_for_no_process_that_does_not_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    started = noted_processes(monkeypatch)
+
+    def operate(self: Demo, topside: str, events: object) -> None:
+        for process in started:
+            process.send_signal(signal.SIGSTOP)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Demo, "_operate", operate)
+    monkeypatch.setattr(demo, "STOP_S", 100 * PATIENCE)
+    ran = CliRunner().invoke(main, ["demo", "--out", str(tmp_path / "out")])
+    assert ran.exit_code == CODE
+    assert [process.returncode for process in started] == [-signal.SIGKILL] * 2

@@ -1,0 +1,354 @@
+"""Laws of what the engine believes at an instant: depth, surface, home, compass, position."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+from engine_world import HOME, NEUTRAL, Frame, Navigation
+
+from mission.engine.senses import SURFACE_DEPTH, Senses
+from mission.navigation.fixes import FIX_DEPTH, metres
+from mission.model import Local, NavigationMode, Position
+from protocol.messages import Fix, Setpoint, Telemetry
+
+LAT, LON = math.radians(HOME.latitude_deg), math.radians(HOME.longitude_deg)
+_METRE = 1.0 / 6371008.8
+
+
+def report(t: float, **values: object) -> Telemetry:
+    base = Telemetry(t=t, depth=0.2, altitude=9.0, heading=1.0, actuators=NEUTRAL)
+    return replace(base, **values)
+
+
+def fix(t: float, north: float = 0.0, **values: object) -> Fix:
+    return replace(Fix(t, LAT + north * _METRE, LON, accuracy=2.5, hdop=1.0), **values)
+
+
+class Counting(Navigation):
+    """How often it was told or asked for something."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.fixes: list[Fix] = []
+        self.asked = 0
+
+    def fix(self, f: Fix) -> None:
+        super().fix(f)
+        self.fixes.append(f)
+
+    def estimate(self, now: float):
+        self.asked += 1
+        return super().estimate(now)
+
+
+def told(senses: Senses, t: float, **values: object) -> Senses:
+    senses.at(t)
+    senses.take_telemetry(report(t, **values))
+    return senses
+
+
+# --- before navigation is there ----------------------------------------------------------------
+
+
+def test_without_navigation_a_finite_depth_is_believed_for_six_seconds():
+    senses = Senses()
+    assert (senses.depth, senses.health("depth").reason) == (None, "missing")
+    assert senses.health("depth").age == math.inf
+    told(senses, 10.0)
+    senses.at(16.0)
+    assert senses.depth == 0.2
+    assert senses.health("depth").valid
+    assert (senses.health("depth").reason, senses.health("depth").age) == ("", 6.0)
+    senses.at(16.001)
+    assert senses.depth is None
+    assert senses.health("depth").reason == "stale"
+    assert senses.health("depth").age == pytest.approx(6.001)
+
+
+@pytest.mark.parametrize(("depth", "why"), [(math.nan, "absurd"), (None, "missing")])
+def test_without_navigation_what_is_no_number_is_not_believed(depth: float | None, why: str):
+    senses = told(Senses(), 10.0, depth=depth)
+    assert senses.depth is None
+    assert not senses.health("depth").valid
+    assert senses.health("depth").reason == why
+
+
+def test_without_navigation_there_is_no_position_and_no_place():
+    senses = told(Senses(), 10.0)
+    senses.take_fix(fix(10.0))
+    assert senses.estimate is None
+    assert not senses.believable("position")
+    assert senses.believable("depth")
+    assert senses.place(HOME) is None
+    assert senses.compass(1.0) is None
+    assert senses.fix == fix(10.0)
+
+
+# --- depth and surface --------------------------------------------------------------------------
+
+
+def test_a_vehicle_on_the_ground_is_at_depth_0_and_up_six_seconds_after_it_asks():
+    senses = Senses(Navigation(), grounded=True)
+    senses.at(20.0)
+    assert senses.depth == 0.0
+    assert senses.surface_due(14.0) == 20.0
+    assert senses.surfaced(14.0)
+    assert not senses.surfaced(14.001)
+
+
+def test_half_a_metre_is_no_surface_and_a_hair_less_is():
+    for depth, shallow in ((SURFACE_DEPTH, False), (math.nextafter(SURFACE_DEPTH, 0.0), True)):
+        senses = told(Senses(Navigation()), 10.0, depth=depth)
+        assert senses.surface_due(0.0) == (16.0 if shallow else None)
+        assert senses.submerged is not shallow
+    assert SURFACE_DEPTH == 0.5
+
+
+def test_the_surface_is_proved_by_six_seconds_of_shallow_reports_after_it_was_asked_for():
+    senses = told(Senses(Navigation()), 10.0)
+    told(senses, 12.0)
+    assert senses.surface_due(3.0) == 16.0
+    assert senses.surface_due(11.0) == 17.0
+    told(senses, 15.999)
+    assert not senses.surfaced(3.0)
+    senses.at(16.0)
+    assert senses.surfaced(3.0)
+    told(senses, 17.0, depth=2.0)
+    assert not senses.surfaced(3.0)
+    assert senses.surface_due(3.0) is None
+
+
+def test_a_depth_that_is_not_to_be_believed_proves_no_surface_and_begins_anew():
+    navigation = Navigation()
+    senses = told(Senses(navigation), 10.0)
+    navigation.doubt["depth"] = "frozen"
+    senses.at(17.0)
+    assert not senses.surfaced(3.0)
+    told(senses, 18.0)
+    assert senses.surface_due(3.0) is None
+
+
+def test_only_a_fix_after_it_was_asked_for_proves_the_surface():
+    senses = told(Senses(Navigation()), 10.0, depth=0.7)
+    senses.take_fix(fix(12.0))
+    assert not senses.fixed(12.0)
+    assert senses.fixed(11.999)
+    assert senses.surfaced(11.999)
+    assert not senses.surfaced(12.0)
+
+
+@pytest.mark.parametrize(("depth", "proves"), [(FIX_DEPTH - 1e-9, True), (FIX_DEPTH, False)])
+def test_a_fix_proves_nothing_against_a_believed_depth_under_water(depth: float, proves: bool):
+    senses = told(Senses(Navigation()), 10.0, depth=depth)
+    for second in range(60):
+        senses.take_fix(fix(10.0 + second, north=float(second)))
+        told(senses, 10.0 + second, depth=depth)
+    assert senses.fixed(10.0) is proves
+    assert (senses.fix is not None) is proves
+
+
+def test_submerged_is_what_was_last_believed_and_no_fix_since_that_proves_the_surface():
+    navigation = Navigation()
+    senses = Senses(navigation)
+    assert not senses.submerged
+    told(senses, 10.0, depth=5.0)
+    assert senses.submerged
+    senses.take_fix(fix(10.0))
+    assert senses.submerged
+    navigation.doubt["depth"] = "frozen"
+    told(senses, 12.0, depth=0.1)
+    assert senses.submerged
+    assert senses.believed_depth == 5.0
+    for second in range(60):  # what it said before the dive
+        senses.take_fix(fix(12.5 + second))
+    assert senses.submerged
+    for second in range(7):
+        senses.take_fix(fix(73.0 + second, north=second + 1.0))
+    assert not senses.submerged
+    navigation.doubt.clear()
+    told(senses, 80.0, depth=5.0)
+    assert senses.submerged
+
+
+def test_of_two_reports_within_a_step_the_later_is_believed():
+    navigation = Navigation()
+    senses = told(Senses(navigation), 10.0)
+    assert senses.depth == 0.2
+    navigation.doubt["altitude"] = "frozen"
+    senses.take_telemetry(report(10.0, depth=3.0))
+    assert senses.depth == 3.0
+    assert not senses.believable("altitude")
+
+
+def test_a_clone_asks_anew_and_believes_by_its_own_navigation():
+    senses = told(Senses(Navigation()), 10.0)
+    assert (senses.depth, senses.health("depth").valid) == (0.2, True)
+    other = senses.clone()
+    doubting = Navigation()
+    doubting.doubt["depth"] = "frozen"
+    other.navigation = doubting
+    assert (other.depth, other.health("depth").reason) == (None, "frozen")
+    assert (senses.depth, senses.health("depth").valid) == (0.2, True)
+
+
+# --- position ------------------------------------------------------------------------------------
+
+
+def test_an_estimate_is_reckoned_on_when_it_is_older_than_two_seconds_and_a_half():
+    navigation = Counting()
+    senses = told(Senses(navigation), 10.0)
+    senses.at(12.5)
+    assert senses.estimate.t == 10.0
+    senses.at(12.501)
+    assert senses.estimate.t == 12.501
+
+
+def test_a_position_is_believed_from_anything_but_nothing():
+    navigation = Navigation()
+    senses = told(Senses(navigation), 10.0)
+    assert senses.believable("position")
+    navigation.mode = NavigationMode.NONE
+    told(senses, 12.0)
+    assert not senses.believable("position")
+    assert senses.believable("heading")
+    navigation.doubt["heading"] = "frozen"
+    told(senses, 14.0)
+    assert not senses.believable("heading")
+
+
+def test_a_fix_is_told_to_navigation_and_estimated_at_once():
+    navigation = Counting()
+    senses = told(Senses(navigation), 10.0)
+    navigation.north = 7.0
+    senses.take_fix(fix(10.5))
+    assert navigation.fixes == [fix(10.5)]
+    assert (senses.estimate.t, senses.estimate.north) == (10.5, 7.0)
+
+
+def test_the_vehicles_own_position_is_used_once_a_second_and_proves_no_surface():
+    navigation = Counting()
+    senses = Senses(navigation)
+    for t in (10.0, 10.999, 11.0, 11.5):
+        told(senses, t, depth=5.0, position=(0.5, 2.0))
+    assert [f.t for f in navigation.fixes] == [10.0, 11.0]
+    own = navigation.fixes[0]
+    assert (own.latitude, own.longitude, own.accuracy) == (0.5, 2.0, math.inf)
+    assert senses.fix is None
+    assert not senses.surfaced(0.0)
+
+
+def test_the_vehicles_own_position_is_in_the_estimate_of_its_report():
+    class Moved(Navigation):
+        def fix(self, f: Fix) -> None:
+            super().fix(f)
+            self.north = 77.0
+
+    senses = told(Senses(Moved()), 10.0, depth=5.0, position=(0.5, 2.0))
+    assert senses.estimate.north == 77.0
+
+
+def test_the_vehicles_own_position_is_a_fix_once_the_depth_has_proved_the_surface():
+    senses = Senses(Navigation())
+    for t in (10.0, 12.0, 14.0, 15.999):
+        told(senses, t, position=(0.5, 2.0))
+        assert senses.fix is None
+    told(senses, 17.0, position=(0.5, 2.0))
+    assert senses.fix.t == 17.0
+    senses = Senses(Navigation())
+    told(senses, 10.0, position=(0.5, 2.0))
+    told(senses, 16.0, position=(0.5, 2.0))
+    assert senses.fix.t == 16.0
+
+
+def test_a_place_is_metres_from_home_and_unknown_where_home_is():
+    navigation = Navigation()
+    senses = Senses(navigation)
+    assert senses.place(Local(3.0, 4.0)) == (3.0, 4.0)
+    assert senses.place("home") == (0.0, 0.0)
+    assert senses.place(HOME) is None
+    navigation.frame = Frame(HOME)
+    north = Position(HOME.latitude_deg + math.degrees(100.0 * _METRE), HOME.longitude_deg)
+    assert senses.place(north) == pytest.approx((100.0, 0.0), abs=1e-6)
+
+
+def test_the_compass_says_a_true_heading_with_what_it_is_off_now():
+    navigation = Navigation()
+    senses = Senses(navigation)
+    off = 0.5
+    estimate = navigation.estimate
+    navigation.estimate = lambda now: estimate(now)._replace(heading=6.0)
+    told(senses, 10.0, heading=(6.0 + off) % math.tau)
+    assert senses.compass(1.0) == pytest.approx(1.0 + off)
+    assert senses.compass(6.2) == pytest.approx(6.2 + off - math.tau)
+    told(senses, 12.0, heading=None)
+    assert senses.compass(1.0) == pytest.approx(1.0 + off)
+    told(senses, 14.0, heading=6.0)
+    assert senses.compass(1.0) == pytest.approx(1.0)
+
+
+# --- thrust that is not reported -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("command", "thrust"),
+    [
+        (None, (0.0, 0.0, 0.0)),
+        (Setpoint(surge=0.5, turn=0.2), (0.7, 0.3, 0.0)),
+        (Setpoint(surge=0.5, depth=0.0), (0.5, 0.5, 1.0)),
+        (Setpoint(surge=0.5, altitude=0.0), (0.5, 0.5, 1.0)),
+        (Setpoint(surge=0.5, heave=-0.25), (0.5, 0.5, -0.25)),
+    ],
+)
+def test_thrusters_that_are_not_reported_do_what_they_were_told(command, thrust):
+    navigation = Navigation()
+    senses = Senses(navigation)
+    senses.command = command
+    told(senses, 10.0, actuators=None)
+    assert navigation.report.actuators == pytest.approx(thrust)
+    told(senses, 12.0)
+    assert navigation.report.actuators == NEUTRAL
+
+
+# --- home --------------------------------------------------------------------------------------------
+
+
+def after(*fixes: Fix) -> Senses:
+    senses = Senses()
+    for one in fixes:
+        senses.take_fix(one)
+    return senses
+
+
+def test_home_takes_the_last_five_fixes_and_no_older_one():
+    good = [fix(float(t), north=float(t)) for t in range(5)]
+    assert after(*good[:4]).home_from_fixes() is None
+    home = after(*good).home_from_fixes()
+    assert math.radians(home.latitude_deg) == pytest.approx(LAT + 2.0 * _METRE, abs=1e-12)
+    assert home.longitude_deg == pytest.approx(HOME.longitude_deg)
+    assert after(fix(0.0, hdop=9.0), *good).home_from_fixes() == home
+    assert after(*good, fix(5.0, hdop=9.0)).home_from_fixes() is None
+    assert len(after(*good, *good).fixes) == 5
+
+
+def test_a_fix_for_home_has_hdop_3_at_most_and_lies_within_ten_metres_of_the_median():
+    def with_one(**values: object) -> Senses:
+        return after(*(fix(float(t)) for t in range(4)), fix(4.0, **values))
+
+    assert with_one(hdop=3.0).home_from_fixes() is not None
+    assert with_one(hdop=3.001).home_from_fixes() is None
+    assert with_one(hdop=None).home_from_fixes() is None
+    assert with_one(north=9.999).home_from_fixes() is not None
+    assert with_one(north=-10.001).home_from_fixes() is None
+
+
+def test_metres_are_those_of_the_mean_sphere_also_across_the_antimeridian():
+    degree = math.radians(1.0)
+    assert metres(0.0, 0.0, degree, 0.0) == pytest.approx(111195.0802, abs=1e-3)
+    assert metres(0.5, 0.0, 0.5, 1e-4) == pytest.approx(637.10088 * math.cos(0.5), abs=1e-4)
+    assert metres(0.4, 0.0, 0.6, 1e-4) == pytest.approx(metres(0.6, 1e-4, 0.4, 0.0))
+    across = metres(0.0, math.pi - 1e-4, 0.0, -math.pi + 1e-4)
+    assert across == pytest.approx(2.0 * 637.10088, abs=1e-4)
+    slanted = math.hypot(1e-4, 1e-4 * math.cos(0.5 * (0.5 + 0.5001))) * 6371008.8
+    assert metres(0.5, 0.0, 0.5001, 1e-4) == pytest.approx(slanted, abs=1e-6)

@@ -1,0 +1,478 @@
+"""Laws of the watching at its bounds: what counts as a descent, a turn, a standstill, a rest."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from engine_world import NEUTRAL, VEHICLE, Navigation
+
+from mission.engine.senses import Senses
+from mission.engine.watch import Descent, Progress, Steering, Watch
+from mission.engine.limits import BLIND_TIME, LIMITS, SILENCE, On
+from mission.engine.bounds import in_force
+from mission.model.units import GEARS
+from mission.model.shipped import load_vehicle
+from protocol.messages import Fix, Setpoint, SetSafety, Telemetry
+
+DEG = math.radians(1.0)
+
+
+# --- descent --------------------------------------------------------------------------------
+
+
+def sunk(
+    *reports: tuple[float, float | None], asked: bool = False, fastest: float = 9.0
+) -> Descent:
+    """After these depths at these times."""
+    descent = Descent()
+    for t, depth in reports:
+        known: Any = SimpleNamespace(depth=depth, telemetry=SimpleNamespace(t=t))
+        descent.take(known, asked, fastest)
+    return descent
+
+
+def test_a_descent_is_two_depths_a_second_apart_and_ten_at_most():
+    assert sunk((0.0, 0.0), (1.0, 3.0)).unexplained
+    assert sunk((0.0, 0.0), (0.999, 3.0)).unexplained is None
+    assert sunk((0.0, 0.0), (10.0, 3.0)).unexplained
+    assert sunk((0.0, 0.0), (10.001, 3.0)).unexplained is None
+    assert sunk((0.0, 3.0)).unexplained is None
+    assert sunk((0.0, 0.0), (0.0, 3.0)).unexplained is None
+
+
+def test_reports_that_follow_too_closely_are_passed_over_and_not_what_was_before_them():
+    assert sunk((0.0, 0.0), (0.6, 3.0), (1.2, 3.0)).unexplained
+
+
+def test_of_two_reports_of_one_instant_the_later_counts():
+    assert not sunk((0.0, 0.0), (0.0, 3.0), (1.0, 3.0)).unexplained
+    assert sunk((0.0, 0.0), (0.0, 1.0), (1.0, 3.0)).unexplained
+
+
+def test_after_too_long_a_gap_the_next_two_depths_are_a_rate_again():
+    descent = sunk((0.0, 0.0), (20.0, 3.0), (22.0, 3.5))
+    assert descent.unexplained
+    assert descent.words == "sinking at 0.25 m/s at 3.5 m, and nothing asked for it"
+
+
+def test_two_metres_are_an_allowance_below_the_shallowest_depth_since_it_was_asked_for():
+    assert not sunk((0.0, 1.0), (2.0, 3.0)).unexplained
+    assert sunk((0.0, 1.0), (2.0, 3.001)).unexplained
+    assert not sunk((0.0, 4.0), (2.0, 1.0), (4.0, 3.0)).unexplained
+    assert sunk((0.0, 4.0), (2.0, 1.0), (4.0, 3.001)).unexplained
+    descent = sunk((0.0, 0.0), (2.0, 5.0), asked=True)
+    assert not descent.unexplained
+    known: Any = SimpleNamespace(depth=7.0, telemetry=SimpleNamespace(t=4.0))
+    descent.take(known, False, 9.0)
+    assert not descent.unexplained
+
+
+def test_a_tenth_of_a_metre_a_second_is_no_descent_and_more_is():
+    assert not sunk((0.0, 0.0), (5.0, 5.0), (15.0, 6.0)).unexplained
+    assert sunk((0.0, 0.0), (5.0, 5.0), (15.0, 6.001)).unexplained
+
+
+def test_faster_than_the_vehicle_dives_is_not_explained_whoever_asked_for_it():
+    for asked, words in ((True, ""), (False, ", and nothing asked for it")):
+        assert not sunk((0.0, 0.0), (1.0, 0.5), asked=asked, fastest=0.5).unexplained
+        fast = sunk((0.0, 0.0), (1.0, 0.625), asked=asked, fastest=0.5)
+        assert fast.unexplained
+        assert fast.words == f"sinking at 0.62 m/s at 0.6 m{words}"
+
+
+def test_a_depth_that_is_not_known_is_no_descent_and_no_end_of_one():
+    descent = sunk((0.0, 0.0), (2.0, 4.0), (4.0, None))
+    assert descent.unexplained is None
+    descent = sunk((0.0, 0.0), (2.0, None), (4.0, 4.0))
+    assert descent.unexplained
+
+
+# --- steering -------------------------------------------------------------------------------
+
+
+def turned(*reports: tuple[float, float | None, float | None]) -> Steering:
+    """After these headings and wanted headings, in degrees, at these times."""
+    steering = Steering()
+    for t, heading, wanted in reports:
+        a, b = (None if x is None else x * DEG for x in (heading, wanted))
+        steering.take(t, a, b)
+    return steering
+
+
+@pytest.mark.parametrize(
+    ("reports", "astray"),
+    [
+        ([(0, 0, 0), (10, 31, 0)], True),
+        ([(0, 0, 0), (9.999, 31, 0)], False),
+        ([(0, 0, 0), (10, 30.5, 0)], True),
+        ([(0, 0, 0), (10, 29.9, 0)], False),
+        ([(0, 0, 0), (10, -30.5, 0)], True),
+        ([(0, 15, 0), (10, 35.1, 0)], True),
+        ([(0, 15, 0), (10, 34.9, 0)], False),
+        ([(0, 350, 0), (10, 329, 0)], True),
+        ([(0, 90, 90), (10, 121, 90)], True),
+        ([(0, 5, 355), (10, 26, 355)], True),
+    ],
+)
+def test_a_heading_is_astray_when_its_error_grew_by_20_deg_beyond_30_in_10_s(reports, astray):
+    steering = turned(*reports)
+    assert steering.astray is astray
+    assert steering.words.startswith("heading 3") is astray
+
+
+@pytest.mark.parametrize(("back_to", "astray"), [(49.9, False), (50.1, True)])
+def test_an_error_that_shrinks_by_more_than_10_deg_is_being_mended(back_to: float, astray: bool):
+    """Also where it had grown before, and grows again."""
+    steering = turned((0, 0, 0), (4, 60, 0), (8, back_to, 0), (10, back_to, 0), (12, 58, 0))
+    assert steering.astray is astray
+    steering = turned((0, 0, 0), (4, 60, 0), (6, 52, 0), (8, back_to, 0), (12, 58, 0))
+    assert steering.astray is astray
+
+
+@pytest.mark.parametrize(("to", "astray"), [(15.1, False), (14.9, True), (-14.9, True)])
+def test_a_heading_that_is_set_anew_by_more_than_15_deg_begins_anew(to: float, astray: bool):
+    assert turned((0, 0, 0), (5, 0, to), (10, 60, to)).astray is astray
+    on = 170.0
+    assert turned((0, on, on), (5, on, on + to), (10, on + 60, on + to)).astray is astray
+
+
+def test_without_a_heading_nothing_is_astray_and_without_a_wanted_one_all_begins_anew():
+    assert turned((0, 0, 0), (10, None, 0)).astray is None
+    assert turned((0, 0, 0), (5, None, 0), (10, 40, 0)).astray is True
+    assert turned((0, 0, 0), (10, 40, None)).astray is None
+    assert turned((0, 0, 0), (5, 0, None), (10, 40, 0)).astray is False
+
+
+# --- progress -------------------------------------------------------------------------------
+
+
+def dived(*reports: tuple[float, float | None, float | None]) -> Progress:
+    progress = Progress()
+    for t, depth, wanted in reports:
+        progress.take(t, depth, wanted)
+    return progress
+
+
+@pytest.mark.parametrize(
+    ("reports", "stuck"),
+    [
+        ([(0, 5, 10), (120, 5, 10)], True),
+        ([(0, 5, 10), (119.999, 5, 10)], False),
+        ([(0, 8, 10), (120, 8, 10)], False),
+        ([(0, 7.999, 10), (120, 7.999, 10)], True),
+        ([(0, 12.001, 10), (120, 12.001, 10)], True),
+        ([(0, 5, 10), (60, 5.5, 10), (120, 5.5, 10)], False),
+        ([(0, 5, 10), (60, 5.499, 10), (120, 5.499, 10)], True),
+        ([(0, 5, 10), (60, 5, 11), (120, 5, 11)], False),
+        ([(0, 5, 10), (60, 5, None), (61, 5, 10), (120, 5, 10)], False),
+        ([(0, 5, 10), (60, None, 10), (120, 5, 10)], True),
+        ([(0, 5, 10), (120, None, 10)], None),
+        ([(0, 5, None), (120, 5, None)], None),
+    ],
+)
+def test_a_depth_is_stuck_when_it_came_no_half_metre_nearer_in_two_minutes(reports, stuck):
+    assert dived(*reports).stuck is stuck
+
+
+# --- the watch ------------------------------------------------------------------------------
+
+
+def watch(*, vehicle=VEHICLE, **report: object) -> Watch:
+    """At 10 s, with one report; nothing is set."""
+    senses = Senses(Navigation())
+    one = Watch(vehicle, senses, in_force(vehicle, None, SetSafety()))
+    heard(one, 10.0, **report)
+    return one
+
+
+def heard(one: Watch, t: float, **report: object) -> None:
+    base = Telemetry(
+        t=t, depth=5.0, altitude=9.0, heading=0.0, actuators=NEUTRAL, batteries=(12.0, 48.0)
+    )
+    one.senses.at(t)
+    one.senses.take_telemetry(replace(base, **report))
+    one.take_report()
+
+
+def sinks(sent: Setpoint | None, *, to: float = 8.0, **report: object) -> bool | None:
+    """From 5 m within 2 s while this is in force: whether that is not explained."""
+    one = watch(vehicle=replace(VEHICLE, limits=replace(VEHICLE.limits, descent_rate=50.0)))
+    one.set_sent(sent)
+    heard(one, 12.0, depth=to, **report)
+    return one.descent.unexplained
+
+
+def test_a_dive_is_asked_for_until_half_a_metre_below_the_depth_that_is_set():
+    assert sinks(None)
+    assert sinks(Setpoint(surge=0.5))
+    assert sinks(Setpoint(depth=7.5), to=8.0)
+    assert not sinks(Setpoint(depth=7.5), to=7.999)
+    assert not sinks(Setpoint(depth=0.0), to=0.4)
+
+
+def test_a_dive_is_asked_for_until_half_a_metre_below_the_altitude_that_is_set():
+    assert sinks(Setpoint(altitude=9.0), altitude=8.5)
+    assert not sinks(Setpoint(altitude=9.0), altitude=8.501)
+    assert not sinks(Setpoint(altitude=9.0), altitude=None)
+    assert sinks(Setpoint(altitude=0.75), altitude=0.0)
+
+
+def test_an_altitude_that_is_not_to_be_believed_may_be_any():
+    one = watch()
+    one.vehicle = replace(VEHICLE, limits=replace(VEHICLE.limits, descent_rate=50.0))
+    one.set_sent(Setpoint(altitude=9.0))
+    navigation: Any = one.senses.navigation
+    navigation.doubt["altitude"] = "frozen"
+    heard(one, 12.0, depth=8.0, altitude=1.0)
+    assert one.descent.unexplained is False
+
+
+def test_thrust_downward_asks_for_a_dive_and_thrust_upward_for_none():
+    assert not sinks(Setpoint(heave=0.01))
+    assert sinks(Setpoint(heave=0.0))
+    assert sinks(Setpoint(heave=-0.5))
+
+
+def test_an_ascent_of_a_leg_answers_for_its_own_sinking():
+    one = watch()
+    one.ascending = True
+    heard(one, 12.0, depth=8.0)
+    assert one.descent.unexplained is (VEHICLE.limits.descent_rate < 1.5)
+
+
+@pytest.mark.parametrize(
+    ("t", "thrust", "turns"),
+    [
+        (10.5, 0.03, True),
+        (10.499, 0.03, False),
+        (10.5, 0.02, False),
+        (10.5, -0.03, True),
+        (10.5, None, False),
+    ],
+)
+def test_a_thruster_turns_if_a_report_from_half_a_second_later_says_so(t, thrust, turns):
+    one = watch()
+    values = None if thrust is None else (0.0, 0.0, 0.0, 0.0, thrust, 1.0)
+    heard(one, t, actuators=values)
+    assert one.turning(10.0) is turns
+
+
+@pytest.mark.parametrize(
+    ("t", "ahead", "turns"),
+    [(12.0, 0.06, True), (11.99, 0.06, False), (12.0, 0.05, False), (12.0, -0.06, True)],
+)
+def test_what_drives_has_way_if_a_report_from_two_seconds_later_says_so(t, ahead, turns):
+    one = watch()
+    one.vehicle = load_vehicle("robot")
+    heard(one, t, velocity=(ahead, 0.0, 0.0))
+    assert one.turning(10.0) is turns
+    one.vehicle = load_vehicle("auv")  # it drifts, and has a depth to be judged by
+    assert not one.turning(10.0)
+
+
+def test_rudders_are_no_thrusters():
+    one = watch()
+    heard(one, 12.0, actuators=(*NEUTRAL, 1.0, 1.0))
+    assert not one.turning(10.0)
+    one.set_sent(Setpoint(surge=0.5))
+    one.accepted_at = 10.0
+    assert one.powerless()
+
+
+@pytest.mark.parametrize("sent", [Setpoint(surge=0.1), Setpoint(turn=0.1), Setpoint(heave=0.1)])
+def test_thrust_that_was_accepted_half_a_second_ago_turns_a_thruster_or_power_is_gone(sent):
+    one = watch()
+    one.set_sent(sent)
+    heard(one, 12.0)
+    assert one.powerless() is None, "not accepted yet"
+    one.accepted_at = 11.501
+    assert one.powerless() is None
+    one.accepted_at = 11.5
+    assert one.powerless() is True
+    one.repeated = True
+    heard(one, 14.0, actuators=(0.0, 0.0, 0.0, 0.0, -0.03))
+    assert one.powerless() is False
+    assert not one.repeated
+    heard(one, 16.0, actuators=())
+    assert one.powerless() is None
+
+
+def test_where_nothing_is_asked_of_the_thrusters_power_is_not_gone():
+    one = watch()
+    assert one.powerless() is None
+    one.set_sent(Setpoint(depth=5.0))
+    one.accepted_at = 10.0
+    heard(one, 12.0)
+    assert one.powerless() is False
+
+
+def at_the_surface(**changes: Any) -> Watch:
+    """Under way ahead at the surface, the course 61 deg off the bow."""
+    one = watch(depth=changes.pop("depth", 0.2))
+    one.set_sent(Setpoint(surge=changes.pop("surge", 1.0)))
+    if changes.pop("doubt", ""):
+        navigation: Any = one.senses.navigation
+        navigation.doubt["heading"] = "frozen"
+        one.senses.at(10.0)
+    known = {"course": 61.0 * DEG, "speed": 0.8} | changes
+    one.senses.take_fix(Fix(10.0, 0.5, 2.0, 2.5, **known))
+    return one
+
+
+@pytest.mark.parametrize(
+    ("changes", "apart"),
+    [
+        ({}, True),
+        ({"course": 59.0 * DEG}, False),
+        ({"course": -61.0 * DEG}, True),
+        ({"course": None}, None),
+        ({"speed": None}, None),
+        ({"speed": 0.4}, True),
+        ({"speed": 0.399}, False),
+        ({"surge": 0.0}, False),
+        ({"depth": 0.5}, False),
+        ({"depth": 0.499}, True),
+        ({"depth": None}, None),
+        ({"doubt": "heading"}, None),
+    ],
+)
+def test_a_course_is_apart_from_the_bow_at_the_surface_and_under_way_alone(changes, apart):
+    assert at_the_surface(**changes).course_apart() is apart
+
+
+def test_without_a_fix_a_set_or_an_estimate_no_course_is_apart():
+    assert watch(depth=0.2).course_apart() is None
+    one = at_the_surface()
+    one.set_sent(None)
+    assert one.course_apart() is None
+    one = at_the_surface()
+    assert one.senses.estimate is not None
+    one.senses.estimate = one.senses.estimate._replace(heading=None)
+    assert one.course_apart() is None
+    one.senses.estimate = None
+    assert one.course_apart() is None
+
+
+def test_a_course_is_held_against_where_the_bow_points():
+    for heading, apart in ((100.0, False), (61.0, False), (-1.0, True), (123.0, True)):
+        one = at_the_surface()
+        assert one.senses.estimate is not None
+        one.senses.estimate = one.senses.estimate._replace(heading=heading * DEG)
+        assert one.course_apart() is apart
+
+
+def test_a_gear_that_makes_0_4_m_a_second_is_under_way_and_a_slower_one_not():
+    speeds = VEHICLE.speed_by_gear
+    low, high = 0.0, 1.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if speeds.at(GEARS * middle) >= 0.4 else (middle, high)
+    assert at_the_surface(surge=high + 1e-6).course_apart() is True
+    assert at_the_surface(surge=low - 1e-6).course_apart() is False
+
+
+# --- time -----------------------------------------------------------------------------------
+
+
+def test_the_next_deadline_is_the_first_of_those_that_wait():
+    one = watch()
+    assert one.next_timer() == 10.0 + SILENCE
+    one.topside_silence, one.topside_heard = 3.0, 9.0
+    assert one.next_timer() == 12.0
+    one.started, one.bounds = 10.0, replace(one.bounds, time=1.5)
+    assert one.next_timer() == 11.5
+    one.blind_since = 5.25
+    assert one.next_timer() == 5.25 + BLIND_TIME
+    one.begin(20.0)
+    assert one.next_timer() == min(20.0 + SILENCE, 11.5)
+
+
+def test_whoever_was_never_heard_is_silent_and_nothing_is_lost_yet():
+    one = Watch(VEHICLE, Senses(), in_force(VEHICLE, None, SetSafety()))
+    one.topside_silence = 30.0
+    assert {row.name for row in one.look(False, False)} == {"telemetry", "topside"}
+    assert one.lost == 0
+
+
+def test_a_mission_that_begins_is_heard_now_and_has_lost_nothing():
+    one = watch()
+    one.topside_silence, one.lost, one.repeated = 3.0, 2, True
+    one.begin(50.0)
+    assert (one.heard, one.topside_heard, one.lost, one.repeated) == (50.0, 50.0, 0, False)
+    assert (one.breaches, one.blind_since) == ((), None)
+    assert one.descent.unexplained is None
+
+
+def test_a_limit_of_the_clock_that_is_breached_stays_so_until_its_next_look():
+    one = watch()
+    one.senses.at(10.0 + SILENCE)
+    (silent,) = one.look(reported=False, fixed=False)
+    assert silent.name == "telemetry"
+    assert one.breaches == (silent,)
+    heard(one, 16.0)
+    assert one.look(reported=True, fixed=False) == []
+    assert one.breaches == ()
+
+
+def test_what_reports_breach_stays_breached_while_only_the_clock_goes_on():
+    one = watch(roll=3.0)
+    one.look(reported=True, fixed=False)
+    (over,) = one.look(reported=True, fixed=False)
+    assert over.on is On.REPORT
+    assert one.look(reported=False, fixed=False) == []
+    assert one.breaches == (over,)
+    one.senses.at(10.0 + SILENCE)
+    (silent,) = one.look(reported=False, fixed=False)
+    assert one.breaches == (over, silent)
+
+
+def test_a_limit_that_is_forgiven_counts_anew():
+    one = watch(roll=3.0)
+    row = next(row for row in LIMITS if row.name == "roll-over")
+    for _ in range(3):
+        assert one.look(reported=True, fixed=False) == []
+        one.forgive(row)
+    assert one.look(reported=True, fixed=False) == []
+    assert one.look(reported=True, fixed=False) == [row]
+
+
+def test_a_clone_goes_its_own_way():
+    one = watch(roll=3.0)
+    one.look(reported=True, fixed=False)
+    other = one.clone(one.senses.clone())
+    other.look(reported=True, fixed=False)
+    heard(other, 12.0, depth=8.0)
+    assert one.breaches == ()
+    assert one.descent.unexplained is None
+    assert one._samples != other._samples
+    other.set_sent(Setpoint(surge=0.5))
+    assert one.senses.command is None
+
+
+def test_the_blindness_of_a_submerged_vehicle_counts_from_its_first_look():
+    one = watch()
+    navigation: Any = one.senses.navigation
+    one.look(reported=True, fixed=False)
+    assert one.blind_since is None
+    navigation.doubt["depth"] = "frozen"
+    for t in (12.0, 14.0):
+        one.senses.at(t)
+        one.look(reported=False, fixed=False)
+        assert one.blind_since == 12.0
+    navigation.doubt.clear()
+    one.senses.at(15.0)
+    one.look(reported=False, fixed=False)
+    assert one.blind_since is None
+
+
+def test_at_the_surface_nobody_is_blind():
+    one = watch(depth=0.2)
+    navigation: Any = one.senses.navigation
+    navigation.doubt["depth"] = "frozen"
+    one.senses.at(12.0)
+    one.look(reported=False, fixed=False)
+    assert one.blind_since is None

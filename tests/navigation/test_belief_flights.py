@@ -1,0 +1,106 @@
+"""Flights by truth: a depth that is wrong leads nowhere, and one that is right is believed."""
+
+from __future__ import annotations
+
+import pytest
+
+from links.simulated.settings import parse_settings
+from mission.authoring.language import parse
+from mission.model import SURFACED, Mission
+from mission.authoring.prepare import prepare
+from mission.verification.simulation.flight import fly
+from mission.verification.simulation.flightlog import Flight
+from mission.model.shipped import load_vehicle, missions_folder
+
+pytestmark = pytest.mark.proof  # long: make proofs
+
+PROFILES = ("as-built", "documented")
+LIMIT = "limit depth contradicted"
+SINKS = 6.0  # m beyond the limit, in the time that it takes
+MISSION = """mission hold vehicle auv
+home 30.2874595 120.1535765
+safety radius 500 time 30min depth {limit}
+assume current 0.1
+dive: ZAS{depth} heading 90 ZAF4 until depth >= {reached} timeout 3min
+hold: heading 90 ZAF4 until elapsed >= 100s timeout 110s
+up: surface timeout 3min
+"""
+
+
+def hold(depth: int) -> Mission:
+    return parse(MISSION.format(depth=depth, limit=depth + 1, reached=depth - 0.5))
+
+
+def flown(mission: Mission, profile: str, *settings: str, seed: int = 1) -> Flight:
+    return fly(
+        mission,
+        load_vehicle("auv"),
+        profile=profile,
+        seed=seed,
+        settings=parse_settings(["floor=150", *settings]),
+    )
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize(
+    ("depth", "fault"),
+    [
+        (10, "depth_stuck@1"),
+        (10, "depth_stuck@12"),
+        (10, "depth_stuck=0.2@20"),
+        (10, "depth_stuck=0.3@26"),
+        (3, "depth_stuck@8"),
+        (2, "depth_stuck@2"),
+        (10, "depth_drifting=-0.3@10"),
+    ],
+)
+def test_a_port_that_clogs_a_metre_short_leads_no_deeper_than_it_sinks_meanwhile(
+    profile: str, depth: int, fault: str
+) -> None:
+    flight = flown(hold(depth), profile, f"fault={fault}+900")
+    assert flight.reason.startswith(LIMIT)
+    assert flight.max_depth <= depth + 1 + SINKS
+    assert flight.final_state == SURFACED
+    assert flight.at_surface
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize("fault", ["depth_too_deep=2@9", "depth_drifting=0.1@30"])
+def test_an_offset_or_a_drift_keeps_no_vehicle_from_its_surface(profile: str, fault: str) -> None:
+    flight = flown(hold(3), profile, f"fault={fault}+900")
+    assert any(
+        "surfaced" in step.trigger or "emergency/surfaced" in step.entered for step in flight.steps
+    )
+    assert flight.at_surface
+    assert flight.track[-1].t < 400.0
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize("fault", ["gps_wanders@1", "gps_in_turn@1", "gps_stuck@1"])
+def test_what_a_receiver_says_under_water_ends_no_ascent(profile: str, fault: str) -> None:
+    flight = flown(hold(8), profile, f"fault={fault}+900")
+    assert flight.reason == "the mission's end was reached"
+    up = next(step.t for step in flight.steps if step.entered[-1:] == ("autonomous/up",))
+    stopped = next(
+        step.t for step in flight.steps if step.t > up and "stopped" in str(step.actions)
+    )
+    assert next(place.depth for place in flight.track if place.t >= stopped) < 0.5
+    clean = flown(hold(8), profile)
+    assert flight.max_range <= clean.max_range + 15.0
+
+
+@pytest.mark.parametrize(
+    ("name", "profile"),
+    [
+        (path.stem, PROFILES[i % 2])
+        for i, path in enumerate(sorted(missions_folder().glob("*.yaml")))
+    ],
+)
+def test_no_depth_of_a_flight_without_faults_is_contradicted(name: str, profile: str) -> None:
+    flight = flown(
+        prepare(missions_folder() / f"{name}.yaml").mission,
+        profile,
+        *("current=0.4@200", "depth_noise=0.1", "altitude_drop=0.5", "floor=28"),
+        seed=len(name),
+    )
+    assert flight.outcome != "emergency", flight.reason

@@ -1,0 +1,297 @@
+"""What else is known of going up and down contradicts a depth, and what is natural does not."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from random import Random
+
+import pytest
+
+from mission.navigation.fixes import Receiver
+from mission.model import Vertical
+from mission.navigation.belief import DepthBelief
+from protocol.messages import Fix
+
+DOWN, UP, HOLD = Vertical(0.83, 10.0), Vertical(-1.0, -math.inf), Vertical(0.42, 10.0)
+REST = Vertical(0.0, None)
+PERIOD = 2.0
+
+
+class Dive:
+    """Reports every 2 s, fixes every second while they come."""
+
+    def __init__(self, seed: int = 1, noise: float = 0.1) -> None:
+        self.rng, self.noise = Random(seed), noise
+        self.belief, self.receiver = DepthBelief(), Receiver()
+        self.t, self.mains = 0.0, 0.0
+
+    def go(
+        self,
+        seconds: float,
+        push: Vertical,
+        depth: Callable[[float], float],
+        altitude: Callable[[float], float | None] = lambda s: None,
+        *,
+        fixes: bool = False,
+    ) -> str:
+        """``depth`` and ``altitude`` are told s from the beginning; the reason at the end."""
+        begun = self.t
+        while self.t < begun + seconds - 1e-6:
+            if fixes:
+                self.fix()
+                self.fix(0.9)
+            shown = depth(self.t - begun) + self.rng.gauss(0.0, self.noise)
+            high = altitude(self.t - begun)
+            self.belief.take(self.t, shown, high, self.mains, push, self.receiver)
+            self.t += PERIOD
+        return self.belief.reason
+
+    def fix(self, after: float = 0.0, **changes: float) -> None:
+        place = 0.5 + 1e-7 * self.rng.gauss(0.0, 1.0)
+        self.receiver.take(Fix(self.t + after, place, 2.0, 2.5, **changes))  # type: ignore[arg-type]
+
+
+def at(depth: float) -> Callable[[float], float]:
+    return lambda s: depth
+
+
+def sinking(rate: float, start: float = 0.2) -> Callable[[float], float]:
+    return lambda s: start + rate * s
+
+
+# --- contradicted ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.05, 0.1, 0.3])
+@pytest.mark.parametrize("push", [DOWN, Vertical(None, 10.0), Vertical(0.6, 10.0)])
+@pytest.mark.parametrize("seed", range(5))
+def test_a_depth_that_stands_under_a_push_is_contradicted_within_18_seconds(noise, push, seed):
+    dive = Dive(seed, noise)
+    assert dive.go(12.0, push, sinking(0.35)) == ""
+    assert dive.go(18.0, push, at(4.2)).startswith("contradicted: the verticals push down")
+
+
+def test_one_that_stands_from_the_beginning_of_the_dive_is_too():
+    dive = Dive()
+    assert dive.go(60.0, REST, at(0.2), fixes=True) == ""
+    assert dive.go(18.0, DOWN, at(0.2)).startswith("contradicted")
+
+
+def test_one_that_stands_at_depth_though_the_verticals_push_up_is_too():
+    assert Dive().go(18.0, UP, at(6.0)).startswith("contradicted: the verticals push up")
+
+
+def test_where_fixes_have_ended_half_a_metre_short_is_enough_for_the_set_alone():
+    for fixes, contradicted in ((True, True), (False, False)):
+        dive, push = Dive(noise=0.02), Vertical(None, 1.0)
+        dive.go(20.0, REST, at(0.2), fixes=fixes)
+        assert bool(dive.go(30.0, push, at(0.2))) is contradicted
+
+
+@pytest.mark.parametrize("rate", [0.3, -0.3])
+def test_ground_that_comes_nearer_or_goes_while_the_depth_stands_contradicts_it(rate):
+    dive = Dive()
+    dive.go(60.0, HOLD, at(9.8), at(20.0))
+    reason = dive.go(20.0, HOLD, at(9.8), lambda s: 20.0 - rate * s)
+    assert reason.startswith("contradicted: the ground comes nearer")
+
+
+def test_a_depth_that_goes_faster_than_a_body_does_is_contradicted():
+    assert "no body" in Dive().go(16.0, HOLD, lambda s: 40.0 - 1.8 * s)
+
+
+@pytest.mark.parametrize("off", [1.5, -1.5])
+def test_an_offset_is_contradicted_by_half_a_minute_of_fixes(off):
+    dive = Dive()
+    assert dive.go(30.0, REST, at(off), fixes=True) == ""
+    assert dive.go(18.0, REST, at(off), fixes=True).startswith("contradicted: fixes come")
+
+
+def test_a_drift_is_contradicted_by_fixes_once_a_push_upward_does_not_bring_it_up():
+    dive = Dive()
+    assert dive.go(60.0, REST, lambda s: 3.0 + 0.1 * s, fixes=True) == ""
+    dive.go(10.0, UP, lambda s: 9.0 + 0.1 * s, fixes=True)
+    assert dive.belief.reason.startswith("contradicted: fixes come")
+
+
+def test_a_leap_is_contradicted_at_once():
+    belief = DepthBelief()
+    belief.leap(3.0, -4.0)
+    assert belief.reason == "contradicted: it leapt by -4.0 m"
+
+
+# --- natural -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rate", [0.1, 0.35, 0.6])
+@pytest.mark.parametrize("seed", range(20))
+def test_a_dive_and_a_rise_at_any_pace_are_natural(rate, seed):
+    dive = Dive(seed)
+    assert dive.go(80.0, Vertical(0.83, 99.0), sinking(rate)) == ""
+    assert dive.go(80.0, UP, sinking(-rate, 0.2 + 80.0 * rate)) == ""
+
+
+@pytest.mark.parametrize(
+    "push",
+    [HOLD, Vertical(0.5, 10.0), Vertical(0.7, 10.0), Vertical(None, 10.0), Vertical(-0.3, 10.0)],
+)
+def test_to_hover_against_buoyancy_is_natural(push):
+    dive = Dive()
+    dive.mains = 0.5
+    assert dive.go(1800.0, push, at(9.8), lambda s: 12.0 + 3.0 * math.sin(0.02 * s)) == ""
+
+
+def test_a_hold_that_is_always_a_little_short_is_natural():
+    """Without an integral part: it pushes as much as the buoyancy asks for, and is never there."""
+    for short, push in ((0.9, Vertical(0.5, 10.0)), (0.9, Vertical(None, 10.0))):
+        assert Dive(noise=0.02).go(600.0, push, at(10.0 - short)) == ""
+
+
+def test_a_dive_that_fails_at_the_surface_is_natural_while_fixes_come():
+    assert Dive().go(300.0, DOWN, at(0.2), fixes=True) == ""
+
+
+def test_to_push_at_the_surface_upward_is_natural():
+    assert Dive().go(300.0, UP, at(0.2)) == ""
+
+
+def test_to_lie_on_the_ground_is_natural_where_the_altimeter_says_so():
+    def heard(s: float) -> float | None:
+        return 0.3 if s % 40.0 == 0.0 else None
+
+    assert Dive().go(300.0, DOWN, at(6.0), heard) == ""
+
+
+def test_a_slope_under_way_a_step_of_the_ground_and_a_slow_altimeter_are_natural():
+    moving = Dive()
+    moving.mains = 0.4
+    assert moving.go(120.0, HOLD, at(9.8), lambda s: 60.0 - 0.4 * s) == ""
+    assert Dive().go(200.0, HOLD, at(9.8), lambda s: 20.0 if s < 100.0 else 12.0) == ""
+    slow = Dive()
+    slow.go(28.0, Vertical(0.83, 14.2), sinking(0.5), lambda s: 45.0 - 0.2 * s)
+    assert slow.go(120.0, HOLD, at(14.2), lambda s: 25.0 + 15.0 * math.exp(-s / 30.0)) == ""
+
+
+def test_a_vehicle_that_sinks_truly_is_believed_whatever_its_receiver_says():
+    dive = Dive()
+    assert dive.go(120.0, REST, sinking(0.15, 5.0), fixes=True) == ""
+
+
+def test_waves_are_natural():
+    for seed in range(10):
+        dive, rng = Dive(seed), Random(seed)
+        phase = rng.uniform(0.0, 6.3)
+        swell = lambda s, p=phase: 0.4 + 0.35 * math.sin(0.9 * s + p)  # noqa: E731
+        assert dive.go(600.0, REST, swell, fixes=True) == ""
+
+
+def test_a_gap_in_the_reports_begins_the_window_anew():
+    dive = Dive()
+    dive.go(12.0, DOWN, at(4.2))
+    dive.t += 10.0
+    assert dive.go(12.0, DOWN, at(4.2)) == ""
+
+
+@pytest.mark.parametrize("hz", [0.5, 10.0])
+def test_reports_ten_times_a_second_are_judged_as_those_of_two_seconds(hz):
+    belief, receiver, t = DepthBelief(), Receiver(), 0.0
+    while not belief.reason:
+        belief.take(t, 4.2, None, 0.5, DOWN, receiver)
+        t += 1.0 / hz
+    assert 12.0 <= t <= 18.0
+
+
+# --- believed again ------------------------------------------------------------------------------
+
+
+def contradicted() -> Dive:
+    dive = Dive(noise=0.05)
+    dive.go(20.0, DOWN, at(4.2))
+    assert dive.belief.reason
+    return dive
+
+
+def test_a_depth_that_moves_as_the_vehicle_is_moved_is_believed_again():
+    for push in (UP, REST):
+        dive = contradicted()
+        assert dive.go(12.0, push, sinking(-0.25, 12.0))
+        assert dive.go(20.0, push, sinking(-0.25, 9.0)) == ""
+
+
+def test_one_that_moves_against_the_push_is_not():
+    dive = contradicted()
+    assert dive.go(40.0, DOWN, sinking(-0.2, 12.0))
+
+
+def test_what_a_push_upward_in_vain_contradicted_may_be_an_offset_and_is_not_either():
+    dive = Dive(noise=0.05)
+    dive.go(18.0, UP, at(6.0))
+    assert dive.go(40.0, UP, sinking(-0.2, 12.0))
+
+
+def test_a_clogged_port_at_the_surface_is_never_believed():
+    dive = Dive(noise=0.1)
+    dive.go(20.0, DOWN, at(0.2))
+    assert dive.go(1800.0, REST, at(0.2), fixes=True)
+
+
+def test_one_that_has_come_back_to_the_surface_is_believed_after_ten_seconds_of_fixes():
+    dive = contradicted()
+    dive.go(20.0, UP, at(4.2))
+    assert dive.go(8.0, REST, at(0.2), fixes=True)
+    assert dive.go(20.0, REST, at(0.2), fixes=True) == ""
+
+
+@pytest.mark.parametrize("fixes", [False, True])
+def test_what_leapt_is_believed_at_the_surface_alone(fixes):
+    dive = Dive(noise=0.05)
+    dive.go(20.0, HOLD, at(10.0))
+    dive.belief.leap(dive.t, -6.0)
+    assert dive.go(18.0, UP, sinking(-0.22, 4.0))
+    assert dive.go(30.0, REST, at(0.2), fixes=fixes).startswith("" if fixes else "contradicted")
+    assert bool(dive.belief.reason) is not fixes
+
+
+# --- the receiver --------------------------------------------------------------------------------
+
+
+def run(fixes: Iterable[Fix]) -> tuple[Receiver, float]:
+    receiver, last = Receiver(), 0.0
+    for fix in fixes:
+        receiver.take(fix)
+        last = fix.t
+    return receiver, receiver.settled(last)
+
+
+def steady(count: int = 20, gap: float = 1.0, **changes: object) -> list[Fix]:
+    return [Fix(gap * i, 0.5 + 1e-7 * i, 2.0, 2.5, **changes) for i in range(count)]  # type: ignore[arg-type]
+
+
+def test_fixes_that_come_each_second_are_settled_for_as_long():
+    _, settled = run(steady())
+    assert settled == 19.0
+
+
+@pytest.mark.parametrize(
+    "fixes",
+    [
+        steady(gap=3.0),
+        steady(hdop=6.0),
+        steady(satellites=3),
+        steady(speed=5.0),
+        [Fix(float(i), 0.5 + 1e-5 * (i % 2) * i, 2.0, 2.5) for i in range(20)],
+        [Fix(float(i), 0.5 + 1e-7 * (i % 3), 2.0, 2.5) for i in range(20)],
+    ],
+    ids=["gaps", "hdop", "satellites", "speed", "leaps", "in turn"],
+)
+def test_what_does_not_behave_as_at_the_surface_is_not_settled(fixes: list[Fix]):
+    assert run(fixes)[1] == 0.0
+
+
+def test_a_run_of_fixes_is_over_with_the_last_of_them():
+    receiver, _ = run(steady())
+    assert receiver.settled(21.5) == 19.0
+    assert receiver.settled(21.6) == 0.0
+    assert receiver.quiet(21.0) == 2.0
+    assert Receiver().quiet(21.0) is None

@@ -1,0 +1,240 @@
+"""Each way in which a sensor can be disbelieved, and how it is believed again."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from mission.navigation.health import SENSORS, SensorHealth
+from mission.model.shipped import load_vehicle
+from protocol.messages import Fix, Telemetry
+
+_MOVING = (0.5, 0.5, 0.0, 0.0, 0.0)
+_ALL = frozenset(SENSORS)
+
+
+def report(i: int, **fields: object) -> Telemetry:
+    base = Telemetry(
+        2.0 * i,
+        depth=5.0 + 0.01 * i,
+        altitude=9.0 - 0.01 * i,
+        heading=(6.2 + 0.03 * i) % (2.0 * math.pi),
+        pitch=0.001 * i,
+        roll=-0.001 * i,
+        temperature_c=15.0,
+        batteries=(12.0, 48.0),
+        actuators=_MOVING,
+        leak=False,
+    )
+    return replace(base, **fields)  # type: ignore[arg-type]
+
+
+def after(*reports: Telemetry) -> SensorHealth:
+    health = SensorHealth(_ALL)
+    for r in reports:
+        health.telemetry(r)
+    return health
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+def test_a_sensor_that_never_reported_is_missing(sensor: str) -> None:
+    health = SensorHealth(_ALL).of(sensor, 1.0)
+    assert (health.valid, health.reason) == (False, "missing")
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+def test_what_was_heard_a_moment_ago_is_valid_and_grows_stale(sensor: str) -> None:
+    health = after(*(report(i) for i in range(8)))
+    health.fix(Fix(14.0, 0.5, 2.0, 2.5))
+    assert health.of(sensor, 14.5).valid
+    late = health.of(sensor, 14.0 + 31.0)
+    assert (late.valid, late.reason, late.age) == (False, "stale", 31.0)
+
+
+@pytest.mark.parametrize("name", ["depth", "altitude", "heading", "pitch", "roll"])
+def test_five_identical_reports_are_frozen_and_the_next_change_thaws(name: str) -> None:
+    sensor = "attitude" if name in ("pitch", "roll") else name
+    reports = [report(i, **{name: 1.25}) for i in range(5)]
+    assert after(*reports[:4]).of(sensor, 8.0).valid
+    health = after(*reports)
+    assert health.of(sensor, 8.0).reason == "frozen"
+    health.telemetry(report(5, **{name: 1.2500001}))
+    assert health.of(sensor, 10.0).valid
+
+
+def test_a_vehicle_at_rest_freezes_nothing() -> None:
+    still = (0.0, 0.0, 0.0, 0.0, 0.0)
+    health = after(*(report(i, depth=1.25, actuators=still) for i in range(9)))
+    assert health.of("depth", 16.0).valid
+
+
+def test_batteries_and_temperature_may_be_constant() -> None:
+    health = after(*(report(i) for i in range(20)))
+    assert health.of("battery", 38.0).valid
+    assert health.of("temperature", 38.0).valid
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("depth", 6553.5),
+        ("depth", math.nan),
+        ("depth", -10.0),
+        ("altitude", math.inf),
+        ("altitude", 0.0),
+        ("heading", 7.0),
+        ("pitch", 3.0),
+        ("temperature_c", 200.0),
+    ],
+)
+def test_what_cannot_be_is_absurd(name: str, value: float) -> None:
+    sensor = {"temperature_c": "temperature", "pitch": "attitude"}.get(name, name)
+    health = after(report(0), report(1, **{name: value}))
+    assert health.of(sensor, 2.0).reason == "absurd"
+    health.telemetry(report(2))
+    assert health.of(sensor, 4.0).valid
+
+
+def test_a_leap_is_absurd_until_three_reports_agree_on_it() -> None:
+    health = after(report(0), report(1))
+    for i, valid in [(2, False), (3, False), (4, True)]:
+        health.telemetry(report(i, altitude=240.0 + 0.1 * i))
+        assert health.of("altitude", 2.0 * i).valid is valid
+
+
+def test_a_depth_that_leapt_is_contradicted_once_three_reports_agree_on_it() -> None:
+    health = after(report(0), report(1))
+    for i, why in [(2, "absurd"), (3, "absurd"), (4, "contradicted: it leapt by 35.2 m")]:
+        health.telemetry(report(i, depth=40.0 + 0.1 * i))
+        assert health.of("depth", 2.0 * i).reason == why
+
+
+def test_a_heading_through_north_is_no_leap() -> None:
+    health = after(report(0, heading=6.28), report(1, heading=0.01))
+    assert health.of("heading", 2.0).valid
+
+
+def test_what_the_codec_doubts_is_absurd() -> None:
+    health = after(report(0), report(1, faults=("depth_m:out_of_range",)))
+    assert health.of("depth", 2.0).reason == "absurd"
+    assert health.of("heading", 2.0).valid
+
+
+@pytest.mark.parametrize(
+    ("field", "fault"),
+    [
+        ("depth", "depth_m:nan"),
+        ("altitude", "altitude_m:infinite"),
+        ("heading", "yaw_deg:nan"),
+        ("roll", "roll_deg:nan"),
+        ("temperature_c", "temperature_c:nan"),
+    ],
+)
+def test_what_is_no_number_is_absurd_with_that_report_and_not_once_it_is_stale(field, fault):
+    sensor = {"temperature_c": "temperature", "roll": "attitude"}.get(field, field)
+    health = after(report(0), report(1, **{field: None}, faults=(fault,)))
+    assert health.of(sensor, 2.0).reason == "absurd"
+    health.telemetry(report(2))
+    assert health.of(sensor, 4.0).valid
+
+
+def test_what_a_report_does_not_speak_of_is_as_it_was() -> None:
+    health = after(report(0), report(1, batteries=None, leak=None))
+    assert health.of("battery", 2.0).valid
+    assert health.of("leak", 2.0).valid
+
+
+def test_what_the_vehicle_file_says_is_absent_is_missing() -> None:
+    health = SensorHealth(_ALL - {"altitude"})
+    health.telemetry(report(0))
+    assert health.of("altitude", 0.0).reason == "missing"
+
+
+@pytest.mark.parametrize("sensor", ["depth", "altitude", "heading", "attitude", "leak"])
+def test_the_vehicle_file_says_when_its_reports_are_stale(sensor: str) -> None:
+    """R16: those of the core board after 1 s; slow quantities and fixes keep their own age."""
+    health = SensorHealth(_ALL, load_vehicle("coreboard").stale_after)
+    health.telemetry(report(5))
+    health.fix(Fix(10.0, 0.5, 2.0, 2.5))
+    assert health.of(sensor, 11.0).valid
+    assert health.of(sensor, 11.01).reason == "stale"
+    for slow in ("temperature", "battery", "position"):
+        assert health.of(slow, 15.0).valid
+    usual = SensorHealth(_ALL, load_vehicle("auv").stale_after)
+    usual.telemetry(report(5))
+    assert usual.of(sensor, 16.0).valid
+    assert usual.of(sensor, 16.01).reason == "stale"
+
+
+def stuck(thrust: float, fixes: int = 8) -> tuple[SensorHealth, list[bool]]:
+    """A receiver that says one place for ever, second by second, and what is believed of it."""
+    health, believed = SensorHealth(_ALL), []
+    for i in range(fixes):
+        if i % 2 == 0:
+            afloat = report(i // 2, depth=0.2 + 0.001 * i)
+            health.telemetry(replace(afloat, actuators=(thrust,) * 2 + (0.0,) * 3))
+        believed.append(health.fix(Fix(float(i), 0.5, 2.0, 2.5)))
+    return health, believed
+
+
+def test_a_receiver_that_says_one_place_while_the_vehicle_moves_is_frozen():
+    health, believed = stuck(0.5)
+    assert believed == [True] * 4 + [False] * 4
+    assert health.of("position", 8.0).reason == "frozen"
+    assert health.fix(Fix(8.0, 0.5, 2.0 + 1e-9, 2.5))
+    assert health.of("position", 8.0).valid
+
+
+@pytest.mark.parametrize(("depth", "teaches"), [(0.5, True), (0.9, False)])
+def test_a_fix_under_water_teaches_nothing_while_the_depth_is_believed(depth: float, teaches: bool):
+    health = after(*(report(i, depth=depth + 0.001 * i) for i in range(3)))
+    assert health.fix(Fix(5.0, 0.5, 2.0, 2.5)) is teaches
+    assert health.fix(Fix(6.0, 0.5, 2.1, math.inf))  # the vehicle's own reckoning
+    assert health.fix(Fix(11.0, 0.5, 2.2, 2.5))  # the depth is stale
+
+
+@pytest.mark.parametrize("places", [2, 4, 30])
+@pytest.mark.parametrize("pause", [1.0, 20.0])
+def test_a_receiver_that_says_a_few_places_in_turn_while_the_vehicle_moves_is_frozen(
+    places: int, pause: float
+):
+    health, believed = SensorHealth(_ALL), []
+    for i in range(places + 20):
+        health.telemetry(report(i, depth=0.2 + 0.001 * i))
+        believed.append(health.fix(Fix(i * pause, 0.5, 2.0 + 1e-6 * (i % places), 2.5)))
+    assert believed == [True] * (places + 3) + [False] * 17
+    assert health.of("position", (places + 19) * pause).reason == "frozen"
+    assert health.fix(Fix((places + 20) * pause, 0.5, 2.1, 2.5))
+
+
+def test_at_rest_a_receiver_may_say_one_place_for_ever():
+    health, believed = stuck(0.0, 60)
+    assert all(believed)
+    assert health.of("position", 60.0).valid
+
+
+def test_among_garbage_a_value_that_fits_by_chance_is_not_believed() -> None:
+    """Readings of +1000, -1000 and 0 m in turn, at 8 m: 0 is no surface."""
+    health = after(*(report(i, depth=8.0 + 0.01 * i) for i in range(5)))
+    for i in range(5, 35):
+        health.telemetry(report(i, depth=(1000.0, -1000.0, 0.0)[i % 3]))
+        assert not health.of("depth", 2.0 * i).valid
+    for i in range(35, 38):
+        health.telemetry(report(i, depth=9.0 + 0.01 * i))
+    assert health.of("depth", 74.0).valid
+
+
+def test_a_report_that_is_absurd_now_and_then_doubts_no_other() -> None:
+    health = after(report(0))
+    for i in range(1, 40):
+        health.telemetry(report(i, **({"depth": -50.0} if i % 4 == 0 else {})))
+        assert health.of("depth", 2.0 * i).valid is (i % 4 != 0)
+
+
+def test_an_altimeter_without_an_echo_every_other_time_is_believed_in_between() -> None:
+    health = after(report(0))
+    for i in range(1, 40):
+        health.telemetry(report(i, **({"altitude": 0.0} if i % 2 else {})))
+        assert health.of("altitude", 2.0 * i).valid is (i % 2 == 0)

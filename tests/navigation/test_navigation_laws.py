@@ -1,0 +1,403 @@
+"""Single laws of the estimate: order, gates, restarts, silence."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from dataclasses import replace
+
+import pytest
+from kinematic_truth import HOME, Sea, Truth, sail
+
+from mission.navigation.distribution import PLANE_95, principal
+from mission.model import NavigationMode, Position
+from mission.navigation import LocalFrame, Navigation
+from mission.model.vehicle import Vehicle
+from mission.model.shipped import load_vehicle
+from protocol.messages import Fix, Telemetry
+
+Item = tuple[Truth, Telemetry | Fix]
+
+
+@pytest.fixture(scope="module")
+def vehicle() -> Vehicle:
+    return replace(load_vehicle("auv"), declination=0.0)
+
+
+@pytest.fixture(scope="module")
+def dive() -> list[Item]:
+    return list(sail(Sea(), 200.0, 300.0, 1))
+
+
+def feed(nav: Navigation, items: list[Item]) -> Navigation:
+    for _, item in items:
+        if isinstance(item, Telemetry):
+            nav.telemetry(item)
+        else:
+            nav.fix(item)
+    return nav
+
+
+def error(nav: Navigation, truth: Truth) -> float:
+    estimate = nav.estimate(truth.t)
+    assert estimate is not None
+    return math.hypot(estimate.north - truth.north, estimate.east - truth.east)
+
+
+def test_importing_the_room_does_not_import_the_filter() -> None:
+    code = "import mission.navigation, sys; sys.exit('filterpy' in sys.modules or 'numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_nothing_heard_nothing_said(vehicle: Vehicle) -> None:
+    assert Navigation(vehicle).estimate(10.0) is None
+
+
+def test_without_any_fix_there_is_depth_and_heading_but_no_position(vehicle: Vehicle) -> None:
+    nav = Navigation(vehicle, HOME)
+    nav.telemetry(Telemetry(1.0, depth=3.0, heading=0.5))
+    estimate = nav.estimate(1.0)
+    assert estimate is not None
+    assert estimate.mode is NavigationMode.NONE
+    assert estimate.depth == pytest.approx(3.0, abs=1e-3)
+    assert estimate.heading == pytest.approx(0.5)
+    assert estimate.covariance[0] > 1e6
+
+
+def test_the_current_and_the_scale_learned_at_the_surface_carry_the_dive(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    under = [i for i, (truth, _) in enumerate(dive) if truth.depth > 5.0]
+    learned = feed(Navigation(vehicle, HOME), dive[: under[-1]])
+    once = [item for item in dive[: under[-1]] if not isinstance(item[1], Fix)]
+    first = next(item for item in dive if isinstance(item[1], Fix))
+    naive = feed(Navigation(vehicle, HOME), [first, *once])
+    truth = dive[under[-1]][0]
+    assert error(learned, truth) < 0.5 * error(naive, truth)
+
+
+def test_late_fixes_leave_the_same_estimate_as_punctual_ones(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    punctual = feed(Navigation(vehicle, HOME), dive[:200])
+    late: list[Item] = []
+    held: list[tuple[int, Item]] = []
+    for i, item in enumerate(dive[:200]):
+        if isinstance(item[1], Fix) and i % 3 == 1 and i > 20:
+            held.append((i + 5, item))
+        else:
+            late.append(item)
+        while held and held[0][0] <= i:
+            late.append(held.pop(0)[1])
+    late += [item for _, item in held]
+    delayed = feed(Navigation(vehicle, HOME), late)
+    assert delayed.dropped == 0
+    assert delayed.estimate(500.0) == punctual.estimate(500.0)
+
+
+def test_what_comes_far_too_late_is_dropped_and_counted(vehicle: Vehicle, dive: list[Item]) -> None:
+    nav = feed(Navigation(vehicle, HOME), dive[:200])
+    before = nav.estimate(200.0)
+    nav.fix(Fix(1.0, 0.5, 2.0, 2.5))
+    assert nav.dropped == 1
+    assert nav.estimate(200.0) == before
+
+
+def test_one_wild_fix_does_not_move_the_estimate(vehicle: Vehicle, dive: list[Item]) -> None:
+    nav = feed(Navigation(vehicle, HOME), dive[:200])
+    truth = dive[199][0]
+    wild = LocalFrame(HOME).to_geodetic(truth.north + 500.0, truth.east)
+    nav.fix(Fix(truth.t + 0.5, *wild, 2.5))
+    assert error(nav, truth) < 6.0
+
+
+def test_fixes_that_agree_win_against_a_wrong_estimate(vehicle: Vehicle, dive: list[Item]) -> None:
+    """As if somebody had carried the vehicle 300 m: the gate must not hold for ever."""
+    nav = feed(Navigation(vehicle, HOME), dive[:200])
+    frame = LocalFrame(HOME)
+    shifted: list[Item] = []
+    for truth, item in dive[200:260]:
+        moved = replace(truth, north=truth.north + 300.0)
+        if isinstance(item, Fix):
+            n, e = frame.to_local(item.latitude, item.longitude)
+            lat, lon = frame.to_geodetic(n + 300.0, e)
+            item = replace(item, latitude=lat, longitude=lon)
+        shifted.append((moved, item))
+    feed(nav, shifted)
+    assert error(nav, shifted[-1][0]) < 10.0
+
+
+def test_a_jump_after_a_long_dive_does_not_collapse_the_filter(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    """A current of 1 m/s that set in under water: far beyond what was believed."""
+    nav = Navigation(vehicle, HOME)
+    frame = LocalFrame(HOME)
+    swept: list[Item] = []
+    for truth, item in dive:
+        away = 1.0 * min(max(truth.t - 200.0, 0.0), 300.0)
+        if isinstance(item, Fix):
+            n, e = frame.to_local(item.latitude, item.longitude)
+            lat, lon = frame.to_geodetic(n + away, e)
+            item = replace(item, latitude=lat, longitude=lon)
+        swept.append((replace(truth, north=truth.north + away), item))
+    feed(nav, swept)
+    estimate = nav.estimate(swept[-1][0].t)
+    assert estimate is not None
+    assert error(nav, swept[-1][0]) < 10.0
+    assert estimate.covariance[0] > 0.1  # not certain of itself after a surprise
+
+
+def test_a_restored_snapshot_goes_on_to_the_last_bit(vehicle: Vehicle, dive: list[Item]) -> None:
+    whole = feed(Navigation(vehicle, HOME), dive)
+    half = feed(Navigation(vehicle, HOME), dive[:300])
+    kept = half.snapshot()
+    feed(half, dive[300:350])
+    half.restore(kept)
+    assert feed(half, dive[300:]).estimate(560.0) == whole.estimate(560.0)
+    assert half.health("depth", 560.0) == whole.health("depth", 560.0)
+
+
+def test_asking_changes_nothing(vehicle: Vehicle, dive: list[Item]) -> None:
+    asked, silent = Navigation(vehicle, HOME), Navigation(vehicle, HOME)
+    for item in dive[:150]:
+        feed(asked, [item])
+        feed(silent, [item])
+        asked.estimate(item[0].t + 7.0)
+    assert asked.estimate(200.0) == silent.estimate(200.0)
+
+
+def test_another_home_moves_the_frame_and_not_the_vehicle(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    nav = feed(Navigation(vehicle), dive[:100])
+    assert nav.frame is not None
+    e = nav.estimate(60.0)
+    assert e is not None
+    before = nav.frame.to_geodetic(e.north, e.east)
+    nav.set_origin(Position(HOME.latitude_deg + 0.005, HOME.longitude_deg), 60.0)
+    e = nav.estimate(60.0)
+    assert e is not None
+    after = nav.frame.to_geodetic(e.north, e.east)
+    assert after == pytest.approx(before, abs=1e-12)
+    assert e.north < -400.0
+
+
+def test_a_vehicle_held_by_hand_is_not_sure_of_the_current_that_it_dives_into(
+    vehicle: Vehicle,
+) -> None:
+    """Ten minutes of fixes on one spot say that there is no current. From the start on, its 95 %
+    radius grows as the current does that the mission assumes."""
+    held, dived = Navigation(vehicle, HOME), 300.0
+    lat, lon = (math.radians(v) for v in (HOME.latitude_deg, HOME.longitude_deg))
+    for t in range(600):
+        if t % 2 == 0:
+            held.telemetry(Telemetry(float(t), depth=0.2, heading=0.5, actuators=(0.0,) * 5))
+        held.fix(Fix(float(t), lat, lon, 2.5, speed=0.0, course=0.0))
+    widths = []
+    for assumed in (None, 0.2, 0.5):
+        nav = Navigation(vehicle, HOME)
+        nav.restore(held.snapshot())
+        if assumed is not None:
+            nav.assume_current(assumed)
+        estimate = nav.estimate(600.0 + dived)
+        assert estimate is not None
+        widths.append(PLANE_95 * principal(estimate.covariance)[1])
+    assert widths[0] < 0.2 * dived
+    assert 0.2 * dived < widths[1] < 1.4 * 0.2 * dived
+    assert 0.5 * dived < widths[2] < 1.2 * 0.5 * dived
+
+
+def test_a_start_leaves_what_is_less_known_than_it_assumes_as_it_is(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    nav = feed(Navigation(vehicle), dive[:20])
+    before = nav.core.filter.covariance
+    nav.assume_current(0.0)
+    assert (nav.core.filter.covariance == before).all()
+
+
+def test_a_start_without_a_fix_counts_from_the_start_and_a_fix_does_not_move_it(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    nav = Navigation(vehicle)
+    reports = [item for item in dive[:150] if isinstance(item[1], Telemetry)]
+    feed(nav, reports[:2])
+    nav.start_here(reports[1][0].t)
+    feed(nav, reports[2:])
+    before = nav.estimate(80.0)
+    assert before is not None
+    assert before.mode is NavigationMode.DEAD_RECKONING
+    assert math.hypot(before.north, before.east) > 20.0
+    nav.fix(Fix(80.0, 0.5, 2.0, 2.5))
+    after = nav.estimate(80.0)
+    assert after is not None
+    assert (after.north, after.east) == pytest.approx((before.north, before.east), abs=0.01)
+
+
+def test_without_the_compass_the_position_becomes_uncertain_soon(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    sound = feed(Navigation(vehicle, HOME), dive[:400]).estimate(280.0)
+    blind = [
+        (
+            truth,
+            replace(item, heading=None) if isinstance(item, Telemetry) and truth.t > 210 else item,
+        )
+        for truth, item in dive[:400]
+    ]
+    lost = feed(Navigation(vehicle, HOME), blind).estimate(280.0)
+    assert sound is not None
+    assert lost is not None
+    assert lost.covariance[0] > 4.0 * sound.covariance[0]
+    assert lost.sigmas["heading"] > 0.5
+
+
+def test_a_lost_depth_grows_uncertain_and_does_not_run_away(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    nav = feed(Navigation(vehicle, HOME), dive[:350])
+    estimate = nav.estimate(dive[349][0].t + 300.0)
+    assert estimate is not None
+    assert estimate.depth is not None
+    assert abs(estimate.depth - 10.0) < 20.0
+    assert estimate.sigmas["depth"] > 2.0
+
+
+def test_a_second_sentence_of_the_same_second_counts_once(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    doubled: list[Item] = []
+    for truth, item in dive[:120]:
+        doubled.append((truth, item))
+        if isinstance(item, Fix):
+            doubled.append((truth, replace(item, t=item.t + 0.2)))
+    once = feed(Navigation(vehicle, HOME), dive[:120]).estimate(90.0)
+    twice = feed(Navigation(vehicle, HOME), doubled).estimate(90.0)
+    assert once is not None
+    assert twice is not None
+    assert twice.covariance[0] == pytest.approx(once.covariance[0], rel=0.02)
+
+
+def test_a_receiver_that_contradicts_itself_leaves_a_filter_that_can_be_computed_with(
+    vehicle: Vehicle,
+) -> None:
+    """Its place stands still and its speed does not: the gate is opened again and again."""
+    import numpy as np
+
+    nav = Navigation(vehicle, HOME)
+    latitude, longitude = math.radians(HOME.latitude_deg), math.radians(HOME.longitude_deg)
+    before = nav.core.filter.covariance.diagonal()[2:12].copy()
+    for second in range(900):
+        t = float(second)
+        if second % 2 == 0:
+            nav.telemetry(Telemetry(t, depth=0.1, heading=1.0, pitch=0.0, actuators=(0.0,) * 5))
+        nav.fix(Fix(t + 0.3, latitude, longitude, 2.5, hdop=1.0, speed=0.7, course=0.67))
+    covariance = nav.core.filter.covariance
+    assert np.linalg.eigvalsh(covariance).min() > 0.0
+    assert (covariance.diagonal()[2:12] <= 26.0 * before).all()
+
+
+def test_the_declination_that_the_first_fix_brings_is_no_turn() -> None:
+    """At rest in a current: what receivers say of it is taken in as if there were none."""
+    east, learned = 0.3, []
+    for declination in (0.0, None):
+        nav = Navigation(replace(load_vehicle("auv"), declination=declination))
+        frame = LocalFrame(HOME)
+        for t in (0.0, 2.0, 4.0):
+            place = frame.to_geodetic(0.0, east * (t + 1.0))
+            nav.telemetry(Telemetry(t, 0.2, None, 1.0, 0.0, 0.0, actuators=(0.0,) * 5))
+            if t < 4.0:
+                nav.fix(Fix(t + 1.0, *place, 2.5, speed=east, course=math.pi / 2.0))
+        estimate = nav.estimate(4.0)
+        assert estimate is not None
+        learned.append(estimate.current_east)
+    assert learned[1] == pytest.approx(learned[0], rel=1e-3)
+    assert learned[1] > 0.2
+
+
+@pytest.mark.parametrize("gear", [0.0, 8.0])
+def test_a_pitched_hull_goes_where_its_depth_rate_says(vehicle: Vehicle, gear: float) -> None:
+    """Sinking upright it drifts ahead; sinking along its bow it makes the cosine of its speed."""
+    speed = vehicle.speed_by_gear.at(gear)
+    pitch = -0.3 if gear else 0.2
+    sinking = speed * math.sin(-pitch) if gear else 0.3
+    nav = Navigation(vehicle, HOME)
+    for second in range(0, 62, 2):
+        report = Telemetry(
+            float(second),
+            depth=2.0 + sinking * second,
+            heading=0.001 * second,
+            pitch=pitch + 1e-4 * (second % 4),
+            actuators=(gear / 12.0,) * 2 + (0.0,) * 3,
+        )
+        nav.telemetry(report)
+        if second == 0:
+            nav.start_here(0.0)
+    estimate = nav.estimate(60.0)
+    assert estimate is not None
+    ahead = speed * math.cos(pitch) if gear else sinking * math.tan(pitch)
+    assert estimate.north == pytest.approx(60.0 * ahead, rel=0.08)  # the depth rate is found first
+
+
+def test_a_silence_of_the_vehicle_is_not_taken_for_a_straight_course(vehicle: Vehicle) -> None:
+    """It turns while nothing is heard of it: the ellipse holds it when it is heard again."""
+    for silence in (20.0, 60.0, 100.0):
+        nav = Navigation(vehicle, HOME)
+        track = list(sail(replace(Sea(), heading_noise=0.0), 60.0, 300.0, 2))
+        heard = [i for i in track if not 80.0 < i[0].t <= 80.0 + silence]
+        upto = next(k for k, i in enumerate(heard) if i[0].t > 80.0 + silence) + 1
+        before = feed(Navigation(vehicle, HOME), [i for i in heard if i[0].t <= 80.0])
+        feed(nav, heard[:upto])
+        truth, estimate = heard[upto - 1][0], nav.estimate(heard[upto - 1][0].t)
+        asked = before.estimate(truth.t)
+        assert estimate is not None
+        assert asked is not None
+        a, b, d = estimate.covariance
+        n, e = truth.north - estimate.north, truth.east - estimate.east
+        assert (d * n * n - 2.0 * b * n * e + a * e * e) / (a * d - b * b) < 5.991
+        assert a + d > 0.2 * (asked.covariance[0] + asked.covariance[2])
+
+
+def test_a_vehicle_without_any_compass_may_be_on_any_side(vehicle: Vehicle) -> None:
+    nav = Navigation(vehicle, HOME)
+    track = sail(Sea(current=(0.0, 0.0), bias=0.0), 10.0, 80.0, 3)
+    dumb = [
+        (t, replace(i, heading=None) if isinstance(i, Telemetry) else i)
+        for t, i in track
+        if t.t < 80.0
+    ]
+    feed(nav, dumb)
+    truth, estimate = dumb[-1][0], nav.estimate(dumb[-1][0].t)
+    assert estimate is not None
+    assert math.sqrt(min(estimate.covariance[0], estimate.covariance[2])) > 40.0
+    assert math.hypot(estimate.north, estimate.east) < 30.0
+    assert error(nav, truth) < 2.5 * math.sqrt(estimate.covariance[0])
+
+
+def test_a_receiver_that_got_stuck_teaches_the_thrusters_nothing(vehicle: Vehicle) -> None:
+    """Nor the current: two minutes at 0.7 m/s, and it says where it was at first."""
+    nav, gear = Navigation(vehicle, HOME), 8.0
+    speed = vehicle.speed_by_gear.at(gear)
+    lat, lon = math.radians(HOME.latitude_deg), math.radians(HOME.longitude_deg)
+    for second in range(122):
+        if second % 2 == 0:
+            nav.telemetry(
+                Telemetry(
+                    float(second),
+                    depth=0.2 + 0.001 * (second % 7),
+                    heading=0.001 * second,
+                    pitch=1e-4 * second,
+                    actuators=(gear / 12.0,) * 2 + (0.0,) * 3,
+                )
+            )
+        nav.fix(Fix(second + 0.1, lat, lon, 2.5))
+        if second == 60:
+            nav.restore(nav.snapshot())
+    estimate = nav.estimate(121.0)
+    assert estimate is not None
+    assert nav.health("position", 121.0).reason == "frozen"
+    off = abs(estimate.north - 121.0 * speed)
+    assert off < 2.0 * math.sqrt(estimate.covariance[0])  # it knows what it does not know
+    assert off < 0.3 * 121.0 * speed

@@ -1,0 +1,52 @@
+"""What a mission needs is loaded beside everything else, and then costs nobody any time."""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Iterator
+
+import pytest
+
+from mission.onboard.configuration import Configuration
+from mission.onboard.runtime.drive import Drive
+from mission.onboard.serve.heavy import prepare
+from mission.onboard.store import MemoryStore
+from mission.model.shipped import load_vehicle
+
+
+@pytest.fixture(autouse=True)
+def _as_it_was() -> Iterator[None]:
+    gc.unfreeze()
+    yield
+    gc.unfreeze()
+
+
+def drive() -> Drive:
+    return Drive(Configuration(), load_vehicle("auv"), MemoryStore())
+
+
+def test_the_collector_does_not_look_through_what_is_there_for_good() -> None:
+    before = len(gc.get_objects())
+    assert prepare(drive()).estimate(0.0) is None
+    assert gc.isenabled()
+    assert gc.get_freeze_count() >= before
+    assert len(gc.get_objects()) < 0.1 * gc.get_freeze_count()
+
+
+def test_a_further_drive_leaves_its_predecessor_to_the_collector() -> None:
+    prepare(drive())
+    frozen = gc.get_freeze_count()
+    prepare(drive())
+    assert gc.get_freeze_count() <= frozen
+
+
+def test_a_filter_that_cannot_be_loaded_leaves_the_collector_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def absent(self: Drive) -> None:
+        raise ImportError("no filterpy")
+
+    monkeypatch.setattr(Drive, "make_navigation", absent)
+    with pytest.raises(ImportError, match="no filterpy"):
+        prepare(drive())
+    assert gc.isenabled()

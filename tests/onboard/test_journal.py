@@ -1,0 +1,126 @@
+"""An operator reads what happened in order, and a flood does not drown it."""
+
+from __future__ import annotations
+
+import pytest
+
+from mission.model import Step, Tx
+from mission.onboard.serve.journal import AGAIN_S, OF_A_KIND, REMEMBERED, Journal, printed
+
+
+class Desk:
+    def __init__(self) -> None:
+        self.now, self.lines = 0.0, list[str]()
+        self.journal = Journal(self.lines.append, lambda: self.now)
+
+
+def test_the_same_thing_within_a_minute_is_told_once_and_then_counted() -> None:
+    desk = Desk()
+    for i in range(1000):
+        desk.now = i * 0.01
+        desk.journal.warning("10.0.0.1 floods")
+    desk.journal.info("now idle/ready")
+    assert desk.lines == ["warning: 10.0.0.1 floods", "info: now idle/ready"]
+    desk.now = AGAIN_S
+    desk.journal.settle()
+    assert desk.lines[2:] == ["warning: 999 more of: 10.0.0.1 floods"]
+    desk.journal.warning("10.0.0.1 floods")
+    assert desk.lines[3:] == ["warning: 10.0.0.1 floods"]
+
+
+def test_faults_are_always_told() -> None:
+    desk = Desk()
+    for _ in range(3):
+        desk.journal.fault("a bug")
+    assert desk.lines == ["fault: a bug"] * 3
+
+
+def test_ten_thousand_different_things_leave_no_memory_behind() -> None:
+    desk = Desk()
+    for i in range(10_000):
+        desk.journal.warning(f"host {i}")
+    assert len(desk.journal._told) <= REMEMBERED
+
+
+@pytest.mark.parametrize("minutes", [1, 2, 5])
+@pytest.mark.parametrize("a_second", [1, 10, 40])
+@pytest.mark.parametrize("hosts", [1, 2, 1000])
+def test_lines_a_minute_and_a_kind_are_bounded_however_many_and_fast_they_come(
+    hosts: int, a_second: int, minutes: int
+) -> None:
+    """One line and one count of each thing, of ``OF_A_KIND`` things and of the rest as one."""
+    desk, kinds = Desk(), ("turned away", "arrivals")
+    for i in range(int(minutes * AGAIN_S * a_second)):
+        desk.now = i / a_second
+        for kind in kinds:
+            desk.journal.warning(f"{i % hosts} {kind}", kind=kind)
+        if i % a_second == 0:
+            desk.journal.settle()
+    things = min(hosts, OF_A_KIND + 1)
+    for kind in kinds:
+        told = sum(kind in line for line in desk.lines)
+        assert things <= told <= 2 * things * minutes
+
+
+def test_what_is_beyond_the_lines_of_its_kind_is_counted_and_other_kinds_are_told() -> None:
+    desk = Desk()
+    for i in range(OF_A_KIND + 7):
+        desk.journal.warning(f"host {i}", kind="turned away")
+    desk.journal.warning("the port is away")
+    desk.now = AGAIN_S
+    desk.journal.settle()
+    told = f"turned away: beyond {OF_A_KIND} different ones a minute they are counted"
+    assert desk.lines[OF_A_KIND:] == [
+        f"warning: {told}",
+        "warning: the port is away",
+        f"warning: 6 more of: {told}",
+    ]
+
+
+def test_every_command_to_the_vehicle_is_told_with_its_reason_and_a_stick_once() -> None:
+    desk = Desk()
+    desk.journal.commanded(Tx(0.0, "vehicle", b"@ZAS5$", "entry of dive"), True)
+    desk.journal.commanded(Tx(0.1, "vehicle", b"@ZAH0,4$", "entry of dive"), True)
+    for gear in range(12):
+        desk.journal.commanded(Tx(0.2, "vehicle", b"@MMF%d$" % gear, "relay of @MM"), True)
+    desk.journal.answered(Tx(0.3, "topside", b"@ACK_AAN$", "AA: no fix", "10.0.0.1:4"))
+    desk.journal.answered(Tx(0.3, "topside", b"@VS2025$", "asked", "10.0.0.1:4"))
+    assert desk.lines == [
+        "info: to the vehicle: @ZAS5$ - entry of dive",
+        "info: to the vehicle: @ZAH0,4$ - entry of dive",
+        "info: to the vehicle: @MMF0$ - relay of @MM",
+        "warning: refused: @ACK_AAN$ to topside 10.0.0.1:4 - AA: no fix",
+    ]
+
+
+def test_a_command_that_is_sent_again_in_another_state_is_told_again() -> None:
+    desk = Desk()
+    again = Tx(0.0, "vehicle", b"@ZAS5$", "entry of dive")
+    for path in ("autonomous/dive", "manual/waiting", "autonomous/dive"):
+        desk.journal.step(Step(0.0, "x", (), (), (path,), ()))
+        if path.startswith("autonomous"):
+            desk.journal.commanded(again, True)
+            desk.journal.commanded(again, True)
+    told = "info: to the vehicle: @ZAS5$ - entry of dive"
+    assert desk.lines.count(told) == 2
+    assert desk.lines[2] == "info: 1 more of: to the vehicle: @ZAS5$ - entry of dive"
+
+
+def test_what_did_not_leave_is_not_told_as_sent() -> None:
+    desk = Desk()
+    desk.journal.commanded(Tx(0.0, "vehicle", b"@ZAWF$", "W from the operator"), False)
+    desk.journal.commanded(Tx(0.5, "vehicle", b"@ZAWF$", "W from the operator"), True)
+    assert desk.lines == [
+        "warning: NOT SENT, the port is closed: @ZAWF$ - W from the operator",
+        "info: to the vehicle: @ZAWF$ - W from the operator",
+    ]
+
+
+def test_the_system_journal_gets_levels_and_a_terminal_times(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.delenv("JOURNAL_STREAM", raising=False)
+    assert printed("warning: x", 0.0) == "1970-01-01T00:00:00Z warning x"
+    monkeypatch.setenv("JOURNAL_STREAM", "8:1")
+    assert printed("fault: two\nrows", 0.0) == "<3>two\n<3>rows"
+    assert printed("no level: x", 0.0) == "<6>no level: x"

@@ -1,0 +1,202 @@
+"""The last way up: with the standard library alone, and only where something may be under way."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import struct
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from served import PATIENCE, read_now, silent_board, simulated, soon
+
+from mission.onboard.configuration import Configuration, LinkUrls
+from mission.onboard.kept import Homes, write_summed
+from mission.onboard.lifeboat import Climb, Plan, depths, plan_from
+from mission.onboard.serve.working import Working, keep
+from mission.onboard.store import DiskStore
+from mission.model.shipped import load_vehicle
+
+X, W, U = b"@ZAX0$", b"@ZAWF$", b"@ZAU12$"
+
+
+def said(climb: Climb, seconds: float, depth: float | None, now: float) -> list[tuple[bytes, ...]]:
+    """What it says in that time, with a report each 2 s; once each."""
+    out: list[tuple[bytes, ...]] = []
+    end, reported = now + seconds, now
+    while now < end:
+        if depth is not None and now >= reported:
+            climb.hear(depth, now)
+            reported += 2.0
+        words = climb.words(now)
+        if words and out[-1:] != [words]:
+            out.append(words)
+        now += 0.1
+    return out
+
+
+def test_the_ways_up_take_turns_while_the_depth_does_not_fall() -> None:
+    for depth in (None, 5.0):
+        assert said(Climb(Plan(), 0.0), 39.0, depth, 0.0) == [(X, U), (X,), (W,), (X, U)]
+
+
+def test_what_makes_the_depth_fall_is_kept_and_ends_at_the_surface_with_a_stop() -> None:
+    climb, now, depth = Climb(Plan(), 0.0), 0.0, 6.0
+    out = []
+    for _ in range(40):
+        out += said(climb, 2.0, depth, now)
+        now, depth = now + 2.0, max(0.1, depth - 0.2)
+    assert out[0] == (X, U)
+    assert set(out) == {(X, U), (X,)}
+    assert out[-1] == (X,)
+    assert climb.last_words == ()
+
+
+def test_six_seconds_of_shallow_depth_are_the_surface_and_five_are_not() -> None:
+    climb = Climb(Plan(), 0.0)
+    for t in (0.0, 2.0, 4.0, 5.9):
+        climb.hear(0.2, t)
+    assert climb.words(5.9) == (X, U)
+    climb.hear(0.2, 6.0)
+    assert climb.words(6.0) == (X,)
+
+
+def test_at_rest_it_stops_and_turns_no_thruster_until_three_reports_say_deep() -> None:
+    climb = Climb(Plan(climbs=False), 0.0)
+    assert said(climb, 20.0, None, 0.0) == [(X,)]
+    assert said(climb, 20.0, 2.0, 20.0) == []
+    climb.hear(2.1, 41.0)
+    climb.hear(2.1, 43.0)
+    assert climb.words(43.0) == ()
+    climb.hear(2.1, 45.0)
+    assert climb.words(45.0) == (X, U)
+
+
+def test_a_word_is_said_three_times_and_where_a_board_wants_it_for_ever() -> None:
+    for period, count in ((None, 3), (0.125, 50)):
+        climb = Climb(Plan(climbs=False, period=period), 0.0)
+        assert sum(bool(climb.words(0.125 * i)) for i in range(50)) == count
+
+
+def report(depth: float) -> bytes:
+    frame = bytearray(b"@SD" + bytes(82) + b"$")
+    struct.pack_into("<f", frame, 19, depth)
+    return bytes(frame)
+
+
+def test_depths_come_from_whole_reports_alone() -> None:
+    good = report(4.5)
+    spliced = good[:30] + b"@ACK_ZAY$" + good[30:]
+    buffer = bytearray(b"@ACK_ZAY$" + good + b"xx@S" + report(float("nan")) + spliced + good[:50])
+    assert list(depths(buffer)) == [4.5]
+    buffer += good[50:] + good
+    assert list(depths(buffer)) == [4.5, 4.5]
+    buffer += bytes(100_000)
+    assert list(depths(buffer)) == []
+    assert len(buffer) <= 4096
+
+
+# --- what it begins with --------------------------------------------------------------------------
+
+
+def left(folder: Path, under_way: str, vehicle: str = "auv", device: str = "/dev/ttyAUV") -> Path:
+    links = LinkUrls(vehicle=f"serial://{device}?baud=115200")
+    configuration = Configuration(folder=folder / "pi", links=links)
+    keep(Working(configuration, load_vehicle(vehicle)), Homes(None, folder / "pi", {}))
+    DiskStore(folder / "pi" / "store").keep_under_way(under_way)
+    config = folder / "serve.yaml"
+    config.write_text(f"folder: {folder / 'pi'}\n")
+    return config
+
+
+def test_its_words_and_port_are_those_of_the_configuration_that_worked(tmp_path: Path) -> None:
+    config = left(tmp_path, "autonomous/out")
+    plan = plan_from(["--config", str(config)], {})
+    assert plan == Plan("/dev/ttyAUV", 115200, (X,), (W,), (X, U), None, True)
+    plan = plan_from([f"--config={config}", "--vehicle", "serial:///dev/other"], {})
+    assert plan is not None
+    assert (plan.device, plan.baud) == ("/dev/other", 9600)
+
+
+def test_other_vehicles_are_told_in_their_own_words_and_at_their_pace(tmp_path: Path) -> None:
+    plan = plan_from(["-c", str(left(tmp_path, "autonomous/out", "rov"))], {})
+    assert plan is not None
+    assert plan.period is not None
+    assert len({plan.stop, plan.surface, plan.up}) >= 2
+
+
+@pytest.mark.parametrize(
+    ("under_way", "climbs"),
+    [("autonomous/out", True), ("emergency/surfacing", True), ("emergency/stopped", False),
+     ("emergency/surfaced", False), ("the stick, without a mission", False)],
+)  # fmt: skip
+def test_it_climbs_by_what_was_under_way(tmp_path: Path, under_way: str, climbs: bool) -> None:
+    plan = plan_from(["--folder", str(left(tmp_path, under_way).parent / "pi")], {})
+    assert plan is not None
+    assert plan.climbs == climbs
+
+
+def test_where_nothing_was_under_way_there_is_no_boat_and_where_nobody_knows_one_that_waits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    assert plan_from(["-c", str(left(tmp_path, ""))], {}) is None
+    (tmp_path / "pi" / "store" / "under-way").write_text("rubbish")
+    for arguments in (["-c", str(tmp_path / "serve.yaml")], ["-c", str(tmp_path / "gone.yaml")]):
+        plan = plan_from(arguments, {})
+        assert plan is not None
+        assert not plan.climbs
+
+
+def test_a_record_that_is_no_table_is_none(tmp_path: Path) -> None:
+    config = left(tmp_path, "autonomous/out")
+    write_summed(tmp_path / "pi" / "working", json.dumps([1]))
+    plan = plan_from(["-c", str(config)], {})
+    assert plan is not None
+    assert plan.device == Plan().device
+
+
+# --- as a process ---------------------------------------------------------------------------------
+
+
+def launched(folder: Path, config: Path, broken: str) -> subprocess.Popen[bytes]:
+    (folder / "shadow").mkdir()
+    (folder / "shadow" / f"{broken}.py").write_text(f"raise ImportError('{broken}')\n")
+    return subprocess.Popen(
+        [sys.executable, "-m", "mission", "serve", "--config", str(config)],
+        env=os.environ | {"PYTHONPATH": str(folder / "shadow")},
+        stderr=subprocess.DEVNULL,
+    )
+
+
+@pytest.mark.parametrize("broken", ["transitions", "click", "crcmod"])
+def test_serve_that_cannot_be_loaded_brings_up_what_was_under_way(
+    tmp_path: Path, broken: str
+) -> None:
+    with simulated(8.0) as sea:
+        port = os.open(sea.paths[0], os.O_WRONLY | os.O_NOCTTY)
+        os.write(port, b"@ZAD10$")
+        os.close(port)
+        soon(lambda: sea.vehicle.truth().depth > 2.0, "deep")
+        with launched(
+            tmp_path, left(tmp_path, "autonomous/out", device=sea.paths[0]), broken
+        ) as pi:
+            try:
+                soon(lambda: sea.vehicle.truth().depth < 0.5, "up")
+            finally:
+                pi.send_signal(signal.SIGTERM)
+            assert pi.wait(PATIENCE) == 0
+
+
+def test_serve_that_cannot_be_loaded_ends_with_its_error_where_nothing_was_under_way(
+    tmp_path: Path,
+) -> None:
+    with silent_board() as (master, device):
+        with launched(tmp_path, left(tmp_path, "", device=device), "transitions") as pi:
+            assert pi.wait(PATIENCE) == 1
+        time.sleep(0.1)
+        assert read_now(master) == b""

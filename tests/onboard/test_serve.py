@@ -1,0 +1,194 @@
+"""Laws of the shell: real sockets and pseudo-terminals, and nothing of what they do ends it."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import random
+import socket
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from served import (
+    MISSION,
+    PATIENCE,
+    asked,
+    provided,
+    quiet,
+    read_now,
+    running,
+    silent_board,
+    simulated,
+    soon,
+)
+
+from links.serial import SerialLink
+from mission.onboard.blackbox import read_parts
+from mission.commands.serve import serve as command
+from mission.onboard.configuration import Configuration, LinkUrls
+from mission.onboard.runtime.records import RX, STEP, TX, read_rx, read_tx
+from mission.authoring.language import digest, script
+from mission.topside.console import Unreachable, converse
+from mission.topside.upload import start, upload
+from mission.analysis.replay.replay import replay
+from mission.onboard.serve import ports
+from mission.onboard.serve.serve import Server
+from mission.onboard.store import MemoryStore
+
+SPEED = 4.0  # a process that waits for the processor for a second misses no report by R8
+
+
+def test_a_mission_goes_over_tcp_and_serial_and_its_black_box_replays(tmp_path: Path) -> None:
+    with simulated(SPEED) as sea:
+        stm32, gps = (f"serial://{path}" for path in sea.paths)
+        with running(tmp_path, stm32, gps=gps, speed=SPEED) as pi:
+            stored = converse(pi.url, upload(script(MISSION), digest(MISSION), quiet))
+            assert stored.startswith("7 lines stored")
+            assert converse(pi.url, start(patience=int(PATIENCE))) == "started"
+            soon(lambda: sea.vehicle.truth().depth > 1.0, "diving")
+            assert pi.ready is not None
+            path = Path(pi.ready.black_box)
+    records = list(read_parts(path))
+    assert any(r.kind == STEP and b"autonomous/dive" in r.payload for r in records)
+    assert {read_tx(r).link for r in records if r.kind == TX} == {"vehicle", "topside"}
+    result = replay(records)
+    assert result.identical, result.divergence
+
+
+def test_an_upload_that_was_cut_is_resumed_over_a_new_connection(tmp_path: Path) -> None:
+    lines = script(MISSION)
+    with silent_board() as (_, device), running(tmp_path, f"serial://{device}") as pi:
+        boat = pi.boat()
+        for number in (1, 2, 3):
+            frame = b"@AW" + bytes([len(lines), 0, number, 0]) + lines[number - 1].encode() + b"$"
+            assert asked(boat, frame) == b"@ACK_AWW$"
+        boat.sendall(b"@AW" + bytes([len(lines), 0, 4, 0]) + b"assume cur")
+        boat.close()
+        have: list[int] = []
+        converse(pi.url, upload(lines, digest(MISSION), lambda n, _: have.append(n)))
+        assert have[0] == 3
+        assert pi.store.content.lines == tuple(lines)
+
+
+def test_garbage_on_every_link_stops_nothing(tmp_path: Path) -> None:
+    chance = random.Random(3)
+    with silent_board() as (stm32, device), silent_board() as (gps, other):
+        with running(tmp_path, f"serial://{device}", gps=f"serial://{other}") as pi:
+            for _ in range(30):
+                noise = chance.randbytes(400)
+                os.write(stm32, noise)
+                os.write(gps, noise[::-1])
+                with pi.boat() as boat:
+                    boat.sendall(noise)
+            with pi.boat() as boat:
+                boat.sendall(b"@SD" * 50 + b"@AW\x05")
+                soon(lambda: b"@AR,empty" in asked(boat, b"@AQ$"), "an answer to @AQ")
+        assert not pi.has_told("fault of the program")
+    assert pi.ready is not None
+    heard = [read_rx(r) for r in read_parts(Path(pi.ready.black_box)) if r.kind == RX]
+    assert {rx.link for rx in heard} == {"vehicle", "gps", "topside"}
+
+
+def test_a_board_that_does_not_answer_is_asked_again_and_the_boat_still_served(
+    tmp_path: Path,
+) -> None:
+    with (
+        silent_board() as (master, device),
+        running(tmp_path, f"serial://{device}") as pi,
+        pi.boat() as boat,
+    ):
+        boat.sendall(b"@ZAX0$")
+        heard = bytearray()
+
+        def read() -> bool:
+            heard.extend(read_now(master))
+            return heard.count(b"@ZAX0$") >= 3
+
+        soon(read, "three tries of X")
+        assert asked(boat, b"@AQ$").startswith(b"@AR,running")
+
+
+def test_a_port_that_is_absent_is_told_once_and_taken_when_it_comes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ports, "RETRY_S", 0.1)
+    device = tmp_path / "ttyAUV"
+    with silent_board() as (master, real), running(tmp_path, f"serial://{device}") as pi:
+        soon(lambda: pi.has_told("no device"), "a message")
+        time.sleep(0.5)
+        assert sum("no device" in line for line in pi.told) == 1
+        device.symlink_to(real)
+        soon(lambda: pi.has_told("is open"), "the port")
+        os.write(master, b"@ACK_ZAY$")
+        path = Path(pi.ready.black_box) if pi.ready else tmp_path
+        soon(lambda: any(r.kind == RX and b"ZAY" in r.payload for r in read_parts(path)), "bytes")
+
+
+def test_a_port_that_is_busy_is_told_and_taken_when_it_is_free(tmp_path: Path) -> None:
+    with silent_board() as (_, device):
+        first = SerialLink("other", device)
+        with running(tmp_path, f"serial://{device}") as pi:
+            soon(lambda: pi.has_told("in use by another program"), "a message")
+            first.close()
+            soon(lambda: pi.has_told("is open"), "the port")
+
+
+def test_a_port_that_stays_away_keeps_serve_from_nothing(tmp_path: Path) -> None:
+    with running(tmp_path, f"serial://{tmp_path}/absent") as pi, pi.boat() as boat:
+        assert asked(boat, b"@AQ$").startswith(b"@AR,empty")
+        boat.sendall(b"@ZAX0$")
+        soon(lambda: pi.has_told("NOT SENT, the port is closed: @ZAX0$"), "the truth")
+
+
+def test_a_disk_that_takes_nothing_stops_nothing(tmp_path: Path) -> None:
+    (tmp_path / "log").write_text("a file where the folder should be")
+    with silent_board() as (_, device), running(tmp_path, f"serial://{device}") as pi:
+        assert pi.has_told("nothing will be recorded")
+        with pi.boat() as boat:
+            assert asked(boat, b"@AQ$").startswith(b"@AR,empty")
+
+
+def test_a_second_server_on_the_same_port_says_so_and_waits(tmp_path: Path) -> None:
+    with silent_board() as (_, device), running(tmp_path, f"serial://{device}") as pi:
+        told: list[str] = []
+        links = LinkUrls(vehicle=f"serial://{device}", gps=None, topside=pi.url)
+        configuration = replace(Configuration(), links=links, folder=tmp_path / "second")
+        second = Server(provided(configuration, MemoryStore()), told.append)
+
+        async def briefly() -> None:
+            task = asyncio.ensure_future(second.run())
+            while not told:
+                await asyncio.sleep(0.01)
+            second.stop()
+            await task
+
+        asyncio.run(asyncio.wait_for(briefly(), PATIENCE))
+        assert any("is in use by another program" in line for line in told)
+
+
+def test_where_nobody_listens_the_operator_is_told() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    with pytest.raises(Unreachable, match="nobody answers"):
+        converse(f"tcp://127.0.0.1:{port}", start())
+
+
+@pytest.mark.parametrize(
+    ("option", "url", "words"),
+    [
+        ("--vehicle", "serail:///dev/tty0", "is no link's URL"),
+        ("--topside", "tcp://127.0.0.1", "write tcp-listen://host:port"),
+        ("--vehicle", "serial://dev/tty0", "write three slashes"),
+    ],
+)
+def test_a_wrong_link_ends_the_program_with_what_to_write(
+    option: str, url: str, words: str, tmp_path: Path
+) -> None:
+    base = ["--topside", "tcp://127.0.0.1:0", "--vehicle", f"serial://{tmp_path}/tty"]
+    given = [*base, "--gps", "none", "--folder", str(tmp_path), option, url]
+    ran = CliRunner().invoke(command, given)
+    assert ran.exit_code == 2
+    assert words in ran.output

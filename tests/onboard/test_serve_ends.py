@@ -1,0 +1,293 @@
+"""How serve begins and ends: after a restart, a fault of its own, at a stop; and who is told."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from served import (
+    MISSION,
+    PATIENCE,
+    Running,
+    asked,
+    quiet,
+    read_now,
+    running,
+    silent_board,
+    simulated,
+    soon,
+)
+
+from links.simulated.pty import PtyVehicle
+from mission.onboard.blackbox import read_parts
+from mission.onboard.runtime.drive import Drive
+from mission.onboard.runtime.records import RX
+from mission.authoring.language import digest, script
+from mission.model import STOPPED, SURFACED, SURFACING
+from mission.topside.console import converse
+from mission.topside.upload import start, status, upload
+from mission.analysis.replay.replay import replay
+from mission.onboard.serve import ports
+from mission.onboard.serve import serve as shell
+from mission.onboard.store import MemoryStore, Stored
+
+
+def test_what_was_under_way_surfaces_after_a_restart(tmp_path: Path) -> None:
+    store = MemoryStore()
+    store.keep_under_way("autonomous/out")
+    with (
+        silent_board() as (master, device),
+        running(tmp_path, f"serial://{device}", store=store),
+    ):
+        heard = bytearray()
+
+        def read() -> bool:
+            heard.extend(read_now(master))
+            return b"@ZAU12$" in heard
+
+        soon(read, "an upward word")
+
+
+@contextmanager
+def diving(folder: Path, leave_within: float) -> Iterator[tuple[Running, PtyVehicle, list[bytes]]]:
+    """A serve in a mission, at more than 1.5 m; and what the STM32 hears."""
+    with simulated(4.0) as sea:
+        stm32, gps = (f"serial://{path}" for path in sea.paths)
+        heard: list[bytes] = []
+        really = sea.vehicle.stm32.receive
+
+        def hear(data: bytes, now: float) -> None:
+            heard.append(data)
+            really(data, now)
+
+        sea.vehicle.stm32.receive = hear  # type: ignore[method-assign]
+        with running(folder, stm32, gps=gps, speed=4.0, leave_within=leave_within) as pi:
+            converse(pi.url, upload(script(MISSION), digest(MISSION), quiet))
+            converse(pi.url, start(patience=60))
+            soon(lambda: sea.vehicle.truth().depth > 1.5, "the dive")
+            yield pi, sea, heard
+
+
+def is_upward(heard: list[bytes]) -> bool:
+    said = b"".join(heard)
+    return b"@ZAWF$" in said or b"@ZAU12$" in said
+
+
+def last_of(heard: list[bytes], count: int) -> list[bytes]:
+    return b"".join(heard).replace(b"$", b"$ ").split()[-count:]
+
+
+def replays(pi: Running) -> bool:
+    assert pi.ready is not None
+    return replay(list(read_parts(Path(pi.ready.black_box)))).identical
+
+
+def test_serve_that_is_ended_in_a_mission_brings_the_vehicle_up_and_stops_it_first(
+    tmp_path: Path,
+) -> None:
+    with diving(tmp_path, PATIENCE) as (pi, sea, heard):
+        before = len(heard)
+        pi.stop()
+        assert sea.vehicle.truth().depth < 0.5
+    assert is_upward(heard[before:])
+    assert last_of(heard, 1) == [b"@ZAX0$"]
+    assert pi.has_told("serve ends when the vehicle is at the surface")
+    assert pi.store.content.under_way == SURFACED, "the next one turns nothing"
+    assert replays(pi)
+
+
+def test_serve_that_has_no_time_to_bring_the_vehicle_up_leaves_its_thrust_upward(
+    tmp_path: Path,
+) -> None:
+    with diving(tmp_path, 0.0) as (pi, sea, heard):
+        pi.stop()
+        assert last_of(heard, 2) == [b"@ZAX0$", b"@ZAU12$"]
+        soon(lambda: sea.vehicle.truth().depth < 0.5, "up, with nobody there")
+    assert pi.has_told("serve ends before the surface is proved")
+    assert pi.store.content.under_way == SURFACING, "the next one goes on"
+    assert replays(pi)
+
+
+def test_told_to_end_twice_serve_ends_at_once_with_its_last_words(tmp_path: Path) -> None:
+    with diving(tmp_path, PATIENCE) as (pi, _, heard):
+        pi.tell_to_end()
+        soon(lambda: is_upward(heard), "on its way up")
+        pi.stop()
+        assert last_of(heard, 2) == [b"@ZAX0$", b"@ZAU12$"]
+    assert replays(pi)
+
+
+def test_while_serve_ends_the_operator_is_heard_and_no_mission_starts(tmp_path: Path) -> None:
+    with diving(tmp_path, PATIENCE) as (pi, _, heard):
+        with pi.boat() as boat:
+            pi.tell_to_end()
+            soon(lambda: is_upward(heard), "on its way up")
+            assert asked(boat, b"@AA$") == b"@ACK_AAN$"
+            boat.sendall(b"@ZAX0$")
+            soon(lambda: last_of(heard, 1) == [b"@ZAX0$"], "the operator's X")
+        pi.stop()
+    assert replays(pi)
+
+
+@pytest.mark.parametrize("during", ["", STOPPED, SURFACED])
+def test_serve_that_is_ended_and_begun_again_on_deck_turns_no_thruster(
+    tmp_path: Path, during: str
+) -> None:
+    store = MemoryStore(Stored(under_way=during))
+    for _ in range(2):
+        with silent_board() as (master, device):
+            with running(tmp_path, f"serial://{device}", store=store, leave_within=PATIENCE):
+                time.sleep(0.5)
+            heard = read_now(master)
+        assert heard.replace(b"@ZAX0$", b"") == b""
+        assert bool(heard) == bool(during)
+        assert store.content.under_way == during
+
+
+def test_the_first_word_after_a_restart_is_not_lost_on_a_port_that_is_about_to_open(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opening = threading.Event()
+    really = ports.open_link
+
+    def slowly(name: str, url: str) -> object:
+        if name == "vehicle":
+            assert opening.wait(PATIENCE)
+        return really(name, url)
+
+    monkeypatch.setattr(ports, "open_link", slowly)
+    monkeypatch.setattr(shell, "FIRST_S", PATIENCE)
+    store = MemoryStore()
+    store.keep_under_way("autonomous/out")
+    with silent_board() as (master, device):
+        pi = Running(tmp_path, f"serial://{device}", store=store, wait=False)
+        threading.Timer(0.5, opening.set).start()
+        heard = bytearray()
+
+        def read() -> bool:
+            heard.extend(read_now(master))
+            return b"@ZAU12$" in heard
+
+        soon(read, "an upward word")
+        pi.stop()
+    assert not pi.has_told("NOT SENT")
+
+
+def test_a_fault_of_the_program_begins_another_drive_that_surfaces(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    really = Drive.receive
+
+    def receive(drive: Drive, rx: object, now: float | None = None) -> object:
+        if b"boom" in rx.data:  # type: ignore[attr-defined]
+            raise ZeroDivisionError("a bug")
+        return really(drive, rx, now)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Drive, "receive", receive)
+    monkeypatch.setattr(shell, "REBIRTH_S", 0.1)
+    with (
+        silent_board() as (_, device),
+        running(tmp_path, f"serial://{device}") as pi,
+        pi.boat() as boat,
+    ):
+        assert asked(boat, b"@AQ$").startswith(b"@AR,")
+        boat.sendall(b"boom")
+        soon(lambda: pi.has_told("a bug"), "the fault")
+        soon(lambda: len(list((tmp_path / "log").iterdir())) == 2, "another black box")
+        assert asked(boat, b"@AQ$").startswith(b"@AR,")
+    assert all(replay(list(read_parts(p))).identical for p in (tmp_path / "log").iterdir())
+
+
+def test_what_was_recorded_before_a_stop_is_in_the_file_however_slow_the_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("mission.onboard.serve.health.write", lambda *_: time.sleep(1.0))
+    monkeypatch.setattr("mission.onboard.serve.health.EVERY_S", 0.01)
+    with silent_board() as (_, device), running(tmp_path, f"serial://{device}") as pi:
+        with pi.boat() as boat:
+            for _ in range(4):
+                asked(boat, b"@AQ$")
+                time.sleep(0.12)
+        assert pi.ready is not None
+    records = list(read_parts(Path(pi.ready.black_box)))
+    asks = [r for r in records if r.kind == RX and r.payload.endswith(b"@AQ$")]
+    assert len(asks) == 4
+    assert replay(records).identical
+
+
+def test_systemd_hears_ready_and_the_steps_of_the_drive(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    manager = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    manager.bind(str(tmp_path / "notify"))
+    manager.settimeout(PATIENCE)
+    monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "notify"))
+    monkeypatch.setenv("WATCHDOG_USEC", "600000")
+    with manager:
+        with silent_board() as (_, device), running(tmp_path, f"serial://{device}"):
+            heard = [manager.recv(100) for _ in range(6)]
+        while heard[-1] != b"STOPPING=1":
+            heard.append(manager.recv(100))
+    assert b"READY=1" in heard
+    assert heard.count(b"WATCHDOG=1") >= 4
+
+
+def test_the_program_tells_a_parent_where_it_listens_and_ends_by_sigterm(tmp_path: Path) -> None:
+    ready = tmp_path / "ready.json"
+    with silent_board() as (_, device):
+        call = [
+            sys.executable,
+            "-c",
+            "from mission.cli import main; main()",
+            "serve",
+            "--vehicle",
+            f"serial://{device}",
+        ]
+        call += ["--gps", "none", "--topside", "tcp://127.0.0.1:0", "--folder", str(tmp_path)]
+        child = subprocess.Popen(
+            [*call, "--ready-file", str(ready)], stdout=subprocess.PIPE, text=True
+        )
+        with child:
+            try:
+                soon(ready.exists, "the ready file")
+                where = json.loads(ready.read_text())
+                assert converse(where["topside"], status(lambda *_: None)) == ""
+            finally:
+                child.send_signal(signal.SIGTERM)
+            said, _ = child.communicate(timeout=PATIENCE)
+    assert child.returncode == 0
+    assert where["topside"] in said
+    assert replay(list(read_parts(Path(where["black_box"])))).identical
+
+
+def test_a_wall_clock_that_jumps_decides_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As when a GPS or a boat sets it, back and forth by years."""
+    jumps = itertools.cycle([1.7e9, 0.0, 4.0e9, 1.7e9 - 3600.0])
+    monkeypatch.setattr(shell.time, "time", lambda: next(jumps))
+    with silent_board() as (master, device), running(tmp_path, f"serial://{device}") as pi:
+        with pi.boat() as boat:
+            for order in (b"@ZAX0$", b"@ZAWF$"):
+                boat.sendall(order)
+                heard = bytearray()
+
+                def tried_again(order: bytes = order, heard: bytearray = heard) -> bool:
+                    heard.extend(read_now(master))
+                    return heard.count(order) >= 2
+
+                soon(tried_again, "timers run as before")
+            assert asked(boat, b"@AQ$").startswith(b"@AR,running")
+        assert pi.ready is not None
+    assert not pi.has_told("fault")
+    assert replay(list(read_parts(Path(pi.ready.black_box)))).identical

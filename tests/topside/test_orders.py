@@ -1,0 +1,257 @@
+"""Success of X and W is said only where a report has shown it; over every vehicle's own bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import pytest
+from click.testing import CliRunner
+
+from links.base import Rx
+from links.simulated.boards import SimulatedBoard
+from links.simulated.link import SimulatedVehicle
+from mission.cli import main
+from mission.onboard.configuration import Configuration
+from mission.onboard.runtime.drive import Drive
+from mission.authoring.language import parse, script
+from mission.model import Tx
+from mission.topside import console
+from mission.topside.orders import LOOKS, WORDS, Contradicted, Unconfirmed, order
+from mission.topside.upload import Conversation, NoAnswer, OperatorError
+from mission.onboard.store import MemoryStore, Stored
+from mission.model.shipped import load_vehicle
+from protocol.messages import (
+    Ack,
+    DataQuery,
+    Emergency,
+    Order,
+    Status,
+    StoreReport,
+    Telemetry,
+)
+
+ON, OFF = (0.5, 0.5, 0.0, 0.0, 0.0, 0.2, 0.2), (0.0, 0.0, 0.0, 0.0, 0.0, 0.2, 0.2)
+STORE = StoreReport("running", 0, 0, "", "", "")
+
+
+def seen(second: int, depth: float | None = None, actuators: tuple[float, ...] = ()) -> Status:
+    report = Telemetry(0.0, depth=depth, actuators=actuators or None)
+    return Status(f"2025-01-01T00:00:{second:02}", None, report)
+
+
+def ordered(which: Order, told: list[Status], store: StoreReport = STORE) -> str:
+    """What is said in the end, where the reports are these; the last of them stays."""
+    reports = iter(told)
+    last = told[0]
+    talk = order(which)
+    ask = next(talk)
+    try:
+        while True:
+            if isinstance(ask.command, Emergency):
+                ask = talk.send(Ack(0.0, "Z", "A", ord("Y")))
+            elif isinstance(ask.command, DataQuery):
+                last = next(reports, last)
+                ask = talk.send(last)
+            else:
+                ask = talk.send(store if ask.fits(store) else None)
+    except StopIteration as end:
+        return str(end.value)
+
+
+def test_a_stop_is_confirmed_by_a_later_report_with_every_thruster_off() -> None:
+    said = ordered(Order.STOP, [seen(0, 3.0, ON), seen(2, 3.0, ON), seen(4, 3.0, OFF)])
+    assert said == "stop: its report shows every thruster off"
+
+
+def test_a_report_from_before_the_stop_confirms_nothing() -> None:
+    with pytest.raises(Unconfirmed, match="no report of the vehicle has come since"):
+        ordered(Order.STOP, [seen(0, 3.0, OFF)])
+
+
+def test_a_stop_that_the_reports_contradict_is_none() -> None:
+    told = [seen(second, 3.0, ON) for second in range(0, 40, 2)]
+    with pytest.raises(Contradicted, match=r"thrusters on \(\+50 \+50 \+0 \+0 \+0 %\)"):
+        ordered(Order.STOP, told)
+
+
+def test_where_no_thruster_is_reported_a_stop_is_sent_and_not_confirmed() -> None:
+    with pytest.raises(Unconfirmed, match="stop was sent, and nothing confirms it"):
+        ordered(Order.STOP, [seen(0, 3.0), seen(2, 3.0), seen(4, 3.0)])
+
+
+@pytest.mark.parametrize("actuators", [(), OFF])
+def test_what_the_vehicles_program_holds_against_a_stop_counts(
+    actuators: tuple[float, ...],
+) -> None:
+    report = replace(STORE, refusal="X: a report shows way after the stop")
+    with pytest.raises(Contradicted, match="a report shows way after the stop"):
+        ordered(Order.STOP, [seen(0), seen(2, None, actuators)], report)
+
+
+@pytest.mark.parametrize(
+    ("depths", "words"),
+    [
+        ([0.3, 0.3], "0.3 m: at the surface"),
+        ([5.0, 5.4, 5.2, 4.8], "rises: 5.4 m deep, then 4.8 m"),
+    ],
+)
+def test_surfacing_is_confirmed_by_the_surface_or_by_a_depth_that_falls(
+    depths: list[float], words: str
+) -> None:
+    said = ordered(Order.SURFACE, [seen(2 * i, depth) for i, depth in enumerate(depths)])
+    assert words in said
+
+
+def test_surfacing_without_a_depth_that_falls_is_none() -> None:
+    told = [seen(second, 5.0 + 0.01 * second) for second in range(59)]
+    with pytest.raises(Contradicted, match=r"its depth does not fall: 5\.0 m, now 5\.3 m"):
+        ordered(Order.SURFACE, told)
+    with pytest.raises(Unconfirmed, match="no depth is reported"):
+        ordered(Order.SURFACE, [seen(0), seen(2), seen(4)])
+
+
+def test_what_is_looked_at_is_told_before() -> None:
+    told: list[str] = []
+    talk = order(Order.STOP, told.append)
+    next(talk)
+    talk.send(Ack(0.0, "Z", "A", ord("Y")))
+    assert told == ["stop: the vehicle has it; what its reports show is looked at now"]
+
+
+# --- over the bytes of every vehicle --------------------------------------------------------------
+
+AHEAD = {
+    "auv": "a: depth 3 heading 0 gear 6 for 5min",
+    "coreboard": "a: depth 3 heading 0 gear 6 for 5min",
+    "rov": "a: gear 6 down 6 for 40s",
+    "robot": "a: gear 6 for 60s",
+}
+
+
+class Sea:
+    """A mission under way; ``deaf``: the board goes on with what it heard last before that."""
+
+    def __init__(self, name: str) -> None:
+        text = f"mission m vehicle {name}\nsafety time 20min\nassume start 0\nstart without fix\n"
+        lines = tuple(script(parse(text + AHEAD[name])))
+        vehicle = load_vehicle(name)
+        self.sea = SimulatedVehicle("as-built", 1) if name == "auv" else SimulatedBoard(name, 1)
+        self.drive = Drive(Configuration(), vehicle, MemoryStore(Stored(lines)))
+        self.drive.set_navigation(self.drive.make_navigation(), 0.0)
+        self.now, self.deaf, self.kept = 0.0, False, b""
+        self.sent: list[Tx] = []
+        self.run(4.0)
+        assert self.say(b"@AA$") == b"@ACK_AAA$"
+        self.run(12.0)
+
+    def say(self, frame: bytes) -> bytes:
+        return self.out(self.drive.receive(Rx(self.now, "topside", frame, "boat")))
+
+    def out(self, sent: list[Tx]) -> bytes:
+        """What the boat is told."""
+        self.sent += sent
+        for tx in sent:
+            if tx.link == "vehicle":
+                self.kept = self.kept if self.deaf else tx.data
+                self.sea.vehicle_link.send(self.kept, self.now)
+        return b"".join(tx.data for tx in sent if tx.link == "topside")
+
+    def run(self, seconds: float, talk: Conversation | None = None) -> None:
+        end, link = self.now + seconds, self.sea.vehicle_link
+        while talk is None or not talk.over:
+            dues = [link.next_event(), self.drive.next_timer(), talk.next_timer() if talk else None]
+            self.now = max(self.now, min(t for t in dues if t is not None))
+            if self.now > end:
+                self.now = end
+                return
+            heard = b"".join([self.out(self.drive.receive(rx)) for rx in link.receive(self.now)])
+            due = self.drive.next_timer()
+            if due is not None and due <= self.now:
+                heard += self.out(self.drive.handle_timer(self.now))
+            if talk is not None:
+                self._tell(talk, talk.receive(heard, self.now))
+                self._tell(talk, talk.handle_timer(self.now))
+
+    def _tell(self, talk: Conversation, frames: list[bytes]) -> None:
+        for frame in frames:
+            self._tell(talk, talk.receive(self.say(frame), self.now))
+
+    def order(self, which: Order) -> Conversation:
+        talk = Conversation(order(which))
+        self._tell(talk, talk.begin(self.now))
+        self.run(200.0, talk)
+        return talk
+
+    def times(self, reason: str) -> int:
+        """That it was said anew, not held."""
+        return sum(tx.reason.endswith(reason) for tx in self.sent if tx.link == "vehicle")
+
+
+@pytest.mark.parametrize("name", AHEAD)
+def test_a_stop_that_is_obeyed_is_confirmed_where_thrusters_are_reported(name: str) -> None:
+    sea = Sea(name)
+    talk = sea.order(Order.STOP)
+    if name in ("auv", "rov"):
+        assert talk.result == "stop: its report shows every thruster off"
+    else:
+        assert isinstance(talk.failure, Unconfirmed)
+        assert "no thrusters are reported" in str(talk.failure)
+    assert sea.times("after it was stopped") == 0
+
+
+@pytest.mark.parametrize("name", ["rov", "robot", "coreboard"])
+def test_a_board_that_is_deaf_to_a_stop_is_never_called_stopped(name: str) -> None:
+    sea = Sea(name)
+    sea.deaf = True
+    talk = sea.order(Order.STOP)
+    assert talk.result is None
+    if name == "coreboard":  # it reports neither thrusters nor speed
+        assert isinstance(talk.failure, Unconfirmed)
+        return
+    assert isinstance(talk.failure, Contradicted)
+    assert sea.times("after it was stopped") >= 2, "repeated, with its reason"
+    report = sea.say(b"@AQ$")
+    assert b"X: a report shows way after the stop" in report
+
+
+def test_a_stop_that_is_obeyed_late_is_no_longer_doubted() -> None:
+    sea = Sea("robot")
+    sea.deaf = True
+    sea.order(Order.STOP)
+    sea.deaf = False
+    sea.run(20.0)
+    before = sea.times("after it was stopped")
+    assert b"way after the stop" not in sea.say(b"@AQ$")
+    sea.run(20.0)
+    assert sea.times("after it was stopped") == before
+
+
+@pytest.mark.parametrize("name", ["auv", "coreboard", "rov"])
+def test_surfacing_that_is_obeyed_is_confirmed_by_the_depth(name: str) -> None:
+    talk = Sea(name).order(Order.SURFACE)
+    assert talk.failure is None
+    assert talk.result is not None
+    assert "rises" in talk.result or "at the surface" in talk.result
+
+
+# --- the command ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("command", [WORDS[which] for which in LOOKS])
+@pytest.mark.parametrize(
+    ("failure", "code"),
+    [(None, 0), (Unconfirmed("sent"), 3), (Contradicted("sent, but"), 1), (NoAnswer("none"), 1)],
+)
+def test_the_exit_code_says_what_was_confirmed(
+    command: str, failure: OperatorError | None, code: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def converse(url: str, talk: Iterator[object]) -> str:
+        if failure is not None:
+            raise failure
+        return "shown"
+
+    monkeypatch.setattr(console, "converse", converse)
+    ran = CliRunner().invoke(main, [command])
+    assert ran.exit_code == code
+    assert (ran.stdout, ran.stderr) == (("shown\n", "") if code == 0 else ("", f"{failure}\n"))

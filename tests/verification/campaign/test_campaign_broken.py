@@ -1,0 +1,145 @@
+"""The campaign is tested: with a safety rule broken, the flight that needs it tells, and by name."""
+
+from __future__ import annotations
+
+import functools
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from mission.verification.campaign.broken import BROKEN, broken, notice
+from mission.verification.campaign.draw import Plan, draw, stage
+from mission.verification.campaign.faults import fared_of, fly_plan, shipped, subjects
+from mission.verification.campaign.scene_texts import TEXTS, mission_of
+from mission.verification.campaign.scenes import SCENES
+from mission.authoring.check import check_mission
+from mission.commands.faults import faults
+from mission.authoring.compiler.compiler import compile_mission
+from mission.onboard.runtime import frontseat
+from mission.engine import watch
+from mission.engine.core import Core
+from mission.engine.limits import LIMITS
+from mission.authoring.language import digest
+from mission.model.shipped import load_vehicle
+
+pytestmark = pytest.mark.proof  # long: make proofs
+
+KNOWN = tuple(subjects(shipped()))
+
+# The rule that is broken, a scene and its seed, and the law that sees it.
+SEEN = [
+    ("sinks at rest", "heavy_when_surfaced", 3, "sunk", "sinks in"),
+    ("stays down", "neutral_after_x", 0, "sunk", "stopped"),
+    ("held up", "heavy_when_surfaced", 0, "sunk", "not held up"),
+    ("way W", "unliftable", 0, "sunk", "without @ZAWF$"),
+    ("way X0", "unliftable", 0, "sunk", "without letting go"),
+    ("way D12", "capsized_and_heavy", 0, "sunk", "without @ZAD12$"),
+    ("ways in turn", "dives_until_up", 0, "sunk", "s of an ascent without"),
+    ("way U12", "heavy_for_ever", 0, "sunk", "though it could"),
+    ("latch", "restarted_after_x", 0, "unlawful", "restarted out of"),
+    ("restart", "restarted", 0, "unsent", "of a restart"),
+    ("rest with AUTO closed", "heavy_with_auto_closed", 0, "unlawful", "AUTO is closed"),
+    ("AUTO ends", "auto_closed", 0, "unlawful", "AUTO is closed"),
+    ("stuck receiver", "stuck_receiver", 0, "unlawful", "surfaced, said"),
+    ("belief", "clogged", 0, "unanswered", "clogged port"),
+    ("orderly end", "ended", 0, "unlawful", "told to end"),
+    ("cleared below", "cleared_below", 0, "unlawful", "cleared"),
+    ("started below", "started_below", 0, "unlawful", "begins"),
+    ("held stick", "held_stick", 0, "unlawful", "a stick heard"),
+    ("neutral stick", "neutral_stick", 0, "unlawful", "takes over"),
+    ("silent stick", "stick_left", 0, "unlawful", "without M"),
+    ("commander", "other_commander", 0, "unlawful", "commands"),
+    ("stop again", "deaf_to_x", 0, "unsent", "no X0"),
+    ("stop doubted", "turns_after_a_stop", 0, "unsent", "a thruster is on"),
+    ("refused set", "refused", 0, "unlawful", "answered N"),
+    ("blind leg", "blind_compass", 0, "unlawful", "and still in"),
+    ("healthy attitude", "full_scale_roll", 0, "unanswered", "was not passed"),
+    ("gap", "auto_closed", 0, "unlawful", "too soon"),
+    ("clock of a leg", "turns_after_a_stop", 0, "", ""),
+    ("limit depth", "shallow_depth", 0, "unanswered", "depth passed"),
+    ("limit roll-over", "capsized", 2, "unanswered", "roll passed"),
+    ("limit unexplained descent", "sinks_adrift", 1, "unanswered", "nothing asks for"),
+    ("limit no progress", "weak_thrusters", 4, "unanswered", "no nearer"),
+    ("limit depth unknown", "blind", 1, "unanswered", "without a depth"),
+    ("limit topside", "silent_topside", 0, "unanswered", "from topside"),
+    ("limit no answer", "no_answers", 0, "unanswered", "without an answer"),
+    ("limit voltage", "low_battery", 4, "unanswered", "V, and still"),
+    ("limit heading does not follow", "wrong_compass", 0, "unanswered", "off and growing"),
+    ("limit course against heading", "loose_compass", 0, "unanswered", "course and heading"),
+    ("limit brown-out", "brown_out", 0, "unanswered", "no thruster turns"),
+    ("limit uncertain", "swept_away", 0, "unanswered", "sigma"),
+]
+
+
+def judged(plan: Plan) -> set[tuple[str, str]]:
+    vehicle = plan.vehicle
+    fared = fared_of(plan, fly_plan(plan, vehicle), vehicle, plan.profile)
+    return {(violation.kind, violation.says) for violation in fared.violations}
+
+
+@functools.cache
+def whole(scene: str, seed: int) -> set[tuple[str, str]]:
+    return judged(stage(scene, seed))
+
+
+@pytest.mark.parametrize(("rule", "scene", "seed", "kind", "says"), SEEN)
+def test_a_scene_tells_a_rule_from_its_absence_by_its_law(
+    rule: str, scene: str, seed: int, kind: str, says: str
+) -> None:
+    assert whole(scene, seed) == set()
+    with broken(rule):
+        found = judged(stage(scene, seed))
+    assert any(k == kind and says in words for k, words in found) == bool(kind), found
+
+
+def test_a_rule_that_was_broken_is_whole_again_afterwards() -> None:
+    before = (frontseat.GAP_S, watch.LIMITS, Core.surface)
+    for name in BROKEN:
+        with broken(name):
+            pass
+    assert (frontseat.GAP_S, watch.LIMITS, Core.surface) == before
+
+
+def test_every_limit_is_a_rule_to_be_broken_and_what_no_flight_can_tell_has_its_reason() -> None:
+    assert {f"limit {row.name}" for row in LIMITS} <= set(BROKEN)
+    assert len(BROKEN) - sum(bool(row.reason) for row in BROKEN.values()) >= 40
+
+
+def test_what_is_not_there_cannot_be_broken(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr(Core, "doubt_line")
+    with pytest.raises(KeyError, match="doubt_line"), broken("line doubted"):
+        pass
+
+
+def test_the_missions_of_scenes_pass_the_check() -> None:
+    vehicle = load_vehicle("auv")
+    for text in TEXTS:
+        mission = mission_of(text)
+        assert check_mission(compile_mission(mission, vehicle, digest(mission)), vehicle).ok
+
+
+def test_all_scenes_are_drawn_some_with_something_else_beside() -> None:
+    plans = [draw(1, number, KNOWN) for number in range(800)]
+    assert {plan.scene for plan in plans} == {"", *SCENES}
+    alone = [p for p in plans if p.kinds == ("auto_closed", "scene auto_closed")]
+    beside = [p for p in plans if p.scene == "auto_closed"]
+    assert 0 <= len(alone) < len(beside)
+    assert stage("heavy_for_ever", 3) == stage("heavy_for_ever", 3)
+
+
+def test_what_notices_is_a_flight_that_the_whole_program_flies_well() -> None:
+    noticed = notice("unasked", 0, 3, KNOWN)
+    assert noticed.flights == 1
+    assert noticed.by.startswith("spurious")
+    assert notice("limit leak", 0, 1, KNOWN).flights is None
+
+
+def test_the_command_tells_the_rule_the_flights_and_the_law() -> None:
+    done = CliRunner().invoke(faults, ["--broken", "unasked", "--flights", "2", "--workers", "1"])
+    assert done.exit_code == 0, done.output
+    assert "| unasked | nothing that nothing asked for | 1 | spurious" in done.output
+    found = json.loads(done.stdout.splitlines()[-1])
+    assert (found["rules"], found["noticed"], found["blind"]) == (1, 1, [])
+    unknown = CliRunner().invoke(faults, ["--broken", "nonsense"])
+    assert unknown.exit_code == 2

@@ -1,0 +1,290 @@
+"""Disturbed flights: nothing is lost, overrun or sent unasked; and the laws see it when it is."""
+
+from __future__ import annotations
+
+import functools
+import json
+import random
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from links.simulated.faults import FAULTS
+from links.simulated.settings import Settings, parse_settings
+from mission.verification.campaign.deeds import INCIDENTS, PORT, Act, Deed
+from mission.verification.campaign.draw import CLUSTER, MOST, OUT_OF_HAND, draw
+from mission.verification.campaign.faults import fare, fly_plan, shipped, subjects
+from mission.verification.campaign.laws import IGNORED, LOST, OVERRUN, RAISED, violations
+from mission.verification.campaign.soak import Soaked, grown, soak
+from mission.verification.campaign.trial import FOREVER, Done, Heard, Trial, try_out
+from mission.commands.faults import faults
+from mission.onboard.runtime.frontseat import Frontseat
+from mission.engine.ascent import Ascent
+from mission.engine.core import Core
+from mission.engine.engine import Engine
+from mission.engine.watch import Watch
+from mission.authoring.language import parse
+from mission.model import IDLE_EMPTY, IDLE_READY, SURFACED, SURFACING, Action, Step, Tx
+from mission.model.shipped import load_vehicle
+from mission.verification.workers import results
+from protocol.messages import Order
+
+VEHICLE = load_vehicle("auv")
+KNOWN = tuple(subjects(shipped()))
+FIRST = next(s for s in KNOWN if s.path.stem == "first-dive")
+PROFILES = ("as-built", "documented")
+NO_FAULTS = Settings()
+
+
+def flown(deeds: list[Deed], profile: str = "as-built", settings: Settings = NO_FAULTS) -> Trial:
+    return try_out(FIRST.mission, VEHICLE, profile, 1, settings, deeds)
+
+
+def kinds_of(trial: Trial, profile: str = "as-built", settings: Settings = NO_FAULTS) -> set[str]:
+    return {v.kind for v in violations(trial, FIRST.mission, VEHICLE, profile, settings)}
+
+
+# --- the campaign --------------------------------------------------------------------------------
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("ten", range(5))
+def test_no_disturbed_flight_loses_overruns_or_sends_unasked(ten: int) -> None:
+    for number in range(10 * ten, 10 * ten + 10):
+        fared = fare(0, number, KNOWN)
+        assert not fared.violations, fared
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("name", INCIDENTS)
+def test_an_incident_alone_breaks_no_law(name: str) -> None:
+    drawn = INCIDENTS[name].draw(random.Random(name), ("mission other vehicle auv", "wait 9"))
+    deeds = [Deed(40.0 + d.after, d.act, d.data, d.link, d.address) for d in drawn]
+    for profile in PROFILES:
+        assert kinds_of(flown(deeds, profile), profile) == set()
+
+
+def test_every_fault_and_every_incident_is_drawn() -> None:
+    plans = [draw(1, number, KNOWN, staged=0.0) for number in range(600)]
+    assert {kind for plan in plans for kind in plan.kinds} == {*FAULTS, *INCIDENTS}
+    assert max(len(plan.kinds) for plan in plans) == MOST
+    for event in (event for plan in plans for event in plan.settings.faults):
+        assert event.name not in OUT_OF_HAND or (event.duration or 0.0) < FOREVER
+
+
+def test_a_flight_is_told_by_its_seed_and_number_alone() -> None:
+    assert draw(5, 7, KNOWN) == draw(5, 7, KNOWN)
+    assert draw(5, 7, KNOWN) != draw(6, 7, KNOWN)
+    plan = draw(5, 7, KNOWN)
+    first, second = (fly_plan(plan, VEHICLE) for _ in range(2))
+    assert first.events == second.events
+
+
+@pytest.mark.proof
+def test_what_comes_out_does_not_depend_on_who_works() -> None:
+    work = functools.partial(fare, 9, known=KNOWN[:3])
+    assert list(results(work, range(3), 2)) == [work(number) for number in range(3)]
+
+
+def test_the_command_ends_with_one_object_and_flies_one_again(tmp_path: Path) -> None:
+    done = CliRunner().invoke(faults, ["--seed", "4", "--flight", "2", "--report", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    assert "auvmission faults --seed 4 --flight 2" in done.output
+    found = json.loads(done.stdout.splitlines()[-1])
+    assert (found["flights"], found["lost"], found["overruns"], found["spurious"]) == (1, 0, 0, 0)
+    assert sum(found["faults"].values()) == len(draw(4, 2, KNOWN).kinds)
+    assert (tmp_path / "life1.mcap").stat().st_size > 10_000
+
+
+# --- what it has found ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_program_killed_after_a_disk_was_full_at_the_start_still_surfaces(profile: str) -> None:
+    killed = [Deed(100.0, Act.KILL), Deed(103.0, Act.BOOT), Deed(104.0, Act.JOIN)]
+    trial = flown([Deed(4.5, Act.FILL), Deed(20.0, Act.FREE), *killed], profile)
+    assert kinds_of(trial, profile) == set()
+    assert trial.started is not None
+    assert trial.state == SURFACED
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize("death", [Act.DIE_BEFORE, Act.DIE_AFTER])
+def test_a_program_killed_between_the_end_and_its_stop_leaves_no_thruster_on(
+    profile: str, death: Act
+) -> None:
+    steps = [e for e in flown([], profile).events if isinstance(e, Step)]
+    ends = next(step.t for step in steps if IDLE_READY in step.entered and step.by)
+    trial = flown([Deed(ends - 0.3, death)], profile)
+    assert kinds_of(trial, profile) == set()
+    assert any(isinstance(e, Done) and e.act is Act.KILL for e in trial.events)
+    assert trial.state == SURFACED
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_stop_that_was_cleared_before_its_answer_still_stops(profile: str) -> None:
+    """Cleared at the surface, where alone it may be: before the mission has dived."""
+    deaf = parse_settings(["fault=command_lost@5.2+3"])
+    said = [Deed(5.3, Act.SAY, b"@ZAX0$"), Deed(5.6, Act.SAY, b"@AC$")]
+    trial = flown(said, profile, deaf)
+    assert kinds_of(trial, profile, deaf) == set()
+    assert trial.state == IDLE_EMPTY
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_program_killed_with_the_stick_held_leaves_no_thruster_on(profile: str) -> None:
+    stick = [Deed(200.0 + 0.2 * i, Act.SAY, b"@MMF9$") for i in range(20)]
+    killed = [Deed(204.1, Act.KILL), Deed(207.0, Act.BOOT), Deed(208.0, Act.JOIN)]
+    said = [Deed(60.0, Act.SAY, b"@ZAWF$"), Deed(150.0, Act.SAY, b"@AC$")]
+    trial = flown([*said, *stick, *killed], profile)
+    assert kinds_of(trial, profile) == set()
+    assert trial.state == IDLE_EMPTY
+
+
+# --- the laws bite -------------------------------------------------------------------------------
+
+
+def test_a_vehicle_that_does_not_come_up_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Ascent, "act", lambda self, now, depth, overturned: ())
+    settings = parse_settings(["fault=stm32_silent@60+20"])
+    assert LOST in kinds_of(flown([], settings=settings), settings=settings)
+
+
+def test_a_limit_that_nobody_looks_at_is_overrun(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Watch, "look", lambda self, reported, fixed: [])
+    silent = parse_settings(["fault=stm32_silent@60+20"])
+    assert OVERRUN in kinds_of(flown([], settings=silent), settings=silent)
+    tight = [Deed(60.0, Act.SAY, b"@SP,2000,2,100,10,$")]
+    assert OVERRUN in kinds_of(flown(tight))
+
+
+def test_a_dive_beyond_its_limit_is_an_overrun(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Watch, "look", lambda self, reported, fixed: [])
+    text = FIRST.mission
+    deep = parse(
+        "mission deep vehicle auv\nhome 30.2874595 120.1535765\nsafety radius 500 time 15min\n"
+        "down: depth 40 heading 0 gear 4 for 240\n"
+    )
+    assert text.safety.depth == 10.0
+    sea = parse_settings(["floor=60"])
+    trial = try_out(deep, VEHICLE, "as-built", 1, sea)
+    found = violations(trial, FIRST.mission, VEHICLE, "as-built", sea)
+    assert any(v.kind == OVERRUN and v.says.startswith("depth") for v in found)
+
+
+def test_a_program_that_raises_is_a_violation(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(self: Engine, now: float, inputs: object = ()) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(Engine, "step", fail)
+    assert kinds_of(flown([])) == {RAISED}
+
+
+def test_a_byte_that_nobody_asked_for_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    honest = Frontseat.poll
+
+    def poll(self: Frontseat, now: float) -> tuple[list[Tx], list[object]]:
+        sent, outcomes = honest(self, now)
+        extra = [Tx(now, "vehicle", b"@ZAX0$", "every 5 s")] if int(now) == 90 else []
+        return [*sent, *extra], list(outcomes)
+
+    monkeypatch.setattr(Frontseat, "poll", poll)
+    assert kinds_of(flown([])) == {"spurious"}
+
+
+def test_an_order_that_does_not_leave_at_once_is_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
+    honest, dropped = Frontseat.command, []
+
+    def forgetful(self: Frontseat, action: Action) -> object:
+        if action.command is Order.STOP and not dropped:
+            dropped.append(action)
+            return None
+        return honest(self, action)
+
+    monkeypatch.setattr(Frontseat, "command", forgetful)
+    assert IGNORED in kinds_of(flown([Deed(60.0, Act.SAY, b"@ZAX0$")]))
+
+
+def test_a_set_that_relays_keep_back_is_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
+    following = Frontseat._next
+
+    def polite(self: Frontseat, now: float) -> list[Tx]:
+        if self._relays and not self._urgent:
+            return [self._transmit(*self._relays.take(), now)]
+        return following(self, now)
+
+    monkeypatch.setattr(Frontseat, "_next", polite)
+    slider = [Deed(60.0 + i / 100, Act.SAY, b"@DS%d,5$" % (i % 2 + 1)) for i in range(2500)]
+    assert IGNORED in kinds_of(flown([Deed(60.0, Act.SAY, b"@ZAWF$"), *slider]))
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_thruster_that_turns_at_the_end_is_a_loss(
+    profile: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A device on the port answers for the STM32, and nobody doubts it: neither by the reports that
+    come later nor because the line was away."""
+    cut = [Deed(59.5, Act.UNPLUG), Deed(70.0, Act.PLUG), Deed(60.0, Act.SAY, b"@ZAX0$")]
+    ack = [Deed(60.05, Act.SAY, b"@ACK_ZAY$", PORT, ""), Deed(60.06, Act.SAY, b"@ACK_ZXY$", PORT)]
+    assert kinds_of(flown([*cut, *ack], profile), profile) == set()
+    monkeypatch.setattr(Watch, "turning", lambda self, since: False)
+    assert kinds_of(flown([*cut, *ack], profile), profile) == set()
+    monkeypatch.setattr(Core, "doubt_line", lambda self: None)
+    assert kinds_of(flown([*cut, *ack], profile), profile) == set(), "it does not rise"
+    monkeypatch.setattr(Core, "mind_rest", lambda self: None)
+    assert LOST in kinds_of(flown([*cut, *ack], profile), profile)
+
+
+def test_a_quarter_of_the_flights_has_all_its_troubles_within_seconds() -> None:
+    begins = []
+    for plan in (draw(3, number, KNOWN, staged=0.0) for number in range(400)):
+        at = [e.begin for e in plan.settings.faults] + [d.begin for d in plan.incidents]
+        if len(at) >= 3:
+            begins.append(max(at) - min(at))
+    assert 0.2 < sum(spread <= CLUSTER for spread in begins) / len(begins) < 0.4
+
+
+# --- what a trial does ---------------------------------------------------------------------------
+
+
+def test_a_program_that_stands_still_says_nothing_and_then_reads_everything_at_once() -> None:
+    events = flown([Deed(50.0, Act.STALL), Deed(54.5, Act.RUN)]).events
+    assert not [e for e in events if isinstance(e, Tx | Heard) and 50.0 < e.t < 54.5]
+    assert [e for e in events if isinstance(e, Heard) and e.t == 54.5 and len(e.data) > 86]
+
+
+def test_a_power_cut_takes_both_boards() -> None:
+    cut = INCIDENTS["power_cut"].draw(random.Random(1), ())
+    trial = flown([Deed(60.0 + d.after, d.act) for d in cut])
+    assert {Act.POWER, Act.KILL, Act.BOOT} <= {e.act for e in trial.events if isinstance(e, Done)}
+    assert trial.state == SURFACED
+
+
+# --- the soak ------------------------------------------------------------------------------------
+
+
+@pytest.mark.proof
+def test_one_program_lives_through_missions_in_a_row(tmp_path: Path) -> None:
+    soaked = soak(0.06, 0, KNOWN, VEHICLE, tmp_path)
+    assert soaked.totals.clean
+    assert soaked.missions >= 3
+    assert soaked.totals.aborted["not started"] < soaked.missions
+    assert len(soaked.objects) == len(soaked.blocks) == soaked.missions
+    assert not soaked.broken_parts
+
+
+def test_a_leak_is_growth_and_one_large_mission_is_not() -> None:
+    flat = [100.0 + (i % 3) for i in range(60)]
+    assert grown(flat) <= 0.0
+    assert grown([*flat[:40], 150.0, *flat[41:]]) <= 0.0
+    assert grown([100.0 + i for i in range(60)]) > 0.3
+    leaking = Soaked(objects=flat, blocks=[100.0 + i for i in range(60)], resident=flat)
+    assert not leaking.flat
+    assert Soaked(objects=flat, blocks=flat, resident=flat).flat
+
+
+def test_surfacing_is_entered_for_a_reason_that_is_on_record() -> None:
+    trial = flown([Deed(60.0, Act.SAY, b"@ZAWF$")])
+    steps = [e for e in trial.events if isinstance(e, Step) and SURFACING in e.entered]
+    assert [step.event for step in steps] == ["operator W"]
