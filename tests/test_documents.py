@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import configparser
 import re
 from pathlib import Path
 
@@ -79,3 +80,15 @@ def test_every_command_has_a_line_of_help() -> None:
         assert command.get_short_help_str(), name
         for one in command.params:
             assert not isinstance(one, click.Option) or one.help, f"{name} {one.name}"
+
+
+def test_the_wings_that_the_design_draws_are_those_of_the_contract() -> None:
+    contracts = configparser.ConfigParser()
+    contracts.read(ROOT / ".importlinter", encoding="utf-8")
+    layers = contracts["importlinter:contract:wings"]["layers"].strip()
+    drawn = re.findall(
+        r"^```\n(.+?)\n```", (ROOT / "docs" / "design.md").read_text("utf-8"), re.M | re.S
+    )
+    assert layers in drawn
+    there = {p.name for p in (ROOT / "mission").iterdir() if (p / "__init__.py").exists()}
+    assert there == set(re.findall(r"mission\.(\w+)", layers)) - {"cli"}

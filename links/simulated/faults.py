@@ -10,21 +10,33 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import cos, radians, sin
-from typing import TYPE_CHECKING
+from typing import Protocol
 
-from links.simulated.firmware.stm32 import Mode
-from links.simulated.plant import LEFT_MAIN, RIGHT_MAIN
-from links.simulated.sensors import Health, Sensor
+from links.simulated.firmware.gps import GpsReceiver
+from links.simulated.firmware.stm32 import Mode, Stm32
+from links.simulated.plant import LEFT_MAIN, RIGHT_MAIN, Plant
+from links.simulated.sea import Sea
+from links.simulated.sensors import Health, Sensor, Sensors
 from links.simulated.wrong import Drifting, Late, Stuck, Wrong
-
-if TYPE_CHECKING:
-    from links.simulated.link import SimulatedVehicle
 
 _ROLL, _HEADING, _DEPTH, _ALTITUDE = 0, 2, 4, 5  # slots of what ``Sensors.sample`` returns
 
 FLICKER = 0.8  # V
 
-Act = Callable[["SimulatedVehicle", float], None]
+
+class Parts(Protocol):
+    """What of a simulated vehicle a fault acts upon."""
+
+    plant: Plant
+    sensors: Sensors
+    stm32: Stm32
+    gps: GpsReceiver
+    usual_splice: float
+    sea: Sea
+    current: tuple[float, float]  # m/s north, east: what sets now
+
+
+Act = Callable[[Parts, float], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,10 +50,10 @@ class Fault:
 
 
 def _sensor(sensor: Sensor, health: Health) -> Fault:
-    def begin(vehicle: SimulatedVehicle, _: float) -> None:
+    def begin(vehicle: Parts, _: float) -> None:
         vehicle.sensors.health[sensor] = health
 
-    def end(vehicle: SimulatedVehicle, _: float) -> None:
+    def end(vehicle: Parts, _: float) -> None:
         vehicle.sensors.health.pop(sensor, None)
 
     return Fault(f"{sensor.name.lower()} is {health.value.replace('_', ' ')}", begin, end)
@@ -52,10 +64,10 @@ def _bent(
 ) -> Fault:
     """``scale`` brings the value into the sensor's unit."""
 
-    def begin(vehicle: SimulatedVehicle, value: float) -> None:
+    def begin(vehicle: Parts, value: float) -> None:
         vehicle.sensors.bent[slot] = (factor, scale * value)
 
-    def end(vehicle: SimulatedVehicle, _: float) -> None:
+    def end(vehicle: Parts, _: float) -> None:
         vehicle.sensors.bent.pop(slot, None)
 
     return Fault(says, begin, end, value, unit)
@@ -64,10 +76,10 @@ def _bent(
 def _wrong(
     slot: int, says: str, make: Callable[[float], Wrong], value: float, unit: str, scale: float
 ) -> Fault:
-    def begin(vehicle: SimulatedVehicle, value: float) -> None:
+    def begin(vehicle: Parts, value: float) -> None:
         vehicle.sensors.wrong[slot] = make(scale * value)
 
-    def end(vehicle: SimulatedVehicle, _: float) -> None:
+    def end(vehicle: Parts, _: float) -> None:
         vehicle.sensors.wrong.pop(slot, None)
 
     return Fault(says, begin, end, value, unit)
@@ -85,41 +97,41 @@ def _looks_well(
 
 
 def _line(name: str, says: str, value: float, unit: str) -> Fault:
-    def begin(vehicle: SimulatedVehicle, value: float) -> None:
+    def begin(vehicle: Parts, value: float) -> None:
         setattr(vehicle.stm32.tx, name, value)
 
-    def end(vehicle: SimulatedVehicle, _: float) -> None:
+    def end(vehicle: Parts, _: float) -> None:
         setattr(vehicle.stm32.tx, name, 0.0)
 
     return Fault(says, begin, end, value, unit)
 
 
 def _board(name: str, says: str, duration: float = 60.0) -> Fault:
-    def begin(vehicle: SimulatedVehicle, _: float) -> None:
+    def begin(vehicle: Parts, _: float) -> None:
         setattr(vehicle.stm32, name, True)
 
-    def end(vehicle: SimulatedVehicle, _: float) -> None:
+    def end(vehicle: Parts, _: float) -> None:
         setattr(vehicle.stm32, name, False)
 
     return Fault(says, begin, end, duration=duration)
 
 
 def _gps(name: str, says: str) -> Fault:
-    def begin(vehicle: SimulatedVehicle, _: float) -> None:
+    def begin(vehicle: Parts, _: float) -> None:
         setattr(vehicle.gps, name, True)
 
-    def end(vehicle: SimulatedVehicle, _: float) -> None:
+    def end(vehicle: Parts, _: float) -> None:
         setattr(vehicle.gps, name, False)
 
     return Fault(says, begin, end)
 
 
 def _weak(thrusters: tuple[int, ...], says: str, left: float = 0.4) -> Fault:
-    def begin(vehicle: SimulatedVehicle, share: float) -> None:
+    def begin(vehicle: Parts, share: float) -> None:
         for thruster in thrusters:
             vehicle.plant.weaken(thruster, share)
 
-    def end(vehicle: SimulatedVehicle, _: float) -> None:
+    def end(vehicle: Parts, _: float) -> None:
         for thruster in thrusters:
             vehicle.plant.weaken(thruster, 1.0)
 
@@ -127,10 +139,10 @@ def _weak(thrusters: tuple[int, ...], says: str, left: float = 0.4) -> Fault:
 
 
 def _trim(sign: float, says: str) -> Fault:
-    def begin(vehicle: SimulatedVehicle, newtons: float) -> None:
+    def begin(vehicle: Parts, newtons: float) -> None:
         vehicle.plant.buoyancy += sign * newtons
 
-    def end(vehicle: SimulatedVehicle, newtons: float) -> None:
+    def end(vehicle: Parts, newtons: float) -> None:
         vehicle.plant.buoyancy -= sign * newtons
 
     return Fault(says, begin, end, 8.0, "N")
@@ -139,10 +151,10 @@ def _trim(sign: float, says: str) -> Fault:
 def _board_with(
     name: str, value: object, usual: object, says: str, duration: float = 60.0
 ) -> Fault:
-    def begin(vehicle: SimulatedVehicle, _: float) -> None:
+    def begin(vehicle: Parts, _: float) -> None:
         setattr(vehicle.stm32, name, value)
 
-    def end(vehicle: SimulatedVehicle, _: float) -> None:
+    def end(vehicle: Parts, _: float) -> None:
         setattr(vehicle.stm32, name, usual)
 
     return Fault(says, begin, end, duration=duration)
@@ -151,45 +163,45 @@ def _board_with(
 def _dives_until(codes: str, says: str) -> Fault:
     """At full power whatever it is told, but for one word; once that is heard all is well."""
 
-    def begin(vehicle: SimulatedVehicle, _: float) -> None:
+    def begin(vehicle: Parts, _: float) -> None:
         vehicle.stm32.runaway, vehicle.stm32.tamed_by = True, codes
 
-    def end(vehicle: SimulatedVehicle, _: float) -> None:
+    def end(vehicle: Parts, _: float) -> None:
         vehicle.stm32.tamed_by = ""
         _dive_over(vehicle, 0.0)
 
     return Fault(f"it dives at full power until it hears {says}", begin, end)
 
 
-def _capsize(vehicle: SimulatedVehicle, _: float) -> None:
+def _capsize(vehicle: Parts, _: float) -> None:
     vehicle.plant.load(-vehicle.plant.body.righting)
 
 
-def _right(vehicle: SimulatedVehicle, _: float) -> None:
+def _right(vehicle: Parts, _: float) -> None:
     vehicle.plant.load(vehicle.plant.body.righting)
 
 
-def _slow(vehicle: SimulatedVehicle, seconds: float) -> None:
+def _slow(vehicle: Parts, seconds: float) -> None:
     vehicle.stm32.late = seconds
 
 
-def _prompt(vehicle: SimulatedVehicle, _: float) -> None:
+def _prompt(vehicle: Parts, _: float) -> None:
     vehicle.stm32.late = 0.0
 
 
-def _silence(vehicle: SimulatedVehicle, _: float) -> None:
+def _silence(vehicle: Parts, _: float) -> None:
     vehicle.stm32.tx.silent = True
 
 
-def _speak(vehicle: SimulatedVehicle, _: float) -> None:
+def _speak(vehicle: Parts, _: float) -> None:
     vehicle.stm32.tx.silent = False
 
 
-def _dive(vehicle: SimulatedVehicle, _: float) -> None:
+def _dive(vehicle: Parts, _: float) -> None:
     vehicle.stm32.runaway = True
 
 
-def _dive_over(vehicle: SimulatedVehicle, _: float) -> None:
+def _dive_over(vehicle: Parts, _: float) -> None:
     """A board that steers finds its own way back; one that waits for a command is at rest."""
     board = vehicle.stm32
     board.runaway = False
@@ -197,88 +209,88 @@ def _dive_over(vehicle: SimulatedVehicle, _: float) -> None:
         board.change(Mode.DEFAULT)
 
 
-def _hang(vehicle: SimulatedVehicle, _: float) -> None:
+def _hang(vehicle: Parts, _: float) -> None:
     vehicle.stm32.hung = True
 
 
-def _watchdog(vehicle: SimulatedVehicle, _: float) -> None:
+def _watchdog(vehicle: Parts, _: float) -> None:
     vehicle.stm32.restart()
 
 
-def _brown_out(vehicle: SimulatedVehicle, _: float) -> None:
+def _brown_out(vehicle: Parts, _: float) -> None:
     vehicle.stm32.restart()
     vehicle.stm32.booting = True
 
 
-def _booted(vehicle: SimulatedVehicle, _: float) -> None:
+def _booted(vehicle: Parts, _: float) -> None:
     vehicle.stm32.booting = False
 
 
-def _splice_all(vehicle: SimulatedVehicle, _: float) -> None:
+def _splice_all(vehicle: Parts, _: float) -> None:
     vehicle.stm32.splice = 1.0
 
 
-def _splice_usual(vehicle: SimulatedVehicle, _: float) -> None:
+def _splice_usual(vehicle: Parts, _: float) -> None:
     vehicle.stm32.splice = vehicle.usual_splice
 
 
-def _current_speed(vehicle: SimulatedVehicle, speed: float) -> None:
-    direction = vehicle.settings.sea.current[1]
+def _current_speed(vehicle: Parts, speed: float) -> None:
+    direction = vehicle.sea.current[1]
     vehicle.current = (speed * cos(direction), speed * sin(direction))
 
 
-def _current_turn(vehicle: SimulatedVehicle, degrees: float) -> None:
-    speed, direction = vehicle.settings.sea.current
+def _current_turn(vehicle: Parts, degrees: float) -> None:
+    speed, direction = vehicle.sea.current
     turned = direction + radians(degrees)
     vehicle.current = (speed * cos(turned), speed * sin(turned))
 
 
-def _current_usual(vehicle: SimulatedVehicle, _: float) -> None:
-    speed, direction = vehicle.settings.sea.current
+def _current_usual(vehicle: Parts, _: float) -> None:
+    speed, direction = vehicle.sea.current
     vehicle.current = (speed * cos(direction), speed * sin(direction))
 
 
-def _garble(vehicle: SimulatedVehicle, share: float) -> None:
+def _garble(vehicle: Parts, share: float) -> None:
     vehicle.stm32.garbles = share
 
 
-def _understand(vehicle: SimulatedVehicle, _: float) -> None:
+def _understand(vehicle: Parts, _: float) -> None:
     vehicle.stm32.garbles = 0.0
 
 
-def _gps_garbled(vehicle: SimulatedVehicle, share: float) -> None:
+def _gps_garbled(vehicle: Parts, share: float) -> None:
     vehicle.gps.corrupt = share
 
 
-def _gps_clear(vehicle: SimulatedVehicle, _: float) -> None:
+def _gps_clear(vehicle: Parts, _: float) -> None:
     vehicle.gps.corrupt = 0.0
 
 
-def _gps_jump(vehicle: SimulatedVehicle, metres: float) -> None:
+def _gps_jump(vehicle: Parts, metres: float) -> None:
     vehicle.gps.offset = (metres, 0.0)
 
 
-def _gps_true(vehicle: SimulatedVehicle, _: float) -> None:
+def _gps_true(vehicle: Parts, _: float) -> None:
     vehicle.gps.offset = (0.0, 0.0)
 
 
-def _battery(vehicle: SimulatedVehicle, volts: float) -> None:
+def _battery(vehicle: Parts, volts: float) -> None:
     vehicle.sensors.battery_override = volts
 
 
-def _battery_flickers(vehicle: SimulatedVehicle, volts: float) -> None:
+def _battery_flickers(vehicle: Parts, volts: float) -> None:
     vehicle.sensors.battery_override, vehicle.sensors.battery_noise = volts, FLICKER
 
 
-def _battery_usual(vehicle: SimulatedVehicle, _: float) -> None:
+def _battery_usual(vehicle: Parts, _: float) -> None:
     vehicle.sensors.battery_override, vehicle.sensors.battery_noise = None, 0.0
 
 
-def _gps_in_turn(vehicle: SimulatedVehicle, places: float) -> None:
+def _gps_in_turn(vehicle: Parts, places: float) -> None:
     vehicle.gps.in_turn = max(int(places), 1)
 
 
-def _gps_in_order(vehicle: SimulatedVehicle, _: float) -> None:
+def _gps_in_order(vehicle: Parts, _: float) -> None:
     vehicle.gps.in_turn = 0
 
 

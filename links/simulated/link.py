@@ -94,7 +94,7 @@ class SimulatedVehicle:
         self.settings = settings or Settings()
         rng = Random(seed)
         as_built = profile == "as-built"
-        sea = self.settings.sea
+        self.sea = sea = self.settings.sea
         self.plant = Plant(self.settings.body, floor=sea.floor)
         self.plant.yaw = heading
         self.sensors = Sensors(

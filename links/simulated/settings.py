@@ -19,20 +19,12 @@ from math import inf, isfinite, radians
 
 from links.simulated.faults import FAULTS
 from links.simulated.plant import Body
+from links.simulated.sea import Sea
 from links.simulated.sensors import SensorErrors
 
 
 class SettingError(ValueError):
     pass
-
-
-@dataclass(frozen=True, slots=True)
-class Sea:
-    """``current`` is speed (m/s) and direction towards which it sets (rad)."""
-
-    current: tuple[float, float] = (0.0, 0.0)
-    deep_current: tuple[float, float] | None = None  # at the floor; linear in between
-    floor: float = 30.0  # m
 
 
 @dataclass(frozen=True, slots=True)

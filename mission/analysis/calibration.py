@@ -23,11 +23,11 @@ from statistics import median
 
 import numpy as np
 
-from mission.navigation.filter import Array
 from mission.analysis.floating import Rise, rise_of
+from mission.model.vehicle import Sensors, Vehicle
+from mission.navigation.filter import Array
 from mission.navigation.model import COMPASS, COS, SCALE, SIN, STATES
 from mission.navigation.navigator import Navigation
-from mission.model.vehicle import Sensors, Vehicle
 from protocol.messages import Fix, Telemetry
 
 Inputs = Sequence[Telemetry | Fix]

@@ -27,8 +27,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mission.navigation.geodesy import LocalFrame
 from mission.analysis.recordings import Recording
+from mission.navigation.geodesy import LocalFrame
 
 Array = NDArray[np.float64]
 

@@ -22,11 +22,8 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from mission.model import Estimate
 from mission.analysis import references
-from mission.navigation.declination import declination
 from mission.analysis.learning import Learned, learn, spread
-from mission.navigation.navigator import Navigation
 from mission.analysis.recordings import (
     CRUISE_PWM,
     NEAREST,
@@ -38,7 +35,10 @@ from mission.analysis.recordings import (
     surfaced,
     wire,
 )
+from mission.model import Estimate
 from mission.model.vehicle import Calibration, Curve, Vehicle
+from mission.navigation.declination import declination
+from mission.navigation.navigator import Navigation
 from protocol.messages import Fix, Telemetry
 
 Array = NDArray[np.float64]

@@ -16,11 +16,11 @@ import numpy as np
 from filterpy.kalman import rts_smoother
 
 from mission.model import Position
+from mission.model.vehicle import Vehicle
 from mission.navigation.filter import Array, Filter, Run
 from mission.navigation.health import SENSORS
 from mission.navigation.model import DEPTH, Figures, figures
 from mission.navigation.navigator import Navigation
-from mission.model.vehicle import Vehicle
 from protocol.messages import Fix, Telemetry
 
 _PLANE = DEPTH  # the states before it move the position

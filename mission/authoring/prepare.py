@@ -17,8 +17,8 @@ from mission.authoring.compiler.compiler import CompileErrors, compile_mission
 from mission.authoring.language import MissionErrors, digest, parse, read_file
 from mission.authoring.language.problems import Problem, Problems
 from mission.model import Chart, Mission
-from mission.model.vehicle import Vehicle, VehicleError
 from mission.model.shipped import load_vehicle, missions_folder
+from mission.model.vehicle import Vehicle, VehicleError
 
 
 class Unreadable(ValueError):

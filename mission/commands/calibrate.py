@@ -26,14 +26,14 @@ def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
     calibration on the others. What the logs do not teach stays as the vehicle file has
     it, and is told with what would teach it. Exit 2 where the logs cannot be used.
     """
-    from mission.onboard.blackbox import BlackBoxError
-    from mission.model.buoyancy import heavy
     from mission.analysis.calibration import CalibrationError
     from mission.analysis.calibration import calibrate as fit
     from mission.analysis.lessons import kept, rise, section, untaught
-    from mission.onboard.serve.heard import LogError, read_log
-    from mission.model.vehicle import VehicleError
+    from mission.model.buoyancy import heavy
     from mission.model.shipped import load_vehicle
+    from mission.model.vehicle import VehicleError
+    from mission.onboard.blackbox import BlackBoxError
+    from mission.onboard.serve.heard import LogError, read_log
 
     try:
         heard = [read_log(path) for path in logs]

@@ -61,11 +61,11 @@ def campaign(
     import json
     import sys
 
+    from mission.authoring.prepare import Unreadable
+    from mission.model.shipped import load_vehicle
     from mission.verification.campaign.faults import shipped
     from mission.verification.campaign.generated import generate
     from mission.verification.campaign.withheld import claims as withheld
-    from mission.authoring.prepare import Unreadable
-    from mission.model.shipped import load_vehicle
     from mission.verification.workers import results, with_progress
 
     if generated is not None and show:
@@ -129,8 +129,8 @@ class _Tally:
 
 
 def _claim(path: Path) -> Claim:
-    from mission.verification.campaign.proofs import Claim
     from mission.authoring.prepare import check_prepared, prepare
+    from mission.verification.campaign.proofs import Claim
 
     prepared = prepare(path)
     report = check_prepared(prepared)
@@ -141,18 +141,18 @@ def _claim(path: Path) -> Claim:
 
 
 def _generated(seed: int, number: int) -> Claim:
+    from mission.model.shipped import load_vehicle
     from mission.verification.campaign.generated import generate
     from mission.verification.campaign.proofs import Claim
-    from mission.model.shipped import load_vehicle
 
     made = generate(seed, number, load_vehicle("auv"))
     return Claim(f"--generated {number}", made.mission, made.proved)
 
 
 def _show(job: Job) -> Shown:
+    from mission.model.shipped import load_vehicle
     from mission.verification.campaign.proofs import show
     from mission.verification.campaign.withheld import drawn_for
-    from mission.model.shipped import load_vehicle
 
     claim, seed, flight = job
     vehicle = load_vehicle(claim.mission.vehicle)

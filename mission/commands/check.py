@@ -22,10 +22,10 @@ def check(mission: str, vehicle: str | None, parameters: tuple[str, ...], as_jso
     import sys
     from datetime import UTC, datetime
 
-    from mission.model.buoyancy import doubt
     from mission.authoring.check.show import as_object, as_text, unreadable_object
-    from mission.model import Where
     from mission.authoring.prepare import Unreadable, check_prepared, parameters_of, prepare
+    from mission.model import Where
+    from mission.model.buoyancy import doubt
 
     try:
         prepared = prepare(mission, vehicle, parameters_of(parameters))

@@ -40,8 +40,8 @@ def demo(
     from links.simulated.settings import SettingError, parse_settings
     from mission.authoring.graph.outline import outline
     from mission.authoring.graph.svg import svg
-    from mission.topside.upload import OperatorError
     from mission.authoring.prepare import Unreadable, check_prepared, prepare
+    from mission.topside.upload import OperatorError
     from mission.verification.simulation.demo import LEFT, Demo, DemoError, not_as_planned
     from mission.verification.simulation.legtable import table
     from mission.verification.simulation.plot import draw_flight

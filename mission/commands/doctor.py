@@ -52,12 +52,12 @@ def doctor(config: Path | None, as_json: bool) -> None:
 
 def _examined(config: Path | None) -> Iterator[Finding]:
     """What cannot be read is a fault, and the rest is as serve would begin with."""
+    from mission.model.shipped import load_vehicle
+    from mission.model.vehicle import VehicleError
     from mission.onboard.configuration import ConfigurationError, load_configuration
     from mission.onboard.doctor.doctor import examine
     from mission.onboard.doctor.findings import fault
     from mission.onboard.serve.provision import Unusable, provide
-    from mission.model.vehicle import VehicleError
-    from mission.model.shipped import load_vehicle
 
     try:
         configuration = load_configuration(config)

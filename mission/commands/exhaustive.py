@@ -20,10 +20,10 @@ def exhaustive(missions: tuple[Path, ...], as_json: bool, workers: int | None) -
     import os
     import sys
 
-    from mission.verification.exhaustive.configurations import Unreachable
-    from mission.verification.exhaustive.run import examine, unasked
     from mission.authoring.prepare import Unreadable
     from mission.model.shipped import missions_folder
+    from mission.verification.exhaustive.configurations import Unreachable
+    from mission.verification.exhaustive.run import examine, unasked
 
     chosen = missions or tuple(sorted(p for p in missions_folder().iterdir() if p.is_file()))
     try:

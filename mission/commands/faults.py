@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
+    from mission.onboard.runtime.records import Recorder
     from mission.verification.campaign.broken import Noticed
     from mission.verification.campaign.draw import Subject
     from mission.verification.campaign.faults import Fared
-    from mission.onboard.runtime.records import Recorder
 
 
 @click.command()
@@ -124,8 +124,8 @@ def _soak(days: float, seed: int, known: Sequence[Subject], as_json: bool) -> in
     import json
     import tempfile
 
-    from mission.verification.campaign import soak
     from mission.model.shipped import load_vehicle
+    from mission.verification.campaign import soak
 
     def told(soaked: soak.Soaked, fared: Fared) -> None:
         if fared.violations:

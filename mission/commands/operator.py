@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
+    from mission.authoring.prepare import Prepared
     from mission.topside.looking import Looked
     from mission.topside.upload import Script
-    from mission.authoring.prepare import Prepared
     from protocol.messages import Order
 
 TO = click.option(
@@ -40,8 +40,8 @@ def upload(
     Exit 0 when the vehicle holds it, by its digest; 1 if not; 2 if it cannot be read.
     """
     from mission.authoring.language import script
-    from mission.topside import console
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
+    from mission.topside import console
 
     try:
         prepared = prepare(mission, vehicle, parameters_of(parameters))

@@ -21,9 +21,9 @@ def replay(file: Path, as_json: bool) -> None:
     """
     import json
 
-    from mission.onboard.blackbox import BlackBoxError, read_parts, unread
     from mission.analysis.replay.replay import ReplayError, describe, summary
     from mission.analysis.replay.replay import replay as again
+    from mission.onboard.blackbox import BlackBoxError, read_parts, unread
 
     try:
         result = again(list(read_parts(file)))

@@ -27,12 +27,12 @@ def report(log: Path, output: Path | None, vehicle: str | None, as_json: bool) -
     """
     import json
 
-    from mission.onboard.blackbox import BlackBoxError
     from mission.analysis.drawing import draw_track
     from mission.analysis.smoothing import smooth
-    from mission.onboard.serve.heard import LogError, read_log
-    from mission.model.vehicle import VehicleError
     from mission.model.shipped import load_vehicle
+    from mission.model.vehicle import VehicleError
+    from mission.onboard.blackbox import BlackBoxError
+    from mission.onboard.serve.heard import LogError, read_log
 
     try:
         heard = read_log(log)

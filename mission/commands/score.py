@@ -23,8 +23,8 @@ def score(folder: Path, vehicle: str, without: tuple[str, ...]) -> None:
     import sys
 
     from mission.analysis.scoring import WITHOUT, as_object, score_folder
-    from mission.model.vehicle import VehicleError
     from mission.model.shipped import load_vehicle
+    from mission.model.vehicle import VehicleError
 
     unknown = [name for name in without if name not in WITHOUT]
     if unknown:

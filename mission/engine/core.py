@@ -12,14 +12,14 @@ import math
 from typing import Self
 
 from mission.engine.ascent import Ascent
+from mission.engine.bounds import admit, in_force
+from mission.engine.limits import Limit
+from mission.engine.machine import Machine
+from mission.engine.monitor import LimitMonitor
 from mission.engine.rest import DEEP, DEEP_AGAIN, Rest
 from mission.engine.run import Run
 from mission.engine.senses import SURFACE_DEPTH, Navigator, Senses
-from mission.engine.watch import Watch
 from mission.engine.words import in_words
-from mission.engine.limits import Limit
-from mission.engine.bounds import admit, in_force
-from mission.engine.machine import Machine
 from mission.model import (
     AUTONOMOUS,
     IDLE_EMPTY,
@@ -57,7 +57,7 @@ class Core:
         self.machine = Machine()
         self.chart: Chart | None = None
         self.operator = SetSafety()
-        self.watch = Watch(vehicle, self.senses, in_force(vehicle, None, self.operator))
+        self.watch = LimitMonitor(vehicle, self.senses, in_force(vehicle, None, self.operator))
         self.run: Run | None = None  # also while it is interrupted by the stick
         self.ascent: Ascent | None = None  # the emergency's, in emergency/surfacing alone
         self.stop_at: float | None = None  # X0 goes out again then, unless it was acknowledged

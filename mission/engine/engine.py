@@ -7,7 +7,7 @@ Order within one step:
 Run to completion: one macrostep per call, at most 200 transitions in it (beyond is a bug, and
 surfaces). Time comes with the inputs; ``next_timer`` says when to call again though nothing came.
 
-What does not live here: the verbs (core), operators' commands (orders), limits (envelope, watch),
+What does not live here: the verbs (core), operators' commands (orders), limits (limits, monitor),
 the mission under way (run), bytes, retries and paths (drive).
 """
 
@@ -19,14 +19,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from mission.engine import ending
+from mission.engine.bounds import Bounds
 from mission.engine.core import Core
+from mission.engine.limits import Limit, Response
+from mission.engine.machine import Machine
 from mission.engine.orders import ORDERS, STICK_QUIET, why_not_clear
 from mission.engine.restart import begin_again, doubt, under_way
 from mission.engine.senses import Navigator
+from mission.engine.variables import VARIABLES, Scope, reading_of
 from mission.engine.words import event_of, short
-from mission.engine.bounds import Bounds
-from mission.engine.limits import Limit, Response
-from mission.engine.machine import Machine
 from mission.model import (
     AUTONOMOUS,
     MANUAL_DRIVING,
@@ -45,7 +46,6 @@ from mission.model import (
     Verdict,
 )
 from mission.model.regions import MANUAL
-from mission.engine.variables import VARIABLES, Scope, reading_of
 from mission.model.vehicle import Vehicle
 from protocol.messages import (
     Command,

@@ -15,9 +15,9 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from mission.navigation import distribution
-from mission.model import And, Comparison, Expression, Guard, Not
 from mission.engine.variables import VARIABLES, Scope, Value, Variable, difference, value_of
+from mission.model import And, Comparison, Expression, Guard, Not
+from mission.navigation import distribution
 
 Test = Callable[[list[Value], Scope], "bool | None"]
 STRICT_S = 1e-6  # a strict comparison of a time holds from the next microsecond on

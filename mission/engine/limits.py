@@ -1,11 +1,10 @@
-"""The limits of R5 and R8 as a table of rows, and the last gate before a setpoint leaves.
+"""The limits of R5 and R8 as a table of rows.
 
-In force is the tightest of three: the mission's own, the operator's (@SP), the vehicle file's hard
-ones. A row says from what it is seen, how long it must last, where it acts and what follows. In
-regions where a row does not act it is still watched, and reported.
+A row says from what it is seen, how long it must last, where it acts and what follows. In regions
+where a row does not act it is still watched, and reported.
 
-What does not live here: the watching itself, with its counters (watch), what a response does
-(engine).
+What does not live here: what rows look at (watch), their counters (monitor), the bounds in force
+(bounds), what a response does (engine).
 """
 
 from __future__ import annotations
@@ -14,63 +13,17 @@ import enum
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from mission.navigation import distribution
-from mission.model import AUTONOMOUS, MANUAL_WAITING, STOPPED, SURFACED, Safety
+from mission.engine.watch import Watch
+from mission.model import AUTONOMOUS, MANUAL_WAITING, STOPPED, SURFACED
 from mission.model.regions import IDLE
 from mission.model.vehicle import Vehicle
-from protocol.messages import Setpoint, SetSafety
-
-if TYPE_CHECKING:
-    from mission.engine.watch import Watch
+from mission.navigation import distribution
 
 DEPTH_MARGIN = 1.0  # m beyond the bound (R5)
 SILENCE = 5.0  # s without a good report (R8)
 LOST_MOST = 3  # Z in succession without an answer (R8)
 BLIND_TIME = 6.0  # s without a depth to believe, submerged
-
-
-@dataclass(frozen=True, slots=True)
-class Bounds:
-    radius: float
-    time: float
-    depth: float
-    voltage: float
-
-
-def in_force(vehicle: Vehicle, mission: Safety | None, operator: SetSafety) -> Bounds:
-    """The tightest of the three; the voltage is a lower bound."""
-    hard, own = vehicle.limits, mission or Safety()
-
-    def least(*values: float | None) -> float:
-        return min(v for v in values if v is not None)
-
-    voltages = [v for v in (hard.voltage, own.voltage, operator.voltage) if v is not None]
-    return Bounds(
-        radius=least(hard.radius, own.radius, operator.radius),
-        time=least(hard.time, own.time, operator.time),
-        depth=least(hard.depth, own.depth, operator.depth),
-        voltage=max(voltages),
-    )
-
-
-def admit(setpoint: Setpoint, bounds: Bounds, vehicle: Vehicle) -> str:
-    """Why a setpoint must not leave; "" if it may."""
-    s = setpoint
-    for name in ("surge", "turn", "heave"):
-        value = getattr(s, name)
-        if value is not None and not -1.0 <= value <= 1.0:
-            return f"{name} {value:g} is beyond full thrust"
-    for name in ("heading", "depth", "altitude", "pitch", "roll"):
-        value = getattr(s, name)
-        if value is not None and not math.isfinite(value):
-            return f"{name} is not a number"
-    if s.depth is not None and s.depth > bounds.depth:
-        return f"depth {s.depth:g} m is beyond the limit in force, {bounds.depth:g} m"
-    if sum(axis is not None for axis in (s.depth, s.altitude, s.heave)) > 1:
-        return "depth, altitude and heave exclude each other"
-    return ""
 
 
 class Response(enum.Enum):

@@ -17,14 +17,12 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
-from mission.model.buoyancy import heavy
+from mission.engine.bounds import admit
 from mission.engine.core import Core
 from mission.engine.ending import WHY
+from mission.engine.limits import SILENCE
 from mission.engine.outset import too_far
 from mission.engine.senses import FIX_AGE, SURFACE_DEPTH
-from mission.engine.limits import SILENCE
-from mission.engine.bounds import admit
-from mission.navigation.fixes import metres
 from mission.legs import LEGS
 from mission.model import (
     AUTONOMOUS,
@@ -37,7 +35,9 @@ from mission.model import (
     Position,
     Verdict,
 )
+from mission.model.buoyancy import heavy
 from mission.model.regions import EMERGENCY, IDLE, MANUAL
+from mission.navigation.fixes import metres
 from protocol.messages import ClearMission, Emergency, Manual, Order, SetSafety, StartMission
 
 STICK_QUIET = 2.0  # s (R6)

@@ -20,6 +20,7 @@ from mission.engine.ascent import Ascent, Way
 from mission.engine.lasting import Lasting
 from mission.engine.plan import Plan, name_of, plan_of, repeat_of
 from mission.engine.senses import Senses
+from mission.engine.variables import VARIABLES, Scope, Value, value_of
 from mission.engine.words import short
 from mission.legs import Pilot, Track, View
 from mission.legs.base import wrap
@@ -37,7 +38,6 @@ from mission.model import (
     Surface,
 )
 from mission.model.regions import AGAIN
-from mission.engine.variables import VARIABLES, Scope, Value, value_of
 from protocol.messages import Order, Setpoint
 
 BLIND_TIME = 6.0  # s that a reading which a setpoint needs may be invalid

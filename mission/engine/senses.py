@@ -4,7 +4,7 @@ Before navigation is loaded (importing filterpy takes a second) a reported finit
 while it is fresh: enough for the limits of an idle vehicle and for an ascent after a restart.
 
 What does not live here: the filter and the health rules (navigation), what follows from them
-(engine, envelope).
+(engine, limits).
 """
 
 from __future__ import annotations
@@ -16,7 +16,6 @@ from dataclasses import replace
 from typing import Any, Protocol, Self
 
 from mission.engine.attitude import Attitude
-from mission.navigation.fixes import FIX_DEPTH, SETTLED, Receiver, metres
 from mission.legs.base import Point, wrap
 from mission.model import (
     CONTRADICTED,
@@ -29,6 +28,7 @@ from mission.model import (
     Vertical,
 )
 from mission.model.vehicle import STALE_AFTER
+from mission.navigation.fixes import FIX_DEPTH, SETTLED, Receiver, metres
 from protocol.messages import Fix, Setpoint, Telemetry
 
 SURFACE_DEPTH = 0.5  # m (R7)

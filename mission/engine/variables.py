@@ -19,10 +19,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from mission.navigation import distribution
 from mission.legs.base import Track, wrap
 from mission.model import Estimate, Health, NavigationMode, Reading
 from mission.model.vehicle import REPORTS, STALE_AFTER
+from mission.navigation import distribution
 from protocol.messages import Telemetry
 
 CLOCK = "clock"

@@ -1,11 +1,11 @@
-"""The watching of the limits: what must be remembered between reports, and each row's count.
+"""What the limits look at: what must be remembered between reports.
 
     descent    a depth that grows faster than the vehicle may dive, or while no command asked for it
     steering   a heading that runs away from the one that was asked for
     progress   a depth that was asked for and does not come nearer
     course     where it goes over ground against where the bow points
 
-What does not live here: the rows and their bounds (envelope), responses (engine).
+What does not live here: the rows (limits), their counters (monitor), responses (engine).
 """
 
 from __future__ import annotations
@@ -14,10 +14,8 @@ import copy
 import math
 from typing import Self
 
-from mission.engine.lasting import Lasting
-from mission.engine.senses import SURFACE_DEPTH, THRUSTERS, Senses
-from mission.engine.limits import LIMITS, Limit, On, never
 from mission.engine.bounds import Bounds
+from mission.engine.senses import SURFACE_DEPTH, THRUSTERS, Senses
 from mission.legs.base import wrap
 from mission.model.units import GEARS
 from mission.model.vehicle import Vehicle
@@ -140,17 +138,6 @@ class Watch:
 
     def __init__(self, vehicle: Vehicle, senses: Senses, bounds: Bounds) -> None:
         self.vehicle, self.senses, self.bounds = vehicle, senses, bounds
-        self.rows = tuple(row for row in LIMITS if not row.disarmed(vehicle))
-        self._looked = {
-            (reported, fixed): tuple(
-                (row.breached, row)
-                for row in self.rows
-                if {On.CLOCK: True, On.REPORT: reported, On.FIX: fixed}[row.on]
-            )
-            for reported in (False, True)
-            for fixed in (False, True)
-        }
-        self._timed = tuple(row for row in self.rows if row.due is not never)
         self.sent: Setpoint | None = None
         self.accepted_at: float | None = None  # of the set in force
         self.started: float | None = None  # the mission's clock
@@ -162,34 +149,24 @@ class Watch:
         self.ascending = False  # a leg proves its ascent: sinking is answered there already
         self.repeated = False  # after a brown-out the set was sent again
         self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
-        self.breaches: tuple[Limit, ...] = ()
-        self._samples: dict[str, int] = {}  # breached ones, less those within the bound
-        self._lasting = Lasting()
 
     def clone(self, senses: Senses) -> Self:
         other = copy.copy(self)
         other.senses = senses
         for name in ("descent", "steering", "progress"):
             setattr(other, name, copy.copy(getattr(self, name)))
-        other._samples, other._lasting = dict(self._samples), self._lasting.clone()
         return other
 
     def begin(self, now: float) -> None:
         """A mission starts, or goes on: ages and counts begin anew."""
         self.heard, self.lost, self.blind_since = now, 0, None
         self.topside_heard = now
-        self._samples, self._lasting = {}, Lasting()
-        self.repeated, self.breaches = False, ()
+        self.repeated = False
         self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
 
     def set_sent(self, setpoint: Setpoint | None) -> None:
         self.sent, self.accepted_at = setpoint, None
         self.senses.command = setpoint
-
-    def forgive(self, row: Limit) -> None:
-        """A response was given that may mend it: count anew."""
-        self._samples.pop(row.name, None)
-        self._lasting.forget(row.name)
 
     def take_report(self) -> None:
         report = self.senses.telemetry
@@ -201,54 +178,13 @@ class Watch:
         self.progress.take(report.t, self.senses.depth, self.sent.depth if self.sent else None)
         self.steering.take(report.t, heading, self.sent.heading if self.sent else None)
 
-    def look(self, reported: bool, fixed: bool) -> list[Limit]:
-        """The rows that are found breached now, for as long as they must be. ``breaches`` keeps
-        those that were at their last look."""
-        self._look_for_depth()
-        rows = self._looked[reported, fixed]
-        found = []
-        for is_breached, row in rows:
-            breached = is_breached(self)
-            if breached:
-                if self._lasts(row):
-                    found.append(row)
-            elif breached is not None and (self._samples or self._lasting):
-                self._fade(row)
-        if found or self.breaches:
-            looked = [row for _, row in rows]
-            kept = [row for row in self.breaches if row not in looked]
-            self.breaches = (*kept, *found)
-        return found
-
-    def next_timer(self) -> float | None:
-        first = None
-        for row in self._timed:
-            due = row.due(self)
-            if due is not None and (first is None or due < first):
-                first = due
-        return first
-
-    def _look_for_depth(self) -> None:
+    def look_for_depth(self) -> None:
+        """Note since when the vehicle is submerged without a depth to believe."""
         senses = self.senses
         if not senses.submerged or senses.depth is not None:
             self.blind_since = None
         elif self.blind_since is None:
             self.blind_since = senses.now
-
-    def _lasts(self, row: Limit) -> bool:
-        """A breach that goes on; whether for as long as it must."""
-        if row.seconds:
-            now = self.senses.now
-            return now - self._lasting.holds(row.name, now) >= row.seconds
-        count = self._samples[row.name] = min(self._samples.get(row.name, 0) + 1, row.samples)
-        return count >= row.samples
-
-    def _fade(self, row: Limit) -> None:
-        """Within its bound: noise may say so once."""
-        if row.seconds:
-            self._lasting.breaks(row.name, self.senses.now)
-        elif count := self._samples.pop(row.name, 0):
-            self._samples[row.name] = count - 1
 
     def _dive_asked(self) -> bool:
         sent, depth, report = self.sent, self.senses.depth, self.senses.telemetry

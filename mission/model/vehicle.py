@@ -12,7 +12,6 @@ import math
 from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 # What a vehicle can report, and the axes it can follow, at all: the keys of those two tables.
 REPORTS = frozenset(
@@ -162,28 +161,3 @@ class Vehicle:
     stale_after: float = STALE_AFTER  # s: an older report is not believed
     glides: bool = False  # no thruster: moves forward by sinking and rising
     drives: bool = False  # on the ground: it is at the surface wherever it is
-
-
-def missions_folder() -> Path:
-    """The shipped missions/: in the wheel inside this package, in a checkout beside it."""
-    here = Path(__file__).resolve().parent
-    shipped = here / "missions"
-    return shipped if shipped.is_dir() else here.parent / "missions"
-
-
-def load_vehicle(name: str | Path) -> Vehicle:
-    """A vehicle by the name of a shipped file or by path. Raises VehicleError."""
-    path = Path(name)
-    if path.suffix not in (".yaml", ".yml"):
-        path = missions_folder() / "vehicles" / f"{name}.yaml"
-    from mission.model.vehicle_file import LONGEST, read_vehicle
-
-    try:
-        with path.open(encoding="utf-8") as file:
-            text = file.read(LONGEST + 1)
-    except FileNotFoundError:
-        known = ", ".join(sorted(p.stem for p in (missions_folder() / "vehicles").glob("*.yaml")))
-        raise VehicleError(f"no vehicle file {path}; shipped ones: {known}") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise VehicleError(f"{path}: cannot be read: {error}") from error
-    return read_vehicle(text, str(path))

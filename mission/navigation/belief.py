@@ -17,7 +17,7 @@ believed again once it has moved the way the vehicle is moved, or shows the surf
 seconds of fixes; after a leap or an offset by the second alone, for these move as they should.
 Either way it must have moved: of a clogged port 0.1 m is no proof of the surface.
 
-What does not live here: a sensor by itself (health), what follows (engine, envelope). What cannot
+What does not live here: a sensor by itself (health), what follows (engine, limits). What cannot
 be seen this way: docs/navigation.md.
 """
 
@@ -28,8 +28,8 @@ import itertools
 import math
 from typing import NamedTuple, Self
 
-from mission.navigation.fixes import FIX_DEPTH, Receiver
 from mission.model import CONTRADICTED, Vertical
+from mission.navigation.fixes import FIX_DEPTH, Receiver
 
 WINDOW = 14.0  # s: eight reports of the AUV
 STANDS = 0.4  # m between the means of the window's two halves, 8 s apart

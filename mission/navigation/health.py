@@ -23,10 +23,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from mission.navigation.fixes import FIX_DEPTH, Receiver
 from mission.model import Health, Vertical
-from mission.navigation.belief import UNPUSHED, DepthBelief
 from mission.model.vehicle import STALE_AFTER
+from mission.navigation.belief import UNPUSHED, DepthBelief
+from mission.navigation.fixes import FIX_DEPTH, Receiver
 from protocol.messages import Fix, Telemetry
 
 _SAME = 5  # identical reports that make a sensor frozen (design: readings are three-valued)

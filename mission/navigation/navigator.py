@@ -12,14 +12,14 @@ from collections import deque
 from copy import copy
 from typing import TYPE_CHECKING, Any
 
-from mission.navigation.distribution import PLANE_95
 from mission.model import Estimate, Health, NavigationMode, Position, Vertical
+from mission.model.vehicle import Vehicle
 from mission.navigation.belief import UNPUSHED, DepthBelief
 from mission.navigation.declination import declination
+from mission.navigation.distribution import PLANE_95
 from mission.navigation.geodesy import LocalFrame
 from mission.navigation.health import SensorHealth
 from mission.navigation.items import GroundFix, Item, Report
-from mission.model.vehicle import Vehicle
 from protocol.messages import Fix, Telemetry
 
 if TYPE_CHECKING:

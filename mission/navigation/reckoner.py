@@ -18,10 +18,10 @@ import operator
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+from mission.model.vehicle import Vehicle
 from mission.navigation.filter import Filter, Run
 from mission.navigation.items import GroundFix, Item, Report
 from mission.navigation.model import RATE, Figures, propulsion
-from mission.model.vehicle import Vehicle
 
 GATE = 13.816  # chi-square, 2 degrees of freedom, 99.9 %
 _AGREEING = 3  # rejected fixes in a row that win against the gate

@@ -39,6 +39,7 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import Channel, DataEnd, Footer, Header
 
 from mission import __version__
+from mission.model import Record
 from mission.onboard.runtime.records import (
     CONNECTED,
     DISCONNECTED,
@@ -53,7 +54,6 @@ from mission.onboard.runtime.records import (
     TIMER,
     TX,
 )
-from mission.model import Record
 
 KINDS = (
     START, RX, TIMER, CONNECTED, DISCONNECTED, NAVIGATION, STORE, STEP, ESTIMATE, TX, FAULT,

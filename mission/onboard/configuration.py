@@ -30,8 +30,8 @@ from pathlib import Path
 from reprlib import Repr
 from typing import Any
 
-from mission.onboard.kept import default_folder
 from mission.model.units import UnitError, quantity, range_text
+from mission.onboard.kept import default_folder
 from protocol.tolerances import Tolerances, UnknownTolerance
 
 LONGEST = 1 << 16  # characters of a configuration

@@ -23,8 +23,8 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-from mission.onboard.kept import read_summed, write_summed
 from mission.model import UNKNOWN
+from mission.onboard.kept import read_summed, write_summed
 from protocol.messages import SetSafety
 
 NO_LIMITS = SetSafety()

@@ -14,15 +14,15 @@ import yaml
 from click.testing import CliRunner
 from simulated_truth import HOME, Flown, fly_plan
 
-from mission.commands.calibrate import calibrate as calibrate_command
-from mission.commands.report import report as report_command
-from mission.navigation import LocalFrame, Navigation
 from mission.analysis.calibration import Calibrated, CalibrationError, calibrate
 from mission.analysis.lessons import kept, section, untaught
 from mission.analysis.smoothing import Track, smooth
-from mission.onboard.serve.heard import Heard
-from mission.model.vehicle import Vehicle
+from mission.commands.calibrate import calibrate as calibrate_command
+from mission.commands.report import report as report_command
 from mission.model.shipped import load_vehicle, missions_folder
+from mission.model.vehicle import Vehicle
+from mission.navigation import LocalFrame, Navigation
+from mission.onboard.serve.heard import Heard
 from protocol.messages import Fix, Telemetry
 
 VEHICLE = load_vehicle("auv")
@@ -208,8 +208,8 @@ def test_logs_without_fixes_cannot_calibrate() -> None:
 @pytest.fixture(scope="module")
 def box(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A black box of a short simulated mission."""
-    from mission.onboard.blackbox import BlackBox
     from mission.authoring.language import parse
+    from mission.onboard.blackbox import BlackBox
     from mission.verification.simulation.flight import fly
 
     mission = parse(

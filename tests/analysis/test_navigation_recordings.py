@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from mission.commands.score import score as command
-from mission.model import Position
-from mission.navigation import LocalFrame
 from mission.analysis.learning import learn
 from mission.analysis.recordings import RecordingError, read, wire
 from mission.analysis.scoring import as_object, score_folder
+from mission.commands.score import score as command
+from mission.model import Position
 from mission.model.shipped import load_vehicle
+from mission.navigation import LocalFrame
 from protocol.messages import Fix, Telemetry
 
 pytestmark = pytest.mark.proof  # long: make proofs

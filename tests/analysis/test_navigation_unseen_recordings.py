@@ -12,14 +12,14 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from mission.commands.score import score as command
-from mission.model import Position
-from mission.navigation import LocalFrame
 from mission.analysis import scoring
 from mission.analysis.learning import spread
 from mission.analysis.recordings import RecordingError, read
 from mission.analysis.scoring import Score, as_object, score_folder
+from mission.commands.score import score as command
+from mission.model import Position
 from mission.model.shipped import load_vehicle
+from mission.navigation import LocalFrame
 
 Rows = list[dict[str, str]]
 HOME = Position(32.85, 34.89)

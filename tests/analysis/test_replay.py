@@ -9,14 +9,14 @@ import pytest
 from click.testing import CliRunner
 
 from links.simulated.settings import parse_settings
-from mission.onboard.blackbox import BlackBox, read_records
-from mission.commands.replay import replay as command
-from mission.onboard.runtime.records import ESTIMATE, RX, STEP, TIMER, TX, ListRecorder
-from mission.model import Record
-from mission.authoring.prepare import prepare
 from mission.analysis.replay.replay import ReplayError, replay, summary
-from mission.verification.simulation.flight import fly
+from mission.authoring.prepare import prepare
+from mission.commands.replay import replay as command
+from mission.model import Record
 from mission.model.shipped import missions_folder
+from mission.onboard.blackbox import BlackBox, read_records
+from mission.onboard.runtime.records import ESTIMATE, RX, STEP, TIMER, TX, ListRecorder
+from mission.verification.simulation.flight import fly
 
 
 @pytest.fixture(scope="module")

@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from mission.cli import main
 from mission.authoring.diff import Difference, Kind, compare
 from mission.authoring.diff.changes import changes
 from mission.authoring.diff.show import as_markdown, as_text
 from mission.authoring.language import digest, load, to_lines
 from mission.authoring.prepare import Unreadable, prepare
+from mission.cli import main
 from mission.model.shipped import missions_folder
 
 SURVEY = """mission survey vehicle auv

@@ -13,8 +13,8 @@ from mission.authoring.check import check_mission
 from mission.authoring.compiler.compiler import CompileErrors
 from mission.authoring.compiler.granularity import rounded
 from mission.authoring.language import parse
-from mission.model import Hold, Leg, Set, Yoyo
 from mission.authoring.prepare import Unreadable, prepare
+from mission.model import Hold, Leg, Set, Yoyo
 from protocol.messages import Setpoint
 from protocol.vehicles import VEHICLES, codec
 

@@ -18,9 +18,9 @@ from mission.authoring.graph.mermaid import mermaid
 from mission.authoring.graph.outline import outline
 from mission.authoring.graph.raster import NoFont, fonts
 from mission.authoring.graph.svg import svg
+from mission.authoring.prepare import prepare
 from mission.engine.machine import Machine
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE
-from mission.authoring.prepare import prepare
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -13,9 +13,9 @@ import pytest
 from graph_charts import chart
 
 from mission.authoring.graph.scxml import RESUME, event_of, events, identifier, scxml
+from mission.authoring.prepare import prepare
 from mission.engine.machine import Machine
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge
-from mission.authoring.prepare import prepare
 from mission.model.regions import AGAIN, LEG, REGION_EDGES
 from mission.model.shipped import missions_folder
 

@@ -23,14 +23,14 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "bench")]
 from naive import NaiveFlight  # noqa: E402
 
 from links.simulated.settings import Settings  # noqa: E402
-from mission.onboard.blackbox import BlackBox  # noqa: E402
 from mission.authoring.compiler.compiler import compile_mission  # noqa: E402
-from mission.onboard.runtime.records import Recorder  # noqa: E402
 from mission.authoring.language import digest, parse  # noqa: E402
 from mission.model import Mission  # noqa: E402
+from mission.model.shipped import load_vehicle  # noqa: E402
+from mission.model.vehicle import Vehicle  # noqa: E402
+from mission.onboard.blackbox import BlackBox  # noqa: E402
+from mission.onboard.runtime.records import Recorder  # noqa: E402
 from mission.verification.simulation.flight import fly  # noqa: E402
-from mission.model.vehicle import Vehicle
-from mission.model.shipped import load_vehicle
 from protocol.vehicles import codec  # noqa: E402
 
 HOUR, SLICES = 3600.0, 16

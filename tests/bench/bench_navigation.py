@@ -16,11 +16,11 @@ from dataclasses import replace
 import numpy as np
 
 from mission.model import Position
+from mission.model.shipped import load_vehicle
+from mission.model.vehicle import Vehicle
 from mission.navigation import LocalFrame, Navigation
 from mission.navigation.filter import Filter, Run
 from mission.navigation.model import STATES, figures
-from mission.model.vehicle import Vehicle
-from mission.model.shipped import load_vehicle
 from protocol.messages import Fix, Telemetry
 
 REPORTS, ROUNDS = 1800, 7

@@ -13,8 +13,8 @@ import pytest
 from click.testing import CliRunner
 from served import PATIENCE, noted_processes, soon
 
-from mission.verification.campaign import soak
 from mission.cli import COMMANDS, main
+from mission.verification.campaign import soak
 from mission.verification.simulation import demo
 from mission.verification.simulation.demo import Demo
 

@@ -9,8 +9,8 @@ import pytest
 from engine_world import HOME, NEUTRAL, Frame, Navigation
 
 from mission.engine.senses import SURFACE_DEPTH, Senses
-from mission.navigation.fixes import FIX_DEPTH, metres
 from mission.model import Local, NavigationMode, Position
+from mission.navigation.fixes import FIX_DEPTH, metres
 from protocol.messages import Fix, Setpoint, Telemetry
 
 LAT, LON = math.radians(HOME.latitude_deg), math.radians(HOME.longitude_deg)

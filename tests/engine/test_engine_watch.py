@@ -10,12 +10,13 @@ from typing import Any
 import pytest
 from engine_world import NEUTRAL, VEHICLE, Navigation
 
-from mission.engine.senses import Senses
-from mission.engine.watch import Descent, Progress, Steering, Watch
-from mission.engine.limits import BLIND_TIME, LIMITS, SILENCE, On
 from mission.engine.bounds import in_force
-from mission.model.units import GEARS
+from mission.engine.limits import BLIND_TIME, LIMITS, SILENCE, On
+from mission.engine.monitor import LimitMonitor
+from mission.engine.senses import Senses
+from mission.engine.watch import Descent, Progress, Steering
 from mission.model.shipped import load_vehicle
+from mission.model.units import GEARS
 from protocol.messages import Fix, Setpoint, SetSafety, Telemetry
 
 DEG = math.radians(1.0)
@@ -181,15 +182,15 @@ def test_a_depth_is_stuck_when_it_came_no_half_metre_nearer_in_two_minutes(repor
 # --- the watch ------------------------------------------------------------------------------
 
 
-def watch(*, vehicle=VEHICLE, **report: object) -> Watch:
+def watch(*, vehicle=VEHICLE, **report: object) -> LimitMonitor:
     """At 10 s, with one report; nothing is set."""
     senses = Senses(Navigation())
-    one = Watch(vehicle, senses, in_force(vehicle, None, SetSafety()))
+    one = LimitMonitor(vehicle, senses, in_force(vehicle, None, SetSafety()))
     heard(one, 10.0, **report)
     return one
 
 
-def heard(one: Watch, t: float, **report: object) -> None:
+def heard(one: LimitMonitor, t: float, **report: object) -> None:
     base = Telemetry(
         t=t, depth=5.0, altitude=9.0, heading=0.0, actuators=NEUTRAL, batteries=(12.0, 48.0)
     )
@@ -310,7 +311,7 @@ def test_where_nothing_is_asked_of_the_thrusters_power_is_not_gone():
     assert one.powerless() is False
 
 
-def at_the_surface(**changes: Any) -> Watch:
+def at_the_surface(**changes: Any) -> LimitMonitor:
     """Under way ahead at the surface, the course 61 deg off the bow."""
     one = watch(depth=changes.pop("depth", 0.2))
     one.set_sent(Setpoint(surge=changes.pop("surge", 1.0)))
@@ -392,7 +393,7 @@ def test_the_next_deadline_is_the_first_of_those_that_wait():
 
 
 def test_whoever_was_never_heard_is_silent_and_nothing_is_lost_yet():
-    one = Watch(VEHICLE, Senses(), in_force(VEHICLE, None, SetSafety()))
+    one = LimitMonitor(VEHICLE, Senses(), in_force(VEHICLE, None, SetSafety()))
     one.topside_silence = 30.0
     assert {row.name for row in one.look(False, False)} == {"telemetry", "topside"}
     assert one.lost == 0

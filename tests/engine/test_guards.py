@@ -11,11 +11,11 @@ from engine_world import Navigation
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mission.navigation import distribution
 from mission.engine.guards import Sheet, comparisons
+from mission.engine.variables import VARIABLES, Scope, reading_of, value_of
 from mission.legs import Track
 from mission.model import And, Comparison, Guard, Health, NavigationMode, Not, Or
-from mission.engine.variables import VARIABLES, Scope, reading_of, value_of
+from mission.navigation import distribution
 from protocol.messages import Telemetry
 
 REPORT = Telemetry(

@@ -6,8 +6,9 @@ import struct
 from dataclasses import replace
 
 from links.simulated.link import SimulatedVehicle, Truth
+from links.simulated.sea import Sea
 from links.simulated.sensors import SensorErrors
-from links.simulated.settings import Sea, Settings
+from links.simulated.settings import Settings
 
 EXACT = replace(
     SensorErrors(),

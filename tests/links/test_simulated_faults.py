@@ -10,11 +10,11 @@ import pytest
 from links.simulated.faults import FAULTS
 from links.simulated.link import PROFILES, SimulatedVehicle, Truth
 from links.simulated.plant import NEUTRAL
+from links.simulated.sea import Sea
 from links.simulated.sensors import SensorErrors
 from links.simulated.settings import (
     SETTINGS,
     FaultEvent,
-    Sea,
     SettingError,
     Settings,
     parse_fault,

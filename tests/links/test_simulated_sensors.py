@@ -18,8 +18,9 @@ from links.base import Rx
 from links.simulated.geodesy import local, moved
 from links.simulated.link import HOME, SimulatedVehicle
 from links.simulated.plant import Plant
+from links.simulated.sea import Sea
 from links.simulated.sensors import Health, Sensor, SensorErrors, Sensors, normals
-from links.simulated.settings import Sea, Settings
+from links.simulated.settings import Settings
 
 QUIET = replace(
     SensorErrors(), compass_bias=0.0, compass_noise=0.0, compass_slow=0.0, deviation=0.0

@@ -13,16 +13,16 @@ from click.testing import CliRunner
 from engine_world import World, leg
 from engine_world import mission as flown
 
-from mission.model.buoyancy import OLD, doubt, heavy, rises
+from mission.analysis.floating import ENOUGH, Rise, rise_of
 from mission.authoring.check import check_mission
+from mission.authoring.prepare import prepare
 from mission.cli import main
+from mission.model import IDLE_READY
+from mission.model.buoyancy import OLD, doubt, heavy, rises
+from mission.model.shipped import load_vehicle, missions_folder
+from mission.model.vehicle import VehicleError
 from mission.onboard.doctor.buoyant import buoyant
 from mission.onboard.doctor.findings import Condition
-from mission.model import IDLE_READY
-from mission.analysis.floating import ENOUGH, Rise, rise_of
-from mission.authoring.prepare import prepare
-from mission.model.vehicle import VehicleError
-from mission.model.shipped import load_vehicle, missions_folder
 from protocol.messages import Fix, StartMission, Telemetry
 
 VEHICLE = load_vehicle("auv")

@@ -11,8 +11,8 @@ import pytest
 from mission.authoring.check import check_mission
 from mission.authoring.compiler.compiler import CompileErrors, compile_mission
 from mission.authoring.language import digest, load
-from mission.model.vehicle import FOLLOWS, REPORTS, VehicleError
 from mission.model.shipped import load_vehicle, missions_folder
+from mission.model.vehicle import FOLLOWS, REPORTS, VehicleError
 from mission.model.vehicle_file import RANGES, TOGETHER, read_vehicle
 
 SHIPPED = sorted((missions_folder() / "vehicles").glob("*.yaml"))

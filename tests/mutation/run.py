@@ -268,7 +268,7 @@ def main() -> int:
     asked.add_argument("--fresh", action="store_true")
     given = asked.parse_args()
     path, tests, until = given.module, given.tests, time.monotonic() + given.seconds
-    sys.path[:0] = [str(Path.cwd()), str(Path.cwd() / "tests" / "mission")]
+    sys.path[:0] = [str(Path.cwd()), str(Path.cwd() / "tests" / "worlds")]
     for heavy in _HEAVY:
         importlib.import_module(heavy)
     settings.register_profile("mutants", derandomize=True, database=None)

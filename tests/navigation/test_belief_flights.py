@@ -6,11 +6,11 @@ import pytest
 
 from links.simulated.settings import parse_settings
 from mission.authoring.language import parse
-from mission.model import SURFACED, Mission
 from mission.authoring.prepare import prepare
+from mission.model import SURFACED, Mission
+from mission.model.shipped import load_vehicle, missions_folder
 from mission.verification.simulation.flight import fly
 from mission.verification.simulation.flightlog import Flight
-from mission.model.shipped import load_vehicle, missions_folder
 
 pytestmark = pytest.mark.proof  # long: make proofs
 

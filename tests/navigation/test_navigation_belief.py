@@ -8,9 +8,9 @@ from random import Random
 
 import pytest
 
-from mission.navigation.fixes import Receiver
 from mission.model import Vertical
 from mission.navigation.belief import DepthBelief
+from mission.navigation.fixes import Receiver
 from protocol.messages import Fix
 
 DOWN, UP, HOLD = Vertical(0.83, 10.0), Vertical(-1.0, -math.inf), Vertical(0.42, 10.0)

@@ -1,6 +1,6 @@
 """The estimate is as sure as it may be: 30 flights of the simulated vehicle, both profiles.
 
-``python tests/navigation/simulated_truth.py 500`` flies the full sample.
+``python tests/worlds/simulated_truth.py 500`` flies the full sample.
 """
 
 from __future__ import annotations

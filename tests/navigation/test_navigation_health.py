@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from mission.navigation.health import SENSORS, SensorHealth
 from mission.model.shipped import load_vehicle
+from mission.navigation.health import SENSORS, SensorHealth
 from protocol.messages import Fix, Telemetry
 
 _MOVING = (0.5, 0.5, 0.0, 0.0, 0.0)

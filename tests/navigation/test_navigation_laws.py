@@ -10,11 +10,11 @@ from dataclasses import replace
 import pytest
 from kinematic_truth import HOME, Sea, Truth, sail
 
-from mission.navigation.distribution import PLANE_95, principal
 from mission.model import NavigationMode, Position
-from mission.navigation import LocalFrame, Navigation
-from mission.model.vehicle import Vehicle
 from mission.model.shipped import load_vehicle
+from mission.model.vehicle import Vehicle
+from mission.navigation import LocalFrame, Navigation
+from mission.navigation.distribution import PLANE_95, principal
 from protocol.messages import Fix, Telemetry
 
 Item = tuple[Truth, Telemetry | Fix]

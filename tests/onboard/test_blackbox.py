@@ -11,9 +11,16 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mcap.reader import NonSeekingReader, make_reader
 
-from mission.onboard import blackbox
-from mission.onboard.blackbox import BlackBox, BlackBoxError, new_path, read_parts, read_records, unread
 from mission.model import Record
+from mission.onboard import blackbox
+from mission.onboard.blackbox import (
+    BlackBox,
+    BlackBoxError,
+    new_path,
+    read_parts,
+    read_records,
+    unread,
+)
 
 RECORDS = [
     Record(0.0, "start", b'{"version":"1"}'),
@@ -179,7 +186,9 @@ def test_a_file_without_its_whole_head_is_not_left_behind(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     really = os.write
-    monkeypatch.setattr("mission.onboard.blackbox.os.write", lambda fd, data: really(fd, data[:100]))
+    monkeypatch.setattr(
+        "mission.onboard.blackbox.os.write", lambda fd, data: really(fd, data[:100])
+    )
     with pytest.raises(BlackBoxError, match="No space left"):
         BlackBox(tmp_path / "box.mcap")
     assert list(tmp_path.iterdir()) == []

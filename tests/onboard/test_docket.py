@@ -10,13 +10,13 @@ import pytest
 from served import LINES, PATIENCE, Running, asked, read_now, running, silent_board, soon
 
 from links.base import Rx
+from mission.analysis.replay.replay import replay
+from mission.model import Chart
+from mission.model.vehicle import Vehicle
 from mission.onboard.blackbox import read_parts
 from mission.onboard.runtime import judge
 from mission.onboard.runtime.drive import Drive
-from mission.model import Chart
-from mission.analysis.replay.replay import replay
 from mission.onboard.serve.docket import Docket
-from mission.model.vehicle import Vehicle
 from protocol.messages import MissionLine
 from protocol.topside import encode
 

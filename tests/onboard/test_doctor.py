@@ -19,6 +19,7 @@ from served import running, silent_board, simulated, soon
 from links.serial import SerialLink
 from mission.commands.doctor import doctor
 from mission.commands.operator import status
+from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.doctor import bedside
 from mission.onboard.doctor import doctor as rows
@@ -26,7 +27,6 @@ from mission.onboard.doctor.findings import Condition, Finding
 from mission.onboard.serve import health
 from mission.onboard.serve.keys import make_keys
 from mission.onboard.store import DiskStore
-from mission.model.shipped import load_vehicle
 from protocol.messages import Telemetry
 from protocol.nmea import NmeaDecoder
 

@@ -13,17 +13,26 @@ from hypothesis import strategies as st
 
 from links.base import Rx
 from links.simulated.link import START, SimulatedVehicle
+from mission.analysis.replay.replay import replay
+from mission.authoring.language import parse, script
+from mission.model import STOPPED, SURFACED, SURFACING, Chart, Tx
+from mission.model.shipped import load_vehicle
+from mission.model.vehicle import Vehicle
+from mission.navigation import Navigation
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.runtime.drive import CLOCK, Drive
 from mission.onboard.runtime.judge import judge
-from mission.onboard.runtime.records import ESTIMATE, FAULT, RX, STEP, STORE, TIMER, ListRecorder, read_texts
-from mission.authoring.language import parse, script
-from mission.model import STOPPED, SURFACED, SURFACING, Chart, Tx
-from mission.navigation import Navigation
-from mission.analysis.replay.replay import replay
+from mission.onboard.runtime.records import (
+    ESTIMATE,
+    FAULT,
+    RX,
+    STEP,
+    STORE,
+    TIMER,
+    ListRecorder,
+    read_texts,
+)
 from mission.onboard.store import MemoryStore, Stored, StoreError
-from mission.model.vehicle import Vehicle
-from mission.model.shipped import load_vehicle
 from protocol.messages import MissionLine, SetSafety
 from protocol.nmea import encode_gga, encode_rmc
 from protocol.topside import encode

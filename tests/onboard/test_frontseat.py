@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mission.onboard.runtime.frontseat import ANSWER_S, GAP_S, TRIES, Frontseat
 from mission.model import Action, Outcome, Result, Tx
+from mission.onboard.runtime.frontseat import ANSWER_S, GAP_S, TRIES, Frontseat
 from protocol.codec import CannotEncode
 from protocol.messages import Ack, Order, Setpoint
 

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 
 import pytest
 
+from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration
 from mission.onboard.runtime.drive import Drive
 from mission.onboard.serve.heavy import prepare
 from mission.onboard.store import MemoryStore
-from mission.model.shipped import load_vehicle
 
 
 @pytest.fixture(autouse=True)

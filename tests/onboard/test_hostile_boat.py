@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 from served import PATIENCE, Running, asked, read_now, running, silent_board, soon
 
-from mission.topside.console import Unreachable, converse
-from mission.topside.upload import status
 from mission.onboard.serve.keys import make_keys
 from mission.onboard.serve.listening import listening, open_to_all, reached_at
+from mission.topside.console import Unreachable, converse
+from mission.topside.upload import status
 
 LOCAL, OTHER, THIRD = "127.0.0.1", "127.0.0.2", "127.0.0.3"
 

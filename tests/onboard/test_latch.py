@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from mission.onboard.runtime.latch import AGAIN_S, EVERY_S, UNNAMED, Latch
 from mission.engine.restart import STICK, UNANSWERED
+from mission.onboard.runtime.latch import AGAIN_S, EVERY_S, UNNAMED, Latch
 from mission.onboard.store import MemoryStore, Stored
 
 LEG, OTHER = "autonomous/a", "autonomous/b"

@@ -14,12 +14,12 @@ from pathlib import Path
 import pytest
 from served import PATIENCE, read_now, silent_board, simulated, soon
 
+from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.kept import Homes, write_summed
 from mission.onboard.lifeboat import Climb, Plan, depths, plan_from
 from mission.onboard.serve.working import Working, keep
 from mission.onboard.store import DiskStore
-from mission.model.shipped import load_vehicle
 
 X, W, U = b"@ZAX0$", b"@ZAWF$", b"@ZAU12$"
 

@@ -11,17 +11,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from links.base import Rx
-from mission.verification.campaign.audit import command_of
+from mission.authoring.language import parse, script
+from mission.model import AUTONOMOUS, STOPPED, SURFACING, Position, Tx
+from mission.model.shipped import load_vehicle
+from mission.navigation import Navigation
 from mission.onboard.configuration import Configuration
 from mission.onboard.runtime.drive import Drive
 from mission.onboard.runtime.frontseat import GAP_S
+from mission.onboard.store import MemoryStore, Stored
+from mission.verification.campaign.audit import command_of
 from mission.verification.exhaustive.commands import POOL
 from mission.verification.exhaustive.world import BOAT, TENDER, World
-from mission.authoring.language import parse, script
-from mission.model import AUTONOMOUS, STOPPED, SURFACING, Position, Tx
-from mission.navigation import Navigation
-from mission.onboard.store import MemoryStore, Stored
-from mission.model.shipped import load_vehicle
 from protocol.messages import Order
 from protocol.vehicles.auv import AuvCodec
 

@@ -12,16 +12,16 @@ from pathlib import Path
 
 import pytest
 
+from mission.authoring.language import parse
+from mission.authoring.prepare import Prepared, Unreadable, prepare
 from mission.engine.engine import Engine
 from mission.engine.senses import Senses
 from mission.engine.watch import Descent
-from mission.authoring.language import parse
 from mission.model import Health, Vertical
-from mission.authoring.prepare import Prepared, Unreadable, prepare
+from mission.model.shipped import load_vehicle
 from mission.verification.simulation.flight import fly
 from mission.verification.simulation.flightlog import Flight
 from mission.verification.simulation.rehearsal import Said
-from mission.model.shipped import load_vehicle
 from protocol.messages import Order, Setpoint, Telemetry
 from protocol.vehicles import codec, link
 

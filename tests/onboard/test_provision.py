@@ -9,14 +9,14 @@ from pathlib import Path
 import pytest
 from served import LINES, provided, running, silent_board, soon
 
+from mission.model import STOPPED, SURFACED, SURFACING, UNKNOWN
+from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.kept import WORKING, Homes, write_summed
-from mission.model import STOPPED, SURFACED, SURFACING, UNKNOWN
 from mission.onboard.serve import health
 from mission.onboard.serve.provision import BUILT_IN, Provision, Unusable, provide
 from mission.onboard.serve.working import Working, find, keep
 from mission.onboard.store import DiskStore, LostStore, MemoryStore, StoreError
-from mission.model.shipped import load_vehicle
 
 NONE: dict[str, str | None] = {}
 URL = "serial:///dev/ttyAUV"

@@ -8,6 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from links.base import Rx
+from mission.model import Estimate, NavigationMode, Tx
+from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.runtime.records import (
     CONNECTED,
@@ -24,9 +26,7 @@ from mission.onboard.runtime.records import (
     start_record,
     tx_record,
 )
-from mission.model import Estimate, NavigationMode, Tx
 from mission.onboard.store import Stored
-from mission.model.shipped import load_vehicle
 from protocol.messages import SetSafety
 
 names = st.text(st.characters(min_codepoint=1, max_codepoint=0x2FF), max_size=12)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from mission.onboard.runtime.repeater import Repeater
 from mission.model import Action, Outcome, Result
+from mission.onboard.runtime.repeater import Repeater
 from protocol.codec import CannotEncode
 from protocol.messages import Ack, Order, Setpoint
 

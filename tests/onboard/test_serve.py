@@ -26,17 +26,17 @@ from served import (
 )
 
 from links.serial import SerialLink
-from mission.onboard.blackbox import read_parts
+from mission.analysis.replay.replay import replay
+from mission.authoring.language import digest, script
 from mission.commands.serve import serve as command
+from mission.onboard.blackbox import read_parts
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.runtime.records import RX, STEP, TX, read_rx, read_tx
-from mission.authoring.language import digest, script
-from mission.topside.console import Unreachable, converse
-from mission.topside.upload import start, upload
-from mission.analysis.replay.replay import replay
 from mission.onboard.serve import ports
 from mission.onboard.serve.serve import Server
 from mission.onboard.store import MemoryStore
+from mission.topside.console import Unreachable, converse
+from mission.topside.upload import start, upload
 
 SPEED = 4.0  # a process that waits for the processor for a second misses no report by R8
 

@@ -19,14 +19,14 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
 from links.simulated.faults import FAULTS
-from mission.verification.campaign.audit import audit
-from mission.verification.campaign.onboard import Death
-from mission.onboard.runtime.drive import VEHICLE
 from mission.authoring.language import digest, parse_script
 from mission.model import SURFACED, Tx
+from mission.model.regions import REGIONS
+from mission.onboard.runtime.drive import VEHICLE
 from mission.topside.orders import order
 from mission.topside.upload import Conversation, Refused, clear, start, upload
-from mission.model.regions import REGIONS
+from mission.verification.campaign.audit import audit
+from mission.verification.campaign.onboard import Death
 from protocol.messages import MissionLine, Order
 from protocol.topside import encode
 

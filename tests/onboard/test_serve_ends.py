@@ -29,17 +29,17 @@ from served import (
 )
 
 from links.simulated.pty import PtyVehicle
+from mission.analysis.replay.replay import replay
+from mission.authoring.language import digest, script
+from mission.model import STOPPED, SURFACED, SURFACING
 from mission.onboard.blackbox import read_parts
 from mission.onboard.runtime.drive import Drive
 from mission.onboard.runtime.records import RX
-from mission.authoring.language import digest, script
-from mission.model import STOPPED, SURFACED, SURFACING
-from mission.topside.console import converse
-from mission.topside.upload import start, status, upload
-from mission.analysis.replay.replay import replay
 from mission.onboard.serve import ports
 from mission.onboard.serve import serve as shell
 from mission.onboard.store import MemoryStore, Stored
+from mission.topside.console import converse
+from mission.topside.upload import start, status, upload
 
 
 def test_what_was_under_way_surfaces_after_a_restart(tmp_path: Path) -> None:

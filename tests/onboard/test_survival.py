@@ -26,14 +26,14 @@ from pathlib import Path
 from links.simulated.link import SimulatedVehicle
 from links.simulated.pty import PtyVehicle
 from links.simulated.settings import Settings
-from mission.onboard.blackbox import BlackBox, read_parts
-from mission.onboard.runtime.records import RX
+from mission.analysis.replay.replay import replay
 from mission.authoring.language import digest, parse, script
 from mission.model import Record
+from mission.onboard.blackbox import BlackBox, read_parts
+from mission.onboard.runtime.records import RX
+from mission.onboard.store import DiskStore, StoreError
 from mission.topside.console import converse
 from mission.topside.upload import OperatorError, start, upload
-from mission.analysis.replay.replay import replay
-from mission.onboard.store import DiskStore, StoreError
 from protocol.messages import SetSafety
 
 KILLS = int(os.environ.get("AUVMISSION_KILLS", "4"))

@@ -7,11 +7,11 @@ import math
 import pytest
 from topside_world import BOAT, LINES, OTHER, WATER, Pi, opened
 
+from mission.model import Outcome, Result, Tx
 from mission.onboard.runtime.commander import COMMANDER_SILENT_S
 from mission.onboard.runtime.copies import REMEMBERED
 from mission.onboard.runtime.staging import FORGOTTEN_AFTER_S
 from mission.onboard.runtime.vessel import REFUSAL_CHARACTERS, Peer, one_line
-from mission.model import Outcome, Result, Tx
 from mission.onboard.store import Stored
 from protocol.messages import (
     Ack,

@@ -6,9 +6,9 @@ import itertools
 
 import pytest
 
+from mission.onboard.serve import health
 from mission.topside.looking import LOOKS, Looked, look
 from mission.topside.upload import NoAnswer
-from mission.onboard.serve import health
 from protocol.messages import DataQuery, Fix, Status, StoreReport, Telemetry
 
 STORE = StoreReport("ready", 3, 3, "", "0123456789abcdef", "")

@@ -11,16 +11,16 @@ from click.testing import CliRunner
 from links.base import Rx
 from links.simulated.boards import SimulatedBoard
 from links.simulated.link import SimulatedVehicle
+from mission.authoring.language import parse, script
 from mission.cli import main
+from mission.model import Tx
+from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration
 from mission.onboard.runtime.drive import Drive
-from mission.authoring.language import parse, script
-from mission.model import Tx
+from mission.onboard.store import MemoryStore, Stored
 from mission.topside import console
 from mission.topside.orders import LOOKS, WORDS, Contradicted, Unconfirmed, order
 from mission.topside.upload import Conversation, NoAnswer, OperatorError
-from mission.onboard.store import MemoryStore, Stored
-from mission.model.shipped import load_vehicle
 from protocol.messages import (
     Ack,
     DataQuery,

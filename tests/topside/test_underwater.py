@@ -6,10 +6,12 @@ import pytest
 
 from links.acoustic import AcousticLink, Water, acoustic_pair
 from links.base import Rx
-from mission.onboard.configuration import Configuration
-from mission.onboard.runtime.drive import Drive
 from mission.authoring.language import digest, parse, script
 from mission.model import Tx
+from mission.model.shipped import load_vehicle
+from mission.onboard.configuration import Configuration
+from mission.onboard.runtime.drive import Drive
+from mission.onboard.store import MemoryStore
 from mission.topside.console import Talk
 from mission.topside.orders import order
 from mission.topside.underwater import (
@@ -22,8 +24,6 @@ from mission.topside.underwater import (
     modem_address,
 )
 from mission.topside.upload import NoAnswer, Refused, clear, start, status
-from mission.onboard.store import MemoryStore
-from mission.model.shipped import load_vehicle
 from protocol.arq import TRIES, Acoustics
 from protocol.messages import Order, Status, StoreReport
 from protocol.modem import Sender, wrap

@@ -8,9 +8,11 @@ from collections.abc import Callable
 import pytest
 
 from links.base import Rx
+from mission.authoring.language import digest, parse, script
+from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration
 from mission.onboard.runtime.drive import Drive
-from mission.authoring.language import digest, parse, script
+from mission.onboard.store import MemoryStore
 from mission.topside.orders import order
 from mission.topside.upload import (
     TRIES,
@@ -23,8 +25,6 @@ from mission.topside.upload import (
     status,
     upload,
 )
-from mission.onboard.store import MemoryStore
-from mission.model.shipped import load_vehicle
 from protocol.messages import Ack, MissionLine, Order, Status, StoreReport
 from protocol.topside import encode
 

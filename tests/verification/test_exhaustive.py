@@ -12,6 +12,16 @@ from click.testing import CliRunner
 
 from links.base import Rx
 from mission.cli import main
+from mission.engine import core, ending, orders, run, senses
+from mission.engine.ascent import Ascent
+from mission.engine.bounds import Bounds
+from mission.engine.limits import LIMITS, Limit
+from mission.engine.monitor import LimitMonitor
+from mission.model import AUTONOMOUS, STOPPED, SURFACED, Action, By, Tx, Verdict
+from mission.model.shipped import missions_folder
+from mission.model.vehicle import Vehicle
+from mission.navigation.belief import DepthBelief
+from mission.navigation.health import SensorHealth, _Monitor
 from mission.onboard.runtime.commander import Commander
 from mission.onboard.runtime.copies import Copies
 from mission.onboard.runtime.drive import Drive
@@ -19,11 +29,6 @@ from mission.onboard.runtime.frontseat import Frontseat
 from mission.onboard.runtime.obeyed import Obeyed
 from mission.onboard.runtime.staging import Staging
 from mission.onboard.runtime.uploads import Uploads
-from mission.engine import core, ending, orders, run, senses
-from mission.engine.ascent import Ascent
-from mission.engine.watch import Watch
-from mission.engine.limits import LIMITS, Limit
-from mission.engine.bounds import Bounds
 from mission.verification.exhaustive.cell import Configuration
 from mission.verification.exhaustive.commands import COMMANDS
 from mission.verification.exhaustive.configurations import WAYS, Ground, configurations, ground
@@ -31,11 +36,6 @@ from mission.verification.exhaustive.events import EVENTS
 from mission.verification.exhaustive.fork import Fork
 from mission.verification.exhaustive.run import ALL_LAWS, Found, examine_ground, unasked
 from mission.verification.exhaustive.world import World
-from mission.model import AUTONOMOUS, STOPPED, SURFACED, Action, By, Tx, Verdict
-from mission.navigation.belief import DepthBelief
-from mission.navigation.health import SensorHealth, _Monitor
-from mission.model.vehicle import Vehicle
-from mission.model.shipped import missions_folder
 from protocol.messages import UPWARD, Order, SetSafety
 
 pytestmark = pytest.mark.proof  # long: make proofs
@@ -141,7 +141,7 @@ def _never_blind(patch: pytest.MonkeyPatch) -> None:
 
 
 def _limits_sleep(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(Watch, "look", lambda self, reported, fixed: [])
+    patch.setattr(LimitMonitor, "look", lambda self, reported, fixed: [])
 
 
 def _believe_all(patch: pytest.MonkeyPatch) -> None:
@@ -288,23 +288,23 @@ def _clock_anew(patch: pytest.MonkeyPatch) -> None:
 
 
 def _age_goes_on(patch: pytest.MonkeyPatch) -> None:
-    begin = Watch.begin
+    begin = LimitMonitor.begin
 
-    def older(self: Watch, now: float) -> None:
+    def older(self: LimitMonitor, now: float) -> None:
         heard = self.heard
         begin(self, now)
         self.heard = heard
 
-    patch.setattr(Watch, "begin", older)
+    patch.setattr(LimitMonitor, "begin", older)
 
 
 def _blind_in_manual(patch: pytest.MonkeyPatch) -> None:
-    look = Watch.look
+    look = LimitMonitor.look
 
-    def only_with_a_set(self: Watch, reported: bool, fixed: bool) -> list[Limit]:
+    def only_with_a_set(self: LimitMonitor, reported: bool, fixed: bool) -> list[Limit]:
         return look(self, reported, fixed) if self.sent is not None else []
 
-    patch.setattr(Watch, "look", only_with_a_set)
+    patch.setattr(LimitMonitor, "look", only_with_a_set)
 
 
 def _a_round_too_many(patch: pytest.MonkeyPatch) -> None:
@@ -347,7 +347,7 @@ def _loosest(patch: pytest.MonkeyPatch) -> None:
 
 
 def _at_the_first_sample(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(Watch, "_lasts", lambda self, row: True)
+    patch.setattr(LimitMonitor, "_lasts", lambda self, row: True)
 
 
 def _unknown_is_shallow(patch: pytest.MonkeyPatch) -> None:
@@ -523,7 +523,9 @@ def test_a_law_about_a_kind_of_leg_that_a_mission_of_ones_own_has_not_is_a_note(
             few = Found({"pool.yaml"}, asked=Counter({law.name: 1 for law in ALL_LAWS}))
             del few.asked["rounds go on after an interruption"]
             if code == 0:
-                patch.setattr("mission.verification.exhaustive.run.examine_ground", lambda on, few=few: few)
+                patch.setattr(
+                    "mission.verification.exhaustive.run.examine_ground", lambda on, few=few: few
+                )
             done = CliRunner().invoke(main, ["exhaustive", str(path), "--workers", "1"])
         assert done.exit_code == code, done.stderr
         told = "note: no leg here is of the kind of: rounds go on" if code == 0 else "check and sim"

@@ -18,21 +18,29 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from links.simulated.settings import parse_settings
-from mission.onboard.blackbox import read_records
-from mission.commands.simulate import simulate
-from mission.onboard.runtime.records import INPUTS, OUTPUTS, STEP, TX, ListRecorder, read_start, read_tx
-from mission.authoring.language import digest, parse
-from mission.model import STOPPED, SURFACED, By, Record
-from mission.authoring.prepare import prepare
 from mission.analysis.replay.replay import replay
 from mission.analysis.replay.rerun import drive_from, failed_writes, feed
+from mission.authoring.language import digest, parse
+from mission.authoring.prepare import prepare
+from mission.commands.simulate import simulate
+from mission.model import STOPPED, SURFACED, By, Record
+from mission.model.shipped import load_vehicle
+from mission.onboard.blackbox import read_records
+from mission.onboard.runtime.records import (
+    INPUTS,
+    OUTPUTS,
+    STEP,
+    TX,
+    ListRecorder,
+    read_start,
+    read_tx,
+)
 from mission.verification.simulation import plot
 from mission.verification.simulation.flight import fly
 from mission.verification.simulation.flightlog import Flight, LegFlown
 from mission.verification.simulation.legtable import table
 from mission.verification.simulation.plot import ellipse
 from mission.verification.simulation.rehearsal import Said
-from mission.model.shipped import load_vehicle
 
 ROOT = Path(__file__).resolve().parents[2]
 PROFILES = ("as-built", "documented")

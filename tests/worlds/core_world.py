@@ -14,15 +14,16 @@ from random import Random
 from links.base import Rx
 from links.simulated.faults import FAULTS
 from links.simulated.link import START, SimulatedVehicle
-from links.simulated.settings import Sea, Settings
+from links.simulated.sea import Sea
+from links.simulated.settings import Settings
+from mission.authoring.language import digest, parse, script
+from mission.model import Step, Tx
+from mission.model.shipped import load_vehicle
+from mission.onboard.runtime.drive import VEHICLE
+from mission.topside.upload import Conversation, Script
 from mission.verification.campaign.deeds import TOPSIDE, Act
 from mission.verification.campaign.onboard import FillableStore, OnBoard
 from mission.verification.campaign.trial import Done, Event, Heard, Said
-from mission.onboard.runtime.drive import VEHICLE
-from mission.authoring.language import digest, parse, script
-from mission.model import Step, Tx
-from mission.topside.upload import Conversation, Script
-from mission.model.shipped import load_vehicle
 
 TEXT = """mission {name} vehicle auv
 home 30.2874595 120.1535765

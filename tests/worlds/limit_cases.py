@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 
 from engine_world import VEHICLE, World, leg, mission, sets, when
 
-from mission.navigation import distribution
 from mission.engine.limits import BLIND_TIME, SILENCE
 from mission.model import Outcome, Result
+from mission.navigation import distribution
 from protocol.messages import SetSafety
 
 LEAKY = replace(VEHICLE, reports=VEHICLE.reports | {"leak"}, constant_batteries=False)

@@ -19,14 +19,14 @@ import pytest
 from links.simulated.link import SimulatedVehicle
 from links.simulated.pty import PtyVehicle
 from links.simulated.settings import Settings
+from mission.authoring.language import parse, script
+from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.kept import Homes
-from mission.authoring.language import parse, script
 from mission.onboard.serve.journal import AGAIN_S
 from mission.onboard.serve.provision import Provision
 from mission.onboard.serve.serve import Ready, Server
 from mission.onboard.store import DiskStore, Store
-from mission.model.shipped import load_vehicle
 
 TEXT = """mission pool vehicle auv
 home 30.2874595 120.1535765

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+from mission.model import Tx, Verdict
 from mission.onboard.runtime.nodes import Nodes
 from mission.onboard.runtime.paths import paths
 from mission.onboard.runtime.topside import Topside
 from mission.onboard.runtime.vessel import MissionRefused, Peer
-from mission.model import Tx, Verdict
 from mission.onboard.store import MemoryStore
 from protocol.messages import ClearMission, Command, MissionLine, StartMission, Status
 from protocol.modem import ModemCodec, Sender, wrap

@@ -18,9 +18,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mission import __version__
-from mission.onboard.runtime import records as rec
-from mission.model import Record
 from mission.analysis.replay.rerun import drive_from, failed_writes, feed
+from mission.model import Record
+from mission.onboard.runtime import records as rec
 
 
 class ReplayError(ValueError):

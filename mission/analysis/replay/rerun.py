@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from mission.model import Record, Tx
 from mission.onboard.runtime import records as rec
 from mission.onboard.runtime.drive import Drive
-from mission.model import Record, Tx
 from mission.onboard.store import MemoryStore
 
 

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 from mission.model import Mission
-from mission.navigation.declination import declination
 from mission.model.vehicle import Vehicle
+from mission.navigation.declination import declination
 
 TWO_SIGMA = 2.0
 SPEED_SHARE = 0.2  # two sigma of the thruster model, as a share of the speed

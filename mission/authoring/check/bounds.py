@@ -55,9 +55,9 @@ from mission.model import (
     Surface,
     Yoyo,
 )
-from mission.navigation.geodesy import LocalFrame
 from mission.model.units import GEARS
 from mission.model.vehicle import Vehicle
+from mission.navigation.geodesy import LocalFrame
 from protocol.messages import Setpoint
 
 _AFLOAT: Interval = (0.0, 0.5)  # m (R7)

@@ -22,16 +22,14 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from mission.model import buoyancy
-
-from mission.engine import limits as envelope
 from mission.authoring.check.assumptions import SPEED_SHARE, Assumptions
 from mission.authoring.check.bounds import Bounds, LegBounds
 from mission.authoring.check.flow import Flow, Proof, TooLongError, trail
 from mission.authoring.check.places import places_named
 from mission.authoring.compiler.granularity import rounded
+from mission.engine import bounds as envelope
 from mission.engine.limits import DEPTH_MARGIN
-from mission.engine.bounds import in_force
+from mission.engine.variables import CLOCK, VARIABLES
 from mission.model import (
     AUTONOMOUS,
     IMPLICIT_SURFACE,
@@ -46,10 +44,10 @@ from mission.model import (
     Position,
     State,
     Where,
+    buoyancy,
 )
-from mission.navigation.geodesy import LocalFrame
-from mission.engine.variables import CLOCK, VARIABLES
 from mission.model.vehicle import Vehicle
+from mission.navigation.geodesy import LocalFrame
 from protocol.messages import SetSafety
 
 PATH_STEPS = 12  # of a counterexample; what lies between is told by its number
@@ -93,7 +91,7 @@ class Report:
 def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     """Everything that refuses this chart on this vehicle; linear in legs times rounds."""
     mission = chart.mission
-    limits = in_force(vehicle, mission.safety, SetSafety())
+    limits = envelope.in_force(vehicle, mission.safety, SetSafety())
     assume = Assumptions.of(mission, vehicle, limits.depth)
     frame = LocalFrame(mission.home) if mission.home else None
     early = [*_heavy(chart, vehicle), *_no_bound(chart), *_no_home(chart)]

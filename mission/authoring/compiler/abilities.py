@@ -13,10 +13,10 @@ from dataclasses import replace
 from mission.authoring.compiler.axes import axis_where
 from mission.authoring.compiler.granularity import granularity_problems
 from mission.engine.guards import comparisons
+from mission.engine.variables import CLOCK, VARIABLES
 from mission.legs import LEGS
 from mission.model import Axis, Expression, Leg, Problem, Surface, Where
 from mission.model.units import GEARS
-from mission.engine.variables import CLOCK, VARIABLES
 from mission.model.vehicle import Vehicle
 from protocol.codec import CannotEncode, VehicleCodec
 from protocol.messages import Setpoint

@@ -20,9 +20,15 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from mission.authoring.compiler.abilities import guard_problems, leg_problems
-from mission.authoring.compiler.axes import Flow, Resolution, Unit, joined, statement_problems, unit_of
+from mission.authoring.compiler.axes import (
+    Flow,
+    Resolution,
+    Unit,
+    joined,
+    statement_problems,
+    unit_of,
+)
 from mission.authoring.compiler.granularity import BETWEEN_STEPS
-from mission.model.extent import DEEPEST_GROUP, WATCHED
 from mission.engine.guards import comparisons
 from mission.legs import LEGS
 from mission.model import (
@@ -47,6 +53,7 @@ from mission.model import (
     Surface,
     Where,
 )
+from mission.model.extent import DEEPEST_GROUP, WATCHED
 from mission.model.vehicle import Vehicle
 from protocol.messages import Setpoint
 

@@ -20,9 +20,9 @@ from typing import TypeVar
 from mission.authoring.diff import wording
 from mission.authoring.diff.matching import leg_of, legs_of, match, set_of
 from mission.authoring.diff.ways import Ways, matters
-from mission.engine.bounds import in_force
 from mission.authoring.graph import words
 from mission.authoring.language.words import GENERATED
+from mission.engine.bounds import in_force
 from mission.model import (
     AUTONOMOUS,
     Chart,

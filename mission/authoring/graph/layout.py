@@ -11,7 +11,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 
-from mission.authoring.graph.canvas import BADGE, DETAIL, LINE, NAME, WAY, lead, pill_width, width, wrap
+from mission.authoring.graph.canvas import (
+    BADGE,
+    DETAIL,
+    LINE,
+    NAME,
+    WAY,
+    lead,
+    pill_width,
+    width,
+    wrap,
+)
 from mission.authoring.graph.outline import Node, Outline, Way
 
 INSET = 9.0  # of a group's content from its frame

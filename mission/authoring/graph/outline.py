@@ -15,9 +15,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import groupby
 
-from mission.model.extent import PICTURE
 from mission.authoring.graph import words
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, State, Surface
+from mission.model.extent import PICTURE
 
 ONE_LINE = 44  # characters of a leg's details that stand together
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from mission.model.plain import to_plain
 from mission.authoring.graph import words
 from mission.model import And, Chart, Comparison, Edge, Expression, Guard, Not, Or, State
+from mission.model.plain import to_plain
 from mission.model.regions import REGION_EDGES
 
 

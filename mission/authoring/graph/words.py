@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from mission.engine.variables import VARIABLES
 from mission.model import (
     And,
     By,
@@ -33,7 +34,6 @@ from mission.model import (
     Yoyo,
 )
 from mission.model.units import GEARS, UNITS
-from mission.engine.variables import VARIABLES
 from protocol.messages import Setpoint
 
 _SIGNS = {"<": "<", "<=": "\u2264", ">": ">", ">=": "\u2265"}

@@ -5,7 +5,8 @@
     YAML --yaml_form--+                                       +--yaml_text.py--> YAML
 
 Everything that is wrong with a text is told at once (``MissionErrors``), each with line, column,
-and what to write instead. What does not live here: whether the mission is safe (mission.authoring.check).
+and what to write instead. What does not live here: whether the mission is safe
+(mission.authoring.check).
 """
 
 from __future__ import annotations
@@ -16,10 +17,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from mission.model.extent import BYTES, STATEMENTS
 from mission.authoring.language.canonical import digest, script, to_lines
 from mission.authoring.language.problems import MissionErrors, Problem, Problems
 from mission.model import Mission
+from mission.model.extent import BYTES, STATEMENTS
 
 if TYPE_CHECKING:
     from mission.authoring.language.clauses import Statement

@@ -15,7 +15,6 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from mission.model.extent import DEEPEST_GROUP, HANDLERS, NAME
 from mission.authoring.language.clauses import (
     End,
     HomeAt,
@@ -46,6 +45,7 @@ from mission.model import (
     Safety,
     Where,
 )
+from mission.model.extent import DEEPEST_GROUP, HANDLERS, NAME
 from mission.model.shipped import missions_folder
 
 UNNAMED = "unnamed"

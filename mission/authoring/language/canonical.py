@@ -14,10 +14,10 @@ import hashlib
 from collections.abc import Iterator
 from dataclasses import replace
 
-from mission.model.extent import LINES
 from mission.authoring.language import render
 from mission.authoring.language.problems import Problems
 from mission.model import Group, Mission, Node
+from mission.model.extent import LINES
 from mission.model.units import number_text
 
 LONGEST_LINE = 200  # bytes of an @AW payload (E-F7)

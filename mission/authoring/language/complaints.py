@@ -20,8 +20,8 @@ from mission.authoring.language.words import (
     MEASURES,
     SETTINGS,
 )
-from mission.model.units import UNITS
 from mission.engine.variables import VARIABLES
+from mission.model.units import UNITS
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from mission.model.extent import PLACES
 from mission.authoring.language.clauses import (
     Amount,
     Clause,
@@ -57,6 +56,7 @@ from mission.model import (
     Where,
     Yoyo,
 )
+from mission.model.extent import PLACES
 from mission.model.units import GEARS, compass, number_text
 from mission.model.vehicle import VehicleError
 

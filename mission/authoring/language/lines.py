@@ -9,11 +9,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from mission.model.extent import CODE, STATEMENT
 from mission.authoring.language.clauses import Amount, LegText, Name, Opening, Parameter, Statement
 from mission.authoring.language.problems import Problems
 from mission.authoring.language.syntax import Strip, Syntax
 from mission.model import Where
+from mission.model.extent import CODE, STATEMENT
 
 _PARAMETER = re.compile(r"param\s+([A-Za-z_][\w-]*)\b")
 _NAMED = re.compile(r"([A-Za-z_][\w-]*)\s*:")

@@ -12,7 +12,6 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
-from mission.model.extent import EXTENTS
 from mission.authoring.language.syntax import grammar
 from mission.authoring.language.words import (
     ASSUMPTIONS,
@@ -28,8 +27,9 @@ from mission.authoring.language.words import (
     NamedValue,
     SettingRow,
 )
-from mission.model.units import UNITS, number_text
 from mission.engine.variables import VARIABLES
+from mission.model.extent import EXTENTS
+from mission.model.units import UNITS, number_text
 
 
 def refreshed(text: str) -> str:

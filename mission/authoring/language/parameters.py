@@ -14,9 +14,9 @@ from collections.abc import Iterable, Mapping
 from mission.authoring.language.clauses import Amount, Parameter, Statement
 from mission.authoring.language.problems import Problems, suggestion
 from mission.authoring.language.words import CLAUSES, KINDS, SETTINGS
+from mission.engine.variables import VARIABLES
 from mission.model import NOWHERE
 from mission.model.units import UNITS, UnitError, quantity
-from mission.engine.variables import VARIABLES
 
 _RESERVED = frozenset({*VARIABLES, *UNITS, *SETTINGS, *KINDS, *CLAUSES, "home", "here"})
 

@@ -13,8 +13,8 @@ import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from mission.model.extent import NAME, PROBLEMS
 from mission.model import Where
+from mission.model.extent import NAME, PROBLEMS
 
 _SHOWN = 100  # characters of a line shown to either side of what is wrong in it
 _TOLD = 300  # characters of a message

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from mission.authoring.language.words import GENERATED, LIMITS, MEASURES, SETTINGS, SIDES
+from mission.engine.variables import VARIABLES
 from mission.model import (
     And,
     Comparison,
@@ -40,7 +41,6 @@ from mission.model import (
     Yoyo,
 )
 from mission.model.units import GEARS, degrees_text, number_text
-from mission.engine.variables import VARIABLES
 
 Pair = tuple[str, str]
 

@@ -10,7 +10,6 @@ import json
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from mission.model.extent import NAME
 from mission.authoring.language.words import (
     ASSUMPTIONS,
     CLAUSES,
@@ -24,9 +23,10 @@ from mission.authoring.language.words import (
     NamedValue,
     Shape,
 )
-from mission.model.units import UNITS
 from mission.engine.variables import VARIABLES
+from mission.model.extent import NAME
 from mission.model.shipped import missions_folder
+from mission.model.units import UNITS
 
 Schema = dict[str, Any]
 

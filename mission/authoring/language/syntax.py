@@ -20,7 +20,6 @@ from typing import Any
 
 from lark import Lark, Token, Tree, UnexpectedInput
 
-from mission.model.extent import DEEPEST_GUARD
 from mission.authoring.language import complaints
 from mission.authoring.language.clauses import (
     Amount,
@@ -56,6 +55,7 @@ from mission.authoring.language.clauses import (
 from mission.authoring.language.problems import Problems
 from mission.authoring.language.words import ASSUMPTIONS, KINDS, LIMITS, MEASURES, SETTINGS, Shape
 from mission.model import Where
+from mission.model.extent import DEEPEST_GUARD
 from mission.model.units import UNITS
 
 _NESTING = re.compile(r"[()]|\b(?:not|and|or|until|on)\b")

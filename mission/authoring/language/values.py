@@ -24,6 +24,7 @@ from mission.authoring.language.clauses import (
     Several,
 )
 from mission.authoring.language.problems import Problems, suggestion
+from mission.engine.variables import VARIABLES
 from mission.model import (
     HOME,
     And,
@@ -37,10 +38,9 @@ from mission.model import (
     Position,
     Where,
 )
-from mission.model.units import UNITS, UnitError, quantity, range_text
-from mission.engine.variables import VARIABLES
-from mission.model.vehicle import Vehicle, VehicleError
 from mission.model.shipped import load_vehicle
+from mission.model.units import UNITS, UnitError, quantity, range_text
+from mission.model.vehicle import Vehicle, VehicleError
 
 _SHORTEST = 0.1  # s that a leg lasts; no clock of the vehicle is finer
 _FAR = 20_000.0  # m: no mission of this vehicle goes farther from home

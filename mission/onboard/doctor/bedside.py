@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterator, Sequence
 
 from links import LinkAddressError, open_link
 from links.base import Link, LinkBusy, LinkError
-from mission.onboard.doctor.findings import Finding, fault, ok, warning
 from mission.model.vehicle import Vehicle
+from mission.onboard.doctor.findings import Finding, fault, ok, warning
 from protocol.codec import Received
 from protocol.messages import Ack, Fix, FrameFault, Telemetry
 from protocol.nmea import NmeaDecoder

@@ -7,8 +7,8 @@ from datetime import UTC, datetime
 from typing import Protocol
 
 from mission.model import buoyancy
-from mission.onboard.doctor.findings import Finding, fault, ok, warning
 from mission.model.vehicle import Vehicle
+from mission.onboard.doctor.findings import Finding, fault, ok, warning
 
 
 class _Patient(Protocol):

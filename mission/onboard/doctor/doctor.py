@@ -21,16 +21,16 @@ from typing import Any
 
 from links import parse_address
 from links.base import LinkError
+from mission.engine.bounds import in_force
+from mission.engine.limits import LIMITS
+from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
 from mission.onboard.doctor import bedside
 from mission.onboard.doctor.buoyant import buoyant
 from mission.onboard.doctor.findings import Condition, Finding, fault, ok, warning
-from mission.engine.limits import LIMITS
-from mission.engine.bounds import in_force
 from mission.onboard.serve import health
 from mission.onboard.serve.listening import listening, open_to_all
 from mission.onboard.store import DiskStore, StoreError
-from mission.model.vehicle import Vehicle
 
 MUCH, LITTLE = 2 << 30, 200 << 20  # bytes free: a day's black boxes, an hour's
 YEARS = range(2024, 2100)

@@ -19,8 +19,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from mission.onboard.runtime.vessel import MODEM, Peer
 from mission.model import Verdict
+from mission.onboard.runtime.vessel import MODEM, Peer
 from protocol.messages import ClearMission, Command, MissionLine, Relay, SetTime
 
 LATE_S = 120.0  # a copy may come so much later

@@ -23,18 +23,6 @@ from typing import TYPE_CHECKING
 
 from links.base import Rx
 from mission import __version__
-from mission.onboard.configuration import Configuration
-from mission.onboard.runtime import records as rec
-from mission.onboard.runtime.commander import Commander
-from mission.onboard.runtime.judge import Judge
-from mission.onboard.runtime.latch import Latch
-from mission.onboard.runtime.line import line_to
-from mission.onboard.runtime.nodes import LINK as NODES
-from mission.onboard.runtime.nodes import Nodes, with_process
-from mission.onboard.runtime.paths import paths
-from mission.onboard.runtime.topside import Topside
-from mission.onboard.runtime.vessel import MissionRefused, Peer
-from mission.onboard.runtime.wallclock import WallClock
 from mission.engine.engine import Engine, Input
 from mission.model import (
     AUTONOMOUS,
@@ -51,8 +39,20 @@ from mission.model import (
     Tx,
     Verdict,
 )
-from mission.onboard.store import Store, StoreError, WatchedStore
 from mission.model.vehicle import Vehicle
+from mission.onboard.configuration import Configuration
+from mission.onboard.runtime import records as rec
+from mission.onboard.runtime.commander import Commander
+from mission.onboard.runtime.judge import Judge
+from mission.onboard.runtime.latch import Latch
+from mission.onboard.runtime.line import line_to
+from mission.onboard.runtime.nodes import LINK as NODES
+from mission.onboard.runtime.nodes import Nodes, with_process
+from mission.onboard.runtime.paths import paths
+from mission.onboard.runtime.topside import Topside
+from mission.onboard.runtime.vessel import MissionRefused, Peer
+from mission.onboard.runtime.wallclock import WallClock
+from mission.onboard.store import Store, StoreError, WatchedStore
 from protocol.codec import Received
 from protocol.messages import (
     ClearMission,

@@ -29,8 +29,8 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from mission.onboard.runtime.relays import Relays
 from mission.model import Action, Outcome, Result, Tx
+from mission.onboard.runtime.relays import Relays
 from protocol.codec import CannotEncode
 from protocol.messages import Ack, Order, Setpoint
 from protocol.vehicles.auv import change

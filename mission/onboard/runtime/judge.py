@@ -12,9 +12,9 @@ check).
 from __future__ import annotations
 
 from mission.authoring.compiler.compiler import CompileErrors, compile_mission
-from mission.onboard.runtime.vessel import MissionRefused
 from mission.model import Chart
 from mission.model.vehicle import Vehicle
+from mission.onboard.runtime.vessel import MissionRefused
 
 
 class Judge:

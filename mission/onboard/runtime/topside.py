@@ -19,6 +19,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
+from mission.model import AUTONOMOUS, Outcome, Result, Tx, Verdict
 from mission.onboard.runtime.awaited import Awaited
 from mission.onboard.runtime.commander import Commander
 from mission.onboard.runtime.copies import Copies
@@ -28,7 +29,6 @@ from mission.onboard.runtime.paths import Heard, Path, Unfit
 from mission.onboard.runtime.refusals import Refusals
 from mission.onboard.runtime.uploads import Uploads
 from mission.onboard.runtime.vessel import MODEM, Answer, Peer, Vessel, one_line
-from mission.model import AUTONOMOUS, Outcome, Result, Tx, Verdict
 from mission.onboard.store import Store, StoreError
 from protocol.messages import (
     Ack,

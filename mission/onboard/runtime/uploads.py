@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from mission.model import Verdict
 from mission.onboard.runtime.staging import Held, OutOfPlace, Staging, Whole
 from mission.onboard.runtime.vessel import MissionRefused, Vessel
-from mission.model import Verdict
 from mission.onboard.store import Store, StoreError
 from protocol.messages import MissionLine, StoreReport
 

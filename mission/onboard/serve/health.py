@@ -19,14 +19,14 @@ from pathlib import Path
 from typing import Any
 
 from mission import __version__
+from mission.engine.limits import LIMITS
+from mission.engine.variables import VARIABLES
+from mission.model import Reading
+from mission.model.plain import to_plain
+from mission.model.vehicle import Vehicle
 from mission.onboard.blackbox import BlackBox
 from mission.onboard.runtime.drive import Drive
-from mission.model.plain import to_plain
-from mission.engine.limits import LIMITS
-from mission.model import Reading
 from mission.onboard.serve.ports import Port
-from mission.engine.variables import VARIABLES
-from mission.model.vehicle import Vehicle
 
 FILE = "status.json"
 EVERY_S = 1.0

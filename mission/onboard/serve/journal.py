@@ -18,10 +18,10 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
-from mission.onboard.runtime.records import FAULT as FAULT_RECORD
-from mission.onboard.runtime.records import Observer, Recorder
 from mission.model import Estimate, Record, Step, Tx
 from mission.model.regions import EMERGENCY
+from mission.onboard.runtime.records import FAULT as FAULT_RECORD
+from mission.onboard.runtime.records import Observer, Recorder
 
 INFO, WARNING, FAULT = "info", "warning", "fault"
 LEVELS = {INFO: 6, WARNING: 4, FAULT: 3}  # syslog's numbers

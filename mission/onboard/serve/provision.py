@@ -24,6 +24,8 @@ from pathlib import Path
 
 from links import LinkAddressError, check_url, parse_address
 from links.base import LinkError
+from mission.model.shipped import load_vehicle
+from mission.model.vehicle import Vehicle, VehicleError
 from mission.onboard.configuration import (
     Configuration,
     ConfigurationError,
@@ -34,8 +36,6 @@ from mission.onboard.kept import Homes
 from mission.onboard.serve.listening import listening
 from mission.onboard.serve.working import Working, find, keep
 from mission.onboard.store import DiskStore, LostStore, Store, StoreError
-from mission.model.vehicle import Vehicle, VehicleError
-from mission.model.shipped import load_vehicle
 
 BUILT_IN = "auv"
 TOPSIDE_PORT = 4000

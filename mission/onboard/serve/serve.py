@@ -25,11 +25,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from links.base import Rx
+from mission.model import Tx
 from mission.onboard.runtime.drive import CLOCK, Drive
 from mission.onboard.runtime.nodes import LINK as NODES
 from mission.onboard.runtime.records import Observer
 from mission.onboard.runtime.vessel import Peer
-from mission.model import Tx
 from mission.onboard.serve import health
 from mission.onboard.serve.docket import Docket
 from mission.onboard.serve.heavy import prepare

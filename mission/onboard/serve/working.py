@@ -17,10 +17,10 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from mission.onboard.configuration import Configuration
 from mission.model.plain import from_plain, to_plain
-from mission.onboard.kept import Homes, read_summed, write_summed
 from mission.model.vehicle import Vehicle
+from mission.onboard.configuration import Configuration
+from mission.onboard.kept import Homes, read_summed, write_summed
 from protocol.messages import UPWARD, Order
 from protocol.vehicles import codec
 

@@ -29,10 +29,6 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from mission.verification.campaign.deeds import Act
-from mission.verification.campaign.trial import Done, Event, Heard, Said
-from mission.onboard.runtime.drive import VEHICLE
-from mission.onboard.runtime.vessel import MODEM, Peer
 from mission.engine.ascent import DOWNWARD
 from mission.model import (
     AUTONOMOUS,
@@ -45,6 +41,10 @@ from mission.model import (
     Step,
     Tx,
 )
+from mission.onboard.runtime.drive import VEHICLE
+from mission.onboard.runtime.vessel import MODEM, Peer
+from mission.verification.campaign.deeds import Act
+from mission.verification.campaign.trial import Done, Event, Heard, Said
 from protocol.messages import UPWARD, Manual, Order, Setpoint
 from protocol.modem import Sender, wrap
 from protocol.topside import TopsideCodec

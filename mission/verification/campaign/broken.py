@@ -15,29 +15,28 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
-from mission.engine import limits as envelope
-from mission.verification.campaign.draw import Subject
-from mission.verification.campaign.faults import fare
-from mission.verification.campaign.laws import Violation
+from mission.engine import core, ending, engine, limits, monitor, orders, run, senses
+from mission.engine.ascent import Ascent
+from mission.engine.bounds import Bounds, in_force
+from mission.engine.core import Core
+from mission.engine.engine import Engine
+from mission.engine.limits import LIMITS
+from mission.engine.rest import Rest
+from mission.engine.run import Run
+from mission.engine.senses import Senses
+from mission.model import Action, By, Edge, Health, Outcome, Result, Safety, Tx
+from mission.model.vehicle import Vehicle
+from mission.navigation.belief import DepthBelief
+from mission.navigation.fixes import Receiver
+from mission.navigation.health import SensorHealth
 from mission.onboard.runtime import frontseat, topside
 from mission.onboard.runtime.commander import Commander
 from mission.onboard.runtime.copies import Copies
 from mission.onboard.runtime.frontseat import Frontseat
 from mission.onboard.runtime.latch import Latch
-from mission.engine import core, ending, engine, orders, run, senses, watch
-from mission.engine.ascent import Ascent
-from mission.engine.core import Core
-from mission.engine.engine import Engine
-from mission.engine.rest import Rest
-from mission.engine.run import Run
-from mission.engine.senses import Senses
-from mission.engine.limits import LIMITS
-from mission.engine.bounds import Bounds, in_force
-from mission.navigation.fixes import Receiver
-from mission.model import Action, By, Edge, Health, Outcome, Result, Safety, Tx
-from mission.navigation.belief import DepthBelief
-from mission.navigation.health import SensorHealth
-from mission.model.vehicle import Vehicle
+from mission.verification.campaign.draw import Subject
+from mission.verification.campaign.faults import fare
+from mission.verification.campaign.laws import Violation
 from protocol.messages import UPWARD, Fix, Manual, Order, SetSafety
 from protocol.vehicles import vehicle_row
 
@@ -134,7 +133,7 @@ def _always(owner: type, name: str, result: Any) -> Break:
 
 
 def _never_acts(name: str) -> Break:
-    return lambda s: s.put(watch, "LIMITS", tuple(row for row in LIMITS if row.name != name))
+    return lambda s: s.put(monitor, "LIMITS", tuple(row for row in LIMITS if row.name != name))
 
 
 def _without_way(way: Any) -> Break:
@@ -289,8 +288,8 @@ _REASONS: Mapping[str, str] = {
     "leak": "the AUV reports no leak; every limit has its bounds tried in test_envelope",
 }
 _RULES: Mapping[str, Broken] = {
-    "depth margin": Broken("R5: 1 m beyond the depth", _value(envelope, "DEPTH_MARGIN", 10.0)),
-    "silence": Broken("R8: 5 s without a report", _value(envelope, "SILENCE", 60.0)),
+    "depth margin": Broken("R5: 1 m beyond the depth", _value(limits, "DEPTH_MARGIN", 10.0)),
+    "silence": Broken("R8: 5 s without a report", _value(limits, "SILENCE", 60.0)),
     "operator's limits": Broken("R5: the tightest of three", _loosest),
     "restart": Broken("R7: a restart surfaces", _restart_only_stops),
     "latch": Broken("R7: what is under way is kept", _latch_not_kept),

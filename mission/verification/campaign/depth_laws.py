@@ -21,9 +21,9 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
+from mission.model import STOPPED, SURFACED, SURFACING
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import DOWN_WORD, STOP_WORD, UPWARD_WORDS, Stay, Story
-from mission.model import STOPPED, SURFACED, SURFACING
 
 SUNK = "sunk"
 DEPTH_FAULTS = ("depth_",)

@@ -18,15 +18,16 @@ from pathlib import Path
 from random import Random
 
 from links.simulated.faults import FAULTS
-from links.simulated.settings import FaultEvent, Sea, Settings, setting_of
+from links.simulated.sea import Sea
+from links.simulated.settings import FaultEvent, Settings, setting_of
+from mission.authoring.language import script
+from mission.model import Mission
+from mission.model.shipped import load_vehicle
+from mission.model.vehicle import Vehicle
 from mission.verification.campaign.deeds import INCIDENTS, Deed
 from mission.verification.campaign.scene_texts import mission_of
 from mission.verification.campaign.scenes import SCENES
 from mission.verification.campaign.trial import FOREVER
-from mission.authoring.language import script
-from mission.model import Mission
-from mission.model.vehicle import Vehicle
-from mission.model.shipped import load_vehicle
 
 MOST = 5  # disturbances a flight
 CURRENT = 0.5  # m/s

@@ -12,16 +12,24 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from mission.verification.campaign.draw import Plan, Subject, draw
-from mission.verification.campaign.laws import IGNORED, LOST, OVERRUN, RAISED, SPURIOUS, Violation, violations
-from mission.verification.campaign.trial import Trial, try_out
-from mission.verification.campaign.whole_flight import KINDS, throughout
+from mission.authoring.prepare import check_prepared, prepare
+from mission.model import AUTONOMOUS, STOPPED, SURFACING, Step
+from mission.model.shipped import missions_folder
+from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
 from mission.onboard.runtime.records import Recorder
-from mission.model import AUTONOMOUS, STOPPED, SURFACING, Step
-from mission.authoring.prepare import check_prepared, prepare
-from mission.model.vehicle import Vehicle
-from mission.model.shipped import missions_folder
+from mission.verification.campaign.draw import Plan, Subject, draw
+from mission.verification.campaign.laws import (
+    IGNORED,
+    LOST,
+    OVERRUN,
+    RAISED,
+    SPURIOUS,
+    Violation,
+    violations,
+)
+from mission.verification.campaign.trial import Trial, try_out
+from mission.verification.campaign.whole_flight import KINDS, throughout
 
 NOT_STARTED = "not started"
 

@@ -46,14 +46,23 @@ from dataclasses import dataclass, replace
 
 from links.simulated.faults import FAULTS
 from links.simulated.settings import Settings
+from mission.engine.bounds import Bounds, in_force
+from mission.engine.limits import SILENCE
+from mission.model import AUTONOMOUS, STOPPED, SURFACED, SURFACING, Mission, Step, Tx
+from mission.model.vehicle import Vehicle
 from mission.verification.campaign.audit import audit
 from mission.verification.campaign.deeds import Act
 from mission.verification.campaign.obedience import ignored
-from mission.verification.campaign.trial import FOREVER, Done, Event, Said, Told, Trial, fault_ends, from_home
-from mission.engine.limits import SILENCE
-from mission.engine.bounds import Bounds, in_force
-from mission.model import AUTONOMOUS, STOPPED, SURFACED, SURFACING, Mission, Step, Tx
-from mission.model.vehicle import Vehicle
+from mission.verification.campaign.trial import (
+    FOREVER,
+    Done,
+    Event,
+    Said,
+    Told,
+    Trial,
+    fault_ends,
+    from_home,
+)
 from protocol.messages import SetSafety
 
 LOST, OVERRUN, SPURIOUS, RAISED, IGNORED = "lost", "overrun", "spurious", "raised", "ignored"

@@ -15,12 +15,12 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from mission.model import Step
 from mission.verification.campaign.audit import command_of
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import Report, Stay, Story, gaps
 from mission.verification.campaign.trial import FOREVER, Told, fault_ends
-from mission.model import Step
 from protocol.messages import Order, Setpoint
 
 UNANSWERED = "unanswered"

@@ -13,11 +13,11 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from mission.model import MANUAL_DRIVING, Step, Tx
+from mission.onboard.runtime.drive import VEHICLE
 from mission.verification.campaign.audit import alike, command_of
 from mission.verification.campaign.deeds import Act
 from mission.verification.campaign.trial import Done, Event, Said
-from mission.onboard.runtime.drive import VEHICLE
-from mission.model import MANUAL_DRIVING, Step, Tx
 from protocol.messages import Order, Setpoint
 from protocol.topside import EMERGENCIES
 from protocol.vehicles.auv import AuvCodec

@@ -15,12 +15,12 @@ from contextlib import suppress
 from dataclasses import replace
 
 from links.base import Rx
+from mission.model import Estimate, Step, Tx
+from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
 from mission.onboard.runtime.drive import Drive
 from mission.onboard.runtime.records import Recorder
-from mission.model import Estimate, Step, Tx
 from mission.onboard.store import MemoryStore, Stored, StoreError
-from mission.model.vehicle import Vehicle
 
 NAVIGATION_AFTER = 2.0  # s from a start until the filter is loaded, on the Pi
 _SAME = 1e-6  # s

@@ -24,16 +24,17 @@ from random import Random
 
 from links.simulated.faults import FAULTS
 from links.simulated.plant import Body
+from links.simulated.sea import Sea
 from links.simulated.sensors import Health, Sensor, SensorErrors
-from links.simulated.settings import FaultEvent, Sea, Settings, setting_of
-from mission.verification.campaign.deeds import INCIDENTS, Deed
-from mission.verification.campaign.draw import PROFILES
-from mission.verification.campaign.laws import AFLOAT, Violation
-from mission.verification.campaign.trial import FOREVER, Trial, from_home, try_out
+from links.simulated.settings import FaultEvent, Settings, setting_of
 from mission.authoring.check import Proved
 from mission.authoring.check.assumptions import Assumptions
 from mission.model import AUTONOMOUS, IDLE_READY, SURFACED, Mission, Step
 from mission.model.vehicle import Vehicle
+from mission.verification.campaign.deeds import INCIDENTS, Deed
+from mission.verification.campaign.draw import PROFILES
+from mission.verification.campaign.laws import AFLOAT, Violation
+from mission.verification.campaign.trial import FOREVER, Trial, from_home, try_out
 
 MOST = 3  # faults a flight
 BIAS = math.radians(4.0)  # one sigma, of the compass; cut at two (assumed: 12 deg)

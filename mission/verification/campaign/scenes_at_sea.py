@@ -8,7 +8,18 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from random import Random
 
-from mission.verification.campaign.scene import AC, DOWN, Scene, SceneRow, W, X, fault, heavy, repeated, say
+from mission.verification.campaign.scene import (
+    AC,
+    DOWN,
+    Scene,
+    SceneRow,
+    W,
+    X,
+    fault,
+    heavy,
+    repeated,
+    say,
+)
 from mission.verification.campaign.trial import FOREVER
 
 AUTO_CLOSED, AUTO_OPEN = b"@NSOOOCCC$", b"@NSOOOCCO$"

@@ -20,15 +20,15 @@ from pathlib import Path
 from random import Random
 
 from links.simulated.link import START
+from mission.model import Step
+from mission.model.vehicle import Vehicle
 from mission.onboard.blackbox import BlackBox, part_path, read_records
+from mission.onboard.runtime.records import Recorder
 from mission.verification.campaign.deeds import Act, Deed
 from mission.verification.campaign.draw import Subject, draw
 from mission.verification.campaign.faults import Fared, Totals, fared_of
 from mission.verification.campaign.onboard import FillableStore, OnBoard
 from mission.verification.campaign.trial import Event, Trial, try_out
-from mission.onboard.runtime.records import Recorder
-from mission.model import Step
-from mission.model.vehicle import Vehicle
 
 DAY = 86400.0
 PART = 4 << 20  # bytes of one part of the black box

@@ -23,6 +23,18 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from links.simulated.settings import FaultEvent, Settings
+from mission.model import (
+    AUTONOMOUS,
+    MANUAL_WAITING,
+    STOPPED,
+    SURFACED,
+    SURFACING,
+    Mission,
+    Step,
+    Tx,
+)
+from mission.model.vehicle import Vehicle
+from mission.onboard.runtime.drive import VEHICLE
 from mission.verification.campaign.deeds import Act
 from mission.verification.campaign.laws import Span, spans
 from mission.verification.campaign.onboard import DEAD
@@ -35,18 +47,6 @@ from mission.verification.campaign.trial import (
     Trial,
     fault_ends,
 )
-from mission.onboard.runtime.drive import VEHICLE
-from mission.model import (
-    AUTONOMOUS,
-    MANUAL_WAITING,
-    STOPPED,
-    SURFACED,
-    SURFACING,
-    Mission,
-    Step,
-    Tx,
-)
-from mission.model.vehicle import Vehicle
 
 SAME = 1e-3  # s
 TRACES = 30.0  # s for which a fault that is over may still be felt

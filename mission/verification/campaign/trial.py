@@ -26,16 +26,16 @@ from links.simulated.geodesy import local, moved
 from links.simulated.link import HOME, START, SimulatedVehicle, Truth
 from links.simulated.plant import DEAD_BAND_PWM, NEUTRAL_PWM
 from links.simulated.settings import FaultEvent, Settings
-from mission.verification.campaign.deeds import BOAT, MODEM, PORT, TOPSIDE, Act, Deed
-from mission.verification.campaign.onboard import Death, FillableStore, OnBoard
+from mission.authoring.language import digest, script
+from mission.model import AUTONOMOUS, STOPPED, SURFACED, Estimate, Mission, Step, Tx
+from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
 from mission.onboard.runtime.drive import GPS, VEHICLE
 from mission.onboard.runtime.nodes import LINK as NODES
 from mission.onboard.runtime.records import Recorder
-from mission.authoring.language import digest, script
-from mission.model import AUTONOMOUS, STOPPED, SURFACED, Estimate, Mission, Step, Tx
+from mission.verification.campaign.deeds import BOAT, MODEM, PORT, TOPSIDE, Act, Deed
+from mission.verification.campaign.onboard import Death, FillableStore, OnBoard
 from mission.verification.simulation.rehearsal import Operator
-from mission.model.vehicle import Vehicle
 
 WATCHED = 20.0  # s that a fault is watched at least
 FOREVER = 1e6  # s: longer than any flight

@@ -14,14 +14,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from links.simulated.settings import Settings
+from mission.model import Mission
+from mission.model.vehicle import Vehicle
 from mission.verification.campaign.depth_laws import SUNK, depth_laws
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.limit_laws import UNANSWERED, limit_laws
 from mission.verification.campaign.story import Story
 from mission.verification.campaign.trial import Trial
 from mission.verification.campaign.word_laws import UNLAWFUL, UNSENT, word_laws
-from mission.model import Mission
-from mission.model.vehicle import Vehicle
 
 KINDS = (SUNK, UNANSWERED, UNSENT, UNLAWFUL)
 

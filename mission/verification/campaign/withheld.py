@@ -16,17 +16,18 @@ from collections.abc import Iterator, Mapping
 from random import Random
 
 from links.simulated.plant import Body
+from links.simulated.sea import Sea
 from links.simulated.sensors import Health, Sensor, SensorErrors
-from links.simulated.settings import FaultEvent, Sea, Settings
-from mission.verification.campaign.draw import PROFILES
-from mission.verification.campaign.proofs import BIAS, SPEED, Claim, Draw, Proof, draw_proof
-from mission.verification.campaign.trial import FOREVER
+from links.simulated.settings import FaultEvent, Settings
 from mission.authoring.check import check_mission
 from mission.authoring.check.assumptions import Assumptions
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, parse
 from mission.legs.guidance import GIVES
 from mission.model.vehicle import Vehicle
+from mission.verification.campaign.draw import PROFILES
+from mission.verification.campaign.proofs import BIAS, SPEED, Claim, Draw, Proof, draw_proof
+from mission.verification.campaign.trial import FOREVER
 
 HEAD = (
     "mission {name} vehicle auv\nhome 30.2874595 120.1535765\n"

@@ -27,13 +27,6 @@ from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
 from links.simulated.firmware.uart import BYTE_TIME
-from mission.verification.campaign.audit import command_of, moves
-from mission.verification.campaign.deeds import MODEM, TOPSIDE, Act
-from mission.verification.campaign.depth_laws import DEPTH_FAULTS
-from mission.verification.campaign.laws import Violation
-from mission.verification.campaign.onboard import DEAD
-from mission.verification.campaign.story import SAME, STOP_WORD, UPWARD_WORDS, Report, Stay, Story
-from mission.verification.campaign.trial import AUTO_NODE, Said, fault_ends
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, parse, script
 from mission.model import (
@@ -48,6 +41,13 @@ from mission.model import (
 )
 from mission.model.regions import EMERGENCY, MANUAL
 from mission.model.shipped import load_vehicle
+from mission.verification.campaign.audit import command_of, moves
+from mission.verification.campaign.deeds import MODEM, TOPSIDE, Act
+from mission.verification.campaign.depth_laws import DEPTH_FAULTS
+from mission.verification.campaign.laws import Violation
+from mission.verification.campaign.onboard import DEAD
+from mission.verification.campaign.story import SAME, STOP_WORD, UPWARD_WORDS, Report, Stay, Story
+from mission.verification.campaign.trial import AUTO_NODE, Said, fault_ends
 from protocol.messages import Order
 
 UNSENT, UNLAWFUL = "unsent", "unlawful"

@@ -9,8 +9,8 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from mission.verification.exhaustive.world import World
 from mission.model import STOPPED, SURFACING, Chart, State, Step, Tx
+from mission.verification.exhaustive.world import World
 
 
 @dataclass(frozen=True, slots=True)

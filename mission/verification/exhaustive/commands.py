@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from mission.model import Chart
 from mission.verification.exhaustive.cell import Configuration, Event
 from mission.verification.exhaustive.world import TENDER, World
-from mission.model import Chart
 from protocol.messages import MissionLine, SetSafety, SetTime
 from protocol.topside import encode
 

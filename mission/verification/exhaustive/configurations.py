@@ -19,11 +19,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from mission.verification.exhaustive.cell import Configuration
-from mission.verification.exhaustive.fork import Fork
-from mission.verification.exhaustive.wire import Sea
-from mission.verification.exhaustive.world import World
 from mission.authoring.language import script
+from mission.authoring.prepare import Prepared, prepare
 from mission.model import (
     AUTONOMOUS,
     IDLE_EMPTY,
@@ -39,8 +36,11 @@ from mission.model import (
     Position,
 )
 from mission.navigation import Navigation
-from mission.authoring.prepare import Prepared, prepare
 from mission.onboard.store import Stored
+from mission.verification.exhaustive.cell import Configuration
+from mission.verification.exhaustive.fork import Fork
+from mission.verification.exhaustive.wire import Sea
+from mission.verification.exhaustive.world import World
 from protocol.messages import SetSafety
 from protocol.topside import encode
 

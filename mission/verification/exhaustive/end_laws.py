@@ -6,9 +6,9 @@ What does not live here: what is kept for a restart (laws), how long the program
 
 from __future__ import annotations
 
+from mission.model import IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, STOPPED, SURFACED, SURFACING
 from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.laws import AT_ONCE, AT_SURFACE, U12, Law, Verdict, X, wrong
-from mission.model import IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, STOPPED, SURFACED, SURFACING
 
 _AT_REST = (STOPPED, SURFACED)
 

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from mission.engine.restart import UNANSWERED
-from mission.verification.exhaustive.cell import Cell
 from mission.model import (
     IDLE_EMPTY,
     IDLE_READY,
@@ -28,6 +27,7 @@ from mission.model import (
     SURFACING,
     Surface,
 )
+from mission.verification.exhaustive.cell import Cell
 
 X, W, U12 = b"@ZAX0$", b"@ZAWF$", b"@ZAU12$"
 STICK_QUIET = 2.0  # s (R6)

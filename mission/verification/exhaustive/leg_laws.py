@@ -7,9 +7,6 @@ from __future__ import annotations
 
 from functools import cache
 
-from mission.verification.exhaustive.cell import Cell
-from mission.verification.exhaustive.configurations import DEEP
-from mission.verification.exhaustive.laws import Law, Verdict, wrong
 from mission.model import (
     IMPLICIT_SURFACE,
     MANUAL_WAITING,
@@ -26,6 +23,9 @@ from mission.model import (
     Surface,
     Wait,
 )
+from mission.verification.exhaustive.cell import Cell
+from mission.verification.exhaustive.configurations import DEEP
+from mission.verification.exhaustive.laws import Law, Verdict, wrong
 from protocol.messages import Setpoint
 from protocol.vehicles import codec
 

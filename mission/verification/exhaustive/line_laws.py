@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 
+from mission.model import STOPPED, SURFACED, SURFACING, Tx
 from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.laws import U12, Law, Verdict, W, X, wrong
-from mission.model import STOPPED, SURFACED, SURFACING, Tx
 
 D12 = b"@ZAD12$"  # upside down (R7)
 _BYTE = 10 / 9600  # s, 8N1

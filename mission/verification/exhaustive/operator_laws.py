@@ -5,6 +5,7 @@ What does not live here: X, W and M, and the states that commands lead to (laws)
 
 from __future__ import annotations
 
+from mission.model import IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, STOPPED, SURFACED
 from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.commands import COPIED
 from mission.verification.exhaustive.configurations import DEEP
@@ -17,7 +18,6 @@ from mission.verification.exhaustive.laws import (
     X,
     wrong,
 )
-from mission.model import IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, STOPPED, SURFACED
 
 FRESH_FIX = 5.0  # s (R9)
 COPY_OF = 65000.0  # m

@@ -5,9 +5,9 @@ What does not live here: the ascent itself (proof_laws), stops that are said aga
 
 from __future__ import annotations
 
+from mission.model import MANUAL_WAITING, STOPPED, SURFACED, SURFACING
 from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.laws import DEEP_REST, U12, Law, Verdict, W, stays_down, wrong
-from mission.model import MANUAL_WAITING, STOPPED, SURFACED, SURFACING
 
 _BLIND = 6.5  # s after which a depth that is not told is not believed
 _LATE = 3.0  # s: a report, and the line

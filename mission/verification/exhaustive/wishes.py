@@ -12,10 +12,10 @@ import math
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
-from mission.verification.exhaustive.cell import Configuration
-from mission.verification.exhaustive.world import World
 from mission.engine.guards import comparisons
 from mission.model import And, By, Chart, Comparison, Guard
+from mission.verification.exhaustive.cell import Configuration
+from mission.verification.exhaustive.world import World
 
 BEYOND = 0.2  # of the variable's unit; an angle is met where it is asked for
 WAIT = 9.0  # s: what jumps is believed at its third report

@@ -10,16 +10,16 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from links.base import Rx
+from mission.engine.engine import Engine
+from mission.model import Estimate, Position, Step, Tx
+from mission.model.vehicle import Vehicle
+from mission.navigation import Navigation
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.runtime.drive import GPS, VEHICLE, Drive
 from mission.onboard.runtime.vessel import MODEM
-from mission.engine.engine import Engine
+from mission.onboard.store import MemoryStore, Stored
 from mission.verification.exhaustive.fork import Fork
 from mission.verification.exhaustive.wire import Sea, answer
-from mission.model import Estimate, Position, Step, Tx
-from mission.navigation import Navigation
-from mission.onboard.store import MemoryStore, Stored
-from mission.model.vehicle import Vehicle
 from protocol.modem import Sender, wrap
 
 BOAT, TENDER = "boat", "tender"  # two connections of the operators

@@ -32,13 +32,13 @@ from pathlib import Path
 from typing import Any
 
 from links.simulated.geodesy import local
+from mission.authoring.language import script
+from mission.authoring.prepare import Prepared
+from mission.model import Estimate, NavigationMode, Position, Step
 from mission.onboard.blackbox import read_parts
 from mission.onboard.runtime.records import ESTIMATE, START, STEP, estimate_of, read_start, step_of
-from mission.authoring.language import script
-from mission.model import Estimate, NavigationMode, Position, Step
 from mission.topside.console import converse
 from mission.topside.upload import OperatorError, start, status, upload
-from mission.authoring.prepare import Prepared
 from mission.verification.simulation.flightlog import Flight, FlightEnd, FlightLog, TruePlace
 from mission.verification.simulation.plot import ellipse
 from protocol.messages import Status, StoreReport

@@ -27,19 +27,19 @@ from links.simulated.boards import BOARDS, SimulatedBoard
 from links.simulated.geodesy import local
 from links.simulated.link import HOME, START, SimulatedVehicle
 from links.simulated.settings import Settings
+from mission.authoring.language import digest, script
+from mission.model import STOPPED, Mission, Tx
 from mission.onboard.configuration import Configuration
 from mission.onboard.runtime.drive import VEHICLE, Drive
 from mission.onboard.runtime.nodes import LINK as NODES
-from mission.authoring.language import digest, script
-from mission.model import STOPPED, Mission, Tx
+from mission.onboard.store import MemoryStore, Stored
 from mission.verification.simulation.flightlog import Flight, FlightEnd, FlightLog, TruePlace
 from mission.verification.simulation.rehearsal import Operator, Said
-from mission.onboard.store import MemoryStore, Stored
 
 if TYPE_CHECKING:
-    from mission.onboard.runtime.records import Recorder
-    from mission.navigation import LocalFrame
     from mission.model.vehicle import Vehicle
+    from mission.navigation import LocalFrame
+    from mission.onboard.runtime.records import Recorder
 
 BOAT = "boat"
 TOPSIDE = "topside"

@@ -6,10 +6,10 @@ What does not live here: the figures themselves (flightlog), pictures (plot).
 from __future__ import annotations
 
 from mission.authoring.graph import words
-from mission.model import Chart
-from mission.verification.simulation.flightlog import Flight, LegFlown
-from mission.model.units import UNITS
 from mission.engine.variables import VARIABLES
+from mission.model import Chart
+from mission.model.units import UNITS
+from mission.verification.simulation.flightlog import Flight, LegFlown
 
 _SIGNS = str.maketrans({"\u2264": "<=", "\u2265": ">=", "\u00b0": " deg"})  # for any terminal
 

@@ -11,10 +11,10 @@ from click.testing import CliRunner
 
 from mission.authoring.check import Report, check_mission
 from mission.authoring.check.assumptions import FROZEN, LATE, STICKS
-from mission.cli import main
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, parse
 from mission.authoring.prepare import prepare
+from mission.cli import main
 from mission.model.shipped import load_vehicle
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from mission.authoring.language.canonical import numbered
 from mission.authoring.language.words import FIELD_ORDER, LIMITS
+from mission.engine.variables import VARIABLES
 from mission.model import (
     And,
     Comparison,
@@ -39,7 +40,6 @@ from mission.model import (
     Yoyo,
 )
 from mission.model.units import GEARS, compass
-from mission.engine.variables import VARIABLES
 
 # Names that are words of the language, or of YAML, on purpose.
 NAMES = (

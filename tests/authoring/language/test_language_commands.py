@@ -15,11 +15,11 @@ from generated_missions import missions
 from hypothesis import given
 from test_language_round_trip import SOME
 
-from mission.cli import main
-from mission.model.extent import BYTES
 from mission.authoring.language import MissionErrors, digest, layout, load, parse, to_yaml
 from mission.authoring.language.schema import schema
+from mission.cli import main
 from mission.model import Mission
+from mission.model.extent import BYTES
 
 MISSIONS = Path(__file__).resolve().parents[3] / "missions"
 SHIPPED = sorted(p for p in MISSIONS.iterdir() if p.suffix in (".yaml", ".mission"))

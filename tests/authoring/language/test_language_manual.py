@@ -15,7 +15,9 @@ BLOCKS = re.findall(r"```(?:yaml)?\n(.*?)```", PAGE, re.DOTALL)
 
 
 def test_the_generated_parts_are_as_the_code_has_them() -> None:
-    assert refreshed(PAGE) == PAGE, "run python -m mission.authoring.language.manual docs/mission-language.md"
+    assert refreshed(PAGE) == PAGE, (
+        "run python -m mission.authoring.language.manual docs/mission-language.md"
+    )
     for part in PARTS.values():
         assert part() in PAGE
 

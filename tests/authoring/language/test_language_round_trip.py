@@ -5,7 +5,15 @@ from __future__ import annotations
 from generated_missions import missions
 from hypothesis import HealthCheck, given, settings
 
-from mission.authoring.language import digest, layout, parse, parse_script, script, to_lines, to_yaml
+from mission.authoring.language import (
+    digest,
+    layout,
+    parse,
+    parse_script,
+    script,
+    to_lines,
+    to_yaml,
+)
 from mission.model import Mission
 
 SOME = settings(

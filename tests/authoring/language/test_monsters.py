@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from mission.model import extent
 from mission.authoring.compiler.compiler import CompileErrors, compile_mission
-from mission.model.extent import EXTENTS, Extent
 from mission.authoring.graph.outline import TooLarge, outline
 from mission.authoring.language import MissionErrors, Problem, digest, parse, parse_script
+from mission.model import extent
+from mission.model.extent import EXTENTS, Extent
 from mission.model.shipped import load_vehicle
 from mission.model.yaml_tree import YamlFault, tree
 

@@ -6,8 +6,8 @@ import re
 
 import pytest
 
-from mission.model.units import UNITS
 from mission.engine.variables import SOURCES, VARIABLES, Variable
+from mission.model.units import UNITS
 
 
 @pytest.mark.parametrize("row", VARIABLES.values(), ids=lambda row: row.name)

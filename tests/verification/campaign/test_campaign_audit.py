@@ -7,10 +7,6 @@ import struct
 
 import pytest
 
-from mission.verification.campaign.audit import audit, command_of
-from mission.verification.campaign.deeds import Act
-from mission.verification.campaign.obedience import ignored
-from mission.verification.campaign.trial import Done, Event, Heard, Said
 from mission.engine.words import in_words
 from mission.model import (
     IDLE_READY,
@@ -22,6 +18,10 @@ from mission.model import (
     Step,
     Tx,
 )
+from mission.verification.campaign.audit import audit, command_of
+from mission.verification.campaign.deeds import Act
+from mission.verification.campaign.obedience import ignored
+from mission.verification.campaign.trial import Done, Event, Heard, Said
 from protocol.messages import Order, Setpoint
 from protocol.modem import wrap
 

@@ -8,20 +8,20 @@ import json
 import pytest
 from click.testing import CliRunner
 
+from mission.authoring.check import check_mission
+from mission.authoring.compiler.compiler import compile_mission
+from mission.authoring.language import digest
+from mission.commands.faults import faults
+from mission.engine import watch
+from mission.engine.core import Core
+from mission.engine.limits import LIMITS
+from mission.model.shipped import load_vehicle
+from mission.onboard.runtime import frontseat
 from mission.verification.campaign.broken import BROKEN, broken, notice
 from mission.verification.campaign.draw import Plan, draw, stage
 from mission.verification.campaign.faults import fared_of, fly_plan, shipped, subjects
 from mission.verification.campaign.scene_texts import TEXTS, mission_of
 from mission.verification.campaign.scenes import SCENES
-from mission.authoring.check import check_mission
-from mission.commands.faults import faults
-from mission.authoring.compiler.compiler import compile_mission
-from mission.onboard.runtime import frontseat
-from mission.engine import watch
-from mission.engine.core import Core
-from mission.engine.limits import LIMITS
-from mission.authoring.language import digest
-from mission.model.shipped import load_vehicle
 
 pytestmark = pytest.mark.proof  # long: make proofs
 

@@ -12,21 +12,21 @@ from click.testing import CliRunner
 
 from links.simulated.faults import FAULTS
 from links.simulated.settings import Settings, parse_settings
+from mission.authoring.language import parse
+from mission.commands.faults import faults
+from mission.engine.ascent import Ascent
+from mission.engine.core import Core
+from mission.engine.engine import Engine
+from mission.engine.monitor import LimitMonitor
+from mission.model import IDLE_EMPTY, IDLE_READY, SURFACED, SURFACING, Action, Step, Tx
+from mission.model.shipped import load_vehicle
+from mission.onboard.runtime.frontseat import Frontseat
 from mission.verification.campaign.deeds import INCIDENTS, PORT, Act, Deed
 from mission.verification.campaign.draw import CLUSTER, MOST, OUT_OF_HAND, draw
 from mission.verification.campaign.faults import fare, fly_plan, shipped, subjects
 from mission.verification.campaign.laws import IGNORED, LOST, OVERRUN, RAISED, violations
 from mission.verification.campaign.soak import Soaked, grown, soak
 from mission.verification.campaign.trial import FOREVER, Done, Heard, Trial, try_out
-from mission.commands.faults import faults
-from mission.onboard.runtime.frontseat import Frontseat
-from mission.engine.ascent import Ascent
-from mission.engine.core import Core
-from mission.engine.engine import Engine
-from mission.engine.watch import Watch
-from mission.authoring.language import parse
-from mission.model import IDLE_EMPTY, IDLE_READY, SURFACED, SURFACING, Action, Step, Tx
-from mission.model.shipped import load_vehicle
 from mission.verification.workers import results
 from protocol.messages import Order
 
@@ -152,7 +152,7 @@ def test_a_vehicle_that_does_not_come_up_is_lost(monkeypatch: pytest.MonkeyPatch
 
 
 def test_a_limit_that_nobody_looks_at_is_overrun(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Watch, "look", lambda self, reported, fixed: [])
+    monkeypatch.setattr(LimitMonitor, "look", lambda self, reported, fixed: [])
     silent = parse_settings(["fault=stm32_silent@60+20"])
     assert OVERRUN in kinds_of(flown([], settings=silent), settings=silent)
     tight = [Deed(60.0, Act.SAY, b"@SP,2000,2,100,10,$")]
@@ -160,7 +160,7 @@ def test_a_limit_that_nobody_looks_at_is_overrun(monkeypatch: pytest.MonkeyPatch
 
 
 def test_a_dive_beyond_its_limit_is_an_overrun(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Watch, "look", lambda self, reported, fixed: [])
+    monkeypatch.setattr(LimitMonitor, "look", lambda self, reported, fixed: [])
     text = FIRST.mission
     deep = parse(
         "mission deep vehicle auv\nhome 30.2874595 120.1535765\nsafety radius 500 time 15min\n"
@@ -228,7 +228,7 @@ def test_a_thruster_that_turns_at_the_end_is_a_loss(
     cut = [Deed(59.5, Act.UNPLUG), Deed(70.0, Act.PLUG), Deed(60.0, Act.SAY, b"@ZAX0$")]
     ack = [Deed(60.05, Act.SAY, b"@ACK_ZAY$", PORT, ""), Deed(60.06, Act.SAY, b"@ACK_ZXY$", PORT)]
     assert kinds_of(flown([*cut, *ack], profile), profile) == set()
-    monkeypatch.setattr(Watch, "turning", lambda self, since: False)
+    monkeypatch.setattr(LimitMonitor, "turning", lambda self, since: False)
     assert kinds_of(flown([*cut, *ack], profile), profile) == set()
     monkeypatch.setattr(Core, "doubt_line", lambda self: None)
     assert kinds_of(flown([*cut, *ack], profile), profile) == set(), "it does not rise"

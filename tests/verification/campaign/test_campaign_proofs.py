@@ -9,15 +9,15 @@ import pytest
 from click.testing import CliRunner
 
 from links.simulated.settings import FaultEvent
+from mission.authoring.check import check_mission
+from mission.authoring.compiler.compiler import compile_mission
+from mission.authoring.language import digest, parse
+from mission.commands.campaign import _claim, campaign
+from mission.model.shipped import load_vehicle
 from mission.verification.campaign.faults import shipped
 from mission.verification.campaign.generated import generate
 from mission.verification.campaign.proofs import DEPTH, ENERGY, RANGE, TIME, Claim, draw_proof, show
 from mission.verification.campaign.trial import FOREVER
-from mission.authoring.check import check_mission
-from mission.commands.campaign import _claim, campaign
-from mission.authoring.compiler.compiler import compile_mission
-from mission.authoring.language import digest, parse
-from mission.model.shipped import load_vehicle
 
 pytestmark = pytest.mark.proof  # long: make proofs
 

@@ -8,6 +8,14 @@ import pytest
 from click.testing import CliRunner
 
 from links.simulated.settings import FaultEvent
+from mission.authoring.check.assumptions import FROZEN, LATE, STICKS, TURNED
+from mission.authoring.check.bounds import ascent_time
+from mission.authoring.compiler.compiler import CompileErrors, compile_mission
+from mission.authoring.language import digest, parse, words
+from mission.commands.campaign import campaign
+from mission.engine.variables import VARIABLES
+from mission.legs import LEGS
+from mission.model.shipped import load_vehicle
 from mission.verification.campaign.draw import PROFILES
 from mission.verification.campaign.proofs import ENERGY, RANGE, TIME, Claim, show
 from mission.verification.campaign.trial import FOREVER
@@ -25,14 +33,6 @@ from mission.verification.campaign.withheld import (
     drawn_for,
     missions,
 )
-from mission.authoring.check.assumptions import FROZEN, LATE, STICKS, TURNED
-from mission.authoring.check.bounds import ascent_time
-from mission.commands.campaign import campaign
-from mission.authoring.compiler.compiler import CompileErrors, compile_mission
-from mission.authoring.language import digest, parse, words
-from mission.legs import LEGS
-from mission.engine.variables import VARIABLES
-from mission.model.shipped import load_vehicle
 
 pytestmark = pytest.mark.proof  # long: make proofs
 

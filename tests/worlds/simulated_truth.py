@@ -6,7 +6,7 @@
 
 Current 0 to 0.5 m/s, compass bias to 10 deg, declination as the magnetic model has it there.
 
-    python tests/navigation/simulated_truth.py 500      the full sample (fixes | one: half of it)
+    python tests/worlds/simulated_truth.py 500      the full sample (fixes | one: half of it)
 """
 
 from __future__ import annotations
@@ -20,13 +20,14 @@ from random import Random
 import numpy as np
 
 from links.simulated.link import SimulatedVehicle, Truth
+from links.simulated.sea import Sea
 from links.simulated.sensors import SensorErrors
-from links.simulated.settings import Sea, Settings
+from links.simulated.settings import Settings
 from mission.model import Estimate, Position
+from mission.model.shipped import load_vehicle
+from mission.model.vehicle import Vehicle
 from mission.navigation import LocalFrame, Navigation
 from mission.navigation.model import Figures, Markov, figures
-from mission.model.vehicle import Vehicle
-from mission.model.shipped import load_vehicle
 from protocol.messages import Fix, Order, Setpoint, Telemetry
 from protocol.nmea import NmeaDecoder
 from protocol.vehicles.auv import AuvCodec

@@ -12,10 +12,10 @@ import pytest
 from engine_world import VEHICLE, World, leg, mission, sets
 from limit_cases import CASES, LEAKY, LONG, far, flying, sink, thrust, unsure
 
-from mission.engine.senses import Senses
-from mission.engine.watch import Watch
-from mission.engine.limits import LIMITS, Limit, On, Response
 from mission.engine.bounds import Bounds, admit, in_force
+from mission.engine.limits import LIMITS, Limit, On, Response
+from mission.engine.monitor import LimitMonitor
+from mission.engine.senses import Senses
 from mission.model import (
     AUTONOMOUS,
     IDLE_EMPTY,
@@ -117,13 +117,13 @@ def test_no_limit_trips_at_its_bound_or_a_sample_too_early(row, way: str):
     assert world.state == before
 
 
-def scripted(row: Limit, patch: pytest.MonkeyPatch) -> tuple[Watch, list[bool | None]]:
+def scripted(row: Limit, patch: pytest.MonkeyPatch) -> tuple[LimitMonitor, list[bool | None]]:
     """A watch with this row alone, which says what the list says."""
     says: list[bool | None] = [False]
     one = replace(row, breached=lambda _: says[-1], needs=frozenset())
-    patch.setattr("mission.engine.watch.LIMITS", (one,))
+    patch.setattr("mission.engine.monitor.LIMITS", (one,))
     bounds = in_force(LEAKY, None, SetSafety())
-    return Watch(LEAKY, Senses(), bounds), says
+    return LimitMonitor(LEAKY, Senses(), bounds), says
 
 
 @pytest.mark.parametrize("row", LIMITS, ids=lambda row: row.name)

@@ -1,0 +1,92 @@
+"""The monitor of the limits: which rows are breached now, and for how long they have been.
+
+What does not live here: the rows (limits), what they look at (watch), responses (engine).
+"""
+
+from __future__ import annotations
+
+from typing import Self
+
+from mission.engine.bounds import Bounds
+from mission.engine.lasting import Lasting
+from mission.engine.limits import LIMITS, Limit, On, never
+from mission.engine.senses import Senses
+from mission.engine.watch import Watch
+from mission.model.vehicle import Vehicle
+
+
+class LimitMonitor(Watch):
+    """``breaches`` are the rows that were breached at their last look."""
+
+    def __init__(self, vehicle: Vehicle, senses: Senses, bounds: Bounds) -> None:
+        super().__init__(vehicle, senses, bounds)
+        self.rows = tuple(row for row in LIMITS if not row.disarmed(vehicle))
+        self._looked = {
+            (reported, fixed): tuple(
+                (row.breached, row)
+                for row in self.rows
+                if {On.CLOCK: True, On.REPORT: reported, On.FIX: fixed}[row.on]
+            )
+            for reported in (False, True)
+            for fixed in (False, True)
+        }
+        self._timed = tuple(row for row in self.rows if row.due is not never)
+        self.breaches: tuple[Limit, ...] = ()
+        self._samples: dict[str, int] = {}  # breached ones, less those within the bound
+        self._lasting = Lasting()
+
+    def clone(self, senses: Senses) -> Self:
+        other = super().clone(senses)
+        other._samples, other._lasting = dict(self._samples), self._lasting.clone()
+        return other
+
+    def begin(self, now: float) -> None:
+        super().begin(now)
+        self._samples, self._lasting, self.breaches = {}, Lasting(), ()
+
+    def forgive(self, row: Limit) -> None:
+        """A response was given that may mend it: count anew."""
+        self._samples.pop(row.name, None)
+        self._lasting.forget(row.name)
+
+    def look(self, reported: bool, fixed: bool) -> list[Limit]:
+        """The rows that are found breached now, for as long as they must be. ``breaches`` keeps
+        those that were at their last look."""
+        self.look_for_depth()
+        rows = self._looked[reported, fixed]
+        found = []
+        for is_breached, row in rows:
+            breached = is_breached(self)
+            if breached:
+                if self._lasts(row):
+                    found.append(row)
+            elif breached is not None and (self._samples or self._lasting):
+                self._fade(row)
+        if found or self.breaches:
+            looked = [row for _, row in rows]
+            kept = [row for row in self.breaches if row not in looked]
+            self.breaches = (*kept, *found)
+        return found
+
+    def next_timer(self) -> float | None:
+        first = None
+        for row in self._timed:
+            due = row.due(self)
+            if due is not None and (first is None or due < first):
+                first = due
+        return first
+
+    def _lasts(self, row: Limit) -> bool:
+        """A breach that goes on; whether for as long as it must."""
+        if row.seconds:
+            now = self.senses.now
+            return now - self._lasting.holds(row.name, now) >= row.seconds
+        count = self._samples[row.name] = min(self._samples.get(row.name, 0) + 1, row.samples)
+        return count >= row.samples
+
+    def _fade(self, row: Limit) -> None:
+        """Within its bound: noise may say so once."""
+        if row.seconds:
+            self._lasting.breaks(row.name, self.senses.now)
+        elif count := self._samples.pop(row.name, 0):
+            self._samples[row.name] = count - 1

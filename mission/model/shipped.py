@@ -1,0 +1,31 @@
+"""The shipped missions and vehicles, by name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mission.model.vehicle import Vehicle, VehicleError
+from mission.model.vehicle_file import LONGEST, read_vehicle
+
+
+def missions_folder() -> Path:
+    """The shipped missions/: in the wheel inside this package, in a checkout beside it."""
+    here = Path(__file__).resolve().parents[1]
+    shipped = here / "missions"
+    return shipped if shipped.is_dir() else here.parent / "missions"
+
+
+def load_vehicle(name: str | Path) -> Vehicle:
+    """A vehicle by the name of a shipped file or by path. Raises VehicleError."""
+    path = Path(name)
+    if path.suffix not in (".yaml", ".yml"):
+        path = missions_folder() / "vehicles" / f"{name}.yaml"
+    try:
+        with path.open(encoding="utf-8") as file:
+            text = file.read(LONGEST + 1)
+    except FileNotFoundError:
+        known = ", ".join(sorted(p.stem for p in (missions_folder() / "vehicles").glob("*.yaml")))
+        raise VehicleError(f"no vehicle file {path}; shipped ones: {known}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise VehicleError(f"{path}: cannot be read: {error}") from error
+    return read_vehicle(text, str(path))
