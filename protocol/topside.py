@@ -8,7 +8,8 @@ R and rudder commands and every M are relayed to the STM32 unchanged (``Relay``,
 the frame); ``@ZAX0$`` and ``@ZAWF$`` are taken from topside as well (R7).
 
 What does not live here: the frame tables (``protocol.topside_frames``, ``protocol.status_frame``),
-who may command, what is answered when (``mission.onboard.runtime.topside``), the modem's envelope.
+who may command, what is answered when (``mission.onboard.runtime.operator_server``), the modem's
+envelope.
 """
 
 from __future__ import annotations

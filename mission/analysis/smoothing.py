@@ -17,7 +17,7 @@ from filterpy.kalman import rts_smoother
 
 from mission.model import Position
 from mission.model.vehicle import Vehicle
-from mission.navigation.filter import Array, Filter, Run
+from mission.navigation.filter import Array, Filter, Motion
 from mission.navigation.health import SENSORS
 from mission.navigation.model import DEPTH, Figures, figures
 from mission.navigation.navigator import Navigation
@@ -92,7 +92,7 @@ class TapedFilter(Filter):
         self.begins: list[int] = []  # nodes at which the position was set anew
         self.innovations: list[tuple[float, float, float]] = []
 
-    def _piece(self, dt: float, run: Run) -> None:
+    def _piece(self, dt: float, run: Motion) -> None:
         node = self._node()
         super()._piece(dt, run)
         node.f = self._kf.F[:_PLANE, :_PLANE].copy()

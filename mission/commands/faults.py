@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from mission.onboard.runtime.records import Recorder
     from mission.verification.campaign.broken import Noticed
     from mission.verification.campaign.draw import Subject
-    from mission.verification.campaign.faults import Fared
+    from mission.verification.campaign.faults import FlightResult
 
 
 @click.command()
@@ -57,7 +57,7 @@ def faults(
     import json
     import sys
 
-    from mission.verification.campaign.faults import Totals, fare, shipped, subjects
+    from mission.verification.campaign.faults import Totals, fly_numbered, shipped, subjects
     from mission.verification.workers import results, with_progress
 
     known = tuple(subjects(shipped()))
@@ -68,25 +68,25 @@ def faults(
     totals = Totals()
     if flight is not None:
         with _recorders(report) as recorder:
-            fared = fare(seed, flight, known, recorder)
-        totals.add(fared)
-        click.echo(_story(seed, fared), err=as_json)
+            result = fly_numbered(seed, flight, known, recorder)
+        totals.add(result)
+        click.echo(_story(seed, result), err=as_json)
     else:
-        work = functools.partial(_fare, seed, known)
+        work = functools.partial(_fly_numbered, seed, known)
         tell = functools.partial(click.echo, err=True)
         found = results(work, range(flights), workers)
-        for fared in with_progress(found, flights, "flights", tell):
-            totals.add(fared)
-            if fared.violations:
-                click.echo(_story(seed, fared), err=as_json)
+        for result in with_progress(found, flights, "flights", tell):
+            totals.add(result)
+            if result.violations:
+                click.echo(_story(seed, result), err=as_json)
     click.echo(json.dumps(totals.as_json()))
     sys.exit(0 if totals.clean else 1)
 
 
-def _fare(seed: int, known: Sequence[Subject], number: int) -> Fared:
-    from mission.verification.campaign.faults import fare
+def _fly_numbered(seed: int, known: Sequence[Subject], number: int) -> FlightResult:
+    from mission.verification.campaign.faults import fly_numbered
 
-    return fare(seed, number, known)
+    return fly_numbered(seed, number, known)
 
 
 def _break(
@@ -127,10 +127,10 @@ def _soak(days: float, seed: int, known: Sequence[Subject], as_json: bool) -> in
     from mission.model.shipped import load_vehicle
     from mission.verification.campaign import soak
 
-    def told(soaked: soak.Soaked, fared: Fared) -> None:
-        if fared.violations:
-            found = [f"  {v.kind} at {v.t:.1f} s: {v.says}" for v in fared.violations]
-            story = "\n".join([f"mission {fared.number}: {fared.words}", *found])
+    def told(soaked: soak.Soaked, result: FlightResult) -> None:
+        if result.violations:
+            found = [f"  {v.kind} at {v.t:.1f} s: {v.says}" for v in result.violations]
+            story = "\n".join([f"mission {result.number}: {result.words}", *found])
             click.echo(
                 f"{story}\n  again: auvmission faults --seed {seed} --soak {soaked.days:.2f}"
             )
@@ -180,7 +180,7 @@ def _recorders(folder: Path | None) -> Iterator[Callable[[], Recorder | None]]:
             box.close()
 
 
-def _story(seed: int, fared: Fared) -> str:
-    found = [f"  {v.kind} at {v.t:.1f} s: {v.says}" for v in fared.violations]
-    again = f"  again: auvmission faults --seed {seed} --flight {fared.number}"
-    return "\n".join([f"flight {fared.number}: {fared.words}", *found, again])
+def _story(seed: int, result: FlightResult) -> str:
+    found = [f"  {v.kind} at {v.t:.1f} s: {v.says}" for v in result.violations]
+    again = f"  again: auvmission faults --seed {seed} --flight {result.number}"
+    return "\n".join([f"flight {result.number}: {result.words}", *found, again])

@@ -45,9 +45,9 @@ def serve(
     import os
     import time
 
+    from mission.onboard.serve.instance_lock import AnotherServe, only_one
     from mission.onboard.serve.journal import printed
     from mission.onboard.serve.leaving import time_to_leave
-    from mission.onboard.serve.only import AnotherServe, only_one
     from mission.onboard.serve.printer import Printer
     from mission.onboard.serve.provision import Unusable, provide
     from mission.onboard.serve.serve import Server, run
@@ -108,7 +108,7 @@ def _write_whole(path: Path, text: str) -> None:
 
 
 class _Events:
-    """What the drive decides, as JSON lines."""
+    """What the runtime decides, as JSON lines."""
 
     def __init__(self, out: Printer) -> None:
         self._out = out

@@ -40,7 +40,7 @@ def simulate(
     report: Path | None,
     as_json: bool,
 ) -> None:
-    """Fly MISSION on a simulated vehicle: the real drive, engine and codecs in one process.
+    """Fly MISSION on a simulated vehicle: the real runtime, engine and codecs in one process.
 
     Exit 0 if the mission was completed, 1 if not, 2 if it cannot be read.
     """

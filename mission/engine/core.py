@@ -18,7 +18,7 @@ from mission.engine.machine import Machine
 from mission.engine.monitor import LimitMonitor
 from mission.engine.rest import DEEP, DEEP_AGAIN, Rest
 from mission.engine.run import Run
-from mission.engine.senses import SURFACE_DEPTH, Navigator, Senses
+from mission.engine.vehicle_state import SURFACE_DEPTH, Navigator, VehicleState
 from mission.engine.words import in_words
 from mission.model import (
     AUTONOMOUS,
@@ -52,12 +52,16 @@ Moved = tuple[tuple[str, ...], tuple[str, ...]]
 class Core:
     def __init__(self, vehicle: Vehicle, navigation: Navigator | None) -> None:
         self.vehicle = vehicle
-        self.senses = Senses(navigation, grounded=vehicle.drives, stale_after=vehicle.stale_after)
+        self.vehicle_state = VehicleState(
+            navigation, grounded=vehicle.drives, stale_after=vehicle.stale_after
+        )
         self.ways = vehicle_row(vehicle.codec).ways
         self.machine = Machine()
         self.chart: Chart | None = None
         self.operator = SetSafety()
-        self.watch = LimitMonitor(vehicle, self.senses, in_force(vehicle, None, self.operator))
+        self.watch = LimitMonitor(
+            vehicle, self.vehicle_state, in_force(vehicle, None, self.operator)
+        )
         self.run: Run | None = None  # also while it is interrupted by the stick
         self.ascent: Ascent | None = None  # the emergency's, in emergency/surfacing alone
         self.stop_at: float | None = None  # X0 goes out again then, unless it was acknowledged
@@ -83,8 +87,8 @@ class Core:
     def clone(self) -> Self:
         """For snapshots: shares what never changes, the machine and the navigation included."""
         other = copy.copy(self)
-        other.senses = self.senses.clone()
-        other.watch = self.watch.clone(other.senses)
+        other.vehicle_state = self.vehicle_state.clone()
+        other.watch = self.watch.clone(other.vehicle_state)
         other.run = self.run.clone() if self.run else None
         other.ascent = self.ascent.clone() if self.ascent else None
         other.rest = copy.copy(self.rest)
@@ -93,7 +97,7 @@ class Core:
 
     @property
     def now(self) -> float:
-        return self.senses.now
+        return self.vehicle_state.now
 
     @property
     def region(self) -> str:
@@ -196,7 +200,7 @@ class Core:
             stop = self._stop("the mission is over")
             self._record(stop, moved, trigger=edge.trigger, by=edge.by, evaluations=evaluations)
             return
-        if edge.by is By.TIMEOUT and (missed := self.run.missed_depth(self.senses)):
+        if edge.by is By.TIMEOUT and (missed := self.run.missed_depth(self.vehicle_state)):
             self.event = f"{self.event}: {missed}"
         self.run.count(edge)
         moved = self.machine.fire(edge.trigger)
@@ -213,14 +217,14 @@ class Core:
         history: bool = False,
     ) -> None:
         assert self.run is not None
-        actions = self.run.enter(leaf, moved[1], self.senses, history=history)
+        actions = self.run.enter(leaf, moved[1], self.vehicle_state, history=history)
         actions = self._gate(actions)
         self._record(actions, moved, trigger=trigger, by=by, evaluations=evaluations)
 
     def enter_quietly(self, leaf: str) -> None:
         """The leg as after its entry, its set as sent and acknowledged; nothing leaves."""
         assert self.run is not None
-        self._gate(self.run.enter(leaf, (), self.senses, history=True))
+        self._gate(self.run.enter(leaf, (), self.vehicle_state, history=True))
         self.watch.accepted_at = self.now
 
     def _gate(self, actions: tuple[Action, ...]) -> tuple[Action, ...]:
@@ -242,7 +246,7 @@ class Core:
     def fly_on(self) -> None:
         """What the active leg has to send now."""
         run = self.flying
-        if run is not None and (actions := self._gate(run.steer(self.senses))):
+        if run is not None and (actions := self._gate(run.steer(self.vehicle_state))):
             self._record(actions)
 
     def repeat_set(self, why: str) -> None:
@@ -303,16 +307,16 @@ class Core:
         """emergency/surfacing, from anywhere; ``name`` is the row of the region table. An ascent
         that a leg has begun goes on: to begin it anew would undo what it has found out. An
         operator's W leaves as it is, whatever the ascent begins with."""
-        run, senses = self.flying, self.senses
+        run, vehicle_state = self.flying, self.vehicle_state
         sinking = name == "limit" and self._rests
         self._sank = self._sank or (sinking and self.active == SURFACED)
         begun = run.ascent if run is not None and run.climbing and by is By.LIMIT else None
         self._to_emergency()
         self.stop_at = self.stopped_at = None
         self.watch.set_sent(None)
-        over = senses.overturned
+        over = vehicle_state.overturned
         self.ascent = begun or Ascent(
-            self.now, senses.depth, why, self.ways, overturned=over, sinking=sinking
+            self.now, vehicle_state.depth, why, self.ways, overturned=over, sinking=sinking
         )
         actions = () if begun else self.ascent.first()
         if by is By.OPERATOR and self.ascent.way is not Order.SURFACE:
@@ -338,7 +342,7 @@ class Core:
         """The emergency's ascent goes on, or has reached the surface."""
         if self.ascent is None:
             return
-        if self.senses.surfaced(self.ascent.began):
+        if self.vehicle_state.surfaced(self.ascent.began):
             held = self._sank and self.ascent.pushes_up
             why = f"{self.reason}; at the surface"
             if held:
@@ -346,7 +350,9 @@ class Core:
             stop = () if held else self._stop("the surface is reached")
             self._move("surfaced", SURFACED, why, stop, None)
             self.ascent = None
-        elif actions := self.ascent.act(self.now, self.senses.depth, self.senses.overturned):
+        elif actions := self.ascent.act(
+            self.now, self.vehicle_state.depth, self.vehicle_state.overturned
+        ):
             self._record(actions)
 
     def mind_rest(self) -> None:
@@ -356,11 +362,11 @@ class Core:
         if kind != self._rested:
             self._rested = kind
             self.rest.begin()
-        report = self.senses.telemetry
+        report = self.vehicle_state.telemetry
         if not kind or report is None:
             return
         surfaced = self.active == SURFACED
-        self.rest.take(report.t, self.senses.depth, DEEP_AGAIN if surfaced else DEEP)
+        self.rest.take(report.t, self.vehicle_state.depth, DEEP_AGAIN if surfaced else DEEP)
         why = self.rest.stays_down() if kind == "stopped" else self.rest.sinks
         if why and self.auto:
             self.surface("limit", why, By.LIMIT)
@@ -378,7 +384,7 @@ class Core:
 
     def stick_forgotten(self) -> None:
         """At the surface idle; deeper, or where nothing is known of the depth, surfacing."""
-        depth = self.senses.depth
+        depth = self.vehicle_state.depth
         if depth is None or depth >= SURFACE_DEPTH:
             seen = "the depth is not known" if depth is None else f"{depth:.1f} m deep"
             self.surface("forgotten", f"no M for a minute, and {seen}", By.LIMIT)
@@ -399,7 +405,7 @@ class Core:
 
     def limit(self, row: Limit) -> None:
         why = f"limit {row.name}: {row.why(self.watch)}"
-        seen = (Evaluation(f"limit {row.name}", True, (("depth", self.senses.depth),)),)
+        seen = (Evaluation(f"limit {row.name}", True, (("depth", self.vehicle_state.depth),)),)
         self.surface("limit", why, By.LIMIT, seen)
 
     def take_uncertain(self, row: Limit) -> None:
@@ -411,7 +417,7 @@ class Core:
         edge = run.uncertain()
         if edge is not None:
             seen = Evaluation(
-                f"limit {row.name}", True, (("range", run.value("range", self.senses)),)
+                f"limit {row.name}", True, (("range", run.value("range", self.vehicle_state)),)
             )
             self.reason = f"limit {row.name}: {row.why(self.watch)}"
             self.follow(edge, (seen,))

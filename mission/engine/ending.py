@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from mission.engine.core import Core
 from mission.engine.rest import DEEP
-from mission.engine.senses import SURFACE_DEPTH, SURFACE_TIME
+from mission.engine.vehicle_state import SURFACE_DEPTH, SURFACE_TIME
 from mission.model import (
     AUTONOMOUS,
     MANUAL_DRIVING,
@@ -76,12 +76,12 @@ def _ascends_from_stick(core: Core) -> bool:
 
 
 def _is_deep(core: Core) -> bool:
-    return core.senses.depth is not None and core.senses.depth > DEEP
+    return core.vehicle_state.depth is not None and core.vehicle_state.depth > DEEP
 
 
 def _at_surface(core: Core) -> bool:
     """Proved just now (R7), and no depth to believe says otherwise."""
-    depth = core.senses.depth
-    return (depth is None or depth < SURFACE_DEPTH) and core.senses.surfaced(
+    depth = core.vehicle_state.depth
+    return (depth is None or depth < SURFACE_DEPTH) and core.vehicle_state.surfaced(
         core.now - SURFACE_TIME
     )

@@ -8,7 +8,7 @@ Run to completion: one macrostep per call, at most 200 transitions in it (beyond
 surfaces). Time comes with the inputs; ``next_timer`` says when to call again though nothing came.
 
 What does not live here: the verbs (core), operators' commands (orders), limits (limits, monitor),
-the mission under way (run), bytes, retries and paths (drive).
+the mission under way (run), bytes, retries and channels (onboard.runtime).
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from mission.engine.limits import Limit, Response
 from mission.engine.machine import Machine
 from mission.engine.orders import ORDERS, STICK_QUIET, why_not_clear
 from mission.engine.restart import begin_again, doubt, under_way
-from mission.engine.senses import Navigator
 from mission.engine.variables import VARIABLES, Scope, reading_of
+from mission.engine.vehicle_state import Navigator
 from mission.engine.words import event_of, short
 from mission.model import (
     AUTONOMOUS,
@@ -98,7 +98,7 @@ class Engine:
         self._timer: float | None = None
 
     def attach(self, navigation: Navigator) -> None:
-        self._core.senses.navigation = navigation
+        self._core.vehicle_state.navigation = navigation
 
     def limit_topside_silence(self, seconds: float | None) -> None:
         """R5: off unless configured."""
@@ -116,10 +116,10 @@ class Engine:
     def step(self, now: float, inputs: Sequence[Input] = ()) -> Outputs:
         """``now`` never goes back; ValueError if it does. Any input may come in any state."""
         core = self._core
-        if now < core.senses.now:
-            raise ValueError(f"time went back from {core.senses.now} to {now}")
+        if now < core.vehicle_state.now:
+            raise ValueError(f"time went back from {core.vehicle_state.now} to {now}")
         core.actions, core.steps = [], []
-        core.senses.at(now)
+        core.vehicle_state.at(now)
         core.event = event_of(inputs)
         reported, fixed, told = self._hear(inputs)
         verdicts = self._obey(inputs) if told else ()
@@ -149,20 +149,20 @@ class Engine:
         reported = fixed = told = False
         for one in inputs:
             if isinstance(one, Telemetry):
-                core.senses.take_telemetry(one)
+                core.vehicle_state.take_telemetry(one)
                 run = core.flying
                 core.watch.ascending = run is not None and run.climbing
                 core.watch.take_report()
                 reported = True
             elif isinstance(one, Fix):
-                core.senses.take_fix(one)
+                core.vehicle_state.take_fix(one)
                 fixed = True
             elif isinstance(one, Outcome):
                 core.take_outcome(one)
             else:
                 told = True
         if (reported or fixed) and (run := core.flying) is not None:
-            run.reckon(core.senses)
+            run.reckon(core.vehicle_state)
         return reported, fixed, told
 
     def _obey(self, inputs: Sequence[Input]) -> list[Verdict]:
@@ -225,7 +225,7 @@ class Engine:
         core = self._core
         for taken in itertools.count():
             run = core.flying
-            found = None if run is None else run.look(core.senses)
+            found = None if run is None else run.look(core.vehicle_state)
             if found is None:
                 return
             if taken == MICROSTEPS:
@@ -253,14 +253,14 @@ class Engine:
         core = self._core
         due: list[float | None] = [core.stop_at]
         if (run := core.flying) is not None:
-            due += run.next_timer(core.senses)
+            due += run.next_timer(core.vehicle_state)
             due.append(core.watch.next_timer())
         elif core.region == MANUAL:
             due.append(core.stick + self._forgotten_after)
             if core.active == MANUAL_DRIVING:
                 due.append(core.stick + STICK_QUIET)
         if core.ascent is not None:
-            due += [core.ascent.next_timer(), core.senses.surface_due(core.ascent.began)]
+            due += [core.ascent.next_timer(), core.vehicle_state.surface_due(core.ascent.began)]
         now, first = core.now, None
         for at in due:
             if at is not None and at > now and (first is None or at < first):
@@ -270,16 +270,16 @@ class Engine:
     # --- whole -----------------------------------------------------------------------------------
 
     def snapshot(self) -> Snapshot:
-        core, navigation = self._core, self._core.senses.navigation
+        core, navigation = self._core, self._core.vehicle_state.navigation
         kept = navigation.snapshot() if navigation else None
         return Snapshot(core.clone(), core.active, core.machine, kept)
 
     def restore(self, snapshot: Snapshot) -> None:
-        navigation = self._core.senses.navigation
+        navigation = self._core.vehicle_state.navigation
         self._core = snapshot.core.clone()
         self._core.machine = snapshot.machine
         self._core.machine.restore(snapshot.active)
-        self._core.senses.navigation = navigation
+        self._core.vehicle_state.navigation = navigation
         if navigation and snapshot.navigation is not None:
             navigation.restore(snapshot.navigation)
         self._timer = self._next_timer()
@@ -297,7 +297,7 @@ class Engine:
         run.entered -= elapsed
         self._timer = self._next_timer()
 
-    # --- what people and the drive want to know ------------------------------------------------
+    # --- what people and the runtime want to know ------------------------------------------------
 
     @property
     def state(self) -> str:
@@ -319,12 +319,12 @@ class Engine:
 
     @property
     def estimate(self) -> Estimate | None:
-        return self._core.senses.estimate
+        return self._core.vehicle_state.estimate
 
     @property
     def depth(self) -> float | None:
         """As reported, None while it is not to be believed."""
-        return self._core.senses.depth
+        return self._core.vehicle_state.depth
 
     @property
     def reason(self) -> str:
@@ -379,15 +379,15 @@ class Engine:
     def readings(self) -> Mapping[str, Reading]:
         """Every variable as a guard would see it now."""
         core = self._core
-        senses = core.senses
+        vehicle_state = core.vehicle_state
         scope = (
-            core.run.scope(senses)
+            core.run.scope(vehicle_state)
             if core.run
             else Scope(
                 core.now,
-                senses.estimate,
-                senses.telemetry,
-                senses.health,
+                vehicle_state.estimate,
+                vehicle_state.telemetry,
+                vehicle_state.health,
                 core.now,
                 core.now,
                 0.0,

@@ -78,7 +78,7 @@ class Limit:
 
 
 def _deeper(watch: Watch, bound: float) -> bool | None:
-    depth = watch.senses.depth
+    depth = watch.vehicle_state.depth
     return None if depth is None else depth > bound + DEPTH_MARGIN
 
 
@@ -91,12 +91,12 @@ def _hard_depth(watch: Watch) -> bool | None:
 
 
 def _depth_words(watch: Watch) -> str:
-    return f"depth {watch.senses.depth or 0.0:.1f} m, limit {watch.bounds.depth:g} m"
+    return f"depth {watch.vehicle_state.depth or 0.0:.1f} m, limit {watch.bounds.depth:g} m"
 
 
 def _position(watch: Watch) -> tuple[float, float] | None:
-    e = watch.senses.estimate
-    if e is None or not watch.senses.believable("position"):
+    e = watch.vehicle_state.estimate
+    if e is None or not watch.vehicle_state.believable("position"):
         return None
     return e.north, e.east
 
@@ -108,7 +108,7 @@ def _radius(watch: Watch) -> bool | None:
 
 def _uncertain(watch: Watch) -> bool | None:
     """The 95 % bound of the estimate reaches the radius."""
-    here, e = _position(watch), watch.senses.estimate
+    here, e = _position(watch), watch.vehicle_state.estimate
     if here is None or e is None:
         return None
     reach = math.hypot(*here) + distribution.PLANE_95 * distribution.principal(e.covariance)[0]
@@ -123,8 +123,8 @@ def _radius_words(watch: Watch) -> str:
 
 
 def _voltage(watch: Watch) -> bool | None:
-    report = watch.senses.telemetry
-    if report is None or not report.batteries or not watch.senses.health("battery").valid:
+    report = watch.vehicle_state.telemetry
+    if report is None or not report.batteries or not watch.vehicle_state.health("battery").valid:
         return None
     volts = report.batteries[0]
     return None if volts is None else volts < watch.bounds.voltage
@@ -151,22 +151,22 @@ def _blind_due(watch: Watch) -> float | None:
 def _passed(due: Callable[[Watch], float | None]) -> Callable[[Watch], bool | None]:
     def breached(watch: Watch) -> bool | None:
         at = due(watch)
-        return at is not None and watch.senses.now >= at
+        return at is not None and watch.vehicle_state.now >= at
 
     return breached
 
 
 def _roll(watch: Watch) -> bool | None:
-    report = watch.senses.telemetry
-    if watch.senses.overturned:
+    report = watch.vehicle_state.telemetry
+    if watch.vehicle_state.overturned:
         return True
-    if report is None or report.roll is None or not watch.senses.health("attitude").valid:
+    if report is None or report.roll is None or not watch.vehicle_state.health("attitude").valid:
         return None
     return max(abs(report.roll), abs(report.pitch or 0.0)) > watch.vehicle.limits.roll
 
 
 def _leak(watch: Watch) -> bool | None:
-    return watch.senses.telemetry.leak if watch.senses.telemetry else None
+    return watch.vehicle_state.telemetry.leak if watch.vehicle_state.telemetry else None
 
 
 # also where everything should be stopped (R7)
@@ -187,7 +187,9 @@ LIMITS: tuple[Limit, ...] = (
         "depth",
         "the vehicle's own depth, and 1 m",
         _hard_depth,
-        lambda w: f"depth {w.senses.depth or 0.0:.1f} m, hard limit {w.vehicle.limits.depth:g} m",
+        lambda w: (
+            f"depth {w.vehicle_state.depth or 0.0:.1f} m, hard limit {w.vehicle.limits.depth:g} m"
+        ),
         samples=2,
         acts=_EVERYWHERE,
         needs=frozenset({"depth"}),
@@ -214,8 +216,8 @@ LIMITS: tuple[Limit, ...] = (
         "depth contradicted",
         "depth",
         "a depth that what else is known contradicts",
-        lambda w: bool(w.senses.contradicted),
-        lambda w: f"the depth is {w.senses.contradicted}",
+        lambda w: bool(w.vehicle_state.contradicted),
+        lambda w: f"the depth is {w.vehicle_state.contradicted}",
         needs=frozenset({"depth"}),
     ),
     Limit(

@@ -10,7 +10,7 @@ from typing import Self
 from mission.engine.bounds import Bounds
 from mission.engine.lasting import Lasting
 from mission.engine.limits import LIMITS, Limit, On, never
-from mission.engine.senses import Senses
+from mission.engine.vehicle_state import VehicleState
 from mission.engine.watch import Watch
 from mission.model.vehicle import Vehicle
 
@@ -18,8 +18,8 @@ from mission.model.vehicle import Vehicle
 class LimitMonitor(Watch):
     """``breaches`` are the rows that were breached at their last look."""
 
-    def __init__(self, vehicle: Vehicle, senses: Senses, bounds: Bounds) -> None:
-        super().__init__(vehicle, senses, bounds)
+    def __init__(self, vehicle: Vehicle, vehicle_state: VehicleState, bounds: Bounds) -> None:
+        super().__init__(vehicle, vehicle_state, bounds)
         self.rows = tuple(row for row in LIMITS if not row.disarmed(vehicle))
         self._looked = {
             (reported, fixed): tuple(
@@ -35,8 +35,8 @@ class LimitMonitor(Watch):
         self._samples: dict[str, int] = {}  # breached ones, less those within the bound
         self._lasting = Lasting()
 
-    def clone(self, senses: Senses) -> Self:
-        other = super().clone(senses)
+    def clone(self, vehicle_state: VehicleState) -> Self:
+        other = super().clone(vehicle_state)
         other._samples, other._lasting = dict(self._samples), self._lasting.clone()
         return other
 
@@ -79,7 +79,7 @@ class LimitMonitor(Watch):
     def _lasts(self, row: Limit) -> bool:
         """A breach that goes on; whether for as long as it must."""
         if row.seconds:
-            now = self.senses.now
+            now = self.vehicle_state.now
             return now - self._lasting.holds(row.name, now) >= row.seconds
         count = self._samples[row.name] = min(self._samples.get(row.name, 0) + 1, row.samples)
         return count >= row.samples
@@ -87,6 +87,6 @@ class LimitMonitor(Watch):
     def _fade(self, row: Limit) -> None:
         """Within its bound: noise may say so once."""
         if row.seconds:
-            self._lasting.breaks(row.name, self.senses.now)
+            self._lasting.breaks(row.name, self.vehicle_state.now)
         elif count := self._samples.pop(row.name, 0):
             self._samples[row.name] = count - 1

@@ -6,7 +6,7 @@
     @SP    always, in force at once (R5)
     M      always; in an emergency only after 2 s without any, and not a neutral one (R6)
 
-What does not live here: who is the commander, and by which path (drive).
+What does not live here: who is the commander, and by which channel (onboard.runtime).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from mission.engine.core import Core
 from mission.engine.ending import WHY
 from mission.engine.limits import SILENCE
 from mission.engine.outset import too_far
-from mission.engine.senses import FIX_AGE, SURFACE_DEPTH
+from mission.engine.vehicle_state import FIX_AGE, SURFACE_DEPTH
 from mission.legs import LEGS
 from mission.model import (
     AUTONOMOUS,
@@ -82,10 +82,10 @@ def manual(core: Core, command: Manual) -> Verdict:
 
 def _at_surface(core: Core) -> bool:
     """A believed depth, or where there is none what proves a surface; or it cannot tell."""
-    depth = core.senses.depth
+    depth = core.vehicle_state.depth
     if depth is not None:
         return depth < SURFACE_DEPTH
-    return "depth" not in core.vehicle.reports or core.senses.surfaced(core.now - PROOF_AGE)
+    return "depth" not in core.vehicle.reports or core.vehicle_state.surfaced(core.now - PROOF_AGE)
 
 
 def why_not_clear(core: Core) -> str:
@@ -96,7 +96,7 @@ def why_not_clear(core: Core) -> str:
         if core.region == EMERGENCY:
             return "surfacing: wait until it is at the surface"
         return "a mission runs or is interrupted: stop the vehicle first"
-    depth, since = core.senses.depth, core.now - core.clear_refused
+    depth, since = core.vehicle_state.depth, core.now - core.clear_refused
     if _at_surface(core):
         return ""
     if depth is not None and depth > START_DEPTH:
@@ -142,7 +142,7 @@ def _why_not_start(core: Core) -> str:
         return "node AUTO is closed"
     if core.chart is None:
         return "no mission is stored"
-    if core.senses.navigation is None:
+    if core.vehicle_state.navigation is None:
         return "navigation is still being loaded"
     if core.region == MANUAL:
         if core.now - core.stick < STICK_QUIET:
@@ -155,13 +155,13 @@ def _why_not_start(core: Core) -> str:
 def _why_not_fly(core: Core, chart: Chart) -> str:
     if why := heavy(core.vehicle):
         return why
-    report = core.senses.telemetry
+    report = core.vehicle_state.telemetry
     if report is None or core.now - report.t > SILENCE:
         return f"the vehicle was not heard for {SILENCE:g} s"
-    if "depth" in core.vehicle.reports and core.senses.depth is None:
-        why = core.senses.health("depth").reason or "missing"
+    if "depth" in core.vehicle.reports and core.vehicle_state.depth is None:
+        why = core.vehicle_state.health("depth").reason or "missing"
         return f"the depth is not to be believed ({why}): no limit of depth could act"
-    depth, free = core.senses.depth or 0.0, chart.mission.start_without_fix
+    depth, free = core.vehicle_state.depth or 0.0, chart.mission.start_without_fix
     if depth >= (START_DEPTH if free else SURFACE_DEPTH):
         return f"{depth:.1f} m deep: a mission starts at the surface"
     bounds = core.watch.bounds
@@ -181,10 +181,14 @@ _ALLOW = "; 'start without fix' in the mission allows it"
 
 def _settle_home(core: Core, chart: Chart) -> str:
     """R9: where home is, and that it is near enough; tells navigation. Why not, or ""."""
-    senses, mission, navigation = core.senses, chart.mission, core.senses.navigation
+    vehicle_state, mission, navigation = (
+        core.vehicle_state,
+        chart.mission,
+        core.vehicle_state.navigation,
+    )
     assert navigation is not None
-    home = mission.home or senses.home_from_fixes()
-    fresh = senses.fix is not None and core.now - senses.fix.t <= FIX_AGE
+    home = mission.home or vehicle_state.home_from_fixes()
+    fresh = vehicle_state.fix is not None and core.now - vehicle_state.fix.t <= FIX_AGE
     if home is None and not mission.start_without_fix:
         return f"no home: it takes five fixes in a row within 10 m and HDOP 3 at most{_ALLOW}"
     if home is not None and not fresh and not mission.start_without_fix:
@@ -198,12 +202,12 @@ def _settle_home(core: Core, chart: Chart) -> str:
     if home is None or not fresh:
         navigation.start_here(core.now)
     navigation.assume_current(mission.current(core.vehicle.current))
-    senses.estimate = navigation.estimate(core.now)
+    vehicle_state.estimate = navigation.estimate(core.now)
     return ""
 
 
 def _from(home: Position, core: Core) -> float:
-    fix = core.senses.fix
+    fix = core.vehicle_state.fix
     assert fix is not None
     latitude, longitude = math.radians(home.latitude_deg), math.radians(home.longitude_deg)
     return metres(latitude, longitude, fix.latitude, fix.longitude)

@@ -55,7 +55,7 @@ def unsure(core: Core) -> bool:
 
 def doubt(core: Core) -> None:
     """With every report, while nobody knows what was under way, and no operator has said."""
-    depth, count = core.senses.depth, core.deep_reports
+    depth, count = core.vehicle_state.depth, core.deep_reports
     if depth is None or not unsure(core):
         return
     core.deep_reports = (count or 0) + 1 if depth > DEEP else 0

@@ -19,8 +19,8 @@ from typing import Self
 from mission.engine.ascent import Ascent, Way
 from mission.engine.lasting import Lasting
 from mission.engine.plan import Plan, name_of, plan_of, repeat_of
-from mission.engine.senses import Senses
 from mission.engine.variables import VARIABLES, Scope, Value, value_of
+from mission.engine.vehicle_state import VehicleState
 from mission.engine.words import short
 from mission.legs import Pilot, Track, View
 from mission.legs.base import wrap
@@ -100,10 +100,10 @@ class Run:
     # --- entering ------------------------------------------------------------------------------
 
     def enter(
-        self, path: str, entered: tuple[str, ...], senses: Senses, *, history: bool
+        self, path: str, entered: tuple[str, ...], vehicle_state: VehicleState, *, history: bool
     ) -> tuple[Action, ...]:
         """What is sent on entry: the whole set, or the first of the ascent."""
-        now, ascended = senses.now, self._surfaced(senses)
+        now, ascended = vehicle_state.now, self._surfaced(vehicle_state)
         before, stopped = self.ascent, self.at_surface
         self._plan = self._planned(path)
         self.entered = self._reckoned = now
@@ -120,15 +120,15 @@ class Run:
             if before is not None and ascended:
                 return self._stay_up(before, stopped, why)
             self._pilot, self.sent = None, None
-            over = senses.overturned
-            self.ascent = Ascent(now, senses.depth, why, self._ways, overturned=over)
+            over = vehicle_state.overturned
+            self.ascent = Ascent(now, vehicle_state.depth, why, self._ways, overturned=over)
             return self.ascent.first()
         self.ascent = None
-        view = self._view(senses)
+        view = self._view(vehicle_state)
         begin = self._plan.kind.begin
         self._pilot = begin(self._plan.leg.kind, self._plan.base, view) if begin else None
         stop = (Action(Order.STOP, f"{why}: the ascent is over"),) if before else ()
-        self.sent = self._wanted(senses)
+        self.sent = self._wanted(vehicle_state)
         return (*stop, Action(self.sent, why))
 
     def _stay_up(self, proved: Ascent, stopped: bool, why: str) -> tuple[Action, ...]:
@@ -147,27 +147,29 @@ class Run:
         for loop in edge.loops:
             self.rounds[loop.group] = self.rounds.get(loop.group, 1) + 1 if loop.again else 1
 
-    def look(self, senses: Senses) -> tuple[Edge, tuple[Evaluation, ...]] | None:
+    def look(self, vehicle_state: VehicleState) -> tuple[Edge, tuple[Evaluation, ...]] | None:
         """The edge that is due, with the evaluation that decided it; sets ``wake``."""
-        now, plan = senses.now, self._plan
+        now, plan = vehicle_state.now, self._plan
         self.wake = None
-        self._notice_blindness(senses)
+        self._notice_blindness(vehicle_state)
         if plan.guarded:
-            found = self._look_at_guards(senses)
+            found = self._look_at_guards(vehicle_state)
             if found is not None:
                 return found
         for edge in plan.plain:
-            due = self._due(edge, senses)
+            due = self._due(edge, vehicle_state)
             if due is None or not self.open(edge):
                 continue
             if now >= due:
-                return edge, (Evaluation(edge.trigger, True, self._values_of(edge, senses)),)
+                return edge, (Evaluation(edge.trigger, True, self._values_of(edge, vehicle_state)),)
             self._wake_at(due)
         return None
 
-    def _look_at_guards(self, senses: Senses) -> tuple[Edge, tuple[Evaluation, ...]] | None:
-        plan, now = self._plan, senses.now
-        scope = self.scope(senses)
+    def _look_at_guards(
+        self, vehicle_state: VehicleState
+    ) -> tuple[Edge, tuple[Evaluation, ...]] | None:
+        plan, now = self._plan, vehicle_state.now
+        scope = self.scope(vehicle_state)
         values = plan.sheet.values(scope)
         waiting = False
         for edge, guard in plan.guarded:
@@ -188,9 +190,9 @@ class Run:
                 self._held.forget(edge.trigger)
             if guard.timed:
                 self._wake_at(guard.next_change(values, now))
-        if waiting and senses.telemetry is not None:
+        if waiting and vehicle_state.telemetry is not None:
             for age in plan.sheet.stale_after:
-                self._wake_at(senses.telemetry.t + age + _AFTER)
+                self._wake_at(vehicle_state.telemetry.t + age + _AFTER)
         return None
 
     def _arises(self, handler: Edge, result: bool | None) -> bool:
@@ -223,47 +225,47 @@ class Run:
                 return False
         return True
 
-    def _due(self, edge: Edge, senses: Senses) -> float | None:
+    def _due(self, edge: Edge, vehicle_state: VehicleState) -> float | None:
         """When the edge is due by its kind alone; None if nothing says so."""
         if edge.by is By.FOR or edge.by is By.TIMEOUT:
             lasts = self.leg.duration if edge.by is By.FOR else self.leg.timeout
             return None if lasts is None else self.entered + lasts
         if edge.by is By.END:
-            return senses.now if self._ended(senses) else None
+            return vehicle_state.now if self._ended(vehicle_state) else None
         if self.refused:
-            return senses.now
+            return vehicle_state.now
         return min(self._blind.values()) + BLIND_TIME if self._blind else None
 
-    def _ended(self, senses: Senses) -> bool:
+    def _ended(self, vehicle_state: VehicleState) -> bool:
         if self.ascent is not None:
             kind = self.leg.kind
             if isinstance(kind, Surface) and kind.until_fix:
-                return senses.fixed(self.ascent.began)
-            return senses.surfaced(self.ascent.began)
-        return self._pilot is not None and self._pilot.finished(self._view(senses))
+                return vehicle_state.fixed(self.ascent.began)
+            return vehicle_state.surfaced(self.ascent.began)
+        return self._pilot is not None and self._pilot.finished(self._view(vehicle_state))
 
-    def _surfaced(self, senses: Senses) -> bool:
-        return self.ascent is not None and senses.surfaced(self.ascent.began)
+    def _surfaced(self, vehicle_state: VehicleState) -> bool:
+        return self.ascent is not None and vehicle_state.surfaced(self.ascent.began)
 
-    def _values_of(self, edge: Edge, senses: Senses) -> tuple[tuple[str, Value], ...]:
-        elapsed: tuple[str, Value] = ("elapsed", round(senses.now - self.entered, 6))
+    def _values_of(self, edge: Edge, vehicle_state: VehicleState) -> tuple[tuple[str, Value], ...]:
+        elapsed: tuple[str, Value] = ("elapsed", round(vehicle_state.now - self.entered, 6))
         if edge.by is By.ELSE:
             return (elapsed, *((need, None) for need in self._blind))
-        return (elapsed, ("depth", senses.depth))
+        return (elapsed, ("depth", vehicle_state.depth))
 
-    def missed_depth(self, senses: Senses) -> str:
+    def missed_depth(self, vehicle_state: VehicleState) -> str:
         """What a dive that makes no progress has to say at its timeout, or ""."""
-        wanted, depth = self.sent.depth if self.sent else None, senses.depth
+        wanted, depth = self.sent.depth if self.sent else None, vehicle_state.depth
         if wanted is None or depth is None or wanted - depth <= MISSED:
             return ""
         return f"no progress, depth {depth:.1f} m of {wanted:g} m"
 
-    def _notice_blindness(self, senses: Senses) -> None:
+    def _notice_blindness(self, vehicle_state: VehicleState) -> None:
         for need in self._needs():
-            if senses.believable(need):
+            if vehicle_state.believable(need):
                 self._blind.pop(need, None)
             else:
-                self._blind.setdefault(need, senses.now)
+                self._blind.setdefault(need, vehicle_state.now)
 
     def _needs(self) -> Iterable[str]:
         """The readings without which the leg is blind; an ascent needs none."""
@@ -281,30 +283,30 @@ class Run:
 
     # --- steering ------------------------------------------------------------------------------
 
-    def steer(self, senses: Senses) -> tuple[Action, ...]:
+    def steer(self, vehicle_state: VehicleState) -> tuple[Action, ...]:
         """What the leg sends while it is active; nothing most of the time."""
         if self.ascent is not None:
-            return self._climb(senses, self.ascent)
-        if self._pilot is None or senses.estimate is self._steered_by:
+            return self._climb(vehicle_state, self.ascent)
+        if self._pilot is None or vehicle_state.estimate is self._steered_by:
             return ()
-        self._steered_by = senses.estimate
-        wanted = self._wanted(senses)
+        self._steered_by = vehicle_state.estimate
+        wanted = self._wanted(vehicle_state)
         if self.sent is not None and not _differs(wanted, self.sent):
             return ()
         self.sent, self.refused = wanted, False
         return (Action(wanted, f"{short(self.leaf)} steers", steers=True),)
 
-    def _climb(self, senses: Senses, ascent: Ascent) -> tuple[Action, ...]:
+    def _climb(self, vehicle_state: VehicleState, ascent: Ascent) -> tuple[Action, ...]:
         if self.at_surface:
             return ()
-        if senses.surfaced(ascent.began):
+        if vehicle_state.surfaced(ascent.began):
             self.at_surface = True
             return (Action(Order.STOP, f"{short(self.leaf)}: the surface is reached"),)
-        return ascent.act(senses.now, senses.depth, senses.overturned)
+        return ascent.act(vehicle_state.now, vehicle_state.depth, vehicle_state.overturned)
 
-    def reckon(self, senses: Senses) -> None:
+    def reckon(self, vehicle_state: VehicleState) -> None:
         """The path over ground goes on with every new estimate."""
-        e = senses.estimate
+        e = vehicle_state.estimate
         if e is None or e.t <= self._reckoned:
             return
         if e.heading is not None:
@@ -313,45 +315,50 @@ class Run:
             self.travelled += math.hypot(north, east) * (e.t - self._reckoned)
         self._reckoned = e.t
 
-    def next_timer(self, senses: Senses) -> list[float | None]:
+    def next_timer(self, vehicle_state: VehicleState) -> list[float | None]:
         due = [self.wake]
         if self.ascent is not None and self.climbing:
-            due += [self.ascent.next_timer(), senses.surface_due(self.ascent.began)]
+            due += [self.ascent.next_timer(), vehicle_state.surface_due(self.ascent.began)]
         return due
 
-    def scope(self, senses: Senses) -> Scope:
+    def scope(self, vehicle_state: VehicleState) -> Scope:
         return Scope(
-            senses.now,
-            senses.estimate,
-            senses.telemetry,
-            senses.health,
+            vehicle_state.now,
+            vehicle_state.estimate,
+            vehicle_state.telemetry,
+            vehicle_state.health,
             self.entered,
             self.started,
             self.travelled,
             self.round,
-            self._track_from(senses),
+            self._track_from(vehicle_state),
         )
 
-    def value(self, name: str, senses: Senses) -> Value:
-        return value_of(VARIABLES[name], self.scope(senses))
+    def value(self, name: str, vehicle_state: VehicleState) -> Value:
+        return value_of(VARIABLES[name], self.scope(vehicle_state))
 
-    def _track_from(self, senses: Senses) -> Callable[[], Track | None]:
+    def _track_from(self, vehicle_state: VehicleState) -> Callable[[], Track | None]:
         pilot = self._pilot
-        return lambda: pilot.track(self._view(senses)) if pilot else None
+        return lambda: pilot.track(self._view(vehicle_state)) if pilot else None
 
-    def _view(self, senses: Senses) -> View:
-        located = senses.believable("position")
-        return View(senses.now, senses.estimate if located else None, senses.depth, senses.place)
+    def _view(self, vehicle_state: VehicleState) -> View:
+        located = vehicle_state.believable("position")
+        return View(
+            vehicle_state.now,
+            vehicle_state.estimate if located else None,
+            vehicle_state.depth,
+            vehicle_state.place,
+        )
 
-    def _wanted(self, senses: Senses) -> Setpoint:
+    def _wanted(self, vehicle_state: VehicleState) -> Setpoint:
         """The pilot's set, its true heading turned into the compass's."""
         base = self._plan.base
         if self._pilot is None:
             return base
-        wanted = self._pilot.setpoint(self._view(senses))
+        wanted = self._pilot.setpoint(self._view(vehicle_state))
         if Axis.HEADING not in self._plan.kind.steers:
             return wanted
-        compass = None if wanted.heading is None else senses.compass(wanted.heading)
+        compass = None if wanted.heading is None else vehicle_state.compass(wanted.heading)
         if compass is None:  # without a course there is no way on
             return replace(wanted, surge=0.0, heading=None)
         return replace(wanted, heading=compass)

@@ -15,7 +15,7 @@ import math
 from typing import Self
 
 from mission.engine.bounds import Bounds
-from mission.engine.senses import SURFACE_DEPTH, THRUSTERS, Senses
+from mission.engine.vehicle_state import SURFACE_DEPTH, THRUSTERS, VehicleState
 from mission.legs.base import wrap
 from mission.model.units import GEARS
 from mission.model.vehicle import Vehicle
@@ -48,8 +48,8 @@ class Descent:
         self.unexplained: bool | None = None
         self.words = ""
 
-    def take(self, senses: Senses, asked: bool, fastest: float) -> None:
-        depth, report = senses.depth, senses.telemetry
+    def take(self, vehicle_state: VehicleState, asked: bool, fastest: float) -> None:
+        depth, report = vehicle_state.depth, vehicle_state.telemetry
         if depth is None or report is None:
             self.unexplained = None
             return
@@ -129,15 +129,15 @@ class Watch:
     """``sent`` is the set in force at the vehicle (None: nothing, or an order)."""
 
     vehicle: Vehicle
-    senses: Senses
+    vehicle_state: VehicleState
     bounds: Bounds
     lost: int
     descent: Descent
     steering: Steering
     progress: Progress
 
-    def __init__(self, vehicle: Vehicle, senses: Senses, bounds: Bounds) -> None:
-        self.vehicle, self.senses, self.bounds = vehicle, senses, bounds
+    def __init__(self, vehicle: Vehicle, vehicle_state: VehicleState, bounds: Bounds) -> None:
+        self.vehicle, self.vehicle_state, self.bounds = vehicle, vehicle_state, bounds
         self.sent: Setpoint | None = None
         self.accepted_at: float | None = None  # of the set in force
         self.started: float | None = None  # the mission's clock
@@ -150,9 +150,9 @@ class Watch:
         self.repeated = False  # after a brown-out the set was sent again
         self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
 
-    def clone(self, senses: Senses) -> Self:
+    def clone(self, vehicle_state: VehicleState) -> Self:
         other = copy.copy(self)
-        other.senses = senses
+        other.vehicle_state = vehicle_state
         for name in ("descent", "steering", "progress"):
             setattr(other, name, copy.copy(getattr(self, name)))
         return other
@@ -166,44 +166,46 @@ class Watch:
 
     def set_sent(self, setpoint: Setpoint | None) -> None:
         self.sent, self.accepted_at = setpoint, None
-        self.senses.command = setpoint
+        self.vehicle_state.command = setpoint
 
     def take_report(self) -> None:
-        report = self.senses.telemetry
+        report = self.vehicle_state.telemetry
         assert report is not None
         self.heard = report.t
         asked = self.ascending or self._dive_asked()
-        self.descent.take(self.senses, asked, self.vehicle.limits.descent_rate)
-        heading = report.heading if self.senses.health("heading").valid else None
-        self.progress.take(report.t, self.senses.depth, self.sent.depth if self.sent else None)
+        self.descent.take(self.vehicle_state, asked, self.vehicle.limits.descent_rate)
+        heading = report.heading if self.vehicle_state.health("heading").valid else None
+        self.progress.take(
+            report.t, self.vehicle_state.depth, self.sent.depth if self.sent else None
+        )
         self.steering.take(report.t, heading, self.sent.heading if self.sent else None)
 
     def look_for_depth(self) -> None:
         """Note since when the vehicle is submerged without a depth to believe."""
-        senses = self.senses
-        if not senses.submerged or senses.depth is not None:
+        vehicle_state = self.vehicle_state
+        if not vehicle_state.submerged or vehicle_state.depth is not None:
             self.blind_since = None
         elif self.blind_since is None:
-            self.blind_since = senses.now
+            self.blind_since = vehicle_state.now
 
     def _dive_asked(self) -> bool:
-        sent, depth, report = self.sent, self.senses.depth, self.senses.telemetry
+        sent, depth, report = self.sent, self.vehicle_state.depth, self.vehicle_state.telemetry
         if sent is None or depth is None or report is None:
             return False
         if sent.depth is not None:
             return depth < sent.depth + SURFACE_DEPTH
         if sent.altitude is not None:
-            above = report.altitude if self.senses.health("altitude").valid else None
+            above = report.altitude if self.vehicle_state.health("altitude").valid else None
             return above is None or above > sent.altitude - SURFACE_DEPTH
         return sent.heave is not None and sent.heave > 0.0
 
     def course_apart(self) -> bool | None:
         """At the surface and under way ahead, the course more than 60 deg off the heading."""
-        fix: Fix | None = self.senses.fix
-        e, depth = self.senses.estimate, self.senses.depth
+        fix: Fix | None = self.vehicle_state.fix
+        e, depth = self.vehicle_state.estimate, self.vehicle_state.depth
         if fix is None or fix.course is None or fix.speed is None or e is None or e.heading is None:
             return None
-        if self.sent is None or depth is None or not self.senses.health("heading").valid:
+        if self.sent is None or depth is None or not self.vehicle_state.health("heading").valid:
             return None
         ahead = self.vehicle.speed_by_gear.at(GEARS * self.sent.surge)
         if ahead < _UNDER_WAY or fix.speed < _UNDER_WAY or depth >= SURFACE_DEPTH:
@@ -212,7 +214,7 @@ class Watch:
 
     def turning(self, since: float) -> bool:
         """A report from well after then says that a thruster is on, or that what drives has way."""
-        report = self.senses.telemetry
+        report = self.vehicle_state.telemetry
         if report is None or report.t < since + _SETTLE:
             return False
         if self.vehicle.drives and report.velocity is not None:
@@ -221,7 +223,7 @@ class Watch:
 
     def powerless(self) -> bool | None:
         """Thrust is set and acknowledged, and every thruster is neutral."""
-        report, sent = self.senses.telemetry, self.sent
+        report, sent = self.vehicle_state.telemetry, self.sent
         if report is None or not report.actuators or sent is None or self.accepted_at is None:
             return None
         if not (sent.surge or sent.turn or sent.heave):

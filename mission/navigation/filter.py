@@ -75,7 +75,7 @@ def _across(fig: Figures) -> float:
     return fig.heading**2 * fig.period + 2.0 * fig.sway.sigma**2 * fig.sway.time
 
 
-class Run(NamedTuple):
+class Motion(NamedTuple):
     """How the vehicle moves over a stretch of time, as far as it knows.
 
     ``heading`` is compass + declination (the compass's error is a state), ``expected`` the
@@ -168,18 +168,18 @@ class Filter:
 
     # --- time ------------------------------------------------------------------------------
 
-    def predict(self, dt: float, run: Run) -> None:
+    def predict(self, dt: float, run: Motion) -> None:
         pieces = max(1, math.ceil(dt / _STEP))
         for _ in range(pieces):
             self._piece(dt / pieces, run)
 
-    def _piece(self, dt: float, run: Run) -> None:
+    def _piece(self, dt: float, run: Motion) -> None:
         moved = self.transition(dt, run)
         self._kf.predict()
         x = self._kf.x
         x[N], x[E], x[CN], x[CE] = moved
 
-    def transition(self, dt: float, run: Run) -> tuple[float, float, float, float]:
+    def transition(self, dt: float, run: Motion) -> tuple[float, float, float, float]:
         """Writes F and Q for ``dt``; position and current after it."""
         fig, f, q = self.figures, self._f, self._q
         n, e, cn, ce, wn, we, scale, deviation, error, a, b, wander, _, _, _ = self._kf.x.tolist()
@@ -249,7 +249,7 @@ class Filter:
             wander=float(q[WANDER * STATES + WANDER]),
         )
 
-    def _harmonics(self, run: Run) -> float:
+    def _harmonics(self, run: Motion) -> float:
         """What a turn makes of the deviation's second harmonic, half as large as the first.
 
         What it was before is not taken out but fades as the wander does: so this is its variance
@@ -333,7 +333,7 @@ class Filter:
             return None
         return kf.y.item() ** 2 * kf.SI.item(), 1
 
-    def velocity(self, north: float, east: float, run: Run) -> None:
+    def velocity(self, north: float, east: float, run: Motion) -> None:
         """Over ground, from a receiver's speed and course (rejected beyond 4 sigma)."""
         fig, x, p = self.figures, self._kf.x, self._kf.P
         sm, cm = math.sin(run.heading), math.cos(run.heading)

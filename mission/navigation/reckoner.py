@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from mission.model.vehicle import Vehicle
-from mission.navigation.filter import Filter, Run
+from mission.navigation.filter import Filter, Motion
 from mission.navigation.items import GroundFix, Item, Report
 from mission.navigation.model import RATE, Figures, propulsion
 
@@ -158,13 +158,13 @@ class Reckoner:
         self.filter.predict(dt, self.run(self.t, t))
         self.t = t
 
-    def run(self, t0: float, t1: float) -> Run:
+    def run(self, t0: float, t1: float) -> Motion:
         """How it moves between two times."""
         m = self._motion
         driven = min(abs(m.expected) / _UNDER_WAY, 1.0)
         if m.heading is None:  # to any side, and to none in the mean
             skid = 2.0 * _LOST_MOST**2 * _LOST_TIME
-            return Run(0.0, m.expected, 0.0, 0.0, 0.0, driven, 0.0, m.surfaced, skid)
+            return Motion(0.0, m.expected, 0.0, 0.0, 0.0, driven, 0.0, m.surfaced, skid)
         turned = m.yaw_rate * min(0.5 * (t0 + t1) - m.heading_t, _EXTRAPOLATE)
         arc = m.yaw_rate * (t1 - t0)
         along = m.along * (1.0 - min(arc * arc, 4.0) / 24.0)  # the chord of the arc
@@ -174,7 +174,9 @@ class Reckoner:
         if lost > 0.0:  # and, the less is known of the heading, ahead and back as well
             gone = 1.0 - math.exp(-lost / _LOST_TIME)
             skid += 2.0 * lost * gone * gone
-        return Run(heading, m.expected, along, m.sway, lost, driven, arc, m.surfaced, skid, m.heave)
+        return Motion(
+            heading, m.expected, along, m.sway, lost, driven, arc, m.surfaced, skid, m.heave
+        )
 
     def _lost(self, t: float) -> float:
         """Up to the last heading by how far apart it is from the one before, half way."""

@@ -19,7 +19,7 @@ from mission.model import Position
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Vehicle
 from mission.navigation import LocalFrame, Navigation
-from mission.navigation.filter import Filter, Run
+from mission.navigation.filter import Filter, Motion
 from mission.navigation.model import STATES, figures
 from protocol.messages import Fix, Telemetry
 
@@ -36,7 +36,7 @@ class Plain(Filter):
         self.x_, self.p_, self.f_, self.q_ = kf.x, kf.P, kf.F, kf.Q
         self.i_ = np.eye(STATES)
 
-    def move(self, dt: float, run: Run) -> None:
+    def move(self, dt: float, run: Motion) -> None:
         self._kf.x = self.x_  # ``transition`` reads the state there
         moved = self.transition(dt, run)
         self.x_ = self.f_ @ self.x_
@@ -55,11 +55,11 @@ class Plain(Filter):
         self.p_ = ikh @ self.p_ @ ikh.T + k @ r @ k.T
 
 
-def _runs() -> list[Run]:
-    return [Run(heading=0.01 * i, expected=1.0) for i in range(REPORTS)]
+def _runs() -> list[Motion]:
+    return [Motion(heading=0.01 * i, expected=1.0) for i in range(REPORTS)]
 
 
-def library(vehicle: Vehicle, runs: list[Run]) -> tuple[float, np.ndarray]:
+def library(vehicle: Vehicle, runs: list[Motion]) -> tuple[float, np.ndarray]:
     f = Filter(figures(vehicle))
     f.place(0.0, 0.0, 6.0)
     begin = time.perf_counter()
@@ -71,7 +71,7 @@ def library(vehicle: Vehicle, runs: list[Run]) -> tuple[float, np.ndarray]:
     return time.perf_counter() - begin, f.covariance
 
 
-def plain(vehicle: Vehicle, runs: list[Run]) -> tuple[float, np.ndarray]:
+def plain(vehicle: Vehicle, runs: list[Motion]) -> tuple[float, np.ndarray]:
     from mission.navigation.filter import _BOTH, _POSITION
 
     f = Plain(vehicle)

@@ -3,7 +3,7 @@
     python tests/bench/bench_parts.py
 
 Ten comparisons of guards asked outside the machine, against one dispatch of it; the compiler on
-its own; the sieve, against the fastest link that could fill it.
+its own; the rate limiter, against the fastest link that could fill it.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from engine_world import World, compiled, leg, mission, when  # noqa: E402
 from links.base import Rx  # noqa: E402
 from mission.engine.machine import Machine  # noqa: E402
 from mission.model import And, Comparison, Exit, Group, Guard, Mission  # noqa: E402
-from mission.onboard.serve.sieve import Sieve  # noqa: E402
+from mission.onboard.serve.rate_limiter import RateLimiter  # noqa: E402
 
 FLOOD = 64 * 1024  # bytes at a time
 SMALL, LARGE = 1000, 4000  # legs
@@ -64,16 +64,16 @@ def guards() -> tuple[float, float]:
     world = World(mission(group))
     assert world.start()
     core = world.engine._core
-    run, senses = core.run, core.senses
+    run, vehicle_state = core.run, core.vehicle_state
     assert run is not None
-    assert run.look(senses) is None
+    assert run.look(vehicle_state) is None
     machine = Machine(core.chart)
 
     def dispatch() -> None:
         machine.restore("autonomous/g/a")
         machine.fire("autonomous/g/a:until1")
 
-    return least(lambda: run.look(senses), 2000), least(dispatch, 2000)
+    return least(lambda: run.look(vehicle_state), 2000), least(dispatch, 2000)
 
 
 def compiling(legs: int) -> float:
@@ -88,9 +88,9 @@ def long_mission(n: int) -> Mission:
 
 def sifting() -> float:
     """Bits per second of one that never stops."""
-    sieve, flood = Sieve(0.0), (b"@AQ$" * FLOOD)[:FLOOD]
+    limiter, flood = RateLimiter(0.0), (b"@AQ$" * FLOOD)[:FLOOD]
     heard = [Rx(n * 1e-4, "topside", flood, "127.0.0.1:1") for n in range(200)]
-    spent = least(lambda: [sieve.passes(rx, heard[-1].t) for rx in heard], 3)
+    spent = least(lambda: [limiter.passes(rx, heard[-1].t) for rx in heard], 3)
     return 8 * FLOOD * len(heard) / spent
 
 

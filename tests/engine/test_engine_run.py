@@ -9,7 +9,7 @@ import pytest
 from engine_world import World, compiled, flying, guard, leg, legs_of, mission, sets, when
 
 from mission.engine.run import MISSED, NEW_HEADING, Run
-from mission.engine.senses import Senses
+from mission.engine.vehicle_state import VehicleState
 from mission.model import (
     By,
     Goto,
@@ -383,21 +383,21 @@ def test_the_path_over_ground_is_counted_from_the_entry_and_only_forward():
 
 
 def test_without_a_heading_nothing_is_counted_and_nothing_is_made_up_for():
-    senses = Senses()
+    vehicle_state = VehicleState()
     world = World(mission(leg("a", timeout=LONG)))
     world.nav.speed = 1.0
     run = Run(compiled(mission(leg("a"))), 10.0, ())
     world.nav.report = world.report()
     for t, heading, travelled in ((12.0, 0.0, 2.0), (14.0, None, 2.0), (16.0, 0.0, 4.0)):
-        senses.estimate = world.nav.estimate(t)._replace(heading=heading)
-        run.reckon(senses)
-        run.reckon(senses)
+        vehicle_state.estimate = world.nav.estimate(t)._replace(heading=heading)
+        run.reckon(vehicle_state)
+        run.reckon(vehicle_state)
         assert run.travelled == pytest.approx(travelled)
-    senses.estimate = world.nav.estimate(15.0)._replace(heading=0.0)
-    run.reckon(senses)
+    vehicle_state.estimate = world.nav.estimate(15.0)._replace(heading=0.0)
+    run.reckon(vehicle_state)
     assert run.travelled == pytest.approx(4.0)
-    senses.estimate = None
-    run.reckon(senses)
+    vehicle_state.estimate = None
+    run.reckon(vehicle_state)
     assert run.travelled == pytest.approx(4.0)
 
 

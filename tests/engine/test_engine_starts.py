@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from engine_world import HOME, VEHICLE, M, W, World, X, leg, mission, sets
 
-from mission.engine.senses import metres
+from mission.engine.vehicle_state import metres
 from mission.model import (
     IDLE_READY,
     MANUAL_DRIVING,

@@ -13,7 +13,7 @@ from engine_world import NEUTRAL, VEHICLE, Navigation
 from mission.engine.bounds import in_force
 from mission.engine.limits import BLIND_TIME, LIMITS, SILENCE, On
 from mission.engine.monitor import LimitMonitor
-from mission.engine.senses import Senses
+from mission.engine.vehicle_state import VehicleState
 from mission.engine.watch import Descent, Progress, Steering
 from mission.model.shipped import load_vehicle
 from mission.model.units import GEARS
@@ -184,8 +184,8 @@ def test_a_depth_is_stuck_when_it_came_no_half_metre_nearer_in_two_minutes(repor
 
 def watch(*, vehicle=VEHICLE, **report: object) -> LimitMonitor:
     """At 10 s, with one report; nothing is set."""
-    senses = Senses(Navigation())
-    one = LimitMonitor(vehicle, senses, in_force(vehicle, None, SetSafety()))
+    vehicle_state = VehicleState(Navigation())
+    one = LimitMonitor(vehicle, vehicle_state, in_force(vehicle, None, SetSafety()))
     heard(one, 10.0, **report)
     return one
 
@@ -194,8 +194,8 @@ def heard(one: LimitMonitor, t: float, **report: object) -> None:
     base = Telemetry(
         t=t, depth=5.0, altitude=9.0, heading=0.0, actuators=NEUTRAL, batteries=(12.0, 48.0)
     )
-    one.senses.at(t)
-    one.senses.take_telemetry(replace(base, **report))
+    one.vehicle_state.at(t)
+    one.vehicle_state.take_telemetry(replace(base, **report))
     one.take_report()
 
 
@@ -226,7 +226,7 @@ def test_an_altitude_that_is_not_to_be_believed_may_be_any():
     one = watch()
     one.vehicle = replace(VEHICLE, limits=replace(VEHICLE.limits, descent_rate=50.0))
     one.set_sent(Setpoint(altitude=9.0))
-    navigation: Any = one.senses.navigation
+    navigation: Any = one.vehicle_state.navigation
     navigation.doubt["altitude"] = "frozen"
     heard(one, 12.0, depth=8.0, altitude=1.0)
     assert one.descent.unexplained is False
@@ -316,11 +316,11 @@ def at_the_surface(**changes: Any) -> LimitMonitor:
     one = watch(depth=changes.pop("depth", 0.2))
     one.set_sent(Setpoint(surge=changes.pop("surge", 1.0)))
     if changes.pop("doubt", ""):
-        navigation: Any = one.senses.navigation
+        navigation: Any = one.vehicle_state.navigation
         navigation.doubt["heading"] = "frozen"
-        one.senses.at(10.0)
+        one.vehicle_state.at(10.0)
     known = {"course": 61.0 * DEG, "speed": 0.8} | changes
-    one.senses.take_fix(Fix(10.0, 0.5, 2.0, 2.5, **known))
+    one.vehicle_state.take_fix(Fix(10.0, 0.5, 2.0, 2.5, **known))
     return one
 
 
@@ -351,18 +351,18 @@ def test_without_a_fix_a_set_or_an_estimate_no_course_is_apart():
     one.set_sent(None)
     assert one.course_apart() is None
     one = at_the_surface()
-    assert one.senses.estimate is not None
-    one.senses.estimate = one.senses.estimate._replace(heading=None)
+    assert one.vehicle_state.estimate is not None
+    one.vehicle_state.estimate = one.vehicle_state.estimate._replace(heading=None)
     assert one.course_apart() is None
-    one.senses.estimate = None
+    one.vehicle_state.estimate = None
     assert one.course_apart() is None
 
 
 def test_a_course_is_held_against_where_the_bow_points():
     for heading, apart in ((100.0, False), (61.0, False), (-1.0, True), (123.0, True)):
         one = at_the_surface()
-        assert one.senses.estimate is not None
-        one.senses.estimate = one.senses.estimate._replace(heading=heading * DEG)
+        assert one.vehicle_state.estimate is not None
+        one.vehicle_state.estimate = one.vehicle_state.estimate._replace(heading=heading * DEG)
         assert one.course_apart() is apart
 
 
@@ -393,7 +393,7 @@ def test_the_next_deadline_is_the_first_of_those_that_wait():
 
 
 def test_whoever_was_never_heard_is_silent_and_nothing_is_lost_yet():
-    one = LimitMonitor(VEHICLE, Senses(), in_force(VEHICLE, None, SetSafety()))
+    one = LimitMonitor(VEHICLE, VehicleState(), in_force(VEHICLE, None, SetSafety()))
     one.topside_silence = 30.0
     assert {row.name for row in one.look(False, False)} == {"telemetry", "topside"}
     assert one.lost == 0
@@ -410,7 +410,7 @@ def test_a_mission_that_begins_is_heard_now_and_has_lost_nothing():
 
 def test_a_limit_of_the_clock_that_is_breached_stays_so_until_its_next_look():
     one = watch()
-    one.senses.at(10.0 + SILENCE)
+    one.vehicle_state.at(10.0 + SILENCE)
     (silent,) = one.look(reported=False, fixed=False)
     assert silent.name == "telemetry"
     assert one.breaches == (silent,)
@@ -426,7 +426,7 @@ def test_what_reports_breach_stays_breached_while_only_the_clock_goes_on():
     assert over.on is On.REPORT
     assert one.look(reported=False, fixed=False) == []
     assert one.breaches == (over,)
-    one.senses.at(10.0 + SILENCE)
+    one.vehicle_state.at(10.0 + SILENCE)
     (silent,) = one.look(reported=False, fixed=False)
     assert one.breaches == (over, silent)
 
@@ -444,36 +444,36 @@ def test_a_limit_that_is_forgiven_counts_anew():
 def test_a_clone_goes_its_own_way():
     one = watch(roll=3.0)
     one.look(reported=True, fixed=False)
-    other = one.clone(one.senses.clone())
+    other = one.clone(one.vehicle_state.clone())
     other.look(reported=True, fixed=False)
     heard(other, 12.0, depth=8.0)
     assert one.breaches == ()
     assert one.descent.unexplained is None
     assert one._samples != other._samples
     other.set_sent(Setpoint(surge=0.5))
-    assert one.senses.command is None
+    assert one.vehicle_state.command is None
 
 
 def test_the_blindness_of_a_submerged_vehicle_counts_from_its_first_look():
     one = watch()
-    navigation: Any = one.senses.navigation
+    navigation: Any = one.vehicle_state.navigation
     one.look(reported=True, fixed=False)
     assert one.blind_since is None
     navigation.doubt["depth"] = "frozen"
     for t in (12.0, 14.0):
-        one.senses.at(t)
+        one.vehicle_state.at(t)
         one.look(reported=False, fixed=False)
         assert one.blind_since == 12.0
     navigation.doubt.clear()
-    one.senses.at(15.0)
+    one.vehicle_state.at(15.0)
     one.look(reported=False, fixed=False)
     assert one.blind_since is None
 
 
 def test_at_the_surface_nobody_is_blind():
     one = watch(depth=0.2)
-    navigation: Any = one.senses.navigation
+    navigation: Any = one.vehicle_state.navigation
     navigation.doubt["depth"] = "frozen"
-    one.senses.at(12.0)
+    one.vehicle_state.at(12.0)
     one.look(reported=False, fixed=False)
     assert one.blind_since is None

@@ -15,7 +15,7 @@ from limit_cases import CASES, LEAKY, LONG, far, flying, sink, thrust, unsure
 from mission.engine.bounds import Bounds, admit, in_force
 from mission.engine.limits import LIMITS, Limit, On, Response
 from mission.engine.monitor import LimitMonitor
-from mission.engine.senses import Senses
+from mission.engine.vehicle_state import VehicleState
 from mission.model import (
     AUTONOMOUS,
     IDLE_EMPTY,
@@ -123,7 +123,7 @@ def scripted(row: Limit, patch: pytest.MonkeyPatch) -> tuple[LimitMonitor, list[
     one = replace(row, breached=lambda _: says[-1], needs=frozenset())
     patch.setattr("mission.engine.monitor.LIMITS", (one,))
     bounds = in_force(LEAKY, None, SetSafety())
-    return LimitMonitor(LEAKY, Senses(), bounds), says
+    return LimitMonitor(LEAKY, VehicleState(), bounds), says
 
 
 @pytest.mark.parametrize("row", LIMITS, ids=lambda row: row.name)
@@ -134,7 +134,7 @@ def test_every_limit_waits_for_its_whole_persistence(row, monkeypatch):
     needed = row.samples if not row.seconds else round(row.seconds / period) + 1
 
     def look(says_now: bool | None) -> bool:
-        watch.senses.now += period
+        watch.vehicle_state.now += period
         says.append(says_now)
         return bool(watch.look(reported=True, fixed=True))
 
@@ -155,7 +155,7 @@ def _looks(row: Limit, patch: pytest.MonkeyPatch, said: Iterable[bool]) -> list[
     watch, says = scripted(row, patch)
     found = []
     for one in said:
-        watch.senses.now += 2.0
+        watch.vehicle_state.now += 2.0
         says.append(one)
         found.append(bool(watch.look(reported=True, fixed=True)))
     return found

@@ -46,7 +46,7 @@ def test_a_camera_that_ends_by_itself_is_told_and_no_longer_called_open(tmp_path
 def test_a_camera_that_fails_at_once_is_never_called_open(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("mission.onboard.runtime.nodes.CHANGED_WITHIN_S", 1.0)
+    monkeypatch.setattr("mission.onboard.runtime.device_switches.CHANGED_WITHIN_S", 1.0)
     monkeypatch.setattr("mission.onboard.serve.processes.BEGINS_S", PATIENCE)
     with (
         silent_board() as (_, device),

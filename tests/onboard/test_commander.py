@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from mission.onboard.runtime.awaited import Awaited
+from mission.onboard.runtime.command_target import MODEM, Peer
 from mission.onboard.runtime.commander import COMMANDER_SILENT_S, Commander
-from mission.onboard.runtime.vessel import MODEM, Peer
+from mission.onboard.runtime.pending_answers import PendingAnswers
 
 A, B = Peer("topside", "a"), Peer("topside", "b")
 UNDER_WATER = Peer(MODEM, "")
@@ -89,7 +89,7 @@ def test_a_connection_that_comes_again_has_not_asked_for_a_report_yet() -> None:
 
 
 def test_an_answer_reaches_whoever_waits_for_it_once_and_nobody_else() -> None:
-    owed = Awaited()
+    owed = PendingAnswers()
     owed.add(A, "STOP", 10.0, 2.0)
     owed.add(B, "STOP", 10.0, 2.0)
     owed.add(B, "SURFACE", 10.0, 2.0)
@@ -100,21 +100,21 @@ def test_an_answer_reaches_whoever_waits_for_it_once_and_nobody_else() -> None:
 
 
 def test_after_an_answer_that_is_not_the_last_they_go_on_waiting() -> None:
-    owed = Awaited()
+    owed = PendingAnswers()
     owed.add(A, "STOP", 10.0, 2.0)
     assert owed.answered("STOP", 10.5, final=False) == [A]
     assert owed.answered("STOP", 10.6, final=True) == [A]
 
 
 def test_an_answer_that_comes_too_late_is_owed_to_nobody() -> None:
-    owed = Awaited()
+    owed = PendingAnswers()
     owed.add(A, "STOP", 10.0, 2.0)
     assert owed.answered("STOP", 11.999, final=False) == [A]
     assert owed.answered("STOP", 12.0, final=False) == []
 
 
 def test_asked_twice_it_is_one_answer_and_the_time_begins_anew() -> None:
-    owed = Awaited()
+    owed = PendingAnswers()
     owed.add(A, "STOP", 10.0, 2.0)
     owed.add(A, "SURFACE", 10.0, 2.0)
     owed.add(B, "STOP", 10.0, 2.0)
@@ -125,7 +125,7 @@ def test_asked_twice_it_is_one_answer_and_the_time_begins_anew() -> None:
 
 
 def test_whoever_has_gone_is_owed_nothing() -> None:
-    owed = Awaited()
+    owed = PendingAnswers()
     owed.add(A, "STOP", 10.0, 2.0)
     owed.add(B, "STOP", 10.0, 2.0)
     owed.forget(A)

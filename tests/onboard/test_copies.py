@@ -34,22 +34,22 @@ def by_modem(pi: Pi, command: object, now: float) -> bytes:
 @pytest.mark.parametrize("first", [BOAT, WATER])
 def test_a_late_start_by_modem_starts_no_mission_that_is_over(pi: Pi, first, late: float) -> None:
     pi.hear(StartMission(), 0.0, first)
-    pi.vessel.state = "idle/ready"  # it is over
+    pi.target.state = "idle/ready"  # it is over
     assert by_modem(pi, StartMission(), late) == b"@ACK_AAN$"
-    assert pi.vessel.decided == [StartMission()]
+    assert pi.target.decided == [StartMission()]
 
 
 @pytest.mark.parametrize("late", [1.0, 22.0, LATE_S - 1.0])
 def test_a_late_start_is_answered_as_done_while_the_mission_runs(pi: Pi, late: float) -> None:
     pi.hear(StartMission(), 0.0, BOAT)
     assert by_modem(pi, StartMission(), late) == b"@ACK_AAA$"
-    assert pi.vessel.decided == [StartMission()]
+    assert pi.target.decided == [StartMission()]
 
 
 def test_a_late_start_that_was_refused_starts_nothing_either(pi: Pi) -> None:
-    pi.vessel.refuses = "no fix for 5 s"
+    pi.target.refuses = "no fix for 5 s"
     assert by_modem(pi, StartMission(), 0.0) == b"@ACK_AAN$"
-    pi.vessel.refuses = ""
+    pi.target.refuses = ""
     assert by_modem(pi, StartMission(), 22.0) == b"@ACK_AAN$"
     assert pi.hear(StartMission(), 30.0, BOAT) == [b"@ACK_AAA$"]  # by the network it is meant
 
@@ -57,7 +57,7 @@ def test_a_late_start_that_was_refused_starts_nothing_either(pi: Pi) -> None:
 def test_a_late_start_gives_a_vehicle_under_the_stick_no_mission_back(pi: Pi) -> None:
     pi.hear(StartMission(), 0.0, BOAT)
     pi.hear(b"@MMF5$", 5.0, BOAT)
-    pi.vessel.state = "manual/waiting"
+    pi.target.state = "manual/waiting"
     assert by_modem(pi, StartMission(), 22.0) == b"@ACK_AAN$"
 
 
@@ -65,8 +65,8 @@ def test_a_late_limit_loosens_none_that_was_tightened_since(pi: Pi) -> None:
     pi.hear(WIDE, 0.0, BOAT)
     pi.hear(NARROW, 10.0, BOAT)
     assert by_modem(pi, WIDE, 22.0) == b"@ACK_SPN$"
-    assert pi.vessel.store.content.limits.depth == 5.0
-    assert pi.vessel.decided == [WIDE, NARROW]
+    assert pi.target.store.content.limits.depth == 5.0
+    assert pi.target.decided == [WIDE, NARROW]
     assert by_modem(pi, NARROW, 24.0) == b"@ACK_SPP$"  # this one is in force
 
 
@@ -77,7 +77,7 @@ def test_what_came_between_two_paths_counts_and_not_the_first_answer(pi: Pi) -> 
     assert pi.hear(CLOSED, 0.0, BOAT) == [b"@ACK_NSS$"]
     assert pi.hear(OPEN, 1.0, BOAT) == [b"@ACK_NSS$"]
     assert by_modem(pi, CLOSED, 2.0) == b"@ACK_NSN$"
-    assert pi.vessel.auto == [False, True]
+    assert pi.target.auto == [False, True]
     assert by_modem(pi, OPEN, 3.0) == b"@ACK_NSS$"
     assert pi.hear(CLOSED, 4.0, BOAT) == [b"@ACK_NSS$"]  # by the network it is meant
 
@@ -97,13 +97,13 @@ def test_a_late_clear_drops_no_mission_that_was_sent_since(pi: Pi) -> None:
     assert pi.hear(ClearMission(), 0.0, BOAT) == [b"@ACK_ACC$"]
     pi.upload(now=10.0)
     assert by_modem(pi, ClearMission(), 22.0) == b"@ACK_ACN$"
-    assert pi.vessel.store.content.lines == LINES
+    assert pi.target.store.content.lines == LINES
 
 
 def test_a_refused_clear_may_be_said_again_by_modem(pi: Pi) -> None:
-    pi.vessel.refuses = "an emergency, and 5 m deep"
+    pi.target.refuses = "an emergency, and 5 m deep"
     assert by_modem(pi, ClearMission(), 0.0) == b"@ACK_ACN$"
-    pi.vessel.refuses = ""
+    pi.target.refuses = ""
     assert by_modem(pi, ClearMission(), 10.0) == b"@ACK_ACC$"
 
 
@@ -116,7 +116,7 @@ def test_a_late_line_neither_drops_nor_changes_another_mission(pi: Pi) -> None:
         assert by_modem(pi, MissionLine(3, number, line), 22.0 + number) == b"@ACK_AWN$"
     for number in (2, 3):
         pi.hear(MissionLine(3, number, LINES[number - 1]), 30.0, BOAT)
-    assert pi.vessel.accepted == [LINES]
+    assert pi.target.accepted == [LINES]
     assert by_modem(pi, MissionLine(3, 1, old[0]), 40.0) == b"@ACK_AWN$"
     assert pi.hear(StartMission(), 41.0, BOAT) == [b"@ACK_AAA$"]  # nothing is staged
 
@@ -127,7 +127,7 @@ def test_lines_that_are_held_are_acknowledged_however_often_they_come(pi: Pi) ->
     assert by_modem(pi, MissionLine(3, 3, LINES[2]), 61.0) == b"@ACK_AWW$"
     assert by_modem(pi, MissionLine(3, 2, LINES[1]), 62.0) == b"@ACK_AWW$"
     assert by_modem(pi, MissionLine(3, 2, LINES[1]), 66.0) == b"@ACK_AWW$"
-    assert pi.vessel.accepted == [LINES]
+    assert pi.target.accepted == [LINES]
 
 
 def test_a_refused_line_may_be_sent_again_at_once(pi: Pi) -> None:
@@ -140,7 +140,7 @@ def test_a_late_time_sets_no_clock_back(pi: Pi) -> None:
     pi.hear(SetTime("2025-01-11T16:56:06"), 0.0, BOAT)
     pi.hear(SetTime("2025-01-11T16:57:06"), 60.0, BOAT)
     assert by_modem(pi, SetTime("2025-01-11T16:56:06"), 61.0) == b"@ACK_STN$"
-    assert pi.vessel.clock == "2025-01-11T16:57:06"
+    assert pi.target.clock == "2025-01-11T16:57:06"
 
 
 def test_a_late_power_switch_undoes_no_newer_one(pi: Pi) -> None:
@@ -148,35 +148,35 @@ def test_a_late_power_switch_undoes_no_newer_one(pi: Pi) -> None:
     pi.hear(old, 0.0, BOAT)
     pi.hear(new, 10.0, BOAT)
     pi.hear(old, 22.0, WATER)
-    assert pi.vessel.relayed == [old, new]
+    assert pi.target.relayed == [old, new]
     pi.hear(new, 24.0, WATER)
-    assert pi.vessel.relayed == [old, new, new]  # asked for its answer again, which changes nothing
+    assert pi.target.relayed == [old, new, new]  # asked for its answer again, which changes nothing
 
 
 @pytest.mark.parametrize("late", [0.5, 22.0])
 def test_an_increment_by_both_paths_is_passed_on_once(pi: Pi, late: float) -> None:
     pi.hear(b"@DA1,-2$", 0.0, BOAT)
     pi.hear(b"@DA1,-2$", late, WATER)
-    assert pi.vessel.relayed == [b"@DA1,-2$"]
+    assert pi.target.relayed == [b"@DA1,-2$"]
     pi.hear(b"@DA1,-2$", late + 0.1, BOAT)  # a connection says it as often as it is meant
-    assert pi.vessel.relayed == [b"@DA1,-2$"] * 2
+    assert pi.target.relayed == [b"@DA1,-2$"] * 2
 
 
 def test_by_the_network_alone_everything_is_meant(pi: Pi) -> None:
     """A mission that was over at once, a limit to and fro: one connection keeps its order."""
     for now in (0.0, 1.0, 2.0):
-        pi.vessel.state = "idle/ready"
+        pi.target.state = "idle/ready"
         assert pi.hear(StartMission(), now, BOAT) == [b"@ACK_AAA$"]
     for now in (3.0, 3.1):
         assert pi.hear(WIDE, now, BOAT) == [b"@ACK_SPP$"]
         assert pi.hear(NARROW, now, BOAT) == [b"@ACK_SPP$"]
-    assert pi.vessel.store.content.limits.depth == 5.0
-    assert len(pi.vessel.decided) == 7
+    assert pi.target.store.content.limits.depth == 5.0
+    assert len(pi.target.decided) == 7
 
 
 def test_by_the_network_a_copy_of_the_modems_is_refused_and_obeyed_when_said_again(pi: Pi) -> None:
     pi.hear(StartMission(), 0.0, WATER)
-    pi.vessel.state = "idle/ready"
+    pi.target.state = "idle/ready"
     for now in (22.0, 23.0, 24.0):  # the three tries of one that was late
         assert pi.hear(StartMission(), now, BOAT) == [b"@ACK_AAN$"]
     assert pi.hear(StartMission(), 22.0 + AGAIN_S, BOAT) == [b"@ACK_AAA$"]
@@ -184,14 +184,14 @@ def test_by_the_network_a_copy_of_the_modems_is_refused_and_obeyed_when_said_aga
 
 def test_after_two_minutes_it_is_a_new_wish(pi: Pi) -> None:
     pi.hear(StartMission(), 0.0, WATER)
-    pi.vessel.state = "idle/ready"
+    pi.target.state = "idle/ready"
     assert by_modem(pi, StartMission(), LATE_S - 0.1) == b"@ACK_AAN$"
     assert by_modem(pi, StartMission(), LATE_S) == b"@ACK_AAA$"
 
 
 def test_a_copy_that_is_refused_says_how_to_mean_it(pi: Pi) -> None:
     pi.hear(StartMission(), 0.0, BOAT)
-    pi.vessel.state = "idle/ready"
+    pi.target.state = "idle/ready"
     by_modem(pi, StartMission(), 22.0)
     assert b"say it by the network; or in 98 s" in pi.hear(b"@AQ$", 23.0)[0]
 
@@ -207,22 +207,22 @@ def test_x_and_w_are_obeyed_however_late_and_often_they_come(pi: Pi, order: Orde
     for now in (0.0, 0.1, 22.0, 60.0):
         pi.hear(Emergency(order), now, WATER)
         pi.hear(Emergency(order), now + 0.01, BOAT)
-    assert pi.vessel.decided == [Emergency(order)] * 8
+    assert pi.target.decided == [Emergency(order)] * 8
 
 
 def test_an_increment_by_the_network_behind_the_modems_is_doubted_once(pi: Pi) -> None:
     step = b"@DA1,-2$"
     pi.hear(step, 100.0, WATER)
     pi.hear(step, 104.9, BOAT)  # by both paths
-    assert pi.vessel.relayed == [step]
+    assert pi.target.relayed == [step]
     pi.hear(b"@AQ$", 105.0, BOAT)
     assert b"say it again in 5 s" not in pi.hear(b"@AQ$", 105.0, BOAT)[0]
     pi.hear(step, 105.0, BOAT)
-    assert pi.vessel.relayed == [step]
+    assert pi.target.relayed == [step]
     assert b"say it again in 5 s" in pi.hear(b"@AQ$", 106.0, BOAT)[0]
     for now in (111.0, 111.1, 111.2):
         pi.hear(step, now, BOAT)
-    assert pi.vessel.relayed == [step] * 4
+    assert pi.target.relayed == [step] * 4
 
 
 def test_only_another_switch_of_power_undoes_one(pi: Pi) -> None:
@@ -230,7 +230,7 @@ def test_only_another_switch_of_power_undoes_one(pi: Pi) -> None:
     for now, other in ((0.0, switch), (1.0, b"@RI$"), (2.0, b"@DS1,5$"), (3.0, b"@NI$")):
         pi.hear(other, now, BOAT)
     pi.hear(switch, 22.0, WATER)
-    assert pi.vessel.relayed == [switch, b"@RI$", b"@DS1,5$", switch]
+    assert pi.target.relayed == [switch, b"@RI$", b"@DS1,5$", switch]
 
 
 def test_a_refused_switch_of_power_undoes_none(pi: Pi) -> None:
@@ -238,7 +238,7 @@ def test_a_refused_switch_of_power_undoes_none(pi: Pi) -> None:
     pi.hear(old, 0.0, BOAT)
     pi.hear(new, 1.0, OTHER)  # who does not command
     pi.hear(old, 22.0, WATER)
-    assert pi.vessel.relayed == [old, old]
+    assert pi.target.relayed == [old, old]
 
 
 def test_a_mission_may_be_sent_by_the_network_that_was_sent_by_modem_before(pi: Pi) -> None:
@@ -247,7 +247,7 @@ def test_a_mission_may_be_sent_by_the_network_that_was_sent_by_modem_before(pi: 
         assert by_modem(pi, MissionLine(3, number, line), 100.0 + number) == b"@ACK_AWW$"
     assert pi.upload(other, 120.0) == [b"@ACK_AWW$"] * 3
     assert pi.upload(LINES, 121.0) == [b"@ACK_AWW$"] * 3
-    assert pi.vessel.accepted == [LINES, other, LINES]
+    assert pi.target.accepted == [LINES, other, LINES]
 
 
 @pytest.mark.parametrize("begin", [100.0, 1e6])

@@ -21,8 +21,8 @@ from mission.commands.doctor import doctor
 from mission.commands.operator import status
 from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration, LinkUrls
-from mission.onboard.doctor import bedside
 from mission.onboard.doctor import doctor as rows
+from mission.onboard.doctor import port_probe
 from mission.onboard.doctor.findings import Condition, Finding
 from mission.onboard.serve import health
 from mission.onboard.serve.keys import make_keys
@@ -67,8 +67,8 @@ def test_a_healthy_vehicle_has_no_fault(tmp_path: Path) -> None:
 def test_a_board_that_is_silent_is_a_fault_with_its_cables(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(bedside, "LISTEN_S", 0.3)
-    monkeypatch.setattr(bedside, "GPS_S", 0.3)
+    monkeypatch.setattr(port_probe, "LISTEN_S", 0.3)
+    monkeypatch.setattr(port_probe, "GPS_S", 0.3)
     with silent_board() as (_, device), silent_board() as (master, gps):
         over = threading.Event()
 
@@ -149,8 +149,8 @@ def test_a_wrong_configuration_is_a_fault_with_its_keys(tmp_path: Path) -> None:
 
 def judged(folder: Path, check: str, **more: object) -> list[Finding]:
     configuration = Configuration(folder=folder, **more)  # type: ignore[arg-type]
-    patient = rows.Patient(configuration, load_vehicle("auv"), None)
-    return list(getattr(rows, check)(patient))
+    context = rows.CheckContext(configuration, load_vehicle("auv"), None)
+    return list(getattr(rows, check)(context))
 
 
 def test_a_folder_that_cannot_be_written_and_a_disk_that_is_full_are_faults(
@@ -189,15 +189,15 @@ def test_what_stands_at_the_port_instead_of_the_vehicle_is_named() -> None:
     sentence = b"$GPGGA,,,,,,0,00,,,,,,,*66\r\n"
     for raw, says, todo in (
         (sentence * 3, "GPS receiver", "swap links.vehicle and links.gps"),
-        (bedside.QUERY, "comes back", "TX and RX are joined"),
+        (port_probe.QUERY, "comes back", "TX and RX are joined"),
         (b"", "0 bytes", "power"),
         (bytes(range(200)), "200 bytes", "power"),
     ):
-        one = next(iter(bedside._of_vehicle(auv, [], raw)))
+        one = next(iter(port_probe._of_vehicle(auv, [], raw)))
         assert one.condition is Condition.FAULT
         assert says in one.says
         assert todo in one.todo
-    one = bedside._of_gps(NmeaDecoder(), [], b"xx@SD\x00\x01")
+    one = port_probe._of_gps(NmeaDecoder(), [], b"xx@SD\x00\x01")
     assert "this is the STM32" in one.says
     assert "swap" in one.todo
 
@@ -250,7 +250,7 @@ def test_a_folder_that_takes_nothing_has_the_remedy_of_its_cause(
 def test_every_link_that_cannot_be_used_is_a_fault_and_never_a_crash(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, links: dict[str, str], what: str, says: str
 ) -> None:
-    monkeypatch.setattr(bedside, "LISTEN_S", 0.2)
+    monkeypatch.setattr(port_probe, "LISTEN_S", 0.2)
     config = tmp_path / "serve.yaml"
     ours = {"vehicle": "serial:///dev/ttyNOSUCH", "topside": "tcp://127.0.0.1:0", "gps": None}
     config.write_text(f"folder: {tmp_path / 'pi'}\nlinks: {json.dumps(ours | links)}\n")
@@ -291,12 +291,12 @@ def test_a_key_that_others_can_read_is_told(tmp_path: Path) -> None:
 def test_a_frozen_sensor_is_told_from_a_living_one() -> None:
     auv = load_vehicle("auv")
     heard = [Telemetry(float(i), depth=0.1, altitude=2.0 + i, heading=1.0) for i in range(3)]
-    found = {one.what: one for one in bedside._of_vehicle(auv, heard)}
+    found = {one.what: one for one in port_probe._of_vehicle(auv, heard)}
     assert "to the last bit" in found["sensor depth"].says
     assert found["sensor depth"].condition is Condition.WARNING
     assert found["sensor altitude"].condition is Condition.OK
     assert found["sensor roll"].condition is Condition.FAULT, "it is declared, and silent"
     upside = [Telemetry(0.0, depth=3.0, roll=3.0)]
-    found = {one.what: one for one in bedside._of_vehicle(auv, upside)}
+    found = {one.what: one for one in port_probe._of_vehicle(auv, upside)}
     assert found["sensor depth"].condition is Condition.WARNING
     assert found["sensor roll"].condition is Condition.WARNING

@@ -1,4 +1,4 @@
-"""The laws of the line over the whole drive: no mix of what operators send keeps a safety word, a
+"""The laws of the line over the whole runtime: no mix of what operators send keeps a safety word, a
 stop or the set that is due from the vehicle (R7, R12, R14)."""
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from mission.model import AUTONOMOUS, STOPPED, SURFACING, Position, Tx
 from mission.model.shipped import load_vehicle
 from mission.navigation import Navigation
 from mission.onboard.configuration import Configuration
-from mission.onboard.runtime.drive import Drive
 from mission.onboard.runtime.frontseat import GAP_S
+from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.store import MemoryStore, Stored
 from mission.verification.campaign.audit import command_of
 from mission.verification.exhaustive.commands import POOL
@@ -197,33 +197,33 @@ def test_a_board_that_acknowledges_nothing_hears_a_stop_behind_one_set_at_most(
     """Sliders, sticks and a thousand orders: what leaves is what the line carries."""
     url = f"serial:///dev/none?baud={baud}"
     configuration = Configuration(links=replace(Configuration().links, vehicle=url))
-    drive = Drive(configuration, load_vehicle(name), MemoryStore())
-    sent: list[Tx] = drive.connected("topside", BOAT, 0.0)
+    runtime = Runtime(configuration, load_vehicle(name), MemoryStore())
+    sent: list[Tx] = runtime.connected("topside", BOAT, 0.0)
     for i in range(1000):
         now = i * 0.002
-        due = drive.next_timer()
+        due = runtime.next_timer()
         while due is not None and due <= now:
-            sent += drive.handle_timer(due)
-            due = drive.next_timer()
+            sent += runtime.handle_timer(due)
+            due = runtime.next_timer()
         said = (b"@MMF5$", b"@DS1,5$", b"@RI$", W, X)[i % 5]
-        sent += drive.receive(Rx(now, "topside", said, BOAT))
+        sent += runtime.receive(Rx(now, "topside", said, BOAT))
     ours = [tx for tx in sent if tx.link == "vehicle"]
     assert not [tx for tx in ours if tx.data.startswith(b"@")]
     carried = sum(len(tx.data) for tx in ours[:-2]) * 10 / baud
     assert carried <= ours[-1].t - ours[0].t + 1e-6
-    assert drive.state == STOPPED
+    assert runtime.state == STOPPED
     set_s = 2 * max(len(tx.data) for tx in ours) * 10 / baud
-    assert drive.next_timer() <= 2.0 + set_s
+    assert runtime.next_timer() <= 2.0 + set_s
 
 
 @pytest.mark.parametrize("name", ["coreboard", "rov", "robot"])
 @pytest.mark.parametrize("word", [b"@MMF5$", b"@DS1,5$", b"@RSOOOOOOO$", b"@RI$"])
 def test_a_vehicle_without_m_r_and_d_is_changed_by_none_of_them(name: str, word: bytes) -> None:
-    drive = Drive(Configuration(), load_vehicle(name), MemoryStore())
-    drive.connected("topside", BOAT, 0.0)
-    before = drive.state
-    told = drive.receive(Rx(1.0, "topside", b"@AQ$", BOAT))
-    assert drive.receive(Rx(2.0, "topside", word, BOAT))[0].data.count(b"no M; R or D") == 1
+    runtime = Runtime(Configuration(), load_vehicle(name), MemoryStore())
+    runtime.connected("topside", BOAT, 0.0)
+    before = runtime.state
+    told = runtime.receive(Rx(1.0, "topside", b"@AQ$", BOAT))
+    assert runtime.receive(Rx(2.0, "topside", word, BOAT))[0].data.count(b"no M; R or D") == 1
     assert told
-    assert drive.state == before
-    assert not [tx for tx in drive.handle_timer(3.0) if tx.link == "vehicle"]
+    assert runtime.state == before
+    assert not [tx for tx in runtime.handle_timer(3.0) if tx.link == "vehicle"]

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mission.onboard.runtime.command_target import MODEM
 from mission.onboard.runtime.obeyed import LATE_S
-from mission.onboard.runtime.paths import Path, paths
-from mission.onboard.runtime.vessel import MODEM
+from mission.onboard.runtime.operator_channels import Path, paths
 from protocol.messages import ClearMission, DataQuery, Emergency, Order, StartMission
 from protocol.modem import Sender, wrap
 from protocol.tolerances import Tolerances

@@ -15,7 +15,7 @@ import pytest
 from mission.authoring.language import parse
 from mission.authoring.prepare import Prepared, Unreadable, prepare
 from mission.engine.engine import Engine
-from mission.engine.senses import Senses
+from mission.engine.vehicle_state import VehicleState
 from mission.engine.watch import Descent
 from mission.model import Health, Vertical
 from mission.model.shipped import load_vehicle
@@ -244,37 +244,37 @@ def test_every_set_of_a_chart_that_compiles_has_its_bytes(tmp_path: Path) -> Non
 
 
 def test_noise_between_two_quick_reports_is_no_descent() -> None:
-    senses, descent = Senses(), Descent()
+    vehicle_state, descent = VehicleState(), Descent()
     for i in range(100):
         t = 0.1 * i
-        senses.at(t)
-        senses.take_telemetry(Telemetry(t, depth=3.0 + 0.06 * (i % 2)))
-        descent.take(senses, asked=True, fastest=0.5)
+        vehicle_state.at(t)
+        vehicle_state.take_telemetry(Telemetry(t, depth=3.0 + 0.06 * (i % 2)))
+        descent.take(vehicle_state, asked=True, fastest=0.5)
         assert not descent.unexplained
     for i in range(100, 140):
         t = 0.1 * i
-        senses.at(t)
-        senses.take_telemetry(Telemetry(t, depth=3.0 + 0.1 * (i - 100)))
-        descent.take(senses, asked=True, fastest=0.5)
+        vehicle_state.at(t)
+        vehicle_state.take_telemetry(Telemetry(t, depth=3.0 + 0.1 * (i - 100)))
+        descent.take(vehicle_state, asked=True, fastest=0.5)
     assert "sinking at 1.00 m/s" in descent.words
 
 
 def test_a_position_of_its_own_proves_no_surface_but_counts_as_a_fix_there() -> None:
-    senses, here = Senses(), (0.5, 2.0)
+    vehicle_state, here = VehicleState(), (0.5, 2.0)
     for i in range(20):
-        senses.at(float(i))
-        senses.take_telemetry(Telemetry(float(i), depth=5.0, position=here))
-    assert senses.fix is None
-    assert not senses.surfaced(0.0)
+        vehicle_state.at(float(i))
+        vehicle_state.take_telemetry(Telemetry(float(i), depth=5.0, position=here))
+    assert vehicle_state.fix is None
+    assert not vehicle_state.surfaced(0.0)
     for i in range(20, 26):
-        senses.at(float(i))
-        senses.take_telemetry(Telemetry(float(i), depth=0.1, position=here))
-        assert senses.fix is None
+        vehicle_state.at(float(i))
+        vehicle_state.take_telemetry(Telemetry(float(i), depth=0.1, position=here))
+        assert vehicle_state.fix is None
     for i in range(26, 29):
-        senses.at(float(i))
-        senses.take_telemetry(Telemetry(float(i), depth=0.1, position=here))
-    assert senses.fix is not None
-    assert senses.surfaced(0.0)
+        vehicle_state.at(float(i))
+        vehicle_state.take_telemetry(Telemetry(float(i), depth=0.1, position=here))
+    assert vehicle_state.fix is not None
+    assert vehicle_state.surfaced(0.0)
 
 
 class Listener:
@@ -297,26 +297,26 @@ class Listener:
 
 def test_what_a_vehicle_says_of_its_thrusters_is_believed_before_what_it_was_told() -> None:
     listener = Listener()
-    senses = Senses(listener)  # type: ignore[arg-type]
-    senses.command = Setpoint(surge=0.5, depth=3.0)
-    senses.take_telemetry(Telemetry(0.0, depth=1.0, actuators=(0.1, 0.2)))
-    senses.take_telemetry(Telemetry(1.0, depth=1.0))
-    senses.command = None
-    senses.take_telemetry(Telemetry(2.0, depth=1.0))
+    vehicle_state = VehicleState(listener)  # type: ignore[arg-type]
+    vehicle_state.command = Setpoint(surge=0.5, depth=3.0)
+    vehicle_state.take_telemetry(Telemetry(0.0, depth=1.0, actuators=(0.1, 0.2)))
+    vehicle_state.take_telemetry(Telemetry(1.0, depth=1.0))
+    vehicle_state.command = None
+    vehicle_state.take_telemetry(Telemetry(2.0, depth=1.0))
     thrusts = [t.actuators for t in listener.heard]
     assert thrusts == [(0.1, 0.2), (0.5, 0.5, 1.0), (0.0, 0.0, 0.0)]
-    assert senses.telemetry is not None
-    assert senses.telemetry.actuators is None
+    assert vehicle_state.telemetry is not None
+    assert vehicle_state.telemetry.actuators is None
 
 
 def test_on_the_ground_it_is_always_at_the_surface() -> None:
-    senses = Senses(grounded=True)
-    assert senses.depth == 0.0
-    assert not senses.submerged
-    senses.at(10.0)
-    assert not senses.surfaced(5.0)
-    senses.at(11.0)
-    assert senses.surfaced(5.0)
+    vehicle_state = VehicleState(grounded=True)
+    assert vehicle_state.depth == 0.0
+    assert not vehicle_state.submerged
+    vehicle_state.at(10.0)
+    assert not vehicle_state.surfaced(5.0)
+    vehicle_state.at(11.0)
+    assert vehicle_state.surfaced(5.0)
     assert load_vehicle("robot").drives
 
 

@@ -22,7 +22,7 @@ from links.simulated.faults import FAULTS
 from mission.authoring.language import digest, parse_script
 from mission.model import SURFACED, Tx
 from mission.model.regions import REGIONS
-from mission.onboard.runtime.drive import VEHICLE
+from mission.onboard.runtime.runtime import VEHICLE
 from mission.topside.orders import order
 from mission.topside.upload import Conversation, Refused, clear, start, upload
 from mission.verification.campaign.audit import audit
@@ -122,13 +122,13 @@ class ServeCore(RuleBasedStateMachine):
         boat, store = self.boat(0), self.world.store
         self.do(lambda: self.world.hold(boat, upload(known.lines, known.digest, quiet), known))
         self.do(lambda: self.world.run(2.5))
-        if self.world.drive is not None:
-            store.full, before = full, (self.world.drive.state, store.content.lines)
+        if self.world.runtime is not None:
+            store.full, before = full, (self.world.runtime.state, store.content.lines)
             held: list[Conversation] = []
             self.do(lambda: held.append(self.world.hold(boat, clear())))
             talk = held[0]
-            if isinstance(talk.failure, Refused) and self.world.drive is not None:
-                assert (self.world.drive.state, store.content.lines) == before
+            if isinstance(talk.failure, Refused) and self.world.runtime is not None:
+                assert (self.world.runtime.state, store.content.lines) == before
             assert talk.result is None or store.content.lines == ()
 
     @rule(known=KNOWN, seconds=st.floats(0.0, 20.0))
@@ -189,22 +189,22 @@ class ServeCore(RuleBasedStateMachine):
             return
         if boat.sends is not None and boat.talk.result is not None:
             assert self.world.store.content.lines == boat.sends.lines
-            assert self.world.drive is None or self.world.drive.digest == boat.sends.digest
+            assert self.world.runtime is None or self.world.runtime.digest == boat.sends.digest
         boat.talk, boat.sends = None, None
 
     @invariant()
     def the_state_is_one_of_the_design(self) -> None:
-        if (drive := self.world.drive) is not None:
-            chart = drive.engine.chart
+        if (runtime := self.world.runtime) is not None:
+            chart = runtime.engine.chart
             known = {s.path for s in chart.states if s.leg} if chart else set()
-            assert drive.state in LEAVES | known
+            assert runtime.state in LEAVES | known
 
     @invariant()
     def what_is_stored_is_what_is_told(self) -> None:
-        drive, lines = self.world.drive, self.world.store.content.lines
-        if drive is not None and not drive._unjudged:  # after a restart: not before idle
-            assert drive.digest == (digest(parse_script(lines)) if lines else "")
-            assert (drive.engine.chart is not None) == bool(lines)
+        runtime, lines = self.world.runtime, self.world.store.content.lines
+        if runtime is not None and not runtime._unjudged:  # after a restart: not before idle
+            assert runtime.digest == (digest(parse_script(lines)) if lines else "")
+            assert (runtime.engine.chart is not None) == bool(lines)
 
     def teardown(self) -> None:
         if not hasattr(self, "world"):
@@ -230,7 +230,7 @@ class ServeCore(RuleBasedStateMachine):
 
     def come_back(self) -> None:
         world, known = self.world, MISSIONS[0]
-        if world.drive.state.startswith("idle"):  # whatever is stored, and with lines of another
+        if world.runtime.state.startswith("idle"):  # whatever is stored, and with lines of another
             mixed = [known.lines[0], *MISSIONS[1].lines[1:]]
             lines = [MissionLine(len(mixed), i, line) for i, line in enumerate(mixed, 1)]
             self.do(lambda: world.say(world.boats[0], [encode(line) for line in lines]))
@@ -239,16 +239,16 @@ class ServeCore(RuleBasedStateMachine):
             assert world.store.content.lines == known.lines
         assert self.held(order(Order.SURFACE)).failure is None
         for _ in range(int(PATIENCE / 5.0)):
-            if world.drive.state == SURFACED:
+            if world.runtime.state == SURFACED:
                 break
             self.do(lambda: world.run(5.0))
-        assert world.drive.state == SURFACED
+        assert world.runtime.state == SURFACED
         assert self.held(clear()).result == "cleared"
         talk = self.held(upload(known.lines, known.digest, quiet))
         assert talk.failure is None
         assert world.store.content.lines == known.lines
         assert self.held(start(patience=60)).result == "started"
-        assert world.drive.state.startswith("autonomous/")
+        assert world.runtime.state.startswith("autonomous/")
 
     def held(self, talk) -> Conversation:
         world = self.world

@@ -33,8 +33,8 @@ from mission.analysis.replay.replay import replay
 from mission.authoring.language import digest, script
 from mission.model import STOPPED, SURFACED, SURFACING
 from mission.onboard.blackbox import read_parts
-from mission.onboard.runtime.drive import Drive
 from mission.onboard.runtime.records import RX
+from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.serve import ports
 from mission.onboard.serve import serve as shell
 from mission.onboard.store import MemoryStore, Stored
@@ -186,14 +186,14 @@ def test_the_first_word_after_a_restart_is_not_lost_on_a_port_that_is_about_to_o
 def test_a_fault_of_the_program_begins_another_drive_that_surfaces(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    really = Drive.receive
+    really = Runtime.receive
 
-    def receive(drive: Drive, rx: object, now: float | None = None) -> object:
+    def receive(runtime: Runtime, rx: object, now: float | None = None) -> object:
         if b"boom" in rx.data:  # type: ignore[attr-defined]
             raise ZeroDivisionError("a bug")
-        return really(drive, rx, now)  # type: ignore[arg-type]
+        return really(runtime, rx, now)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(Drive, "receive", receive)
+    monkeypatch.setattr(Runtime, "receive", receive)
     monkeypatch.setattr(shell, "REBIRTH_S", 0.1)
     with (
         silent_board() as (_, device),

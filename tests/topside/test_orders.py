@@ -16,7 +16,7 @@ from mission.cli import main
 from mission.model import Tx
 from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration
-from mission.onboard.runtime.drive import Drive
+from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.store import MemoryStore, Stored
 from mission.topside import console
 from mission.topside.orders import LOOKS, WORDS, Contradicted, Unconfirmed, order
@@ -137,8 +137,8 @@ class Sea:
         lines = tuple(script(parse(text + AHEAD[name])))
         vehicle = load_vehicle(name)
         self.sea = SimulatedVehicle("as-built", 1) if name == "auv" else SimulatedBoard(name, 1)
-        self.drive = Drive(Configuration(), vehicle, MemoryStore(Stored(lines)))
-        self.drive.set_navigation(self.drive.make_navigation(), 0.0)
+        self.runtime = Runtime(Configuration(), vehicle, MemoryStore(Stored(lines)))
+        self.runtime.set_navigation(self.runtime.make_navigation(), 0.0)
         self.now, self.deaf, self.kept = 0.0, False, b""
         self.sent: list[Tx] = []
         self.run(4.0)
@@ -146,7 +146,7 @@ class Sea:
         self.run(12.0)
 
     def say(self, frame: bytes) -> bytes:
-        return self.out(self.drive.receive(Rx(self.now, "topside", frame, "boat")))
+        return self.out(self.runtime.receive(Rx(self.now, "topside", frame, "boat")))
 
     def out(self, sent: list[Tx]) -> bytes:
         """What the boat is told."""
@@ -160,15 +160,19 @@ class Sea:
     def run(self, seconds: float, talk: Conversation | None = None) -> None:
         end, link = self.now + seconds, self.sea.vehicle_link
         while talk is None or not talk.over:
-            dues = [link.next_event(), self.drive.next_timer(), talk.next_timer() if talk else None]
+            dues = [
+                link.next_event(),
+                self.runtime.next_timer(),
+                talk.next_timer() if talk else None,
+            ]
             self.now = max(self.now, min(t for t in dues if t is not None))
             if self.now > end:
                 self.now = end
                 return
-            heard = b"".join([self.out(self.drive.receive(rx)) for rx in link.receive(self.now)])
-            due = self.drive.next_timer()
+            heard = b"".join([self.out(self.runtime.receive(rx)) for rx in link.receive(self.now)])
+            due = self.runtime.next_timer()
             if due is not None and due <= self.now:
-                heard += self.out(self.drive.handle_timer(self.now))
+                heard += self.out(self.runtime.handle_timer(self.now))
             if talk is not None:
                 self._tell(talk, talk.receive(heard, self.now))
                 self._tell(talk, talk.handle_timer(self.now))

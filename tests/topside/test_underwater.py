@@ -10,7 +10,7 @@ from mission.authoring.language import digest, parse, script
 from mission.model import Tx
 from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration
-from mission.onboard.runtime.drive import Drive
+from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.store import MemoryStore
 from mission.topside.console import Talk
 from mission.topside.orders import order
@@ -50,7 +50,7 @@ class Sea:
     def __init__(self, water: Water = NEAR, seed: int = 1) -> None:
         self.water = water
         self.store = MemoryStore()
-        self.drive = Drive(Configuration(), load_vehicle("auv"), self.store)
+        self.runtime = Runtime(Configuration(), load_vehicle("auv"), self.store)
         self.boat, self.diver = acoustic_pair(water, seed, ("boat", "modem"))
         self.now = 0.0
 
@@ -63,10 +63,10 @@ class Sea:
         while not talk.over:
             self.now = self._due(talk)
             for rx in self.diver.receive(self.now):
-                self._pi(self.drive.receive(Rx(rx.t, "modem", rx.data), self.now))
-            due = self.drive.next_timer()
+                self._pi(self.runtime.receive(Rx(rx.t, "modem", rx.data), self.now))
+            due = self.runtime.next_timer()
             if due is not None and due <= self.now:
-                self._pi(self.drive.handle_timer(self.now))
+                self._pi(self.runtime.handle_timer(self.now))
             for rx in self.boat.receive(self.now):
                 _send(self.boat, talk.receive(rx.data, self.now), self.now)
             due = talk.next_timer()
@@ -77,7 +77,7 @@ class Sea:
     def _due(self, talk: Talk) -> float:
         timers = (
             *(self.boat.next_event(), self.diver.next_event()),
-            *(talk.next_timer(), self.drive.next_timer()),
+            *(talk.next_timer(), self.runtime.next_timer()),
         )
         return max(self.now, min(t for t in timers if t is not None))
 

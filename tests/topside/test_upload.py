@@ -11,7 +11,7 @@ from links.base import Rx
 from mission.authoring.language import digest, parse, script
 from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration
-from mission.onboard.runtime.drive import Drive
+from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.store import MemoryStore
 from mission.topside.orders import order
 from mission.topside.upload import (
@@ -48,7 +48,7 @@ class Wire:
 
     def __init__(self, loses: Callable[[], bool] = lambda: False, copies: int = 1) -> None:
         self.store = MemoryStore()
-        self.drive = Drive(Configuration(), load_vehicle("auv"), self.store)
+        self.runtime = Runtime(Configuration(), load_vehicle("auv"), self.store)
         self.loses, self.copies = loses, copies
         self.now, self.sent = 0.0, []
         self.garbage = b""
@@ -76,12 +76,12 @@ class Wire:
         self.sent.append(frame)
         if self.loses():
             return b""
-        answers = self.drive.receive(Rx(self.now, "topside", frame, "boat"))
+        answers = self.runtime.receive(Rx(self.now, "topside", frame, "boat"))
         frames = [tx.data for tx in answers if tx.link == "topside"]
         return b"".join(frame * self.copies for frame in frames if not self.loses())
 
     def cut(self) -> None:
-        self.drive.disconnected("topside", "boat", self.now)
+        self.runtime.disconnected("topside", "boat", self.now)
         self.sent.clear()
 
 

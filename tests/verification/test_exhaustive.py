@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 from links.base import Rx
 from mission.cli import main
-from mission.engine import core, ending, orders, run, senses
+from mission.engine import core, ending, orders, run, vehicle_state
 from mission.engine.ascent import Ascent
 from mission.engine.bounds import Bounds
 from mission.engine.limits import LIMITS, Limit
@@ -24,9 +24,9 @@ from mission.navigation.belief import DepthBelief
 from mission.navigation.health import SensorHealth, _Monitor
 from mission.onboard.runtime.commander import Commander
 from mission.onboard.runtime.copies import Copies
-from mission.onboard.runtime.drive import Drive
 from mission.onboard.runtime.frontseat import Frontseat
 from mission.onboard.runtime.obeyed import Obeyed
+from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.runtime.staging import Staging
 from mission.onboard.runtime.uploads import Uploads
 from mission.verification.exhaustive.cell import Configuration
@@ -168,7 +168,7 @@ def _a_gap_is_no_doubt(patch: pytest.MonkeyPatch) -> None:
 def _no_timeout(patch: pytest.MonkeyPatch) -> None:
     due = run.Run._due
 
-    def never(self: run.Run, edge: run.Edge, seen: senses.Senses) -> float | None:
+    def never(self: run.Run, edge: run.Edge, seen: vehicle_state.VehicleState) -> float | None:
         return None if edge.by in (run.By.TIMEOUT, run.By.FOR) else due(self, edge, seen)
 
     patch.setattr(run.Run, "_due", never)
@@ -261,7 +261,9 @@ def _orders_in_contents_alone(patch: pytest.MonkeyPatch) -> None:
 
 
 def _surface_by_faith(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(senses.Senses, "surfaced", lambda self, since: self.now > since + 1.0)
+    patch.setattr(
+        vehicle_state.VehicleState, "surfaced", lambda self, since: self.now > since + 1.0
+    )
 
 
 def _gives_up(patch: pytest.MonkeyPatch) -> None:
@@ -315,7 +317,7 @@ def _a_round_too_many(patch: pytest.MonkeyPatch) -> None:
 def _refused_is_timeout(patch: pytest.MonkeyPatch) -> None:
     due = run.Run._due
 
-    def late(self: run.Run, edge: run.Edge, seen: senses.Senses) -> float | None:
+    def late(self: run.Run, edge: run.Edge, seen: vehicle_state.VehicleState) -> float | None:
         if self.refused and edge.by is run.By.ELSE:
             return None
         return seen.now if self.refused and edge.by is run.By.FOR else due(self, edge, seen)
@@ -355,21 +357,21 @@ def _unknown_is_shallow(patch: pytest.MonkeyPatch) -> None:
 
     def bold(self: core.Core) -> None:
         with pytest.MonkeyPatch.context() as inner:
-            if self.senses.depth is None:
+            if self.vehicle_state.depth is None:
                 inner.setattr(core, "SURFACE_DEPTH", 1e9)
-                inner.setattr(senses.Senses, "depth", 0.0)
+                inner.setattr(vehicle_state.VehicleState, "depth", 0.0)
             forgotten(self)
 
     patch.setattr(core.Core, "stick_forgotten", bold)
 
 
 def _guesses_an_order(patch: pytest.MonkeyPatch) -> None:
-    receive = Drive.receive
+    receive = Runtime.receive
 
-    def lenient(self: Drive, rx: Rx) -> object:
+    def lenient(self: Runtime, rx: Rx) -> object:
         return receive(self, rx._replace(data=rx.data.replace(b"@ZAX1$", b"@ZAX0$")))
 
-    patch.setattr(Drive, "receive", lenient)
+    patch.setattr(Runtime, "receive", lenient)
 
 
 def _ends_with_a_stop(patch: pytest.MonkeyPatch) -> None:

@@ -239,10 +239,10 @@ def test_what_is_recorded_replays_to_the_last_bit(profile: str) -> None:
     first, again = ListRecorder(), ListRecorder()
     flown(profile, 3, recorder=first, said=said(40.0, b"@ZAWF$"))
     start, records = read_start(first.records[0]), first.records[1:]
-    drive = drive_from(start, failed_writes(records), again)
+    runtime = drive_from(start, failed_writes(records), again)
     for record in records:
         if record.kind in INPUTS:
-            feed(drive, record)
+            feed(runtime, record)
     assert again.records == first.records
     assert {record.kind for record in first.records} >= {STEP, TX} <= OUTPUTS
 

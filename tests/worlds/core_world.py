@@ -19,9 +19,9 @@ from links.simulated.settings import Settings
 from mission.authoring.language import digest, parse, script
 from mission.model import Step, Tx
 from mission.model.shipped import load_vehicle
-from mission.onboard.runtime.drive import VEHICLE
+from mission.onboard.runtime.runtime import VEHICLE
 from mission.topside.upload import Conversation, Script
-from mission.verification.campaign.deeds import TOPSIDE, Act
+from mission.verification.campaign.disturbances import TOPSIDE, Act
 from mission.verification.campaign.onboard import FillableStore, OnBoard
 from mission.verification.campaign.trial import Done, Event, Heard, Said
 
@@ -108,7 +108,7 @@ class CoreWorld:
         self.events.append(step)
 
     @property
-    def drive(self):
+    def runtime(self):
         return self.board._drive
 
     # --- boats -----------------------------------------------------------------------------------

@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass, field
 
 from mission.model import Tx, Verdict
-from mission.onboard.runtime.nodes import Nodes
-from mission.onboard.runtime.paths import paths
-from mission.onboard.runtime.topside import Topside
-from mission.onboard.runtime.vessel import MissionRefused, Peer
+from mission.onboard.runtime.command_target import MissionRefused, Peer
+from mission.onboard.runtime.device_switches import DeviceSwitches
+from mission.onboard.runtime.operator_channels import paths
+from mission.onboard.runtime.operator_server import OperatorServer
 from mission.onboard.store import MemoryStore
 from protocol.messages import ClearMission, Command, MissionLine, StartMission, Status
 from protocol.modem import ModemCodec, Sender, wrap
@@ -77,11 +77,11 @@ class Pi:
     """A Topside with its vessel, and what came back to whom."""
 
     def __init__(self, answer_no: bool = True, failures: dict[int, str] | None = None) -> None:
-        self.vessel = FakeVessel(store=MemoryStore(failures=failures or {}))
-        nodes = Nodes(frozenset({"STM32", "BDGPS", "UACM"}))
-        self.topside = Topside(
-            self.vessel,
-            self.vessel.store,
+        self.target = FakeVessel(store=MemoryStore(failures=failures or {}))
+        nodes = DeviceSwitches(frozenset({"STM32", "BDGPS", "UACM"}))
+        self.topside = OperatorServer(
+            self.target,
+            self.target.store,
             paths(Tolerances()),
             nodes,
             answer_no,

@@ -1,1 +1,1 @@
-"""The recorded inputs fed to the same drive, and the first difference."""
+"""The recorded inputs fed to the same runtime, and the first difference."""

@@ -1,14 +1,14 @@
-"""Replay: the recorded inputs through the same drive, compared with what it recorded then.
+"""Replay: the recorded inputs through the same runtime, compared with what it recorded then.
 
     start --> Drive; every input, in order --> what it records now == what stands in the file
 
 Everything is compared, to the last bit: kinds, times, payloads, and their order. The file may end
-anywhere (a power cut): what the drive would have recorded beyond its end is not missed. Only the
+anywhere (a power cut): what the runtime would have recorded beyond its end is not missed. Only the
 program's version in the start record may differ; it is told.
 
     ReplayError        (the operator must act: nothing to begin with, or from another version)
 
-What does not live here: files (blackbox), how a drive is made again (rerun).
+What does not live here: files (blackbox), how a runtime is made again (rerun).
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def replay(recording: Sequence[Record]) -> Replayed:
     start = _start(recording)
     again = rec.ListRecorder()
     try:
-        drive = drive_from(start, failed_writes(recording), again)
+        runtime = drive_from(start, failed_writes(recording), again)
     except ValueError as error:
         raise ReplayError(f"recorded by version {start.version}: {error}") from error
     produced, place, inputs = again.records, 0, 0
@@ -72,7 +72,7 @@ def replay(recording: Sequence[Record]) -> Replayed:
                 found = Divergence(number, cause, record, produced[place])
                 return Replayed(number, inputs, until, start.version, found)
             cause, inputs = record, inputs + 1
-            feed(drive, record)
+            feed(runtime, record)
         actual = produced[place] if place < len(produced) else None
         if actual is None or not _same(record, actual):
             found = Divergence(number, cause, record, actual)

@@ -1,4 +1,4 @@
-"""The same drive again, from what is on record: the way back of records.
+"""The same runtime again, from what is on record: the way back of records.
 
     start record --> drive_from --> Drive;  every input record, in order --> feed
 
@@ -11,39 +11,39 @@ from collections.abc import Iterable, Mapping
 
 from mission.model import Record, Tx
 from mission.onboard.runtime import records as rec
-from mission.onboard.runtime.drive import Drive
+from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.store import MemoryStore
 
 
 def failed_writes(records: Iterable[Record]) -> dict[int, str]:
-    """Of the store, by their number: the drive made again must meet them as well."""
+    """Of the store, by their number: the runtime made again must meet them as well."""
     texts = (rec.read_texts(record) for record in records if record.kind == rec.STORE)
     return {int(number): why for number, why in texts}
 
 
 def drive_from(
     start: rec.Start, failures: Mapping[int, str], recorder: rec.Recorder | None = None
-) -> Drive:
+) -> Runtime:
     """Raises ValueError where this version does not know the vehicle's codec or dialect."""
     store = MemoryStore(start.store, failures)
-    return Drive(start.configuration, start.vehicle, store, recorder, wall=start.wall)
+    return Runtime(start.configuration, start.vehicle, store, recorder, wall=start.wall)
 
 
-def feed(drive: Drive, record: Record) -> list[Tx]:
+def feed(runtime: Runtime, record: Record) -> list[Tx]:
     """One input; a record of another kind changes nothing."""
     now = rec.read_time(record) if record.kind in rec.INPUTS else record.t
     if record.kind == rec.RX:
-        return drive.receive(rec.read_rx(record), now)
+        return runtime.receive(rec.read_rx(record), now)
     if record.kind == rec.TIMER:
-        return drive.handle_timer(now)
+        return runtime.handle_timer(now)
     if record.kind == rec.CONNECTED:
         link, address = rec.read_texts(record)
-        return drive.connected(link, address, now)
+        return runtime.connected(link, address, now)
     if record.kind == rec.DISCONNECTED:
         link, address = rec.read_texts(record)
-        return drive.disconnected(link, address, now)
+        return runtime.disconnected(link, address, now)
     if record.kind == rec.NAVIGATION:
-        return drive.set_navigation(drive.make_navigation(), now)
+        return runtime.set_navigation(runtime.make_navigation(), now)
     if record.kind == rec.ENDING:
-        return drive.end(now, at_once=rec.read_texts(record) == (rec.AT_ONCE,))
+        return runtime.end(now, at_once=rec.read_texts(record) == (rec.AT_ONCE,))
     return []

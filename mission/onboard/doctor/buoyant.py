@@ -16,8 +16,8 @@ class _Patient(Protocol):
     def vehicle(self) -> Vehicle: ...
 
 
-def buoyant(patient: _Patient) -> Iterator[Finding]:
-    vehicle = patient.vehicle
+def buoyant(context: _Patient) -> Iterator[Finding]:
+    vehicle = context.vehicle
     says = f"rises at {buoyancy.told(vehicle)}"
     if vehicle.drives:
         return

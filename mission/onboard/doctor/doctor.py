@@ -1,7 +1,7 @@
 """What is wrong with this Pi and its vehicle before a dive: rows of checks, each with its findings.
 
 Where a serve runs, its ports are left alone: what it has written of its health is judged instead.
-What does not live here: listening to the vehicle (bedside), printing (the command).
+What does not live here: listening to the vehicle (port_probe), printing (the command).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from mission.engine.bounds import in_force
 from mission.engine.limits import LIMITS
 from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
-from mission.onboard.doctor import bedside
+from mission.onboard.doctor import port_probe
 from mission.onboard.doctor.buoyant import buoyant
 from mission.onboard.doctor.findings import Condition, Finding, fault, ok, warning
 from mission.onboard.serve import health
@@ -38,7 +38,7 @@ SILENT_S = 5.0
 
 
 @dataclass(frozen=True, slots=True)
-class Patient:
+class CheckContext:
     """``running``: the health of a serve that runs now, as it wrote it. ``mute``: the process of
     one that runs, but tells nothing of itself."""
 
@@ -51,39 +51,41 @@ class Patient:
 def examine(configuration: Configuration, vehicle: Vehicle) -> Iterator[Finding]:
     """In the order of ROWS, as they are found."""
     folder, now = configuration.folder, time.time()
-    patient = Patient(configuration, vehicle, health.read(folder, now), health.mute(folder, now))
+    context = CheckContext(
+        configuration, vehicle, health.read(folder, now), health.mute(folder, now)
+    )
     for check in ROWS:
-        yield from check(patient)
+        yield from check(context)
 
 
-def _configured(patient: Patient) -> Iterator[Finding]:
-    c = patient.configuration
+def _configured(context: CheckContext) -> Iterator[Finding]:
+    c = context.configuration
     if c.ascent_only:
         says = f"{c.ascent_only}; with the folder {c.folder} and the vehicle at {c.links.vehicle}"
         yield warning("configuration", says, "mend what is broken, then restart serve")
     else:
         yield ok("configuration", f"read; vehicle file {c.vehicle}, folder {c.folder}")
-    if patient.mute is not None:
+    if context.mute is not None:
         yield fault(
             "serve",
-            f"process {patient.mute} runs, but has not told of its health for {health.STALE_S:g} s",
+            f"process {context.mute} runs, but has not told of its health for {health.STALE_S:g} s",
             "free the disk if it is full; if it is not: systemctl restart auvmission",
         )
-    elif patient.running is None:
+    elif context.running is None:
         yield ok("serve", "not running; doctor listens to the ports itself")
     else:
         yield ok(
             "serve",
-            f"running (process {patient.running['pid']}, "
-            f"{patient.running['state']}): its ports are left alone",
+            f"running (process {context.running['pid']}, "
+            f"{context.running['state']}): its ports are left alone",
         )
-        for broken in patient.running["broken"]:
+        for broken in context.running["broken"]:
             todo = "mend it, then, with the vehicle at the surface, restart serve"
             yield fault("serve began with", broken, todo)
 
 
-def _disk(patient: Patient) -> Iterator[Finding]:
-    folder = patient.configuration.folder
+def _disk(context: CheckContext) -> Iterator[Finding]:
+    folder = context.configuration.folder
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=folder, prefix=".doctor-") as file:
@@ -113,14 +115,14 @@ def _remedy(error: OSError, folder: Path) -> str:
     return f"chown or chmod {folder} for the user of serve, or name another by `folder:`"
 
 
-def _store(patient: Patient) -> Iterator[Finding]:
-    running = patient.running
+def _store(context: CheckContext) -> Iterator[Finding]:
+    running = context.running
     if running is not None:
         digest = str(running["mission"])[:16]
         yield ok("mission", f"digest {digest} is stored" if digest else "none is stored")
         return
     try:
-        content = DiskStore(patient.configuration.store).content
+        content = DiskStore(context.configuration.store).content
     except StoreError as error:
         yield fault("store", str(error), "mend the folder's owner and rights")
         return
@@ -138,7 +140,7 @@ def _store(patient: Patient) -> Iterator[Finding]:
     )
 
 
-def _clock(patient: Patient) -> Iterator[Finding]:
+def _clock(context: CheckContext) -> Iterator[Finding]:
     now = datetime.now(UTC)
     if now.year not in YEARS:
         yield fault(
@@ -156,7 +158,7 @@ def _clock(patient: Patient) -> Iterator[Finding]:
         )
 
 
-def _crc(patient: Patient) -> Iterator[Finding]:
+def _crc(context: CheckContext) -> Iterator[Finding]:
     from crcmod.crcmod import _usingExtension
 
     if _usingExtension:
@@ -169,8 +171,8 @@ def _crc(patient: Patient) -> Iterator[Finding]:
         )
 
 
-def _topside(patient: Patient) -> Iterator[Finding]:
-    url = patient.configuration.links.topside
+def _topside(context: CheckContext) -> Iterator[Finding]:
+    url = context.configuration.links.topside
     try:
         address = parse_address(listening(url))
     except LinkError as error:
@@ -179,8 +181,8 @@ def _topside(patient: Patient) -> Iterator[Finding]:
     tls = address.scheme == "tls-listen"
     keys = _keys(Path(address.options.get("keys") or _default_keys()).expanduser()) if tls else None
     port = ok("topside", "")
-    if patient.running is None and patient.mute is None:
-        port = bedside.port_finding("topside", listening(url))
+    if context.running is None and context.mute is None:
+        port = port_probe.port_finding("topside", listening(url))
     if keys is not None and keys.condition is Condition.FAULT:
         yield keys
     elif port.condition is not Condition.OK:
@@ -214,24 +216,24 @@ def _keys(folder: Path) -> Finding:
     return ok("topside", f"TLS with the keys in {folder}")
 
 
-def _ports(patient: Patient) -> Iterator[Finding]:
-    links = patient.configuration.links
-    if patient.running is not None:
-        yield from _of_running(patient.running)
+def _ports(context: CheckContext) -> Iterator[Finding]:
+    links = context.configuration.links
+    if context.running is not None:
+        yield from _of_running(context.running)
         return
-    if patient.mute is not None:
+    if context.mute is not None:
         return  # it has the ports
-    yield from bedside.vehicle_findings(links.vehicle, patient.vehicle)
+    yield from port_probe.vehicle_findings(links.vehicle, context.vehicle)
     if links.gps is None:
         yield warning("GPS", "none is configured", "every mission must say `start without fix`")
     else:
-        yield from bedside.gps_findings(links.gps)
+        yield from port_probe.gps_findings(links.gps)
     if links.modem is not None:
-        yield bedside.port_finding("modem port", links.modem)
+        yield port_probe.port_finding("modem port", links.modem)
 
 
-def _camera(patient: Patient) -> Iterator[Finding]:
-    command = patient.configuration.camera
+def _camera(context: CheckContext) -> Iterator[Finding]:
+    command = context.configuration.camera
     if command is None:
         return
     try:
@@ -278,12 +280,12 @@ def _silent(link: Mapping[str, Any]) -> float:
     return math.inf if link["silent_s"] is None else float(link["silent_s"])
 
 
-def _limits(patient: Patient) -> Iterator[Finding]:
+def _limits(context: CheckContext) -> Iterator[Finding]:
     """In force is the tightest of three; the mission's own are not known here."""
-    vehicle = patient.vehicle
-    if patient.running is None:
+    vehicle = context.vehicle
+    if context.running is None:
         try:
-            operator = DiskStore(patient.configuration.store).content.limits
+            operator = DiskStore(context.configuration.store).content.limits
         except StoreError:
             return
         bounds = in_force(vehicle, None, operator)
@@ -300,7 +302,7 @@ def _limits(patient: Patient) -> Iterator[Finding]:
             )
 
 
-def _assumed(patient: Patient) -> Iterator[Finding]:
+def _assumed(context: CheckContext) -> Iterator[Finding]:
     yield ok(
         "assumed",
         "if the Pi dies while the STM32 is in automatic, the vehicle keeps its "
@@ -312,7 +314,7 @@ def _assumed(patient: Patient) -> Iterator[Finding]:
         "an STM32 that hangs keeps its thrusters as they are",
         "have its hardware watchdog enabled; keep a rope or a drop weight",
     )
-    if patient.vehicle.calibration == type(patient.vehicle.calibration)():
+    if context.vehicle.calibration == type(context.vehicle.calibration)():
         yield warning(
             "assumed",
             "speeds and turning are planning figures, not measured",
@@ -320,7 +322,7 @@ def _assumed(patient: Patient) -> Iterator[Finding]:
         )
 
 
-ROWS: tuple[Callable[[Patient], Iterable[Finding]], ...] = (
+ROWS: tuple[Callable[[CheckContext], Iterable[Finding]], ...] = (
     _configured,
     _disk,
     _store,

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from mission.onboard.runtime.vessel import MODEM, Peer
+from mission.onboard.runtime.command_target import MODEM, Peer
 
 COMMANDER_SILENT_S = 10.0
 

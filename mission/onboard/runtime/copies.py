@@ -20,7 +20,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from mission.model import Verdict
-from mission.onboard.runtime.vessel import MODEM, Peer
+from mission.onboard.runtime.command_target import MODEM, Peer
 from protocol.messages import ClearMission, Command, MissionLine, Relay, SetTime
 
 LATE_S = 120.0  # a copy may come so much later

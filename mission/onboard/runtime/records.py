@@ -17,8 +17,8 @@
 
 ``t`` is an f64, low byte first: times come back to the last bit whatever keeps the records;
 ``first`` likewise, when the first of the bytes came.
-The inputs in their order are all that a drive ever sees: fed to a drive made from ``start`` they
-give the same outputs, byte for byte.
+The inputs in their order are all that a runtime ever sees: fed to one made from ``start`` they give
+the same outputs, byte for byte.
 
 What does not live here: files (blackbox), comparing (replay).
 """
@@ -81,7 +81,7 @@ class ListRecorder:
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """All that a drive is made from."""
+    """All that a runtime is made from."""
 
     version: str
     configuration: Configuration

@@ -12,7 +12,7 @@ What does not live here: who asks (topside), what contradicts a stop (engine).
 
 from __future__ import annotations
 
-from mission.onboard.runtime.vessel import REFUSAL_CHARACTERS, one_line
+from mission.onboard.runtime.command_target import REFUSAL_CHARACTERS, one_line
 
 NEW_S = 2.0
 DOUBT_S = 5.0  # two reports of the slowest board

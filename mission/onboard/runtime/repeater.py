@@ -23,7 +23,7 @@ BITS_PER_S = 115200
 
 
 class Repeater:
-    """To the drive the same as a ``Frontseat``."""
+    """To the runtime the same as a ``Frontseat``."""
 
     gap = 0.0  # s: frames are delimited by their bytes
     cannot_relay = "this vehicle has no M, R or D"

@@ -9,20 +9,20 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from mission.model import Verdict
+from mission.onboard.runtime.command_target import CommandTarget, MissionRefused
 from mission.onboard.runtime.staging import Held, OutOfPlace, Staging, Whole
-from mission.onboard.runtime.vessel import MissionRefused, Vessel
 from mission.onboard.store import Store, StoreError
 from protocol.messages import MissionLine, StoreReport
 
 
 class Uploads:
-    def __init__(self, vessel: Vessel, store: Store) -> None:
-        self._vessel, self._store = vessel, store
+    def __init__(self, target: CommandTarget, store: Store) -> None:
+        self._target, self._store = target, store
         self._staging = Staging()
 
     @property
     def is_idle(self) -> bool:
-        return self._vessel.state.startswith("idle")
+        return self._target.state.startswith("idle")
 
     @property
     def total(self) -> int:
@@ -53,7 +53,7 @@ class Uploads:
     def take(self, line: MissionLine, now: float) -> tuple[Verdict, bool]:
         """And whether a set was made whole, and is stored."""
         if not self.is_idle:
-            why = f"a mission can be uploaded in idle only, not in {self._vessel.state}"
+            why = f"a mission can be uploaded in idle only, not in {self._target.state}"
             return Verdict(False, why), False
         held = self._staging.offer(line, self._store.content.lines, now)
         if isinstance(held, Held):
@@ -61,7 +61,7 @@ class Uploads:
         if isinstance(held, OutOfPlace):
             return Verdict(False, held.why), False
         try:
-            self._vessel.accept(held.lines, now)
+            self._target.accept(held.lines, now)
         except (MissionRefused, StoreError) as error:
             return Verdict(False, str(error)), False
         self._staging.clear()
@@ -87,6 +87,6 @@ class Uploads:
             self._staging.total if staging else stored,
             self._staging.have if staging else stored,
             self._staging.missing if staging else "",
-            self._vessel.digest[:16],
+            self._target.digest[:16],
             refusal,
         )

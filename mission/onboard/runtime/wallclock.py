@@ -1,6 +1,6 @@
 """Wall time from the engine's time: only for people's eyes, never for a decision (R10).
 
-What does not live here: the system's clock; whoever starts a drive says what it shows.
+What does not live here: the system's clock; whoever starts a runtime says what it shows.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ from mission.model import Reading
 from mission.model.plain import to_plain
 from mission.model.vehicle import Vehicle
 from mission.onboard.blackbox import BlackBox
-from mission.onboard.runtime.drive import Drive
+from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.serve.ports import Port
 
 FILE = "status.json"
@@ -95,9 +95,9 @@ class Health:
     black_box_lost: int
 
 
-def of_drive(drive: Drive, vehicle: Vehicle) -> dict[str, Any]:
-    """The fields of Health that the drive knows."""
-    engine = drive.engine
+def of_drive(runtime: Runtime, vehicle: Vehicle) -> dict[str, Any]:
+    """The fields of Health that the runtime knows."""
+    engine = runtime.engine
     readings, bounds = engine.readings, engine.bounds
 
     def known(name: str) -> float | None:
@@ -107,7 +107,7 @@ def of_drive(drive: Drive, vehicle: Vehicle) -> dict[str, Any]:
     return {
         "version": __version__,
         "pid": os.getpid(),
-        "commander": str(drive.commander.peer or ""),
+        "commander": str(runtime.commander.peer or ""),
         "state": engine.state,
         "leg": engine.leg,
         "reason": engine.reason,

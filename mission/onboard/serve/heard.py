@@ -13,7 +13,7 @@ from mission.model import Record
 from mission.model.vehicle import Vehicle
 from mission.onboard.blackbox import read_parts
 from mission.onboard.runtime import records as rec
-from mission.onboard.runtime.drive import GPS, VEHICLE
+from mission.onboard.runtime.runtime import GPS, VEHICLE
 from protocol.messages import Fix, Telemetry
 from protocol.nmea import NmeaDecoder
 from protocol.vehicles import codec

@@ -89,7 +89,7 @@ class Journal:
         recent = (told for key, told in self._told.items() if key.startswith(f"{kind}\0"))
         return sum(now - told.t < AGAIN_S for told in recent) >= OF_A_KIND
 
-    # --- what a drive does -----------------------------------------------------------------
+    # --- what a runtime does -----------------------------------------------------------------
 
     def commanded(self, tx: Tx, sent: bool) -> None:
         """What the vehicle was sent; always told, a stick that is held once a minute."""
@@ -132,7 +132,7 @@ class Journal:
 
 
 class Several:
-    """Observers of one drive, in their order."""
+    """Observers of one runtime, in their order."""
 
     def __init__(self, *observers: Observer) -> None:
         self._observers = observers

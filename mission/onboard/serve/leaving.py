@@ -15,7 +15,7 @@ import asyncio
 import math
 from collections.abc import Callable, Mapping
 
-from mission.onboard.runtime.drive import Drive
+from mission.onboard.runtime.runtime import Runtime
 
 VARIABLE = "AUVMISSION_STOP_S"
 USUAL_S = 300.0  # TimeoutStopSec of the unit
@@ -42,13 +42,13 @@ def time_to_leave(environment: Mapping[str, str]) -> float:
 
 
 class Leaving:
-    """``living`` gives the drive, None while another one is about to begin; ``end`` is called with
-    whether the last words are due; ``tell`` gets what an operator should know."""
+    """``living`` gives the runtime, None while another one is about to begin; ``end`` is called
+    with whether the last words are due; ``tell`` gets what an operator should know."""
 
     def __init__(
         self,
         seconds: float,
-        living: Callable[[], Drive | None],
+        living: Callable[[], Runtime | None],
         end: Callable[[bool], None],
         tell: Callable[[str], None],
     ) -> None:
@@ -74,12 +74,12 @@ class Leaving:
         self.over = True
 
     def _settled(self) -> bool:
-        drive = self._living()
-        return drive is not None and drive.engine.settled
+        runtime = self._living()
+        return runtime is not None and runtime.engine.settled
 
     def _said_all(self) -> bool:
-        drive = self._living()
-        return drive is None or drive.said_all
+        runtime = self._living()
+        return runtime is None or runtime.said_all
 
 
 async def _until(holds: Callable[[], bool], seconds: float) -> None:

@@ -4,7 +4,7 @@
     switched off (@NS) --> closed, until switched on
 
 A port that is busy or absent is told once, in the link's own words, and tried again for ever; a
-link's error never leaves here. What does not live here: what the bytes mean (drive), the links.
+link's error never leaves here. What does not live here: what the bytes mean (runtime), the links.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from links import baud_of, open_link
 from links.admission import Refusal
 from links.base import Link, LinkError, Rx
 from links.tcp import TcpServer
-from mission.onboard.serve.pace import BAUD, Pace
+from mission.onboard.serve.tx_spacer import BAUD, TxSpacer
 
 RETRY_S = 1.0  # real time
 
@@ -41,7 +41,7 @@ class Port:
         self.received = self.sent = 0  # bytes
         self.heard: float | None = None  # the engine's time
         self._told = ""
-        self._pace = Pace(0.0, BAUD)
+        self._spacer = TxSpacer(0.0, BAUD)
         self._closed, self._tried = asyncio.Event(), asyncio.Event()
         self._on = asyncio.Event()
         self._on.set()
@@ -107,10 +107,10 @@ class Port:
 
     def keep_gaps(self, gap: float) -> None:
         """Of so many s between any two frames that are sent."""
-        self._pace = Pace(gap, baud_of(self.url, BAUD))
+        self._spacer = TxSpacer(gap, baud_of(self.url, BAUD))
 
     def receive(self, now: float) -> list[Rx]:
-        for frame in self._pace.due(now):
+        for frame in self._spacer.due(now):
             self._write(frame, now, "")
         if self.link is None:
             return []
@@ -129,7 +129,7 @@ class Port:
         """What cannot leave is lost, as on a line that nobody listens to; False says so."""
         if self.link is None:
             return False
-        for frame in self._pace.leaving(data, now):
+        for frame in self._spacer.leaving(data, now):
             self._write(frame, now, address)
         return self.link is not None
 
@@ -148,7 +148,7 @@ class Port:
         """When to look though nothing came: bytes of a link without a descriptor, a peer's end."""
         if self.link is None:
             return None
-        events = (self.link.next_event(), self._pace.next_event())
+        events = (self.link.next_event(), self._spacer.next_event())
         return min((event for event in events if event is not None), default=None)
 
     def switch(self, on: bool) -> None:
@@ -169,7 +169,7 @@ class Port:
     def _drop(self, watched: int) -> None:
         """``watched``: the descriptor; a link that lost its device has forgotten it."""
         link, self.link = self.link, None
-        self._pace.clear()
+        self._spacer.clear()
         if watched >= 0:
             asyncio.get_running_loop().remove_reader(watched)
         if link is not None:

@@ -16,7 +16,7 @@ import signal
 from asyncio.subprocess import DEVNULL, Process
 from collections.abc import Callable, Mapping
 
-from mission.onboard.runtime.nodes import CLOSE, OPEN
+from mission.onboard.runtime.device_switches import CLOSE, OPEN
 from mission.onboard.serve.ports import Port
 
 PATIENCE_S = 3.0  # that a process has to end by itself

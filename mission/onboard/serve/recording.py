@@ -1,4 +1,4 @@
-"""What a running serve writes to the disk: the black box of its drive, and its health.
+"""What a running serve writes to the disk: the black box of its runtime, and its health.
 
     records --FLUSH_S--> black box        Health --EVERY_S--> status.json
     what it began with --once it has worked--> working
@@ -24,7 +24,7 @@ from mission.onboard.serve.working import find
 class Recording:
     def __init__(self, tell: Callable[[str], None]) -> None:
         self._tell = tell
-        self.tally = Tally()  # what the drive writes to
+        self.tally = Tally()  # what the runtime writes to
         self.box: BlackBox | None = None
         self._failure = ""  # as it was told
         self._disk = ThreadPoolExecutor(1, "black box")
@@ -35,7 +35,7 @@ class Recording:
         return str(self.box.path) if self.box is not None else ""
 
     def begin(self, folder: Path, wall: float) -> None:
-        """A black box of its own for a drive that begins."""
+        """A black box of its own for a runtime that begins."""
         self.box = BlackBox(_free_path(folder, wall), wall, shell=True)
         self._failure = self.box.failure
         if self._failure:

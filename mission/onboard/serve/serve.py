@@ -1,15 +1,15 @@
-"""The asyncio shell around the drive: ports, timers, black box, signals. It decides nothing.
+"""The asyncio shell around the runtime: ports, timers, black box, signals. It decides nothing.
 
-    bytes --Port--Sieve--> Drive.receive --+   (the sieve: topside's connections alone)
+    bytes --Port--Sieve--> Drive.receive --+   (the rate limiter: topside's connections alone)
     timer -------------> Drive.handle_timer +--> Tx --> Port | nodes | system clock
     peers -------------> connected, ...  --+     records --every 0.1 s, in a thread--> black box
 
 What an operator should read goes to the journal, how everything is to status.json (health).
 The wall clock and the monotonic clock are read here and nowhere else in the sea's way; the engine's
-time begins with the drive, ``speed`` times as fast as real time (a demonstration; 1 at sea).
+time begins with the runtime, ``speed`` times as fast as real time (a demonstration; 1 at sea).
 The filter is imported in a thread once the ports are there; until then @AA is refused.
 
-A fault of the program ends the drive, not the vehicle: it is told, and another drive begins as
+A fault of the program ends the runtime, not the vehicle: it is told, and another begins as
 after a restart (what was under way surfaces), on the same ports, with a black box of its own.
 """
 
@@ -26,28 +26,28 @@ from typing import Any
 
 from links.base import Rx
 from mission.model import Tx
-from mission.onboard.runtime.drive import CLOCK, Drive
-from mission.onboard.runtime.nodes import LINK as NODES
+from mission.onboard.runtime.command_target import Peer
+from mission.onboard.runtime.device_switches import LINK as NODES
 from mission.onboard.runtime.records import Observer
-from mission.onboard.runtime.vessel import Peer
+from mission.onboard.runtime.runtime import CLOCK, Runtime
 from mission.onboard.serve import health
-from mission.onboard.serve.docket import Docket
-from mission.onboard.serve.heavy import prepare
 from mission.onboard.serve.journal import Journal, Several
 from mission.onboard.serve.leaving import MARGIN_S, USUAL_S, Leaving
 from mission.onboard.serve.listening import listening, open_to_all, reached_at
 from mission.onboard.serve.ports import Port
+from mission.onboard.serve.preload import prepare
 from mission.onboard.serve.processes import Processes
 from mission.onboard.serve.provision import Provision
+from mission.onboard.serve.rate_limiter import RateLimiter, host_of
 from mission.onboard.serve.recording import Recording
-from mission.onboard.serve.sieve import Sieve, host_of
 from mission.onboard.serve.systemclock import set_system_clock
+from mission.onboard.serve.validation_queue import ValidationQueue
 from mission.onboard.serve.watchdog import Watchdog
 
 VEHICLE, GPS, TOPSIDE, MODEM = "vehicle", "gps", "topside", "modem"
 NODE_OF = {VEHICLE: "STM32", GPS: "BDGPS", MODEM: "UACM"}
 FIRST_S = 1.0  # real time, that the first W of a restart waits for its port
-REBIRTH_S = 1.0  # real time, between a fault of the program and the next drive
+REBIRTH_S = 1.0  # real time, between a fault of the program and the next runtime
 SWITCH_S = 0.0005  # the disk's and the judge's threads give way to the loop so soon, not in 5 ms
 EARLY_S = 0.002  # a timer that fires so much too early counts as in time
 
@@ -77,15 +77,18 @@ class Server:
         self._journal = Journal(tell, time.monotonic)
         self._tell, self._ready, self._speed = self._journal.warning, ready, speed
         self._observer = Several(self._journal, *([observer] if observer else []))
-        self._sieve, self._began = Sieve(time.monotonic()), time.monotonic()
-        self._recording, self._docket = Recording(self._tell), Docket(self._hear, self._spawn)
+        self._limiter, self._began = RateLimiter(time.monotonic()), time.monotonic()
+        self._recording, self._validation = (
+            Recording(self._tell),
+            ValidationQueue(self._hear, self._spawn),
+        )
         self._commander: Peer | None = None
-        self._drive: Drive | None = None
+        self._runtime: Runtime | None = None
         self._zero = 0.0
         self._timer: asyncio.TimerHandle | None = None
         self._peers: dict[str, frozenset[str]] = {}
         self._tasks: set[asyncio.Task[None]] = set()
-        self._leaving = Leaving(leave_within, lambda: self._drive, self._order_end, self._tell)
+        self._leaving = Leaving(leave_within, lambda: self._runtime, self._order_end, self._tell)
         self._announced = False
         self._watchdog = Watchdog()
 
@@ -115,7 +118,7 @@ class Server:
         self._spawn(self._recording.keep_box())
         self._spawn(self._recording.keep_status(self._configuration.folder, self._health))
         self._spawn(self._recording.keep_working(self._got, self._is_heard))
-        self._watchdog.ready()  # the drive lives, whether or not topside can be listened to
+        self._watchdog.ready()  # the runtime lives, whether or not topside can be listened to
         await self._leaving.ordered.wait()
         await self._end()
 
@@ -133,15 +136,15 @@ class Server:
         """The engine's time."""
         return (time.monotonic() - self._zero) * self._speed
 
-    # --- the drive ---------------------------------------------------------------------------
+    # --- the runtime ---------------------------------------------------------------------------
 
     async def _begin(self) -> None:
-        """A drive with its black box, from what the store holds."""
+        """A runtime with its black box, from what the store holds."""
         wall = time.time()
         self._recording.begin(self._configuration.log, wall)
         self._zero = time.monotonic()
         try:
-            self._drive = Drive(
+            self._runtime = Runtime(
                 self._configuration,
                 self._vehicle,
                 self._store,
@@ -152,38 +155,38 @@ class Server:
         except Exception:
             self._fault()
             return
-        self._ports[VEHICLE].keep_gaps(self._drive.gap)
+        self._ports[VEHICLE].keep_gaps(self._runtime.gap)
         for name, port in self._ports.items():
             self._peers[name] = frozenset()
             self._meet(port)
-        self._spawn(self._navigate(self._drive))
+        self._spawn(self._navigate(self._runtime))
         self._schedule()
 
-    async def _navigate(self, drive: Drive) -> None:
+    async def _navigate(self, runtime: Runtime) -> None:
         """The filter's import takes a second and more: not in this thread."""
         loop = asyncio.get_running_loop()
         try:
-            navigation = await loop.run_in_executor(None, prepare, drive)
+            navigation = await loop.run_in_executor(None, prepare, runtime)
         except Exception:
             self._journal.fault("navigation cannot be loaded, no mission can start:")
             self._journal.fault(traceback.format_exc())
             return
-        if drive is self._drive:
+        if runtime is self._runtime:
             self._do(lambda d: d.set_navigation(navigation, self.now()))
 
-    def _do(self, call: Callable[[Drive], list[Tx]]) -> None:
-        """One input to the drive, and everything that leaves because of it."""
-        if self._drive is None:
+    def _do(self, call: Callable[[Runtime], list[Tx]]) -> None:
+        """One input to the runtime, and everything that leaves because of it."""
+        if self._runtime is None:
             return
         try:
-            out = call(self._drive)
+            out = call(self._runtime)
         except Exception:
             self._fault()
             return
         for tx in out:
             self._leave(tx)
-        if self._drive.commander.peer != self._commander:
-            self._hand_over(self._drive.commander.peer)
+        if self._runtime.commander.peer != self._commander:
+            self._hand_over(self._runtime.commander.peer)
         self._watchdog.fed(time.monotonic())
         self._schedule()
 
@@ -191,7 +194,7 @@ class Server:
         """A mistake in the program: never the end of the vehicle."""
         self._journal.fault("a fault of the program; what was under way surfaces:")
         self._journal.fault(traceback.format_exc())
-        self._drive = None
+        self._runtime = None
         if self._timer is not None:
             self._timer.cancel()
         self._spawn(self._begin_again())
@@ -213,15 +216,15 @@ class Server:
         if port.name == TOPSIDE:
             heard = self._sifted(port, heard)
         for rx in heard:
-            if port.name in (TOPSIDE, MODEM) and self._drive is not None:
-                self._docket.hear(rx, self._drive)
+            if port.name in (TOPSIDE, MODEM) and self._runtime is not None:
+                self._validation.hear(rx, self._runtime)
             else:
                 self._hear(rx)
         self._part(port)
 
     def _hear(self, rx: Rx) -> None:
-        self._do(lambda drive: drive.receive(rx, self.now()))
-        if self._drive is not None and self._drive.commander.knows(Peer(rx.link, rx.address)):
+        self._do(lambda runtime: runtime.receive(rx, self.now()))
+        if self._runtime is not None and self._runtime.commander.knows(Peer(rx.link, rx.address)):
             self._ports[rx.link].vouch(rx.address)
 
     def _sifted(self, port: Port, heard: list[Rx]) -> list[Rx]:
@@ -229,7 +232,7 @@ class Server:
         for refusal, times in port.refusals().items():
             text = f"topside: {refusal.host} turned away: {refusal.why}"
             self._journal.warning(text, times=times, kind="connections turned away")
-        return self._sieve.sift(heard, time.monotonic(), self._flooded)
+        return self._limiter.sift(heard, time.monotonic(), self._flooded)
 
     def _flooded(self, host: str) -> None:
         self._journal.warning(f"topside: {host} floods; only its X and W are heard", kind="floods")
@@ -239,8 +242,8 @@ class Server:
             self._part(port)
             if port.name == MODEM:
                 self._disconnect(MODEM, "")
-        elif port.name == VEHICLE:  # it was away: the first opening comes before the drive
-            self._do(lambda drive: drive.connected(VEHICLE, "", self.now()))
+        elif port.name == VEHICLE:  # it was away: the first opening comes before the runtime
+            self._do(lambda runtime: runtime.connected(VEHICLE, "", self.now()))
         elif port.name == TOPSIDE and not self._announced:
             self._announced = True
             self._ready(Ready(reached_at(port.url), self._recording.path))
@@ -260,15 +263,15 @@ class Server:
     def _part(self, port: Port) -> None:
         for address in self._peers.get(port.name, frozenset()) - set(port.peers):
             self._peers[port.name] = self._peers[port.name] - {address}
-            self._sieve.forget(address)
+            self._limiter.forget(address)
             self._journal.info(f"topside: {address} is gone", host_of(address), "departures")
             self._disconnect(port.name, address)
 
     def _disconnect(self, link: str, address: str) -> None:
         def told() -> None:
-            self._do(lambda drive: drive.disconnected(link, address, self.now()))
+            self._do(lambda runtime: runtime.disconnected(link, address, self.now()))
 
-        self._docket.part(link, address, told)
+        self._validation.part(link, address, told)
 
     def _schedule(self) -> None:
         """One timer for everything that is due next."""
@@ -276,8 +279,8 @@ class Server:
             self._timer.cancel()
             self._timer = None
         dues = [port.next_event() for port in self._ports.values()]
-        if self._drive is not None:
-            dues.append(self._drive.next_timer())
+        if self._runtime is not None:
+            dues.append(self._runtime.next_timer())
         due = min((d for d in dues if d is not None), default=float("inf"))
         delay = max(0.0, (due - self.now()) / self._speed)
         delay = min(delay, self._watchdog.remaining(time.monotonic()))
@@ -294,7 +297,7 @@ class Server:
             event = port.next_event()
             if event is not None and event <= now:
                 self._readable(port)
-        self._do(lambda drive: drive.handle_timer(now))
+        self._do(lambda runtime: runtime.handle_timer(now))
 
     # --- out ---------------------------------------------------------------------------------
 
@@ -326,19 +329,19 @@ class Server:
             self._changed_node(answer)
 
     def _changed_node(self, answer: bytes) -> None:
-        self._do(lambda drive: drive.receive(Rx(self.now(), NODES, answer)))
+        self._do(lambda runtime: runtime.receive(Rx(self.now(), NODES, answer)))
 
     def _health(self) -> health.Health | None:
         """How it is now; the counts of the journal's last minute are told as well."""
         self._journal.settle()
-        if self._drive is None:
+        if self._runtime is None:
             return None
-        faults, dropped = self._recording.tally.faults, {TOPSIDE: self._sieve.dropped}
+        faults, dropped = self._recording.tally.faults, {TOPSIDE: self._limiter.dropped}
         return health.Health(
             up_s=time.monotonic() - self._began,
             wall=time.time(),
             links=health.of_ports(self._ports, self.now(), faults, dropped),
-            **health.of_drive(self._drive, self._vehicle),
+            **health.of_drive(self._runtime, self._vehicle),
             **health.of_box(self._recording.box),
             broken=(*self._got.faults, *self._got.damage),
             ascent_only=self._configuration.ascent_only,
@@ -358,12 +361,12 @@ class Server:
         self._journal.fault("".join(traceback.format_exception(error)))
 
     def _order_end(self, at_once: bool) -> None:
-        self._do(lambda drive: drive.end(self.now(), at_once=at_once))
+        self._do(lambda runtime: runtime.end(self.now(), at_once=at_once))
 
     async def _end(self) -> None:
         self._watchdog.stopping()
         await self._leaving.leave()
-        self._drive = None
+        self._runtime = None
         if self._timer is not None:
             self._timer.cancel()
         for task in tuple(self._tasks):

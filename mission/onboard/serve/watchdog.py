@@ -1,4 +1,4 @@
-"""systemd's protocol: READY=1, STOPPING=1, and WATCHDOG=1 fed by the steps of the drive.
+"""systemd's protocol: READY=1, STOPPING=1, and WATCHDOG=1 fed by the steps of the runtime.
 
 A datagram to the socket that NOTIFY_SOCKET names; without it, everything here is mute. Times are
 given by who calls. What does not live here: the unit file (docs).
@@ -12,7 +12,7 @@ import socket
 
 
 class Watchdog:
-    """systemd's: READY, and WATCHDOG fed by the steps of the drive. Without NOTIFY_SOCKET, mute."""
+    """systemd's: READY, and WATCHDOG fed by the runtime's steps. Without NOTIFY_SOCKET, mute."""
 
     def __init__(self) -> None:
         self._address = os.environ.get("NOTIFY_SOCKET", "")
@@ -32,7 +32,7 @@ class Watchdog:
             self._notify(b"WATCHDOG=1")
 
     def remaining(self, monotonic: float) -> float:
-        """s until the drive must have made a step, inf without a watchdog."""
+        """s until the runtime must have made a step, inf without a watchdog."""
         if self._every == float("inf"):
             return self._every
         return max(0.0, self._last + self._every - monotonic)

@@ -4,13 +4,13 @@
                                                                        |
     faults, proofs (one flight each) --> pool --> totals    soak: missions in a row for days
 
-    draw        what goes wrong in a flight of the fault campaign, by seed and number
-    deeds       what operators, their links and the program may do: INCIDENTS, a table of rows
-    onboard     the drive on the flight's clock; it can be killed and begun anew from its store
-    laws        lost, overrun: what may not come of a flight
-    audit       spurious: a byte to the vehicle that nothing asked for
-    generated   random valid missions, by seed
-    proofs      flights within what the check assumed, against what it proved
+    draw          what goes wrong in a flight of the fault campaign, by seed and number
+    disturbances  what operators, their links and the program may do: INCIDENTS, a table
+    onboard       the runtime on the flight's clock; it can be killed and begun anew from its store
+    laws          lost, overrun: what may not come of a flight
+    audit         spurious: a byte to the vehicle that nothing asked for
+    generated     random valid missions, by seed
+    proofs        flights within what the check assumed, against what it proved
 
 What does not live here: how a flight goes (flight), what can go wrong with the vehicle
 (links.simulated.faults), what is proved (check).

@@ -41,9 +41,9 @@ from mission.model import (
     Step,
     Tx,
 )
-from mission.onboard.runtime.drive import VEHICLE
-from mission.onboard.runtime.vessel import MODEM, Peer
-from mission.verification.campaign.deeds import Act
+from mission.onboard.runtime.command_target import MODEM, Peer
+from mission.onboard.runtime.runtime import VEHICLE
+from mission.verification.campaign.disturbances import Act
 from mission.verification.campaign.trial import Done, Event, Heard, Said
 from protocol.messages import UPWARD, Manual, Order, Setpoint
 from protocol.modem import Sender, wrap

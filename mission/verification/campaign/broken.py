@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
-from mission.engine import core, ending, engine, limits, monitor, orders, run, senses
+from mission.engine import core, ending, engine, limits, monitor, orders, run, vehicle_state
 from mission.engine.ascent import Ascent
 from mission.engine.bounds import Bounds, in_force
 from mission.engine.core import Core
@@ -23,19 +23,19 @@ from mission.engine.engine import Engine
 from mission.engine.limits import LIMITS
 from mission.engine.rest import Rest
 from mission.engine.run import Run
-from mission.engine.senses import Senses
+from mission.engine.vehicle_state import VehicleState
 from mission.model import Action, By, Edge, Health, Outcome, Result, Safety, Tx
 from mission.model.vehicle import Vehicle
 from mission.navigation.belief import DepthBelief
 from mission.navigation.fixes import Receiver
 from mission.navigation.health import SensorHealth
-from mission.onboard.runtime import frontseat, topside
+from mission.onboard.runtime import frontseat, operator_server
 from mission.onboard.runtime.commander import Commander
 from mission.onboard.runtime.copies import Copies
 from mission.onboard.runtime.frontseat import Frontseat
-from mission.onboard.runtime.latch import Latch
+from mission.onboard.runtime.resume_marker import ResumeMarker
 from mission.verification.campaign.draw import Subject
-from mission.verification.campaign.faults import fare
+from mission.verification.campaign.faults import fly_numbered
 from mission.verification.campaign.laws import Violation
 from protocol.messages import UPWARD, Fix, Manual, Order, SetSafety
 from protocol.vehicles import vehicle_row
@@ -100,8 +100,8 @@ def notice(name: str, seed: int, flights: int, known: Sequence[Subject]) -> Noti
     row = BROKEN[name]
     for number in range(flights):
         with broken(name):
-            found = fare(seed, number, known).violations
-        if found and not fare(seed, number, known).violations:
+            found = fly_numbered(seed, number, known).violations
+        if found and not fly_numbered(seed, number, known).violations:
             return Noticed(name, row.rule, number + 1, _in_words(found[0]))
     return Noticed(name, row.rule, None, "", row.reason)
 
@@ -167,9 +167,9 @@ def _restart_only_stops(surgery: Surgery) -> None:
     surgery.put(Core, "surface", surface)
 
 
-def _latch_not_kept(surgery: Surgery) -> None:
-    surgery.put(Latch, "follow", lambda self, under_way, now: None)
-    surgery.put(Latch, "foresee", lambda self, leaf: "")
+def _marker_not_kept(surgery: Surgery) -> None:
+    surgery.put(ResumeMarker, "follow", lambda self, under_way, now: None)
+    surgery.put(ResumeMarker, "foresee", lambda self, leaf: "")
 
 
 def _relays_first(surgery: Surgery) -> None:
@@ -226,7 +226,7 @@ def _loosest(surgery: Surgery) -> None:
 def _legs_for_ever(surgery: Surgery) -> None:
     honest = Run._due
 
-    def due(self: Run, edge: Edge, known: Senses) -> float | None:
+    def due(self: Run, edge: Edge, known: VehicleState) -> float | None:
         return None if edge.by in (By.FOR, By.TIMEOUT) else honest(self, edge, known)
 
     surgery.put(Run, "_due", due)
@@ -292,11 +292,15 @@ _RULES: Mapping[str, Broken] = {
     "silence": Broken("R8: 5 s without a report", _value(limits, "SILENCE", 60.0)),
     "operator's limits": Broken("R5: the tightest of three", _loosest),
     "restart": Broken("R7: a restart surfaces", _restart_only_stops),
-    "latch": Broken("R7: what is under way is kept", _latch_not_kept),
+    "latch": Broken("R7: what is under way is kept", _marker_not_kept),
     "relays first": Broken("R7: X and W before everything", _relays_first),
-    "surface at once": Broken("R7: 6 s of shallow depth", _value(senses, "SURFACE_TIME", 0.0)),
+    "surface at once": Broken(
+        "R7: 6 s of shallow depth", _value(vehicle_state, "SURFACE_TIME", 0.0)
+    ),
     "stuck receiver": Broken("R7: a stuck receiver proves nothing", _every_place_is_news),
-    "fix under water": Broken("R7: a depth contradicts a fix", _value(senses, "FIX_DEPTH", 1e9)),
+    "fix under water": Broken(
+        "R7: a depth contradicts a fix", _value(vehicle_state, "FIX_DEPTH", 1e9)
+    ),
     "belief": Broken("a depth is believed as far as something agrees", _no_contradiction),
     "copies": Broken("R12: a copy of a command", _nothing(Copies, "judge")),
     "orderly end": Broken("R7: an orderly end brings it up first", _ends_at_once),
@@ -313,7 +317,7 @@ _RULES: Mapping[str, Broken] = {
     "way X0": Broken("R7: letting go is one of the ways", _without_way(Order.STOP)),
     "way D12": Broken("R7: upside down D12", _nothing(Ascent, "_may_push_down", False)),
     "ways in turn": Broken("R7: the depth has to fall", _ascent_never_changes),
-    "upside down": Broken("R7: upside down is a state", _always(Senses, "overturned", False)),
+    "upside down": Broken("R7: upside down is a state", _always(VehicleState, "overturned", False)),
     "cleared below": Broken("R7: cleared at the surface", _clears_anywhere),
     "started below": Broken("R7: started at the surface", _starts_anywhere),
     "held stick": Broken("R6: every stick still for 2 s", _value(orders, "STICK_QUIET", 0.0)),
@@ -321,7 +325,7 @@ _RULES: Mapping[str, Broken] = {
     "any stick": Broken("R6: whoever holds it", _nothing(Engine, "hear_stick")),
     "silent stick": Broken("R6: 2 s without M", _value(engine, "STICK_QUIET", 30.0)),
     "forgotten stick": Broken("R6: 60 s without M", _nothing(Core, "stick_forgotten")),
-    "modem stick": Broken("R6: M but by modem", _value(topside, "MODEM", "nobody")),
+    "modem stick": Broken("R6: M but by modem", _value(operator_server, "MODEM", "nobody")),
     "commander": Broken("R12: one commands", _nothing(Commander, "why_not", "")),
     "AUTO ends": Broken("R13: closing AUTO ends a mission", _nothing(Core, "auto_off")),
     "AUTO starts": Broken("R13: no @AA until it is open", _starts_with_auto_closed),

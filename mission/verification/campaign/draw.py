@@ -6,7 +6,7 @@ from FAULTS and INCIDENTS, at random times; in a quarter of the flights all of t
 that take the vehicle out of everybody's hands (OUT_OF_HAND) or change its weight: bringing such a
 vehicle home is physically impossible, and design.md, section 4 excludes it.
 
-What does not live here: what a fault or an incident does (links.simulated.faults, deeds).
+What does not live here: what a fault or an incident does (links.simulated.faults, disturbances).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from mission.authoring.language import script
 from mission.model import Mission
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Vehicle
-from mission.verification.campaign.deeds import INCIDENTS, Deed
+from mission.verification.campaign.disturbances import INCIDENTS, Disturbance
 from mission.verification.campaign.scene_texts import mission_of
 from mission.verification.campaign.scenes import SCENES
 from mission.verification.campaign.trial import FOREVER
@@ -62,7 +62,7 @@ class Drawn:
 
     name: str
     begin: float
-    deeds: tuple[Deed, ...]
+    disturbances: tuple[Disturbance, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,8 +93,8 @@ class Plan:
         )
 
     @property
-    def deeds(self) -> tuple[Deed, ...]:
-        return tuple(deed for drawn in self.incidents for deed in drawn.deeds)
+    def disturbances(self) -> tuple[Disturbance, ...]:
+        return tuple(disturbance for drawn in self.incidents for disturbance in drawn.disturbances)
 
     def in_words(self) -> str:
         sea = self.settings.sea
@@ -145,7 +145,7 @@ def _set_up(name: str, rng: Random, seed: int, number: int) -> Plan:
         rng.choice(PROFILES),
         rng.randrange(1 << 31),
         Settings(sea=sea, faults=scene.faults),
-        (Drawn(name, 0.0, scene.deeds),),
+        (Drawn(name, 0.0, scene.disturbances),),
         rng.uniform(0.0, math.tau),
         name,
         scene.silence,
@@ -183,8 +183,10 @@ def _disturb(
         faults.append(_fault(rng, name, begin))
         return
     lines = tuple(script(rng.choice(others).mission))
-    deeds = INCIDENTS[name].draw(rng, lines)
-    incidents.append(Drawn(name, begin, tuple(_moved(deed, begin) for deed in deeds)))
+    disturbances = INCIDENTS[name].draw(rng, lines)
+    incidents.append(
+        Drawn(name, begin, tuple(_moved(disturbance, begin) for disturbance in disturbances))
+    )
 
 
 def _begins(rng: Random, count: int, horizon: float) -> list[float]:
@@ -225,5 +227,11 @@ def _fault(rng: Random, name: str, begin: float) -> FaultEvent:
     return FaultEvent(name, begin, duration, value)
 
 
-def _moved(deed: Deed, begin: float) -> Deed:
-    return Deed(begin + deed.after, deed.act, deed.data, deed.link, deed.address)
+def _moved(disturbance: Disturbance, begin: float) -> Disturbance:
+    return Disturbance(
+        begin + disturbance.after,
+        disturbance.act,
+        disturbance.data,
+        disturbance.link,
+        disturbance.address,
+    )

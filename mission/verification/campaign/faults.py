@@ -35,7 +35,7 @@ NOT_STARTED = "not started"
 
 
 @dataclass(frozen=True, slots=True)
-class Fared:
+class FlightResult:
     """How one flight fared; small, for it comes from another process."""
 
     number: int
@@ -52,11 +52,11 @@ class Totals:
     aborted: Counter[str] = field(default_factory=Counter)
     violated: Counter[str] = field(default_factory=Counter)  # flights, by kind of violation
 
-    def add(self, fared: Fared) -> None:
+    def add(self, result: FlightResult) -> None:
         self.flights += 1
-        self.kinds.update(fared.kinds)
-        self.aborted.update(fared.aborted)
-        self.violated.update({violation.kind for violation in fared.violations})
+        self.kinds.update(result.kinds)
+        self.aborted.update(result.aborted)
+        self.violated.update({violation.kind for violation in result.violations})
 
     @property
     def clean(self) -> bool:
@@ -102,34 +102,36 @@ def fly_plan(
         plan.profile,
         plan.vehicle_seed,
         plan.settings,
-        plan.deeds,
+        plan.disturbances,
         heading=plan.heading,
         recorder=recorder,
         configuration=replace(Configuration(), topside_silence=plan.silence),
     )
 
 
-def fare(
+def fly_numbered(
     seed: int,
     number: int,
     known: Sequence[Subject],
     recorder: Callable[[], Recorder | None] = lambda: None,
-) -> Fared:
+) -> FlightResult:
     plan = draw(seed, number, known)
     vehicle = plan.vehicle
-    return fared_of(plan, fly_plan(plan, vehicle, recorder), vehicle, plan.profile)
+    return result_of(plan, fly_plan(plan, vehicle, recorder), vehicle, plan.profile)
 
 
-def fared_of(
+def result_of(
     plan: Plan, trial: Trial, vehicle: Vehicle, profile: str, *, whole: bool = True
-) -> Fared:
+) -> FlightResult:
     """``whole``: the trial begins with the program, so that its whole flight can be judged."""
     flown = plan.subject.mission
     found = violations(trial, flown, vehicle, profile, plan.settings)
     if whole:
         found += throughout(trial, flown, vehicle, profile, plan.settings, plan.silence)
     found.sort(key=lambda violation: violation.t)
-    return Fared(plan.number, plan.in_words(), plan.kinds, tuple(found), tuple(_aborts(trial)))
+    return FlightResult(
+        plan.number, plan.in_words(), plan.kinds, tuple(found), tuple(_aborts(trial))
+    )
 
 
 def _aborts(trial: Trial) -> list[str]:

@@ -51,7 +51,7 @@ from mission.engine.limits import SILENCE
 from mission.model import AUTONOMOUS, STOPPED, SURFACED, SURFACING, Mission, Step, Tx
 from mission.model.vehicle import Vehicle
 from mission.verification.campaign.audit import audit
-from mission.verification.campaign.deeds import Act
+from mission.verification.campaign.disturbances import Act
 from mission.verification.campaign.obedience import ignored
 from mission.verification.campaign.trial import (
     FOREVER,
@@ -74,7 +74,7 @@ ROUND = 30.0  # s of an ascent's three ways
 WAY, FIX_ERROR, SHARE = 8.0, 15.0, 0.25  # s, m, of the way
 LATE = 1.0  # s
 NEAR = 0.25  # m/s
-DOWN = 8.0  # s that a killed program is down at most (deeds)
+DOWN = 8.0  # s that a killed program is down at most (disturbances)
 FIX_DEPTH, FIX_TIME = 0.3, 15.0  # m, s at the surface that give a fix
 _OUT_OF_HAND = (
     *("stm32_hang", "command_lost", "command_corrupted", "unexplained_dive", "stm32_restart"),

@@ -14,9 +14,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from mission.model import MANUAL_DRIVING, Step, Tx
-from mission.onboard.runtime.drive import VEHICLE
+from mission.onboard.runtime.runtime import VEHICLE
 from mission.verification.campaign.audit import alike, command_of
-from mission.verification.campaign.deeds import Act
+from mission.verification.campaign.disturbances import Act
 from mission.verification.campaign.trial import Done, Event, Said
 from protocol.messages import Order, Setpoint
 from protocol.topside import EMERGENCIES

@@ -1,10 +1,10 @@
-"""The program on board, on the flight's clock: a drive that can be killed and begun anew.
+"""The program on board, on the flight's clock: a runtime that can be killed and begun anew.
 
-Each drive's time begins at 0, as at sea; here all times are the flight's. While nobody lives,
-bytes are lost. What a drive made durable is all that the next one knows. A drive may die inside a
+Each runtime's time begins at 0, as at sea; here all times are the flight's. While nobody lives,
+bytes are lost. What a runtime made durable is all that the next one knows. It may die inside a
 write of its store; what it would have sent then is never sent.
 
-What does not live here: when it is killed (deeds), the loop (trial).
+What does not live here: when it is killed (disturbances), the loop (trial).
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from links.base import Rx
 from mission.model import Estimate, Step, Tx
 from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
-from mission.onboard.runtime.drive import Drive
 from mission.onboard.runtime.records import Recorder
+from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.store import MemoryStore, Stored, StoreError
 
 NAVIGATION_AFTER = 2.0  # s from a start until the filter is loaded, on the Pi
 _SAME = 1e-6  # s
 LEAVES_WITHIN = 290.0  # s, from SIGTERM to the last words (serve: leaving)
 LAST_WORDS = 3.0  # s that they are given
-DEAD = "dead"  # the state while no drive lives
+DEAD = "dead"  # the state while no runtime lives
 
 
 class Died(Exception):
@@ -57,7 +57,7 @@ class FillableStore(MemoryStore):
 
 
 class OnBoard:
-    """``step`` and ``estimate`` are told with the flight's times. Recorded is the drive that
+    """``step`` and ``estimate`` are told with the flight's times. Recorded is the runtime that
     lives; ``recorder`` is called once for each."""
 
     def __init__(
@@ -74,25 +74,25 @@ class OnBoard:
         self._configuration = configuration or Configuration()
         self._tell_step, self._tell_estimate, self._recorder = step, estimate, recorder
         self._zero = 0.0
-        self._drive: Drive | None = None
+        self._runtime: Runtime | None = None
         self._navigation_due: float | None = None
         self._leaves: float | None = None  # when the last words are due
         self._gone: float | None = None  # when it has said them, at the latest
 
     @property
     def lives(self) -> bool:
-        return self._drive is not None
+        return self._runtime is not None
 
     @property
     def state(self) -> str:
-        return self._drive.state if self._drive else DEAD
+        return self._runtime.state if self._runtime else DEAD
 
     def boot(self, now: float, navigation_after: float = NAVIGATION_AFTER) -> None:
         """Who dies in the first write of a start is started again; the store kills once."""
         self._zero, wall = now, self._wall + now
-        while self._drive is None:
+        while self._runtime is None:
             with suppress(Died):
-                self._drive = Drive(
+                self._runtime = Runtime(
                     self._configuration,
                     self._vehicle,
                     self.store,
@@ -103,25 +103,25 @@ class OnBoard:
         self._navigation_due = now + navigation_after
 
     def kill(self) -> None:
-        self._drive = self._navigation_due = self._leaves = self._gone = None
+        self._runtime = self._navigation_due = self._leaves = self._gone = None
 
     def end(self, now: float, *, at_once: bool = False) -> list[Tx]:
         """As by SIGTERM: it dies by itself when the vehicle needs nobody (serve: leaving)."""
         if at_once and self._leaves is None:
             return []
         self._leaves = now if at_once else now + LEAVES_WITHIN
-        out = self._shifted(lambda drive, at: drive.end(at, at_once=at_once), now)
+        out = self._shifted(lambda runtime, at: runtime.end(at, at_once=at_once), now)
         self._leave(now, said=at_once)
         return out
 
     def _leave(self, now: float, *, said: bool = False) -> None:
         """Where it was told to, and may."""
-        drive = self._drive
-        if drive is None or self._leaves is None:
+        runtime = self._runtime
+        if runtime is None or self._leaves is None:
             return
-        if self._gone is None and (said or drive.engine.settled):
+        if self._gone is None and (said or runtime.engine.settled):
             self._gone = now + LAST_WORDS
-        if self._gone is not None and (now >= self._gone or drive.said_all):
+        if self._gone is not None and (now >= self._gone or runtime.said_all):
             self.kill()
 
     def listen(self, step: Callable[[Step], None], estimate: Callable[[Estimate], None]) -> None:
@@ -137,18 +137,18 @@ class OnBoard:
         self._gone = None if self._gone is None else self._gone - now
         self._wall += now
 
-    # --- as a drive ------------------------------------------------------------------------------
+    # --- as a runtime -----------------------------------------------------------------------------
 
     def receive(self, rx: Rx, now: float) -> list[Tx]:
         t = max(rx.t - self._zero, 0.0)
         moved = Rx(t, rx.link, rx.data, rx.address)
-        return self._shifted(lambda drive, at: drive.receive(moved, at), now)
+        return self._shifted(lambda runtime, at: runtime.receive(moved, at), now)
 
     def connected(self, link: str, address: str, now: float) -> list[Tx]:
-        return self._shifted(lambda drive, at: drive.connected(link, address, at), now)
+        return self._shifted(lambda runtime, at: runtime.connected(link, address, at), now)
 
     def disconnected(self, link: str, address: str, now: float) -> list[Tx]:
-        return self._shifted(lambda drive, at: drive.disconnected(link, address, at), now)
+        return self._shifted(lambda runtime, at: runtime.disconnected(link, address, at), now)
 
     def handle_timer(self, now: float) -> list[Tx]:
         out: list[Tx] = []
@@ -157,10 +157,10 @@ class OnBoard:
             out = self._shifted(lambda d, at: d.set_navigation(d.make_navigation(), at), now)
         if self._gone is None and self._leaves is not None and now >= self._leaves:
             out += self.end(now, at_once=True)
-        return out + self._shifted(lambda drive, at: drive.handle_timer(at), now)
+        return out + self._shifted(lambda runtime, at: runtime.handle_timer(at), now)
 
     def next_timer(self) -> float | None:
-        due = self._drive.next_timer() if self._drive else None
+        due = self._runtime.next_timer() if self._runtime else None
         dues = [
             self._navigation_due,
             self._gone or self._leaves,
@@ -168,21 +168,21 @@ class OnBoard:
         ]
         return min((t for t in dues if t is not None), default=None)
 
-    def _shifted(self, call: Callable[[Drive, float], list[Tx]], now: float) -> list[Tx]:
-        if self._drive is None:
+    def _shifted(self, call: Callable[[Runtime, float], list[Tx]], now: float) -> list[Tx]:
+        if self._runtime is None:
             return []
-        at, due = now - self._zero, self._drive.next_timer()
+        at, due = now - self._zero, self._runtime.next_timer()
         if due is not None and at < due < at + _SAME:  # the sum was rounded
             at = due
         try:
-            out = [replace(tx, t=now) for tx in call(self._drive, at)]
+            out = [replace(tx, t=now) for tx in call(self._runtime, at)]
         except Died:
             self.kill()
             return []
         self._leave(now)
         return out
 
-    # --- as the drive's observer -----------------------------------------------------------------
+    # --- as the runtime's observer ----------------------------------------------------------------
 
     def step(self, step: Step) -> None:
         self._tell_step(replace(step, t=step.t + self._zero))

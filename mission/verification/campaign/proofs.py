@@ -31,7 +31,7 @@ from mission.authoring.check import Proved
 from mission.authoring.check.assumptions import Assumptions
 from mission.model import AUTONOMOUS, IDLE_READY, SURFACED, Mission, Step
 from mission.model.vehicle import Vehicle
-from mission.verification.campaign.deeds import INCIDENTS, Deed
+from mission.verification.campaign.disturbances import INCIDENTS, Disturbance
 from mission.verification.campaign.draw import PROFILES
 from mission.verification.campaign.laws import AFLOAT, Violation
 from mission.verification.campaign.trial import FOREVER, Trial, from_home, try_out
@@ -66,7 +66,7 @@ class Proof:
     profile: str
     vehicle_seed: int
     settings: Settings
-    deeds: tuple[Deed, ...]
+    disturbances: tuple[Disturbance, ...]
     offset: tuple[float, float]
     heading: float
     lost: tuple[str, ...]  # incidents, with their times
@@ -115,7 +115,7 @@ def draw_proof(claim: Claim, vehicle: Vehicle, seed: int, flight: int) -> Proof:
     rng = Random(f"proof {seed} {claim.mission.name} {flight}")
     allowed = claim.mission.safety.depth or vehicle.limits.depth
     assume = Assumptions.of(claim.mission, vehicle, min(allowed, vehicle.limits.depth))
-    faults, deeds, lost = [], [], []
+    faults, disturbances, lost = [], [], []
     horizon = 0.4 * claim.proved.worst_time
     for name in rng.choices([*LOSSES, *LOST_LINKS], k=rng.randint(0, MOST)):
         begin = round(rng.uniform(8.0, 10.0 + horizon), 1)
@@ -123,14 +123,16 @@ def draw_proof(claim: Claim, vehicle: Vehicle, seed: int, flight: int) -> Proof:
             faults.append(_loss(rng, name, begin))
         else:
             said = INCIDENTS[name].draw(rng, ())
-            deeds += [Deed(begin + d.after, d.act, d.data, d.link, d.address) for d in said]
+            disturbances += [
+                Disturbance(begin + d.after, d.act, d.data, d.link, d.address) for d in said
+            ]
             lost.append(f"{name}@{begin}")
     away = rng.uniform(0.0, 0.9 * assume.start), rng.uniform(0.0, math.tau)
     return Proof(
         rng.choice(PROFILES),
         rng.randrange(1 << 31),
         Settings(_sea(rng, assume), _errors(rng), _body(rng), tuple(faults)),
-        tuple(deeds),
+        tuple(disturbances),
         (away[0] * math.cos(away[1]), away[0] * math.sin(away[1])),
         rng.uniform(0.0, math.tau),
         tuple(lost),
@@ -170,7 +172,7 @@ def show(claim: Claim, vehicle: Vehicle, seed: int, flight: int, draw: Draw = dr
         proof.profile,
         proof.vehicle_seed,
         proof.settings,
-        proof.deeds,
+        proof.disturbances,
         offset=proof.offset,
         heading=proof.heading,
     )

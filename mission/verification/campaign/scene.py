@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from random import Random
 
 from links.simulated.settings import FaultEvent
-from mission.verification.campaign.deeds import BOAT, OTHER_BOAT, TOPSIDE, Act, Deed
+from mission.verification.campaign.disturbances import BOAT, OTHER_BOAT, TOPSIDE, Act, Disturbance
 from mission.verification.campaign.trial import FOREVER
 
 STARTED = 6.0  # s: about when a scene's mission begins
@@ -24,7 +24,7 @@ class Scene:
 
     text: str
     faults: tuple[FaultEvent, ...] = ()
-    deeds: tuple[Deed, ...] = ()
+    disturbances: tuple[Disturbance, ...] = ()
     silence: float | None = None
     batteries: bool = False
     current: float | None = None  # m/s, towards the north
@@ -36,15 +36,17 @@ class SceneRow:
     draw: Callable[[Random], Scene]
 
 
-def say(t: float, data: bytes, address: str = BOAT) -> Deed:
-    return Deed(t, Act.SAY, data, TOPSIDE, address)
+def say(t: float, data: bytes, address: str = BOAT) -> Disturbance:
+    return Disturbance(t, Act.SAY, data, TOPSIDE, address)
 
 
-def joins(t: float = 4.0) -> Deed:
-    return Deed(t, Act.JOIN, b"", TOPSIDE, OTHER_BOAT)
+def joins(t: float = 4.0) -> Disturbance:
+    return Disturbance(t, Act.JOIN, b"", TOPSIDE, OTHER_BOAT)
 
 
-def repeated(begin: float, end: float, every: float, data: bytes, who: str = BOAT) -> list[Deed]:
+def repeated(
+    begin: float, end: float, every: float, data: bytes, who: str = BOAT
+) -> list[Disturbance]:
     return [say(begin + every * i, data, who) for i in range(int((end - begin) / every) + 1)]
 
 

@@ -2,7 +2,7 @@
 
 What is drawn at random seldom meets the one situation in which a rule matters (a body that sinks
 while the operator has stopped it; a stick that is held while another boat orders W). A scene puts
-it there: missions of its own, faults, deeds and how the vehicle is set up.
+it there: missions of its own, faults, disturbances and how the vehicle is set up.
 
 What does not live here: what else happens in the flight (draw), what the rules are (the laws).
 """

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from random import Random
 
-from mission.verification.campaign.deeds import MODEM, OTHER_BOAT, PORT, Act, Deed
+from mission.verification.campaign.disturbances import MODEM, OTHER_BOAT, PORT, Act, Disturbance
 from mission.verification.campaign.scene import (
     AA,
     AC,
@@ -76,7 +76,9 @@ def _stick_taken_and_left(rng: Random) -> Scene:
     t = rng.uniform(DOWN, 60.0)
     held = repeated(t, t + rng.uniform(1.0, 8.0), 0.2, b"@MMD%d$" % rng.randint(2, 9))
     return Scene(
-        "there", (), (*held, Deed(held[-1].after + 0.1, Act.PART), Deed(t + 90.0, Act.JOIN))
+        "there",
+        (),
+        (*held, Disturbance(held[-1].after + 0.1, Act.PART), Disturbance(t + 90.0, Act.JOIN)),
     )
 
 
@@ -133,7 +135,7 @@ def _auto_closed(rng: Random) -> Scene:
 def _late_copy(rng: Random) -> Scene:
     """A copy of @AA by modem: the mission was ended by AUTO, which is open again."""
     t = rng.uniform(DOWN, 60.0)
-    copy = Deed(rng.uniform(100.0, 115.0), Act.SAY, wrap(AA, Sender.TOPSIDE), MODEM, "")
+    copy = Disturbance(rng.uniform(100.0, 115.0), Act.SAY, wrap(AA, Sender.TOPSIDE), MODEM, "")
     return Scene("there", (), (say(t, AUTO_CLOSED), say(t + 3.0, AUTO_OPEN), copy))
 
 
@@ -142,11 +144,11 @@ def _ended(rng: Random) -> Scene:
     t = rng.uniform(DOWN, 60.0)
     weight = (heavy(rng, t),) if rng.random() < 0.3 else ()
     word = rng.choice([b"", W])
-    return Scene("deep", weight, (*_maybe(t - 2.0, word), Deed(t, Act.END)))
+    return Scene("deep", weight, (*_maybe(t - 2.0, word), Disturbance(t, Act.END)))
 
 
 def _modem_stick(rng: Random) -> Scene:
-    said = Deed(rng.uniform(DOWN, 60.0), Act.SAY, wrap(b"@MMD6$", Sender.TOPSIDE), MODEM, "")
+    said = Disturbance(rng.uniform(DOWN, 60.0), Act.SAY, wrap(b"@MMD6$", Sender.TOPSIDE), MODEM, "")
     return Scene("there", (), (said,))
 
 
@@ -160,7 +162,11 @@ def _restarted(word: bytes) -> Callable[[Random], Scene]:
         t = rng.uniform(DOWN, 60.0)
         killed = t + (rng.uniform(2.0, 40.0) if word == X else rng.uniform(2.0, 12.0))
         back = killed + rng.uniform(1.0, 6.0)
-        ends = [Deed(killed, Act.KILL), Deed(back, Act.BOOT), Deed(back + 1.0, Act.JOIN)]
+        ends = [
+            Disturbance(killed, Act.KILL),
+            Disturbance(back, Act.BOOT),
+            Disturbance(back + 1.0, Act.JOIN),
+        ]
         return Scene(
             "deep", (heavy(rng, t),) if rng.random() < 0.3 else (), (*_maybe(t, word), *ends)
         )
@@ -168,7 +174,7 @@ def _restarted(word: bytes) -> Callable[[Random], Scene]:
     return draw
 
 
-def _maybe(t: float, word: bytes) -> tuple[Deed, ...]:
+def _maybe(t: float, word: bytes) -> tuple[Disturbance, ...]:
     return (say(t, word),) if word else ()
 
 
@@ -176,15 +182,19 @@ def _pulled(rng: Random) -> Scene:
     t = rng.uniform(DOWN, 80.0)
     said = (say(t + 1.0, X),) if rng.random() < 0.5 else ()
     return Scene(
-        "there", (), (Deed(t, Act.UNPLUG), *said, Deed(t + rng.uniform(2.0, 4.5), Act.PLUG))
+        "there",
+        (),
+        (Disturbance(t, Act.UNPLUG), *said, Disturbance(t + rng.uniform(2.0, 4.5), Act.PLUG)),
     )
 
 
 def _answered_by_another(rng: Random) -> Scene:
     """Something else is on the port and acknowledges the X; the board says nothing any more."""
     t = rng.uniform(DOWN, 60.0)
-    answers = [Deed(t + 0.6, Act.SAY, b"@ACK_Z%bY$" % code, PORT, "") for code in (b"A", b"X")]
-    cut = (Deed(t, Act.UNPLUG), say(t + 0.55, X), *answers, Deed(t + 3.0, Act.PLUG))
+    answers = [
+        Disturbance(t + 0.6, Act.SAY, b"@ACK_Z%bY$" % code, PORT, "") for code in (b"A", b"X")
+    ]
+    cut = (Disturbance(t, Act.UNPLUG), say(t + 0.55, X), *answers, Disturbance(t + 3.0, Act.PLUG))
     return Scene("there", (fault("stm32_silent", t),), cut)
 
 

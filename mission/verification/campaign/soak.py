@@ -1,7 +1,7 @@
 """The soak: missions in a row for days, with faults, and one program that lives through them.
 
 After each flight the vehicle is towed home and recharged: another simulated vehicle, the same
-drive (unless a fault kills it), the same store, the same black box. Memory is looked at after
+runtime (unless a fault kills it), the same store, the same black box. Memory is looked at after
 every mission in three ways: the objects that the collector knows, the blocks that Python has
 allocated (strings and numbers too), and what of the process is resident. The black box is looked
 at whenever it goes on in another part: a part that is closed must be whole, and is then taken away.
@@ -24,9 +24,9 @@ from mission.model import Step
 from mission.model.vehicle import Vehicle
 from mission.onboard.blackbox import BlackBox, part_path, read_records
 from mission.onboard.runtime.records import Recorder
-from mission.verification.campaign.deeds import Act, Deed
+from mission.verification.campaign.disturbances import Act, Disturbance
 from mission.verification.campaign.draw import Subject, draw
-from mission.verification.campaign.faults import Fared, Totals, fared_of
+from mission.verification.campaign.faults import FlightResult, Totals, result_of
 from mission.verification.campaign.onboard import FillableStore, OnBoard
 from mission.verification.campaign.trial import Event, Trial, try_out
 
@@ -91,7 +91,7 @@ def soak(
     subjects: Sequence[Subject],
     vehicle: Vehicle,
     folder: Path,
-    told: Callable[[Soaked, Fared], None] = lambda soaked, fared: None,
+    told: Callable[[Soaked, FlightResult], None] = lambda soaked, result: None,
 ) -> Soaked:
     """``folder`` is for the black box. Ctrl-C ends it early; what was found so far is returned."""
     box = BlackBox(folder / "soak.mcap", limit=PART)
@@ -111,7 +111,7 @@ def _fly_on(
     subjects: Sequence[Subject],
     vehicle: Vehicle,
     box: BlackBox,
-    told: Callable[[Soaked, Fared], None],
+    told: Callable[[Soaked, FlightResult], None],
 ) -> None:
     rng = Random(f"soak {seed}")
     board = _board(vehicle, box)
@@ -120,14 +120,21 @@ def _fly_on(
     while elapsed < days * DAY:
         plan = draw(seed, soaked.missions, subjects, staged=0.0)
         lull = rng.uniform(0.0, LULL)
-        deeds = [Deed(1.0 + 5.0 * i, Act.SAY, frame) for i in range(3) for frame in _CLEAN]
+        disturbances = [
+            Disturbance(1.0 + 5.0 * i, Act.SAY, frame) for i in range(3) for frame in _CLEAN
+        ]
         trial = try_out(
             plan.subject.mission,
             vehicle,
             vehicle.dialect,
             plan.vehicle_seed,
             plan.settings,
-            [Deed(0.1, Act.FREE), *deeds, *plan.deeds, Deed(lull, Act.FREE)],
+            [
+                Disturbance(0.1, Act.FREE),
+                *disturbances,
+                *plan.disturbances,
+                Disturbance(lull, Act.FREE),
+            ],
             heading=plan.heading,
             board=board,
         )
@@ -136,13 +143,13 @@ def _fly_on(
         soaked.days, soaked.missions = elapsed / DAY, soaked.missions + 1
         told_of = replace(trial, events=(*earlier, *trial.events))
         earlier = _last_words(told_of)
-        fared = fared_of(plan, told_of, vehicle, vehicle.dialect, whole=False)
-        fared = replace(fared, violations=tuple(v for v in fared.violations if v.t >= 0.0))
-        soaked.totals.add(fared)
+        result = result_of(plan, told_of, vehicle, vehicle.dialect, whole=False)
+        result = replace(result, violations=tuple(v for v in result.violations if v.t >= 0.0))
+        soaked.totals.add(result)
         del trial, told_of
         soaked.look_at_memory()
         _take_away(soaked, box)
-        told(soaked, fared)
+        told(soaked, result)
 
 
 def _last_words(trial: Trial) -> tuple[Event, ...]:

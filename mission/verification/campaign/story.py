@@ -34,8 +34,8 @@ from mission.model import (
     Tx,
 )
 from mission.model.vehicle import Vehicle
-from mission.onboard.runtime.drive import VEHICLE
-from mission.verification.campaign.deeds import Act
+from mission.onboard.runtime.runtime import VEHICLE
+from mission.verification.campaign.disturbances import Act
 from mission.verification.campaign.laws import Span, spans
 from mission.verification.campaign.onboard import DEAD
 from mission.verification.campaign.trial import (

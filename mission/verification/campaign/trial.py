@@ -1,13 +1,14 @@
 """One disturbed flight in lock step: the loop of ``flight``, with all that may happen beside it.
 
-    deeds --> boats, modem --bytes--> OnBoard --bytes--> SimulatedVehicle
+    disturbances --> boats, modem --bytes--> OnBoard --bytes--> SimulatedVehicle
                            <--bytes--         <--bytes--
 
 Everything that laws and audit need is kept as events in their order: what was said, what was
 heard of the vehicle, what was decided, what was sent. It ends when nothing more can happen and
 the vehicle is at the surface, or when it should long have been.
 
-What does not live here: what is disturbed (draw, deeds), what is asked of the flight (laws, audit).
+What does not live here: what is disturbed (draw, disturbances), what is asked of the flight (laws,
+audit).
 """
 
 from __future__ import annotations
@@ -30,10 +31,10 @@ from mission.authoring.language import digest, script
 from mission.model import AUTONOMOUS, STOPPED, SURFACED, Estimate, Mission, Step, Tx
 from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
-from mission.onboard.runtime.drive import GPS, VEHICLE
-from mission.onboard.runtime.nodes import LINK as NODES
+from mission.onboard.runtime.device_switches import LINK as NODES
 from mission.onboard.runtime.records import Recorder
-from mission.verification.campaign.deeds import BOAT, MODEM, PORT, TOPSIDE, Act, Deed
+from mission.onboard.runtime.runtime import GPS, VEHICLE
+from mission.verification.campaign.disturbances import BOAT, MODEM, PORT, TOPSIDE, Act, Disturbance
 from mission.verification.campaign.onboard import Death, FillableStore, OnBoard
 from mission.verification.simulation.rehearsal import Operator
 
@@ -81,7 +82,7 @@ class Told:
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """A deed that is no bytes."""
+    """A disturbance that is no bytes."""
 
     t: float
     act: Act
@@ -111,7 +112,7 @@ def try_out(
     profile: str,
     seed: int,
     settings: Settings,
-    deeds: Sequence[Deed] = (),
+    disturbances: Sequence[Disturbance] = (),
     *,
     offset: tuple[float, float] = (0.0, 0.0),
     heading: float = 0.0,
@@ -119,12 +120,14 @@ def try_out(
     board: OnBoard | None = None,
     configuration: Configuration | None = None,
 ) -> Trial:
-    """``deeds`` are at the flight's times. ``offset``: m north and east of home where it begins;
-    ``recorder`` makes one for each life of the program. ``board`` lives already, and lives on: it
-    is given ``OPERATOR_AFTER`` s before the operator begins."""
+    """``disturbances`` are at the flight's times. ``offset``: m north and east of home where it
+    begins; ``recorder`` makes one for each life of the program. ``board`` lives already, and lives
+    on: it is given ``OPERATOR_AFTER`` s before the operator begins."""
     flown = replace(vehicle, dialect=profile)
     where = offset, heading
-    loop = _Loop(mission, flown, seed, settings, deeds, where, recorder, board, configuration)
+    loop = _Loop(
+        mission, flown, seed, settings, disturbances, where, recorder, board, configuration
+    )
     return loop.run()
 
 
@@ -135,7 +138,7 @@ class _Loop:
         vehicle: Vehicle,
         seed: int,
         settings: Settings,
-        deeds: Sequence[Deed],
+        disturbances: Sequence[Disturbance],
         where: tuple[tuple[float, float], float],
         recorder: Callable[[], Recorder | None],
         board: OnBoard | None,
@@ -161,18 +164,18 @@ class _Loop:
         self.board = board
         self.operator = Operator(script(mission), digest(mission))
         board.store.death = None
-        self._deeds: list[tuple[float, int, Deed]] = []
+        self._deeds: list[tuple[float, int, Disturbance]] = []
         self._drawn = 0
-        for deed in deeds:
-            self._plan(deed)
+        for disturbance in disturbances:
+            self._plan(disturbance)
         self.now = 0.0
         self.plugged, self.joined = True, {BOAT}
         self.gps_open = self._lived = True
-        self._held: list[Deed] | None = None  # what came while the program stands still
+        self._held: list[Disturbance] | None = None  # what came while the program stands still
         self._safety = mission.safety.time or vehicle.limits.time
         ends = [t for e in settings.faults if (t := fault_ends(e)) < FOREVER]
         ends += [event.begin + WATCHED for event in settings.faults if event.begin < FOREVER]
-        self._last = max([0.0, *ends, *(deed.after for deed in deeds)])
+        self._last = max([0.0, *ends, *(disturbance.after for disturbance in disturbances)])
         self._deadline = self._last + UPLOAD + OPERATOR_AFTER + ASCENT
         self._rests_since: float | None = None
 
@@ -244,22 +247,22 @@ class _Loop:
             self._died()
 
     def _died(self) -> None:
-        """By a deed, or inside a write: then the service manager and the boat do theirs."""
+        """By a disturbance, or inside a write: then the service manager and the boat do theirs."""
         self._lived = False
         last = next((e for e in reversed(self.events) if isinstance(e, Done)), None)
         if last is None or last.act is not Act.KILL or last.t != self.now:
-            self._do(Deed(self.now, Act.KILL))
-            self._plan(Deed(self.now + RESTART, Act.BOOT))
-            self._plan(Deed(self.now + RESTART + 1.0, Act.JOIN))
+            self._do(Disturbance(self.now, Act.KILL))
+            self._plan(Disturbance(self.now + RESTART, Act.BOOT))
+            self._plan(Disturbance(self.now + RESTART + 1.0, Act.JOIN))
 
-    def _plan(self, deed: Deed) -> None:
+    def _plan(self, disturbance: Disturbance) -> None:
         self._drawn += 1
-        heapq.heappush(self._deeds, (deed.after, self._drawn, deed))
+        heapq.heappush(self._deeds, (disturbance.after, self._drawn, disturbance))
 
     def _hear(self, rx: Rx) -> None:
         """Bytes of the vehicle or its GPS."""
         if self._held is not None:
-            self._held.append(Deed(self.now, Act.SAY, rx.data, rx.link, rx.address))
+            self._held.append(Disturbance(self.now, Act.SAY, rx.data, rx.link, rx.address))
             return
         if rx.link == VEHICLE:
             self.events.append(Heard(self.now, rx.data))
@@ -269,18 +272,18 @@ class _Loop:
         due = self.operator.next_timer()
         return None if due is None else due + self._operator_from
 
-    def _do(self, deed: Deed) -> None:
+    def _do(self, disturbance: Disturbance) -> None:
         now = self.now
-        if self._held is not None and deed.act in _WAITS:
-            self._held.append(deed)
+        if self._held is not None and disturbance.act in _WAITS:
+            self._held.append(disturbance)
             return
-        if deed.act is Act.SAY:
-            self._send(self._say(deed.link, deed.address, deed.data))
+        if disturbance.act is Act.SAY:
+            self._send(self._say(disturbance.link, disturbance.address, disturbance.data))
             return
-        if deed.act is Act.BOOT and self.board.lives:
+        if disturbance.act is Act.BOOT and self.board.lives:
             return  # a service manager begins one program, not two
-        self.events.append(Done(now, deed.act))
-        match deed.act:
+        self.events.append(Done(now, disturbance.act))
+        match disturbance.act:
             case Act.STALL:
                 self._held = [] if self._held is None else self._held
             case Act.RUN:
@@ -288,23 +291,23 @@ class _Loop:
             case Act.POWER:
                 self.sea.stm32.restart()
             case Act.DIE_BEFORE | Act.DIE_AFTER | Act.FILL | Act.FREE:
-                self._to_disk(deed.act)
+                self._to_disk(disturbance.act)
             case Act.JOIN:
-                self.joined.add(deed.address)
-                self._send(self.board.connected(deed.link, deed.address, now))
+                self.joined.add(disturbance.address)
+                self._send(self.board.connected(disturbance.link, disturbance.address, now))
             case Act.PART:
-                self.joined.discard(deed.address)
-                self._send(self.board.disconnected(deed.link, deed.address, now))
+                self.joined.discard(disturbance.address)
+                self._send(self.board.disconnected(disturbance.link, disturbance.address, now))
             case Act.KILL:
                 self.board.kill()
                 self._are_gone()
             case Act.END | Act.HURRY:
-                self._send(self.board.end(now, at_once=deed.act is Act.HURRY))
+                self._send(self.board.end(now, at_once=disturbance.act is Act.HURRY))
             case Act.BOOT:
                 self.board.boot(now)
                 self._lived = True
             case Act.UNPLUG | Act.PLUG:
-                self.plugged = deed.act is Act.PLUG
+                self.plugged = disturbance.act is Act.PLUG
                 if self.plugged:
                     self._send(self.board.connected(VEHICLE, "", now))
 
@@ -323,14 +326,14 @@ class _Loop:
         """What came meanwhile is read in one piece a port; connections in their order."""
         held, self._held = self._held or [], None
         ports: dict[str, bytes] = {}
-        for deed in held:
-            if deed.link in (VEHICLE, GPS):
-                ports[deed.link] = ports.get(deed.link, b"") + deed.data
+        for disturbance in held:
+            if disturbance.link in (VEHICLE, GPS):
+                ports[disturbance.link] = ports.get(disturbance.link, b"") + disturbance.data
         for link, data in ports.items():
             self._hear(Rx(self.now, link, data))
-        for deed in held:
-            if deed.link not in ports:
-                self._do(deed)
+        for disturbance in held:
+            if disturbance.link not in ports:
+                self._do(disturbance)
 
     def _say(self, link: str, address: str, data: bytes) -> list[Tx]:
         """Nothing is said over a connection that is not there."""
@@ -352,7 +355,7 @@ class _Loop:
                     self.sea.vehicle_link.send(tx.data, self.now)
             elif tx.link == TOPSIDE and tx.address == BOAT and BOAT in self.joined:
                 for data in self.operator.receive(tx.data, self.now - self._operator_from):
-                    self._plan(Deed(self.now + RADIO, Act.SAY, data))
+                    self._plan(Disturbance(self.now + RADIO, Act.SAY, data))
             elif tx.link == NODES:
                 if (switched := _GPS_NODE.match(tx.data)) is not None:
                     self.gps_open = switched[1] == b"O"

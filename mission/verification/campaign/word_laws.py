@@ -42,8 +42,8 @@ from mission.model import (
 from mission.model.regions import EMERGENCY, MANUAL
 from mission.model.shipped import load_vehicle
 from mission.verification.campaign.audit import command_of, moves
-from mission.verification.campaign.deeds import MODEM, TOPSIDE, Act
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
+from mission.verification.campaign.disturbances import MODEM, TOPSIDE, Act
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.onboard import DEAD
 from mission.verification.campaign.story import SAME, STOP_WORD, UPWARD_WORDS, Report, Stay, Story

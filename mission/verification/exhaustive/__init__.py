@@ -1,18 +1,18 @@
-"""Every state, every event: each configuration of the drive, crossed with each event, under laws.
+"""Every state, every event: each configuration of the runtime, crossed with each event, under laws.
 
     configurations  x  events  ->  cells  ->  laws  ->  violations
 
-Everything happens at the drive: telemetry, fixes, acknowledgements and operators' commands are
+Everything happens at the runtime: telemetry, fixes, acknowledgements and operators' commands are
 bytes that go through the real decoders, and what a law sees is bytes that left, the Steps on
 record, and the state. Laws are written from the design and protocols alone: they never ask the
 engine what is right. Three things reach behind the bytes, because a day would not do otherwise: a
 configuration is put in place by the engine's ``place`` (leg, rounds, time in the leg), a path that
-a leg waits for is given to it (wishes), and a drive is copied whole (fork), so that each cell
+a leg waits for is given to it (wishes), and a runtime is copied whole (fork), so that each cell
 begins at the same instant.
 
     wire            what the vehicle and the GPS say, in bytes
-    world           a drive with a vehicle on its line, and what was seen of it
-    fork            one drive as many
+    world           a runtime with a vehicle on its line, and what was seen of it
+    fork            one runtime as many
     configurations  the ways into every configuration
     commands        events: the rows of what operators say
     events          the others: limits, readings, answers, time, a restart

@@ -1,4 +1,4 @@
-"""The ways into every configuration of the drive, for one mission on one profile.
+"""The ways into every configuration of the runtime, for one mission on one profile.
 
     regions     each row of WAYS, by bytes
     legs        each leg x rounds (first, last, of every group that repeats around it)
@@ -354,4 +354,4 @@ def doubt(world: World) -> None:
 
 def _expect(world: World, state: str, way: str) -> None:
     if not world.state.startswith(state):
-        raise Unreachable(f"{way}: {world.state}, not {state}: {world.drive._engine.reason}")
+        raise Unreachable(f"{way}: {world.state}, not {state}: {world.runtime._engine.reason}")

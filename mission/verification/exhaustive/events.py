@@ -14,7 +14,7 @@ from mission.model import Chart
 from mission.verification.exhaustive.cell import Configuration, Event
 from mission.verification.exhaustive.commands import COMMANDS, SETTLE, Play, script
 from mission.verification.exhaustive.configurations import DEEP, SHALLOW, doubt
-from mission.verification.exhaustive.wishes import come_true
+from mission.verification.exhaustive.exit_inputs import come_true
 from mission.verification.exhaustive.world import World
 from protocol.messages import SetSafety
 from protocol.topside import encode

@@ -2,7 +2,7 @@
 
 A law answers None where it says nothing about a cell, "" where it holds, else what is wrong. It is
 written from the design and from protocols alone, never from what the engine does. All are asked at
-the drive, of bytes, Steps and states: R3-R14 and section 4 of the design.
+the runtime, of bytes, Steps and states: R3-R14 and section 4 of the design.
 
 What does not live here: laws of legs against limits and readings (leg_laws), of what operators
 are answered (operator_laws).

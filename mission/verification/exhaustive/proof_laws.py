@@ -9,8 +9,8 @@ from itertools import pairwise
 
 from mission.model import SURFACED, SURFACING, Chart, Edge
 from mission.verification.exhaustive.cell import Cell
+from mission.verification.exhaustive.exit_inputs import wish
 from mission.verification.exhaustive.laws import AT_SURFACE, U12, Law, Verdict, W, X, wrong
-from mission.verification.exhaustive.wishes import wish
 
 _TURN = 10.0  # s each way is given (R7)
 _EPS = 1e-6

@@ -1,8 +1,8 @@
 """All cells: each configuration of each mission and profile, crossed with each event.
 
-An exception out of the drive is a violation as any other. A law that was asked nowhere, and a cell
-that was not evaluated, are errors of this room. For each configuration the first event is played
-once more after all others: what is seen must be the same, or the copies are none.
+An exception out of the runtime is a violation as any other. A law that was asked nowhere, and a
+cell that was not evaluated, are errors of this room. For each configuration the first event is
+played once more after all others: what is seen must be the same, or the copies are none.
 
 What does not live here: how it is shown (commands.exhaustive).
 """
@@ -130,14 +130,14 @@ def _played(
     cell = Cell(configuration, event, on.chart, before(world), world)
     try:
         event.play(world, configuration, on.chart)
-    except Exception as error:  # whatever comes out of a drive is a finding
+    except Exception as error:  # whatever comes out of a runtime is a finding
         return cell, f"{type(error).__name__}: {error}"
     return cell, ""
 
 
 def _judged(cell: Cell, fault: str, found: Found) -> Iterator[tuple[str, str]]:
     if fault:
-        yield "no exception leaves the drive", fault
+        yield "no exception leaves the runtime", fault
         return
     for law in ALL_LAWS:
         verdict = law.ask(cell)

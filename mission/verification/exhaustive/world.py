@@ -1,4 +1,4 @@
-"""A drive with a vehicle on its serial line, a GPS receiver and operators, and what was seen of it.
+"""A runtime with a vehicle on its serial line, GPS receiver and operators, and what was seen.
 
 Time goes from event to event: the next timer, the next answer of the STM32, the next report.
 
@@ -15,8 +15,8 @@ from mission.model import Estimate, Position, Step, Tx
 from mission.model.vehicle import Vehicle
 from mission.navigation import Navigation
 from mission.onboard.configuration import Configuration, LinkUrls
-from mission.onboard.runtime.drive import GPS, VEHICLE, Drive
-from mission.onboard.runtime.vessel import MODEM
+from mission.onboard.runtime.command_target import MODEM
+from mission.onboard.runtime.runtime import GPS, VEHICLE, Runtime
 from mission.onboard.store import MemoryStore, Stored
 from mission.verification.exhaustive.fork import Fork
 from mission.verification.exhaustive.wire import Sea, answer
@@ -32,15 +32,15 @@ _CONFIGURATION = Configuration(links=LinkUrls(modem="memory://modem"))
 
 
 class Busy(RuntimeError):
-    """The drive asks for its timer again and again."""
+    """The runtime asks for its timer again and again."""
 
 
-_BEGUN: dict[object, Fork[World]] = {}  # a drive is made of nothing but these
+_BEGUN: dict[object, Fork[World]] = {}  # a runtime is made of nothing but these
 
 
 @dataclass(slots=True)
 class Notes:
-    """What an observer of the drive wrote down."""
+    """What an observer of the runtime wrote down."""
 
     steps: list[Step] = field(default_factory=list)
 
@@ -59,39 +59,39 @@ class World:
         self.vehicle, self.home = vehicle, home
         self.sea, self.notes = Sea(), Notes()
         self.store = MemoryStore(stored)
-        self.drive = Drive(_CONFIGURATION, vehicle, self.store, observer=self.notes)
+        self.runtime = Runtime(_CONFIGURATION, vehicle, self.store, observer=self.notes)
         self.now = now
         self.answers = "Y"
         self.reports = True
         self.spoils = False  # each report loses a bit on its way
         self.rises_by = b""
         self.sent: list[Tx] = []
-        self.states: list[tuple[float, str]] = [(now, self.drive.state)]
+        self.states: list[tuple[float, str]] = [(now, self.runtime.state)]
         self.depths = [self.sea.depth]  # the true one, at each of these
         self.last_fix = self.last_stick = -1e9
         self.ended_in, self.ended_at = "", now  # where and when the program was told to end
         self.at_once = ""  # the state right after the first input since it was emptied
         self._owed: list[tuple[float, bytes]] = []
         self._report_due = now + _PERIOD
-        self._take(self.drive.handle_timer(now))
+        self._take(self.runtime.handle_timer(now))
 
     @property
     def engine(self) -> Engine:
-        return self.drive._engine
+        return self.runtime._engine
 
     @property
     def state(self) -> str:
-        return self.drive.state
+        return self.runtime.state
 
     def navigate(self, navigation: Navigation) -> None:
-        self._take(self.drive.set_navigation(navigation, self.now))
+        self._take(self.runtime.set_navigation(navigation, self.now))
         for address in (BOAT, TENDER):
-            self._take(self.drive.connected(TOPSIDE, address, self.now))
+            self._take(self.runtime.connected(TOPSIDE, address, self.now))
 
     def come_to(self, depth: float) -> None:
         """There, as if it had come there long ago: nothing is remembered of another depth."""
         self.sea.depth = depth
-        navigation = self.engine._core.senses.navigation
+        navigation = self.engine._core.vehicle_state.navigation
         if isinstance(navigation, Navigation):
             navigation.forget_depth()
 
@@ -100,7 +100,7 @@ class World:
     def say(self, data: bytes, address: str = BOAT) -> None:
         if data.startswith(b"@M"):
             self.last_stick = self.now
-        self._take(self.drive.receive(Rx(self.now, TOPSIDE, data, address)))
+        self._take(self.runtime.receive(Rx(self.now, TOPSIDE, data, address)))
 
     def say_below(self, frame: bytes) -> None:
         """Over the acoustic modem, in its envelope."""
@@ -108,11 +108,11 @@ class World:
 
     def hear_modem(self, data: bytes) -> None:
         """Whatever comes from there."""
-        self._take(self.drive.receive(Rx(self.now, MODEM, data, "")))
+        self._take(self.runtime.receive(Rx(self.now, MODEM, data, "")))
 
     def hear(self, data: bytes) -> None:
         """Something of the STM32's."""
-        self._take(self.drive.receive(Rx(self.now, VEHICLE, data, "")))
+        self._take(self.runtime.receive(Rx(self.now, VEHICLE, data, "")))
 
     def report(self) -> None:
         data = self.sea.report()
@@ -120,15 +120,15 @@ class World:
 
     def fix(self) -> None:
         self.last_fix = self.now
-        self._take(self.drive.receive(Rx(self.now, GPS, self.sea.sentences(self.home, self.now))))
+        self._take(self.runtime.receive(Rx(self.now, GPS, self.sea.sentences(self.home, self.now))))
 
     def line_is_back(self) -> None:
         """The vehicle's port was away, for no time at all."""
-        self._take(self.drive.connected(VEHICLE, "", self.now))
+        self._take(self.runtime.connected(VEHICLE, "", self.now))
 
     def node(self, line: bytes) -> None:
         """What a node's process reports."""
-        self._take(self.drive.receive(Rx(self.now, "nodes", line, "")))
+        self._take(self.runtime.receive(Rx(self.now, "nodes", line, "")))
 
     def restart(self) -> None:
         """The program dies, and begins again with what the store holds; navigation comes later."""
@@ -146,13 +146,13 @@ class World:
     def end(self, *, at_once: bool = False) -> None:
         """The program is to end."""
         self.ended_in, self.ended_at = self.state, self.now
-        self._take(self.drive.end(self.now, at_once=at_once))
+        self._take(self.runtime.end(self.now, at_once=at_once))
 
     def wait(self, seconds: float) -> None:
         """Until then: timers, answers and reports when they are due."""
         end, busy = self.now + seconds, 0
         while True:
-            timer = self.drive.next_timer()
+            timer = self.runtime.next_timer()
             answers = [t for t, _ in self._owed[:1]]
             due = min(t for t in (timer, self._report_due, *answers) if t is not None)
             if due > end:
@@ -162,7 +162,7 @@ class World:
                 raise Busy(f"{busy} inputs at {self.now:.3f} s, in {self.state}")
             self.now = max(self.now, due)
             if timer is not None and timer <= self.now:
-                self._take(self.drive.handle_timer(self.now))
+                self._take(self.runtime.handle_timer(self.now))
             elif self._owed and self._owed[0][0] <= self.now:
                 self.hear(self._owed.pop(0)[1])
             else:
@@ -187,7 +187,7 @@ class World:
                 self._owed.append((self.now + _LATENCY, data))
             elif tx.data.startswith(b"@RS"):
                 self._owed.append((self.now + _LATENCY, b"@ACK_RSS$"))
-        self.at_once = self.at_once or self.drive.state
-        if self.states[-1][1] != self.drive.state:
-            self.states.append((self.now, self.drive.state))
+        self.at_once = self.at_once or self.runtime.state
+        if self.states[-1][1] != self.runtime.state:
+            self.states.append((self.now, self.runtime.state))
             self.depths.append(self.sea.depth)

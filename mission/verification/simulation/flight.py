@@ -1,4 +1,4 @@
-"""One flight in simulation: drive, operator and simulated vehicle in lock step, as fast as can be.
+"""One flight in simulation: runtime, operator and vehicle in lock step, as fast as can be.
 
     Operator --bytes--> Drive --bytes--> SimulatedVehicle
              <--bytes--       <--bytes--
@@ -30,8 +30,8 @@ from links.simulated.settings import Settings
 from mission.authoring.language import digest, script
 from mission.model import STOPPED, Mission, Tx
 from mission.onboard.configuration import Configuration
-from mission.onboard.runtime.drive import VEHICLE, Drive
-from mission.onboard.runtime.nodes import LINK as NODES
+from mission.onboard.runtime.device_switches import LINK as NODES
+from mission.onboard.runtime.runtime import VEHICLE, Runtime
 from mission.onboard.store import MemoryStore, Stored
 from mission.verification.simulation.flightlog import Flight, FlightEnd, FlightLog, TruePlace
 from mission.verification.simulation.rehearsal import Operator, Said
@@ -108,7 +108,7 @@ class _LockStep:
             else SimulatedVehicle(vehicle.dialect, seed, settings, position=position)
         )
         self.log = FlightLog(mission)
-        self.drive = Drive(
+        self.runtime = Runtime(
             Configuration(),
             vehicle,
             MemoryStore(stored),
@@ -124,10 +124,10 @@ class _LockStep:
         self._frame: LocalFrame | None = None  # of the estimate, when it was last looked at
         self._longest = LONGEST_S if mission.safety.time is None else 2.0 * mission.safety.time
         self._digest = digest(mission)
-        self._navigation = self.drive.make_navigation()
-        self._send(self.drive.set_navigation(self._navigation, 0.0))
-        self._send(self.drive.connected(TOPSIDE, BOAT, 0.0))
-        self._drive_due = self.drive.next_timer()
+        self._navigation = self.runtime.make_navigation()
+        self._send(self.runtime.set_navigation(self._navigation, 0.0))
+        self._send(self.runtime.connected(TOPSIDE, BOAT, 0.0))
+        self._runtime_due = self.runtime.next_timer()
         self._operator_due = operator.next_timer()
         self._links = self.sea.vehicle_link, self.sea.gps_link
         self._arrivals: list[float | None] = [None, None]  # as each of the two foretells
@@ -147,7 +147,7 @@ class _LockStep:
             self.now,
             self._digest,
             wall,
-            self.drive.state,
+            self.runtime.state,
             _places(self._frame_home(), track),
             tuple(itertools.chain.from_iterable(_places(*part) for part in self._seen)),
             self._is_at_surface(),
@@ -164,7 +164,7 @@ class _LockStep:
             return False
         if self.log.ended is not None or self.now - started > self._longest:
             return True
-        return self.drive.state == STOPPED and self._is_at_surface()
+        return self.runtime.state == STOPPED and self._is_at_surface()
 
     def _is_under_way_up(self, end: float) -> bool:
         """A mission that was ended below leaves buoyancy to bring the vehicle up."""
@@ -180,7 +180,7 @@ class _LockStep:
             self._arrivals[at] = due = link.next_event()
             if due is not None and due < first:
                 first = due
-        for due in (self._drive_due, self._operator_due):
+        for due in (self._runtime_due, self._operator_due):
             if due is not None and due < first:
                 first = due
         return first if first > self.now else self.now
@@ -192,7 +192,7 @@ class _LockStep:
             if due is None or due > now:
                 continue
             for rx in link.receive(now):
-                if sent := self.drive.receive(rx, now):
+                if sent := self.runtime.receive(rx, now):
                     self._send(sent)
             if len(self.log.estimates) > self._looks:
                 self._look_beside()
@@ -201,11 +201,11 @@ class _LockStep:
             for data in self.operator.handle_timer(now):
                 self._send(self._say(data))
             self._operator_due = self.operator.next_timer()
-        due = self.drive.next_timer()
+        due = self.runtime.next_timer()
         if due is not None and due <= now:
-            self._send(self.drive.handle_timer(now))
-            due = self.drive.next_timer()
-        self._drive_due = due
+            self._send(self.runtime.handle_timer(now))
+            due = self.runtime.next_timer()
+        self._runtime_due = due
 
     def _send(self, sent: list[Tx]) -> None:
         """Answers to the operator are answered in turn, until nobody has anything to say."""
@@ -220,10 +220,10 @@ class _LockStep:
                     waiting += self._say(data)
                 self._operator_due = self.operator.next_timer()
             elif tx.link == NODES:
-                waiting += self.drive.receive(Rx(self.now, NODES, tx.data + b"\n"))
+                waiting += self.runtime.receive(Rx(self.now, NODES, tx.data + b"\n"))
 
     def _say(self, data: bytes) -> list[Tx]:
-        return self.drive.receive(Rx(self.now, TOPSIDE, data, BOAT))
+        return self.runtime.receive(Rx(self.now, TOPSIDE, data, BOAT))
 
     # --- truth -----------------------------------------------------------------------------------
 

@@ -143,7 +143,7 @@ class FlightEnd:
 
 
 class FlightLog:
-    """An Observer of the drive."""
+    """An Observer of the runtime."""
 
     def __init__(self, mission: Mission) -> None:
         self._leg_paths = leg_paths(mission)

@@ -19,7 +19,7 @@ from mission.model import (
     Tx,
 )
 from mission.verification.campaign.audit import audit, command_of
-from mission.verification.campaign.deeds import Act
+from mission.verification.campaign.disturbances import Act
 from mission.verification.campaign.obedience import ignored
 from mission.verification.campaign.trial import Done, Event, Heard, Said
 from protocol.messages import Order, Setpoint

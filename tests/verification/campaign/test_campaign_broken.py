@@ -19,7 +19,7 @@ from mission.model.shipped import load_vehicle
 from mission.onboard.runtime import frontseat
 from mission.verification.campaign.broken import BROKEN, broken, notice
 from mission.verification.campaign.draw import Plan, draw, stage
-from mission.verification.campaign.faults import fared_of, fly_plan, shipped, subjects
+from mission.verification.campaign.faults import fly_plan, result_of, shipped, subjects
 from mission.verification.campaign.scene_texts import TEXTS, mission_of
 from mission.verification.campaign.scenes import SCENES
 
@@ -74,8 +74,8 @@ SEEN = [
 
 def judged(plan: Plan) -> set[tuple[str, str]]:
     vehicle = plan.vehicle
-    fared = fared_of(plan, fly_plan(plan, vehicle), vehicle, plan.profile)
-    return {(violation.kind, violation.says) for violation in fared.violations}
+    result = result_of(plan, fly_plan(plan, vehicle), vehicle, plan.profile)
+    return {(violation.kind, violation.says) for violation in result.violations}
 
 
 @functools.cache

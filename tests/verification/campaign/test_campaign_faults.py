@@ -21,9 +21,9 @@ from mission.engine.monitor import LimitMonitor
 from mission.model import IDLE_EMPTY, IDLE_READY, SURFACED, SURFACING, Action, Step, Tx
 from mission.model.shipped import load_vehicle
 from mission.onboard.runtime.frontseat import Frontseat
-from mission.verification.campaign.deeds import INCIDENTS, PORT, Act, Deed
+from mission.verification.campaign.disturbances import INCIDENTS, PORT, Act, Disturbance
 from mission.verification.campaign.draw import CLUSTER, MOST, OUT_OF_HAND, draw
-from mission.verification.campaign.faults import fare, fly_plan, shipped, subjects
+from mission.verification.campaign.faults import fly_numbered, fly_plan, shipped, subjects
 from mission.verification.campaign.laws import IGNORED, LOST, OVERRUN, RAISED, violations
 from mission.verification.campaign.soak import Soaked, grown, soak
 from mission.verification.campaign.trial import FOREVER, Done, Heard, Trial, try_out
@@ -37,8 +37,10 @@ PROFILES = ("as-built", "documented")
 NO_FAULTS = Settings()
 
 
-def flown(deeds: list[Deed], profile: str = "as-built", settings: Settings = NO_FAULTS) -> Trial:
-    return try_out(FIRST.mission, VEHICLE, profile, 1, settings, deeds)
+def flown(
+    disturbances: list[Disturbance], profile: str = "as-built", settings: Settings = NO_FAULTS
+) -> Trial:
+    return try_out(FIRST.mission, VEHICLE, profile, 1, settings, disturbances)
 
 
 def kinds_of(trial: Trial, profile: str = "as-built", settings: Settings = NO_FAULTS) -> set[str]:
@@ -52,17 +54,17 @@ def kinds_of(trial: Trial, profile: str = "as-built", settings: Settings = NO_FA
 @pytest.mark.parametrize("ten", range(5))
 def test_no_disturbed_flight_loses_overruns_or_sends_unasked(ten: int) -> None:
     for number in range(10 * ten, 10 * ten + 10):
-        fared = fare(0, number, KNOWN)
-        assert not fared.violations, fared
+        result = fly_numbered(0, number, KNOWN)
+        assert not result.violations, result
 
 
 @pytest.mark.proof
 @pytest.mark.parametrize("name", INCIDENTS)
 def test_an_incident_alone_breaks_no_law(name: str) -> None:
     drawn = INCIDENTS[name].draw(random.Random(name), ("mission other vehicle auv", "wait 9"))
-    deeds = [Deed(40.0 + d.after, d.act, d.data, d.link, d.address) for d in drawn]
+    disturbances = [Disturbance(40.0 + d.after, d.act, d.data, d.link, d.address) for d in drawn]
     for profile in PROFILES:
-        assert kinds_of(flown(deeds, profile), profile) == set()
+        assert kinds_of(flown(disturbances, profile), profile) == set()
 
 
 def test_every_fault_and_every_incident_is_drawn() -> None:
@@ -83,7 +85,7 @@ def test_a_flight_is_told_by_its_seed_and_number_alone() -> None:
 
 @pytest.mark.proof
 def test_what_comes_out_does_not_depend_on_who_works() -> None:
-    work = functools.partial(fare, 9, known=KNOWN[:3])
+    work = functools.partial(fly_numbered, 9, known=KNOWN[:3])
     assert list(results(work, range(3), 2)) == [work(number) for number in range(3)]
 
 
@@ -102,8 +104,12 @@ def test_the_command_ends_with_one_object_and_flies_one_again(tmp_path: Path) ->
 
 @pytest.mark.parametrize("profile", PROFILES)
 def test_a_program_killed_after_a_disk_was_full_at_the_start_still_surfaces(profile: str) -> None:
-    killed = [Deed(100.0, Act.KILL), Deed(103.0, Act.BOOT), Deed(104.0, Act.JOIN)]
-    trial = flown([Deed(4.5, Act.FILL), Deed(20.0, Act.FREE), *killed], profile)
+    killed = [
+        Disturbance(100.0, Act.KILL),
+        Disturbance(103.0, Act.BOOT),
+        Disturbance(104.0, Act.JOIN),
+    ]
+    trial = flown([Disturbance(4.5, Act.FILL), Disturbance(20.0, Act.FREE), *killed], profile)
     assert kinds_of(trial, profile) == set()
     assert trial.started is not None
     assert trial.state == SURFACED
@@ -116,7 +122,7 @@ def test_a_program_killed_between_the_end_and_its_stop_leaves_no_thruster_on(
 ) -> None:
     steps = [e for e in flown([], profile).events if isinstance(e, Step)]
     ends = next(step.t for step in steps if IDLE_READY in step.entered and step.by)
-    trial = flown([Deed(ends - 0.3, death)], profile)
+    trial = flown([Disturbance(ends - 0.3, death)], profile)
     assert kinds_of(trial, profile) == set()
     assert any(isinstance(e, Done) and e.act is Act.KILL for e in trial.events)
     assert trial.state == SURFACED
@@ -126,7 +132,7 @@ def test_a_program_killed_between_the_end_and_its_stop_leaves_no_thruster_on(
 def test_a_stop_that_was_cleared_before_its_answer_still_stops(profile: str) -> None:
     """Cleared at the surface, where alone it may be: before the mission has dived."""
     deaf = parse_settings(["fault=command_lost@5.2+3"])
-    said = [Deed(5.3, Act.SAY, b"@ZAX0$"), Deed(5.6, Act.SAY, b"@AC$")]
+    said = [Disturbance(5.3, Act.SAY, b"@ZAX0$"), Disturbance(5.6, Act.SAY, b"@AC$")]
     trial = flown(said, profile, deaf)
     assert kinds_of(trial, profile, deaf) == set()
     assert trial.state == IDLE_EMPTY
@@ -134,9 +140,13 @@ def test_a_stop_that_was_cleared_before_its_answer_still_stops(profile: str) -> 
 
 @pytest.mark.parametrize("profile", PROFILES)
 def test_a_program_killed_with_the_stick_held_leaves_no_thruster_on(profile: str) -> None:
-    stick = [Deed(200.0 + 0.2 * i, Act.SAY, b"@MMF9$") for i in range(20)]
-    killed = [Deed(204.1, Act.KILL), Deed(207.0, Act.BOOT), Deed(208.0, Act.JOIN)]
-    said = [Deed(60.0, Act.SAY, b"@ZAWF$"), Deed(150.0, Act.SAY, b"@AC$")]
+    stick = [Disturbance(200.0 + 0.2 * i, Act.SAY, b"@MMF9$") for i in range(20)]
+    killed = [
+        Disturbance(204.1, Act.KILL),
+        Disturbance(207.0, Act.BOOT),
+        Disturbance(208.0, Act.JOIN),
+    ]
+    said = [Disturbance(60.0, Act.SAY, b"@ZAWF$"), Disturbance(150.0, Act.SAY, b"@AC$")]
     trial = flown([*said, *stick, *killed], profile)
     assert kinds_of(trial, profile) == set()
     assert trial.state == IDLE_EMPTY
@@ -155,7 +165,7 @@ def test_a_limit_that_nobody_looks_at_is_overrun(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(LimitMonitor, "look", lambda self, reported, fixed: [])
     silent = parse_settings(["fault=stm32_silent@60+20"])
     assert OVERRUN in kinds_of(flown([], settings=silent), settings=silent)
-    tight = [Deed(60.0, Act.SAY, b"@SP,2000,2,100,10,$")]
+    tight = [Disturbance(60.0, Act.SAY, b"@SP,2000,2,100,10,$")]
     assert OVERRUN in kinds_of(flown(tight))
 
 
@@ -203,7 +213,7 @@ def test_an_order_that_does_not_leave_at_once_is_ignored(monkeypatch: pytest.Mon
         return honest(self, action)
 
     monkeypatch.setattr(Frontseat, "command", forgetful)
-    assert IGNORED in kinds_of(flown([Deed(60.0, Act.SAY, b"@ZAX0$")]))
+    assert IGNORED in kinds_of(flown([Disturbance(60.0, Act.SAY, b"@ZAX0$")]))
 
 
 def test_a_set_that_relays_keep_back_is_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -215,8 +225,8 @@ def test_a_set_that_relays_keep_back_is_ignored(monkeypatch: pytest.MonkeyPatch)
         return following(self, now)
 
     monkeypatch.setattr(Frontseat, "_next", polite)
-    slider = [Deed(60.0 + i / 100, Act.SAY, b"@DS%d,5$" % (i % 2 + 1)) for i in range(2500)]
-    assert IGNORED in kinds_of(flown([Deed(60.0, Act.SAY, b"@ZAWF$"), *slider]))
+    slider = [Disturbance(60.0 + i / 100, Act.SAY, b"@DS%d,5$" % (i % 2 + 1)) for i in range(2500)]
+    assert IGNORED in kinds_of(flown([Disturbance(60.0, Act.SAY, b"@ZAWF$"), *slider]))
 
 
 @pytest.mark.parametrize("profile", PROFILES)
@@ -225,8 +235,15 @@ def test_a_thruster_that_turns_at_the_end_is_a_loss(
 ) -> None:
     """A device on the port answers for the STM32, and nobody doubts it: neither by the reports that
     come later nor because the line was away."""
-    cut = [Deed(59.5, Act.UNPLUG), Deed(70.0, Act.PLUG), Deed(60.0, Act.SAY, b"@ZAX0$")]
-    ack = [Deed(60.05, Act.SAY, b"@ACK_ZAY$", PORT, ""), Deed(60.06, Act.SAY, b"@ACK_ZXY$", PORT)]
+    cut = [
+        Disturbance(59.5, Act.UNPLUG),
+        Disturbance(70.0, Act.PLUG),
+        Disturbance(60.0, Act.SAY, b"@ZAX0$"),
+    ]
+    ack = [
+        Disturbance(60.05, Act.SAY, b"@ACK_ZAY$", PORT, ""),
+        Disturbance(60.06, Act.SAY, b"@ACK_ZXY$", PORT),
+    ]
     assert kinds_of(flown([*cut, *ack], profile), profile) == set()
     monkeypatch.setattr(LimitMonitor, "turning", lambda self, since: False)
     assert kinds_of(flown([*cut, *ack], profile), profile) == set()
@@ -249,14 +266,14 @@ def test_a_quarter_of_the_flights_has_all_its_troubles_within_seconds() -> None:
 
 
 def test_a_program_that_stands_still_says_nothing_and_then_reads_everything_at_once() -> None:
-    events = flown([Deed(50.0, Act.STALL), Deed(54.5, Act.RUN)]).events
+    events = flown([Disturbance(50.0, Act.STALL), Disturbance(54.5, Act.RUN)]).events
     assert not [e for e in events if isinstance(e, Tx | Heard) and 50.0 < e.t < 54.5]
     assert [e for e in events if isinstance(e, Heard) and e.t == 54.5 and len(e.data) > 86]
 
 
 def test_a_power_cut_takes_both_boards() -> None:
     cut = INCIDENTS["power_cut"].draw(random.Random(1), ())
-    trial = flown([Deed(60.0 + d.after, d.act) for d in cut])
+    trial = flown([Disturbance(60.0 + d.after, d.act) for d in cut])
     assert {Act.POWER, Act.KILL, Act.BOOT} <= {e.act for e in trial.events if isinstance(e, Done)}
     assert trial.state == SURFACED
 
@@ -285,6 +302,6 @@ def test_a_leak_is_growth_and_one_large_mission_is_not() -> None:
 
 
 def test_surfacing_is_entered_for_a_reason_that_is_on_record() -> None:
-    trial = flown([Deed(60.0, Act.SAY, b"@ZAWF$")])
+    trial = flown([Disturbance(60.0, Act.SAY, b"@ZAWF$")])
     steps = [e for e in trial.events if isinstance(e, Step) and SURFACING in e.entered]
     assert [step.event for step in steps] == ["operator W"]

@@ -65,7 +65,7 @@ def test_a_dive_whose_depth_freezes_stays_above_the_depth_proved_for_that() -> N
     deepest = 0.0
     for begin in (14.0, 17.0, 20.0):
         faults = (FaultEvent("depth_frozen", begin, FOREVER),)
-        proof = replace(drawn, settings=replace(drawn.settings, faults=faults), deeds=())
+        proof = replace(drawn, settings=replace(drawn.settings, faults=faults), disturbances=())
         shown = show(proved, VEHICLE, 5, 1, lambda *_, proof=proof: proof)
         assert not shown.violations, shown
         deepest = max(deepest, shown.needed.depth)

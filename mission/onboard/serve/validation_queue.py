@@ -1,15 +1,15 @@
 """What would complete a mission waits until the mission is judged, in a thread; X and W do not.
 
-    bytes --would they complete a set of lines?--no--> drive
+    bytes --would they complete a set of lines?--no--> runtime
                       |yes
                       +--> held, with whatever that connection says next; a thread judges the set;
-                           then all of it goes on to the drive, which finds the verdict ready (R3)
+                           then all of it goes on to the runtime, which finds the verdict ready (R3)
 
 A long mission takes seconds to be judged, more on a Pi. Without this the loop would stand still:
 no X would leave, and the service manager would find it hung. An X or W of the same connection
 overtakes what is held, marked by bytes that end a frame that had begun.
 
-What does not live here: the verdict, and what is answered (drive).
+What does not live here: the verdict, and what is answered (runtime).
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from collections.abc import Callable, Coroutine
 from typing import Any
 
 from links.base import Rx
-from mission.onboard.runtime.drive import Drive
-from mission.onboard.serve.sieve import BREAK
+from mission.onboard.runtime.runtime import Runtime
+from mission.onboard.serve.rate_limiter import BREAK
 from protocol.topside import EMERGENCIES
 
 _ORDER = re.compile(b"|".join(re.escape(frame) for frame in EMERGENCIES.values()))
 
 
-class Docket:
+class ValidationQueue:
     def __init__(
         self,
         pass_on: Callable[[Rx], None],
@@ -39,15 +39,15 @@ class Docket:
         self._held: dict[tuple[str, str], list[Rx]] = {}
         self._gone: dict[tuple[str, str], Callable[[], None]] = {}
 
-    def hear(self, rx: Rx, drive: Drive) -> None:
+    def hear(self, rx: Rx, runtime: Runtime) -> None:
         whose = rx.link, rx.address
         if (held := self._held.get(whose)) is not None:
             for order in _ORDER.findall(rx.data):
                 self._pass_on(rx._replace(data=BREAK + order))
             held.append(rx._replace(data=_ORDER.sub(BREAK, rx.data)))
-        elif lines := drive.foresee(rx):
+        elif lines := runtime.foresee(rx):
             self._held[whose] = [rx]
-            self._spawn(self._judge(whose, lines, drive))
+            self._spawn(self._judge(whose, lines, runtime))
         else:
             self._pass_on(rx)
 
@@ -58,21 +58,23 @@ class Docket:
         else:
             told()
 
-    async def _judge(self, whose: tuple[str, str], lines: tuple[str, ...], drive: Drive) -> None:
+    async def _judge(
+        self, whose: tuple[str, str], lines: tuple[str, ...], runtime: Runtime
+    ) -> None:
         loop = asyncio.get_running_loop()
-        with contextlib.suppress(Exception):  # the drive meets it again, and says so
-            await loop.run_in_executor(None, _judged, drive, lines)
+        with contextlib.suppress(Exception):  # the runtime meets it again, and says so
+            await loop.run_in_executor(None, _judged, runtime, lines)
         for rx in self._held.pop(whose):
             self._pass_on(rx)
         if told := self._gone.pop(whose, None):
             told()
 
 
-def _judged(drive: Drive, lines: tuple[str, ...]) -> None:
+def _judged(runtime: Runtime, lines: tuple[str, ...]) -> None:
     """Without the collector: it looks through all that ten thousand lines became, again and
     again, and nothing else runs meanwhile."""
     gc.disable()
     try:
-        drive.judge(lines)
+        runtime.judge(lines)
     finally:
         gc.enable()

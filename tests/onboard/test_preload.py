@@ -9,8 +9,8 @@ import pytest
 
 from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration
-from mission.onboard.runtime.drive import Drive
-from mission.onboard.serve.heavy import prepare
+from mission.onboard.runtime.runtime import Runtime
+from mission.onboard.serve.preload import prepare
 from mission.onboard.store import MemoryStore
 
 
@@ -21,32 +21,32 @@ def _as_it_was() -> Iterator[None]:
     gc.unfreeze()
 
 
-def drive() -> Drive:
-    return Drive(Configuration(), load_vehicle("auv"), MemoryStore())
+def runtime() -> Runtime:
+    return Runtime(Configuration(), load_vehicle("auv"), MemoryStore())
 
 
 def test_the_collector_does_not_look_through_what_is_there_for_good() -> None:
     before = len(gc.get_objects())
-    assert prepare(drive()).estimate(0.0) is None
+    assert prepare(runtime()).estimate(0.0) is None
     assert gc.isenabled()
     assert gc.get_freeze_count() >= before
     assert len(gc.get_objects()) < 0.1 * gc.get_freeze_count()
 
 
 def test_a_further_drive_leaves_its_predecessor_to_the_collector() -> None:
-    prepare(drive())
+    prepare(runtime())
     frozen = gc.get_freeze_count()
-    prepare(drive())
+    prepare(runtime())
     assert gc.get_freeze_count() <= frozen
 
 
 def test_a_filter_that_cannot_be_loaded_leaves_the_collector_on(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def absent(self: Drive) -> None:
+    def absent(self: Runtime) -> None:
         raise ImportError("no filterpy")
 
-    monkeypatch.setattr(Drive, "make_navigation", absent)
+    monkeypatch.setattr(Runtime, "make_navigation", absent)
     with pytest.raises(ImportError, match="no filterpy"):
-        prepare(drive())
+        prepare(runtime())
     assert gc.isenabled()

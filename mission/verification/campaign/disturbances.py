@@ -1,11 +1,11 @@
 """What goes wrong beside the vehicle: operators, their links, the program, its disk. A table.
 
-An incident is drawn as deeds, each at its time: bytes that somebody sends, a connection that
+An incident is drawn as disturbances, each at its time: bytes that somebody sends, a connection that
 comes or goes, the program killed and begun anew, a cable pulled. Times are s from the beginning
 of the incident.
 
 What does not live here: faults of the vehicle (links.simulated.faults), when an incident begins
-(draw), how a deed is done (trial).
+(draw), how a disturbance is done (trial).
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class Act(enum.Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Deed:
+class Disturbance:
     after: float
     act: Act
     data: bytes = b""
@@ -72,18 +72,18 @@ class Incident:
     """``draw`` is given the lines of another mission than the one that flies."""
 
     says: str
-    draw: Callable[[Random, tuple[str, ...]], list[Deed]]
+    draw: Callable[[Random, tuple[str, ...]], list[Disturbance]]
 
 
-def _say(after: float, data: bytes, link: str = TOPSIDE, address: str = BOAT) -> Deed:
-    return Deed(after, Act.SAY, data, link, address)
+def _say(after: float, data: bytes, link: str = TOPSIDE, address: str = BOAT) -> Disturbance:
+    return Disturbance(after, Act.SAY, data, link, address)
 
 
-def _once(*frames: bytes) -> Callable[[Random, tuple[str, ...]], list[Deed]]:
+def _once(*frames: bytes) -> Callable[[Random, tuple[str, ...]], list[Disturbance]]:
     return lambda rng, lines: [_say(0.0, frame) for frame in frames]
 
 
-def _stick(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _stick(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     """Held for a while, then let go."""
     held = rng.uniform(0.5, 15.0)
     frame = rng.choice(
@@ -100,37 +100,41 @@ def _stick(rng: Random, _: tuple[str, ...]) -> list[Deed]:
     return [*moves, *(_say((count + i) * STICK_EVERY, STICK_ENDS) for i in range(2))]
 
 
-def _stick_and_resume(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
+def _stick_and_resume(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
     moves = _stick(rng, lines)
     return [*moves, _say(moves[-1].after + rng.uniform(0.5, 50.0), encode(StartMission()))]
 
 
-def _stick_lost(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
+def _stick_lost(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
     """Out of range with the stick held: no end, no goodbye."""
     moves = _stick(rng, lines)[:-2]
     gone = moves[-1].after + 0.1 if moves else 0.1
-    return [*moves, Deed(gone, Act.PART), Deed(gone + rng.uniform(5.0, 200.0), Act.JOIN)]
+    return [
+        *moves,
+        Disturbance(gone, Act.PART),
+        Disturbance(gone + rng.uniform(5.0, 200.0), Act.JOIN),
+    ]
 
 
-def _stop_and_clear(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _stop_and_clear(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     stop, clear = encode(Emergency(Order.STOP)), encode(ClearMission())
     return [_say(0.0, stop), _say(rng.uniform(0.0, 60.0), clear)]
 
 
-def _stop_then_surface(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _stop_then_surface(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     orders = [encode(Emergency(order)) for order in (Order.STOP, Order.SURFACE)]
     rng.shuffle(orders)
     return [_say(0.0, orders[0]), _say(rng.uniform(0.0, 20.0), orders[1])]
 
 
-def _upload(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
+def _upload(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
     """Another mission, or a part of it, in the middle of everything."""
     sent = lines[: rng.randint(1, len(lines))]
     frames = [encode(MissionLine(len(lines), i, line)) for i, line in enumerate(sent, 1)]
     return [_say(0.1 * i, frame) for i, frame in enumerate(frames)]
 
 
-def _limits(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _limits(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     limits = SetSafety(
         radius=rng.choice([None, round(rng.uniform(30.0, 300.0))]),
         time=rng.choice([None, 60.0 * rng.randint(2, 20)]),
@@ -140,18 +144,18 @@ def _limits(rng: Random, _: tuple[str, ...]) -> list[Deed]:
     return [_say(0.0, encode(limits))]
 
 
-def _auto_closed(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _auto_closed(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     closed, opened = (encode(NodeSwitch(s)) for s in ("OOOCCC", "OOOCCO"))
     return [_say(0.0, closed), _say(rng.uniform(1.0, 60.0), opened)]
 
 
-def _relays(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _relays(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     letters = bytes(rng.choice(b"OC") for _ in range(7))
     frames = [b"@RI$", b"@RS%b$" % letters, b"@DS%d,%d$" % (rng.randint(1, 2), 10), b"@DA1,-2$"]
     return [_say(rng.uniform(0.0, 5.0), rng.choice(frames)) for _ in range(rng.randint(1, 8))]
 
 
-def _slider(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _slider(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     """Of rudders, lights or thrusters, moved for a while; more than the line carries, perhaps."""
     rate, seconds = rng.choice(SLIDER_RATES), rng.uniform(2.0, SLIDER)
     angles = [b"@DS%d,%d$" % (rng.randint(1, 3), angle) for angle in range(-15, 23)]
@@ -160,7 +164,7 @@ def _slider(rng: Random, _: tuple[str, ...]) -> list[Deed]:
     return [_say(i / rate, rng.choice(words)) for i in range(int(rate * seconds))]
 
 
-def _late_copies(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
+def _late_copies(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
     """What the boat says arrives by modem as well, up to two minutes later, once or twice; and
     something else was said meanwhile."""
     words = [
@@ -170,16 +174,16 @@ def _late_copies(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
         encode(MissionLine(len(lines), 1, lines[0])),
         b"@RSOOOOOOO$",
     ]
-    deeds = []
+    disturbances = []
     for word in rng.sample(words, rng.randint(1, 4)):
         said = rng.uniform(0.0, 20.0)
         late = [said + rng.uniform(0.0, LATE) for _ in range(rng.randint(1, 2))]
-        deeds.append(_say(said, word))
-        deeds += [_say(t, wrap(word, Sender.TOPSIDE), MODEM, "") for t in late]
-    return deeds
+        disturbances.append(_say(said, word))
+        disturbances += [_say(t, wrap(word, Sender.TOPSIDE), MODEM, "") for t in late]
+    return disturbances
 
 
-def _modem_drips(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _modem_drips(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     """A false head and then a byte of noise each while, for minutes; and an order in between."""
     every, count = rng.uniform(0.03, 0.95), rng.randint(20, 300)
     head = b"#\x02" + rng.randint(1, 3200).to_bytes(2, "little") + b"\x01"
@@ -189,25 +193,25 @@ def _modem_drips(rng: Random, _: tuple[str, ...]) -> list[Deed]:
     return [_say(0.0, head, MODEM, ""), *drips, ordered]
 
 
-def _lost(rng: Random, _: tuple[str, ...]) -> list[Deed]:
-    return [Deed(0.0, Act.PART), Deed(rng.uniform(1.0, 300.0), Act.JOIN)]
+def _lost(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
+    return [Disturbance(0.0, Act.PART), Disturbance(rng.uniform(1.0, 300.0), Act.JOIN)]
 
 
-def _flood(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _flood(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     frames = [encode(DataQuery()), b"@RI$", b"@NI$", encode(StartMission()), b"@AQ$"]
     return [_say(0.01 * i, rng.choice(frames) * rng.randint(1, 20)) for i in range(100)]
 
 
-def _garbage(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _garbage(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     pieces = rng.randint(1, 10)
     return [_say(0.3 * i, rng.randbytes(rng.randint(1, 400))) for i in range(pieces)]
 
 
-def _near_frames(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
+def _near_frames(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
     """Good frames with a byte changed, cut or doubled."""
     good = [b"@ZAX0$", b"@ZAWF$", b"@AA$", b"@MMF10$", b"@MS120,-90$", b"@SP,1000,5,200,10,$",
             encode(MissionLine(2, 1, lines[0]))]  # fmt: skip
-    deeds = []
+    disturbances = []
     for i in range(rng.randint(1, 20)):
         frame = bytearray(rng.choice(good))
         at = rng.randrange(len(frame))
@@ -218,29 +222,29 @@ def _near_frames(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
                 del frame[at:]
             case _:
                 frame[at:at] = frame[at : at + 1]
-        deeds.append(_say(rng.uniform(0.0, 10.0) + i * 0.001, bytes(frame)))
-    return deeds
+        disturbances.append(_say(rng.uniform(0.0, 10.0) + i * 0.001, bytes(frame)))
+    return disturbances
 
 
-def _other_boat(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _other_boat(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     """A second connection that would command as well."""
     words = [b"@AA$", b"@AC$", b"@ZAWF$", b"@ZAX0$", b"@MMF5$", b"@RI$", b"@DU$", b"@NSOOOCCO$"]
     said = [
         _say(rng.uniform(0.1, 30.0), rng.choice(words), TOPSIDE, OTHER_BOAT)
         for _ in range(rng.randint(1, 5))
     ]
-    joins = Deed(0.0, Act.JOIN, b"", TOPSIDE, OTHER_BOAT)
-    parts = Deed(rng.uniform(30.0, 60.0), Act.PART, b"", TOPSIDE, OTHER_BOAT)
+    joins = Disturbance(0.0, Act.JOIN, b"", TOPSIDE, OTHER_BOAT)
+    parts = Disturbance(rng.uniform(30.0, 60.0), Act.PART, b"", TOPSIDE, OTHER_BOAT)
     return [joins, *said, parts]
 
 
-def _by_modem(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _by_modem(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     word = rng.choice([b"@ZAX0$", b"@ZAWF$", b"@DU$", b"@AQ$", b"@AA$", b"@MMD9$", b"@RI$"])
     times = [0.0, rng.uniform(3.0, 8.0)][: rng.randint(1, 2)]
     return [_say(t, wrap(word, Sender.TOPSIDE), MODEM, "") for t in times]
 
 
-def _modem_garbled(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _modem_garbled(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     """Envelopes with bits turned over, cut, or run together."""
     words = [b"@ZAX0$", b"@ZAWF$", b"@AA$", b"@AC$", b"@DU$", b"@MMD9$"]
     said = []
@@ -254,7 +258,7 @@ def _modem_garbled(rng: Random, _: tuple[str, ...]) -> list[Deed]:
     return said
 
 
-def _stress(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
+def _stress(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
     """Everything that can be pressed, as fast as it can be, in no order."""
     words = [
         *(b"@ZAX0$", b"@ZAWF$", b"@ZAX0$", b"@ZAWF$", b"@AA$", b"@AA$", b"@AC$", b"@AB$"),
@@ -263,14 +267,14 @@ def _stress(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
         *(b"@NI$", b"@RI$", b"@DS1,22$", b"@ST,2024/02/30 10:00:00,$"),
         encode(MissionLine(len(lines), 1, lines[0])),
     ]
-    t, deeds = 0.0, []
+    t, disturbances = 0.0, []
     for _i in range(rng.randint(5, 60)):
-        deeds.append(_say(t, rng.choice(words)))
+        disturbances.append(_say(t, rng.choice(words)))
         t += rng.expovariate(1.0 / rng.choice([0.05, 0.5, 3.0]))
-    return deeds
+    return disturbances
 
 
-def _nodes(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _nodes(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     """Closed and opened as they come, and as they were at the end."""
     switched = [
         _say(rng.uniform(0.0, 60.0), b"@NSO%b$" % bytes(rng.choice(b"OC") for _ in range(5)))
@@ -279,64 +283,69 @@ def _nodes(rng: Random, _: tuple[str, ...]) -> list[Deed]:
     return [*switched, _say(61.0, b"@NSOOOCCO$")]
 
 
-def _crowd(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _crowd(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     """Connections that come, say something or nothing, and go."""
     words = [b"", b"@DU$", b"@AQ$", b"@AA$", b"@A", b"\xff" * 300]
-    deeds = []
+    disturbances = []
     for i in range(rng.randint(10, 60)):
         name, t = f"boat {i}", rng.uniform(0.0, 20.0)
-        deeds.append(Deed(t, Act.JOIN, b"", TOPSIDE, name))
-        deeds.append(_say(t + 0.1, rng.choice(words), TOPSIDE, name))
+        disturbances.append(Disturbance(t, Act.JOIN, b"", TOPSIDE, name))
+        disturbances.append(_say(t + 0.1, rng.choice(words), TOPSIDE, name))
         if rng.random() < 0.7:
-            deeds.append(Deed(t + rng.uniform(0.2, 20.0), Act.PART, b"", TOPSIDE, name))
-    return deeds
+            disturbances.append(
+                Disturbance(t + rng.uniform(0.2, 20.0), Act.PART, b"", TOPSIDE, name)
+            )
+    return disturbances
 
 
-def _killed(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _killed(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     """As the service manager does it: begun anew a few seconds later; the boat connects again."""
     back = rng.uniform(1.0, 8.0)
     return [
-        Deed(0.0, Act.KILL),
-        Deed(back, Act.BOOT),
-        Deed(back + rng.uniform(0.1, 5.0), Act.JOIN),
+        Disturbance(0.0, Act.KILL),
+        Disturbance(back, Act.BOOT),
+        Disturbance(back + rng.uniform(0.1, 5.0), Act.JOIN),
     ]
 
 
-def _killed_twice(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
+def _killed_twice(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
     again = rng.uniform(8.5, 40.0)
-    second = [Deed(again + d.after, d.act) for d in _killed(rng, lines)]
+    second = [Disturbance(again + d.after, d.act) for d in _killed(rng, lines)]
     return [*(d for d in _killed(rng, lines) if d.after < again), *second]
 
 
-def _ended(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _ended(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     """By SIGTERM; now and then by a second one, before the vehicle is up."""
-    hurry = [Deed(rng.uniform(0.0, 60.0), Act.HURRY)] if rng.random() < 0.3 else []
-    return [Deed(0.0, Act.END), *hurry]
+    hurry = [Disturbance(rng.uniform(0.0, 60.0), Act.HURRY)] if rng.random() < 0.3 else []
+    return [Disturbance(0.0, Act.END), *hurry]
 
 
-def _killed_in_a_write(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _killed_in_a_write(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     """Of its store, the next that there will be; the trial begins it anew."""
-    return [Deed(0.0, rng.choice([Act.DIE_BEFORE, Act.DIE_AFTER]))]
+    return [Disturbance(0.0, rng.choice([Act.DIE_BEFORE, Act.DIE_AFTER]))]
 
 
-def _power_cut(rng: Random, lines: tuple[str, ...]) -> list[Deed]:
-    return [Deed(0.0, Act.POWER), *_killed(rng, lines)]
+def _power_cut(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
+    return [Disturbance(0.0, Act.POWER), *_killed(rng, lines)]
 
 
-def _stalled(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _stalled(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     """Swapping, a slow disk, a stopped process: what arrived meanwhile is read in one piece."""
-    return [Deed(0.0, Act.STALL), Deed(rng.uniform(0.2, STALL), Act.RUN)]
+    return [Disturbance(0.0, Act.STALL), Disturbance(rng.uniform(0.2, STALL), Act.RUN)]
 
 
-def _stalled_often(rng: Random, _: tuple[str, ...]) -> list[Deed]:
-    deeds, t = [], 0.0
+def _stalled_often(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
+    disturbances, t = [], 0.0
     for _i in range(rng.randint(3, 20)):
-        deeds += [Deed(t, Act.STALL), Deed(t + rng.uniform(0.05, 1.0), Act.RUN)]
-        t = deeds[-1].after + rng.uniform(0.1, 3.0)
-    return deeds
+        disturbances += [
+            Disturbance(t, Act.STALL),
+            Disturbance(t + rng.uniform(0.05, 1.0), Act.RUN),
+        ]
+        t = disturbances[-1].after + rng.uniform(0.1, 3.0)
+    return disturbances
 
 
-def _wrong_device(rng: Random, _: tuple[str, ...]) -> list[Deed]:
+def _wrong_device(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
     """The GPS, a modem or a console on the port of the STM32 for a while."""
     pieces = [
         b"$GPGGA,080000.00,3017.247570,N,12009.214590,E,1,09,1.0,0.3,M,0.0,M,,*5B\r\n",
@@ -345,16 +354,19 @@ def _wrong_device(rng: Random, _: tuple[str, ...]) -> list[Deed]:
         b"@ACK_ZAY$",
         b"@SD",
     ]
-    said = [Deed(1.0 * i, Act.SAY, rng.choice(pieces), PORT, "") for i in range(rng.randint(1, 40))]
-    return [Deed(0.0, Act.UNPLUG), *said, Deed(said[-1].after + 1.0, Act.PLUG)]
+    said = [
+        Disturbance(1.0 * i, Act.SAY, rng.choice(pieces), PORT, "")
+        for i in range(rng.randint(1, 40))
+    ]
+    return [Disturbance(0.0, Act.UNPLUG), *said, Disturbance(said[-1].after + 1.0, Act.PLUG)]
 
 
-def _unplugged(rng: Random, _: tuple[str, ...]) -> list[Deed]:
-    return [Deed(0.0, Act.UNPLUG), Deed(rng.uniform(0.5, 30.0), Act.PLUG)]
+def _unplugged(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
+    return [Disturbance(0.0, Act.UNPLUG), Disturbance(rng.uniform(0.5, 30.0), Act.PLUG)]
 
 
-def _disk_full(rng: Random, _: tuple[str, ...]) -> list[Deed]:
-    return [Deed(0.0, Act.FILL), Deed(rng.uniform(5.0, 300.0), Act.FREE)]
+def _disk_full(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
+    return [Disturbance(0.0, Act.FILL), Disturbance(rng.uniform(5.0, 300.0), Act.FREE)]
 
 
 INCIDENTS: dict[str, Incident] = {

@@ -20,15 +20,15 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from mission.model import AUTONOMOUS, Outcome, Result, Tx, Verdict
-from mission.onboard.runtime.awaited import Awaited
+from mission.onboard.runtime.command_target import MODEM, Answer, CommandTarget, Peer, one_line
 from mission.onboard.runtime.commander import Commander
 from mission.onboard.runtime.copies import Copies
-from mission.onboard.runtime.nodes import LINK as NODES
-from mission.onboard.runtime.nodes import NAMES, OPEN, Nodes
-from mission.onboard.runtime.paths import Heard, Path, Unfit
+from mission.onboard.runtime.device_switches import LINK as NODES
+from mission.onboard.runtime.device_switches import NAMES, OPEN, DeviceSwitches
+from mission.onboard.runtime.operator_channels import Heard, OperatorChannel, Unfit
+from mission.onboard.runtime.pending_answers import PendingAnswers
 from mission.onboard.runtime.refusals import Refusals
 from mission.onboard.runtime.uploads import Uploads
-from mission.onboard.runtime.vessel import MODEM, Answer, Peer, Vessel, one_line
 from mission.onboard.store import Store, StoreError
 from protocol.messages import (
     Ack,
@@ -58,23 +58,23 @@ TELL_S = 1.0  # between two reports that tell one and the same why nothing is re
 YES, NO = ord("Y"), ord("N")
 
 
-class Topside:
+class OperatorServer:
     def __init__(
         self,
-        vessel: Vessel,
+        target: CommandTarget,
         store: Store,
-        path: Callable[[str], Path],
-        nodes: Nodes,
+        path: Callable[[str], OperatorChannel],
+        nodes: DeviceSwitches,
         answer_no: bool = True,
     ) -> None:
         """``path`` makes one for a connection over the link of that name."""
-        self._vessel, self._store, self._new_path = vessel, store, path
+        self._target, self._store, self._new_path = target, store, path
         self._nodes, self._answer_no = nodes, answer_no  # R2
-        self._uploads = Uploads(vessel, store)
-        self._paths: dict[Peer, Path] = {}
+        self._uploads = Uploads(target, store)
+        self._paths: dict[Peer, OperatorChannel] = {}
         self.commander = Commander()
         self._copies = Copies(self._in_force)
-        self._awaited = Awaited()
+        self._pending = PendingAnswers()
         self._switching: tuple[list[Peer], NodeSwitch] | None = None
         self._refusals = Refusals()
         self._told = -math.inf  # when a refused relay was
@@ -89,7 +89,7 @@ class Topside:
 
     def disconnected(self, peer: Peer) -> None:
         self._paths.pop(peer, None)
-        self._awaited.forget(peer)
+        self._pending.forget(peer)
         self.commander.forget(peer)
 
     def receive(self, peer: Peer, data: bytes, now: float) -> None:
@@ -150,7 +150,7 @@ class Topside:
     def report_unasked(self, now: float, reason: str) -> None:
         """One @VS on every path (R11)."""
         for peer in sorted(self._paths):
-            self._paths[peer].send(self._vessel.status(now), now, reason, unasked=True)
+            self._paths[peer].send(self._target.status(now), now, reason, unasked=True)
 
     # --- commands -------------------------------------------------------------------------
 
@@ -183,21 +183,21 @@ class Topside:
             why = self.commander.why_not(peer, now)
             verdict = Verdict(False, why) if why else self._execute(peer, command, now)
             if isinstance(command, Manual) and verdict is not None and not verdict.accepted:
-                self._vessel.hear_stick(now)
+                self._target.hear_stick(now)
             if verdict is not None:
                 self._conclude(peer, command, verdict, now)
 
     def _emergency(self, peer: Peer, command: Emergency, now: float) -> None:
-        self._awaited.add(peer, command.order.name, now, ORDER_ANSWER_S)
+        self._pending.add(peer, command.order.name, now, ORDER_ANSWER_S)
         self._hand_over(peer, now)
-        self._vessel.decide(command, now)
+        self._target.decide(command, now)
 
     def _query(self, command: DataQuery | StoreQuery | NodeQuery, now: float) -> Answer:
         if isinstance(command, DataQuery):
-            return self._vessel.status(now)
+            return self._target.status(now)
         if isinstance(command, NodeQuery):
             return Ack(now, "N", "I", self._nodes.mask)
-        refusal = self._refusals.told(now, self._vessel.doubted_at)
+        refusal = self._refusals.told(now, self._target.doubted_at)
         return self._uploads.report(refusal, now)
 
     def _execute(self, peer: Peer, command: Command, now: float) -> Verdict | None:
@@ -221,7 +221,7 @@ class Topside:
             return Verdict(
                 False, f"the upload is incomplete: lines {self._uploads.missing} missing"
             )
-        verdict = self._vessel.decide(command, now)
+        verdict = self._target.decide(command, now)
         if isinstance(command, ClearMission) and verdict.accepted:
             self._uploads.clear()
         return verdict
@@ -247,14 +247,14 @@ class Topside:
         if isinstance(command, Relay) and command.kind != "D" and verdict.accepted:
             self._await_relay(peer, command, now)
             if self._copies.age(command, now) >= RELAY_ANSWER_S:
-                self._vessel.relay(command.frame, f"relay of @{command.kind}, once more", False)
+                self._target.relay(command.frame, f"relay of @{command.kind}, once more", False)
         self._answer(peer, command, verdict, now)
 
     def _in_force(self, command: Command) -> bool | None:
         """Whether the vehicle's state says what the command asks for, None if no state does."""
         match command:
             case StartMission():
-                return self._vessel.state.startswith(AUTONOMOUS)
+                return self._target.state.startswith(AUTONOMOUS)
             case ClearMission():
                 return self._is_idle and not (self._store.content.lines or self._uploads.total)
             case MissionLine():
@@ -290,7 +290,7 @@ class Topside:
         was_open = self._nodes.is_open("AUTO")
         requests = self._nodes.switch(command.switches, now)
         if self._nodes.is_open("AUTO") != was_open:
-            self._vessel.switch_auto(self._nodes.is_open("AUTO"), now)
+            self._target.switch_auto(self._nodes.is_open("AUTO"), now)
         self._out += [Tx(now, NODES, request, "operator @NS") for request in requests]
         self._switching = ([peer], command)
         self._settle(now)
@@ -311,8 +311,8 @@ class Topside:
         if peer.link == MODEM:
             return Verdict(False, "the time is not set over the modem")
         if not self._is_idle:
-            return Verdict(False, f"the time is set in idle only, not in {self._vessel.state}")
-        self._vessel.set_clock(command.time, now)
+            return Verdict(False, f"the time is set in idle only, not in {self._target.state}")
+        self._target.set_clock(command.time, now)
         return Verdict(True)
 
     def _merged(self, command: SetSafety) -> SetSafety:
@@ -331,11 +331,11 @@ class Topside:
             self._store.keep_limits(merged)
         except StoreError as error:
             return Verdict(False, str(error))
-        return self._vessel.decide(merged, now)
+        return self._target.decide(merged, now)
 
     def _relay(self, peer: Peer, command: Relay, now: float) -> Verdict:
         self._await_relay(peer, command, now)
-        why = self._vessel.relay(command.frame, f"relay of @{command.kind} for {peer.link}", False)
+        why = self._target.relay(command.frame, f"relay of @{command.kind} for {peer.link}", False)
         return self._relayed(peer, why, now)
 
     def _relayed(self, peer: Peer, why: str, now: float) -> Verdict:
@@ -347,16 +347,16 @@ class Topside:
 
     def _await_relay(self, peer: Peer, command: Relay, now: float) -> None:
         if command.kind.startswith("R"):
-            self._awaited.add(peer, command.kind[1], now, RELAY_ANSWER_S)
+            self._pending.add(peer, command.kind[1], now, RELAY_ANSWER_S)
 
     def _manual(self, peer: Peer, command: Manual, now: float) -> Verdict:
         if peer.link == MODEM:
             return Verdict(False, "manual control does not go over the modem")
-        if why := self._vessel.cannot_relay:
+        if why := self._target.cannot_relay:
             return self._relayed(peer, why, now)
-        if not (verdict := self._vessel.decide(command, now)).accepted:
+        if not (verdict := self._target.decide(command, now)).accepted:
             return verdict
-        why = self._vessel.relay(command.frame, f"relay of @{command.kind}", True)
+        why = self._target.relay(command.frame, f"relay of @{command.kind}", True)
         return self._relayed(peer, why, now)
 
     # --- answers ----------------------------------------------------------------------------
@@ -367,7 +367,7 @@ class Topside:
 
     def _answer_awaiting(self, key: str, ack: Ack, now: float) -> None:
         """A refusal of X or W may be followed by another try; anything else is final."""
-        for peer in self._awaited.answered(key, now, final=ack.group != "Z" or ack.ok):
+        for peer in self._pending.answered(key, now, final=ack.group != "Z" or ack.ok):
             self._send(peer, replace(ack, t=now), now, "answer of the STM32")
 
     def _send(self, peer: Peer, answer: Answer, now: float, reason: str) -> None:

@@ -31,7 +31,7 @@ class _Pending:
     deadline: float
 
 
-class Nodes:
+class DeviceSwitches:
     """``configured`` names the nodes with a process that runs from the start."""
 
     def __init__(self, configured: frozenset[str]) -> None:

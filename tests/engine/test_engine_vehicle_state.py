@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from engine_world import HOME, NEUTRAL, Frame, Navigation
 
-from mission.engine.senses import SURFACE_DEPTH, Senses
+from mission.engine.vehicle_state import SURFACE_DEPTH, VehicleState
 from mission.model import Local, NavigationMode, Position
 from mission.navigation.fixes import FIX_DEPTH, metres
 from protocol.messages import Fix, Setpoint, Telemetry
@@ -43,154 +43,154 @@ class Counting(Navigation):
         return super().estimate(now)
 
 
-def told(senses: Senses, t: float, **values: object) -> Senses:
-    senses.at(t)
-    senses.take_telemetry(report(t, **values))
-    return senses
+def told(vehicle_state: VehicleState, t: float, **values: object) -> VehicleState:
+    vehicle_state.at(t)
+    vehicle_state.take_telemetry(report(t, **values))
+    return vehicle_state
 
 
 # --- before navigation is there ----------------------------------------------------------------
 
 
 def test_without_navigation_a_finite_depth_is_believed_for_six_seconds():
-    senses = Senses()
-    assert (senses.depth, senses.health("depth").reason) == (None, "missing")
-    assert senses.health("depth").age == math.inf
-    told(senses, 10.0)
-    senses.at(16.0)
-    assert senses.depth == 0.2
-    assert senses.health("depth").valid
-    assert (senses.health("depth").reason, senses.health("depth").age) == ("", 6.0)
-    senses.at(16.001)
-    assert senses.depth is None
-    assert senses.health("depth").reason == "stale"
-    assert senses.health("depth").age == pytest.approx(6.001)
+    vehicle_state = VehicleState()
+    assert (vehicle_state.depth, vehicle_state.health("depth").reason) == (None, "missing")
+    assert vehicle_state.health("depth").age == math.inf
+    told(vehicle_state, 10.0)
+    vehicle_state.at(16.0)
+    assert vehicle_state.depth == 0.2
+    assert vehicle_state.health("depth").valid
+    assert (vehicle_state.health("depth").reason, vehicle_state.health("depth").age) == ("", 6.0)
+    vehicle_state.at(16.001)
+    assert vehicle_state.depth is None
+    assert vehicle_state.health("depth").reason == "stale"
+    assert vehicle_state.health("depth").age == pytest.approx(6.001)
 
 
 @pytest.mark.parametrize(("depth", "why"), [(math.nan, "absurd"), (None, "missing")])
 def test_without_navigation_what_is_no_number_is_not_believed(depth: float | None, why: str):
-    senses = told(Senses(), 10.0, depth=depth)
-    assert senses.depth is None
-    assert not senses.health("depth").valid
-    assert senses.health("depth").reason == why
+    vehicle_state = told(VehicleState(), 10.0, depth=depth)
+    assert vehicle_state.depth is None
+    assert not vehicle_state.health("depth").valid
+    assert vehicle_state.health("depth").reason == why
 
 
 def test_without_navigation_there_is_no_position_and_no_place():
-    senses = told(Senses(), 10.0)
-    senses.take_fix(fix(10.0))
-    assert senses.estimate is None
-    assert not senses.believable("position")
-    assert senses.believable("depth")
-    assert senses.place(HOME) is None
-    assert senses.compass(1.0) is None
-    assert senses.fix == fix(10.0)
+    vehicle_state = told(VehicleState(), 10.0)
+    vehicle_state.take_fix(fix(10.0))
+    assert vehicle_state.estimate is None
+    assert not vehicle_state.believable("position")
+    assert vehicle_state.believable("depth")
+    assert vehicle_state.place(HOME) is None
+    assert vehicle_state.compass(1.0) is None
+    assert vehicle_state.fix == fix(10.0)
 
 
 # --- depth and surface --------------------------------------------------------------------------
 
 
 def test_a_vehicle_on_the_ground_is_at_depth_0_and_up_six_seconds_after_it_asks():
-    senses = Senses(Navigation(), grounded=True)
-    senses.at(20.0)
-    assert senses.depth == 0.0
-    assert senses.surface_due(14.0) == 20.0
-    assert senses.surfaced(14.0)
-    assert not senses.surfaced(14.001)
+    vehicle_state = VehicleState(Navigation(), grounded=True)
+    vehicle_state.at(20.0)
+    assert vehicle_state.depth == 0.0
+    assert vehicle_state.surface_due(14.0) == 20.0
+    assert vehicle_state.surfaced(14.0)
+    assert not vehicle_state.surfaced(14.001)
 
 
 def test_half_a_metre_is_no_surface_and_a_hair_less_is():
     for depth, shallow in ((SURFACE_DEPTH, False), (math.nextafter(SURFACE_DEPTH, 0.0), True)):
-        senses = told(Senses(Navigation()), 10.0, depth=depth)
-        assert senses.surface_due(0.0) == (16.0 if shallow else None)
-        assert senses.submerged is not shallow
+        vehicle_state = told(VehicleState(Navigation()), 10.0, depth=depth)
+        assert vehicle_state.surface_due(0.0) == (16.0 if shallow else None)
+        assert vehicle_state.submerged is not shallow
     assert SURFACE_DEPTH == 0.5
 
 
 def test_the_surface_is_proved_by_six_seconds_of_shallow_reports_after_it_was_asked_for():
-    senses = told(Senses(Navigation()), 10.0)
-    told(senses, 12.0)
-    assert senses.surface_due(3.0) == 16.0
-    assert senses.surface_due(11.0) == 17.0
-    told(senses, 15.999)
-    assert not senses.surfaced(3.0)
-    senses.at(16.0)
-    assert senses.surfaced(3.0)
-    told(senses, 17.0, depth=2.0)
-    assert not senses.surfaced(3.0)
-    assert senses.surface_due(3.0) is None
+    vehicle_state = told(VehicleState(Navigation()), 10.0)
+    told(vehicle_state, 12.0)
+    assert vehicle_state.surface_due(3.0) == 16.0
+    assert vehicle_state.surface_due(11.0) == 17.0
+    told(vehicle_state, 15.999)
+    assert not vehicle_state.surfaced(3.0)
+    vehicle_state.at(16.0)
+    assert vehicle_state.surfaced(3.0)
+    told(vehicle_state, 17.0, depth=2.0)
+    assert not vehicle_state.surfaced(3.0)
+    assert vehicle_state.surface_due(3.0) is None
 
 
 def test_a_depth_that_is_not_to_be_believed_proves_no_surface_and_begins_anew():
     navigation = Navigation()
-    senses = told(Senses(navigation), 10.0)
+    vehicle_state = told(VehicleState(navigation), 10.0)
     navigation.doubt["depth"] = "frozen"
-    senses.at(17.0)
-    assert not senses.surfaced(3.0)
-    told(senses, 18.0)
-    assert senses.surface_due(3.0) is None
+    vehicle_state.at(17.0)
+    assert not vehicle_state.surfaced(3.0)
+    told(vehicle_state, 18.0)
+    assert vehicle_state.surface_due(3.0) is None
 
 
 def test_only_a_fix_after_it_was_asked_for_proves_the_surface():
-    senses = told(Senses(Navigation()), 10.0, depth=0.7)
-    senses.take_fix(fix(12.0))
-    assert not senses.fixed(12.0)
-    assert senses.fixed(11.999)
-    assert senses.surfaced(11.999)
-    assert not senses.surfaced(12.0)
+    vehicle_state = told(VehicleState(Navigation()), 10.0, depth=0.7)
+    vehicle_state.take_fix(fix(12.0))
+    assert not vehicle_state.fixed(12.0)
+    assert vehicle_state.fixed(11.999)
+    assert vehicle_state.surfaced(11.999)
+    assert not vehicle_state.surfaced(12.0)
 
 
 @pytest.mark.parametrize(("depth", "proves"), [(FIX_DEPTH - 1e-9, True), (FIX_DEPTH, False)])
 def test_a_fix_proves_nothing_against_a_believed_depth_under_water(depth: float, proves: bool):
-    senses = told(Senses(Navigation()), 10.0, depth=depth)
+    vehicle_state = told(VehicleState(Navigation()), 10.0, depth=depth)
     for second in range(60):
-        senses.take_fix(fix(10.0 + second, north=float(second)))
-        told(senses, 10.0 + second, depth=depth)
-    assert senses.fixed(10.0) is proves
-    assert (senses.fix is not None) is proves
+        vehicle_state.take_fix(fix(10.0 + second, north=float(second)))
+        told(vehicle_state, 10.0 + second, depth=depth)
+    assert vehicle_state.fixed(10.0) is proves
+    assert (vehicle_state.fix is not None) is proves
 
 
 def test_submerged_is_what_was_last_believed_and_no_fix_since_that_proves_the_surface():
     navigation = Navigation()
-    senses = Senses(navigation)
-    assert not senses.submerged
-    told(senses, 10.0, depth=5.0)
-    assert senses.submerged
-    senses.take_fix(fix(10.0))
-    assert senses.submerged
+    vehicle_state = VehicleState(navigation)
+    assert not vehicle_state.submerged
+    told(vehicle_state, 10.0, depth=5.0)
+    assert vehicle_state.submerged
+    vehicle_state.take_fix(fix(10.0))
+    assert vehicle_state.submerged
     navigation.doubt["depth"] = "frozen"
-    told(senses, 12.0, depth=0.1)
-    assert senses.submerged
-    assert senses.believed_depth == 5.0
+    told(vehicle_state, 12.0, depth=0.1)
+    assert vehicle_state.submerged
+    assert vehicle_state.believed_depth == 5.0
     for second in range(60):  # what it said before the dive
-        senses.take_fix(fix(12.5 + second))
-    assert senses.submerged
+        vehicle_state.take_fix(fix(12.5 + second))
+    assert vehicle_state.submerged
     for second in range(7):
-        senses.take_fix(fix(73.0 + second, north=second + 1.0))
-    assert not senses.submerged
+        vehicle_state.take_fix(fix(73.0 + second, north=second + 1.0))
+    assert not vehicle_state.submerged
     navigation.doubt.clear()
-    told(senses, 80.0, depth=5.0)
-    assert senses.submerged
+    told(vehicle_state, 80.0, depth=5.0)
+    assert vehicle_state.submerged
 
 
 def test_of_two_reports_within_a_step_the_later_is_believed():
     navigation = Navigation()
-    senses = told(Senses(navigation), 10.0)
-    assert senses.depth == 0.2
+    vehicle_state = told(VehicleState(navigation), 10.0)
+    assert vehicle_state.depth == 0.2
     navigation.doubt["altitude"] = "frozen"
-    senses.take_telemetry(report(10.0, depth=3.0))
-    assert senses.depth == 3.0
-    assert not senses.believable("altitude")
+    vehicle_state.take_telemetry(report(10.0, depth=3.0))
+    assert vehicle_state.depth == 3.0
+    assert not vehicle_state.believable("altitude")
 
 
 def test_a_clone_asks_anew_and_believes_by_its_own_navigation():
-    senses = told(Senses(Navigation()), 10.0)
-    assert (senses.depth, senses.health("depth").valid) == (0.2, True)
-    other = senses.clone()
+    vehicle_state = told(VehicleState(Navigation()), 10.0)
+    assert (vehicle_state.depth, vehicle_state.health("depth").valid) == (0.2, True)
+    other = vehicle_state.clone()
     doubting = Navigation()
     doubting.doubt["depth"] = "frozen"
     other.navigation = doubting
     assert (other.depth, other.health("depth").reason) == (None, "frozen")
-    assert (senses.depth, senses.health("depth").valid) == (0.2, True)
+    assert (vehicle_state.depth, vehicle_state.health("depth").valid) == (0.2, True)
 
 
 # --- position ------------------------------------------------------------------------------------
@@ -198,45 +198,45 @@ def test_a_clone_asks_anew_and_believes_by_its_own_navigation():
 
 def test_an_estimate_is_reckoned_on_when_it_is_older_than_two_seconds_and_a_half():
     navigation = Counting()
-    senses = told(Senses(navigation), 10.0)
-    senses.at(12.5)
-    assert senses.estimate.t == 10.0
-    senses.at(12.501)
-    assert senses.estimate.t == 12.501
+    vehicle_state = told(VehicleState(navigation), 10.0)
+    vehicle_state.at(12.5)
+    assert vehicle_state.estimate.t == 10.0
+    vehicle_state.at(12.501)
+    assert vehicle_state.estimate.t == 12.501
 
 
 def test_a_position_is_believed_from_anything_but_nothing():
     navigation = Navigation()
-    senses = told(Senses(navigation), 10.0)
-    assert senses.believable("position")
+    vehicle_state = told(VehicleState(navigation), 10.0)
+    assert vehicle_state.believable("position")
     navigation.mode = NavigationMode.NONE
-    told(senses, 12.0)
-    assert not senses.believable("position")
-    assert senses.believable("heading")
+    told(vehicle_state, 12.0)
+    assert not vehicle_state.believable("position")
+    assert vehicle_state.believable("heading")
     navigation.doubt["heading"] = "frozen"
-    told(senses, 14.0)
-    assert not senses.believable("heading")
+    told(vehicle_state, 14.0)
+    assert not vehicle_state.believable("heading")
 
 
 def test_a_fix_is_told_to_navigation_and_estimated_at_once():
     navigation = Counting()
-    senses = told(Senses(navigation), 10.0)
+    vehicle_state = told(VehicleState(navigation), 10.0)
     navigation.north = 7.0
-    senses.take_fix(fix(10.5))
+    vehicle_state.take_fix(fix(10.5))
     assert navigation.fixes == [fix(10.5)]
-    assert (senses.estimate.t, senses.estimate.north) == (10.5, 7.0)
+    assert (vehicle_state.estimate.t, vehicle_state.estimate.north) == (10.5, 7.0)
 
 
 def test_the_vehicles_own_position_is_used_once_a_second_and_proves_no_surface():
     navigation = Counting()
-    senses = Senses(navigation)
+    vehicle_state = VehicleState(navigation)
     for t in (10.0, 10.999, 11.0, 11.5):
-        told(senses, t, depth=5.0, position=(0.5, 2.0))
+        told(vehicle_state, t, depth=5.0, position=(0.5, 2.0))
     assert [f.t for f in navigation.fixes] == [10.0, 11.0]
     own = navigation.fixes[0]
     assert (own.latitude, own.longitude, own.accuracy) == (0.5, 2.0, math.inf)
-    assert senses.fix is None
-    assert not senses.surfaced(0.0)
+    assert vehicle_state.fix is None
+    assert not vehicle_state.surfaced(0.0)
 
 
 def test_the_vehicles_own_position_is_in_the_estimate_of_its_report():
@@ -245,47 +245,47 @@ def test_the_vehicles_own_position_is_in_the_estimate_of_its_report():
             super().fix(f)
             self.north = 77.0
 
-    senses = told(Senses(Moved()), 10.0, depth=5.0, position=(0.5, 2.0))
-    assert senses.estimate.north == 77.0
+    vehicle_state = told(VehicleState(Moved()), 10.0, depth=5.0, position=(0.5, 2.0))
+    assert vehicle_state.estimate.north == 77.0
 
 
 def test_the_vehicles_own_position_is_a_fix_once_the_depth_has_proved_the_surface():
-    senses = Senses(Navigation())
+    vehicle_state = VehicleState(Navigation())
     for t in (10.0, 12.0, 14.0, 15.999):
-        told(senses, t, position=(0.5, 2.0))
-        assert senses.fix is None
-    told(senses, 17.0, position=(0.5, 2.0))
-    assert senses.fix.t == 17.0
-    senses = Senses(Navigation())
-    told(senses, 10.0, position=(0.5, 2.0))
-    told(senses, 16.0, position=(0.5, 2.0))
-    assert senses.fix.t == 16.0
+        told(vehicle_state, t, position=(0.5, 2.0))
+        assert vehicle_state.fix is None
+    told(vehicle_state, 17.0, position=(0.5, 2.0))
+    assert vehicle_state.fix.t == 17.0
+    vehicle_state = VehicleState(Navigation())
+    told(vehicle_state, 10.0, position=(0.5, 2.0))
+    told(vehicle_state, 16.0, position=(0.5, 2.0))
+    assert vehicle_state.fix.t == 16.0
 
 
 def test_a_place_is_metres_from_home_and_unknown_where_home_is():
     navigation = Navigation()
-    senses = Senses(navigation)
-    assert senses.place(Local(3.0, 4.0)) == (3.0, 4.0)
-    assert senses.place("home") == (0.0, 0.0)
-    assert senses.place(HOME) is None
+    vehicle_state = VehicleState(navigation)
+    assert vehicle_state.place(Local(3.0, 4.0)) == (3.0, 4.0)
+    assert vehicle_state.place("home") == (0.0, 0.0)
+    assert vehicle_state.place(HOME) is None
     navigation.frame = Frame(HOME)
     north = Position(HOME.latitude_deg + math.degrees(100.0 * _METRE), HOME.longitude_deg)
-    assert senses.place(north) == pytest.approx((100.0, 0.0), abs=1e-6)
+    assert vehicle_state.place(north) == pytest.approx((100.0, 0.0), abs=1e-6)
 
 
 def test_the_compass_says_a_true_heading_with_what_it_is_off_now():
     navigation = Navigation()
-    senses = Senses(navigation)
+    vehicle_state = VehicleState(navigation)
     off = 0.5
     estimate = navigation.estimate
     navigation.estimate = lambda now: estimate(now)._replace(heading=6.0)
-    told(senses, 10.0, heading=(6.0 + off) % math.tau)
-    assert senses.compass(1.0) == pytest.approx(1.0 + off)
-    assert senses.compass(6.2) == pytest.approx(6.2 + off - math.tau)
-    told(senses, 12.0, heading=None)
-    assert senses.compass(1.0) == pytest.approx(1.0 + off)
-    told(senses, 14.0, heading=6.0)
-    assert senses.compass(1.0) == pytest.approx(1.0)
+    told(vehicle_state, 10.0, heading=(6.0 + off) % math.tau)
+    assert vehicle_state.compass(1.0) == pytest.approx(1.0 + off)
+    assert vehicle_state.compass(6.2) == pytest.approx(6.2 + off - math.tau)
+    told(vehicle_state, 12.0, heading=None)
+    assert vehicle_state.compass(1.0) == pytest.approx(1.0 + off)
+    told(vehicle_state, 14.0, heading=6.0)
+    assert vehicle_state.compass(1.0) == pytest.approx(1.0)
 
 
 # --- thrust that is not reported -------------------------------------------------------------------
@@ -303,22 +303,22 @@ def test_the_compass_says_a_true_heading_with_what_it_is_off_now():
 )
 def test_thrusters_that_are_not_reported_do_what_they_were_told(command, thrust):
     navigation = Navigation()
-    senses = Senses(navigation)
-    senses.command = command
-    told(senses, 10.0, actuators=None)
+    vehicle_state = VehicleState(navigation)
+    vehicle_state.command = command
+    told(vehicle_state, 10.0, actuators=None)
     assert navigation.report.actuators == pytest.approx(thrust)
-    told(senses, 12.0)
+    told(vehicle_state, 12.0)
     assert navigation.report.actuators == NEUTRAL
 
 
 # --- home --------------------------------------------------------------------------------------------
 
 
-def after(*fixes: Fix) -> Senses:
-    senses = Senses()
+def after(*fixes: Fix) -> VehicleState:
+    vehicle_state = VehicleState()
     for one in fixes:
-        senses.take_fix(one)
-    return senses
+        vehicle_state.take_fix(one)
+    return vehicle_state
 
 
 def test_home_takes_the_last_five_fixes_and_no_older_one():
@@ -333,7 +333,7 @@ def test_home_takes_the_last_five_fixes_and_no_older_one():
 
 
 def test_a_fix_for_home_has_hdop_3_at_most_and_lies_within_ten_metres_of_the_median():
-    def with_one(**values: object) -> Senses:
+    def with_one(**values: object) -> VehicleState:
         return after(*(fix(float(t)) for t in range(4)), fix(4.0, **values))
 
     assert with_one(hdop=3.0).home_from_fixes() is not None

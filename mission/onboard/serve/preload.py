@@ -10,21 +10,21 @@ from __future__ import annotations
 import gc
 from typing import TYPE_CHECKING
 
-from mission.onboard.runtime.drive import Drive
+from mission.onboard.runtime.runtime import Runtime
 
 if TYPE_CHECKING:
     from mission.navigation import Navigation
 
 
-def prepare(drive: Drive) -> Navigation:
+def prepare(runtime: Runtime) -> Navigation:
     gc.disable()
     try:
         import mission.authoring.check
         import mission.authoring.language.assembly
         import mission.authoring.language.lines  # noqa: F401
 
-        navigation = drive.make_navigation()
-        if not gc.get_freeze_count():  # a further drive: its predecessor may be garbage by now
+        navigation = runtime.make_navigation()
+        if not gc.get_freeze_count():  # a further runtime: its predecessor may be garbage by now
             gc.freeze()
         return navigation
     finally:

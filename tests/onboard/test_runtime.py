@@ -1,4 +1,4 @@
-"""The laws of the drive: what is durable when, what a restart does, what no input can break."""
+"""The laws of the runtime: what is durable when, what a restart does, what no input can break."""
 
 from __future__ import annotations
 
@@ -20,8 +20,7 @@ from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Vehicle
 from mission.navigation import Navigation
 from mission.onboard.configuration import Configuration, LinkUrls
-from mission.onboard.runtime.drive import CLOCK, Drive
-from mission.onboard.runtime.judge import judge
+from mission.onboard.runtime.mission_validator import judge
 from mission.onboard.runtime.records import (
     ESTIMATE,
     FAULT,
@@ -32,6 +31,7 @@ from mission.onboard.runtime.records import (
     ListRecorder,
     read_texts,
 )
+from mission.onboard.runtime.runtime import CLOCK, Runtime
 from mission.onboard.store import MemoryStore, Stored, StoreError
 from protocol.messages import MissionLine, SetSafety
 from protocol.nmea import encode_gga, encode_rmc
@@ -51,7 +51,7 @@ VEHICLE = replace(load_vehicle("auv"), dialect="documented")
 
 
 class Boat:
-    """A drive with a simulated vehicle on its serial line, and what it sent."""
+    """A runtime with a simulated vehicle on its serial line, and what it sent."""
 
     def __init__(
         self,
@@ -64,7 +64,7 @@ class Boat:
         self.sea = SimulatedVehicle("documented", 1)
         self.now = 0.0
         self.sent: list[Tx] = []
-        self.drive = Drive(
+        self.runtime = Runtime(
             configuration or Configuration(),
             VEHICLE,
             self.store,
@@ -72,12 +72,12 @@ class Boat:
             wall=START.timestamp(),
         )
         if navigation:
-            self._leave(self.drive.set_navigation(self.drive.make_navigation(), 0.0))
-        self._leave(self.drive.connected("topside", "boat", 0.0))
+            self._leave(self.runtime.set_navigation(self.runtime.make_navigation(), 0.0))
+        self._leave(self.runtime.connected("topside", "boat", 0.0))
 
     def say(self, data: bytes) -> list[bytes]:
         before = len(self.sent)
-        self._leave(self.drive.receive(Rx(self.now, "topside", data, "boat")))
+        self._leave(self.runtime.receive(Rx(self.now, "topside", data, "boat")))
         return [tx.data for tx in self.sent[before:] if tx.link == "topside"]
 
     def upload(self) -> list[bytes]:
@@ -87,18 +87,18 @@ class Boat:
     def until(self, end: float) -> None:
         link = self.sea.vehicle_link
         for _ in range(100_000):
-            events = (link.next_event(), self.drive.next_timer())
+            events = (link.next_event(), self.runtime.next_timer())
             due = max(self.now, min(t for t in events if t is not None))
             if due > end:
                 self.now = end
                 return
             self.now = due
             for rx in link.receive(due):
-                self._leave(self.drive.receive(rx, due))
-            timer = self.drive.next_timer()
+                self._leave(self.runtime.receive(rx, due))
+            timer = self.runtime.next_timer()
             if timer is not None and timer <= due:
-                self._leave(self.drive.handle_timer(due))
-        raise AssertionError("the drive asks for a timer again and again")
+                self._leave(self.runtime.handle_timer(due))
+        raise AssertionError("the runtime asks for a timer again and again")
 
     def _leave(self, sent: list[Tx]) -> None:
         self.sent += sent
@@ -136,7 +136,7 @@ def test_a_stop_leaves_before_any_disk_is_asked() -> None:
     boat.say(b"@ZAX0$")
     assert boat.to_vehicle() == [b"@ZAX0$"]
     assert written == []
-    assert boat.drive.next_timer() == boat.now
+    assert boat.runtime.next_timer() == boat.now
     boat.until(0.01)
     assert written == [1]
     assert boat.store.content.under_way == "emergency/stopped"
@@ -165,7 +165,7 @@ def test_no_mission_starts_that_a_restart_would_not_know_of() -> None:
     boat.until(4.0)
     store.full = True
     assert boat.say(b"@AA$") == [b"@ACK_AAN$"]
-    assert boat.drive.state == "idle/ready"
+    assert boat.runtime.state == "idle/ready"
     store.full = False
     assert boat.say(b"@AA$") == [b"@ACK_AAA$"]
     assert store.content.under_way.startswith("autonomous")
@@ -177,11 +177,11 @@ def test_a_clear_is_durable_or_nothing_is_cleared() -> None:
     boat.upload()
     store.full = True
     assert boat.say(b"@AC$") == [b"@ACK_ACN$"]
-    assert boat.drive.state == "idle/ready"
-    assert boat.drive.engine.chart is not None
+    assert boat.runtime.state == "idle/ready"
+    assert boat.runtime.engine.chart is not None
     store.full = False
     assert boat.say(b"@AC$") == [b"@ACK_ACC$"]
-    assert boat.drive.state == "idle/empty"
+    assert boat.runtime.state == "idle/empty"
     assert not store.content.lines
 
 
@@ -210,14 +210,14 @@ def test_the_latch_is_lifted_when_the_mission_is_over() -> None:
     boat.until(4.0)
     boat.say(b"@AA$")
     boat.until(120.0)
-    assert boat.drive.state == "idle/ready"
+    assert boat.runtime.state == "idle/ready"
     assert boat.store.content.under_way == ""
 
 
 @pytest.mark.parametrize("during", ["autonomous/a", "emergency/surfacing", "manual/driving", "?"])
 def test_a_restart_under_way_surfaces_at_once(during: str) -> None:
     boat = Boat(MemoryStore(Stored(LINES, under_way=during)), navigation=False)
-    assert boat.drive.state == SURFACING
+    assert boat.runtime.state == SURFACING
     boat.until(0.2)
     assert boat.to_vehicle() == [b"@ZAX0$", b"@ZAU12$"]
 
@@ -226,7 +226,7 @@ def test_a_restart_under_way_surfaces_at_once(during: str) -> None:
 def test_a_restart_in_the_end_of_an_emergency_turns_nothing(during: str) -> None:
     boat = Boat(MemoryStore(Stored(LINES, under_way=during)), navigation=False)
     boat.until(30.0)
-    assert boat.drive.state == during
+    assert boat.runtime.state == during
     assert set(boat.to_vehicle()) == {b"@ZAX0$"}
 
 
@@ -235,11 +235,11 @@ def test_a_restart_names_the_leg_that_was_active() -> None:
     boat.until(4.0)
     boat.say(b"@AA$")
     named = []
-    while (now := boat.drive.state) != "idle/ready":
+    while (now := boat.runtime.state) != "idle/ready":
         boat.until(boat.now + 0.5)
-        if boat.drive.state == now:  # no change in between
+        if boat.runtime.state == now:  # no change in between
             next_one = Boat(MemoryStore(boat.store.content), navigation=False)
-            assert next_one.drive.engine.reason == f"the program restarted during {now}"
+            assert next_one.runtime.engine.reason == f"the program restarted during {now}"
             named.append(now)
     assert {"autonomous/a", "autonomous/b", "autonomous/c"} <= set(named)
 
@@ -248,7 +248,7 @@ def test_a_restart_names_the_leg_that_was_active() -> None:
 def test_a_restart_where_everything_was_stopped_stops_it_again_and_stays(during: str) -> None:
     boat = Boat(MemoryStore(Stored(LINES, under_way=during)), navigation=False)
     boat.until(1.0)
-    assert boat.drive.state == during
+    assert boat.runtime.state == during
     assert set(boat.to_vehicle()) == {b"@ZAX0$"}
     assert boat.store.content.under_way == during
 
@@ -262,15 +262,15 @@ def test_the_way_up_does_not_wait_for_the_judge_of_the_stored_mission(
         judged.append(lines)
         return judge(lines, vehicle)
 
-    monkeypatch.setattr("mission.onboard.runtime.judge.judge", watched)
+    monkeypatch.setattr("mission.onboard.runtime.mission_validator.judge", watched)
     boat = Boat(MemoryStore(Stored(LINES, under_way="autonomous/a")))
     boat.until(30.0)
     assert boat.to_vehicle()[:2] == [b"@ZAX0$", b"@ZAU12$"]
     assert judged == []
     boat.say(b"@MMF1$")
-    assert boat.drive.state == "manual/driving"
+    assert boat.runtime.state == "manual/driving"
     boat.until(100.0)
-    assert boat.drive.state == "idle/ready", "left by the stick it is there again"
+    assert boat.runtime.state == "idle/ready", "left by the stick it is there again"
     assert judged == [LINES]
     assert boat.say(b"@AA$") == [b"@ACK_AAA$"]
 
@@ -279,13 +279,13 @@ def test_a_mission_that_is_cleared_after_a_restart_is_not_there_again() -> None:
     boat = Boat(MemoryStore(Stored(LINES, under_way="autonomous/a")))
     boat.until(30.0)
     assert boat.say(b"@AC$") == [b"@ACK_ACC$"]
-    assert boat.drive.state == "idle/empty"
+    assert boat.runtime.state == "idle/empty"
     assert boat.store.content.lines == ()
 
 
 def test_a_restart_out_of_idle_has_the_stored_mission_ready() -> None:
     boat = Boat(MemoryStore(Stored(LINES)))
-    assert boat.drive.state == "idle/ready"
+    assert boat.runtime.state == "idle/ready"
     boat.until(4.0)
     assert boat.to_vehicle() == []  # nothing is sent that nothing asked for
     assert boat.say(b"@AA$") == [b"@ACK_AAA$"]
@@ -293,7 +293,7 @@ def test_a_restart_out_of_idle_has_the_stored_mission_ready() -> None:
 
 def test_a_stored_mission_that_no_longer_compiles_is_not_ready() -> None:
     boat = Boat(MemoryStore(Stored(("mission x vehicle auv", "ZAF130"))))
-    assert boat.drive.state == "idle/empty"
+    assert boat.runtime.state == "idle/empty"
     assert boat.say(b"@AA$") == [b"@ACK_AAN$"]
 
 
@@ -302,7 +302,7 @@ def test_limits_of_an_earlier_session_are_in_force_again() -> None:
     boat.until(4.0)
     boat.say(b"@AA$")
     boat.until(60.0)
-    assert boat.drive.state.startswith("emergency")
+    assert boat.runtime.state.startswith("emergency")
 
 
 def test_a_disk_that_fails_does_not_stop_the_vehicle_and_is_on_record() -> None:
@@ -312,7 +312,7 @@ def test_a_disk_that_fails_does_not_stop_the_vehicle_and_is_on_record() -> None:
     assert boat.say(b"@AA$") == [b"@ACK_AAA$"]
     boat.say(b"@ZAWF$")
     boat.until(10.0)
-    assert boat.drive.state.startswith("emergency")
+    assert boat.runtime.state.startswith("emergency")
     assert [read_texts(r) for r in boat.recorder.of(STORE)] == [("2", "no space left")]
 
 
@@ -333,9 +333,9 @@ def test_a_start_waits_for_the_navigation() -> None:
     boat.upload()
     boat.until(4.0)
     assert boat.say(b"@AA$") == [b"@ACK_AAN$"]
-    navigation = boat.drive.make_navigation()
+    navigation = boat.runtime.make_navigation()
     assert isinstance(navigation, Navigation)
-    boat.drive.set_navigation(navigation, boat.now)
+    boat.runtime.set_navigation(navigation, boat.now)
     boat.until(8.0)
     assert boat.say(b"@AA$") == [b"@ACK_AAA$"]
 
@@ -369,7 +369,7 @@ def test_status_has_no_place_before_the_first_fix_and_keeps_the_last_one() -> No
     utc = datetime(2025, 6, 1, 8, 0, 4, tzinfo=UTC)
     where = [math.radians(a) for a in (30.2874595, 120.1535765)]
     said = encode_gga(utc, *where) + encode_rmc(utc, *where, speed=1.0, course=0.5)
-    boat.drive.receive(Rx(boat.now, "gps", said))
+    boat.runtime.receive(Rx(boat.now, "gps", said))
     boat.until(5.0)
     fresh = place()
     assert fresh[:2] == [b"120.1535765", b"30.2874595"]
@@ -397,8 +397,8 @@ def test_the_systems_clock_is_set_where_configured() -> None:
 def test_time_that_goes_back_is_held() -> None:
     boat = Boat()
     boat.until(3.0)
-    boat.drive.handle_timer(1.0)
-    boat.drive.receive(Rx(0.5, "topside", b"@NI$", "boat"))
+    boat.runtime.handle_timer(1.0)
+    boat.runtime.receive(Rx(0.5, "topside", b"@NI$", "boat"))
     times = [record.t for record in boat.recorder.records if record.kind in (TIMER, RX)]
     assert times == sorted(times)
     assert len(boat.recorder.of(TIMER)) > 0
@@ -432,7 +432,7 @@ def test_closing_auto_ends_the_mission_and_holds_the_next_start() -> None:
     boat.say(b"@AA$")
     boat.until(10.0)
     boat.say(b"@NSOOOOCC$")
-    assert boat.drive.state.startswith("idle")
+    assert boat.runtime.state.startswith("idle")
     boat.until(10.1)
     assert boat.to_vehicle()[-1] == b"@ZAX0$"
     assert boat.say(b"@AA$") == [b"@ACK_AAN$"]
@@ -448,7 +448,7 @@ def test_a_silent_topside_is_a_limit_where_configured(asks: bool) -> None:
         boat.until(float(i))
         if asks:
             boat.say(b"@DU$")
-    assert boat.drive.state == ("autonomous/a" if asks else SURFACING)
+    assert boat.runtime.state == ("autonomous/a" if asks else SURFACING)
 
 
 # --- any bytes ----------------------------------------------------------------------------------------
@@ -480,10 +480,10 @@ def test_no_input_on_any_link_breaks_the_drive(
     boat = Boat()
     boat.upload()
     for link, data, address, wait in inputs:
-        boat._leave(boat.drive.receive(Rx(boat.now, link, data, address)))
+        boat._leave(boat.runtime.receive(Rx(boat.now, link, data, address)))
         boat.until(boat.now + wait)
     assert all(tx.reason for tx in boat.sent)
-    assert boat.drive.state.split("/")[0] in ("idle", "autonomous", "manual", "emergency")
+    assert boat.runtime.state.split("/")[0] in ("idle", "autonomous", "manual", "emergency")
 
 
 def test_garbage_is_on_record_as_faults() -> None:
@@ -506,16 +506,16 @@ def test_every_step_on_record_says_what_came_in() -> None:
 
 @pytest.mark.parametrize("name", ["rov", "coreboard", "robot"])
 def test_a_board_that_answers_nothing_hears_the_stop_again_and_again(name: str) -> None:
-    drive = Drive(Configuration(), load_vehicle(name), MemoryStore())
-    sent = drive.receive(Rx(1.0, "topside", b"@ZAX0$", "boat"))
+    runtime = Runtime(Configuration(), load_vehicle(name), MemoryStore())
+    sent = runtime.receive(Rx(1.0, "topside", b"@ZAX0$", "boat"))
     for _ in range(20):
-        due = drive.next_timer()
+        due = runtime.next_timer()
         assert due is not None
-        sent += drive.handle_timer(max(due, 1.0))
+        sent += runtime.handle_timer(max(due, 1.0))
     to_vehicle = [tx for tx in sent if tx.link == "vehicle"]
     assert len({tx.data for tx in to_vehicle}) <= 2
     assert len(to_vehicle) > 10
-    assert drive.state == "emergency/stopped"
+    assert runtime.state == "emergency/stopped"
 
 
 # --- a line that was away ------------------------------------------------------------------------
@@ -529,13 +529,13 @@ def test_behind_a_line_that_was_away_what_was_stopped_is_stopped_again() -> None
         boat.until(4.0)
         boat.say(order)
         boat.until(8.0)
-        assert boat.drive.state == state
+        assert boat.runtime.state == state
         before = boat.to_vehicle()
-        boat._leave(boat.drive.connected("vehicle", "", 8.0))
+        boat._leave(boat.runtime.connected("vehicle", "", 8.0))
         assert boat.to_vehicle()[len(before) :] == again
         boat.until(12.0)
         assert boat.to_vehicle()[len(before) :] == again  # acknowledged, and no more
-        assert boat.drive.state == state
+        assert boat.runtime.state == state
         assert replay(boat.recorder.records).identical
 
 
@@ -545,9 +545,9 @@ def test_behind_a_line_that_was_away_a_leg_says_its_whole_set_again() -> None:
     boat.until(4.0)
     boat.say(b"@AA$")
     boat.until(8.0)
-    assert boat.drive.state.startswith("autonomous/")
+    assert boat.runtime.state.startswith("autonomous/")
     before = len(boat.sent)
-    boat._leave(boat.drive.connected("vehicle", "", boat.now))
+    boat._leave(boat.runtime.connected("vehicle", "", boat.now))
     boat.until(boat.now + 3.0)
     again = [tx for tx in boat.sent[before:] if tx.link == "vehicle"]
     first = [tx.data for tx in boat.sent[:before] if tx.link == "vehicle"]
@@ -561,6 +561,6 @@ def test_the_stick_is_not_disturbed_by_a_line_that_was_away() -> None:
     boat.until(4.0)
     boat.say(b"@MMF5$")
     before = boat.to_vehicle()
-    boat._leave(boat.drive.connected("vehicle", "", 4.5))
+    boat._leave(boat.runtime.connected("vehicle", "", 4.5))
     boat.until(5.5)
     assert boat.to_vehicle() == before

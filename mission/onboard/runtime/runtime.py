@@ -1,4 +1,4 @@
-"""The drive: clock-less and without IO, the one core of the sea and of the simulation.
+"""The runtime: clock-less and without IO, the one core of the sea and of the simulation.
 
     Rx vehicle --vehicle codec--> Telemetry, Ack --+                +--> Action --> Frontseat --> Tx
     Rx gps -----NMEA------------> Fix -------------+--> Engine.step +--> Step, Estimate --> record
@@ -8,8 +8,8 @@
 Two pumps turn it: the lock-step loop of the simulation (flight) and asyncio (serve). A pump gives
 it every byte, connection and timer with its time, and sends what it returns. Everything that went
 in and came out is recorded first (records); nothing else has an effect on what it does. What must
-be durable is durable before the Tx that says so is returned; the latch of an emergency alone is
-written by the timer that follows at once, so that no disk stands before a STOP.
+be durable is durable before the Tx that says so is returned; the resume marker of an emergency
+alone is written by the timer that follows at once, so that no disk stands before a STOP.
 
 What does not live here: rules of the states (engine), of the line (frontseat), of the operator
 (topside), files and sockets (store, links).
@@ -42,15 +42,15 @@ from mission.model import (
 from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
 from mission.onboard.runtime import records as rec
+from mission.onboard.runtime.command_target import MissionRefused, Peer
 from mission.onboard.runtime.commander import Commander
-from mission.onboard.runtime.judge import Judge
-from mission.onboard.runtime.latch import Latch
+from mission.onboard.runtime.device_switches import LINK as NODES
+from mission.onboard.runtime.device_switches import DeviceSwitches, with_process
 from mission.onboard.runtime.line import line_to
-from mission.onboard.runtime.nodes import LINK as NODES
-from mission.onboard.runtime.nodes import Nodes, with_process
-from mission.onboard.runtime.paths import paths
-from mission.onboard.runtime.topside import Topside
-from mission.onboard.runtime.vessel import MissionRefused, Peer
+from mission.onboard.runtime.mission_validator import MissionValidator
+from mission.onboard.runtime.operator_channels import operator_channels
+from mission.onboard.runtime.operator_server import OperatorServer
+from mission.onboard.runtime.resume_marker import ResumeMarker
 from mission.onboard.runtime.wallclock import WallClock
 from mission.onboard.store import Store, StoreError, WatchedStore
 from protocol.codec import Received
@@ -77,7 +77,7 @@ MOST_ROUNDS = 10  # of outcomes that lead to commands that lead to outcomes, at 
 CLOCK = "clock"  # a Tx to it asks the pump to set the system's clock (R10)
 
 
-class Drive:
+class Runtime:
     """``wall`` is the wall clock at the engine's time 0, in s since 1970 UTC."""
 
     def __init__(
@@ -92,7 +92,7 @@ class Drive:
     ) -> None:
         self._configuration, self._vehicle = configuration, vehicle
         self._store = WatchedStore(store, self._failed_write)
-        self.judge = Judge(vehicle, configuration.ascent_only)
+        self.judge = MissionValidator(vehicle, configuration.ascent_only)
         self._recorder, self._observer = recorder, observer
         start = rec.Start(__version__, configuration, vehicle, store.content, wall)
         self._record(rec.start_record, start, 0.0)
@@ -104,11 +104,11 @@ class Drive:
         links = configuration.links
         self._frontseat = line_to(self._codec, VEHICLE, links.vehicle)
         self.gap, self.cannot_relay = self._frontseat.gap, self._frontseat.cannot_relay
-        self._topside = Topside(
+        self._topside = OperatorServer(
             self,
             self._store,
-            paths(Tolerances.parse(configuration.tolerances), links.modem),
-            Nodes(with_process(links)),
+            operator_channels(Tolerances.parse(configuration.tolerances), links.modem),
+            DeviceSwitches(with_process(links)),
             configuration.answer_no,
         )
         self._engine = Engine(vehicle, forgotten_after=configuration.manual_for)
@@ -117,7 +117,7 @@ class Drive:
         self._telemetry: Telemetry | None = None
         self._fix: Fix | None = None
         self._now = 0.0
-        self._latch = Latch(self._store)
+        self._marker = ResumeMarker(self._store)
         self._owes_report = False
         self._has_news = False  # a report, a fix or a step since the last look at the surface
         self._refused: list[Outcome] = []  # commands for which the vehicle has no word
@@ -162,7 +162,7 @@ class Drive:
     def handle_timer(self, now: float) -> list[Tx]:
         self._now = now = max(self._now, now)
         self._record(rec.input_record, now, rec.TIMER)
-        self._latch.handle_timer(now)
+        self._marker.handle_timer(now)
         if _is_due(self._codec.next_timer(), now):
             self._from_vehicle(self._codec.flush(now), now)
         if _is_due(self._gps.next_timer(), now):
@@ -185,7 +185,7 @@ class Drive:
         return self._frontseat.next_timer() is None
 
     def next_timer(self) -> float | None:
-        first = self._latch.next_timer()
+        first = self._marker.next_timer()
         for due in (
             self._codec.next_timer(),
             self._gps.next_timer(),
@@ -272,7 +272,7 @@ class Drive:
             refused = self._frontseat.command(action)
             if refused is not None:
                 self._refused.append(refused)
-        self._latch.follow(self._engine.under_way, now)
+        self._marker.follow(self._engine.under_way, now)
         return outputs.verdicts
 
     # --- out ----------------------------------------------------------------------------------
@@ -342,7 +342,7 @@ class Drive:
 
     def decide(self, command: Command, now: float) -> Verdict:
         chart = self._chart if isinstance(command, StartMission) else None
-        if chart is not None and (why := self._latch.foresee(chart.initial)):
+        if chart is not None and (why := self._marker.foresee(chart.initial)):
             return Verdict(False, why)
         if isinstance(command, ClearMission):
             self._step(now, ())  # whether it may be cleared is asked of this instant

@@ -1,4 +1,4 @@
-"""What of an address's bytes goes on to the drive: all within its allowance, then X and W alone.
+"""What of an address's bytes goes on to the runtime: all within its allowance, then X and W alone.
 
     allowance of one address:   1000 frames and 256 kB at once, refilled 500 and 64 kB a second
     of all together:            four times that
@@ -64,7 +64,7 @@ class _Source:
     cut: set[str] = field(default_factory=set)  # connections whose last bytes were dropped
 
 
-class Sieve:
+class RateLimiter:
     def __init__(self, now: float) -> None:
         self._all = _Budget(Allowance(FRAMES * ALL, now), Allowance(BYTES * ALL, now))
         self._sources: dict[str, _Source] = {}

@@ -1,4 +1,4 @@
-"""The latch: what a restart would interrupt, kept durable, so that the next program surfaces.
+"""The resume marker: what a restart would interrupt, kept durable; the next program surfaces.
 
     a start      is durable before it happens, or it does not happen
     a region     is written at once, an emergency and the stick by the timer that follows at
@@ -21,7 +21,7 @@ AHEAD_S = 30 * EVERY_S  # that the writes of legs may be ahead of that
 UNNAMED = "(changing too often to be named)"
 
 
-class Latch:
+class ResumeMarker:
     def __init__(self, store: Store) -> None:
         self._store, self._kept = store, store.content.under_way
         self._is = self._kept  # by its name

@@ -2,7 +2,7 @@
 
     decided --(a disk that syncs, a busy Pi)--> left |==frame==|<- gap ->|==frame==|
 
-The drive reckons with the times of its inputs. A frame that left late would have the next one at
+The runtime reckons with the times of its inputs. A frame that left late would have the next one at
 its heels, and the STM32 takes both for one burst and understands neither. So whoever writes to the
 line keeps the gap, too: what comes too early waits here. X and W drop what waits (R7).
 
@@ -21,7 +21,7 @@ WAITING = 32  # frames; the line has its own backlog, so more than a few never w
 _ORDERS = frozenset(EMERGENCIES.values())
 
 
-class Pace:
+class TxSpacer:
     """``gap``: s, 0 where frames need none."""
 
     def __init__(self, gap: float, baud: float) -> None:

@@ -72,7 +72,7 @@ class Navigator(Protocol):
     def restore(self, snapshot: Any) -> None: ...
 
 
-class Senses:
+class VehicleState:
     def __init__(
         self,
         navigation: Navigator | None = None,

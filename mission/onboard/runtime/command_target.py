@@ -1,4 +1,4 @@
-"""What the operator's side and the drive ask of each other: types, and how a refusal is written.
+"""What the operator's side and the runtime ask of each other: types, and how a refusal is written.
 
 What does not live here: the rules between them (topside), the vehicle's behaviour (engine).
 """
@@ -36,8 +36,8 @@ class MissionRefused(ValueError):
     """The mission's author must act; the message names the first line and its fault."""
 
 
-class Vessel(Protocol):
-    """What the operator's commands act upon; the drive is one. ``cannot_relay``: why the vehicle
+class CommandTarget(Protocol):
+    """What the operator's commands act upon; the runtime is one. ``cannot_relay``: why the vehicle
     takes no M, R and D at all, "" if it has them (R14)."""
 
     cannot_relay: str

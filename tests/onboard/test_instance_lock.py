@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from served import PATIENCE, silent_board, soon
 
-from mission.onboard.serve.only import AnotherServe, only_one
+from mission.onboard.serve.instance_lock import AnotherServe, only_one
 
 
 def test_a_second_one_is_refused_until_the_first_has_ended(tmp_path: Path) -> None:

@@ -2,7 +2,7 @@
 
 A verdict follows from the lines and the vehicle alone, so it may be found in advance: ``Judge``
 keeps the last one. A shell that lets it think in a thread of its own, before the line that
-completes the mission is heard, keeps the drive from thinking for seconds (docket); a replay just
+completes the mission is heard, keeps the runtime from thinking for seconds (docket); a replay just
 thinks again.
 
 What does not live here: where the lines come from (staging, store), the rules (language, compiler,
@@ -14,10 +14,10 @@ from __future__ import annotations
 from mission.authoring.compiler.compiler import CompileErrors, compile_mission
 from mission.model import Chart
 from mission.model.vehicle import Vehicle
-from mission.onboard.runtime.vessel import MissionRefused
+from mission.onboard.runtime.command_target import MissionRefused
 
 
-class Judge:
+class MissionValidator:
     """Of the missions of one vehicle. ``closed``: why none is accepted, "" if that depends."""
 
     def __init__(self, vehicle: Vehicle, closed: str = "") -> None:

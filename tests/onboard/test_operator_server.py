@@ -8,10 +8,10 @@ import pytest
 from topside_world import BOAT, LINES, OTHER, WATER, Pi, opened
 
 from mission.model import Outcome, Result, Tx
+from mission.onboard.runtime.command_target import REFUSAL_CHARACTERS, Peer, one_line
 from mission.onboard.runtime.commander import COMMANDER_SILENT_S
 from mission.onboard.runtime.copies import REMEMBERED
 from mission.onboard.runtime.staging import FORGOTTEN_AFTER_S
-from mission.onboard.runtime.vessel import REFUSAL_CHARACTERS, Peer, one_line
 from mission.onboard.store import Stored
 from protocol.messages import (
     Ack,
@@ -42,15 +42,15 @@ def pi() -> Pi:
 
 def test_every_line_is_acknowledged_and_the_last_one_after_it_is_stored(pi: Pi) -> None:
     assert pi.upload() == [b"@ACK_AWW$"] * 3
-    assert pi.vessel.accepted == [LINES]
+    assert pi.target.accepted == [LINES]
 
 
 def test_a_refused_mission_is_answered_n_and_the_earlier_one_stays(pi: Pi) -> None:
     pi.upload()
-    pi.vessel.refuses_mission = "2:1: ZAF130: gear and seconds run together, write ZAF1 for 30s"
+    pi.target.refuses_mission = "2:1: ZAF130: gear and seconds run together, write ZAF1 for 30s"
     bad = ("mission b vehicle auv", "ZAF130", "wait 1s")
     assert pi.upload(bad) == [b"@ACK_AWW$", b"@ACK_AWW$", b"@ACK_AWN$"]
-    assert pi.vessel.store.content.lines == LINES
+    assert pi.target.store.content.lines == LINES
     (report,) = ConsoleCodec().receive(pi.hear(StoreQuery())[0], 0.0)
     assert "gear and seconds run together" in report.refusal  # type: ignore[union-attr]
     assert pi.hear(MissionLine(3, 3, "wait 1s")) == [b"@ACK_AWN$"]  # the retry of a lost N
@@ -58,16 +58,16 @@ def test_a_refused_mission_is_answered_n_and_the_earlier_one_stays(pi: Pi) -> No
 
 @pytest.mark.parametrize("state", ["autonomous/a", "manual/driving", "emergency/stopped"])
 def test_lines_are_refused_outside_idle(pi: Pi, state: str) -> None:
-    pi.vessel.state = state
+    pi.target.state = state
     assert pi.hear(MissionLine(3, 1, LINES[0])) == [b"@ACK_AWN$"]
-    pi.vessel.state = "idle/empty"
+    pi.target.state = "idle/empty"
     assert pi.hear(MissionLine(3, 2, LINES[1])) == [b"@ACK_AWN$"]  # nothing was staged
 
 
 def test_start_is_refused_while_lines_are_missing(pi: Pi) -> None:
     pi.hear(MissionLine(3, 1, LINES[0]))
     assert pi.hear(StartMission()) == [b"@ACK_AAN$"]
-    assert pi.vessel.decided == []
+    assert pi.target.decided == []
     assert pi.hear(StartMission(), FORGOTTEN_AFTER_S) == [b"@ACK_AAA$"]
 
 
@@ -80,7 +80,7 @@ def test_the_store_is_reported_by_state_and_digest(pi: Pi) -> None:
     assert report().startswith(b"@AR,staging,3,1,2-3,,")
     pi.upload()
     assert report().startswith(b"@AR,ready,3,3,,0123456789abcdef,")
-    pi.vessel.state = "autonomous/line2"
+    pi.target.state = "autonomous/line2"
     assert report().startswith(b"@AR,running,3,3,,0123456789abcdef,")
 
 
@@ -90,7 +90,7 @@ def test_a_full_disk_is_answered_n(pi: Pi) -> None:
     assert b"no space left" in full.hear(StoreQuery())[0]
     full = Pi(failures={0: "no space left on device"})
     assert full.hear(SetSafety(radius=100.0)) == [b"@ACK_SPN$"]
-    assert full.vessel.decided == []
+    assert full.target.decided == []
 
 
 def test_clear_drops_what_was_staged(pi: Pi) -> None:
@@ -101,22 +101,22 @@ def test_clear_drops_what_was_staged(pi: Pi) -> None:
 
 def test_no_is_silent_for_a_topside_that_cannot_bear_it() -> None:
     pi = Pi(answer_no=False)
-    pi.vessel.refuses = "an emergency"
+    pi.target.refuses = "an emergency"
     assert pi.hear(StartMission()) == []
 
 
 def test_an_old_refusal_is_told_with_its_age_and_ends_with_what_is_accepted(pi: Pi) -> None:
-    pi.vessel.refuses = "no mission is stored"
+    pi.target.refuses = "no mission is stored"
     pi.hear(StartMission())
     assert b",AA: no mission is stored,$" in pi.hear(StoreQuery())[0]
     assert b",AA: no mission is stored; 10 min ago,$" in pi.hear(StoreQuery(), 600.0)[0]
-    pi.vessel.refuses = ""
+    pi.target.refuses = ""
     pi.hear(StartMission(), 600.0)
     assert b",,$" in pi.hear(StoreQuery(), 600.0)[0]
 
 
 def test_a_refusal_in_the_report_has_no_comma_and_at_most_200_characters(pi: Pi) -> None:
-    pi.vessel.refuses = "no, never: " + "\u00e9" * 3 + "x" * 300
+    pi.target.refuses = "no, never: " + "\u00e9" * 3 + "x" * 300
     pi.hear(StartMission())
     answer = pi.hear(StoreQuery())[0]
     assert answer.count(b",") == 7
@@ -131,19 +131,19 @@ def test_a_refusal_in_the_report_has_no_comma_and_at_most_200_characters(pi: Pi)
 def test_an_empty_item_of_the_safety_set_keeps_its_value(pi: Pi) -> None:
     assert pi.hear(SetSafety(100.0, 600.0, 20.0, 11.0)) == [b"@ACK_SPP$"]
     assert pi.hear(SetSafety(depth=5.0)) == [b"@ACK_SPP$"]
-    assert pi.vessel.store.content.limits == SetSafety(100.0, 600.0, 5.0, 11.0)
-    assert pi.vessel.decided[-1] == SetSafety(100.0, 600.0, 5.0, 11.0)
+    assert pi.target.store.content.limits == SetSafety(100.0, 600.0, 5.0, 11.0)
+    assert pi.target.decided[-1] == SetSafety(100.0, 600.0, 5.0, 11.0)
 
 
 def test_time_is_set_in_idle_and_not_over_the_modem(pi: Pi) -> None:
     command = SetTime("2025-01-11T16:56:06")
     assert opened(pi.hear(command, 0.0, WATER)) == b"@ACK_STN$"
-    pi.vessel.state = "autonomous/a"
+    pi.target.state = "autonomous/a"
     assert pi.hear(command, 1.0) == [b"@ACK_STN$"]
-    assert pi.vessel.clock == ""
-    pi.vessel.state = "idle/ready"
+    assert pi.target.clock == ""
+    pi.target.state = "idle/ready"
     assert pi.hear(command, 2.0) == [b"@ACK_STT$"]
-    assert pi.vessel.clock == "2025-01-11T16:56:06"
+    assert pi.target.clock == "2025-01-11T16:56:06"
 
 
 # --- R6, R7, R14 --------------------------------------------------------------------------------
@@ -151,10 +151,10 @@ def test_time_is_set_in_idle_and_not_over_the_modem(pi: Pi) -> None:
 
 def test_manual_is_relayed_unchanged_when_the_engine_agrees(pi: Pi) -> None:
     assert pi.hear(b"@MT1,-10$") == []
-    assert pi.vessel.relayed == [b"@MT1,-10$"]
-    pi.vessel.refuses = "an emergency: let go of the stick for 2 s"
+    assert pi.target.relayed == [b"@MT1,-10$"]
+    pi.target.refuses = "an emergency: let go of the stick for 2 s"
     pi.hear(b"@MMF3$")
-    assert pi.vessel.relayed == [b"@MT1,-10$"]
+    assert pi.target.relayed == [b"@MT1,-10$"]
 
 
 def test_every_stick_is_heard_of_whoever_holds_it_and_by_whatever_path(pi: Pi) -> None:
@@ -162,22 +162,22 @@ def test_every_stick_is_heard_of_whoever_holds_it_and_by_whatever_path(pi: Pi) -
     pi.hear(StartMission(), 0.0, BOAT)
     pi.hear(b"@MMF3$", 1.0, OTHER)
     pi.hear(b"@MMF3$", 2.0, WATER)
-    assert pi.vessel.sticks == [1.0, 2.0]
-    pi.vessel.refuses = "an emergency: let go of the stick for 2 s"
+    assert pi.target.sticks == [1.0, 2.0]
+    pi.target.refuses = "an emergency: let go of the stick for 2 s"
     pi.hear(b"@MMF3$", 3.0, BOAT)
-    assert pi.vessel.sticks == [1.0, 2.0, 3.0]
+    assert pi.target.sticks == [1.0, 2.0, 3.0]
 
 
 def test_manual_never_goes_over_the_modem(pi: Pi) -> None:
     pi.hear(b"@MMF3$", 0.0, WATER)
-    assert (pi.vessel.decided, pi.vessel.relayed) == ([], [])
+    assert (pi.target.decided, pi.target.relayed) == ([], [])
 
 
 def test_rudder_and_power_are_relayed_and_do_not_reach_the_engine(pi: Pi) -> None:
     for frame in (b"@DA2,-2$", b"@RSOOOOOOO$"):
         pi.hear(frame)
-    assert pi.vessel.relayed == [b"@DA2,-2$", b"@RSOOOOOOO$"]
-    assert pi.vessel.decided == []
+    assert pi.target.relayed == [b"@DA2,-2$", b"@RSOOOOOOO$"]
+    assert pi.target.decided == []
 
 
 def test_the_answer_to_a_relay_goes_back_to_whoever_asked(pi: Pi) -> None:
@@ -198,7 +198,7 @@ def test_stop_and_surface_pass_from_every_connection_every_time(
     pi.hear(StartMission(), 0.0, BOAT)
     for i in range(3):
         pi.hear(Emergency(order), 0.1 * i, peer)
-    assert pi.vessel.decided[1:] == [Emergency(order)] * 3
+    assert pi.target.decided[1:] == [Emergency(order)] * 3
 
 
 def test_who_stopped_hears_what_became_of_it(pi: Pi) -> None:
@@ -217,8 +217,8 @@ def test_others_read_while_somebody_commands(pi: Pi) -> None:
     assert pi.hear(StartMission(), 0.0, BOAT) == [b"@ACK_AAA$"]
     assert pi.hear(ClearMission(), 1.0, OTHER) == [b"@ACK_ACN$"]
     pi.hear(b"@MMF3$", 1.0, OTHER)
-    assert pi.vessel.decided == [StartMission()]
-    assert pi.vessel.relayed == []
+    assert pi.target.decided == [StartMission()]
+    assert pi.target.relayed == []
     assert pi.hear(StoreQuery(), 1.0, OTHER)[0].startswith(b"@AR,")
     assert pi.hear(b"@DU$", 1.0, OTHER)[0].startswith(b"@VS")
     assert pi.hear(b"@NI$", 1.0, OTHER) == [b"@ACK_NI\x2f$"]
@@ -270,7 +270,7 @@ def test_under_water_nobody_is_told_unasked_that_he_lost_the_command(pi: Pi) -> 
 def test_the_same_command_over_both_paths_is_executed_once(pi: Pi) -> None:
     assert pi.hear(StartMission(), 0.0, BOAT) == [b"@ACK_AAA$"]
     assert opened(pi.hear(StartMission(), 4.5, WATER)) == b"@ACK_AAA$"
-    assert pi.vessel.decided == [StartMission()]
+    assert pi.target.decided == [StartMission()]
 
 
 def test_an_answer_leaves_on_the_path_of_its_request(pi: Pi) -> None:
@@ -329,11 +329,11 @@ def test_auto_reaches_the_engine_when_it_changes(pi: Pi) -> None:
     pi.hear(NodeSwitch("OOOOCO"))
     pi.hear(NodeSwitch("OOOOCC"), 1.0)
     pi.hear(NodeSwitch("OOOOCC"), 2.0)
-    assert pi.vessel.auto == [False]
+    assert pi.target.auto == [False]
 
 
 def test_the_stm32_stays_open_until_the_vehicle_is_idle(pi: Pi) -> None:
-    pi.vessel.state = "autonomous/a"
+    pi.target.state = "autonomous/a"
     assert pi.hear(NodeSwitch("OCOOCO")) == [b"@ACK_NSN$"]
 
 
@@ -369,7 +369,7 @@ def test_a_command_with_a_value_out_of_range_is_refused_whole(
     answers = pi.hear(b"@DA1,2$" * 100 + frame + b"@NI$", 0.0, peer)
     assert (opened(answers) if peer is WATER else b"".join(answers)) == refusal + b"@ACK_NI\x2f$"
     assert pi.topside.faults()
-    assert pi.vessel.decided == []
+    assert pi.target.decided == []
 
 
 def test_a_safety_set_with_the_wrong_count_is_not_answered(pi: Pi) -> None:
@@ -383,7 +383,7 @@ def test_a_flood_of_commands_is_remembered_in_bounds(pi: Pi) -> None:
 
 
 def test_the_store_given_to_topside_is_read_not_copied(pi: Pi) -> None:
-    pi.vessel.store._content = Stored(lines=LINES)
+    pi.target.store._content = Stored(lines=LINES)
     assert pi.hear(MissionLine(3, 2, LINES[1])) == [b"@ACK_AWW$"]
     assert pi.hear(Manual("MMF", b"@MMF0$")) == []
 

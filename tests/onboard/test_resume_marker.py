@@ -1,4 +1,4 @@
-"""The latch: what a restart would interrupt is durable before it happens, or as soon as may be."""
+"""The resume marker: what a restart would interrupt is durable before it happens, or as soon as may be."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from mission.engine.restart import STICK, UNANSWERED
-from mission.onboard.runtime.latch import AGAIN_S, EVERY_S, UNNAMED, Latch
+from mission.onboard.runtime.resume_marker import AGAIN_S, EVERY_S, UNNAMED, ResumeMarker
 from mission.onboard.store import MemoryStore, Stored
 
 LEG, OTHER = "autonomous/a", "autonomous/b"
@@ -29,12 +29,12 @@ class Counting(MemoryStore):
 
 def test_another_region_is_written_at_once() -> None:
     store = Counting()
-    latch = Latch(store)
-    latch.follow(LEG, 1.0)
+    marker = ResumeMarker(store)
+    marker.follow(LEG, 1.0)
     assert store.asked == [LEG]
-    assert latch.next_timer() is None
-    latch.follow("", 3.0)
-    latch.follow("", 4.0)
+    assert marker.next_timer() is None
+    marker.follow("", 3.0)
+    marker.follow("", 4.0)
     assert store.asked == [LEG, ""]
     assert store.content.under_way == ""
 
@@ -42,33 +42,33 @@ def test_another_region_is_written_at_once() -> None:
 def test_another_leg_is_written_by_the_timer_that_follows_at_once() -> None:
     """Its set leaves first."""
     store = Counting()
-    latch = Latch(store)
-    latch.follow(LEG, 1.0)
-    latch.follow(OTHER, 2.0)
+    marker = ResumeMarker(store)
+    marker.follow(LEG, 1.0)
+    marker.follow(OTHER, 2.0)
     assert store.asked == [LEG]
-    assert latch.next_timer() == 2.0
-    latch.handle_timer(2.0)
+    assert marker.next_timer() == 2.0
+    marker.handle_timer(2.0)
     assert store.asked == [LEG, OTHER]
-    assert latch.next_timer() is None
-    latch.follow(OTHER, 3.0)
-    assert latch.next_timer() is None
+    assert marker.next_timer() is None
+    marker.follow(OTHER, 3.0)
+    assert marker.next_timer() is None
 
 
-def fly(latch: Latch, legs: int, seconds: float) -> Iterator[str]:
+def fly(marker: ResumeMarker, legs: int, seconds: float) -> Iterator[str]:
     """So many legs of so many seconds, each of them another, with every timer; at the end of each
     its name."""
     for i in range(legs):
-        latch.follow(f"autonomous/{i}", i * seconds)
-        while (due := latch.next_timer()) is not None and due < (i + 1) * seconds:
-            latch.handle_timer(due)
-            assert latch.next_timer() != due
+        marker.follow(f"autonomous/{i}", i * seconds)
+        while (due := marker.next_timer()) is not None and due < (i + 1) * seconds:
+            marker.handle_timer(due)
+            assert marker.next_timer() != due
         yield f"autonomous/{i}"
 
 
 @pytest.mark.parametrize("seconds", [0.1, 1.0, 7.0, 29.0, 31.0, 600.0])
 def test_the_writes_of_legs_are_few_however_short_the_legs_are(seconds: float) -> None:
     store = Counting()
-    legs = list(fly(Latch(store), 3000, seconds))
+    legs = list(fly(ResumeMarker(store), 3000, seconds))
     assert len(store.asked) <= min(len(legs), 32 + len(legs) * seconds / EVERY_S)
 
 
@@ -76,7 +76,7 @@ def test_the_writes_of_legs_are_few_however_short_the_legs_are(seconds: float) -
 def test_what_is_kept_is_the_leg_that_is_active_or_no_leg_at_all(seconds: float) -> None:
     store = Counting()
     unnamed = 0
-    for i, leg in enumerate(fly(Latch(store), 1200, seconds)):
+    for i, leg in enumerate(fly(ResumeMarker(store), 1200, seconds)):
         named = store.content.under_way == leg
         assert named or store.content.under_way == f"autonomous/{UNNAMED}"
         assert named or i >= 30
@@ -86,94 +86,94 @@ def test_what_is_kept_is_the_leg_that_is_active_or_no_leg_at_all(seconds: float)
 
 def test_a_quiet_day_before_allows_no_more_writes() -> None:
     store = Counting()
-    latch = Latch(store)
+    marker = ResumeMarker(store)
     for i in range(100):
-        latch.follow(f"autonomous/{i}", 86400.0 + i)
-        latch.handle_timer(86400.0 + i)
+        marker.follow(f"autonomous/{i}", 86400.0 + i)
+        marker.handle_timer(86400.0 + i)
     assert len(store.asked) <= 33 + 100.0 / EVERY_S
 
 
 def test_a_leg_that_follows_many_short_ones_and_lasts_is_named() -> None:
     store = Counting()
-    latch = Latch(store)
-    list(fly(latch, 100, 1.0))
+    marker = ResumeMarker(store)
+    list(fly(marker, 100, 1.0))
     assert store.content.under_way == f"autonomous/{UNNAMED}"
-    latch.follow(LEG, 100.0)
-    due = latch.next_timer()
+    marker.follow(LEG, 100.0)
+    due = marker.next_timer()
     assert due is not None
     assert 100.0 < due <= 100.0 + 2 * EVERY_S
-    latch.handle_timer(due)
+    marker.handle_timer(due)
     assert store.content.under_way == LEG
-    assert latch.next_timer() is None
+    assert marker.next_timer() is None
 
 
 @pytest.mark.parametrize("under_way", [STICK, "emergency/stopped", "emergency/surfacing"])
 def test_no_disk_stands_before_a_stop_or_the_stick(under_way: str) -> None:
     store = Counting()
-    latch = Latch(store)
-    latch.follow(under_way, 7.0)
+    marker = ResumeMarker(store)
+    marker.follow(under_way, 7.0)
     assert store.asked == []
-    assert latch.next_timer() == 7.0
-    latch.handle_timer(6.999)
+    assert marker.next_timer() == 7.0
+    marker.handle_timer(6.999)
     assert store.asked == []
-    latch.handle_timer(7.0)
+    marker.handle_timer(7.0)
     assert store.asked == [under_way]
-    assert latch.next_timer() is None
-    latch.handle_timer(8.0)
+    assert marker.next_timer() is None
+    marker.handle_timer(8.0)
     assert store.asked == [under_way]
 
 
 def test_a_later_change_takes_the_place_of_one_that_waits() -> None:
     store = Counting()
-    latch = Latch(store)
-    latch.follow("emergency/stopped", 7.0)
-    latch.follow("", 7.0)
+    marker = ResumeMarker(store)
+    marker.follow("emergency/stopped", 7.0)
+    marker.follow("", 7.0)
     assert store.asked == [""]
-    assert latch.next_timer() is None
+    assert marker.next_timer() is None
 
 
 def test_what_the_disk_did_not_take_is_tried_again_after_five_seconds_until_it_does() -> None:
     store = Counting()
     store.full = True
-    latch = Latch(store)
-    latch.follow(LEG, 1.0)
+    marker = ResumeMarker(store)
+    marker.follow(LEG, 1.0)
     for due in (6.0, 11.0):
-        assert latch.next_timer() == due
-        latch.handle_timer(due)
+        assert marker.next_timer() == due
+        marker.handle_timer(due)
     store.full = False
-    latch.handle_timer(16.0)
+    marker.handle_timer(16.0)
     assert AGAIN_S == 5.0
     assert store.asked == [LEG] * 4
     assert store.content.under_way == LEG
-    assert latch.next_timer() is None
+    assert marker.next_timer() is None
 
 
 def test_a_start_that_is_not_durable_does_not_happen() -> None:
     store = Counting()
     store.full = True
-    latch = Latch(store)
-    assert "no space left" in latch.foresee(LEG)
+    marker = ResumeMarker(store)
+    assert "no space left" in marker.foresee(LEG)
     assert store.content.under_way == ""
-    latch.follow("", 1.0)
+    marker.follow("", 1.0)
     assert store.asked == [LEG]  # nothing was taken, nothing is to be taken back
     store.full = False
-    assert latch.foresee(LEG) == ""
-    latch.follow(LEG, 2.0)
+    assert marker.foresee(LEG) == ""
+    marker.follow(LEG, 2.0)
     assert store.asked == [LEG, LEG]
 
 
 def test_a_start_that_is_refused_is_taken_back() -> None:
     store = Counting()
-    latch = Latch(store)
-    assert latch.foresee(LEG) == ""
-    latch.follow("", 1.0)
+    marker = ResumeMarker(store)
+    assert marker.foresee(LEG) == ""
+    marker.follow("", 1.0)
     assert store.content.under_way == ""
 
 
 @pytest.mark.parametrize("kept", ["", STICK, UNANSWERED])
 def test_a_start_over_what_would_only_be_stopped_is_written_anew(kept: str) -> None:
     store = Counting(kept)
-    assert Latch(store).foresee(LEG) == ""
+    assert ResumeMarker(store).foresee(LEG) == ""
     assert store.content.under_way == LEG
 
 
@@ -181,14 +181,14 @@ def test_a_start_over_what_would_only_be_stopped_is_written_anew(kept: str) -> N
 def test_a_start_over_what_would_surface_anyway_needs_no_write(kept: str) -> None:
     store = Counting(kept)
     store.full = True
-    assert Latch(store).foresee(OTHER) == ""
+    assert ResumeMarker(store).foresee(OTHER) == ""
     assert store.asked == []
 
 
 def test_what_an_earlier_program_left_is_lifted_when_nothing_is_under_way() -> None:
     store = Counting(LEG)
-    latch = Latch(store)
-    latch.follow("emergency/surfacing", 1.0)
-    latch.handle_timer(1.0)
-    latch.follow("", 2.0)
+    marker = ResumeMarker(store)
+    marker.follow("emergency/surfacing", 1.0)
+    marker.handle_timer(1.0)
+    marker.follow("", 2.0)
     assert store.asked == ["emergency/surfacing", ""]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mission.onboard.runtime.vessel import Peer
+from mission.onboard.runtime.command_target import Peer
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,7 +17,7 @@ class _Awaiting:
     until: float
 
 
-class Awaited:
+class PendingAnswers:
     def __init__(self) -> None:
         self._all: list[_Awaiting] = []
 

@@ -14,9 +14,9 @@ from mission.analysis.replay.replay import replay
 from mission.model import Chart
 from mission.model.vehicle import Vehicle
 from mission.onboard.blackbox import read_parts
-from mission.onboard.runtime import judge
-from mission.onboard.runtime.drive import Drive
-from mission.onboard.serve.docket import Docket
+from mission.onboard.runtime import mission_validator
+from mission.onboard.runtime.runtime import Runtime
+from mission.onboard.serve.validation_queue import ValidationQueue
 from protocol.messages import MissionLine
 from protocol.topside import encode
 
@@ -29,8 +29,8 @@ class Thinking:
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.begun, self.over = threading.Event(), threading.Event()
         self.threads: list[str] = []
-        self._really = judge.judge
-        monkeypatch.setattr(judge, "judge", self._judge)
+        self._really = mission_validator.judge
+        monkeypatch.setattr(mission_validator, "judge", self._judge)
 
     def _judge(self, lines: tuple[str, ...], vehicle: Vehicle) -> Chart:
         self.threads.append(threading.current_thread().name)
@@ -91,7 +91,7 @@ def test_a_mission_that_is_judged_is_stored_and_what_came_after_it_is_heard(
         assert pi.server is not None
         thinking.over.set()
         soon(lambda: pi.store.content.lines == tuple(LINES), "stored")
-        soon(lambda: not pi.server._docket._gone, "and let go")
+        soon(lambda: not pi.server._validation._gone, "and let go")
         with pi.boat() as boat:
             assert asked(boat, b"@AQ$").startswith(b"@AR,ready")
     assert all(replay(list(read_parts(box))).identical for box in boxes(pi))
@@ -105,12 +105,12 @@ def test_an_order_that_overtook_is_not_given_again(thinking: Thinking) -> None:
         def foresee(self, rx: Rx) -> tuple[str, ...]:
             return ("a line",)
 
-    docket = Docket(lambda rx: passed.append(rx.data), jobs.append)
-    drive: Drive = Foreseeing()  # type: ignore[assignment]
-    docket.hear(Rx(0.0, "topside", b"@AW", "a:1"), drive)
-    docket.hear(Rx(0.1, "topside", b"@DU$@ZAX0$@NI$", "a:1"), drive)
+    queue = ValidationQueue(lambda rx: passed.append(rx.data), jobs.append)
+    runtime: Runtime = Foreseeing()  # type: ignore[assignment]
+    queue.hear(Rx(0.0, "topside", b"@AW", "a:1"), runtime)
+    queue.hear(Rx(0.1, "topside", b"@DU$@ZAX0$@NI$", "a:1"), runtime)
     assert [data.strip(b"\xff") for data in passed] == [b"@ZAX0$"]
-    held = docket._held["topside", "a:1"]
+    held = queue._held["topside", "a:1"]
     assert b"ZAX0" not in b"".join(rx.data for rx in held)
     assert held[1].data.startswith(b"@DU$")
     assert held[1].data.endswith(b"@NI$")

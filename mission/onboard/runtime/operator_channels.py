@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from links import baud_of
+from mission.onboard.runtime.command_target import MODEM, Answer
 from mission.onboard.runtime.obeyed import Obeyed
-from mission.onboard.runtime.vessel import MODEM, Answer
 from protocol.arq import Responder
 from protocol.messages import Command, FrameFault
 from protocol.modem import BAUD, Envelope
@@ -72,7 +72,7 @@ class _Listener:
         return Unfit(code, item) if whole and code in _ANSWERED else item
 
 
-class Path(Protocol):
+class OperatorChannel(Protocol):
     def receive(self, data: bytes, now: float) -> list[Heard]: ...
 
     def handle_timer(self, now: float) -> list[Heard]: ...
@@ -86,7 +86,7 @@ class Path(Protocol):
     def next_timer(self) -> float | None: ...
 
 
-class StreamPath:
+class StreamChannel:
     def __init__(self, tolerances: Tolerances) -> None:
         self._codec = _Listener(tolerances)
         self._out: list[tuple[bytes, str]] = []
@@ -111,7 +111,7 @@ class StreamPath:
         return self._codec.next_timer()
 
 
-class ModemPath:
+class ModemChannel:
     def __init__(self, tolerances: Tolerances, baud: float) -> None:
         self._responder = Responder(tolerances=tolerances, baud=baud)
         self._tolerances, self._obeyed = tolerances, Obeyed(tolerances)
@@ -145,7 +145,11 @@ class ModemPath:
         return heard
 
 
-def paths(tolerances: Tolerances, modem: str | None = None) -> Callable[[str], Path]:
+def operator_channels(
+    tolerances: Tolerances, modem: str | None = None
+) -> Callable[[str], OperatorChannel]:
     """What makes one for a connection over the link of a name; ``modem``: its URL."""
     baud = baud_of(modem or "", BAUD)
-    return lambda link: ModemPath(tolerances, baud) if link == MODEM else StreamPath(tolerances)
+    return lambda link: (
+        ModemChannel(tolerances, baud) if link == MODEM else StreamChannel(tolerances)
+    )
