@@ -15,10 +15,10 @@ What does not live here: which ways a vehicle has (protocol.vehicles), the surfa
 
 from __future__ import annotations
 
-import copy
 from typing import Self
 
 from mission.model import Action
+from mission.model.copies import copied
 from protocol.messages import UPWARD, Order, Setpoint
 
 TURN = 10.0  # s each way is given (R7)
@@ -119,4 +119,4 @@ class Ascent:
         return self._since + self._turn
 
     def clone(self) -> Self:
-        return copy.copy(self)
+        return copied(self)

@@ -7,7 +7,6 @@ What does not live here: when a verb is due (engine), which operator may ask for
 
 from __future__ import annotations
 
-import copy
 import math
 from typing import Self
 
@@ -39,6 +38,7 @@ from mission.model import (
     Result,
     Step,
 )
+from mission.model.copies import copied
 from mission.model.regions import IDLE, MANUAL
 from mission.model.vehicle import Vehicle
 from protocol.messages import Order, Setpoint, SetSafety
@@ -85,15 +85,16 @@ class Core:
         self.steps: list[Step] = []
 
     def clone(self) -> Self:
-        """For snapshots: shares what never changes, the machine and the navigation included."""
-        other = copy.copy(self)
-        other.vehicle_state = self.vehicle_state.clone()
-        other.watch = self.watch.clone(other.vehicle_state)
-        other.run = self.run.clone() if self.run else None
-        other.ascent = self.ascent.clone() if self.ascent else None
-        other.rest = copy.copy(self.rest)
-        other.actions, other.steps = [], []
-        return other
+        """For snapshots: without the machine and the navigation, which have their own."""
+        state = self.vehicle_state.clone()
+        return copied(
+            self,
+            machine=self.machine,
+            vehicle_state=state,
+            watch=self.watch.clone(state),
+            actions=[],
+            steps=[],
+        )
 
     @property
     def now(self) -> float:

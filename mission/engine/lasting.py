@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Container
 from typing import Self
 
+from mission.model.copies import copied
+
 BACK = 2.0  # s that a second takes back in which it does not hold
 
 
@@ -24,9 +26,7 @@ class Lasting:
         return bool(self._since)
 
     def clone(self) -> Self:
-        other = type(self)()
-        other._since, other._gone = dict(self._since), dict(self._gone)
-        return other
+        return copied(self)
 
     def holds(self, name: str, now: float) -> float:
         """Since when it lasts."""

@@ -5,8 +5,6 @@ What does not live here: the rows (limits), what they look at (watch), responses
 
 from __future__ import annotations
 
-from typing import Self
-
 from mission.engine.bounds import Bounds
 from mission.engine.lasting import Lasting
 from mission.engine.limits import LIMITS, Limit, On, never
@@ -34,11 +32,6 @@ class LimitMonitor(Watch):
         self.breaches: tuple[Limit, ...] = ()
         self._samples: dict[str, int] = {}  # breached ones, less those within the bound
         self._lasting = Lasting()
-
-    def clone(self, vehicle_state: VehicleState) -> Self:
-        other = super().clone(vehicle_state)
-        other._samples, other._lasting = dict(self._samples), self._lasting.clone()
-        return other
 
     def begin(self, now: float) -> None:
         super().begin(now)

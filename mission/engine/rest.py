@@ -15,6 +15,9 @@ What does not live here: what follows (engine).
 from __future__ import annotations
 
 import math
+from typing import Self
+
+from mission.model.copies import copied
 
 DEEP = 2.0  # m
 DEEP_AGAIN = 1.0  # m, in surfaced
@@ -46,6 +49,9 @@ class Rest:
         """``fastest``: m/s, the vehicle's greatest descent rate."""
         self._fastest = fastest
         self.begin()
+
+    def clone(self) -> Self:
+        return copied(self)
 
     def begin(self) -> None:
         """Another state: what was seen before says nothing about it."""

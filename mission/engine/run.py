@@ -10,7 +10,6 @@ What does not live here: regions, limits and operators (engine), what a guard me
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import replace
@@ -37,6 +36,7 @@ from mission.model import (
     Leg,
     Surface,
 )
+from mission.model.copies import copied
 from mission.model.regions import AGAIN
 from protocol.messages import Order, Setpoint
 
@@ -72,13 +72,7 @@ class Run:
         self._reckoned = now
 
     def clone(self) -> Self:
-        other = copy.copy(self)
-        for name in ("rounds", "_blind", "_spent", "_taken"):
-            setattr(other, name, copy.copy(getattr(self, name)))
-        other._held = self._held.clone()
-        other._pilot = self._pilot.clone() if self._pilot else None
-        other.ascent = self.ascent.clone() if self.ascent else None
-        return other
+        return copied(self, _plans=self._plans)  # compiled once, for all
 
     @property
     def leaf(self) -> str:

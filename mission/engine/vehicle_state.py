@@ -9,7 +9,6 @@ What does not live here: the filter and the health rules (navigation), what foll
 
 from __future__ import annotations
 
-import copy
 import math
 import statistics
 from dataclasses import replace
@@ -27,6 +26,7 @@ from mission.model import (
     Position,
     Vertical,
 )
+from mission.model.copies import copied
 from mission.model.vehicle import STALE_AFTER
 from mission.navigation.fixes import FIX_DEPTH, SETTLED, Receiver, metres
 from protocol.messages import Fix, Setpoint, Telemetry
@@ -104,10 +104,7 @@ class VehicleState:
 
     def clone(self) -> Self:
         """Without the navigation, which has a snapshot of its own."""
-        other = copy.copy(self)
-        other.receiver = self.receiver.clone()
-        other._forget()
-        return other
+        return copied(self, navigation=self.navigation, _healths={}, _depth_known=False)
 
     def _forget(self) -> None:
         """What was worked out for an instant that has passed."""

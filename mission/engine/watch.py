@@ -10,13 +10,13 @@ What does not live here: the rows (limits), their counters (monitor), responses 
 
 from __future__ import annotations
 
-import copy
 import math
 from typing import Self
 
 from mission.engine.bounds import Bounds
 from mission.engine.vehicle_state import SURFACE_DEPTH, THRUSTERS, VehicleState
 from mission.legs.base import wrap
+from mission.model.copies import copied
 from mission.model.units import GEARS
 from mission.model.vehicle import Vehicle
 from protocol.messages import Fix, Setpoint
@@ -47,6 +47,9 @@ class Descent:
         self._shallowest: float | None = None
         self.unexplained: bool | None = None
         self.words = ""
+
+    def clone(self) -> Self:
+        return copied(self)
 
     def take(self, vehicle_state: VehicleState, asked: bool, fastest: float) -> None:
         depth, report = vehicle_state.depth, vehicle_state.telemetry
@@ -83,6 +86,9 @@ class Steering:
         self.astray: bool | None = None
         self.words = ""
 
+    def clone(self) -> Self:
+        return copied(self)
+
     def take(self, t: float, heading: float | None, wanted: float | None) -> None:
         self.astray = None
         if wanted is None:
@@ -110,6 +116,9 @@ class Progress:
         self._since, self._nearest = 0.0, 0.0
         self.stuck: bool | None = None
         self.words = ""
+
+    def clone(self) -> Self:
+        return copied(self)
 
     def take(self, t: float, depth: float | None, wanted: float | None) -> None:
         self.stuck = None
@@ -151,11 +160,7 @@ class Watch:
         self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
 
     def clone(self, vehicle_state: VehicleState) -> Self:
-        other = copy.copy(self)
-        other.vehicle_state = vehicle_state
-        for name in ("descent", "steering", "progress"):
-            setattr(other, name, copy.copy(getattr(self, name)))
-        return other
+        return copied(self, vehicle_state=vehicle_state)
 
     def begin(self, now: float) -> None:
         """A mission starts, or goes on: ages and counts begin anew."""

@@ -5,7 +5,6 @@ course = bearing from the centre + side * (90 deg + atan((distance - radius) / l
 
 from __future__ import annotations
 
-import copy
 import math
 from dataclasses import replace
 from typing import Self
@@ -14,6 +13,7 @@ from mission.legs import guidance
 from mission.legs.base import LegType, Point, Track, View
 from mission.legs.guidance import GIVES, NEEDS, STEERS
 from mission.model import Loiter
+from mission.model.copies import copied
 from protocol.messages import Setpoint
 
 LEAST_RADIUS = 4.0  # m; twice the turning radius as tried at sea
@@ -50,7 +50,7 @@ class Circle:
         return Track(distance, distance - self._kind.radius, bearing, bearing + math.pi)
 
     def clone(self) -> Self:
-        return copy.copy(self)
+        return copied(self)
 
     def _course(self, centre: Point, here: Point) -> float:
         north, east = here[0] - centre[0], here[1] - centre[1]

@@ -8,12 +8,12 @@ What does not live here: which points (the legs), the heading along a line (guid
 
 from __future__ import annotations
 
-import copy
 from dataclasses import replace
 from typing import Self
 
 from mission.legs import guidance
 from mission.legs.base import Point, Track, View
+from mission.model.copies import copied
 from protocol.messages import Setpoint
 
 
@@ -47,7 +47,7 @@ class Waypoints:
         return None if track is None else replace(track, distance=abs(track.distance))
 
     def clone(self) -> Self:
-        return copy.copy(self)
+        return copied(self)
 
     def _against(self, view: View) -> Track | None:
         if view.estimate is None or self._index >= len(self._points):

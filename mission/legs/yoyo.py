@@ -6,12 +6,12 @@ half a metre before the depth that was asked for, or it might hover there for ev
 
 from __future__ import annotations
 
-import copy
 from dataclasses import replace
 from typing import Self
 
 from mission.legs.base import LegType, Track, View
 from mission.model import Axis, Yoyo
+from mission.model.copies import copied
 from protocol.messages import Setpoint
 
 TOLERANCE = 0.5  # m
@@ -45,7 +45,7 @@ class Profile:
         return None
 
     def clone(self) -> Self:
-        return copy.copy(self)
+        return copied(self)
 
 
 def _begin(kind: Yoyo, base: Setpoint, view: View) -> Profile:

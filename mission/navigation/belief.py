@@ -23,12 +23,12 @@ be seen this way: docs/navigation.md.
 
 from __future__ import annotations
 
-import copy
 import itertools
 import math
 from typing import NamedTuple, Self
 
 from mission.model import CONTRADICTED, Vertical
+from mission.model.copies import copied
 from mission.navigation.fixes import FIX_DEPTH, Receiver
 
 WINDOW = 14.0  # s: eight reports of the AUV
@@ -77,7 +77,7 @@ class DepthBelief:
         self._afloat, self._lifted = (math.inf, math.inf), 0.0  # since when, from what depth; s
 
     def clone(self) -> Self:
-        return copy.copy(self)
+        return copied(self)
 
     def leap(self, t: float, by: float) -> None:
         """The sensor has come back elsewhere, by so many metres."""

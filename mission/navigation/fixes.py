@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from typing import Self
 
+from mission.model.copies import copied
 from protocol.messages import Fix
 
 FIX_DEPTH = 0.8  # m: the surface's 0.5 m and three sigma of a depth; deeper, a fix is none (R7)
@@ -37,11 +38,7 @@ class Receiver:
         self._since, self._news = 0.0, 0  # of the run of fixes as at the surface
 
     def clone(self) -> Self:
-        other = type(self)()
-        for name in self.__slots__:
-            setattr(other, name, getattr(self, name))
-        other._places = dict(self._places)
-        return other
+        return copied(self)
 
     def take(self, fix: Fix) -> None:
         place = fix.latitude, fix.longitude

@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "mission")]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "worlds"), str(ROOT / "tests" / "onboard")]
 
 from served import read_now, running, silent_board, soon  # noqa: E402
 from test_hostile_boat import LOCAL, OTHER, boat, flooding  # noqa: E402

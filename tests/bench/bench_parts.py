@@ -15,7 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "mission")]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "worlds")]
 
 from engine_world import World, compiled, leg, mission, when  # noqa: E402
 

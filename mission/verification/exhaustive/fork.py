@@ -11,7 +11,6 @@ What does not live here: what a copy is used for (run).
 from __future__ import annotations
 
 import dataclasses
-import enum
 from collections import deque
 from collections.abc import Callable, Iterable
 from functools import partial
@@ -19,6 +18,7 @@ from types import FunctionType, MethodType
 from typing import Any, Generic, TypeVar, cast
 
 from mission.engine.engine import Engine
+from mission.model.copies import is_fixed
 from protocol.fields import FrameType
 
 T = TypeVar("T")
@@ -144,8 +144,7 @@ _KNOWN: dict[type, bool] = {}
 
 def _is_shared(kind: type) -> bool:
     if kind not in _KNOWN:
-        frozen = dataclasses.is_dataclass(kind) and kind.__dataclass_params__.frozen  # type: ignore[attr-defined]
-        fixed = issubclass(kind, enum.Enum | FrameType | type | tuple | BaseException)
+        fixed = is_fixed(kind) or issubclass(kind, FrameType | BaseException)
         copied = kind in (list, dict, set, deque, Engine) or kind.__module__.startswith(_OURS)
-        _KNOWN[kind] = frozen or fixed or not copied
+        _KNOWN[kind] = fixed or not copied
     return _KNOWN[kind]
