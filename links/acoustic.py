@@ -78,57 +78,57 @@ class AcousticLink:
     name: str
     water: Water
     tally: Tally = field(default_factory=Tally)
-    _random: random.Random = field(default_factory=random.Random)
-    _peer: AcousticLink | None = None
+    chance: random.Random = field(default_factory=random.Random)
+    peer: AcousticLink | None = None
     _free: float = -math.inf  # when our own last transmission ends
     _spoken: list[tuple[float, float]] = field(default_factory=list)
-    _coming: list[_Burst] = field(default_factory=list)
-    _closed: bool = False
+    coming: list[_Burst] = field(default_factory=list)
+    closed: bool = False
 
     def fileno(self) -> int:
         return -1
 
     def send(self, data: bytes, now: float, address: str = "") -> None:
-        if self._closed:
+        if self.closed:
             raise LinkClosed(f"{self.name}: the link was closed")
-        peer = self._peer
+        peer = self.peer
         if len(data) > MTU:
             raise LinkError(f"{self.name}: {len(data)} bytes; one burst carries at most {MTU}")
         begin = max(now, self._free)
         self._free = begin + self.water.airtime(len(data))
-        since = min(now, self._coming[0].begin) if self._coming else now
+        since = min(now, self.coming[0].begin) if self.coming else now
         self._spoken = [s for s in self._spoken if s[1] > since]
         self._spoken.append((begin, self._free))
         self.tally.bursts += 1
         self.tally.size += len(data)
         self.tally.airtime += self._free - begin
-        lost = self._random.random() < self.water.loss
+        lost = self.chance.random() < self.water.loss
         self.tally.lost += lost
         delay = self.water.delay
         heard = data if lost else self._damage(data)
-        if peer is not None and not peer._closed:  # else nobody hears it, and nobody says so
-            peer._coming.append(_Burst(begin + delay, self._free + delay, heard, lost))
+        if peer is not None and not peer.closed:  # else nobody hears it, and nobody says so
+            peer.coming.append(_Burst(begin + delay, self._free + delay, heard, lost))
 
     def receive(self, now: float) -> list[Rx]:
-        if self._closed:
+        if self.closed:
             raise LinkClosed(f"{self.name}: the link was closed")
         out = []
-        while self._coming and self._coming[0].end <= now:
-            burst = self._coming.pop(0)
+        while self.coming and self.coming[0].end <= now:
+            burst = self.coming.pop(0)
             if burst.lost:
                 continue
             if self._talked_over(burst):
-                assert self._peer is not None
-                self._peer.tally.collided += 1
+                assert self.peer is not None
+                self.peer.tally.collided += 1
             else:
                 out.append(Rx(burst.end, self.name, burst.data))
         return out
 
     def next_event(self) -> float | None:
-        return self._coming[0].end if self._coming else None
+        return self.coming[0].end if self.coming else None
 
     def close(self) -> None:
-        self._closed = True
+        self.closed = True
 
     def _talked_over(self, burst: _Burst) -> bool:
         self._spoken = [s for s in self._spoken if s[1] > burst.begin]
@@ -142,7 +142,7 @@ class AcousticLink:
         while True:
             gap = 0.0
             if rate < 1.0:
-                gap = math.log(1.0 - self._random.random()) / math.log1p(-rate)
+                gap = math.log(1.0 - self.chance.random()) / math.log1p(-rate)
             if gap >= 8 * len(out):
                 break
             bit += 1 + int(gap)
@@ -158,9 +158,9 @@ def acoustic_pair(
 ) -> tuple[AcousticLink, AcousticLink]:
     """Two modems at the two ends of the water."""
     one, other = (
-        AcousticLink(name, water, _random=random.Random(f"{seed}/{name}")) for name in names
+        AcousticLink(name, water, chance=random.Random(f"{seed}/{name}")) for name in names
     )
-    one._peer, other._peer = other, one
+    one.peer, other.peer = other, one
     return one, other
 
 
@@ -184,14 +184,14 @@ def settings(address: Address) -> tuple[str, Water, int]:
 def open_url(name: str, address: Address) -> AcousticLink:
     """Raises LinkBusy where two modems are there already. The second one's options do not count."""
     place, water, seed = settings(address)
-    ends = [end for end in _WATERS.get(place, []) if not end._closed]
+    ends = [end for end in _WATERS.get(place, []) if not end.closed]
     if len(ends) == 2:
         raise LinkBusy(f"{name}: acoustic://{place} has its two modems")
     if ends:
         (one,) = ends
-        link = AcousticLink(name, one.water, _random=random.Random(one._random.random()))
-        link._peer, one._peer = one, link
+        link = AcousticLink(name, one.water, chance=random.Random(one.chance.random()))
+        link.peer, one.peer = one, link
     else:
-        link = AcousticLink(name, water, _random=random.Random(f"{seed}/1"))
+        link = AcousticLink(name, water, chance=random.Random(f"{seed}/1"))
     _WATERS[place] = [*ends, link]
     return link

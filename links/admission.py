@@ -88,7 +88,7 @@ class Allowance:
 class Gate:
     def __init__(self, admission: Admission) -> None:
         self._admission = admission
-        self._arrivals: dict[str, Allowance] = {}
+        self.arrivals: dict[str, Allowance] = {}
 
     def forbids(self, host: str) -> str:
         """Why nobody from there may ever connect; "" if he may."""
@@ -99,9 +99,9 @@ class Gate:
 
     def hurries(self, host: str, now: float) -> str:
         """Why nobody from there may connect now; "" if he may, where there is room."""
-        if len(self._arrivals) > _REMEMBERED:
-            self._arrivals = {h: a for h, a in self._arrivals.items() if now - a.t < 2.0}
-        arrivals = self._arrivals.setdefault(host, Allowance(AT_ONCE, now))
+        if len(self.arrivals) > _REMEMBERED:
+            self.arrivals = {h: a for h, a in self.arrivals.items() if now - a.t < 2.0}
+        arrivals = self.arrivals.setdefault(host, Allowance(AT_ONCE, now))
         if not arrivals.take(now, 1.0, AT_ONCE, PER_SECOND):
             return f"more than {PER_SECOND:g} connections a second from there"
         return ""

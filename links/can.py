@@ -35,9 +35,9 @@ class CanLink:
             raise LinkAbsent(f"{name}: python-can is missing: install auvmission[can]") from None
         self.name, self.skipped = name, 0
         self._message, self._error = can.Message, can.CanError
-        self._bus: Any = None
+        self.bus: Any = None
         try:
-            self._bus = can.Bus(channel=channel, interface=interface, bitrate=bitrate)
+            self.bus = can.Bus(channel=channel, interface=interface, bitrate=bitrate)
         except (can.CanError, OSError, ValueError, ImportError) as error:
             raise LinkAbsent(
                 f"{name}: no CAN bus {channel} by {interface}: {error}; is it up "
@@ -45,10 +45,10 @@ class CanLink:
             ) from error
 
     def fileno(self) -> int:
-        if self._bus is None:
+        if self.bus is None:
             return -1
         try:
-            return int(self._bus.fileno())
+            return int(self.bus.fileno())
         except NotImplementedError:  # the virtual bus
             return -1
 
@@ -82,14 +82,14 @@ class CanLink:
         return None
 
     def close(self) -> None:
-        if self._bus is not None:
-            self._bus.shutdown()
-            self._bus = None
+        if self.bus is not None:
+            self.bus.shutdown()
+            self.bus = None
 
     def _open(self) -> Any:
-        if self._bus is None:
+        if self.bus is None:
             raise LinkClosed(f"{self.name}: the link was closed")
-        return self._bus
+        return self.bus
 
 
 def _carried(frame: Any) -> bool:

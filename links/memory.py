@@ -31,7 +31,7 @@ class MemoryLink:
         self._delay = delay
         self._byte_time = 10 / baud if baud else 0.0
         self._free = 0.0
-        self._inbox: deque[_Piece] = deque()
+        self.inbox: deque[_Piece] = deque()
         self._closed = False
 
     def fileno(self) -> int:
@@ -40,25 +40,25 @@ class MemoryLink:
     def receive(self, now: float) -> list[Rx]:
         self._check_open()
         out = []
-        while self._inbox and self._inbox[0].there <= now:
-            piece = self._inbox.popleft()
+        while self.inbox and self.inbox[0].there <= now:
+            piece = self.inbox.popleft()
             out.append(Rx(piece.first, self.name, piece.data))
-        if not out and not self._inbox and self.peer is not None and self.peer._closed:
+        if not out and not self.inbox and self.peer is not None and self.peer.closed:
             raise LinkClosed(f"{self.name}: the other end was closed")
         return out
 
     def send(self, data: bytes, now: float, address: str = "") -> None:
         self._check_open()
         peer = self.peer
-        if peer is not None and peer._closed:
+        if peer is not None and peer.closed:
             raise LinkClosed(f"{self.name}: the other end was closed")
         start = max(now, self._free)
         self._free = start + len(data) * self._byte_time
         if peer is not None and data:
-            peer._inbox.append(_Piece(start + self._delay, self._free + self._delay, bytes(data)))
+            peer.inbox.append(_Piece(start + self._delay, self._free + self._delay, bytes(data)))
 
     def next_event(self) -> float | None:
-        return self._inbox[0].there if self._inbox else None
+        return self.inbox[0].there if self.inbox else None
 
     def close(self) -> None:
         self._closed = True

@@ -115,45 +115,45 @@ class TcpServer:
         self._admission = admission or Admission()
         self._gate = Gate(self._admission)
         self._tls = tls
-        self._streams: dict[str, Stream] = {}
-        self._refusals: Counter[Refusal] = Counter()
-        self._selector = selectors.DefaultSelector()
+        self.streams: dict[str, Stream] = {}
+        self.turned_away: Counter[Refusal] = Counter()
+        self.selector = selectors.DefaultSelector()
         family = socket.AF_INET6 if ":" in host else socket.AF_INET
         try:
             self._listener = socket.create_server((host, port), family=family, backlog=128)
         except OSError as error:
-            self._selector.close()
+            self.selector.close()
             raise _why_not_listening(name, host, port, error) from error
         self._listener.setblocking(False)
         self._listener.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
         self.port = int(self._listener.getsockname()[1])
-        self._selector.register(self._listener, selectors.EVENT_READ)
+        self.selector.register(self._listener, selectors.EVENT_READ)
         self._closed = False
 
     @property
     def peers(self) -> tuple[str, ...]:
         """Addresses of those who are connected, in the order in which they came."""
-        return tuple(a for a, stream in self._streams.items() if stream.established)
+        return tuple(a for a, stream in self.streams.items() if stream.established)
 
     def refusals(self) -> Counter[Refusal]:
         """Who was turned away or dropped, and how often, since the last call."""
-        told, self._refusals = self._refusals, Counter()
+        told, self.turned_away = self.turned_away, Counter()
         return told
 
     def fileno(self) -> int:
         if self._closed:
             return -1
-        number = getattr(self._selector, "fileno", None)
+        number = getattr(self.selector, "fileno", None)
         return int(number()) if number else -1
 
     def receive(self, now: float) -> list[Rx]:
         self._check_open()
-        ready = [key.data for key, _ in self._selector.select(timeout=0)]
+        ready = [key.data for key, _ in self.selector.select(timeout=0)]
         streams = [stream for stream in ready if stream is not None]
         lobby = sorted((s for s in streams if not s.established), key=lambda s: s.came)
         out = []
         for stream in [s for s in streams if s.established] + lobby[:STEPS]:
-            if stream.address not in self._streams:
+            if stream.address not in self.streams:
                 continue  # it had to make room for another just now
             if not stream.established:
                 stream.handshake()
@@ -176,39 +176,39 @@ class TcpServer:
         self._check_open()
         if not address:
             for peer in self.peers:
-                self._streams[peer].write(data)
-                self._settle(self._streams[peer])
+                self.streams[peer].write(data)
+                self._settle(self.streams[peer])
             return
-        one = self._streams.get(address)
+        one = self.streams.get(address)
         if one is not None and one.established:
             one.write(data)
             self._settle(one)
-        if address not in self._streams:
+        if address not in self.streams:
             raise LinkClosed(f"{self.name}: {address} is not connected any more")
 
     def next_event(self) -> float | None:
         """When the next silent connection is to be dropped."""
-        return min((self._deadline(stream) for stream in self._streams.values()), default=None)
+        return min((self._deadline(stream) for stream in self.streams.values()), default=None)
 
     def vouch(self, address: str) -> None:
         """What came from there makes sense to who reads it."""
-        if address in self._streams:
-            self._streams[address].proved = True
+        if address in self.streams:
+            self.streams[address].proved = True
 
     def drop(self, address: str) -> None:
         """Close one peer's connection, if it is still there."""
-        stream = self._streams.pop(address, None)
+        stream = self.streams.pop(address, None)
         if stream is not None:
-            self._selector.unregister(stream.socket)
+            self.selector.unregister(stream.socket)
             stream.close()
 
     def close(self) -> None:
         if self._closed:
             return
         self._closed = True
-        for address in tuple(self._streams):
+        for address in tuple(self.streams):
             self.drop(address)
-        self._selector.close()
+        self.selector.close()
         self._listener.close()
 
     def _accept(self, now: float) -> None:
@@ -245,8 +245,8 @@ class TcpServer:
         except OSError as error:
             return in_words(error)
         stream = Stream(connected, _address(sockaddr), host, now)
-        self._streams[stream.address] = stream
-        self._selector.register(connected, selectors.EVENT_READ, stream)
+        self.streams[stream.address] = stream
+        self.selector.register(connected, selectors.EVENT_READ, stream)
         return ""
 
     def _enter(self, stream: Stream, now: float) -> None:
@@ -263,13 +263,13 @@ class TcpServer:
 
     def _give_way(self, address: str) -> None:
         if address:
-            self._refuse(self._streams[address].host, "silent, and its place was needed")
+            self._refuse(self.streams[address].host, "silent, and its place was needed")
             self.drop(address)
 
     def _present(self, established: bool) -> list[Present]:
         return [
             Present(s.address, s.host, s.heard if s.proved else s.came, s.proved)
-            for s in self._streams.values()
+            for s in self.streams.values()
             if s.established == established
         ]
 
@@ -279,24 +279,24 @@ class TcpServer:
             if stream.why:
                 self._refuse(stream.host, stream.why)
             self.drop(stream.address)
-        elif stream.address in self._streams:
+        elif stream.address in self.streams:
             write = selectors.EVENT_WRITE if stream.waiting else 0
-            self._selector.modify(stream.socket, selectors.EVENT_READ | write, stream)
+            self.selector.modify(stream.socket, selectors.EVENT_READ | write, stream)
 
     def _deadline(self, stream: Stream) -> float:
         return stream.heard + (self._admission.idle if stream.established else HANDSHAKE)
 
     def _let_go(self, now: float) -> None:
-        for stream in [s for s in self._streams.values() if self._deadline(s) <= now]:
+        for stream in [s for s in self.streams.values() if self._deadline(s) <= now]:
             idle = f"silent for {self._admission.idle:g} s"
             self._refuse(stream.host, idle if stream.established else "it did not say who it is")
             self.drop(stream.address)
 
     def _refuse(self, host: str, why: str) -> None:
         refusal = Refusal(host, why)
-        if refusal not in self._refusals and len(self._refusals) >= _REFUSALS:
+        if refusal not in self.turned_away and len(self.turned_away) >= _REFUSALS:
             refusal = Refusal("others", "refused")
-        self._refusals[refusal] += 1
+        self.turned_away[refusal] += 1
 
     def _check_open(self) -> None:
         if self._closed:

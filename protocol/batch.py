@@ -69,7 +69,7 @@ class BatchUpload:
         tolerances: Tolerances | None = None,
     ) -> None:
         total = len(lines)
-        self._frames = [encode(MissionLine(total, n, text)) for n, text in enumerate(lines, 1)]
+        self.frames = [encode(MissionLine(total, n, text)) for n, text in enumerate(lines, 1)]
         self._digest = digest
         self._arq = Initiator(acoustics, tolerances=tolerances)
         self._channel = Channel(acoustics)
@@ -104,11 +104,11 @@ class BatchUpload:
     # --- what to send ---------------------------------------------------------------------
 
     def _head(self) -> bytes:
-        return b"" if self._ours else self._frames[0]
+        return b"" if self._ours else self.frames[0]
 
     def _send_lines(self) -> None:
         content = self._head()
-        wanted = [self._frames[n - 1] for n in self.missing if n > 1 or self._ours]
+        wanted = [self.frames[n - 1] for n in self.missing if n > 1 or self._ours]
         left, overhead = sum(map(len, wanted)), len(content) + len(_QUESTION)
         size = self._channel.best_size(left, overhead, self._usual, self._longest())
         for frame in wanted:
@@ -140,12 +140,12 @@ class BatchUpload:
         self._silence, self._usual = 0, max(_USUAL, len(content) + _GROWTH)
         report = _report(content)
         if report is not None:
-            self._judge(report, self._ours or request.startswith(self._frames[0]))
+            self._judge(report, self._ours or request.startswith(self.frames[0]))
         if self.outcome is None:
             self._send_lines()
 
     def _judge(self, report: StoreReport, heard_line_1: bool) -> None:
-        total = len(self._frames)
+        total = len(self.frames)
         if report.digest == self._digest and report.state in ("ready", "running"):
             self.missing, self.outcome = (), Stored()
         elif report.state == "running":

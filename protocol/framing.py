@@ -144,30 +144,30 @@ class Framer:
         self._message = shortcut.message if shortcut is not None else None
         self._by_start = _by_start(self.types, splice)
         self._finder = _finder({t.lead[:1] for t in self.types})
-        self._buffer = b""
+        self.buffer = b""
         self._base = 0  # offset of the buffer's first byte in the stream
         self._fresh = 0  # what begins before this offset is not waited for any more
-        self._starts: list[int] = []  # offsets at which chunks began ...
-        self._times: list[float] = []  # ... and when they came
+        self.starts: list[int] = []  # offsets at which chunks began ...
+        self.times: list[float] = []  # ... and when they came
         self._run: int | None = None  # where the open run of bytes that are no frame began ...
         self._run_kind: FaultKind | None = None  # ... and what its first candidate failed by
 
     def receive(self, data: bytes, now: float) -> list[Frame | FrameFault]:
         if not data:
             return []
-        if self._buffer:
-            self._starts.append(self._base + len(self._buffer))
-            self._times.append(now)
-            self._buffer += data
+        if self.buffer:
+            self.starts.append(self._base + len(self.buffer))
+            self.times.append(now)
+            self.buffer += data
         else:
-            self._starts, self._times, self._buffer = [self._base], [now], bytes(data)
+            self.starts, self.times, self.buffer = [self._base], [now], bytes(data)
         return self._parse(final=False)
 
     def next_timer(self) -> float | None:
         """When unfinished bytes or an open run have waited for long enough."""
-        if not self._buffer:
-            return None if self._run is None else self._times[-1] + self.idle
-        return min(self._times[-1] + self.idle, self._time(self._base) + self.patience)
+        if not self.buffer:
+            return None if self._run is None else self.times[-1] + self.idle
+        return min(self.times[-1] + self.idle, self._time(self._base) + self.patience)
 
     def flush(self, now: float) -> list[Frame | FrameFault]:
         """Give up what is unfinished by ``now``: all of it, if the link has been idle for long
@@ -175,19 +175,19 @@ class Framer:
         due = self.next_timer()
         if due is None or now < due:
             return []
-        chunks = zip(self._starts, self._times, strict=True)
+        chunks = zip(self.starts, self.times, strict=True)
         fresh = (start for start, t in chunks if t + self.patience > now)
-        self._fresh = next(fresh, self._base + len(self._buffer))
-        return self._parse(final=now >= self._times[-1] + self.idle)
+        self._fresh = next(fresh, self._base + len(self.buffer))
+        return self._parse(final=now >= self.times[-1] + self.idle)
 
     # --- the scan ---
 
     def _parse(self, *, final: bool) -> list[Any]:
-        data, at, base = self._buffer, 0, self._base
+        data, at, base = self.buffer, 0, self._base
         end, run, run_kind = len(data), self._run, self._run_kind
         read, length, lead = self._shortcut.read, self._shortcut.length, self._shortcut.lead[0]
         last = end - length  # where the shortcut's frame can begin at most
-        newest, now = self._starts[-1] - base, self._times[-1]
+        newest, now = self.starts[-1] - base, self.times[-1]
         next_start, counters = self._finder(data), self.counters
         out: list[Any] = []
         while at < end:
@@ -201,7 +201,7 @@ class Framer:
             if not items:
                 start = next_start(at)
                 if start == at:
-                    used, items, kind = self._candidate(data, at, end, final)
+                    used, items, kind = self.candidate(data, at, end, final)
                     if not used:
                         break
                     run_kind, stop = run_kind or kind, at + used
@@ -222,12 +222,12 @@ class Framer:
             out.append(self._fault(run, run_kind, base + at))
             run = run_kind = None
         self._run, self._run_kind = run, run_kind
-        self._base, self._buffer = base + at, data[at:]
-        if len(self._times) > 1:
+        self._base, self.buffer = base + at, data[at:]
+        if len(self.times) > 1:
             self._forget()
         return out
 
-    def _candidate(self, data: bytes, at: int, end: int, final: bool) -> _Step:
+    def candidate(self, data: bytes, at: int, end: int, final: bool) -> _Step:
         near = self._by_start.get(data[at : at + 2])
         if near is None:
             return _NOTHING
@@ -310,14 +310,14 @@ class Framer:
     # --- when a byte came ---
 
     def _time(self, offset: int) -> float:
-        if len(self._times) == 1:
-            return self._times[0]
-        return self._times[bisect_right(self._starts, offset) - 1]
+        if len(self.times) == 1:
+            return self.times[0]
+        return self.times[bisect_right(self.starts, offset) - 1]
 
     def _forget(self) -> None:
         """Chunks whose bytes are all gone; the newest one stays, for ``next_timer``."""
-        gone = bisect_right(self._starts, self._base) - 1
-        del self._starts[:gone], self._times[:gone]
+        gone = bisect_right(self.starts, self._base) - 1
+        del self.starts[:gone], self.times[:gone]
 
 
 def _by_start(

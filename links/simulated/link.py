@@ -115,8 +115,8 @@ class SimulatedVehicle:
         self._next_report, self._next_second = FIRST_REPORT, SECOND_TICKS
         self._foretell()
         self._anchor = (*position, 0.0, 0.0)  # latitude, longitude at plant north, east
-        self._edges = self._schedule()
-        self._next_edge = self._edges[-1][0] if self._edges else _NEVER
+        self.edges = self._schedule()
+        self._next_edge = self.edges[-1][0] if self.edges else _NEVER
         self._flow()
         self.track.append(self.truth())
 
@@ -198,11 +198,11 @@ class SimulatedVehicle:
         return sorted(edges, reverse=True)
 
     def _switch_faults(self, tick: int) -> None:
-        while self._edges and self._edges[-1][0] <= tick:
-            _, begins, name, value = self._edges.pop()
+        while self.edges and self.edges[-1][0] <= tick:
+            _, begins, name, value = self.edges.pop()
             row = FAULTS[name]
             (row.begin if begins else row.end)(self, value)
-        self._next_edge = self._edges[-1][0] if self._edges else _NEVER
+        self._next_edge = self.edges[-1][0] if self.edges else _NEVER
         self._flow()
 
     # --- truth -----------------------------------------------------------------------------

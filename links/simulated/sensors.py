@@ -137,7 +137,7 @@ class Sensors:
         self._renew = errors.compass_slow * sqrt(1 - self._keep**2)
         self._echo = False
         self.used = 0.0  # J out of the power battery
-        self._age = 0  # samples so far
+        self.age = 0  # samples so far
 
     # --- what the control loops read -------------------------------------------------------
 
@@ -187,7 +187,7 @@ class Sensors:
         for slot in self.bent:
             values[slot] = self._as_bent(slot, values[slot])
         for slot, wrong in self.wrong.items():
-            values[slot] = wrong.says(values[slot], self._age * PERIOD, self.rng)
+            values[slot] = wrong.says(values[slot], self.age * PERIOD, self.rng)
         if self.health:
             self._break(values)
         self.last = values
@@ -238,8 +238,8 @@ class Sensors:
         pair = (abs(port) + abs(starboard)) / (2 * body.main_thrust)
         three = (abs(rear) + abs(left) + abs(right)) / (3 * body.vertical_thrust)
         self.used += PERIOD * (600.0 * pair * sqrt(pair) + 300.0 * three)
-        self._age += 1
-        control = 12.8 - 2.5 * self._age * PERIOD * 35.0 / (300.0 * 3600.0)
+        self.age += 1
+        control = 12.8 - 2.5 * self.age * PERIOD * 35.0 / (300.0 * 3600.0)
         if self.battery_override is not None:
             control = self.battery_override
             if self.battery_noise:

@@ -95,14 +95,14 @@ class TapedFilter(Filter):
     def _piece(self, dt: float, run: Motion) -> None:
         node = self._node()
         super()._piece(dt, run)
-        node.f = self._kf.F[:_PLANE, :_PLANE].copy()
-        node.q = self._kf.Q[:_PLANE, :_PLANE].copy()
-        node.prior = self._kf.x[:_PLANE].copy()
+        node.f = self.kalman.F[:_PLANE, :_PLANE].copy()
+        node.q = self.kalman.Q[:_PLANE, :_PLANE].copy()
+        node.prior = self.kalman.x[:_PLANE].copy()
         self.nodes.append(node)
         self.t += dt
 
     def _node(self) -> _Node:
-        return _Node(self.t, self._kf.x[:_PLANE].copy(), self._kf.P[:_PLANE, :_PLANE].copy())
+        return _Node(self.t, self.kalman.x[:_PLANE].copy(), self.kalman.P[:_PLANE, :_PLANE].copy())
 
     def place(self, north: float, east: float, variance: float) -> None:
         super().place(north, east, variance)
@@ -114,18 +114,18 @@ class TapedFilter(Filter):
         return found
 
     def widen(self, factor: float) -> None:
-        before = self._kf.P
+        before = self.kalman.P
         super().widen(factor)
         self._account(before)
 
     def loosen(self, variance: float) -> None:
-        before = self._kf.P
+        before = self.kalman.P
         super().loosen(variance)
         self._account(before)
 
     def _account(self, before: Array) -> None:
         if self.nodes and (q := self.nodes[-1].q) is not None:
-            q += (self._kf.P - before)[:_PLANE, :_PLANE]
+            q += (self.kalman.P - before)[:_PLANE, :_PLANE]
 
     def finish(self) -> list[_Node]:
         return [*self.nodes, self._node()]

@@ -60,7 +60,7 @@ def demo(
     _clear(out, LEFT)
     worst = report.proved.worst_time
     click.echo(f"{path}: at most {worst / 60:.1f} min of mission, {speed:g} times real time")
-    shown = _Shown()
+    shown = Shown()
     flown = Demo(prepared, out, speed, profile, seed, settings, worst, click.echo, shown.show)
     try:
         flight = flown.fly()
@@ -95,7 +95,7 @@ def _clear(out: Path, left: frozenset[str]) -> None:
     shutil.rmtree(out)
 
 
-class _Shown:
+class Shown:
     """One line that is written over in a terminal; a line per leg elsewhere."""
 
     def __init__(self) -> None:

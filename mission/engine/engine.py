@@ -93,29 +93,29 @@ class Engine:
         *,
         forgotten_after: float = FORGOTTEN,
     ) -> None:
-        self._core = Core(vehicle, navigation)
+        self.core = Core(vehicle, navigation)
         self._forgotten_after = forgotten_after
         self._timer: float | None = None
 
     def attach(self, navigation: Navigator) -> None:
-        self._core.vehicle_state.navigation = navigation
+        self.core.vehicle_state.navigation = navigation
 
     def limit_topside_silence(self, seconds: float | None) -> None:
         """R5: off unless configured."""
-        self._core.watch.topside_silence = seconds
+        self.core.watch.topside_silence = seconds
 
     def hear_stick(self, now: float) -> None:
         """Somebody's M that was refused before it came here: no emergency is taken over by a stick
         that is held (R6)."""
-        self._core.any_stick = now
+        self.core.any_stick = now
 
     def hear_topside(self, now: float) -> None:
         """Some operator said something that is a frame."""
-        self._core.watch.topside_heard = now
+        self.core.watch.topside_heard = now
 
     def step(self, now: float, inputs: Sequence[Input] = ()) -> Outputs:
         """``now`` never goes back; ValueError if it does. Any input may come in any state."""
-        core = self._core
+        core = self.core
         if now < core.vehicle_state.now:
             raise ValueError(f"time went back from {core.vehicle_state.now} to {now}")
         core.actions, core.steps = [], []
@@ -145,7 +145,7 @@ class Engine:
 
     def _hear(self, inputs: Sequence[Input]) -> tuple[bool, bool, bool]:
         """Whether there were reports, fixes, and anything else to obey."""
-        core = self._core
+        core = self.core
         reported = fixed = told = False
         for one in inputs:
             if isinstance(one, Telemetry):
@@ -167,7 +167,7 @@ class Engine:
 
     def _obey(self, inputs: Sequence[Input]) -> list[Verdict]:
         """X and W before all others; verdicts in the order of the inputs."""
-        core = self._core
+        core = self.core
         given: dict[int, Verdict] = {}
         for i, one in enumerate(inputs):
             if isinstance(one, Emergency):
@@ -191,12 +191,12 @@ class Engine:
         return [given[i] for i in sorted(given)]
 
     def _switch_auto(self, node: AutoNode) -> None:
-        if self._core.auto and not node.open:
-            self._core.auto_off()
-        self._core.auto = node.open
+        if self.core.auto and not node.open:
+            self.core.auto_off()
+        self.core.auto = node.open
 
     def _guard_limits(self, reported: bool, fixed: bool) -> None:
-        core = self._core
+        core = self.core
         found = core.watch.look(reported, fixed)
         if reported and not any(row.response is Response.UNCERTAIN for row in found):
             core.uncertain = False
@@ -216,13 +216,13 @@ class Engine:
 
     def _acts(self, row: Limit) -> bool:
         """While node AUTO is closed nothing turns a thruster by itself out of rest."""
-        core = self._core
+        core = self.core
         if core.region == AUTONOMOUS:
             return AUTONOMOUS in row.acts
         return core.auto and not row.acts.isdisjoint((core.region, core.active))
 
     def _run_mission(self) -> None:
-        core = self._core
+        core = self.core
         for taken in itertools.count():
             run = core.flying
             found = None if run is None else run.look(core.vehicle_state)
@@ -235,7 +235,7 @@ class Engine:
             core.follow(*found)
 
     def _mind_stick(self) -> None:
-        core = self._core
+        core = self.core
         if core.region != MANUAL:
             return
         if core.now >= core.stick + self._forgotten_after:
@@ -250,7 +250,7 @@ class Engine:
         return self._timer
 
     def _next_timer(self) -> float | None:
-        core = self._core
+        core = self.core
         due: list[float | None] = [core.stop_at]
         if (run := core.flying) is not None:
             due += run.next_timer(core.vehicle_state)
@@ -270,16 +270,16 @@ class Engine:
     # --- whole -----------------------------------------------------------------------------------
 
     def snapshot(self) -> Snapshot:
-        core, navigation = self._core, self._core.vehicle_state.navigation
+        core, navigation = self.core, self.core.vehicle_state.navigation
         kept = navigation.snapshot() if navigation else None
         return Snapshot(core.clone(), core.active, core.machine, kept)
 
     def restore(self, snapshot: Snapshot) -> None:
-        navigation = self._core.vehicle_state.navigation
-        self._core = snapshot.core.clone()
-        self._core.machine = snapshot.machine
-        self._core.machine.restore(snapshot.active)
-        self._core.vehicle_state.navigation = navigation
+        navigation = self.core.vehicle_state.navigation
+        self.core = snapshot.core.clone()
+        self.core.machine = snapshot.machine
+        self.core.machine.restore(snapshot.active)
+        self.core.vehicle_state.navigation = navigation
         if navigation and snapshot.navigation is not None:
             navigation.restore(snapshot.navigation)
         self._timer = self._next_timer()
@@ -288,12 +288,12 @@ class Engine:
         """As if the mission under way had come to this leg ``elapsed`` s ago, in these rounds (by
         the paths of the groups): for checks that go through every configuration. LookupError
         without one."""
-        run = self._core.run
+        run = self.core.run
         if run is None:
             raise LookupError("no mission is under way")
-        self._core.machine.restore(leaf)
+        self.core.machine.restore(leaf)
         run.rounds.update(rounds)
-        self._core.enter_quietly(leaf)
+        self.core.enter_quietly(leaf)
         run.entered -= elapsed
         self._timer = self._next_timer()
 
@@ -302,83 +302,83 @@ class Engine:
     @property
     def state(self) -> str:
         """``region/substate``, or the path of the active leg."""
-        return self._core.active
+        return self.core.active
 
     @property
     def region(self) -> str:
-        return self._core.region
+        return self.core.region
 
     @property
     def leg(self) -> str:
         """The active leg as people call it, or the interrupted one; "" if none."""
-        return short(self._core.run.leaf) if self._core.run else ""
+        return short(self.core.run.leaf) if self.core.run else ""
 
     @property
     def chart(self) -> Chart | None:
-        return self._core.chart
+        return self.core.chart
 
     @property
     def estimate(self) -> Estimate | None:
-        return self._core.vehicle_state.estimate
+        return self.core.vehicle_state.estimate
 
     @property
     def depth(self) -> float | None:
         """As reported, None while it is not to be believed."""
-        return self._core.vehicle_state.depth
+        return self.core.vehicle_state.depth
 
     @property
     def reason(self) -> str:
         """Why the engine is where it is."""
-        return self._core.reason
+        return self.core.reason
 
     @property
     def safety(self) -> SetSafety:
         """What the operator has set, for the store."""
-        return self._core.operator
+        return self.core.operator
 
     @property
     def bounds(self) -> Bounds:
         """The limits in force."""
-        return self._core.watch.bounds
+        return self.core.watch.bounds
 
     @property
     def breaches(self) -> tuple[Limit, ...]:
         """Limits that are breached now, also where they are only reported."""
-        return self._core.watch.breaches
+        return self.core.watch.breaches
 
     @property
     def mission_time(self) -> float | None:
         """s since the start, manual time included; None without a mission under way."""
-        return self._core.now - self._core.run.started if self._core.run else None
+        return self.core.now - self.core.run.started if self.core.run else None
 
     @property
     def round(self) -> int:
-        return self._core.run.round if self._core.run else 1
+        return self.core.run.round if self.core.run else 1
 
     @property
     def settled(self) -> bool:
         """The program may end: nobody has to stay with the vehicle."""
-        return ending.settled(self._core)
+        return ending.settled(self.core)
 
     @property
     def doubted_at(self) -> float:
         """When a report last contradicted a stop; -inf: not since the last X."""
-        return self._core.doubted_at
+        return self.core.doubted_at
 
     @property
     def may_clear(self) -> bool:
         """An @AC would be accepted now."""
-        return not why_not_clear(self._core)
+        return not why_not_clear(self.core)
 
     @property
     def under_way(self) -> str:
         """What a restart would interrupt, for the store; "" if nothing."""
-        return under_way(self._core)
+        return under_way(self.core)
 
     @property
     def readings(self) -> Mapping[str, Reading]:
         """Every variable as a guard would see it now."""
-        core = self._core
+        core = self.core
         vehicle_state = core.vehicle_state
         scope = (
             core.run.scope(vehicle_state)

@@ -56,7 +56,7 @@ class Machine:
     def __init__(self, chart: Chart | None = None) -> None:
         self._at = _Configuration()
         self.active, self.region = IDLE_EMPTY, IDLE
-        self._machine = _Machine(
+        self.library = _Machine(
             [],
             states=_states(chart),
             initial=IDLE_EMPTY,
@@ -79,7 +79,7 @@ class Machine:
         if trigger not in self._triggers:
             raise NoSuchEdge(f"{trigger} from {self.active}")
         self._at.exited, self._at.entered = [], []
-        self._machine.trigger_event(self._at, trigger)
+        self.library.trigger_event(self._at, trigger)
         self._settle()
         return tuple(self._at.exited), tuple(self._at.entered)
 
@@ -100,7 +100,7 @@ class Machine:
         return self.active
 
     def restore(self, snapshot: str) -> None:
-        self._machine.get_state(snapshot)  # raises for a state that is not there
+        self.library.get_state(snapshot)  # raises for a state that is not there
         self._at.state = snapshot
         self._settle()
 
@@ -112,7 +112,7 @@ class Machine:
         return self.active == source or self.active.startswith(source + "/")
 
     def _add(self, trigger: str, source: str, target: str) -> None:
-        self._machine.add_transition(trigger, source, target)
+        self.library.add_transition(trigger, source, target)
         self._triggers.add(trigger)
 
 

@@ -30,16 +30,16 @@ class LimitMonitor(Watch):
         }
         self._timed = tuple(row for row in self.rows if row.due is not never)
         self.breaches: tuple[Limit, ...] = ()
-        self._samples: dict[str, int] = {}  # breached ones, less those within the bound
+        self.samples: dict[str, int] = {}  # breached ones, less those within the bound
         self._lasting = Lasting()
 
     def begin(self, now: float) -> None:
         super().begin(now)
-        self._samples, self._lasting, self.breaches = {}, Lasting(), ()
+        self.samples, self._lasting, self.breaches = {}, Lasting(), ()
 
     def forgive(self, row: Limit) -> None:
         """A response was given that may mend it: count anew."""
-        self._samples.pop(row.name, None)
+        self.samples.pop(row.name, None)
         self._lasting.forget(row.name)
 
     def look(self, reported: bool, fixed: bool) -> list[Limit]:
@@ -53,7 +53,7 @@ class LimitMonitor(Watch):
             if breached:
                 if self._lasts(row):
                     found.append(row)
-            elif breached is not None and (self._samples or self._lasting):
+            elif breached is not None and (self.samples or self._lasting):
                 self._fade(row)
         if found or self.breaches:
             looked = [row for _, row in rows]
@@ -74,12 +74,12 @@ class LimitMonitor(Watch):
         if row.seconds:
             now = self.vehicle_state.now
             return now - self._lasting.holds(row.name, now) >= row.seconds
-        count = self._samples[row.name] = min(self._samples.get(row.name, 0) + 1, row.samples)
+        count = self.samples[row.name] = min(self.samples.get(row.name, 0) + 1, row.samples)
         return count >= row.samples
 
     def _fade(self, row: Limit) -> None:
         """Within its bound: noise may say so once."""
         if row.seconds:
             self._lasting.breaks(row.name, self.vehicle_state.now)
-        elif count := self._samples.pop(row.name, 0):
-            self._samples[row.name] = count - 1
+        elif count := self.samples.pop(row.name, 0):
+            self.samples[row.name] = count - 1

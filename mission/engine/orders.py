@@ -119,21 +119,21 @@ def clear(core: Core, command: ClearMission) -> Verdict:
 def start(core: Core, command: StartMission) -> Verdict:
     if core.region == AUTONOMOUS:
         return Verdict(True, "it runs already")
-    why = _why_not_start(core)
+    why = why_not_start(core)
     if why:
         return Verdict(False, why)
     if core.region == MANUAL and core.run is not None:
         core.resume(core.run)
         return ACCEPTED
     assert core.chart is not None
-    why = _why_not_fly(core, core.chart) or _settle_home(core, core.chart)
+    why = why_not_fly(core, core.chart) or _settle_home(core, core.chart)
     if why:
         return Verdict(False, why)
     core.begin(core.chart)
     return ACCEPTED
 
 
-def _why_not_start(core: Core) -> str:
+def why_not_start(core: Core) -> str:
     if core.ending:
         return f"{WHY} when it has surfaced"
     if core.region == EMERGENCY:
@@ -152,7 +152,7 @@ def _why_not_start(core: Core) -> str:
     return ""
 
 
-def _why_not_fly(core: Core, chart: Chart) -> str:
+def why_not_fly(core: Core, chart: Chart) -> str:
     if why := heavy(core.vehicle):
         return why
     report = core.vehicle_state.telemetry

@@ -151,7 +151,7 @@ class Run:
             if found is not None:
                 return found
         for edge in plan.plain:
-            due = self._due(edge, vehicle_state)
+            due = self.due(edge, vehicle_state)
             if due is None or not self.open(edge):
                 continue
             if now >= due:
@@ -219,7 +219,7 @@ class Run:
                 return False
         return True
 
-    def _due(self, edge: Edge, vehicle_state: VehicleState) -> float | None:
+    def due(self, edge: Edge, vehicle_state: VehicleState) -> float | None:
         """When the edge is due by its kind alone; None if nothing says so."""
         if edge.by is By.FOR or edge.by is By.TIMEOUT:
             lasts = self.leg.duration if edge.by is By.FOR else self.leg.timeout

@@ -115,8 +115,8 @@ class _Steady:
 class Filter:
     def __init__(self, figures: Figures) -> None:
         self.figures = fig = figures
-        self._kf: Any = KalmanFilter(dim_x=STATES, dim_z=2)
-        self._kf.inv = _inverse
+        self.kalman: Any = KalmanFilter(dim_x=STATES, dim_z=2)
+        self.kalman.inv = _inverse
         x, sigma = np.zeros(STATES), np.full(STATES, _UNKNOWN)
         x[SCALE], (x[CN], x[CE]) = 1.0, fig.current_mean
         sigma[CN], sigma[CE], sigma[WN], sigma[WE] = (fig.current.sigma,) * 2 + (
@@ -126,11 +126,11 @@ class Filter:
         sigma[COMPASS], sigma[SIN], sigma[COS] = fig.compass.sigma, fig.harmonic, fig.harmonic
         sigma[WANDER] = math.hypot(fig.wander.sigma, 0.5 * fig.harmonic)  # the second harmonic
         sigma[RATE] = fig.rate.sigma
-        self._kf.x, self._kf.P = x, np.diag(sigma * sigma)
+        self.kalman.x, self.kalman.P = x, np.diag(sigma * sigma)
         self._loosest = _LOOSEST * (sigma * sigma)[:DEPTH]
         self._loosest[N] = self._loosest[E] = math.inf
-        self._kf.F, self._kf.Q = np.eye(STATES), np.zeros((STATES, STATES))
-        self._f, self._q = self._kf.F.reshape(-1), self._kf.Q.reshape(-1)
+        self.kalman.F, self.kalman.Q = np.eye(STATES), np.zeros((STATES, STATES))
+        self._f, self._q = self.kalman.F.reshape(-1), self.kalman.Q.reshape(-1)
         self._steady = _Steady()
         depth, altitude = 0.5 * fig.depth**2, fig.altitude**2
         self._depth_and_altitude = np.diag((depth, altitude))
@@ -139,32 +139,32 @@ class Filter:
 
     @property
     def x(self) -> Array:
-        state: Array = self._kf.x
+        state: Array = self.kalman.x
         return state
 
     @property
     def covariance(self) -> Array:
-        p: Array = self._kf.P
+        p: Array = self.kalman.P
         return p
 
     def save(self) -> tuple[Array, Array]:
         """The arrays are replaced, never written to, by what follows."""
-        return self._kf.x, self._kf.P
+        return self.kalman.x, self.kalman.P
 
     def told(self) -> tuple[list[float], list[float]]:
         """The state, and what an estimate says of the covariance, in the order of ``_TOLD``."""
-        return self._kf.x.tolist(), self._kf.P.take(_TOLD).tolist()
+        return self.kalman.x.tolist(), self.kalman.P.take(_TOLD).tolist()
 
     def load(self, saved: tuple[Array, Array]) -> None:
-        self._kf.x, self._kf.P = saved
+        self.kalman.x, self.kalman.P = saved
 
     def trust(self, figures: Figures, share: float) -> None:
         """Believes ``figures`` from now on, and to be ``share`` times as far off as it did."""
         self.figures, self._steady, self._wander = figures, _Steady(), _across(figures)
-        p = self._kf.P.copy()
+        p = self.kalman.P.copy()
         p[:DEPTH, :] *= share
         p[:, :DEPTH] *= share
-        self._kf.P = p
+        self.kalman.P = p
 
     # --- time ------------------------------------------------------------------------------
 
@@ -175,14 +175,16 @@ class Filter:
 
     def _piece(self, dt: float, run: Motion) -> None:
         moved = self.transition(dt, run)
-        self._kf.predict()
-        x = self._kf.x
+        self.kalman.predict()
+        x = self.kalman.x
         x[N], x[E], x[CN], x[CE] = moved
 
     def transition(self, dt: float, run: Motion) -> tuple[float, float, float, float]:
         """Writes F and Q for ``dt``; position and current after it."""
         fig, f, q = self.figures, self._f, self._q
-        n, e, cn, ce, wn, we, scale, deviation, error, a, b, wander, _, _, _ = self._kf.x.tolist()
+        n, e, cn, ce, wn, we, scale, deviation, error, a, b, wander, _, _, _ = (
+            self.kalman.x.tolist()
+        )
         sm, cm = math.sin(run.heading), math.cos(run.heading)
         true = run.heading - error - a * sm - b * cm - wander
         c, s = math.cos(true), math.sin(true)
@@ -263,21 +265,21 @@ class Filter:
 
     def place(self, north: float, east: float, variance: float) -> None:
         """The position is known to be this, whatever was believed; the rest stays."""
-        x, p = self._kf.x.copy(), self._kf.P.copy()
+        x, p = self.kalman.x.copy(), self.kalman.P.copy()
         x[N], x[E] = north, east
         p[:2, :], p[:, :2] = 0.0, 0.0
         p[N, N] = p[E, E] = variance
-        self._kf.x, self._kf.P = x, p
+        self.kalman.x, self.kalman.P = x, p
 
     def shift(self, north: float, east: float) -> None:
-        x = self._kf.x.copy()
+        x = self.kalman.x.copy()
         x[N] += north
         x[E] += east
-        self._kf.x = x
+        self.kalman.x = x
 
     def innovation(self, north: float, east: float, variance: float) -> tuple[float, float, float]:
         """Of a position: north, east, and the normalised innovation squared."""
-        x, p = self._kf.x, self._kf.P
+        x, p = self.kalman.x, self.kalman.P
         dn, de = north - float(x[N]), east - float(x[E])
         (a, b), (_, d) = p[:2, :2].tolist()
         a, d = a + variance, d + variance
@@ -285,13 +287,13 @@ class Filter:
 
     def fix(self, north: float, east: float, variance: float) -> None:
         r = np.array(((variance, 0.0), (0.0, variance)))
-        self._kf.update(np.array((north, east)), r, _POSITION)
+        self.kalman.update(np.array((north, east)), r, _POSITION)
 
     def widen(self, factor: float) -> None:
         """Multiplies the covariance of all that moves the position; correlations stay. Compass,
         thrusters and water never get much less known than before anything was heard: at rest
         nothing would ever bring them back, and a filter cannot compute with what they grow to."""
-        p = self._kf.P.copy()
+        p = self.kalman.P.copy()
         plane = p[:DEPTH, :DEPTH]
         room = self._loosest / plane.diagonal()
         if (room >= factor).all():
@@ -299,28 +301,28 @@ class Filter:
         else:  # what is added is positive: a share of the widening for each state
             share = np.sqrt(np.clip((room - 1.0) / (factor - 1.0), 0.0, 1.0))
             plane += (factor - 1.0) * share[:, None] * plane * share
-        self._kf.P = p
+        self.kalman.P = p
 
     def loosen(self, variance: float) -> None:
         """Adds to the position's variance alone."""
-        p = self._kf.P.copy()
+        p = self.kalman.P.copy()
         p[N, N] += variance
         p[E, E] += variance
-        self._kf.P = p
+        self.kalman.P = p
 
     def doubt_current(self, sigma: float) -> None:
         """The current may be off by ``sigma`` m/s or more along each axis, whatever was found of it
         together with something else; the mean stays."""
-        p = self._kf.P.copy()
+        p = self.kalman.P.copy()
         for axis in (CN, CE):
             if p[axis, axis] < sigma * sigma:
                 p[axis, :] = p[:, axis] = 0.0
                 p[axis, axis] = sigma * sigma
-        self._kf.P = p
+        self.kalman.P = p
 
     def vertical(self, depth: float | None, altitude: float | None) -> tuple[float, int] | None:
         """Takes in what is there; the normalised innovation squared and its degrees of freedom."""
-        kf = self._kf
+        kf = self.kalman
         if depth is not None and altitude is not None:
             kf.update(np.array((depth, altitude)), self._depth_and_altitude, _BOTH)
             (a, b), ((p, q), (_, r)) = kf.y.tolist(), kf.SI.tolist()
@@ -335,7 +337,7 @@ class Filter:
 
     def velocity(self, north: float, east: float, run: Motion) -> None:
         """Over ground, from a receiver's speed and course (rejected beyond 4 sigma)."""
-        fig, x, p = self.figures, self._kf.x, self._kf.P
+        fig, x, p = self.figures, self.kalman.x, self.kalman.P
         sm, cm = math.sin(run.heading), math.cos(run.heading)
         true = run.heading - float(x[COMPASS]) - float(x[WANDER])
         true -= float(x[SIN]) * sm + float(x[COS]) * cm
@@ -363,4 +365,4 @@ class Filter:
         drift = x[WN:SCALE] if run.surfaced else np.zeros(2)
         y = np.array((north - vn, east - ve)) - x[CN:WN] - drift
         if float(y @ _inverse(h @ p @ h.T + r) @ y) < 16.0:
-            self._kf.update(y + h @ x, r, h)
+            self.kalman.update(y + h @ x, r, h)

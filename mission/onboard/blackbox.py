@@ -100,7 +100,7 @@ class BlackBox:
         self._wall, self._shell = round(wall * _NS), shell
         self._pending, self._start = bytearray(), b""
         self._unwritten = bytearray()
-        self._fd, self._size, self._closed = -1, 0, False
+        self.fd, self._size, self._closed = -1, 0, False
         try:
             self._open()
         except BlackBoxError as error:
@@ -142,7 +142,7 @@ class BlackBox:
         try:
             self._write(data)
             if sync:
-                os.fdatasync(self._fd)
+                os.fdatasync(self.fd)
             self.failure = ""
         except BlackBoxError as error:
             self.failure = str(error)
@@ -155,14 +155,14 @@ class BlackBox:
             return
         self.store(self.take())
         self._closed = True
-        fd, self._fd = self._fd, -1
+        fd, self.fd = self.fd, -1
         if fd >= 0:
             self._finish(fd)
 
     def _open(self) -> None:
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            self._fd, self._size = _begin(self.path)
+            self.fd, self._size = _begin(self.path)
         except OSError as error:
             why = error.strerror or error
             raise BlackBoxError(f"the black box {self.path} cannot be made: {why}") from error
@@ -174,23 +174,23 @@ class BlackBox:
             self._next_part()
         else:
             self._unwritten += data
-        if self._fd < 0:
+        if self.fd < 0:
             self._open()
         while self._unwritten:
-            written = os.write(self._fd, self._unwritten)
+            written = os.write(self.fd, self._unwritten)
             self._size += written
             del self._unwritten[:written]
 
     def _next_part(self) -> None:
         path = part_path(self._base, self._part + 1)
         fd, self._size = _begin(path)
-        old, self._fd, self.path, self._part = self._fd, fd, path, self._part + 1
+        old, self.fd, self.path, self._part = self.fd, fd, path, self._part + 1
         self._unwritten[:0] = self._start
         self._finish(old)
 
     def _finish(self, fd: int) -> None:
         try:
-            os.write(fd, _foot())
+            os.write(fd, foot())
             os.fsync(fd)
         except OSError as error:
             self.failure = f"{self.path}: {error.strerror or error}"
@@ -344,7 +344,7 @@ def _head() -> bytes:
 
 
 @cache
-def _foot() -> bytes:
+def foot() -> bytes:
     builder = RecordBuilder()
     DataEnd(0).write(builder)
     Footer(0, 0, 0).write(builder)

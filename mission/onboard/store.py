@@ -68,15 +68,15 @@ class MemoryStore:
         return self._content
 
     def keep_lines(self, lines: tuple[str, ...]) -> None:
-        self._write(replace(self._content, lines=lines))
+        self.write(replace(self._content, lines=lines))
 
     def keep_limits(self, limits: SetSafety) -> None:
-        self._write(replace(self._content, limits=limits))
+        self.write(replace(self._content, limits=limits))
 
     def keep_under_way(self, what: str) -> None:
-        self._write(replace(self._content, under_way=what))
+        self.write(replace(self._content, under_way=what))
 
-    def _write(self, content: Stored) -> None:
+    def write(self, content: Stored) -> None:
         number, self._writes = self._writes, self._writes + 1
         if number in self._failures:
             raise StoreError(self._failures[number])
@@ -150,15 +150,15 @@ class DiskStore:
         return self._content
 
     def keep_lines(self, lines: tuple[str, ...]) -> None:
-        self._write("mission", "\n".join(lines))
+        self.write("mission", "\n".join(lines))
         self._content = replace(self._content, lines=lines)
 
     def keep_limits(self, limits: SetSafety) -> None:
-        self._write("limits", json.dumps(_limits(limits), sort_keys=True))
+        self.write("limits", json.dumps(_limits(limits), sort_keys=True))
         self._content = replace(self._content, limits=limits)
 
     def keep_under_way(self, what: str) -> None:
-        self._write("under-way", what)
+        self.write("under-way", what)
         self._content = replace(self._content, under_way=what)
 
     def _read(self) -> Stored:
@@ -192,7 +192,7 @@ class DiskStore:
             damage.append(f"{path} is damaged and was not used")
         return if_damaged
 
-    def _write(self, name: str, text: str) -> None:
+    def write(self, name: str, text: str) -> None:
         path = self._folder / name
         try:
             write_summed(path, text)

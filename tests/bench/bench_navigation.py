@@ -32,12 +32,12 @@ class Plain(Filter):
 
     def __init__(self, vehicle: Vehicle) -> None:
         super().__init__(figures(vehicle))
-        kf = self._kf
+        kf = self.kalman
         self.x_, self.p_, self.f_, self.q_ = kf.x, kf.P, kf.F, kf.Q
         self.i_ = np.eye(STATES)
 
     def move(self, dt: float, run: Motion) -> None:
-        self._kf.x = self.x_  # ``transition`` reads the state there
+        self.kalman.x = self.x_  # ``transition`` reads the state there
         moved = self.transition(dt, run)
         self.x_ = self.f_ @ self.x_
         self.p_ = self.f_ @ self.p_ @ self.f_.T + self.q_
@@ -76,7 +76,7 @@ def plain(vehicle: Vehicle, runs: list[Motion]) -> tuple[float, np.ndarray]:
 
     f = Plain(vehicle)
     f.place(0.0, 0.0, 6.0)
-    f.x_, f.p_ = f._kf.x, f._kf.P
+    f.x_, f.p_ = f.kalman.x, f.kalman.P
     rd, ra = 0.5 * f.figures.depth**2, f.figures.altitude**2
     begin = time.perf_counter()
     for i, run in enumerate(runs):

@@ -63,7 +63,7 @@ def guards() -> tuple[float, float]:
     group = Group("g", 1, (leg("a", *exits, timeout=20000.0), leg("b", timeout=20000.0)))
     world = World(mission(group))
     assert world.start()
-    core = world.engine._core
+    core = world.engine.core
     run, vehicle_state = core.run, core.vehicle_state
     assert run is not None
     assert run.look(vehicle_state) is None

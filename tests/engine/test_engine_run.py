@@ -92,7 +92,7 @@ def test_a_steered_set_forgives_that_an_older_one_was_refused():
 
 def test_without_a_guard_that_waits_nothing_is_due_when_readings_grow_old():
     world = flying(leg("a", when("altitude", "<", 3.0, held=60.0), timeout=1000.0), leg("b"))
-    world.engine._core.watch.heard = math.inf  # no limit of silence may hide it
+    world.engine.core.watch.heard = math.inf  # no limit of silence may hide it
     world.tell()
     assert world.engine.next_timer() == 1100.0
 
@@ -140,7 +140,7 @@ def test_a_guard_that_is_held_waits_for_its_time_and_for_the_readings_that_grow_
         world.t = t
         world.tell()
     # no limit of silence may hide it
-    world.engine._core.watch.heard = math.inf
+    world.engine.core.watch.heard = math.inf
     world.tell()
     timer = world.engine.next_timer()
     assert timer == pytest.approx(104.0 + 6.0 + 1e-3)
@@ -312,13 +312,13 @@ def test_a_refused_upward_thrust_does_not_end_an_ascent():
 def test_while_a_leg_climbs_the_next_deadline_is_its_judging_or_the_surface():
     up = leg("up", kind=Surface(), settings=(), timeout=LONG)
     world = flying(leg("a", timeout=None, duration=4.0), up, leg("b", timeout=LONG), depth=20.0)
-    world.engine._core.watch.heard = math.inf
+    world.engine.core.watch.heard = math.inf
     world.until(104.0, reports=False)
     assert world.state == "autonomous/up"
     assert world.engine.next_timer() == 114.0
     world.t, world.depth = 107.0, 0.2
     world.tell(world.report())
-    world.engine._core.watch.heard = math.inf
+    world.engine.core.watch.heard = math.inf
     world.tell()
     assert world.engine.next_timer() == 113.0
     world.until(113.0, reports=False)
@@ -340,7 +340,7 @@ def test_at_the_surface_a_leg_waits_for_its_time_alone():
     world = flying(leg("a", timeout=None, duration=4.0), up, leg("b", timeout=LONG), depth=0.2)
     world.until(111.0)  # up since 110: the ascent would be judged at 114
     assert world.state == "autonomous/up"
-    world.engine._core.watch.heard = math.inf  # no limit of silence may hide it
+    world.engine.core.watch.heard = math.inf  # no limit of silence may hide it
     world.tell()
     assert world.engine.next_timer() == 194.0
 
@@ -367,7 +367,7 @@ def test_the_path_over_ground_is_counted_from_the_entry_and_only_forward():
     world.nav.speed, world.nav.current = 0.6, (0.0, 0.8)
     assert world.start()
     world.depth = 5.0
-    run = world.engine._core.run
+    run = world.engine.core.run
     world.until(107.0)
     assert run.travelled == pytest.approx(6.0)  # the report of 106
     world.heading, world.nav.current = math.pi / 2, (0.0, 0.4)
@@ -428,7 +428,7 @@ def test_a_run_and_its_clone_share_nothing_that_changes():
     yoyo = leg("y", kind=Yoyo(3.0, 9.0, 2), settings=sets(surge=0.5, heading=0.0), timeout=LONG)
     up = leg("up", kind=Surface(), settings=(), timeout=LONG)
     for body in (yoyo, up):
-        run = flying(body, depth=9.0).engine._core.run
+        run = flying(body, depth=9.0).engine.core.run
         other = run.clone()
         mutable = {
             name

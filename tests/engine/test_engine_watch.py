@@ -449,7 +449,7 @@ def test_a_clone_goes_its_own_way():
     heard(other, 12.0, depth=8.0)
     assert one.breaches == ()
     assert one.descent.unexplained is None
-    assert one._samples != other._samples
+    assert one.samples != other.samples
     other.set_sent(Setpoint(surge=0.5))
     assert one.vehicle_state.command is None
 

@@ -99,7 +99,7 @@ def script(seed: int, world: World, steps: int) -> list[object]:
         timer = world.engine.next_timer()
         world.t += rng.uniform(0.0, 2.0)
         if timer is not None and timer <= world.t:
-            world.t = max(timer, world.engine._core.now)
+            world.t = max(timer, world.engine.core.now)
             outputs.append(world.tell())
         else:
             outputs.append(world.tell(*random_input(rng, world)))
@@ -274,7 +274,7 @@ class Anything(RuleBasedStateMachine):
     @invariant()
     def deadlines_lie_ahead(self) -> None:
         timer = self.world.engine.next_timer()
-        assert timer is None or timer > self.world.engine._core.now
+        assert timer is None or timer > self.world.engine.core.now
 
 
 TestAnything = Anything.TestCase
@@ -290,7 +290,7 @@ def test_the_machine_is_told_what_fires_and_asked_for_nothing(
     ]
     world = World(mission(leg("a", *exits, timeout=600.0), leg("b", timeout=20000.0)))
     assert world.start()
-    library = world.engine._core.machine._machine
+    library = world.engine.core.machine.library
     told: list[str] = []
     dispatch = library.trigger_event
 

@@ -35,7 +35,7 @@ def connect(server: TcpServer, now: float, host: str = "127.0.0.1") -> socket.so
 
     def decided() -> bool:
         server.receive(now)
-        refused = any(r.host == host for r in server._refusals)
+        refused = any(r.host == host for r in server.turned_away)
         return name in server.peers or refused
 
     until(decided)
@@ -83,7 +83,7 @@ def test_ten_thousand_addresses_leave_no_memory_behind() -> None:
     door = Gate(Admission())
     for i in range(10_000):
         door.hurries(socket.inet_ntoa(struct.pack(">I", i)), i * 0.01)
-    assert len(door._arrivals) < 2000
+    assert len(door.arrivals) < 2000
 
 
 def test_who_is_silent_gives_way_and_who_speaks_does_not() -> None:
@@ -125,7 +125,7 @@ def test_who_drips_bytes_keeps_nobody_out_who_makes_sense() -> None:
 
 def _after(server: TcpServer, now: float) -> list[Stream]:
     server.receive(now)
-    return list(server._streams.values())
+    return list(server.streams.values())
 
 
 def test_in_a_full_lobby_the_first_who_came_from_where_most_came_gives_way_at_once() -> None:
@@ -192,14 +192,14 @@ def test_a_silent_connection_is_dropped_when_it_is_due_and_a_living_one_is_not()
 def test_who_floods_gets_no_more_than_his_turn() -> None:
     server = listening()
     flood, other = connect(server, 0.0), connect(server, 0.0)
-    for stream in server._streams.values():
+    for stream in server.streams.values():
         queue = stream.socket.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
         assert queue <= 2 * RECEIVE_BUFFER, "Linux shows it doubled"
     flood.settimeout(0.2)
     with pytest.raises(TimeoutError):  # a bounded queue: the sender waits, not the order behind it
         flood.sendall(b"x" * (64 << 20))
     other.sendall(b"@ZAX0$")
-    until(lambda: len(server._selector.select(0.0)) == 2)
+    until(lambda: len(server.selector.select(0.0)) == 2)
     heard = {rx.address: rx.data for rx in server.receive(0.0)}
     assert heard.pop(f"127.0.0.1:{other.getsockname()[1]}") == b"@ZAX0$"
     assert [len(data) for data in heard.values()] == [READ]

@@ -68,7 +68,7 @@ def test_a_closed_bus_says_so_and_may_be_closed_twice(pair: tuple[Link, Link]) -
 
 def test_a_bus_that_fails_under_way_is_closed(pair: tuple[Link, Link]) -> None:
     near, _ = pair
-    near._bus.shutdown()  # type: ignore[attr-defined]
+    near.bus.shutdown()  # type: ignore[attr-defined]
     for use in (lambda: near.receive(0.0), lambda: near.send(FORCE, 0.0)):
         with pytest.raises(LinkClosed, match="pi: "):
             use()

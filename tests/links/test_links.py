@@ -315,7 +315,7 @@ def test_a_peer_that_leaves_does_not_disturb_the_others(server: TcpServer) -> No
 def test_more_peers_than_allowed_are_turned_away(server: TcpServer) -> None:
     clients = [connect(server) for _ in range(3)]
     with socket.create_connection(("127.0.0.1", server.port), timeout=LONG) as fourth:
-        until(lambda: bool(server.receive(0.0)) or bool(server._refusals))
+        until(lambda: bool(server.receive(0.0)) or bool(server.turned_away))
         assert fourth.recv(10) == b""
     assert len(server.peers) == 3
     for client in clients:
@@ -336,7 +336,7 @@ def test_a_peer_that_reads_nothing_is_dropped_and_the_server_goes_on(server: Tcp
 def test_a_slow_peer_gets_everything_in_order(server: TcpServer) -> None:
     client = connect(server)
     data = os.urandom(250_000)
-    (peer,) = server._streams.values()
+    (peer,) = server.streams.values()
     peer.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 8192)
     server.send(data, 0.0, server.peers[0])
     assert len(peer.waiting) > 100_000

@@ -318,7 +318,7 @@ def test_batteries_are_constants_as_built_and_run_down_where_documented() -> Non
     for profile in PROFILES:
         pi = Pi(profile)
         pi.vehicle.sensors.used = 500 * 3600.0
-        pi.vehicle.sensors._age = 10000
+        pi.vehicle.sensors.age = 10000
         pi.say(b"@ZAF10$")
         drained[profile] = [pi.report()[22:], pi.report()[22:]]
     assert drained["as-built"] == [(12, 48), (12, 48)]

@@ -74,7 +74,7 @@ def test_a_fault_is_seen_while_it_lasts_and_not_before(profile: str, fault: str)
         before = [piece for piece in heard if piece[0] < BEGIN]
         assert before == [piece for piece in heard_sick if piece[0] < BEGIN]
         seen |= volts(heard) != volts(heard_sick) if "battery" in fault else heard != heard_sick
-        assert sick._edges == []
+        assert sick.edges == []
     assert seen == ((profile, fault) not in UNSEEN)
 
 

@@ -157,7 +157,7 @@ def test_half_handshakes_by_the_hundred_from_its_own_address_keep_no_certificate
                 if i % 2:
                     held[-1].sendall(hello)
             command(server, keys / "ours" / ("boat", "tablet")[turn % 2])
-            assert len(server._streams) <= LOBBY + 1
+            assert len(server.streams) <= LOBBY + 1
     assert bytes(served.heard) == b"@ZAX0$" * 4
     assert not any("a second" in refusal.why for refusal in server.refusals())
     for one in held:
@@ -223,14 +223,14 @@ def test_a_boat_cannot_pose_as_the_vehicle(keys: Path) -> None:
 def test_who_does_not_speak_tls_is_never_heard_and_told(server: TcpServer) -> None:
     with socket.create_connection(("127.0.0.1", server.port), LONG) as plain:
         plain.sendall(b"@ZAX0$ but not in TLS")
-        until(lambda: server.receive(0.0) != [] or bool(server._refusals))
+        until(lambda: server.receive(0.0) != [] or bool(server.turned_away))
         assert server.peers == ()
     assert [r.why for r in server.refusals()] == ["it does not speak TLS"]
 
 
 def test_who_stops_in_the_middle_of_the_handshake_is_dropped(server: TcpServer) -> None:
     with socket.create_connection(("127.0.0.1", server.port), LONG) as half_open:
-        until(lambda: server.receive(0.0) != [] or bool(server._streams))
+        until(lambda: server.receive(0.0) != [] or bool(server.streams))
         half_open.sendall(b"\x16\x03\x01")
         assert server.next_event() == HANDSHAKE
         server.receive(HANDSHAKE)

@@ -40,7 +40,7 @@ def written(folder: Path, records: list[Record] = RECORDS, close: bool = True) -
         box.close()
     else:
         box.store(box.take(), sync=True)
-        os.close(box._fd)
+        os.close(box.fd)
     return path
 
 
@@ -250,7 +250,7 @@ def test_damage_in_the_midst_is_told_by_its_place(tmp_path: Path) -> None:
 def test_a_time_garbled_in_its_high_bytes_is_no_record(tmp_path: Path) -> None:
     path = written(tmp_path, [Record(1.0, "start", b"")])
     whole = bytearray(path.read_bytes())
-    last = len(whole) - len(blackbox._foot()) - 1  # of the engine's time
+    last = len(whole) - len(blackbox.foot()) - 1  # of the engine's time
     whole[last] = 1
     path.write_bytes(whole)
     assert list(read_records(path)) == []

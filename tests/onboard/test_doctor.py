@@ -193,11 +193,11 @@ def test_what_stands_at_the_port_instead_of_the_vehicle_is_named() -> None:
         (b"", "0 bytes", "power"),
         (bytes(range(200)), "200 bytes", "power"),
     ):
-        one = next(iter(port_probe._of_vehicle(auv, [], raw)))
+        one = next(iter(port_probe.of_vehicle(auv, [], raw)))
         assert one.condition is Condition.FAULT
         assert says in one.says
         assert todo in one.todo
-    one = port_probe._of_gps(NmeaDecoder(), [], b"xx@SD\x00\x01")
+    one = port_probe.of_gps(NmeaDecoder(), [], b"xx@SD\x00\x01")
     assert "this is the STM32" in one.says
     assert "swap" in one.todo
 
@@ -291,12 +291,12 @@ def test_a_key_that_others_can_read_is_told(tmp_path: Path) -> None:
 def test_a_frozen_sensor_is_told_from_a_living_one() -> None:
     auv = load_vehicle("auv")
     heard = [Telemetry(float(i), depth=0.1, altitude=2.0 + i, heading=1.0) for i in range(3)]
-    found = {one.what: one for one in port_probe._of_vehicle(auv, heard)}
+    found = {one.what: one for one in port_probe.of_vehicle(auv, heard)}
     assert "to the last bit" in found["sensor depth"].says
     assert found["sensor depth"].condition is Condition.WARNING
     assert found["sensor altitude"].condition is Condition.OK
     assert found["sensor roll"].condition is Condition.FAULT, "it is declared, and silent"
     upside = [Telemetry(0.0, depth=3.0, roll=3.0)]
-    found = {one.what: one for one in port_probe._of_vehicle(auv, upside)}
+    found = {one.what: one for one in port_probe.of_vehicle(auv, upside)}
     assert found["sensor depth"].condition is Condition.WARNING
     assert found["sensor roll"].condition is Condition.WARNING

@@ -12,7 +12,6 @@ from mission.onboard.runtime.command_target import REFUSAL_CHARACTERS, Peer, one
 from mission.onboard.runtime.commander import COMMANDER_SILENT_S
 from mission.onboard.runtime.copies import REMEMBERED
 from mission.onboard.runtime.staging import FORGOTTEN_AFTER_S
-from mission.onboard.store import Stored
 from protocol.messages import (
     Ack,
     ClearMission,
@@ -379,11 +378,11 @@ def test_a_safety_set_with_the_wrong_count_is_not_answered(pi: Pi) -> None:
 def test_a_flood_of_commands_is_remembered_in_bounds(pi: Pi) -> None:
     for i in range(REMEMBERED + 2000):
         pi.hear(SetSafety(radius=float(i + 1)), i * 1e-4)
-    assert len(pi.topside._copies._said) <= REMEMBERED
+    assert len(pi.topside.copies.said) <= REMEMBERED
 
 
 def test_the_store_given_to_topside_is_read_not_copied(pi: Pi) -> None:
-    pi.target.store._content = Stored(lines=LINES)
+    pi.target.store.keep_lines(LINES)
     assert pi.hear(MissionLine(3, 2, LINES[1])) == [b"@ACK_AWW$"]
     assert pi.hear(Manual("MMF", b"@MMF0$")) == []
 

@@ -28,7 +28,7 @@ def test_lines_come_out_in_their_order_and_the_last_ones_before_the_end() -> Non
     printer = Printer(writer)
     for i in range(100):
         printer.print(f"line {i}")
-    soon(printer._lines.empty, "the machine has come to print them")
+    soon(printer.lines.empty, "the machine has come to print them")
     printer.close()
     os.close(writer)
     with os.fdopen(reader) as file:
@@ -42,7 +42,7 @@ def test_who_prints_to_somebody_that_reads_nothing_does_not_wait_and_is_told_the
         printer.print("x" * 1000)  # the pipe holds four of them
     printer.print("the last")
     fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, 16 * SMALLEST_PIPE)  # somebody reads again
-    soon(printer._lines.empty, "what waited is printed")
+    soon(printer.lines.empty, "what waited is printed")
     printer.print("again")
     printer.close()
     os.close(writer)
@@ -69,9 +69,9 @@ def test_the_end_does_not_wait_for_ever() -> None:
     printer = Printer(writer)
     printer.print("x" * 2 * SMALLEST_PIPE)
     printer.close()
-    assert printer._thread.is_alive(), f"it stands in write(), and {PATIENCE_S:g} s were enough"
+    assert printer.thread.is_alive(), f"it stands in write(), and {PATIENCE_S:g} s were enough"
     os.close(reader)
-    printer._thread.join()
+    printer.thread.join()
     os.close(writer)
 
 

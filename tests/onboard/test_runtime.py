@@ -72,12 +72,12 @@ class Boat:
             wall=START.timestamp(),
         )
         if navigation:
-            self._leave(self.runtime.set_navigation(self.runtime.make_navigation(), 0.0))
-        self._leave(self.runtime.connected("topside", "boat", 0.0))
+            self.leave(self.runtime.set_navigation(self.runtime.make_navigation(), 0.0))
+        self.leave(self.runtime.connected("topside", "boat", 0.0))
 
     def say(self, data: bytes) -> list[bytes]:
         before = len(self.sent)
-        self._leave(self.runtime.receive(Rx(self.now, "topside", data, "boat")))
+        self.leave(self.runtime.receive(Rx(self.now, "topside", data, "boat")))
         return [tx.data for tx in self.sent[before:] if tx.link == "topside"]
 
     def upload(self) -> list[bytes]:
@@ -94,13 +94,13 @@ class Boat:
                 return
             self.now = due
             for rx in link.receive(due):
-                self._leave(self.runtime.receive(rx, due))
+                self.leave(self.runtime.receive(rx, due))
             timer = self.runtime.next_timer()
             if timer is not None and timer <= due:
-                self._leave(self.runtime.handle_timer(due))
+                self.leave(self.runtime.handle_timer(due))
         raise AssertionError("the runtime asks for a timer again and again")
 
-    def _leave(self, sent: list[Tx]) -> None:
+    def leave(self, sent: list[Tx]) -> None:
         self.sent += sent
         for tx in sent:
             if tx.link == "vehicle":
@@ -480,7 +480,7 @@ def test_no_input_on_any_link_breaks_the_drive(
     boat = Boat()
     boat.upload()
     for link, data, address, wait in inputs:
-        boat._leave(boat.runtime.receive(Rx(boat.now, link, data, address)))
+        boat.leave(boat.runtime.receive(Rx(boat.now, link, data, address)))
         boat.until(boat.now + wait)
     assert all(tx.reason for tx in boat.sent)
     assert boat.runtime.state.split("/")[0] in ("idle", "autonomous", "manual", "emergency")
@@ -531,7 +531,7 @@ def test_behind_a_line_that_was_away_what_was_stopped_is_stopped_again() -> None
         boat.until(8.0)
         assert boat.runtime.state == state
         before = boat.to_vehicle()
-        boat._leave(boat.runtime.connected("vehicle", "", 8.0))
+        boat.leave(boat.runtime.connected("vehicle", "", 8.0))
         assert boat.to_vehicle()[len(before) :] == again
         boat.until(12.0)
         assert boat.to_vehicle()[len(before) :] == again  # acknowledged, and no more
@@ -547,7 +547,7 @@ def test_behind_a_line_that_was_away_a_leg_says_its_whole_set_again() -> None:
     boat.until(8.0)
     assert boat.runtime.state.startswith("autonomous/")
     before = len(boat.sent)
-    boat._leave(boat.runtime.connected("vehicle", "", boat.now))
+    boat.leave(boat.runtime.connected("vehicle", "", boat.now))
     boat.until(boat.now + 3.0)
     again = [tx for tx in boat.sent[before:] if tx.link == "vehicle"]
     first = [tx.data for tx in boat.sent[:before] if tx.link == "vehicle"]
@@ -561,6 +561,6 @@ def test_the_stick_is_not_disturbed_by_a_line_that_was_away() -> None:
     boat.until(4.0)
     boat.say(b"@MMF5$")
     before = boat.to_vehicle()
-    boat._leave(boat.runtime.connected("vehicle", "", 4.5))
+    boat.leave(boat.runtime.connected("vehicle", "", 4.5))
     boat.until(5.5)
     assert boat.to_vehicle() == before

@@ -202,7 +202,7 @@ class ServeCore(RuleBasedStateMachine):
     @invariant()
     def what_is_stored_is_what_is_told(self) -> None:
         runtime, lines = self.world.runtime, self.world.store.content.lines
-        if runtime is not None and not runtime._unjudged:  # after a restart: not before idle
+        if runtime is not None and not runtime.unjudged:  # after a restart: not before idle
             assert runtime.digest == (digest(parse_script(lines)) if lines else "")
             assert (runtime.engine.chart is not None) == bool(lines)
 

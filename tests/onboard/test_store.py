@@ -109,7 +109,7 @@ def test_limits_of_another_version_are_told_and_never_raise(tmp_path: Path) -> N
     store = DiskStore(tmp_path)
     store.keep_lines(("a", "b"))
     for text in ('{"unheard": 1}', "[1]", "{"):
-        store._write("limits", text)
+        store.write("limits", text)
         found = DiskStore(tmp_path).content
         assert found.limits == NO_LIMITS
         assert found.lines == ("a", "b")

@@ -74,7 +74,7 @@ def test_orders_of_anybody_leave_and_others_are_served_while_a_mission_is_judged
             told = asked(boat, b"@NI$", until=b"@ACK_NI\x23$")
             assert told.endswith(b"@ACK_AWN$@ACK_NI\x23$"), "in idle only"
             assert len(thinking.threads) == 1
-            assert thinking.threads != [pi._thread.name]
+            assert thinking.threads != [pi.thread.name]
         assert pi.store.content.lines == ()
     assert all(replay(list(read_parts(box))).identical for box in boxes(pi))
 
@@ -91,7 +91,7 @@ def test_a_mission_that_is_judged_is_stored_and_what_came_after_it_is_heard(
         assert pi.server is not None
         thinking.over.set()
         soon(lambda: pi.store.content.lines == tuple(LINES), "stored")
-        soon(lambda: not pi.server._validation._gone, "and let go")
+        soon(lambda: not pi.server.validation.gone, "and let go")
         with pi.boat() as boat:
             assert asked(boat, b"@AQ$").startswith(b"@AR,ready")
     assert all(replay(list(read_parts(box))).identical for box in boxes(pi))
@@ -110,7 +110,7 @@ def test_an_order_that_overtook_is_not_given_again(thinking: Thinking) -> None:
     queue.hear(Rx(0.0, "topside", b"@AW", "a:1"), runtime)
     queue.hear(Rx(0.1, "topside", b"@DU$@ZAX0$@NI$", "a:1"), runtime)
     assert [data.strip(b"\xff") for data in passed] == [b"@ZAX0$"]
-    held = queue._held["topside", "a:1"]
+    held = queue.held["topside", "a:1"]
     assert b"ZAX0" not in b"".join(rx.data for rx in held)
     assert held[1].data.startswith(b"@DU$")
     assert held[1].data.endswith(b"@NI$")

@@ -41,9 +41,9 @@ class Vehicle:
         for item in self.responder.receive(data, now):
             if isinstance(item, Envelope):
                 self.requests.append(item.content)
-                self._read(item.content, now)
+                self.read(item.content, now)
 
-    def _read(self, content: bytes, now: float) -> None:
+    def read(self, content: bytes, now: float) -> None:
         for command in TopsideCodec().receive(content, now):
             if isinstance(command, MissionLine):
                 self.responder.answer(encode(answer("AW", self._line(command, now), now)), now)
@@ -83,13 +83,13 @@ class OneLineUpload:
 
     def __init__(self, lines: Sequence[str], acoustics: Acoustics) -> None:
         total = len(lines)
-        self._frames = [encode(MissionLine(total, n, text)) for n, text in enumerate(lines, 1)]
+        self.frames = [encode(MissionLine(total, n, text)) for n, text in enumerate(lines, 1)]
         self._arq, self._at, self._silence = Initiator(acoustics), 0, 0
         self.outcome: Outcome | None = None
         self._ask()
 
     def _ask(self) -> None:
-        self._arq.ask(self._frames[self._at], 9, tries=1)
+        self._arq.ask(self.frames[self._at], 9, tries=1)
 
     def outgoing(self, now: float) -> list[bytes]:
         return self._arq.outgoing(now)
@@ -101,7 +101,7 @@ class OneLineUpload:
         for heard in self._arq.receive(data, now):
             if isinstance(heard, Answered):
                 self._silence, self._at = 0, self._at + 1
-                if self._at == len(self._frames):
+                if self._at == len(self.frames):
                     self.outcome = Stored()
                 else:
                     self._ask()

@@ -62,13 +62,13 @@ def test_every_channel_brings_the_mission_over_sooner_than_line_by_line(
 def test_only_what_is_missing_is_sent_again() -> None:
     water = Water(range_m=100.0, bit_rate=5000.0)
     vehicle, sender = Vehicle(), batch(LINES, water)
-    first = [f for f in sender._frames[:30] if f != sender._frames[7]]
-    vehicle._read(b"".join(first), 0.0)
+    first = [f for f in sender.frames[:30] if f != sender.frames[7]]
+    vehicle.read(b"".join(first), 0.0)
     fly(sender, vehicle, water, 1)
     again = b"".join(vehicle.requests)
-    sent_twice = [f for f in sender._frames[1:30] if again.count(f) == 2]
+    sent_twice = [f for f in sender.frames[1:30] if again.count(f) == 2]
     assert sender.outcome == Stored()
-    assert again.count(sender._frames[59]) == 1
+    assert again.count(sender.frames[59]) == 1
     assert sent_twice == []
 
 
@@ -81,7 +81,7 @@ def test_a_lost_answer_to_a_long_content_is_asked_for_and_not_sent_again() -> No
     sender.receive(b"", due)
     (question,) = sender.outgoing(due)
     assert len(question) < 100 < len(content)
-    assert question[5:].startswith(sender._frames[0])
+    assert question[5:].startswith(sender.frames[0])
 
 
 def test_a_short_content_is_simply_sent_again() -> None:
@@ -124,14 +124,14 @@ def test_a_set_of_somebody_else_is_not_taken_for_ours() -> None:
     assert sender.outcome is None
     assert len(sender.missing) == len(LINES)
     (again,) = sender.outgoing(2.0)
-    assert again[5:].startswith(sender._frames[0])
+    assert again[5:].startswith(sender.frames[0])
 
 
 def test_a_set_that_the_vehicle_dropped_is_begun_again() -> None:
     sender = answered(b"@AR,staging,60,30,31-60,,,$")
     assert sender.missing == tuple(range(31, 61))
     (content,) = sender.outgoing(2.0)
-    assert not content[5:].startswith(sender._frames[0])
+    assert not content[5:].startswith(sender.frames[0])
     sender.receive(wrap(b"@AR,empty,0,0,,,line 31 before its line 1,$", Sender.VEHICLE), 3.0)
     assert sender.outcome is None
     assert len(sender.missing) == 60

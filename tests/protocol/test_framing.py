@@ -236,8 +236,8 @@ def test_times_of_chunks_that_are_gone_are_forgotten() -> None:
     framer = link("auv.from_stm32").framer()
     for i in range(5000):
         framer.receive(SD[i % 86 : i % 86 + 1], i * 0.001)
-    assert len(framer._times) <= 90
-    assert len(framer._buffer) <= 86
+    assert len(framer.times) <= 90
+    assert len(framer.buffer) <= 86
 
 
 # --- the shortcut ---
@@ -296,7 +296,7 @@ def test_a_shortcut_changes_neither_frames_nor_faults_nor_times_nor_counters(
     found, framer = quickly(chunks)
     assert found == expected
     assert framer.counters == plain.counters
-    assert framer._buffer == b""
+    assert framer.buffer == b""
 
 
 def test_a_frame_behind_a_false_start_has_the_time_of_its_own_first_byte() -> None:
@@ -397,12 +397,12 @@ def test_only_the_chunks_whose_bytes_are_held_are_remembered() -> None:
     framer = link("auv.from_stm32").framer()
     framer.receive(SD[:10], 1.0)
     framer.receive(SD[10:20], 2.0)
-    assert framer._times == [1.0, 2.0]
+    assert framer.times == [1.0, 2.0]
     framer.receive(SD[20:] + SD[:5], 3.0)
-    assert (framer._times, framer._starts) == ([3.0], [20])
+    assert (framer.times, framer.starts) == ([3.0], [20])
     framer.receive(SD[5:], 4.0)
     framer.receive(b"", 5.0)
-    assert framer._times == [4.0]
+    assert framer.times == [4.0]
     assert framer.next_timer() is None
     framer.receive(b"@", 6.0)
     assert framer.next_timer() == pytest.approx(6.05)
@@ -517,7 +517,7 @@ def test_random_and_hostile_bytes_are_faults_and_nothing_else(name: str) -> None
             for item in framer.flush(1e9)
         )
         assert used == len(data)
-        assert len(framer._buffer) == 0
+        assert len(framer.buffer) == 0
 
 
 @pytest.mark.parametrize("name", [row.name for row in LINKS])
@@ -530,19 +530,19 @@ def test_a_million_hostile_bytes_cost_no_more_than_one_look_at_each(
     parts = [rng.choice(leads) + rng.randbytes(rng.randrange(12)) for _ in range(60_000)]
     data = b"".join((*parts, b"@SD" * 50_000, rng.randbytes(1_000_000)))[:1_000_000]
     looks = 0
-    candidate = Framer._candidate
+    candidate = Framer.candidate
 
     def counted(self: Framer, data: bytes, at: int, end: int, final: bool) -> Any:
         nonlocal looks
         looks += 1
         return candidate(self, data, at, end, final)
 
-    monkeypatch.setattr(Framer, "_candidate", counted)
+    monkeypatch.setattr(Framer, "candidate", counted)
     framer = link(name).framer()
     chunks = [data[i : i + 4096] for i in range(0, len(data), 4096)]
     for chunk in chunks:
         framer.receive(chunk, 0.0)
-        assert len(framer._buffer) < 3300
+        assert len(framer.buffer) < 3300
     framer.flush(1e9)
     assert looks <= len(data) + len(chunks)
 

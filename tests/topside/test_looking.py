@@ -94,4 +94,4 @@ def test_on_the_pi_a_value_that_is_not_believed_has_its_age_before_it(
     value: float | None, age: float | None, why: str, shown: str
 ) -> None:
     sensor = {"value": value, "unit": "m", "age_s": age, "why": why}
-    assert health._sensed(sensor) == shown
+    assert health.sensed(sensor) == shown

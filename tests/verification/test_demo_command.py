@@ -53,7 +53,7 @@ def test_a_mission_the_check_refuses_is_not_flown(tmp_path: Path) -> None:
 def test_progress_is_where_the_vehicle_takes_itself_to_be(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    shown = command._Shown()
+    shown = command.Shown()
     flying = Progress(state="autonomous", leg="box/north", depth=5.04, left=774.0)
     shown.show(flying)
     flying.leg, flying.position, flying.uncertainty = "box/east", (12.3, -0.6), 7.9

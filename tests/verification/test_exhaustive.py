@@ -166,12 +166,12 @@ def _a_gap_is_no_doubt(patch: pytest.MonkeyPatch) -> None:
 
 
 def _no_timeout(patch: pytest.MonkeyPatch) -> None:
-    due = run.Run._due
+    due = run.Run.due
 
     def never(self: run.Run, edge: run.Edge, seen: vehicle_state.VehicleState) -> float | None:
         return None if edge.by in (run.By.TIMEOUT, run.By.FOR) else due(self, edge, seen)
 
-    patch.setattr(run.Run, "_due", never)
+    patch.setattr(run.Run, "due", never)
 
 
 def _half_a_set(patch: pytest.MonkeyPatch) -> None:
@@ -242,14 +242,14 @@ def _x_comes_last(patch: pytest.MonkeyPatch) -> None:
 
 
 def _relays_first(patch: pytest.MonkeyPatch) -> None:
-    following = Frontseat._next
+    following = Frontseat.next_out
 
     def polite(self: Frontseat, now: float) -> list[Tx]:
         if self._relays and not self._urgent:
             return [self._transmit(*self._relays.take(), now)]
         return following(self, now)
 
-    patch.setattr(Frontseat, "_next", polite)
+    patch.setattr(Frontseat, "next_out", polite)
 
 
 def _copies_are_meant(patch: pytest.MonkeyPatch) -> None:
@@ -315,14 +315,14 @@ def _a_round_too_many(patch: pytest.MonkeyPatch) -> None:
 
 
 def _refused_is_timeout(patch: pytest.MonkeyPatch) -> None:
-    due = run.Run._due
+    due = run.Run.due
 
     def late(self: run.Run, edge: run.Edge, seen: vehicle_state.VehicleState) -> float | None:
         if self.refused and edge.by is run.By.ELSE:
             return None
         return seen.now if self.refused and edge.by is run.By.FOR else due(self, edge, seen)
 
-    patch.setattr(run.Run, "_due", late)
+    patch.setattr(run.Run, "due", late)
 
 
 def _no_gap(patch: pytest.MonkeyPatch) -> None:

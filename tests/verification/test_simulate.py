@@ -358,14 +358,14 @@ def test_the_table_says_why_a_leg_was_cut_short(short: Path) -> None:
 def test_every_leg_of_a_picture_has_a_number_and_neighbours_differ_in_colour() -> None:
     legs = [LegFlown(f"l{i}", float(i), i + 1.0, "for") for i in range(20)]
     again = LegFlown("l3#2", 20.0, 21.0, "for")
-    marks = list(plot._marks([*legs, again]).values())
+    marks = list(plot.marks_of([*legs, again]).values())
     assert [mark.number for mark in marks] == list(range(1, 21))
     assert all(a.colour != b.colour for a, b in itertools.pairwise(marks))
 
 
 def test_a_picture_of_a_flight_that_never_began_says_why(tmp_path: Path) -> None:
     flight = flown(lines=["mission short vehicle auv", "a: depth 500 timeout 10"])
-    assert "refused" in plot._title(flight, "short")
+    assert "refused" in plot.title_of(flight, "short")
     plot.draw_flight(flight, tmp_path / "track.png", "short")
     assert (tmp_path / "track.png").stat().st_size > 1000
 

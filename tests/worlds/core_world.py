@@ -109,7 +109,7 @@ class CoreWorld:
 
     @property
     def runtime(self):
-        return self.board._drive
+        return self.board.runtime
 
     # --- boats -----------------------------------------------------------------------------------
 

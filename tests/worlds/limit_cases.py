@@ -125,7 +125,7 @@ def unheard(world: World, seconds: float) -> None:
 def unanswered(world: World, *times: int) -> None:
     """So many in a row, an answer in between."""
     world.answer = None
-    sent = world.engine._core.watch.sent  # what the runtime would report about
+    sent = world.engine.core.watch.sent  # what the runtime would report about
     for row in times:
         for _ in range(row):
             world.tell(Outcome(Result.LOST, b"@ZAF6$", sent))

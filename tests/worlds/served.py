@@ -91,10 +91,10 @@ class Running:
         self._leave_within = leave_within
         self._began = time.monotonic()
         self._loop = asyncio.new_event_loop()
-        self._thread = threading.Thread(target=self._run)
-        self._thread.start()
+        self.thread = threading.Thread(target=self._run)
+        self.thread.start()
         if wait:
-            soon(lambda: self.ready is not None or not self._thread.is_alive(), "listening")
+            soon(lambda: self.ready is not None or not self.thread.is_alive(), "listening")
 
     def _run(self) -> None:
         asyncio.set_event_loop(self._loop)
@@ -135,13 +135,13 @@ class Running:
 
     def tell_to_end(self) -> None:
         """As by SIGTERM."""
-        if self.server is not None and self._thread.is_alive():
+        if self.server is not None and self.thread.is_alive():
             self._loop.call_soon_threadsafe(self.server.stop)
 
     def stop(self) -> None:
         self.tell_to_end()
-        self._thread.join(PATIENCE)
-        assert not self._thread.is_alive()
+        self.thread.join(PATIENCE)
+        assert not self.thread.is_alive()
 
 
 @contextmanager

@@ -47,7 +47,7 @@ def vehicle_findings(url: str, vehicle: Vehicle) -> list[Finding]:
     finally:
         link.close()
     port = ok("vehicle port", f"{url} is there, permitted and free")
-    return [port, *_of_vehicle(vehicle, heard, bytes(raw))]
+    return [port, *of_vehicle(vehicle, heard, bytes(raw))]
 
 
 def port_finding(what: str, url: str) -> Finding:
@@ -77,11 +77,11 @@ def gps_findings(url: str) -> list[Finding]:
         link.close()
     return [
         ok("GPS port", f"{url} is there, permitted and free"),
-        _of_gps(decoder, heard, bytes(raw)),
+        of_gps(decoder, heard, bytes(raw)),
     ]
 
 
-def _of_gps(decoder: NmeaDecoder, heard: Sequence[Fix | FrameFault], raw: bytes) -> Finding:
+def of_gps(decoder: NmeaDecoder, heard: Sequence[Fix | FrameFault], raw: bytes) -> Finding:
     fixes = [one for one in heard if isinstance(one, Fix)]
     faults = len(heard) - len(fixes)
     if fixes:
@@ -133,7 +133,7 @@ def _bytes(link: Link, over: Callable[[], bool]) -> Iterator[tuple[bytes, float]
             yield rx.data, now
 
 
-def _of_vehicle(vehicle: Vehicle, heard: Sequence[Received], raw: bytes = b"") -> Iterator[Finding]:
+def of_vehicle(vehicle: Vehicle, heard: Sequence[Received], raw: bytes = b"") -> Iterator[Finding]:
     reports = [one for one in heard if isinstance(one, Telemetry)]
     faults = sum(isinstance(one, FrameFault) for one in heard)
     if not reports:

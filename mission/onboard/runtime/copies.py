@@ -43,11 +43,11 @@ class Copies:
     def __init__(self, in_force: Callable[[Command], bool | None]) -> None:
         """``in_force``: None where nothing but the newest command of its kind tells."""
         self._in_force = in_force
-        self._said: dict[Command, _Said] = {}  # the newest last
+        self.said: dict[Command, _Said] = {}  # the newest last
 
     def note(self, peer: Peer, command: Command, accepted: bool, now: float) -> None:
         """It was executed, or refused."""
-        kept = self._said
+        kept = self.said
         kept.pop(command, None)
         kept[command] = _Said(peer, now, accepted)
         while now - kept[oldest := next(iter(kept))].t >= LATE_S or len(kept) > REMEMBERED:
@@ -55,11 +55,11 @@ class Copies:
 
     def age(self, command: Command, now: float) -> float:
         """s since it was said. KeyError if it was not."""
-        return now - self._said[command].t
+        return now - self.said[command].t
 
     def judge(self, peer: Peer, command: Command, now: float) -> Verdict | None:
         """What a copy is answered; None: it is none, or meant."""
-        said = self._said.get(command)
+        said = self.said.get(command)
         if said is None or not _may_be_copy(said, peer, command, now):
             return None
         in_force = self._in_force(command)
@@ -78,7 +78,7 @@ class Copies:
 
     def _is_newest(self, command: Command) -> bool:
         """Accepted, and no other of its kind since."""
-        accepted = (c for c in reversed(self._said) if self._said[c].accepted)
+        accepted = (c for c in reversed(self.said) if self.said[c].accepted)
         return command == next((c for c in accepted if _kind(c) == _kind(command)), None)
 
 

@@ -172,9 +172,9 @@ class Frontseat:
         if waiting and now >= waiting.deadline and waiting.tries >= TRIES:
             self._outstanding = self._becoming = None
             return [], [Outcome(Result.LOST, waiting.frame.data, waiting.frame.command)]
-        return (self._next(now) if now >= self._free else []), []
+        return (self.next_out(now) if now >= self._free else []), []
 
-    def _next(self, now: float) -> list[Tx]:
+    def next_out(self, now: float) -> list[Tx]:
         waiting = self._outstanding
         if waiting is None and self._urgent:
             return [self._send(self._urgent.popleft(), 1, now)]

@@ -73,7 +73,7 @@ class OperatorServer:
         self._uploads = Uploads(target, store)
         self._paths: dict[Peer, OperatorChannel] = {}
         self.commander = Commander()
-        self._copies = Copies(self._in_force)
+        self.copies = Copies(self._in_force)
         self._pending = PendingAnswers()
         self._switching: tuple[list[Peer], NodeSwitch] | None = None
         self._refusals = Refusals()
@@ -177,7 +177,7 @@ class OperatorServer:
             if isinstance(command, StoreQuery):
                 self.commander.reads_reports(peer)
             self._send(peer, self._query(command, now), now, "asked")
-        elif (verdict := self._copies.judge(peer, command, now)) is not None:
+        elif (verdict := self.copies.judge(peer, command, now)) is not None:
             self._answer_copy(peer, command, verdict, now)
         else:
             why = self.commander.why_not(peer, now)
@@ -230,7 +230,7 @@ class OperatorServer:
         if verdict.accepted:
             self._hand_over(peer, now)
         if not isinstance(command, Manual):
-            self._copies.note(peer, command, verdict.accepted, now)
+            self.copies.note(peer, command, verdict.accepted, now)
         self._answer(peer, command, verdict, now)
 
     def _answer(self, peer: Peer, command: Command, verdict: Verdict, now: float) -> None:
@@ -246,7 +246,7 @@ class OperatorServer:
         """What is in force is not executed once more; but the STM32 answers for itself."""
         if isinstance(command, Relay) and command.kind != "D" and verdict.accepted:
             self._await_relay(peer, command, now)
-            if self._copies.age(command, now) >= RELAY_ANSWER_S:
+            if self.copies.age(command, now) >= RELAY_ANSWER_S:
                 self._target.relay(command.frame, f"relay of @{command.kind}, once more", False)
         self._answer(peer, command, verdict, now)
 

@@ -221,13 +221,13 @@ class Runtime:
         """What the store knows, and a restart under way (design: A restart). The way up does not
         wait for the judge of the stored mission: nobody can start it before idle."""
         kept = self._store.content
-        self._unjudged = kept.lines
+        self.unjudged = kept.lines
         if not kept.under_way:
             self._judge_kept(0.0)
         self._step(0.0, (kept.limits, Restarted(kept.under_way)))
 
     def _judge_kept(self, now: float) -> None:
-        lines, self._unjudged = self._unjudged, ()
+        lines, self.unjudged = self.unjudged, ()
         if lines:
             with contextlib.suppress(MissionRefused):  # @AQ shows it as refused
                 self._load(self.judge(lines), now)
@@ -278,7 +278,7 @@ class Runtime:
     # --- out ----------------------------------------------------------------------------------
 
     def _leave(self, now: float) -> list[Tx]:
-        if self._unjudged and self.state.startswith("idle"):
+        if self.unjudged and self.state.startswith("idle"):
             self._judge_kept(now)
         for _ in range(MOST_ROUNDS):
             sent, outcomes = self._frontseat.poll(now)
@@ -352,7 +352,7 @@ class Runtime:
                 self._store.keep_lines(())
             except StoreError as error:
                 return Verdict(False, str(error))
-            self._unjudged = ()
+            self.unjudged = ()
         verdict = self._step(now, (command,))[-1]
         if clears:
             self._load(None, now)
@@ -382,7 +382,7 @@ class Runtime:
             self._out.append(Tx(now, CLOCK, time.encode(), "operator @ST"))
 
     def _load(self, chart: Chart | None, now: float) -> None:
-        self._chart, self._unjudged = chart, ()
+        self._chart, self.unjudged = chart, ()
         self._step(now, (Loaded(chart),))
 
     # --- record -----------------------------------------------------------------------------------

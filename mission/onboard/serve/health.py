@@ -240,7 +240,7 @@ def as_lines(found: Mapping[str, Any], wall: float) -> Iterator[str]:
     for name, why in found["disarmed"].items():
         yield f"{'no ' + name:16} {why}"
     for name, sensor in found["sensors"].items():
-        yield f"{name:16} {_sensed(sensor)}".rstrip()
+        yield f"{name:16} {sensed(sensor)}".rstrip()
     for name, link in found["links"].items():
         state = "open" if link["open"] else "CLOSED"
         silent = (
@@ -254,7 +254,7 @@ def as_lines(found: Mapping[str, Any], wall: float) -> Iterator[str]:
     yield f"{'black box':16} {found['black_box_failure'] or found['black_box']}"
 
 
-def _sensed(sensor: Mapping[str, Any]) -> str:
+def sensed(sensor: Mapping[str, Any]) -> str:
     """What is not to be believed is no value of now: why, and how old it is."""
     value = "" if sensor["value"] is None else f"{sensor['value']:.2f} {sensor['unit']}"
     if not sensor["why"]:

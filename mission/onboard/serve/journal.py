@@ -44,7 +44,7 @@ class Journal:
 
     def __init__(self, write: Callable[[str], None], now: Callable[[], float]) -> None:
         self._write, self._now = write, now
-        self._told: dict[str, _Told] = {}
+        self.told: dict[str, _Told] = {}
 
     def info(self, text: str, key: str = "", kind: str = "") -> None:
         """``key``: what counts as the same thing; by itself the text."""
@@ -60,33 +60,33 @@ class Journal:
     def settle(self) -> None:
         """The counts whose minute is over; to be called now and then."""
         now = self._now()
-        self._end([k for k, told in self._told.items() if now - told.t >= AGAIN_S])
+        self._end([k for k, told in self.told.items() if now - told.t >= AGAIN_S])
 
     def _forget(self, prefix: str) -> None:
-        self._end([k for k in self._told if k.startswith(prefix)])
+        self._end([k for k in self.told if k.startswith(prefix)])
 
     def _end(self, keys: Iterable[str]) -> None:
         for key in keys:
-            told = self._told.pop(key)
+            told = self.told.pop(key)
             if told.more:
                 self._write(f"{told.level}: {told.more} more of: {told.text}")
 
     def _tell(self, level: str, text: str, key: str, times: int, kind: str = "") -> None:
         now, key = self._now(), f"{kind}\0{key or text}" if kind else key or text
-        if kind and key not in self._told and self._is_full(kind, now):
+        if kind and key not in self.told and self._is_full(kind, now):
             key, text = kind, f"{kind}: beyond {OF_A_KIND} different ones a minute they are counted"
-        told = self._told.get(key)
+        told = self.told.get(key)
         if told is not None and now - told.t < AGAIN_S:
             told.more += times
             return
-        if told is not None or len(self._told) >= REMEMBERED:
+        if told is not None or len(self.told) >= REMEMBERED:
             self.settle()
-        if len(self._told) < REMEMBERED:
-            self._told[key] = _Told(now, level, text, times - 1)
+        if len(self.told) < REMEMBERED:
+            self.told[key] = _Told(now, level, text, times - 1)
         self._write(f"{level}: {text.rstrip()}")
 
     def _is_full(self, kind: str, now: float) -> bool:
-        recent = (told for key, told in self._told.items() if key.startswith(f"{kind}\0"))
+        recent = (told for key, told in self.told.items() if key.startswith(f"{kind}\0"))
         return sum(now - told.t < AGAIN_S for told in recent) >= OF_A_KIND
 
     # --- what a runtime does -----------------------------------------------------------------

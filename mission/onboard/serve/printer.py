@@ -23,27 +23,27 @@ PATIENCE_S = 1.0  # that the end of the program waits for the last lines
 class Printer:
     def __init__(self, descriptor: int, waiting: int = WAITING) -> None:
         self._descriptor = descriptor
-        self._lines: queue.Queue[str | None] = queue.Queue(waiting)
+        self.lines: queue.Queue[str | None] = queue.Queue(waiting)
         self._lost = 0
-        self._thread = threading.Thread(target=self._run, name="printer", daemon=True)
-        self._thread.start()
+        self.thread = threading.Thread(target=self._run, name="printer", daemon=True)
+        self.thread.start()
 
     def print(self, line: str) -> None:
         try:
-            self._lines.put_nowait(line)
+            self.lines.put_nowait(line)
         except queue.Full:
             self._lost += 1
 
     def close(self) -> None:
         """What waits is printed, if somebody takes it in time."""
         try:
-            self._lines.put(None, timeout=PATIENCE_S)
+            self.lines.put(None, timeout=PATIENCE_S)
         except queue.Full:
             return
-        self._thread.join(PATIENCE_S)
+        self.thread.join(PATIENCE_S)
 
     def _run(self) -> None:
-        while (line := self._lines.get()) is not None:
+        while (line := self.lines.get()) is not None:
             lost, self._lost = self._lost, 0
             if lost:
                 line = f"{lost} lines were lost here\n{line}"

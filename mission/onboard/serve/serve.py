@@ -78,7 +78,7 @@ class Server:
         self._tell, self._ready, self._speed = self._journal.warning, ready, speed
         self._observer = Several(self._journal, *([observer] if observer else []))
         self._limiter, self._began = RateLimiter(time.monotonic()), time.monotonic()
-        self._recording, self._validation = (
+        self._recording, self.validation = (
             Recording(self._tell),
             ValidationQueue(self._hear, self._spawn),
         )
@@ -217,7 +217,7 @@ class Server:
             heard = self._sifted(port, heard)
         for rx in heard:
             if port.name in (TOPSIDE, MODEM) and self._runtime is not None:
-                self._validation.hear(rx, self._runtime)
+                self.validation.hear(rx, self._runtime)
             else:
                 self._hear(rx)
         self._part(port)
@@ -271,7 +271,7 @@ class Server:
         def told() -> None:
             self._do(lambda runtime: runtime.disconnected(link, address, self.now()))
 
-        self._validation.part(link, address, told)
+        self.validation.part(link, address, told)
 
     def _schedule(self) -> None:
         """One timer for everything that is due next."""

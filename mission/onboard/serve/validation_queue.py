@@ -36,25 +36,25 @@ class ValidationQueue:
         spawn: Callable[[Coroutine[Any, Any, None]], None],
     ) -> None:
         self._pass_on, self._spawn = pass_on, spawn
-        self._held: dict[tuple[str, str], list[Rx]] = {}
-        self._gone: dict[tuple[str, str], Callable[[], None]] = {}
+        self.held: dict[tuple[str, str], list[Rx]] = {}
+        self.gone: dict[tuple[str, str], Callable[[], None]] = {}
 
     def hear(self, rx: Rx, runtime: Runtime) -> None:
         whose = rx.link, rx.address
-        if (held := self._held.get(whose)) is not None:
+        if (held := self.held.get(whose)) is not None:
             for order in _ORDER.findall(rx.data):
                 self._pass_on(rx._replace(data=BREAK + order))
             held.append(rx._replace(data=_ORDER.sub(BREAK, rx.data)))
         elif lines := runtime.foresee(rx):
-            self._held[whose] = [rx]
+            self.held[whose] = [rx]
             self._spawn(self._judge(whose, lines, runtime))
         else:
             self._pass_on(rx)
 
     def part(self, link: str, address: str, told: Callable[[], None]) -> None:
         """A connection is gone: ``told`` once all that it said has been heard."""
-        if (link, address) in self._held:
-            self._gone[link, address] = told
+        if (link, address) in self.held:
+            self.gone[link, address] = told
         else:
             told()
 
@@ -64,9 +64,9 @@ class ValidationQueue:
         loop = asyncio.get_running_loop()
         with contextlib.suppress(Exception):  # the runtime meets it again, and says so
             await loop.run_in_executor(None, _judged, runtime, lines)
-        for rx in self._held.pop(whose):
+        for rx in self.held.pop(whose):
             self._pass_on(rx)
-        if told := self._gone.pop(whose, None):
+        if told := self.gone.pop(whose, None):
             told()
 
 

@@ -173,12 +173,12 @@ def _marker_not_kept(surgery: Surgery) -> None:
 
 
 def _relays_first(surgery: Surgery) -> None:
-    honest = Frontseat._next
+    honest = Frontseat.next_out
 
     def relays_before(self: Frontseat, now: float) -> list[Tx]:
         return [self._transmit(*self._relays.take(), now)] if self._relays else honest(self, now)
 
-    surgery.put(Frontseat, "_next", relays_before)
+    surgery.put(Frontseat, "next_out", relays_before)
 
 
 def _turns_with_auto_closed(surgery: Surgery) -> None:
@@ -193,23 +193,23 @@ def _turns_with_auto_closed(surgery: Surgery) -> None:
 
 
 def _starts_anywhere(surgery: Surgery) -> None:
-    honest = orders._why_not_fly
+    honest = orders.why_not_fly
 
     def why_not_fly(*given: Any) -> str:
         why = honest(*given)
         return "" if why.endswith("a mission starts at the surface") else why
 
-    surgery.put(orders, "_why_not_fly", why_not_fly)
+    surgery.put(orders, "why_not_fly", why_not_fly)
 
 
 def _starts_with_auto_closed(surgery: Surgery) -> None:
-    honest = orders._why_not_start
+    honest = orders.why_not_start
 
     def why_not_start(of: Core) -> str:
         why = honest(of)
         return "" if why == "node AUTO is closed" else why
 
-    surgery.put(orders, "_why_not_start", why_not_start)
+    surgery.put(orders, "why_not_start", why_not_start)
 
 
 def _clears_anywhere(surgery: Surgery) -> None:
@@ -224,12 +224,12 @@ def _loosest(surgery: Surgery) -> None:
 
 
 def _legs_for_ever(surgery: Surgery) -> None:
-    honest = Run._due
+    honest = Run.due
 
     def due(self: Run, edge: Edge, known: VehicleState) -> float | None:
         return None if edge.by in (By.FOR, By.TIMEOUT) else honest(self, edge, known)
 
-    surgery.put(Run, "_due", due)
+    surgery.put(Run, "due", due)
 
 
 def _refusals_accepted(surgery: Surgery) -> None:

@@ -46,12 +46,12 @@ class FillableStore(MemoryStore):
         self.full = False
         self.death: Death | None = None
 
-    def _write(self, content: Stored) -> None:
+    def write(self, content: Stored) -> None:
         if self.full:
             raise StoreError("no space left on device")
         death, self.death = self.death, None
         if death is not Death.BEFORE:
-            super()._write(content)
+            super().write(content)
         if death is not None:
             raise Died
 
@@ -74,25 +74,25 @@ class OnBoard:
         self._configuration = configuration or Configuration()
         self._tell_step, self._tell_estimate, self._recorder = step, estimate, recorder
         self._zero = 0.0
-        self._runtime: Runtime | None = None
+        self.runtime: Runtime | None = None
         self._navigation_due: float | None = None
         self._leaves: float | None = None  # when the last words are due
         self._gone: float | None = None  # when it has said them, at the latest
 
     @property
     def lives(self) -> bool:
-        return self._runtime is not None
+        return self.runtime is not None
 
     @property
     def state(self) -> str:
-        return self._runtime.state if self._runtime else DEAD
+        return self.runtime.state if self.runtime else DEAD
 
     def boot(self, now: float, navigation_after: float = NAVIGATION_AFTER) -> None:
         """Who dies in the first write of a start is started again; the store kills once."""
         self._zero, wall = now, self._wall + now
-        while self._runtime is None:
+        while self.runtime is None:
             with suppress(Died):
-                self._runtime = Runtime(
+                self.runtime = Runtime(
                     self._configuration,
                     self._vehicle,
                     self.store,
@@ -103,7 +103,7 @@ class OnBoard:
         self._navigation_due = now + navigation_after
 
     def kill(self) -> None:
-        self._runtime = self._navigation_due = self._leaves = self._gone = None
+        self.runtime = self._navigation_due = self._leaves = self._gone = None
 
     def end(self, now: float, *, at_once: bool = False) -> list[Tx]:
         """As by SIGTERM: it dies by itself when the vehicle needs nobody (serve: leaving)."""
@@ -116,7 +116,7 @@ class OnBoard:
 
     def _leave(self, now: float, *, said: bool = False) -> None:
         """Where it was told to, and may."""
-        runtime = self._runtime
+        runtime = self.runtime
         if runtime is None or self._leaves is None:
             return
         if self._gone is None and (said or runtime.engine.settled):
@@ -160,7 +160,7 @@ class OnBoard:
         return out + self._shifted(lambda runtime, at: runtime.handle_timer(at), now)
 
     def next_timer(self) -> float | None:
-        due = self._runtime.next_timer() if self._runtime else None
+        due = self.runtime.next_timer() if self.runtime else None
         dues = [
             self._navigation_due,
             self._gone or self._leaves,
@@ -169,13 +169,13 @@ class OnBoard:
         return min((t for t in dues if t is not None), default=None)
 
     def _shifted(self, call: Callable[[Runtime, float], list[Tx]], now: float) -> list[Tx]:
-        if self._runtime is None:
+        if self.runtime is None:
             return []
-        at, due = now - self._zero, self._runtime.next_timer()
+        at, due = now - self._zero, self.runtime.next_timer()
         if due is not None and at < due < at + _SAME:  # the sum was rounded
             at = due
         try:
-            out = [replace(tx, t=now) for tx in call(self._runtime, at)]
+            out = [replace(tx, t=now) for tx in call(self.runtime, at)]
         except Died:
             self.kill()
             return []

@@ -133,7 +133,7 @@ def before(world: World) -> Before:
         world.now - world.last_stick,
         _emergency_age(world),
         world.now - world.last_fix,
-        run.started if (run := world.engine._core.run) is not None else None,
+        run.started if (run := world.engine.core.run) is not None else None,
         len(world.sent),
         len(world.notes.steps),
         len(world.states),

@@ -354,4 +354,4 @@ def doubt(world: World) -> None:
 
 def _expect(world: World, state: str, way: str) -> None:
     if not world.state.startswith(state):
-        raise Unreachable(f"{way}: {world.state}, not {state}: {world.runtime._engine.reason}")
+        raise Unreachable(f"{way}: {world.state}, not {state}: {world.runtime.engine.reason}")

@@ -38,7 +38,7 @@ def _heading(world: World, value: float) -> None:
 
 
 def _travelled(world: World, value: float) -> None:
-    run = world.engine._core.run
+    run = world.engine.core.run
     assert run is not None
     run.travelled = value
 

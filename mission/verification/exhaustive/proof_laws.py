@@ -76,7 +76,7 @@ def _first(reason: str) -> bool:
 
 def _clock_goes_on(cell: Cell) -> Verdict:
     """Manual time counts; a run that goes on began when it began."""
-    run = cell.world.engine._core.run
+    run = cell.world.engine.core.run
     if cell.before.started is None or run is None or "restart" in cell.event.causes:
         return None
     late = run.started - cell.before.started
@@ -155,7 +155,7 @@ def _miscounts(cell: Cell, edge: Edge) -> bool:
     if len(moved) > 1 or len(counts) != 1 or cell.state != edge.target:
         return False
     loop = counts[0]
-    rounds = cell.world.engine._core.run
+    rounds = cell.world.engine.core.run
     now = rounds.rounds.get(loop.group, 1) if rounds is not None else 0
     return now != (dict(cell.configuration.rounds).get(loop.group, 1) + 1 if loop.again else 1)
 

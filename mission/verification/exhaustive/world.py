@@ -77,7 +77,7 @@ class World:
 
     @property
     def engine(self) -> Engine:
-        return self.runtime._engine
+        return self.runtime.engine
 
     @property
     def state(self) -> str:
@@ -91,7 +91,7 @@ class World:
     def come_to(self, depth: float) -> None:
         """There, as if it had come there long ago: nothing is remembered of another depth."""
         self.sea.depth = depth
-        navigation = self.engine._core.vehicle_state.navigation
+        navigation = self.engine.core.vehicle_state.navigation
         if isinstance(navigation, Navigation):
             navigation.forget_depth()
 

@@ -49,13 +49,13 @@ def draw_flight(flight: Flight, path: Path, title: str) -> None:
 
 def drawn(figure: Figure, flight: Flight, title: str) -> None:
     plan, profile = figure.subplots(2, 1, height_ratios=(2.2, 1.0))
-    marks = _marks(flight.legs)
+    marks = marks_of(flight.legs)
     _draw_plan(plan, flight, marks)
     _draw_profile(profile, flight, marks)
-    figure.suptitle(_title(flight, title), fontsize=11)
+    figure.suptitle(title_of(flight, title), fontsize=11)
 
 
-def _title(flight: Flight, title: str) -> str:
+def title_of(flight: Flight, title: str) -> str:
     rows = [f"{title}: {flight.outcome}"]
     if flight.outcome != "completed":
         rows += textwrap.wrap(flight.reason, _TITLE_WIDTH)
@@ -86,7 +86,7 @@ class _Mark:
     colour: str
 
 
-def _marks(legs: Sequence[LegFlown]) -> dict[str, _Mark]:
+def marks_of(legs: Sequence[LegFlown]) -> dict[str, _Mark]:
     names = dict.fromkeys(_plain(leg.name) for leg in legs)
     return {name: _Mark(i + 1, _PALETTE[i % len(_PALETTE)]) for i, name in enumerate(names)}
 

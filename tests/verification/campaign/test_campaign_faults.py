@@ -217,14 +217,14 @@ def test_an_order_that_does_not_leave_at_once_is_ignored(monkeypatch: pytest.Mon
 
 
 def test_a_set_that_relays_keep_back_is_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
-    following = Frontseat._next
+    following = Frontseat.next_out
 
     def polite(self: Frontseat, now: float) -> list[Tx]:
         if self._relays and not self._urgent:
             return [self._transmit(*self._relays.take(), now)]
         return following(self, now)
 
-    monkeypatch.setattr(Frontseat, "_next", polite)
+    monkeypatch.setattr(Frontseat, "next_out", polite)
     slider = [Disturbance(60.0 + i / 100, Act.SAY, b"@DS%d,5$" % (i % 2 + 1)) for i in range(2500)]
     assert IGNORED in kinds_of(flown([Disturbance(60.0, Act.SAY, b"@ZAWF$"), *slider]))
 
