@@ -2,7 +2,6 @@
 
     limit       struct.unpack of frames that are known to be good: nothing found, nothing checked
     stream      bytes with garbage between -> framed, CRC-checked, Telemetry in SI
-    log         the same bytes at once -> columns
     pymavlink   its own messages of that size
 
 What is fair. An ``@SD`` has 86 bytes and 24 numbers, none in arrays, so the others are every
@@ -33,11 +32,10 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from protocol.log_columns import decode_log
 from protocol.messages import Telemetry
 from protocol.vehicles.auv import ACTUATORS, MAGNETOMETERS, SD, AuvCodec
 
-LOG, FRAMES, MESSAGES, CHUNK, ROUNDS = 5_000, 1_000, 500, 4096, 40
+FRAMES, MESSAGES, CHUNK, ROUNDS = 1_000, 500, 4096, 40
 GARBAGE = 0.10  # of the frames' bytes
 SIZES = range(75, 87)
 
@@ -47,7 +45,7 @@ Work = Callable[[], int]
 def frames(rng: random.Random) -> list[bytes]:
     """A vehicle under way: everything changes from frame to frame."""
     made = []
-    for _ in range(LOG):
+    for _ in range(FRAMES):
         values: dict[str, float] = {
             "roll_deg": rng.gauss(0, 5),
             "pitch_deg": rng.gauss(0, 5),
@@ -156,15 +154,13 @@ def mavlink_contenders() -> dict[str, tuple[int, Work]]:
 def measure() -> tuple[dict[str, float], dict[str, int]]:
     """Microseconds per frame sent, and how many of a hundred were found."""
     rng = random.Random(1)
-    log = frames(rng)
-    sd, whole = log[:FRAMES], with_garbage(log, rng)
+    sd = frames(rng)
     pieces, clean_pieces = chunks(with_garbage(sd, rng)), chunks(b"".join(sd))
     codec, clean_codec = AuvCodec(), AuvCodec()
     contenders: dict[str, tuple[int, Work]] = {
         "limit": (FRAMES, lambda: unpack(sd)),
         "stream": (FRAMES, lambda: stream(codec, pieces)),
         "stream, no garbage": (FRAMES, lambda: stream(clean_codec, clean_pieces)),
-        "log": (LOG, lambda: len(decode_log(whole))),
     }
     if importlib.util.find_spec("pymavlink"):
         contenders |= mavlink_contenders()
@@ -196,13 +192,12 @@ def main() -> dict[str, float]:
         say("  pymavlink is skipped: it comes with the extra [bench]\n")
         return {}
     ways = {way: mean_of(figures, way) for way in ("parser", "parser, no garbage", "mavutil")}
-    for ours in ("stream", "stream, no garbage", "log"):
+    for ours in ("stream", "stream, no garbage"):
         for way, theirs in ways.items():
             say(f"  {ours} is {theirs / figures[ours]:.1f} times as fast as {way}\n")
     return {
         "stream_ratio": ways["parser"] / figures["stream"],
         "stream_mavutil_ratio": ways["mavutil"] / figures["stream"],
-        "log_ratio": ways["parser"] / figures["log"],
     }
 
 

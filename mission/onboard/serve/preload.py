@@ -11,14 +11,14 @@ import gc
 from typing import TYPE_CHECKING
 
 from mission.onboard.runtime.runtime import Runtime
+from mission.onboard.uncollected import uncollected
 
 if TYPE_CHECKING:
     from mission.navigation import Navigation
 
 
 def prepare(runtime: Runtime) -> Navigation:
-    gc.disable()
-    try:
+    with uncollected():
         import mission.authoring.check
         import mission.authoring.language.assembly
         import mission.authoring.language.lines  # noqa: F401
@@ -27,5 +27,3 @@ def prepare(runtime: Runtime) -> Navigation:
         if not gc.get_freeze_count():  # a further runtime: its predecessor may be garbage by now
             gc.freeze()
         return navigation
-    finally:
-        gc.enable()

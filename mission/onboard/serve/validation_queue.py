@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import gc
 import re
 from collections.abc import Callable, Coroutine
 from typing import Any
@@ -24,6 +23,7 @@ from typing import Any
 from links.base import Rx
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.serve.rate_limiter import BREAK
+from mission.onboard.uncollected import uncollected
 from protocol.topside import EMERGENCIES
 
 _ORDER = re.compile(b"|".join(re.escape(frame) for frame in EMERGENCIES.values()))
@@ -71,10 +71,6 @@ class ValidationQueue:
 
 
 def _judged(runtime: Runtime, lines: tuple[str, ...]) -> None:
-    """Without the collector: it looks through all that ten thousand lines became, again and
-    again, and nothing else runs meanwhile."""
-    gc.disable()
-    try:
+    """Ten thousand lines become so many objects that the collector would hold everything up."""
+    with uncollected():
         runtime.judge(lines)
-    finally:
-        gc.enable()
