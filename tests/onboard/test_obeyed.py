@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from mission.onboard.runtime.command_target import MODEM
 from mission.onboard.runtime.obeyed import LATE_S
-from mission.onboard.runtime.operator_channels import Path, paths
+from mission.onboard.runtime.operator_channels import OperatorChannel, operator_channels
 from protocol.messages import ClearMission, DataQuery, Emergency, Order, StartMission
 from protocol.modem import Sender, wrap
 from protocol.tolerances import Tolerances
@@ -19,8 +19,8 @@ STOP, SURFACE = Emergency(Order.STOP), Emergency(Order.SURFACE)
 FALSE_HEAD = b"#\x02\x80\x0c\x01"
 
 
-def modem(**tolerances: str) -> Path:
-    return paths(Tolerances.parse(tolerances))(MODEM)
+def modem(**tolerances: str) -> OperatorChannel:
+    return operator_channels(Tolerances.parse(tolerances))(MODEM)
 
 
 def commands(heard: list[object]) -> list[object]:
@@ -137,14 +137,14 @@ BEGUN = (
 @pytest.mark.parametrize("order", list(Order))
 @pytest.mark.parametrize("begun", BEGUN)
 def test_no_frame_that_has_begun_keeps_an_order_of_its_connection_back(begun, order) -> None:
-    path, heard = paths(Tolerances())("topside"), []
+    path, heard = operator_channels(Tolerances())("topside"), []
     for at, byte in enumerate(begun + EMERGENCIES[order]):
         heard += commands(path.receive(bytes([byte]), at * 0.04))
     assert heard == [Emergency(order)]
 
 
 def test_by_the_network_too_a_frame_that_drips_is_given_up_after_a_second() -> None:
-    path = paths(Tolerances.parse({"aw_nested": "on"}))("topside")
+    path = operator_channels(Tolerances.parse({"aw_nested": "on"}))("topside")
     path.receive(b"@AW\x02\x00\x01\x00", 0.0)
     path.receive(X, 0.01)  # its payload, perhaps
     heard, now = [], 0.01

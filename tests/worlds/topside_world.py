@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from mission.model import Tx, Verdict
 from mission.onboard.runtime.command_target import MissionRefused, Peer
 from mission.onboard.runtime.device_switches import DeviceSwitches
-from mission.onboard.runtime.operator_channels import paths
+from mission.onboard.runtime.operator_channels import operator_channels
 from mission.onboard.runtime.operator_server import OperatorServer
 from mission.onboard.store import MemoryStore
 from protocol.messages import ClearMission, Command, MissionLine, StartMission, Status
@@ -82,7 +82,7 @@ class Pi:
         self.topside = OperatorServer(
             self.target,
             self.target.store,
-            paths(Tolerances()),
+            operator_channels(Tolerances()),
             nodes,
             answer_no,
         )
