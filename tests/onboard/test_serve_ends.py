@@ -84,7 +84,9 @@ def is_upward(heard: list[bytes]) -> bool:
 
 
 def last_of(heard: list[bytes], count: int) -> list[bytes]:
-    return b"".join(heard).replace(b"$", b"$ ").split()[-count:]
+    """The last words; one that is tried again counts once."""
+    words = b"".join(heard).replace(b"$", b"$ ").split()
+    return [word for word, _ in itertools.groupby(words)][-count:]
 
 
 def replays(pi: Running) -> bool:
