@@ -45,9 +45,11 @@ sea: $(READY)           ## the second sea, by another hand: every scene; DRAW=n 
 	@$(BIN)/python -m tests.sea
 	@$(BIN)/python -m tests.sea --draw $(or $(DRAW),30) --seed $(SEED)
 
-docs: $(READY)          ## regenerate what is generated in docs/
+docs: $(READY)          ## the documentation as a site in build/docs; warnings are errors
 	$(BIN)/python -m protocol.reference > docs/protocol.md
 	$(BIN)/python -m mission.authoring.language.manual docs/mission-language.md
+	$(BIN)/sphinx-build -q -E -W --keep-going -b html docs build/docs
+	@echo "open build/docs/index.html"
 
 clean:
 	rm -rf .venv out build dist

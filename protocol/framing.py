@@ -11,7 +11,7 @@ its first candidate (``bad_header`` where there was none), reported when the run
 Decisions depend on the bytes alone, never on how they were cut, so any chunking gives the same
 frames. A candidate has at most its type's length, so the work is linear in the bytes.
 
-A guest frame spliced into a host frame (vehicle-facts: an ``@ACK_`` printed in the middle of an
+A guest frame spliced into a host frame (as built: an ``@ACK_`` printed in the middle of an
 ``@SD``) is taken out and the host tried again without it.
 
 What does not live here: what a frame means (tables), clocks (``now`` is a parameter).
@@ -98,7 +98,7 @@ class Shortcut:
 
 @dataclass(frozen=True, slots=True)
 class LinkRow:
-    """A link of docs/protocol.md section 7: which frames a decoder may meet there.
+    """A link of docs/protocol.md: which frames a decoder may meet there.
 
     ``frames`` may list several types with the same lead; the shorter complete candidate is tried
     first. ``line``: the input is text, one datagram a line, which this turns into bytes.

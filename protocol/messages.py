@@ -107,7 +107,7 @@ class FrameFault:
     """Bytes that belong to no accepted frame. A value, never an exception."""
 
     offset: int  # of the first byte, from the start of the stream
-    kind: str  # protocols.md section 7: truncated, bad_header, bad_checksum, ...
+    kind: str  # docs/protocol.md: truncated, bad_header, bad_checksum, ...
     length: int  # bytes
 
 

@@ -1,4 +1,4 @@
-"""One file per leg type, and the registry: a new leg type is one file and one row here."""
+"""The registry of leg types, one file for each. docs/how-to/leg.md says what a new one takes."""
 
 from __future__ import annotations
 

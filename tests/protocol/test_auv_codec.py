@@ -196,7 +196,7 @@ def test_another_crc_profile_is_a_tolerance() -> None:
     assert not any(isinstance(i, Telemetry) for i in AuvCodec().receive(bytes(raw), 0.0))
 
 
-# --- Setpoint out: the STM32 as the vehicle facts describe it, in its own words ---
+# --- Setpoint out: the STM32 as built, in its own words ---
 
 
 class AsBuilt:

@@ -57,7 +57,7 @@ def test_a_mask_may_be_any_byte(mask: int) -> None:
     assert on("auv.from_stm32", raw + raw) == [(0, "auv.ACK", raw), (9, "auv.ACK", raw)]
 
 
-# --- one byte for a failure (G2), runs (section 7) ---
+# --- one byte for a failure (G2), runs ---
 
 
 def test_a_failing_candidate_costs_one_byte() -> None:

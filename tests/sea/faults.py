@@ -1,6 +1,6 @@
 """What sensors say instead of the truth, and boards that act on their own.
 
-A `Lie` stands between a true value and what is told. Sources: vehicle-facts.md ("cables, plugs and
+A `Lie` stands between a true value and what is told. Sources: what went wrong at sea ("cables, plugs and
 boards failed at random: sensors fell silent, came back, or gave full-scale garbage"; "it dived by
 itself at full power, more than once, with no command known, and did not stop").
 """

@@ -4,7 +4,7 @@ Each is a function of the flight that returns what is wrong, or nothing. Times a
 a time that the scene's script has put on record (`World.mark`): `due` is when an ascent was asked for
 or became due, and everything after it is judged as "nothing wants the vehicle under water".
 
-Figures come from the rules (protocols, section 5) and, where those leave a figure open, from physics:
+Figures come from docs/rules.md and, where those leave a figure open, from physics:
 a report may be 2 s old and two of them are needed; this hull rises at 0.25 m/s by itself.
 """
 

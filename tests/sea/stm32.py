@@ -1,6 +1,6 @@
 """The STM32 of document 000, as built and as documented.
 
-As built (vehicle-facts.md): one UART burst is one frame; every Z is answered `@ACK_ZAY$` or `N`; one
+As built: one UART burst is one frame; every Z is answered `@ACK_ZAY$` or `N`; one
 horizontal mode, one vertical mode, one speed for both; W starts the verticals for a millisecond; depth
 and altitude holds only push down; no `@SD` in manual; a dead man of 600 ms there and none in automatic;
 batteries 12 and 48 for ever; an acknowledgement may land in the middle of an `@SD`.

@@ -1,0 +1,1 @@
+"""The state graph of a mission, drawn and exported from its chart."""

@@ -132,7 +132,7 @@ def _units() -> str:
 
 
 def _grammar() -> str:
-    return f"```\n{grammar()}```\n"
+    return f"```text\n{grammar()}```\n"
 
 
 PARTS: Mapping[str, Callable[[], str]] = {

@@ -8,7 +8,7 @@ The smaller number has the line first: an order, the further tries of what is no
 frames of an ascent's X0 and U12, a leg's set. What operators pass on has what is left, at least
 while an answer is waited for. Under the stick there are no sets, and M has their place.
 
-Rules of protocols.md that live here: R1 (stop and wait), R7's overtaking (what is queued is
+Rules of docs/rules.md that live here: R1 (stop and wait), R7's overtaking (what is queued is
 dropped, an unanswered Z is given up), the as-built ACK code ``A`` for any Z, and the gap without
 which two frames arrive as one burst and are misread. A set that is not out after 5 s, though
 newer ones of the same leg have taken its place meanwhile, is told as LATE, once.

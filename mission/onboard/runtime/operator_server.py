@@ -3,7 +3,7 @@
     bytes --path--> command --copy? commander? idle?--> Vessel
     answer --path of the request (R12)--> bytes
 
-Rules of protocols.md that live here: R2 (answers N), R3 and R4 (with ``uploads``), R6's relaying,
+Rules of docs/rules.md that live here: R2 (answers N), R3 and R4 (with ``uploads``), R6's relaying,
 R9-R11 as far as an answer shows them, R12 (with ``copies``, ``commander``), R13 (with ``nodes``),
 R14. STOP and SURFACE pass from any connection, always, and are answered by what became of them at
 the STM32.

@@ -4,7 +4,7 @@ A mission, a profile, a sea with up to 0.5 m/s of current, and one to five distu
 from FAULTS and INCIDENTS, at random times; in a quarter of the flights all of them within
 5 s. A fault may last for ever, but not one of those
 that take the vehicle out of everybody's hands (OUT_OF_HAND) or change its weight: bringing such a
-vehicle home is physically impossible, and design.md, section 4 excludes it.
+vehicle home is physically impossible.
 
 What does not live here: what a fault or an incident does (links.simulated.faults, disturbances).
 """

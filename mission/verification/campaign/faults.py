@@ -63,7 +63,7 @@ class Totals:
         return not self.violated
 
     def as_json(self) -> dict[str, Any]:
-        """The object of design.md, section 5; ``ignored``, ``raised`` and KINDS beside it."""
+        """The JSON object of one run; ``ignored``, ``raised`` and KINDS beside it."""
         return {
             "flights": self.flights,
             "faults": dict(sorted(self.kinds.items())),

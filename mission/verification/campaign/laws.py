@@ -4,8 +4,8 @@
 ``trial.ASCENT`` after the last fault is over and the last mission must have ended. A thruster may
 turn while it still surfaces: without depth and fix it never knows that it has arrived (R7). Faults
 that make surfacing physically impossible all end before that (draw.OUT_OF_HAND, WEIGHT); what
-design.md, section 4 excludes (a dead Pi while the STM32 is in automatic, an STM32 that hangs for
-ever with its thrusters on) is not drawn.
+the check assumes away (a dead Pi while the STM32 is in automatic, an STM32 that hangs for ever
+with its thrusters on) is not drawn.
 
 **Overrun**: truly beyond a limit in force (the tightest of the mission's, the vehicle's, and the
 operator's @SP that was acknowledged) while autonomous or surfacing, by more than detection and

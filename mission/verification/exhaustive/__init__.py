@@ -4,7 +4,7 @@
 
 Everything happens at the runtime: telemetry, fixes, acknowledgements and operators' commands are
 bytes that go through the real decoders, and what a law sees is bytes that left, the Steps on
-record, and the state. Laws are written from the design and protocols alone: they never ask the
+record, and the state. Laws are written from the design and the rules alone: they never ask the
 engine what is right. Three things reach behind the bytes, because a day would not do otherwise: a
 configuration is put in place by the engine's ``place`` (leg, rounds, time in the leg), a path that
 a leg waits for is given to it (wishes), and a runtime is copied whole (fork), so that each cell

@@ -1,8 +1,8 @@
 """Laws of the states: rows of name, source, and what is asked of a cell.
 
 A law answers None where it says nothing about a cell, "" where it holds, else what is wrong. It is
-written from the design and from protocols alone, never from what the engine does. All are asked at
-the runtime, of bytes, Steps and states: R3-R14 and section 4 of the design.
+written from the design and the rules alone, never from what the engine does. All are asked at
+the runtime, of bytes, Steps and states: R3-R14 and the states of docs/design.md.
 
 What does not live here: laws of legs against limits and readings (leg_laws), of what operators
 are answered (operator_laws).
@@ -31,7 +31,7 @@ from mission.verification.exhaustive.cell import Cell
 
 X, W, U12 = b"@ZAX0$", b"@ZAWF$", b"@ZAU12$"
 STICK_QUIET = 2.0  # s (R6)
-AT_ONCE = 0.1  # s: X and W have left (issue 6)
+AT_ONCE = 0.1  # s: X and W have left (R7)
 AT_SURFACE = 0.5  # m (R7)
 DEEP_REST, RISE_TIME = 2.0, 20.0  # m, s (R7)
 
@@ -349,17 +349,17 @@ STATE_LAWS: tuple[Law, ...] = (
     Law("under the stick no Z leaves", "R6", _no_z_under_the_stick),
     Law("2 s after the stick everything is stopped", "R6", _stick_let_go),
     Law("60 s after the stick: idle at the surface, surfacing where deep", "R6", _forgotten),
-    Law("only states that the design knows", "design 4", _known_states),
-    Law("from region to region only for a cause", "design 4, R5-R8", _moves),
+    Law("only states that the design knows", "design: the states", _known_states),
+    Law("from region to region only for a cause", "design: the states, R5-R8", _moves),
     Law("no exit from an emergency but R7's", "R7", _emergency),
-    Law("every change of state is on record", "design 4", _recorded),
-    Law("what is under way is kept for a restart", "design 4", _under_way),
-    Law("no command without a reason", "design 4", _reasons),
+    Law("every change of state is on record", "design: the states", _recorded),
+    Law("what is under way is kept for a restart", "design: the states", _under_way),
+    Law("no command without a reason", "design: the states", _reasons),
     Law("after stopped nothing leaves but what is allowed", "R7", _after_stopped),
     Law("X0 every 500 ms until it is acknowledged", "R7", _stop_repeats),
-    Law("in idle nothing leaves that nobody asked for", "design 4", _quiet_idle),
+    Law("in idle nothing leaves that nobody asked for", "design: the states", _quiet_idle),
     Law("behind a line that was away what holds is said again", "R7, R8", _line_was_away),
     Law("from everywhere to the surface by W", "R7", _to_the_surface),
     Law("who is left alone comes up", "R6, R8", _comes_up_alone),
-    Law("a mission ends out of the implicit leg, stopped", "design 5", _implicit_end),
+    Law("a mission ends out of the implicit leg, stopped", "design: the states", _implicit_end),
 )

@@ -32,7 +32,7 @@ from protocol.vehicles import codec
 _AHEAD = 4 / 12  # share of full thrust: slower, the course over ground tells nothing
 _OFF = 2.0  # m (limits: no progress)
 _TRIES = 3  # R1
-_PERIOD, _BLIND, _LATE = 2.0, 6.0, 0.1  # s: between reports; without a reading (design 4)
+_PERIOD, _BLIND, _LATE = 2.0, 6.0, 0.1  # s: between reports; without a reading (design: the states)
 _LOST = 3  # R8
 # What a guard asks about, by the sensor without which it is not known.
 _OF = {
@@ -281,11 +281,11 @@ LEG_LAWS: tuple[Law, ...] = (
     Law("a limit does not begin a surfacing anew", "R7", _latched),
     Law("not sure of the radius: the mission's own way", "R5", _uncertain),
     Law("after a brown-out the set leaves once more", "R8", _brown_out, of_legs=True),
-    Law("unknown never opens an exit", "design 4", _unknown),
-    Law("a set whose reading is unknown is given up", "design 4", _blind, of_legs=True),
+    Law("unknown never opens an exit", "design: the states", _unknown),
+    Law("a set whose reading is unknown is given up", "design: the states", _blind, of_legs=True),
     Law("a refused Z leads to the leg's else", "R8", _refused, of_legs=True),
     Law("three Z without an answer surface", "R8", _lost),
-    Law("every leg is left when its time is up", "design 5", _timed),
-    Law("a leg's whole set leaves on entry", "design 5", _whole_set, of_legs=True),
-    Law("rounds go on after an interruption", "design 4", _rounds_go_on, of_legs=True),
+    Law("every leg is left when its time is up", "design: the states", _timed),
+    Law("a leg's whole set leaves on entry", "design: the states", _whole_set, of_legs=True),
+    Law("rounds go on after an interruption", "design: the states", _rounds_go_on, of_legs=True),
 )

@@ -14,7 +14,7 @@ from mission.verification.exhaustive.laws import U12, Law, Verdict, W, X, wrong
 
 D12 = b"@ZAD12$"  # upside down (R7)
 _BYTE = 10 / 9600  # s, 8N1
-_GAP = 0.02  # s (vehicle facts: one burst is one frame)
+_GAP = 0.02  # s (as built: one burst is one frame)
 _ANSWER = 0.3  # s (R1)
 _TRIES = 3  # R1
 _EPS = 1e-6
@@ -114,7 +114,7 @@ LINE_LAWS: tuple[Law, ...] = (
     Law("in surfacing nothing leaves but W, X0, U12, D12 and relays", "R7", _surfacing),
     Law("in surfaced nothing leaves but X0 and relays", "R7", _surfaced),
     Law("both halves of an ascent leave under a slider", "R7", _halves),
-    Law("20 ms between two frames to the STM32", "vehicle facts", _gap),
+    Law("20 ms between two frames to the STM32", "as built", _gap),
     Law("one Z outstanding", "R1", _one_outstanding),
     Law("a frame is tried three times", "R1", _tries),
 )

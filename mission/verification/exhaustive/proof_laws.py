@@ -166,6 +166,6 @@ PROOF_LAWS: tuple[Law, ...] = (
     Law("an interruption does not stop the mission's clock", "R6", _clock_goes_on),
     Law("the age of the reports starts again with @AA", "R6", _reports_anew),
     Law("in manual a limit is reported", "R5", _reported_in_manual),
-    Law("an exit that holds is taken", "design 5", _fulfilled, of_legs=True),
-    Law("a mission goes along its chart, round by round", "design 4", _along_the_chart),
+    Law("an exit that holds is taken", "design: the states", _fulfilled, of_legs=True),
+    Law("a mission goes along its chart, round by round", "design: the states", _along_the_chart),
 )

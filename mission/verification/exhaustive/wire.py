@@ -14,7 +14,7 @@ from mission.model import Position
 from protocol.checksum import SD_DEFAULT, sd_profile
 from protocol.nmea import encode_gga, encode_rmc
 
-_SD = struct.Struct("<3s15f9H")  # protocols.md 3, up to the checksum; NaN where nothing is told
+_SD = struct.Struct("<3s15f9H")  # auv.SD up to its checksum; NaN: nothing is told
 _SUM = sd_profile(SD_DEFAULT)
 _MAGNETIC = 9 * (20.0,)  # uT
 _METRE = 1.0 / 6371008.8  # rad
@@ -88,6 +88,6 @@ class Sea:
 
 
 def answer(frame: bytes, letter: str, profile: str) -> bytes:
-    """The STM32's acknowledge of a Z frame; as built it has one code for all (vehicle facts)."""
+    """The STM32's acknowledge of a Z frame; as built it has one code for all."""
     code = "A" if profile == "as-built" else chr(frame[3])
     return f"@ACK_Z{code}{letter}$".encode()

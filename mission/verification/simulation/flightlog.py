@@ -104,7 +104,7 @@ class Flight:
         return errors[math.ceil(0.95 * len(errors)) - 1]
 
     def as_json(self) -> dict[str, Any]:
-        """The object of design.md, section 5."""
+        """The JSON object that ``simulate --json`` prints."""
         errors = {"end": _rounded(self.error_end), "p95": _rounded(self.error_p95)}
         return {
             "outcome": self.outcome,

@@ -11,7 +11,7 @@ from mission.authoring.language import MissionErrors, digest, parse
 from mission.authoring.language.manual import PARTS, refreshed
 
 PAGE = (Path(__file__).resolve().parents[3] / "docs" / "mission-language.md").read_text("utf-8")
-BLOCKS = re.findall(r"```(?:yaml)?\n(.*?)```", PAGE, re.DOTALL)
+BLOCKS = re.findall(r"```[a-z]*\n(.*?)```", PAGE, re.DOTALL)
 
 
 def test_the_generated_parts_are_as_the_code_has_them() -> None:

@@ -1,0 +1,65 @@
+"""Tables of the reference that stand in the code as tables already, as Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from from_code.commands import escaped
+from links import LINKS
+from links.simulated.faults import FAULTS
+from links.simulated.settings import SETTINGS
+from mission.model.units import number_text
+from mission.model.vehicle_file import RANGES, TOGETHER, Range
+from mission.onboard.blackbox import KINDS
+from mission.onboard.runtime.records import INPUTS, START
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def vehicle_ranges() -> str:
+    """Every number of a vehicle file: key, unit of a bare number, smallest and greatest value."""
+    rows = [(f"`{key}`", row.unit or "number", _bounds(row)) for key, row in RANGES.items()]
+    return _table(("key", "bare number", "range"), rows)
+
+
+def _bounds(row: Range) -> str:
+    first = "more than " if row.above else ""
+    return f"{first}{number_text(row.low)} to {number_text(row.high)}"
+
+
+def vehicle_pairs() -> str:
+    rows = [
+        (f"`{p.less}`", "at most" if p.equal else "below", f"`{p.more}`", escaped(p.why))
+        for p in TOGETHER
+    ]
+    return _table(("this", "must be", "this", "else"), rows)
+
+
+def link_schemes() -> str:
+    rows = [
+        (f"`{name}`", f"`{row.example}`", ", ".join(f"`{o}`" for o in row.options))
+        for name, row in LINKS.items()
+    ]
+    return _table(("scheme", "example", "options"), rows)
+
+
+def record_kinds() -> str:
+    """The topics of a black box in the order of their channels."""
+    rows = [(f"`{kind}`", _role(kind)) for kind in KINDS]
+    return _table(("topic", "is"), rows)
+
+
+def _role(kind: str) -> str:
+    if kind == START:
+        return "what a replay begins with"
+    return "input" if kind in INPUTS else "output"
+
+
+def simulation_settings() -> str:
+    """What ``--set`` takes, and the faults it can begin."""
+    settings = [(f"`{k}={row.form}`", escaped(row.says)) for k, row in SETTINGS.items()]
+    faults = ", ".join(f"`{name}`" for name in FAULTS)
+    return f"{_table(('setting', 'what'), settings)}\n\nThe faults: {faults}."
