@@ -23,6 +23,7 @@ __all__ = [
     "Address",
     "LinkAddressError",
     "LinkRow",
+    "at_rate",
     "baud_of",
     "check_url",
     "open_link",
@@ -115,11 +116,21 @@ def parse_address(url: str) -> Address:
 def baud_of(url: str, otherwise: float) -> float:
     """Of the line behind a link; ``otherwise`` where its URL does not tell, or is none."""
     try:
-        address = parse_address(url)
-        default = SERIAL_BAUD if address.scheme == "serial" else otherwise
-        return address.number("baud", default, 1.0, 1e9)
+        return parse_address(url).number("baud", otherwise, 1.0, 1e9)
     except LinkAddressError:
         return otherwise
+
+
+_RATES = {"serial": "baud", "can": "bitrate"}
+
+
+def at_rate(url: str, bits_per_s: int) -> str:
+    """The URL with this rate, if it is one of a line that needs a rate and tells none."""
+    scheme, _, rest = url.partition("://")
+    option = _RATES.get(scheme)
+    if option is None or f"{option}=" in rest.partition("?")[2]:
+        return url
+    return f"{url}{'&' if '?' in rest else '?'}{option}={bits_per_s}"
 
 
 def check_url(url: str) -> None:

@@ -49,6 +49,10 @@ class VehicleCodec(Protocol):
         """Give up what has been unfinished for the idle time, and yield what it held back."""
         ...
 
+    def meaning_of_no(self, frame: bytes) -> str:
+        """Why the vehicle has probably refused this frame, "" if nothing is known."""
+        ...
+
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
         """Frames to send in this order, each after the answer to the one before.
 

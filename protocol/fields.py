@@ -168,6 +168,7 @@ class Const:
 
     data: bytes
     kind: FaultKind | None = None
+    also: bytes = b""  # accepted on decode as well (a tolerance)
 
 
 @dataclass(frozen=True, slots=True)
@@ -252,11 +253,16 @@ class BinaryFrame(FrameType):
         sizes = [struct.calcsize("<" + _struct_code(f)) for f in self.fields]
         return tuple(sum(sizes[:i]) for i in range(len(sizes)))
 
-    def _constants(self) -> tuple[tuple[int, bytes, FaultKind], ...]:
-        """Offset, bytes and the fault, beside the lead; the tail first, as it is cheapest."""
+    def _constants(self) -> tuple[tuple[int, tuple[bytes, ...], FaultKind], ...]:
+        """Offset, what may stand there and the fault, beside the lead; the tail first, as it is
+        cheapest."""
         last = len(self.fields) - 1
         found = [
-            (at, f.data, f.kind or (FaultKind.BAD_TAIL if i == last else FaultKind.BAD_HEADER))
+            (
+                at,
+                (f.data, f.also) if f.also else (f.data,),
+                f.kind or (FaultKind.BAD_TAIL if i == last else FaultKind.BAD_HEADER),
+            )
             for i, (at, f) in enumerate(zip(self.offsets, self.fields, strict=True))
             if isinstance(f, Const)
         ]

@@ -23,7 +23,8 @@ from protocol.text import Digit, Int, Letters, Sep, TextFrame
 from protocol.tolerances import TOLERANCES, Tolerances
 from protocol.topside_frames import SafetyFrame
 from protocol.units import unit
-from protocol.vehicles import LINKS, frame_types
+from protocol.vehicles import LINKS, READ_ONLY, VEHICLES, frame_types
+from protocol.vehicles.keys import Key, Octets
 from protocol.vehicles.motorcan import CanFrame
 from protocol.vehicles.robot import COMMANDS, DownFrame
 
@@ -82,6 +83,7 @@ def _document() -> Iterator[str]:
             yield ""
         yield from _section(frame)
     yield from _tolerances()
+    yield from _keys()
     yield from _errata()
     yield from _faults()
 
@@ -93,7 +95,7 @@ def _links() -> Iterator[str]:
     yield "time."
     yield ""
     rows = []
-    for row in LINKS:
+    for row in (*LINKS, *READ_ONLY):
         names = dict.fromkeys(f.name.partition(".")[2] for f in row.frames(Tolerances()))
         rows.append((row.name, ", ".join(names), f"{row.idle * 1000:g} ms"))
     yield from table(("link", "frames", "idle"), rows)
@@ -298,6 +300,8 @@ def _shown(raw: bytes) -> Iterator[str]:
 
 
 def _value(value: object) -> str:
+    if isinstance(value, str):
+        return value.encode("unicode_escape").decode("ascii")
     return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
@@ -324,6 +328,25 @@ def _tolerances() -> Iterator[str]:
     yield ""
 
 
+def _keys() -> Iterator[str]:
+    yield "## Keys of the vehicle file"
+    yield ""
+    yield "What a document leaves open or a board changes, in the table `wire` of the vehicle file;"
+    yield "the default is the document's."
+    yield ""
+    rows = [
+        (row.name, f"`{key.name}`", _default(key), key.allowed, key.meaning)
+        for row in VEHICLES
+        for key in row.keys
+    ]
+    yield from table(("codec", "key", "default", "allowed", "means"), rows)
+    yield ""
+
+
+def _default(key: Key | Octets) -> str:
+    return f"{key.default:.9g}" if isinstance(key, Key) else key.default
+
+
 def _some(values: Sequence[str]) -> str:
     more = f", ... ({len(values)})" if len(values) > 4 else ""
     return ", ".join(values[:4]) + more
@@ -343,7 +366,7 @@ def _errata() -> Iterator[str]:
         )
         for row in ERRATA
     ]
-    yield from table(("", "found", "read as", "tolerance"), rows)
+    yield from table(("", "found", "read as", "tolerance or key"), rows)
     yield ""
 
 

@@ -22,7 +22,7 @@ from protocol.fields import FaultKind, FrameType, Values, required
 
 LIMIT = 64
 _INTEGER = re.compile(r"-?[0-9]{1,5}")
-_DECIMAL = re.compile(r"-?[0-9]{1,9}(\.[0-9]{1,12})?")
+_DECIMAL = re.compile(r"-?[0-9]{1,9}(\.[0-9]+)?")  # decimals as programs print them
 _END_OR_BAD = re.compile(rb"[^\x20-\x23\x25-\x3f\x41-\x7e]")  # "$", "@" or not printable
 _TAIL, _TAIL_BYTE = b"$", 0x24
 

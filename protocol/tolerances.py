@@ -41,10 +41,18 @@ TOLERANCES = (
     Tolerance("vs_sep", _OFF, "a comma between @VS and the time"),
     Tolerance("vs_29", _OFF, "@VS with 29 fields: course to altitude are unknown"),
     Tolerance("vs_empty", _ON, "empty fields of @VS are unknown"),
+    Tolerance("vs_speed", ("cm/s", "m/s", "km/h", "kn"), "unit of the ground speed in @VS"),
+    Tolerance("vs_mag", ("nT", "uT"), "unit of the magnetometers in @VS"),
     Tolerance("order_modem", ("low", "high", "auto"), "byte order of the modem's length"),
     Tolerance("modem_crc", ("frame", "content"), "what the modem's CRC covers"),
     Tolerance("sd_crc", (SD_DEFAULT, *(p.name for p in SD_PROFILES[1:])), "CRC profile of @SD"),
     Tolerance("float_order", ("low", "high"), "byte order of floats (core board, ROV)"),
+    Tolerance("place002", ("lat", "lon"), "core board: which of latitude and longitude is first"),
+    Tolerance("leak002", ("1", "0"), "core board: the code of a leak in bytes 69 and 133"),
+    Tolerance("leak23", ("0", "1"), "core board: the code of a leak in byte 23 of table 4-2"),
+    Tolerance("tail002", ("table", "either"), "core board: FA AF and FD DF under every table"),
+    Tolerance("effort003", ("1", "100"), "ROV: what X, Z and F are at full effort"),
+    Tolerance("layout003", ("printed", "legacy"), "ROV: 71 and 30 bytes, or the older 50 and 28"),
     Tolerance("len003", ("strict", "loose"), "ROV: trust the length of the type, not DateLen"),
     Tolerance("mod", ("255", "256", "either"), "robot: modulus of the sum"),
     Tolerance("can_id", (), "the CAN identifier that is expected instead of the table's"),
@@ -82,6 +90,8 @@ def _value(name: str, text: str) -> str:
     if row is None:
         raise UnknownTolerance(f"no tolerance {name!r}; there are: {', '.join(_BY_NAME)}")
     lowered = text.strip().lower()
+    if text.strip() in row.values:
+        return text.strip()
     if not row.values:
         try:
             int(lowered, 0)

@@ -50,6 +50,7 @@ from protocol.tolerances import Tolerances
 
 EMERGENCIES = {Order.STOP: b"@ZAX0$", Order.SURFACE: b"@ZAWF$"}
 IDLE = 0.05  # s; a network hands over whole frames
+_USUAL = Tolerances()
 
 
 def relayed_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
@@ -69,7 +70,7 @@ def to_pi_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
 
 
 def to_topside_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
-    acks = tables.AckFrame("NASR", tolerances)
+    acks = tables.AckFrame("NASRZ", tolerances, "XW")  # what became of X and W (R7)
     status: tuple[FrameType, ...] = (StatusFrame(tolerances),)
     if tolerances.on("vs_no_vs"):
         status += (StatusFrame(tolerances, bare=True),)
@@ -135,18 +136,17 @@ def _commands(items: Sequence[Frame | FrameFault]) -> list[Command | FrameFault]
 
 # --- encoding: every message that crosses this link ---
 
-_NORMATIVE = Tolerances()
-_LINE = tables.MissionLineFrame(_NORMATIVE)
-_TIME, _SAFETY = tables.TimeFrame(_NORMATIVE), tables.SafetyFrame()
+_LINE = tables.MissionLineFrame(_USUAL)
+_TIME, _SAFETY = tables.TimeFrame(_USUAL), tables.SafetyFrame()
 _ACK, _STORE, _STATUS = (
-    tables.AckFrame("NASRZ", _NORMATIVE),
+    tables.AckFrame("NASRZ", _USUAL),
     tables.StoreFrame(),
-    StatusFrame(_NORMATIVE),
+    StatusFrame(_USUAL),
 )
 
 
-def encode(message: Command | Ack | StoreReport | Status) -> bytes:
-    """One frame under the N readings. Raises CannotEncode."""
+def encode(message: Command | Ack | StoreReport | Status, tolerances: Tolerances = _USUAL) -> bytes:
+    """One frame under the N readings, ``@VS`` in its ``tolerances``' units. Raises CannotEncode."""
     match message:
         case Relay(frame=frame) | Manual(frame=frame):
             return frame
@@ -155,7 +155,7 @@ def encode(message: Command | Ack | StoreReport | Status) -> bytes:
         case Ack():
             return encode_ack(message)
         case Status():
-            return _STATUS.encode(status_values(message))
+            return _STATUS.encode(status_values(message, tolerances))
         case _:
             return _encode_plain(message)
 
@@ -220,16 +220,22 @@ def answer(code: str, ok: bool, now: float) -> Ack:
     return Ack(now, code[0], code[1], ord(_POSITIVE[code] if ok else "N"))
 
 
-def status_values(status: Status) -> Values:
+# per m/s and per T, and the decimals that are written (E-V16, E-V18)
+_SPEEDS = {"cm/s": (100, 0), "m/s": (1.0, 2), "km/h": (3.6, 2), "kn": (3600 / 1852, 2)}
+_MAGNETIC = {"nT": (1e9, 0), "uT": (1e6, 3)}
+
+
+def status_values(status: Status, tolerances: Tolerances = _USUAL) -> Values:
     """The 30 values of ``@VS`` in wire units. What is not known is None, and so is what is out of
     the table's range: one broken sensor must not hide the other fields (G4)."""
+    speed, field = _SPEEDS[tolerances["vs_speed"]], _MAGNETIC[tolerances["vs_mag"]]
     fix, telemetry = status.fix, status.telemetry or Telemetry(0.0)
     values: Values = {"time": status.time}
     values |= {
         "lon_deg": _degrees(fix.longitude) if fix else None,
         "lat_deg": _degrees(fix.latitude) if fix else None,
         "elevation_m": _rounded(fix.elevation, 2) if fix else None,
-        "ground_speed": _scaled(fix.speed, 100) if fix else None,
+        "ground_speed": _scaled(fix.speed, *speed) if fix else None,
         "ground_course_deg": _degrees(fix.course, 2) if fix else None,
         "heading_deg": _yaw(telemetry.heading),
         "pitch_deg": _degrees(telemetry.pitch, 2),
@@ -241,7 +247,7 @@ def status_values(status: Status) -> Values:
     lists = (telemetry.batteries, telemetry.magnetic, telemetry.actuators)
     batteries, magnetic, actuators = (x or () for x in lists)
     tail = [_rounded(b, 3) for b in _filled(batteries, 2)]
-    tail += [_scaled(m, 1e9) for m in _filled(magnetic, 9)]
+    tail += [_scaled(m, *field) for m in _filled(magnetic, 9)]
     tail += [None if a is None else _scaled(3 + a, 500) for a in _filled(actuators, 7)]
     names = [item for item in NAMES if item not in values]
     values |= dict(zip(names, tail, strict=True))
@@ -265,8 +271,10 @@ def _rounded(value: float | None, places: int) -> float | None:
     return None if value is None or not math.isfinite(value) else round(value, places)
 
 
-def _scaled(value: float | None, factor: float) -> int | None:
-    return None if value is None or not math.isfinite(value) else round(value * factor)
+def _scaled(value: float | None, factor: float, places: int = 0) -> float | None:
+    if value is None or not math.isfinite(value):
+        return None
+    return round(value * factor, places) if places else round(value * factor)
 
 
 def _degrees(angle: float | None, places: int = 7) -> float | None:
@@ -285,13 +293,13 @@ def _yaw(heading: float | None) -> float | None:
 Answer = Ack | StoreReport | Status
 
 
-def answer_of(frame: Frame) -> Answer:
+def answer_of(frame: Frame, tolerances: Tolerances = _USUAL) -> Answer:
     """The message of a frame of ``to_topside_frames``."""
     if frame.type.name == "auv.ACK":
         return ack_of(frame)
     values = frame.values()
     if frame.type.name == "auv.VS":
-        return status_of(values, frame.t)
+        return status_of(values, frame.t, tolerances)
     return StoreReport(**values)
 
 
@@ -300,7 +308,7 @@ def ack_of(frame: Frame) -> Ack:
     return Ack(frame.t, chr(raw[5]), chr(raw[6]), raw[7])
 
 
-def status_of(values: Values, now: float) -> Status:
+def status_of(values: Values, now: float, tolerances: Tolerances = _USUAL) -> Status:
     """What the values of ``@VS`` say, in SI; ``now`` is when they came."""
     radians = {k: None if v is None else math.radians(v) for k, v in values.items() if _is_angle(k)}
     fix = None
@@ -311,12 +319,12 @@ def status_of(values: Values, now: float) -> Status:
             latitude=radians["lat_deg"],
             longitude=radians["lon_deg"],
             accuracy=math.inf,
-            speed=None if speed is None else speed / 100,
+            speed=None if speed is None else speed / _SPEEDS[tolerances["vs_speed"]][0],
             course=radians["ground_course_deg"],
             elevation=values["elevation_m"],
         )
-    yaw = radians["heading_deg"]
-    magnetic = _known([values[name] for name in NAMES if name.startswith("mag_")], 1e9)
+    yaw, tesla = radians["heading_deg"], _MAGNETIC[tolerances["vs_mag"]][0]
+    magnetic = _known([values[name] for name in NAMES if name.startswith("mag_")], tesla)
     pulses = [values[name] for name in NAMES if name.startswith("pwm_")]
     told = next((i for i, width in enumerate(pulses) if width is None), len(pulses))
     widths = pulses[:told]  # a vehicle with fewer thrusters leaves the last ones empty
@@ -349,19 +357,19 @@ class ConsoleCodec:
     """One per connection to a vehicle."""
 
     def __init__(self, tolerances: Tolerances | None = None) -> None:
-        chosen = tolerances or Tolerances()
+        self._tolerances = chosen = tolerances or Tolerances()
         acks = tables.AckFrame("NASRZ", chosen)  # Z: the STM32's own answer to X and W (R7)
         self.framer = Framer((acks, *to_topside_frames(chosen)[1:]), idle=IDLE)
 
     def receive(self, data: bytes, now: float) -> list[Answer | FrameFault]:
-        return _answers(self.framer.receive(data, now))
+        return self._answers(self.framer.receive(data, now))
 
     def next_timer(self) -> float | None:
         return self.framer.next_timer()
 
     def flush(self, now: float) -> list[Answer | FrameFault]:
-        return _answers(self.framer.flush(now))
+        return self._answers(self.framer.flush(now))
 
-
-def _answers(items: Sequence[Frame | FrameFault]) -> list[Answer | FrameFault]:
-    return [i if isinstance(i, FrameFault) else answer_of(i) for i in items]
+    def _answers(self, items: Sequence[Frame | FrameFault]) -> list[Answer | FrameFault]:
+        known = self._tolerances
+        return [i if isinstance(i, FrameFault) else answer_of(i, known) for i in items]

@@ -248,11 +248,11 @@ class AckFrame(FrameType):
     name, title, lead, length = "auv.ACK", "000 tables 2.1.1 and 3.1", b"@ACK_", 9
     Z_CODES = "FBLRUDSEHAVXW"
 
-    def __init__(self, groups: str, tolerances: Tolerances) -> None:
+    def __init__(self, groups: str, tolerances: Tolerances, z_codes: str = Z_CODES) -> None:
         """``groups``: the classes that this link carries, of N A S R Z."""
         rs = "SYN" if tolerances.on("rs_yn") else "S"
         table = {"NS": "SN", "AA": "AN", "AC": "CN", "AW": "WN", "ST": "TN", "SP": "PN", "RS": rs}
-        table |= {"Z" + code: "YN" for code in self.Z_CODES}
+        table |= {"Z" + code: "YN" for code in z_codes}
         self._letters = {k: v for k, v in table.items() if k[0] in groups}
         self._masks = {k: n for k, n in {"NI": 6, "RI": 7}.items() if k[0] in groups}
 

@@ -12,6 +12,7 @@ What does not live here: frames and what a board does with them (firmware/boards
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import atan2, cos, hypot, inf, pi, sin
 from random import Random
@@ -24,9 +25,13 @@ from links.simulated.ground import Ground
 from links.simulated.link import HOME, Truth
 from links.simulated.plant import STEP, TICK_STEPS, Plant
 from links.simulated.settings import SettingError, Settings
+from protocol.tolerances import Tolerances
+from protocol.vehicles import vehicle_row
+from protocol.vehicles.keys import read_wire
 
 BYTE_TIME = 10 / 115200  # s
 SECOND_STEPS = 20
+DOCUMENTED: Mapping[str, str] = {}
 BOARDS: dict[str, type[WaterBoard] | type[RobotBoard]] = {
     "coreboard": CoreBoard,
     "rov": RovBoard,
@@ -101,14 +106,18 @@ class SimulatedBoard:
         settings: Settings | None = None,
         *,
         position: tuple[float, float] = HOME,
+        tolerances: Mapping[str, str] = DOCUMENTED,
+        wire: Mapping[str, str] = DOCUMENTED,
     ) -> None:
-        """``name`` is that of the codec, ``position`` latitude and longitude in rad. Raises
-        SettingError for a fault: these boards have none to be switched on."""
+        """``name`` is that of the codec, ``position`` latitude and longitude in rad; ``tolerances``
+        and ``wire``: how the board was built, as in a vehicle file. Raises SettingError for a
+        fault: these boards have none to be switched on."""
         chosen = settings or Settings()
         if chosen.faults:
             raise SettingError(f"fault={chosen.faults[0].name}: only the AUV's board has faults")
         self.name, self.seed, self.position = name, seed, position
-        self.board = BOARDS[name](Random(seed))
+        built = read_wire(vehicle_row(name).keys, wire)
+        self.board = BOARDS[name](Random(seed), Tolerances.parse(tolerances), built)
         self.plant: Plant | Ground = Ground()
         if isinstance(self.board, WaterBoard):
             speed, direction = chosen.sea.current
@@ -189,7 +198,7 @@ class SimulatedBoard:
             assert isinstance(plant, Ground)
             return board.report(plant)
         assert isinstance(plant, Plant)
-        return board.report(plant, self.place())
+        return board.report(plant, self.place(), self.now)
 
     def _say(self, data: bytes, now: float = -inf) -> None:
         start = max(self.now, now, self._free)

@@ -1,7 +1,8 @@
-"""The simulated vehicle in real time, or a multiple of it, behind two pseudo-terminals.
+"""A simulated vehicle in real time, or a multiple of it, behind pseudo-terminals.
 
-    SimulatedVehicle --9600 8N1 pace--> pty --> serial:///dev/pts/N  (STM32)
-                                        pty --> serial:///dev/pts/M  (GPS)
+    SimulatedVehicle --9600 8N1 pace----> pty --> serial:///dev/pts/N  (STM32)
+                                          pty --> serial:///dev/pts/M  (GPS)
+    SimulatedBoard   --115200 8N1 pace--> pty --> serial:///dev/pts/N  (core board, ROV, robot)
 
 With ``speed`` 8 everything, the bytes included, is eight times as fast. Bytes go out in slices
 (``SLICE``), each when the real line would have brought it; the loop sleeps in between. Faster than
@@ -9,7 +10,7 @@ real time a chunk goes out whole, when its last byte would be through: the 50 ms
 decoder gives up on an unfinished frame (G3) would be shorter than a scheduler's whim. What the
 other side writes is timed when it is read here, and then takes its time on the simulated line.
 
-What does not live here: the vehicle itself (link.py).
+What does not live here: the vehicles themselves (link.py, boards.py).
 """
 
 from __future__ import annotations
@@ -24,12 +25,38 @@ from dataclasses import dataclass
 from math import inf
 from types import TracebackType
 
-from links.simulated.firmware.uart import BYTE_TIME, Chunk
+from links.simulated import boards
+from links.simulated.boards import SimulatedBoard
+from links.simulated.firmware import uart
+from links.simulated.firmware.uart import Chunk
 from links.simulated.link import SimulatedVehicle
 
-SLICE = 8  # bytes
+SLICE_S = 0.008  # of a line in one write
 READ = 4096
 SHORTEST_SLEEP, LONGEST_SLEEP = 0.0005, 0.2  # s, real
+
+
+Simulated = SimulatedVehicle | SimulatedBoard
+
+
+@dataclass(frozen=True, slots=True)
+class Wire:
+    """One line of a vehicle. ``hear``: who takes what comes in on it, None: nobody."""
+
+    queue: deque[Chunk]
+    byte_time: float  # s
+    hear: Callable[[bytes, float], None] | None
+
+
+def wires(vehicle: Simulated) -> tuple[Wire, ...]:
+    """That of the board, and where there is one, that of the GPS receiver."""
+    if isinstance(vehicle, SimulatedBoard):
+        return (Wire(vehicle.queue, boards.BYTE_TIME, vehicle.vehicle_link.send),)
+    stm32 = vehicle.stm32
+    return (
+        Wire(stm32.tx.queue, uart.BYTE_TIME, stm32.receive),
+        Wire(vehicle.gps.queue, uart.BYTE_TIME, None),
+    )
 
 
 @dataclass(slots=True)
@@ -41,7 +68,8 @@ class _Out:
 
     fd: int
     queue: deque[Chunk]
-    slice: float = SLICE  # bytes that go out in one write
+    byte_time: float
+    slice: float  # bytes that go out in one write
     sent: int = 0  # bytes of the first chunk
 
     @property
@@ -50,12 +78,12 @@ class _Out:
         if not self.queue:
             return inf
         chunk = self.queue[0]
-        return chunk.start + min(self.sent + self.slice, len(chunk.data)) * BYTE_TIME
+        return chunk.start + min(self.sent + self.slice, len(chunk.data)) * self.byte_time
 
     def write(self, now: float) -> None:
         while self.queue and self.due <= now:
             chunk = self.queue[0]
-            through = min(int((now - chunk.start) / BYTE_TIME + 1e-6), len(chunk.data))
+            through = min(int((now - chunk.start) / self.byte_time + 1e-6), len(chunk.data))
             piece = chunk.data[self.sent : through]
             self.sent = through
             if through == len(chunk.data):
@@ -68,19 +96,21 @@ class _Out:
 
 
 class PtyVehicle:
-    """Owns both pseudo-terminals; ``paths`` are for the other process."""
+    """Owns the pseudo-terminals; ``paths`` are for the other process."""
 
-    def __init__(self, vehicle: SimulatedVehicle, speed: float = 1.0) -> None:
+    def __init__(self, vehicle: Simulated, speed: float = 1.0) -> None:
         if not speed > 0.0:
             raise ValueError(f"speed must be above 0, not {speed}")
         self.vehicle, self.speed = vehicle, speed
-        self._fds = [*_open_pty(), *_open_pty()]  # master, slave of each
-        piece = SLICE if speed <= 1.0 else inf
-        self._outs = (
-            _Out(self._fds[0], vehicle.stm32.tx.queue, piece),
-            _Out(self._fds[2], vehicle.gps.queue, piece),
+        self._wires = wires(vehicle)
+        ends = [open_pty() for _ in self._wires]  # master, slave of each
+        self._fds = [fd for pair in ends for fd in pair]
+        self._masters = [master for master, _ in ends]
+        self._outs = tuple(
+            _Out(master, wire.queue, wire.byte_time, _slice(wire, speed))
+            for master, wire in zip(self._masters, self._wires, strict=True)
         )
-        self.paths = (os.ttyname(self._fds[1]), os.ttyname(self._fds[3]))
+        self.paths = tuple(os.ttyname(slave) for _, slave in ends)
         self._zero: float | None = None
 
     def __enter__(self) -> PtyVehicle:
@@ -118,13 +148,13 @@ class PtyVehicle:
             out.write(now)
 
     def _take_in(self, now: float) -> None:
-        for master, listens in ((self._fds[0], True), (self._fds[2], False)):
+        for master, wire in zip(self._masters, self._wires, strict=True):
             try:
                 data = os.read(master, READ)
             except BlockingIOError:
                 continue
-            if data and listens:
-                self.vehicle.stm32.receive(data, now)
+            if data and wire.hear is not None:
+                wire.hear(data, now)
 
     def _now(self) -> float:
         assert self._zero is not None
@@ -132,12 +162,22 @@ class PtyVehicle:
 
     def _wait(self, now: float) -> None:
         """Until the next slice, the next event, or a byte from the other side."""
-        due = min(*(out.due for out in self._outs), self.vehicle.next_start())
+        due = min(*(out.due for out in self._outs), _next_start(self.vehicle))
         pause = min(max((due - now) / self.speed, SHORTEST_SLEEP), LONGEST_SLEEP)
-        select.select([self._fds[0], self._fds[2]], [], [], pause)
+        select.select(self._masters, [], [], pause)
 
 
-def _open_pty() -> tuple[int, int]:
+def _slice(wire: Wire, speed: float) -> float:
+    return max(1, round(SLICE_S / wire.byte_time)) if speed <= 1.0 else inf
+
+
+def _next_start(vehicle: Simulated) -> float:
+    if isinstance(vehicle, SimulatedBoard):
+        return vehicle.next_report
+    return vehicle.next_start()
+
+
+def open_pty() -> tuple[int, int]:
     """Raw, without echo; the slave stays open so that a reader may come and go."""
     master, slave = os.openpty()
     tty.setraw(slave)
@@ -146,14 +186,14 @@ def _open_pty() -> tuple[int, int]:
 
 
 def run_on_ptys(
-    vehicle: SimulatedVehicle,
+    vehicle: Simulated,
     speed: float = 1.0,
     *,
-    ready: Callable[[str, str], None],
+    ready: Callable[..., None],
     until: float | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> None:
-    """Open both pseudo-terminals, say their paths (STM32, GPS) to ``ready``, and run."""
+    """Open the pseudo-terminals, say their paths (board, GPS) to ``ready``, and run."""
     with PtyVehicle(vehicle, speed) as served:
         ready(*served.paths)
         served.run(until, stop)

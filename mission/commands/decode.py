@@ -154,6 +154,8 @@ def _offsets(frame: Frame) -> dict[str, int]:
 def _shown(value: object) -> str:
     if value is None:
         return "-"
+    if isinstance(value, str):
+        return value.encode("unicode_escape").decode("ascii")
     return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 

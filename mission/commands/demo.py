@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 def demo(
     mission: Path | None,
     speed: float,
-    profile: str,
+    profile: str | None,
     seed: int,
     settings: tuple[str, ...],
     out: Path,
@@ -61,7 +61,8 @@ def demo(
     worst = report.proved.worst_time
     click.echo(f"{path}: at most {worst / 60:.1f} min of mission, {speed:g} times real time")
     shown = Shown()
-    flown = Demo(prepared, out, speed, profile, seed, settings, worst, click.echo, shown.show)
+    dialect = profile or prepared.vehicle.dialect
+    flown = Demo(prepared, out, speed, dialect, seed, settings, worst, click.echo, shown.show)
     try:
         flight = flown.fly()
     except (DemoError, OperatorError) as error:

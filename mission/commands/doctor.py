@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from mission.onboard.doctor.findings import Finding
 
 
+_ON_DECK = "@ZAX0$ ends manual and stops everything. Is the vehicle on deck?"
 _MEND = "mend the file; docs/operation.md lists every key"
 
 
@@ -21,8 +22,15 @@ _MEND = "mend the file; docs/operation.md lists every key"
 @click.option(
     "-c", "--config", type=click.Path(path_type=Path), help="The configuration file of serve."
 )
+@click.option(
+    "--ask",
+    is_flag=True,
+    help="Send the AUV's board one stop (@ZAX0$): its answer tells which dialect it speaks. Only "
+    "without a serve, with the vehicle on deck.",
+)
+@click.option("--on-deck", is_flag=True, help="The vehicle is on deck; do not ask me.")
 @AS_JSON
-def doctor(config: Path | None, as_json: bool) -> None:
+def doctor(config: Path | None, ask: bool, on_deck: bool, as_json: bool) -> None:
     """Examine this Pi, its ports, and the vehicle behind them; say what to do about each fault.
 
     Listens for some seconds and asks one harmless query (@RI). The ports of a serve that runs are
@@ -32,6 +40,8 @@ def doctor(config: Path | None, as_json: bool) -> None:
 
     from mission.onboard.doctor.findings import Condition
 
+    if ask and not on_deck:
+        click.confirm(_ON_DECK, abort=True, err=True)
     found: list[Finding] = []
 
     def take(finding: Finding) -> None:
@@ -39,7 +49,7 @@ def doctor(config: Path | None, as_json: bool) -> None:
         if not as_json:
             _show(finding)
 
-    for finding in _examined(config):
+    for finding in _examined(config, ask):
         take(finding)
     faults = sum(one.condition is Condition.FAULT for one in found)
     warnings = sum(one.condition is Condition.WARNING for one in found)
@@ -50,13 +60,14 @@ def doctor(config: Path | None, as_json: bool) -> None:
     raise SystemExit(1 if faults else 0)
 
 
-def _examined(config: Path | None) -> Iterator[Finding]:
+def _examined(config: Path | None, ask: bool) -> Iterator[Finding]:
     """What cannot be read is a fault, and the rest is as serve would begin with."""
     from mission.model.shipped import load_vehicle
     from mission.model.vehicle import VehicleError
     from mission.onboard.configuration import ConfigurationError, load_configuration
     from mission.onboard.doctor.doctor import examine
     from mission.onboard.doctor.findings import fault
+    from mission.onboard.rates import rated
     from mission.onboard.serve.provision import Unusable, provide
 
     try:
@@ -69,7 +80,7 @@ def _examined(config: Path | None) -> Iterator[Finding]:
         except Unusable:
             return
         configuration, vehicle = got.configuration, got.vehicle
-    yield from examine(configuration, vehicle)
+    yield from examine(rated(configuration, vehicle), vehicle, ask=ask)
 
 
 def _show(finding: Finding) -> None:

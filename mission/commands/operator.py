@@ -50,7 +50,7 @@ def upload(
         raise SystemExit(2) from None
     _refuse_unchecked(prepared, force)
     lines = script(prepared.mission)
-    _say(lambda: console.upload(to, lines, prepared.chart.digest, _Progress(lines).show))
+    say(lambda: console.upload(to, lines, prepared.chart.digest, _Progress(lines).show))
 
 
 def _refuse_unchecked(prepared: Prepared, force: bool) -> None:
@@ -230,10 +230,10 @@ def _order(to: str, which: Order) -> None:
 def _converse(to: str, script: Script) -> None:
     from mission.topside.console import converse
 
-    _say(lambda: converse(to, script))
+    say(lambda: converse(to, script))
 
 
-def _say(talk: Callable[[], str]) -> None:
+def say(talk: Callable[[], str]) -> None:
     """What a conversation achieved; what failed goes to stderr with exit 1, or 3 where nothing is
     known to have failed."""
     from mission.topside.orders import Unconfirmed

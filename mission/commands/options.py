@@ -24,9 +24,8 @@ LOGGED_VEHICLE = click.option(
 PROFILE = click.option(
     "--profile",
     type=click.Choice(["as-built", "documented"]),
-    default="as-built",
-    show_default=True,
-    help="Simulate the vehicle as it was built, or as the documents describe it.",
+    help="Simulate the AUV as it was built, or as its document describes it; default: the dialect "
+    "of the vehicle file.",
 )
 SEED = click.option(
     "--seed",

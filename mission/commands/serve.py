@@ -123,5 +123,8 @@ class _Events:
 
         self._say("estimate", estimate_record(estimate).payload)
 
+    def notice(self, text: str) -> None:
+        """Not for this one."""
+
     def _say(self, kind: str, payload: bytes) -> None:
         self._out.print(f'{{"{kind}":{payload.decode()}}}')

@@ -32,7 +32,7 @@ BLACK_BOX = "flight.mcap"
 @AS_JSON
 def simulate(
     mission: Path,
-    profile: str,
+    profile: str | None,
     seed: int,
     settings: tuple[str, ...],
     parameters: tuple[str, ...],
@@ -60,7 +60,7 @@ def simulate(
         sys.exit(UNREADABLE)
     try:
         box = None if report is None else _black_box(report)
-        flight = fly(prepared.mission, prepared.vehicle, profile, seed, sea, box)
+        flight = fly(prepared.mission, prepared.vehicle, profile or "", seed, sea, box)
         if box is not None and report is not None:
             box.close()
             _draw(flight, report, prepared.mission.name)

@@ -11,7 +11,16 @@ from datetime import date
 from mission.model.vehicle import Vehicle
 
 OLD = 90  # days: ballast, hull and water are others by then
-LEARN = "fly float-test, then auvmission calibrate"
+_BY_FLIGHT = "fly float-test, then auvmission calibrate"
+_BY_HAND = (
+    "let it go some metres deep, time its rise, and set ascent_buoyancy and ascent_measured in the "
+    "vehicle file"
+)
+
+
+def learn(vehicle: Vehicle) -> str:
+    """How the figure is measured: the shipped float test is in the words of document 000."""
+    return _BY_FLIGHT if vehicle.codec == "auv" else _BY_HAND
 
 
 def rises(vehicle: Vehicle) -> bool:
@@ -25,7 +34,7 @@ def heavy(vehicle: Vehicle) -> str:
         return ""
     return (
         f"{vehicle.name} does not rise by itself ({told(vehicle)}): X would leave it down there; "
-        f"take ballast out, {LEARN}"
+        f"take ballast out, {learn(vehicle)}"
     )
 
 
@@ -48,7 +57,7 @@ def doubt(vehicle: Vehicle, today: date) -> str:
     if vehicle.drives:
         return ""
     if days is None:
-        return f"its rise by buoyancy alone is {told(vehicle)}: {LEARN}"
+        return f"its rise by buoyancy alone is {told(vehicle)}: {learn(vehicle)}"
     if not 0 <= days <= OLD:
-        return f"its rise by buoyancy alone is {told(vehicle)}, {days} days ago: {LEARN}"
+        return f"its rise by buoyancy alone is {told(vehicle)}, {days} days ago: {learn(vehicle)}"
     return ""

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 # What a vehicle can report, and the axes it can follow, at all: the keys of those two tables.
 REPORTS = frozenset(
@@ -161,3 +161,11 @@ class Vehicle:
     stale_after: float = STALE_AFTER  # s: an older report is not believed
     glides: bool = False  # no thruster: moves forward by sinking and rising
     drives: bool = False  # on the ground: it is at the surface wherever it is
+    wire: Mapping[str, str] = field(default_factory=dict)  # what its document leaves open
+
+    @property
+    def speaks(
+        self,
+    ) -> tuple[str, str, Mapping[str, str], tuple[float, float], Mapping[str, str]]:
+        """What ``protocol.vehicles.codec`` makes its codec from."""
+        return self.codec, self.dialect, self.tolerances, self.battery_scale, self.wire

@@ -144,7 +144,7 @@ TOGETHER = (
 _FLAGS = ("constant_batteries", "one_speed", "glides", "drives")
 _TEXTS = ("vehicle", "codec", "dialect", "ascent_measured")
 _GEARS = ("speed_by_gear", "thruster_power")  # tables of a figure by gear
-_FREE = ("tolerances", *_GEARS)  # tables of any keys
+_FREE = ("tolerances", "wire", *_GEARS)  # tables of any keys
 
 
 def _known() -> Mapping[str, frozenset[str]]:
@@ -166,6 +166,7 @@ _MAY_LACK = (
     "stale_after",
     "glides",
     "drives",
+    "wire",
     "calibration",
 )  # and what is below
 
@@ -184,7 +185,7 @@ def read_vehicle(text: str, where: str) -> Vehicle:
     vehicle = _vehicle(file)
     file.complain()
     try:
-        codec(vehicle.codec, vehicle.dialect, vehicle.tolerances)
+        codec(*vehicle.speaks)
     except ValueError as error:
         raise VehicleError(f"{where}:{file.line('codec')}: codec: {error}") from None
     return vehicle
@@ -349,6 +350,7 @@ def _vehicle(file: _File) -> Vehicle:
         stale_after=number("stale_after", STALE_AFTER),
         glides=file.flag("glides"),
         drives=file.flag("drives"),
+        wire=file.texts("wire"),
     )
 
 

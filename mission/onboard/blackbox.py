@@ -217,6 +217,10 @@ def part_path(base: Path, part: int) -> Path:
     return base if part == 1 else base.with_name(f"{base.stem}.part{part}{base.suffix}")
 
 
+def first_part(path: Path) -> Path:
+    return path.with_name(_PART.sub("", path.stem) + path.suffix)
+
+
 def read_records(path: Path) -> Iterator[Record]:
     """One file, to its last whole record. Raises BlackBoxError for what is no black box."""
     try:
@@ -278,7 +282,7 @@ def read_parts(path: Path) -> Iterator[Record]:
 
 
 def _parts(path: Path) -> list[Path]:
-    base = path.with_name(_PART.sub("", path.stem) + path.suffix)
+    base = first_part(path)
     if not base.exists() and path.exists():
         raise BlackBoxError(f"{path} goes on from {base}, which is not there")
     parts = [base]
@@ -287,18 +291,51 @@ def _parts(path: Path) -> list[Path]:
     return parts
 
 
+class Tail:
+    """A file that is being written: ``read`` gives the whole records that have come since.
+    Raises BlackBoxError for what is no black box."""
+
+    def __init__(self, path: Path) -> None:
+        try:
+            self._file = path.open("rb")
+        except OSError as error:
+            raise BlackBoxError(f"{path} cannot be read: {error.strerror or error}") from error
+        if self._file.read(len(MAGIC)) != MAGIC:
+            self._file.close()
+            raise BlackBoxError(f"{path} is no black box: it does not begin as MCAP does")
+        self._at, self._kinds = len(MAGIC), dict[int, str]()
+
+    def read(self) -> Iterator[Record]:
+        self._file.seek(self._at)
+        for opcode, body in _whole_records(self._file, os.fstat(self._file.fileno()).st_size):
+            self._at += _HEAD.size + len(body)
+            if (record := _record(opcode, body, self._kinds)) is not None:
+                yield record
+
+    def close(self) -> None:
+        self._file.close()
+
+
 def _records(file: BinaryIO, size: int) -> Iterator[Record]:
     """Ends without a word where the file was cut, or where zeros stand for lost blocks."""
     kinds: dict[int, str] = {}
     for opcode, body in _whole_records(file, size):
-        if opcode == _OP_CHANNEL and len(body) >= _CHANNEL.size:
-            number, _, name = _CHANNEL.unpack_from(body)
-            kinds[number] = body[_CHANNEL.size : _CHANNEL.size + name].decode(errors="replace")
+        if (record := _record(opcode, body, kinds)) is not None:
+            yield record
         elif opcode == _OP_MESSAGE:
-            number, _, _, t = _FIELDS.unpack_from(body)
-            if number not in kinds:
-                return
-            yield Record(t / _NS, kinds[number], body[_FIELDS.size :])
+            return
+
+
+def _record(opcode: int, body: bytes, kinds: dict[int, str]) -> Record | None:
+    """None for what is no message of a channel in ``kinds``, which gets the channels."""
+    if opcode == _OP_CHANNEL and len(body) >= _CHANNEL.size:
+        number, _, name = _CHANNEL.unpack_from(body)
+        kinds[number] = body[_CHANNEL.size : _CHANNEL.size + name].decode(errors="replace")
+    elif opcode == _OP_MESSAGE:
+        number, _, _, t = _FIELDS.unpack_from(body)
+        if number in kinds:
+            return Record(t / _NS, kinds[number], body[_FIELDS.size :])
+    return None
 
 
 def _whole_records(file: BinaryIO, size: int) -> Iterator[tuple[int, bytes]]:

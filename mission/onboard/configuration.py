@@ -4,7 +4,7 @@
 
     vehicle: auv                         # a shipped vehicle file's name, or a path
     links:
-      vehicle: serial:///dev/serial0     # 9600 8N1
+      vehicle: serial:///dev/serial0     # 8N1, at the rate of its role (rates)
       gps: serial:///dev/ttyUSB0         # null: none
       topside: tcp-listen://127.0.0.1:4000  # listens; loopback unless told otherwise, e.g.
                  # tls-listen://0.0.0.0:4000?keys=/etc/auvmission/keys&allow=192.168.1.0/24

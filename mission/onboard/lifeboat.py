@@ -164,7 +164,7 @@ def _words(kept: dict, vehicle: str) -> Plan:  # type: ignore[type-arg]
     ways = {name: tuple(map(bytes.fromhex, way)) for name, way in kept.get("ways", {}).items()}
     return Plan(
         device if url.startswith("serial:///") else usual.device,
-        int(baud) if baud.isdigit() else usual.baud,
+        int(baud) if baud.isdigit() else kept.get("baud", usual.baud),
         ways.get("stop", usual.stop),
         ways.get("surface", usual.surface),
         ways.get("up", () if ways else usual.up),

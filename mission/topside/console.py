@@ -10,16 +10,17 @@ from __future__ import annotations
 import math
 import select
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol
 
 from links import open_link
-from links.base import LinkError
+from links.base import Link, LinkError, Rx
 from mission.topside.underwater import BatchTalk, Submerged, modem_address
 from mission.topside.upload import Conversation, OperatorError, Script
 from mission.topside.upload import upload as upload_script
 
 NAME = "vehicle"
+LOOK_S = 0.02
 
 
 class Unreachable(OperatorError):
@@ -84,6 +85,42 @@ def hold(url: str, talk: Talk) -> str:
     if talk.failure is not None:
         raise talk.failure
     return talk.result or ""
+
+
+def overhear(url: str) -> Iterator[Rx]:
+    """What comes over the link, for ever; without bytes every ``LOOK_S`` in which nothing does.
+    ``t`` is in s since 1970 UTC, and does not jump with the clock. Raises LinkError."""
+    link = open_link("port", url)
+    zero = time.time() - time.monotonic()
+    try:
+        while True:
+            watched = [link.fileno()] if link.fileno() >= 0 else []
+            select.select(watched, [], [], LOOK_S)
+            yield from _heard(link, zero + time.monotonic())
+    finally:
+        link.close()
+
+
+def speak(url: str, data: bytes, repeat: tuple[float, float], answers: float) -> Iterator[Rx]:
+    """The bytes, again every ``repeat[0]`` s for ``repeat[1]`` s, and what comes back until
+    ``answers`` s later. Times as of ``overhear``. Raises LinkError."""
+    every, seconds = repeat
+    link = open_link("port", url)
+    begun = due = time.monotonic()
+    zero = time.time() - begun
+    try:
+        while (now := time.monotonic()) <= begun + seconds + max(answers, LOOK_S):
+            if due <= now and due <= begun + seconds:
+                link.send(data, now)
+                due += every
+            select.select([link.fileno()] if link.fileno() >= 0 else [], [], [], LOOK_S)
+            yield from _heard(link, zero + time.monotonic())
+    finally:
+        link.close()
+
+
+def _heard(link: Link, now: float) -> Iterator[Rx]:
+    yield from (rx._replace(link="") for rx in link.receive(now) or [Rx(now, "", b"")])
 
 
 def degrees(angle: float | None, places: int) -> float | None:

@@ -16,11 +16,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from urllib.parse import parse_qsl, urlencode
 
+from links import at_rate
 from mission.topside.upload import NoAnswer, OperatorError, Refused, Script, Scripted
 from protocol.arq import TRIES, Acoustics, Answered, Initiator
 from protocol.arq import NoAnswer as Unanswered
 from protocol.batch import BatchUpload, Declined, Silent, Stored
-from protocol.messages import DataQuery, Emergency, FrameFault, StoreQuery
+from protocol.messages import DataQuery, Emergency, FrameFault, Relay, StoreQuery
+from protocol.modem import BAUD
 from protocol.topside import Answer, ConsoleCodec, encode
 from protocol.topside_frames import LONG
 
@@ -48,7 +50,7 @@ def modem_address(url: str) -> ModemAddress | None:
     range_m = _number(url, options.pop("range", RANGE_M), "range", "m")
     bit_rate = _number(url, options.pop("rate", BIT_RATE), "rate", "bit/s")
     own = f"?{urlencode(options)}" if options else ""
-    return ModemAddress(link + own, Acoustics(range_m, bit_rate))
+    return ModemAddress(at_rate(link + own, BAUD), Acoustics(range_m, bit_rate))
 
 
 def _number(url: str, text: str | float, option: str, unit: str) -> float:
@@ -91,7 +93,7 @@ class Submerged(Scripted):
         if ask is None:
             return []
         command = ask.command
-        longest = LONG if isinstance(command, (DataQuery, StoreQuery)) else _ACK
+        longest = LONG if isinstance(command, (DataQuery, StoreQuery, Relay)) else _ACK
         tries = ask.tries if isinstance(command, Emergency) else min(TRIES, ask.tries)
         self._arq.ask(encode(command), longest, tries=tries, matches=self._fits)
         return self._arq.outgoing(now)

@@ -158,7 +158,7 @@ def _all(lines: Sequence[str], digest: str, progress: Callable[[int, int], None]
         with contextlib.suppress(Refused):
             yield from _line(lines, number, set())
         progress(number, len(lines))
-    report = yield from _store()
+    report = yield from asked_store()
     if report.digest == digest[:16] and report.state == "ready":
         return f"{len(lines)} lines stored, digest {report.digest}"
     raise Refused(report.refusal or "the vehicle does not say why")
@@ -168,7 +168,7 @@ def _missing(
     lines: Sequence[str], digest: str, progress: Callable[[int, int], None], sent: set[int]
 ) -> Script:
     """What the Pi has not got; ``sent`` gets the numbers of the lines that were sent."""
-    report = yield from _store()
+    report = yield from asked_store()
     if report.state == "running":
         raise Refused("the vehicle is under way: a mission can be uploaded in idle only")
     if report.state == "ready" and report.digest == digest[:16]:
@@ -176,7 +176,7 @@ def _missing(
     total, failed, most = len(lines), 0, -1
     yield from _line(lines, 1, sent)
     while failed < ROUNDS:
-        report = yield from _store()
+        report = yield from asked_store()
         if report.digest == digest[:16] and report.state == "ready":
             progress(total, total)
             return f"{total} lines stored, digest {report.digest}"
@@ -194,12 +194,12 @@ def _missing(
 
 
 def _line(lines: Sequence[str], number: int, sent: set[int]) -> Generator[Ask, Answer | None, None]:
-    """Raises Refused if the Pi says why; a lost acknowledgement is no failure (see ``_store``)."""
+    """Raises Refused if the Pi says why; a lost acknowledgement is no failure."""
     sent.add(number)
     command = MissionLine(len(lines), number, lines[number - 1])
-    answer = yield Ask(f"line {number}", command, _is_ack("A", "W"))
+    answer = yield Ask(f"line {number}", command, is_ack("A", "W"))
     if isinstance(answer, Ack) and not answer.ok:
-        report = yield from _store()
+        report = yield from asked_store()
         if report.refusal.startswith("AW"):
             raise Refused(report.refusal)
 
@@ -222,12 +222,12 @@ def _numbers(report: StoreReport, total: int) -> list[int]:
 def start(patience: int = 0) -> Script:
     """``patience``: how often a refusal is met by asking again, a second apart."""
     for left in range(patience, -1, -1):
-        answer = yield Ask("start", StartMission(), _is_ack("A", "A"))
+        answer = yield Ask("start", StartMission(), is_ack("A", "A"))
         if answer is None:
             raise NoAnswer("no answer to @AA: whether the mission started is not known; see status")
         if isinstance(answer, Ack) and answer.ok:
             return "started"
-        report = yield from _store()
+        report = yield from asked_store()
         if not left:
             raise Refused(report.refusal or "the vehicle does not say why")
         yield Ask("wait", StoreQuery(), lambda _: False, tries=1)
@@ -235,11 +235,11 @@ def start(patience: int = 0) -> Script:
 
 
 def clear() -> Script:
-    answer = yield Ask("clear", ClearMission(), _is_ack("A", "C"))
+    answer = yield Ask("clear", ClearMission(), is_ack("A", "C"))
     if answer is None:
         raise NoAnswer("no answer to @AC: whether the mission is cleared is not known; see status")
     if isinstance(answer, Ack) and not answer.ok:
-        report = yield from _store()
+        report = yield from asked_store()
         raise Refused(report.refusal or "the vehicle does not say why")
     return "cleared"
 
@@ -253,7 +253,7 @@ def status(took: Callable[[Status, StoreReport | None], None]) -> Script:
     return ""
 
 
-def _store() -> Generator[Ask, Answer | None, StoreReport]:
+def asked_store() -> Generator[Ask, Answer | None, StoreReport]:
     report = yield Ask("store", StoreQuery(), is_report)
     if not isinstance(report, StoreReport):
         raise NoAnswer(f"no answer after {TRIES} tries; {WHAT_LISTENS}")
@@ -264,7 +264,7 @@ def is_report(answer: Answer) -> bool:
     return isinstance(answer, StoreReport)
 
 
-def _is_ack(group: str, function: str) -> Callable[[Answer], bool]:
+def is_ack(group: str, function: str) -> Callable[[Answer], bool]:
     def fits(answer: Answer) -> bool:
         return isinstance(answer, Ack) and (answer.group, answer.function) == (group, function)
 

@@ -8,14 +8,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from protocol import nmea_frame
 from protocol.codec import FINE, Granularity, VehicleCodec
 from protocol.fields import FrameType
 from protocol.framing import LinkRow
 from protocol.messages import UPWARD, Order, Setpoint
 from protocol.tolerances import Tolerances
 from protocol.vehicles import auv, coreboard, motorcan, robot, rov
+from protocol.vehicles.keys import Keys, Wire, read_wire
 
 BatteryScale = tuple[float, float]
+NO_WIRE: Mapping[str, str] = {}
 
 
 class UnknownVehicle(ValueError):
@@ -28,24 +31,36 @@ class UnknownDialect(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class VehicleRow:
-    """``make(dialect, tolerances, battery_scale)``, with one of its ``dialects``. ``ways``: what an
-    ascent tries, in turn (R7); no two of them are the same bytes."""
+    """``make(dialect, tolerances, battery_scale, wire)``, with one of its ``dialects`` and values
+    of its ``keys``. ``ways``: what an ascent tries, in turn (R7); no two are the same bytes."""
 
     name: str
-    make: Callable[[str, Tolerances, BatteryScale], VehicleCodec]
+    make: Callable[[str, Tolerances, BatteryScale, Wire], VehicleCodec]
     dialects: tuple[str, ...]
+    keys: Keys
     granularity: Granularity = FINE
     ways: tuple[Setpoint | Order, ...] = (Order.SURFACE, UPWARD, Order.STOP)
 
 
 _THRUST_OR_NONE = (Order.SURFACE, Order.STOP)  # its SURFACE is full vertical thrust
-_TO_THE_LETTER = ("documented",)
+
+
+def _silent(
+    name: str,
+    make: Callable[[str, Tolerances, BatteryScale, Wire], VehicleCodec],
+    keys: Keys,
+    ways: tuple[Setpoint | Order, ...] = _THRUST_OR_NONE,
+) -> VehicleRow:
+    """A board that acknowledges nothing, and is spoken to as its document says."""
+    return VehicleRow(name, make, ("documented",), keys, ways=ways)
+
+
 VEHICLES = (
-    VehicleRow("auv", auv.AuvCodec, tuple(auv.DIALECTS), auv.GRANULARITY),
-    VehicleRow("coreboard", coreboard.CoreboardCodec, _TO_THE_LETTER, ways=_THRUST_OR_NONE),
-    VehicleRow("motorcan", motorcan.MotorCodec, _TO_THE_LETTER, ways=_THRUST_OR_NONE),
-    VehicleRow("rov", rov.RovCodec, _TO_THE_LETTER, ways=_THRUST_OR_NONE),
-    VehicleRow("robot", robot.RobotCodec, _TO_THE_LETTER, ways=(Order.SURFACE,)),
+    VehicleRow("auv", auv.AuvCodec, tuple(auv.DIALECTS), auv.KEYS, auv.GRANULARITY),
+    _silent("coreboard", coreboard.CoreboardCodec, coreboard.KEYS),
+    _silent("motorcan", motorcan.MotorCodec, motorcan.KEYS),
+    _silent("rov", rov.RovCodec, rov.KEYS),
+    _silent("robot", robot.RobotCodec, robot.KEYS, (Order.SURFACE,)),
 )
 
 LINKS: tuple[LinkRow, ...] = (
@@ -55,6 +70,7 @@ LINKS: tuple[LinkRow, ...] = (
     *rov.LINKS,
     *robot.LINKS,
 )
+READ_ONLY = (nmea_frame.LINK,)  # no vehicle's: nothing is encoded for these
 
 
 def codec(
@@ -62,13 +78,21 @@ def codec(
     dialect: str,
     tolerances: Mapping[str, str],
     battery_scale: BatteryScale = (1.0, 1.0),
+    wire: Mapping[str, str] = NO_WIRE,
 ) -> VehicleCodec:
-    """A fresh codec. Raises UnknownVehicle, UnknownDialect or UnknownTolerance."""
+    """A fresh codec. Raises UnknownVehicle, UnknownDialect, UnknownTolerance or UnknownKey."""
     row = vehicle_row(name)
     if dialect not in row.dialects:
         known = ", ".join(row.dialects)
         raise UnknownDialect(f"no dialect {dialect!r} of {name}; there are: {known}")
-    return row.make(dialect, Tolerances.parse(tolerances), battery_scale)
+    read = read_wire(row.keys, wire)
+    return row.make(dialect, Tolerances.parse(tolerances), battery_scale, read)
+
+
+def line_rate(name: str, wire: Mapping[str, str] = NO_WIRE) -> int:
+    """bit/s of the vehicle's line. Raises UnknownVehicle or UnknownKey."""
+    rate: int = read_wire(vehicle_row(name).keys, wire)["baud"]
+    return rate
 
 
 def vehicle_row(name: str) -> VehicleRow:
@@ -81,10 +105,11 @@ def vehicle_row(name: str) -> VehicleRow:
 
 def link(name: str) -> LinkRow:
     """Raises UnknownVehicle, which names the links there are."""
-    for row in LINKS:
+    rows = (*LINKS, *READ_ONLY)
+    for row in rows:
         if row.name == name:
             return row
-    raise UnknownVehicle(f"no link {name!r}; there are: {', '.join(r.name for r in LINKS)}")
+    raise UnknownVehicle(f"no link {name!r}; there are: {', '.join(r.name for r in rows)}")
 
 
 def frame_types(tolerances: Tolerances | None = None) -> dict[str, FrameType]:

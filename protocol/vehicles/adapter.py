@@ -16,14 +16,34 @@ from typing import Any
 from protocol.codec import CannotEncode, Received
 from protocol.fields import Values
 from protocol.framing import Frame, Framer
-from protocol.messages import Setpoint
+from protocol.messages import Order, Setpoint
+from protocol.vehicles.keys import Wire
+from protocol.vehicles.stick import steered
 
 
-class StreamReader:
-    """The receiving half of a ``VehicleCodec``; ``message`` gives None for what says nothing."""
+class SilentBoard:
+    """A ``VehicleCodec`` with a stick. ``message`` gives None for what says
+    nothing; ``wire``: the values of its keys."""
 
-    def __init__(self, framer: Framer, message: Callable[[Frame], Received | None]) -> None:
-        self.framer, self._message = framer, message
+    period: float  # s between frames that say what holds
+    silence: float  # s after which it goes neutral
+    kept_awake = ""  # why it is told to stop though nothing is asked of it; "": it is not
+
+    def __init__(
+        self, framer: Framer, message: Callable[[Frame], Received | None], wire: Wire
+    ) -> None:
+        self.framer, self._message, self._wire = framer, message, wire
+
+    def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
+        raise NotImplementedError
+
+    def meaning_of_no(self, frame: bytes) -> str:
+        """It refuses nothing in words."""
+        return ""
+
+    def stick(self, held: Setpoint, word: bytes) -> Setpoint:
+        """What an M asks for, upon what the stick held before. Raises CannotEncode."""
+        return steered(held, word, self._wire)
 
     def receive(self, data: bytes, now: float) -> list[Received]:
         return self._messages(self.framer.receive(data, now))

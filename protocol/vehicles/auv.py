@@ -43,7 +43,10 @@ from protocol.topside import (
     to_topside_frames,
 )
 from protocol.topside_frames import AckFrame
+from protocol.vehicles.keys import Keys, Wire, baud
 from protocol.vehicles.sd_stream import sd_reader
+
+KEYS: Keys = (baud(9600),)
 
 MAGNETOMETERS = tuple(
     f"mag_{place}_{axis}" for place in ("front", "left", "right") for axis in "xyz"
@@ -273,6 +276,21 @@ def change(wanted: list[bytes], held: list[bytes]) -> list[bytes]:
 
 DIALECTS = {"documented": _documented, "as-built": _as_built}
 
+# What an N to a word of a dialect probably means: the board speaks the other one.
+MEANINGS = {
+    ("as-built", b"H"): "probably built to the letter, where no gear stands behind "
+    "a heading; then the vehicle file is auv-documented",
+    ("documented", b"A"): "probably as built, where no attitude is followed; then the "
+    "vehicle file is auv",
+}
+
+
+def dialect_of(answer: Ack) -> str:
+    """Whose answer to ``@ZAX0$`` this is, "" if it is none: built to the letter an STM32 names the
+    word that it answers, as built it says A to all of them."""
+    builds = {"X": "documented", "A": "as-built"}
+    return builds.get(answer.function, "") if answer.group == "Z" else ""
+
 
 class AuvCodec:
     """A ``VehicleCodec``. ``battery_scale``: volts per count of control and power battery."""
@@ -282,10 +300,11 @@ class AuvCodec:
         dialect: str = "as-built",
         tolerances: Tolerances | None = None,
         battery_scale: BatteryScale = (1.0, 1.0),
+        wire: Wire | None = None,
     ) -> None:
         if dialect not in DIALECTS:
             raise ValueError(f"no dialect {dialect!r}; there are: {', '.join(DIALECTS)}")
-        self._words = DIALECTS[dialect]
+        self._words, self._dialect = DIALECTS[dialect], dialect
         chosen = tolerances or Tolerances()
         self.framer = FROM_STM32.framer(chosen, shortcut(chosen, battery_scale))
 
@@ -299,6 +318,9 @@ class AuvCodec:
     def flush(self, now: float) -> list[Received]:
         found: list[Any] = self.framer.flush(now)
         return found
+
+    def meaning_of_no(self, frame: bytes) -> str:
+        return MEANINGS.get((self._dialect, frame[3:4]), "") if frame[:3] == b"@ZA" else ""
 
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
         if isinstance(setpoint, Order):

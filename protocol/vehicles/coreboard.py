@@ -43,13 +43,15 @@ from protocol.fields import (
 from protocol.framing import Frame, LinkRow
 from protocol.messages import Order, Setpoint, Telemetry
 from protocol.tolerances import Tolerances
-from protocol.vehicles.adapter import StreamReader, fraction, heading_of, radians_of, refuse
+from protocol.vehicles.adapter import SilentBoard, fraction, heading_of, radians_of, refuse
+from protocol.vehicles.keys import Key, Keys, Octets, Wire, baud, read_wire
+from protocol.vehicles.stick import stick_keys
 
 PERIOD = 0.1  # s between frames to the board (R16)
 SILENCE = 0.5  # s after which the board goes neutral
 LEAK_FRAMES = 3  # more that tell of a leak than deny it confirm one (R16)
 
-HEAD, TAIL, SENSOR_TAIL = Const(b"\xfe\xef"), Const(b"\xfa\xaf"), Const(b"\xfd\xdf")
+HEAD, TAIL, SENSOR_TAIL = Const(b"\xfe\xef"), b"\xfa\xaf", b"\xfd\xdf"
 XOR = Check(xor8, "B")
 SWITCH = (0, 1)
 USBL_PHASES = tuple(I16BE(f"usbl{n}", scale=10) for n in range(1, 7))  # deg
@@ -66,8 +68,16 @@ def _floats(order: str, *names: str, bound: float | None = None) -> tuple[Number
     return tuple(F32LE(name, low, bound, order=order) for name in names)
 
 
-def _place(order: str) -> tuple[Number, ...]:
-    return (F64LE("lat_deg", -90, 90, order=order), F64LE("lon_deg", -180, 180, order=order))
+def _place(tolerances: Tolerances) -> tuple[Number, ...]:
+    order = _order(tolerances)
+    place = F64LE("lat_deg", -90, 90, order=order), F64LE("lon_deg", -180, 180, order=order)
+    return place if tolerances["place002"] == "lat" else place[::-1]
+
+
+def _tail(tail: bytes, tolerances: Tolerances) -> Const:
+    """The table's is sent; the other one may be heard (E-B3b)."""
+    other = SENSOR_TAIL if tail == TAIL else TAIL
+    return Const(tail, also=other if tolerances["tail002"] == "either" else b"")
 
 
 def main_to_pc(tolerances: Tolerances) -> BinaryFrame:
@@ -76,7 +86,7 @@ def main_to_pc(tolerances: Tolerances) -> BinaryFrame:
     fields: tuple[Field, ...] = (
         HEAD,
         *_floats(order, "roll_deg", "pitch_deg", "yaw_deg", bound=360),
-        *_place(order),
+        *_place(tolerances),
         *_floats(order, "x_m", "y_m", "depth_m", "altitude_m", "avoid_m"),
         Raw("reserved50", 12),
         U8("mode"),
@@ -87,7 +97,7 @@ def main_to_pc(tolerances: Tolerances) -> BinaryFrame:
         U8("ins_aligned", choices=SWITCH),
         Raw("reserved83", 4),
         XOR,
-        TAIL,
+        _tail(TAIL, tolerances),
     )
     return BinaryFrame("coreboard.MAIN_TO_PC", "002 table 3-1", fields)
 
@@ -97,7 +107,7 @@ def pc_to_main(tolerances: Tolerances) -> BinaryFrame:
     order = _order(tolerances)
     fields: tuple[Field, ...] = (
         HEAD,
-        *_place(order),
+        *_place(tolerances),
         *_floats(order, "x_m", "y_m", "depth_m"),
         *_floats(order, "heading_deg", bound=360),
         U8("nav", choices=(0, 1, 2, 3, 4)),  # off, dead reckoning, its EKF, VO, VO EKF
@@ -109,7 +119,7 @@ def pc_to_main(tolerances: Tolerances) -> BinaryFrame:
         I8("angle_error_deg"),
         Raw("passthrough", 11),
         XOR,
-        TAIL,
+        _tail(TAIL, tolerances),
     )
     return BinaryFrame("coreboard.PC_TO_MAIN", "002 table 3-2", fields, command=True)
 
@@ -129,7 +139,7 @@ def main_to_sensor(tolerances: Tolerances) -> BinaryFrame:
         U8("ptz"),
         Raw("passthrough", 16),
         XOR,
-        SENSOR_TAIL,
+        _tail(SENSOR_TAIL, tolerances),
     )
     return BinaryFrame("coreboard.MAIN_TO_SENSOR", "002 table 4-1", fields, command=True)
 
@@ -151,7 +161,7 @@ def sensor_to_main(tolerances: Tolerances) -> BinaryFrame:
         *_floats(order, "roll_deg", "pitch_deg", "yaw_deg", bound=360),
         *_floats(order, "p", "q", "r", "ax", "ay", "az", "mx", "my", "mz"),
         *_floats(order, "dvl_x", "dvl_y", "dvl_z"),
-        *_place(order),
+        *_place(tolerances),
         *_floats(order, "vo_x", "vo_y", "vo_z", "usbl_x_m", "usbl_y_m", "altitude_m"),
         Raw("reserved124", 3),
         I16BE("temperature2_c", scale=100),
@@ -162,17 +172,18 @@ def sensor_to_main(tolerances: Tolerances) -> BinaryFrame:
         Raw("buf", 4),
         U8("valid", 0, 31),
         XOR,
-        TAIL,
+        _tail(TAIL, tolerances),
     )
     name, title = "coreboard.SENSOR_TO_MAIN", "002 table 4-2"
-    return BinaryFrame(name, title, fields, derive=_sensor_doubts)
+    alike = tolerances["leak002"] == tolerances["leak23"]  # E-B5: they are not
 
+    def doubts(values: Values) -> None:
+        bits = enumerate(VALID_BITS)
+        values["valid_bits"] = [name for bit, name in bits if values["valid"] >> bit & 1]
+        if (values["leak"] == values["leak_legacy_raw"]) != alike:
+            values["flags"].append("leak_legacy_raw:disagrees")
 
-def _sensor_doubts(values: Values) -> None:
-    bits = enumerate(VALID_BITS)
-    values["valid_bits"] = [name for bit, name in bits if values["valid"] >> bit & 1]
-    if values["leak"] == values["leak_legacy_raw"]:  # opposite senses (E-B5)
-        values["flags"].append("leak_legacy_raw:disagrees")
+    return BinaryFrame(name, title, fields, derive=doubts)
 
 
 def _one(frame: BinaryFrame) -> tuple[FrameType, ...]:
@@ -214,19 +225,31 @@ def telemetry(
 
 # --- Setpoint out --------------------------------------------------------------------------------
 
+AUXILIARY: Keys = (
+    Key("nav", 1, 0, 4, "navigation: 0 off, 1 dead reckoning, 2 its EKF, 3 VO, 4 its EKF"),
+    Key("ins_on", 1, 0, 1, "power of the INS"),
+    Key("dvl_on", 1, 0, 1, "power of the DVL"),
+    Key("usbl_on", 0, 0, 1, "power of the USBL"),
+    Key("usbl_khz", 30, 0, 255, "its frequency, kHz (E-B10)"),
+    Key("angle_error_deg", 0, -128, 127, "error of INS against DVL, deg", whole=False),
+    Key("angle_error_step", 1, 0.01, 1, "deg that 1 in its byte stands for (E-B8)", whole=False),
+    Octets("passthrough", "00" * 11, "bytes 48 to 58, passed on to the sensor board"),
+)
+KEYS: Keys = (baud(115_200), *stick_keys("surge", "turn", "heave"), *AUXILIARY)
+
 NEUTRAL: Values = {
     **dict.fromkeys(("lat_deg", "lon_deg", "x_m", "y_m", "depth_m", "heading_deg"), 0.0),
-    "nav": 1,
     **dict.fromkeys(("tx", "ty", "tz", "mx", "my", "mz"), 0),
     "mode": 0,
     "closed_loop": 0,
-    "ins_on": 1,
-    "dvl_on": 1,
-    "usbl_on": 0,
-    "usbl_khz": 30,
-    "angle_error_deg": 0,
-    "passthrough": "00" * 11,
 }
+
+
+def auxiliary(wire: Wire) -> Values:
+    """The bytes of table 3-2 that move nothing, as configured."""
+    values = {key.name: wire[key.name] for key in AUXILIARY}
+    values["angle_error_deg"] /= values.pop("angle_error_step")
+    return values
 
 
 def command(setpoint: Setpoint | Order) -> Values:
@@ -258,28 +281,33 @@ def command(setpoint: Setpoint | Order) -> Values:
     return values | {"closed_loop": 1, "heading_deg": heading, "depth_m": setpoint.depth}
 
 
-class CoreboardCodec(StreamReader):
+class CoreboardCodec(SilentBoard):
     """A ``VehicleCodec``."""
 
     period, silence = PERIOD, SILENCE
+    kept_awake = "neutral: the board powers its INS as each frame says (R16)"
 
     def __init__(
         self,
         dialect: str = "documented",
         tolerances: Tolerances | None = None,
         battery_scale: tuple[float, float] = (1.0, 1.0),
+        wire: Wire | None = None,
     ) -> None:
         chosen = tolerances or Tolerances()
-        super().__init__(LINKS[0].framer(chosen), self._telemetry)
+        super().__init__(LINKS[0].framer(chosen), self._telemetry, wire or read_wire(KEYS, {}))
         self._frame = pc_to_main(chosen)
         self._scale = battery_scale
+        self._auxiliary = auxiliary(self._wire)
+        self.encode(Order.STOP)  # refused here if what is configured has no place in its bytes
+        self._dry = 1 - int(chosen["leak002"])  # code
         self._leaks = 0  # frames that tell of a leak, less those that do not
 
     def _telemetry(self, frame: Frame) -> Received:
         values = frame.values()
-        step = 1 if values["leak"] else -1  # an unknown code counts as a leak
+        step = -1 if values["leak"] == self._dry else 1  # an unknown code counts as a leak
         self._leaks = min(max(self._leaks + step, 0), 2 * LEAK_FRAMES)
         return telemetry(values, frame.t, self._leaks >= LEAK_FRAMES, self._scale)
 
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
-        return [self._frame.encode(command(setpoint))]
+        return [self._frame.encode(self._auxiliary | command(setpoint))]

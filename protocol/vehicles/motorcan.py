@@ -19,14 +19,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from protocol.fields import I16BE, BinaryFrame, Const, FaultKind, FrameType, Values
 from protocol.framing import Frame, LinkRow
 from protocol.messages import Order, Setpoint
 from protocol.tolerances import Tolerances
-from protocol.vehicles.adapter import StreamReader, fraction, refuse
+from protocol.vehicles.adapter import SilentBoard, fraction, refuse
+from protocol.vehicles.keys import Key, Keys, Wire, baud, read_wire
+from protocol.vehicles.stick import stick_keys
 
 PERIOD = 0.05  # s (R16)
 SILENCE = 0.2
@@ -110,16 +111,17 @@ def _force_and_torque(tolerances: Tolerances) -> tuple[CanFrame, CanFrame]:
 LINKS = (LinkRow("coreboard.can", can_frames, line=from_line),)
 
 
-@dataclass(frozen=True, slots=True)
-class Thrust:
-    """What the full effort of a setpoint is on this vehicle (assumed)."""
+KEYS: Keys = (
+    baud(500_000),
+    *stick_keys("surge", "turn", "heave"),
+    Key("surge_g", 5000, 1, 32_767, "gram-force of a full effort ahead (assumed)"),
+    Key("heave_g", 5000, 1, 32_767, "gram-force of a full effort up or down (assumed)"),
+    Key("turn_nm", 20, 0.01, 32_767, "N m of a full effort to turn (assumed)", whole=False),
+    Key("torque_step", 1, 0.001, 1, "N m that 1 in the torque frame stands for", whole=False),
+)
 
-    surge_g: int = 5000
-    heave_g: int = 5000
-    turn_nm: int = 20
 
-
-class MotorCodec(StreamReader):
+class MotorCodec(SilentBoard):
     """A ``VehicleCodec`` that reports nothing. x is ahead, z down: starboard turns are positive."""
 
     period, silence = PERIOD, SILENCE
@@ -129,19 +131,19 @@ class MotorCodec(StreamReader):
         dialect: str = "documented",
         tolerances: Tolerances | None = None,
         battery_scale: tuple[float, float] = (1.0, 1.0),
-        thrust: Thrust | None = None,
+        wire: Wire | None = None,
     ) -> None:
         chosen = tolerances or Tolerances()
-        super().__init__(LINKS[0].framer(chosen), _silent)
+        super().__init__(LINKS[0].framer(chosen), _silent, wire or read_wire(KEYS, {}))
         self._force, self._torque = _force_and_torque(chosen)
-        self._thrust = thrust or Thrust()
+        self.encode(Setpoint(turn=1.0))  # refused here if a full effort has no place in its bytes
 
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
         """Records: force, then torque. Raises CannotEncode."""
-        full = self._thrust
+        full = self._wire
         surge, turn, heave = _efforts(setpoint)
-        force = {"fx_g": surge * full.surge_g, "fy_g": 0, "fz_g": heave * full.heave_g}
-        torque = {"mx_nm": 0, "my_nm": 0, "mz_nm": turn * full.turn_nm}
+        force = {"fx_g": surge * full["surge_g"], "fy_g": 0, "fz_g": heave * full["heave_g"]}
+        torque = {"mx_nm": 0, "my_nm": 0, "mz_nm": turn * full["turn_nm"] / full["torque_step"]}
         return [self._force.record(force), self._torque.record(torque)]
 
 

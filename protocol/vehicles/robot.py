@@ -40,11 +40,18 @@ from protocol.fields import (
 from protocol.framing import Frame, LinkRow
 from protocol.messages import Order, Setpoint, Telemetry
 from protocol.tolerances import Tolerances
-from protocol.vehicles.adapter import StreamReader, fraction, refuse
+from protocol.vehicles.adapter import SilentBoard, fraction, refuse
+from protocol.vehicles.keys import Key, Keys, Wire, baud, read_wire
+from protocol.vehicles.stick import stick_keys
 
 PERIOD = 0.1  # s (R17)
 SILENCE = 0.3
-FULL_SPEED = 1000  # mm/s at surge or turn 1 (assumed)
+KEYS: Keys = (
+    baud(115_200),
+    *stick_keys("surge", "turn"),
+    Key("full_speed", 1000, 1, 32_767, "mm/s at surge or turn 1 (assumed; E-P5)", whole=False),
+    Key("speed_step", 1, 0.1, 1000, "mm/s that 1 of command 20 and of its report is", whole=False),
+)
 
 ROBOT, GIMBAL, POWER = 1, 2, 4
 STOP, FORWARD, BACK, SPIN_RIGHT, SPIN_LEFT, SPEED, HANDSHAKE = 0, 1, 2, 9, 10, 0x20, 0xFF
@@ -61,11 +68,21 @@ class Item:
     low: int
     high: int
     listed: bool = False  # what the numbers mean is listed: another one is a wrong code
+    decimals: int = 0  # of the number that it counts
+    words: tuple[str, ...] = ()  # what the power module calls them, from ``low`` on
 
     def doubt(self, user: bytes) -> FaultKind | None:
         if self.low <= self.read(user) <= self.high:
             return None
         return FaultKind.BAD_ENUM if self.listed else FaultKind.OUT_OF_RANGE
+
+    def told(self, user: bytes) -> str:
+        """As the power module takes it: a name, or a number in whole units."""
+        value = self.read(user)
+        if self.words:
+            return self.words[value - self.low]
+        whole, rest = divmod(value, 10**self.decimals)
+        return f"{whole}.{rest:0{self.decimals}}".rstrip("0") if rest else str(whole)
 
     def read(self, user: bytes) -> int:
         return int.from_bytes(user[self.at : self.at + self.size], "little", signed=self.low < 0)
@@ -80,7 +97,7 @@ class Item:
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A row of the document's command tables. ``at`` is the power module's text."""
+    """A row of the document's command tables. ``at``: how the power module's text begins."""
 
     address: int
     command: int
@@ -92,12 +109,18 @@ class Command:
     def length(self) -> int:
         return sum(item.size for item in self.items)
 
+    def line(self, user: bytes) -> str:
+        """What is sent on to the power module, with value and line end (E-P7)."""
+        values = "".join(f"+{item.told(user)}" for item in self.items)
+        return f"{self.at}{values}\r\n"
+
 
 def _alarm(command: int, at: str, most: int) -> Command:
-    return Command(POWER, command, at, (Item("thousandths", 0, 4, 0, most),), at)
+    return Command(POWER, command, at, (Item("thousandths", 0, 4, 0, most, decimals=3),), at)
 
 
 _ANGLES = (Item("yaw_cdeg", 0, 2, -32768, 32767), Item("pitch_cdeg", 2, 2, -32768, 32767))
+_MODE = Item("alarm_mode", 0, 1, 1, 5, words=("OVERV", "UNDERV", "OVERC", "UNDERC", "OVERP"))
 COMMANDS = (
     *(
         Command(ROBOT, code, name)
@@ -116,7 +139,7 @@ COMMANDS = (
     Command(GIMBAL, 3, "zoom", (Item("zoom", 0, 1, 0, 255),)),
     *(Command(POWER, code, at, at=at) for code, at in enumerate(("AT", "AT+V", "AT+C", "AT+P"))),
     Command(POWER, 4, "AT+MAXC", (Item("max_current_a", 0, 1, 0, 255),), "AT+MAXC"),
-    Command(POWER, 5, "AT+MODE", (Item("alarm_mode", 0, 1, 1, 5),), "AT+MODE"),
+    Command(POWER, 5, "AT+MODE", (_MODE,), "AT+MODE"),
     _alarm(6, "AT+OVERVERR", 36_000),
     _alarm(7, "AT+UNDERVERR", 36_000),
     _alarm(8, "AT+OVERCERR", 40_000),
@@ -160,6 +183,8 @@ class DownFrame(BinaryFrame):
         row = _ROWS.get((raw[1], raw[2]))
         if row is None:
             return FaultKind.BAD_ENUM
+        if raw[3] < row.length:
+            return FaultKind.BAD_LENGTH  # a value of which not all bytes count (G4)
         return next(filter(None, (item.doubt(raw[4:10]) for item in row.items)), None)
 
     def decode(self, raw: bytes) -> Values:
@@ -169,7 +194,7 @@ class DownFrame(BinaryFrame):
         if row is not None:
             values |= {item.name: item.read(raw[4:10]) for item in row.items}
             if row.at:
-                values["at"] = row.at
+                values["at"] = row.line(raw[4:10])
             if raw[3] != row.length:
                 flags.append("length:disagrees")
             if any(raw[4 + row.length : 10]):
@@ -224,18 +249,20 @@ LINKS = (LinkRow("robot.down", _down), LinkRow("robot.up", _up))
 # --- Telemetry in, Setpoint out ------------------------------------------------------------------
 
 
-def telemetry(values: Values, t: float, control_scale: float = 1.0) -> Telemetry:
+def telemetry(
+    values: Values, t: float, control_scale: float = 1.0, speed_step: float = 1.0
+) -> Telemetry:
     return Telemetry(
         t=t,
-        velocity=(values["speed_mm_s"] / 1000.0, 0.0, 0.0),
+        velocity=(values["speed_mm_s"] * speed_step / 1000.0, 0.0, 0.0),
         batteries=(values["voltage_mv"] / 1000.0 * control_scale, None),
     )
 
 
-def motion(setpoint: Setpoint | Order) -> tuple[int, int]:
-    """Command and speed (mm/s, 0 for none). Raises CannotEncode."""
+def motion(setpoint: Setpoint | Order) -> tuple[int, float]:
+    """Command and share of the full speed. Raises CannotEncode."""
     if isinstance(setpoint, Order):
-        return STOP, 0
+        return STOP, 0.0
     ground = "the robot drives on the ground"
     refuse(
         setpoint,
@@ -250,13 +277,13 @@ def motion(setpoint: Setpoint | Order) -> tuple[int, int]:
     if surge and turn:
         raise CannotEncode("surge and turn: the robot drives straight or spins, not both at once")
     if surge:
-        return (FORWARD if surge > 0 else BACK), round(abs(surge) * FULL_SPEED)
+        return (FORWARD if surge > 0 else BACK), abs(surge)
     if turn:
-        return (SPIN_RIGHT if turn > 0 else SPIN_LEFT), round(abs(turn) * FULL_SPEED)
-    return STOP, 0
+        return (SPIN_RIGHT if turn > 0 else SPIN_LEFT), abs(turn)
+    return STOP, 0.0
 
 
-class RobotCodec(StreamReader):
+class RobotCodec(SilentBoard):
     """A ``VehicleCodec``."""
 
     period, silence = PERIOD, SILENCE
@@ -266,19 +293,22 @@ class RobotCodec(StreamReader):
         dialect: str = "documented",
         tolerances: Tolerances | None = None,
         battery_scale: tuple[float, float] = (1.0, 1.0),
+        wire: Wire | None = None,
     ) -> None:
         chosen = tolerances or Tolerances()
-        super().__init__(LINKS[1].framer(chosen), self._telemetry)
+        super().__init__(LINKS[1].framer(chosen), self._telemetry, wire or read_wire(KEYS, {}))
         self._frame, self._scale = DownFrame(chosen), battery_scale[0]
+        self.encode(Setpoint(surge=1.0))  # refused here if a full speed has no place in its bytes
 
     def _telemetry(self, frame: Frame) -> Received:
-        return telemetry(frame.values(), frame.t, self._scale)
+        return telemetry(frame.values(), frame.t, self._scale, self._wire["speed_step"])
 
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
         """The speed first: a motion begins with what it should have."""
-        command, speed = motion(setpoint)
+        command, share = motion(setpoint)
         frames = [self._frame.encode({"address": ROBOT, "command": command})]
         if command != STOP:
+            speed = round(share * self._wire["full_speed"] / self._wire["speed_step"])
             wanted = {"address": ROBOT, "command": SPEED, "speed_mm_s": speed}
             frames.insert(0, self._frame.encode(wanted))
         return frames

@@ -40,10 +40,14 @@ from protocol.fields import (
 from protocol.framing import Frame, LinkRow
 from protocol.messages import Order, Setpoint, Telemetry
 from protocol.tolerances import Tolerances
-from protocol.vehicles.adapter import StreamReader, fraction, heading_of, radians_of, refuse
+from protocol.vehicles.adapter import SilentBoard, fraction, heading_of, radians_of, refuse
+from protocol.vehicles.keys import Keys, Wire, baud, read_wire
+from protocol.vehicles.stick import stick_keys
 
 PERIOD = 0.05  # s (R17)
 SILENCE = 0.5
+
+KEYS: Keys = (baud(115_200), *stick_keys("surge", "turn", "heave"))
 
 _DATE_LEN_AT, _COMMAND_AT = 3, 4
 _FULL_SPEED = 1000.0  # r/min
@@ -69,23 +73,32 @@ def _floats(tolerances: Tolerances, *names: str, bound: float | None = None) -> 
     return tuple(F32LE(name, low, bound, order=order) for name in names)
 
 
+def full_effort(tolerances: Tolerances) -> float:
+    """What X, Z and F are then (E-R8)."""
+    return float(tolerances["effort003"])
+
+
 def up(tolerances: Tolerances) -> RovFrame:
-    """CmdType 01, 71 bytes (003 3.2.1; E-R2)."""
+    """CmdType 01, 71 bytes (003 3.2.1; E-R2); the older layout has 50 (E-R1)."""
+    legacy = tolerances["layout003"] == "legacy"
+    later = (
+        *(I32LE(f"rpm_{name}", -1000, 1000) for name in THRUSTERS),
+        I32LE("temperature_c", 0, 100),
+        U8("metal_pct", 0, 100),
+    )
     frame = RovFrame(
         "rov.UP",
         "003 3.2.1",
         (
             Const(b"\x55\xaa\x01"),
-            Const(b"\x40", FaultKind.BAD_LENGTH),
+            Const(b"\x2b" if legacy else b"\x40", FaultKind.BAD_LENGTH),
             Const(b"\x01\x01", FaultKind.BAD_ENUM),  # command, function
             Pad(1),
             *_floats(tolerances, "ax_g", "ay_g", "az_g"),
             *_floats(tolerances, "gx_dps", "gy_dps", "gz_dps"),
             *_floats(tolerances, "ex_deg", "ey_deg", "ez_deg", bound=360),
             *_floats(tolerances, "depth_m"),
-            *(I32LE(f"rpm_{name}", -1000, 1000) for name in THRUSTERS),
-            I32LE("temperature_c", 0, 100),
-            U8("metal_pct", 0, 100),
+            *(() if legacy else later),
             SUM,
             TAIL,
         ),
@@ -95,20 +108,21 @@ def up(tolerances: Tolerances) -> RovFrame:
 
 
 def down(tolerances: Tolerances) -> RovFrame:
-    """CmdType 11, 30 bytes (003 3.3.1; E-R7, E-R8)."""
+    """CmdType 11, 30 bytes (003 3.3.1; E-R7, E-R8); the older layout has 28 (E-R1)."""
+    legacy = tolerances["layout003"] == "legacy"
+    later = (U8("led_pct", 0, 100), I8("servo_deg", -30, 30))
     frame = RovFrame(
         "rov.DOWN",
         "003 3.3.1",
         (
             Const(b"\x55\xaa\x11"),
-            Const(b"\x17", FaultKind.BAD_LENGTH),
+            Const(b"\x15" if legacy else b"\x17", FaultKind.BAD_LENGTH),
             Const(b"\x01\x01", FaultKind.BAD_ENUM),
             Pad(1),
             U8("hold_heading", choices=(0, 1)),
             U8("hold_depth", choices=(0, 1)),
-            U8("led_pct", 0, 100),
-            I8("servo_deg", -30, 30),
-            *_floats(tolerances, "x", "z", "f", bound=1),
+            *(() if legacy else later),
+            *_floats(tolerances, "x", "z", "f", bound=full_effort(tolerances)),
             I32LE("reserved"),
             SUM,
             TAIL,
@@ -133,14 +147,17 @@ LINKS = (LinkRow("rov.down", _down), LinkRow("rov.up", _up))
 
 
 def telemetry(values: Values, t: float) -> Telemetry:
+    legacy = "temperature_c" not in values
     return Telemetry(
         t=t,
         depth=values["depth_m"],
         heading=heading_of(values, "ez_deg"),
         pitch=radians_of(values, "ey_deg"),
         roll=radians_of(values, "ex_deg"),
-        temperature_c=float(values["temperature_c"]),
-        actuators=tuple(values[f"rpm_{name}"] / _FULL_SPEED for name in THRUSTERS),
+        temperature_c=None if legacy else float(values["temperature_c"]),
+        actuators=None
+        if legacy
+        else tuple(values[f"rpm_{name}"] / _FULL_SPEED for name in THRUSTERS),
         faults=tuple(values["flags"]),
     )
 
@@ -178,7 +195,7 @@ def command(setpoint: Setpoint | Order) -> Values:
     }
 
 
-class RovCodec(StreamReader):
+class RovCodec(SilentBoard):
     """A ``VehicleCodec``."""
 
     period, silence = PERIOD, SILENCE
@@ -188,13 +205,15 @@ class RovCodec(StreamReader):
         dialect: str = "documented",
         tolerances: Tolerances | None = None,
         battery_scale: tuple[float, float] = (1.0, 1.0),
+        wire: Wire | None = None,
     ) -> None:
         chosen = tolerances or Tolerances()
-        super().__init__(LINKS[1].framer(chosen), _telemetry)
-        self._frame = down(chosen)
+        super().__init__(LINKS[1].framer(chosen), _telemetry, wire or read_wire(KEYS, {}))
+        self._frame, self._full = down(chosen), full_effort(chosen)
 
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
-        return [self._frame.encode(command(setpoint))]
+        values = command(setpoint)
+        return [self._frame.encode(values | {n: self._full * values[n] for n in ("x", "z", "f")})]
 
 
 def _telemetry(frame: Frame) -> Received:

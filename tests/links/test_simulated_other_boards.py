@@ -8,7 +8,7 @@ import pytest
 
 from links.base import LinkClosed
 from links.simulated.boards import BOARDS, SimulatedBoard
-from links.simulated.firmware.boards import RobotBoard
+from links.simulated.firmware.boards import ALIGNS, RobotBoard
 from links.simulated.ground import Ground
 from links.simulated.settings import SettingError, Settings, parse_settings
 from protocol.messages import Setpoint, Telemetry
@@ -89,9 +89,21 @@ def test_the_core_board_holds_heading_and_depth_in_closed_loop() -> None:
 
 def test_the_core_board_tells_a_place_only_while_its_ins_is_aligned() -> None:
     vehicle = SimulatedBoard("coreboard")
-    assert all(t.position for t in run(vehicle, 2.0))
-    say(vehicle, Setpoint(heading=0.0, depth=3.0), 2.0, 30.0)
+    say(vehicle, Setpoint(), 0.0, 5.0)
+    assert run(vehicle, 5.0)[-1].position
+    say(vehicle, Setpoint(heading=0.0, depth=3.0), 5.0, 30.0)
     assert all(t.position is None for t in run(vehicle, 30.0)[-20:])
+
+
+def test_the_ins_of_the_core_board_aligns_only_after_a_frame_has_switched_it_on() -> None:
+    vehicle = SimulatedBoard("coreboard")
+    assert all(t.position is None for t in run(vehicle, 20.0))
+    say(vehicle, Setpoint(), 20.0, 22.0)
+    told = run(vehicle, 30.0)
+    assert all((t.position is not None) == (t.t >= 20.0 + ALIGNS) for t in told if t.t > 20.0)
+    off = codec("coreboard", "documented", {}, wire={"ins_on": "0"}).encode(Setpoint())[0]
+    vehicle.vehicle_link.send(off, 30.0)
+    assert all(t.position is None for t in run(vehicle, 40.0) if t.t > 30.1)
 
 
 def test_the_rov_turns_to_starboard_and_sinks_as_asked() -> None:

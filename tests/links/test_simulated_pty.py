@@ -9,6 +9,7 @@ import pytest
 
 from links.serial import SerialLink
 from links.simulated import pty
+from links.simulated.boards import SimulatedBoard
 from links.simulated.firmware.uart import BYTE_TIME
 from links.simulated.link import SimulatedVehicle
 from links.simulated.pty import PtyVehicle, run_on_ptys
@@ -110,3 +111,13 @@ def test_it_runs_to_its_end_with_nobody_listening_and_says_its_paths() -> None:
 def test_a_speed_of_nothing_is_refused() -> None:
     with pytest.raises(ValueError, match="above 0"):
         PtyVehicle(SimulatedVehicle(), 0.0)
+
+
+def test_it_wakes_for_every_report_of_a_board(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock, pauses = iter(range(1000)), list[float]()
+    monkeypatch.setattr(pty.time, "monotonic", lambda: 0.01 * next(clock))
+    monkeypatch.setattr(pty.select, "select", lambda *lists: pauses.append(lists[3]))
+    board = SimulatedBoard("rov", 1)
+    with PtyVehicle(board, 1.0) as vehicle:
+        vehicle.run(stop=lambda: len(pauses) == 30)
+    assert max(pauses) <= board.board.period

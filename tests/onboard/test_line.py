@@ -23,6 +23,7 @@ from mission.verification.campaign.audit import command_of
 from mission.verification.exhaustive.commands import POOL
 from mission.verification.exhaustive.world import BOAT, TENDER, World
 from protocol.messages import Order
+from protocol.vehicles import codec
 from protocol.vehicles.auv import AuvCodec
 
 BYTE = 10 / 9600  # s
@@ -217,13 +218,42 @@ def test_a_board_that_acknowledges_nothing_hears_a_stop_behind_one_set_at_most(
 
 
 @pytest.mark.parametrize("name", ["coreboard", "rov", "robot"])
-@pytest.mark.parametrize("word", [b"@MMF5$", b"@DS1,5$", b"@RSOOOOOOO$", b"@RI$"])
+@pytest.mark.parametrize(
+    "word",
+    [
+        b"@MT1,5$",
+        b"@MDS1,5$",
+        b"@MS50,90$",
+        b"@MP50,90$",
+        b"@MRU3$",
+        b"@DS1,5$",
+        b"@RSOOOOOOO$",
+        b"@RI$",
+    ],
+)
 def test_a_vehicle_without_m_r_and_d_is_changed_by_none_of_them(name: str, word: bytes) -> None:
     runtime = Runtime(Configuration(), load_vehicle(name), MemoryStore())
     runtime.connected("topside", BOAT, 0.0)
     before = runtime.state
     told = runtime.receive(Rx(1.0, "topside", b"@AQ$", BOAT))
-    assert runtime.receive(Rx(2.0, "topside", word, BOAT))[0].data.count(b"no M; R or D") == 1
+    answered = runtime.receive(Rx(2.0, "topside", word, BOAT))
+    (said,) = [tx for tx in answered if tx.link == "topside"]
+    assert b"relay: this vehicle has no " in said.data
     assert told
     assert runtime.state == before
-    assert not [tx for tx in runtime.handle_timer(3.0) if tx.link == "vehicle"]
+    neutral = codec(*load_vehicle(name).speaks).encode(Order.STOP)
+    left = [tx.data for tx in runtime.handle_timer(3.0) if tx.link == "vehicle"]
+    assert left == (neutral if name == "coreboard" else [])
+
+
+@pytest.mark.parametrize("name", ["auv", "coreboard", "rov", "robot"])
+def test_in_idle_the_core_board_alone_is_told_neutral_and_ten_times_a_second(name: str) -> None:
+    """R16: byte 43 of each frame powers its INS, and nobody has asked for anything yet."""
+    vehicle = load_vehicle(name)
+    runtime = Runtime(Configuration(), vehicle, MemoryStore(Stored()))
+    sent: list[Tx] = []
+    while (due := runtime.next_timer()) is not None and due < 2.95:
+        sent += runtime.handle_timer(due)
+    neutral = [codec(*vehicle.speaks).encode(Order.STOP)[0]] if name == "coreboard" else []
+    assert [tx.data for tx in sent] == neutral * 30
+    assert runtime.state == "idle/empty"

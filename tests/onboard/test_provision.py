@@ -13,6 +13,7 @@ from mission.model import STOPPED, SURFACED, SURFACING, UNKNOWN
 from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.kept import WORKING, Homes, write_summed
+from mission.onboard.rates import rated
 from mission.onboard.serve import health
 from mission.onboard.serve.provision import BUILT_IN, Provision, Unusable, provide
 from mission.onboard.serve.working import Working, find, keep
@@ -20,6 +21,7 @@ from mission.onboard.store import DiskStore, LostStore, MemoryStore, StoreError
 
 NONE: dict[str, str | None] = {}
 URL = "serial:///dev/ttyAUV"
+OPENED = f"{URL}?baud=9600"  # at the rate of its role
 KEYS = "tls-listen://0.0.0.0:4711?keys=/etc/auvmission/keys&allow=192.168.1.0/24"
 
 
@@ -77,7 +79,7 @@ def test_a_broken_configuration_gives_way_to_the_last_that_worked(tmp_path: Path
     config = begun(tmp_path)
     break_it(config)
     got = provide(config, NONE, None, {})
-    assert got.configuration.links.vehicle == URL
+    assert got.configuration.links.vehicle == OPENED
     assert got.configuration.folder == tmp_path / "pi"
     assert got.store.content.under_way == "autonomous/out"
     assert len(got.faults) == 1
@@ -118,14 +120,14 @@ def test_the_folder_of_the_service_manager_is_looked_into(tmp_path: Path) -> Non
     config.unlink()
     (tmp_path / "home").rename(tmp_path / "elsewhere")
     got = provide(config, NONE, None, {"STATE_DIRECTORY": str(tmp_path / "pi")})
-    assert got.configuration.links.vehicle == URL
+    assert got.configuration.links.vehicle == OPENED
 
 
 def test_without_anything_left_the_shipped_defaults_and_vehicle_serve_the_ascent(
     tmp_path: Path,
 ) -> None:
     got = provide(tmp_path / "serve.yaml", NONE, None, {})
-    assert got.configuration.links == LinkUrls()
+    assert got.configuration == rated(replace(got.configuration, links=LinkUrls()), got.vehicle)
     assert got.vehicle == load_vehicle(BUILT_IN)
     assert got.store.content.under_way == UNKNOWN
     assert isinstance(got.store, LostStore)
@@ -137,7 +139,7 @@ def test_links_of_the_command_line_count_for_an_old_configuration_as_well(tmp_pa
     not_utf8(config)
     given = {"vehicle": "serial:///dev/ttyOTHER", "gps": "none", "topside": "nonsense"}
     links = provide(config, given, None, {}).configuration.links
-    assert (links.vehicle, links.gps) == ("serial:///dev/ttyOTHER", None)
+    assert (links.vehicle, links.gps) == ("serial:///dev/ttyOTHER?baud=9600", None)
     assert links.topside == "tcp-listen://127.0.0.1:4711"
 
 
@@ -195,7 +197,7 @@ def test_a_library_that_cannot_be_imported_costs_features_alone(
     config = begun(tmp_path)
     monkeypatch.setitem(__import__("sys").modules, "mission.model.yaml_tree", None)
     got = provide(config, NONE, None, {})
-    assert (got.configuration.links.vehicle, got.vehicle.name) == (URL, "auv")
+    assert (got.configuration.links.vehicle, got.vehicle.name) == (OPENED, "auv")
     assert "yaml" in got.faults[0]
 
 

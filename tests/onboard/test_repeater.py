@@ -33,6 +33,22 @@ def test_nothing_is_sent_that_nothing_asked_for(line: Repeater) -> None:
     assert line.poll(5.0) == ([], [])
 
 
+def test_a_board_that_is_kept_awake_is_told_to_stop_before_anything_is_asked_of_it() -> None:
+    line = Repeater(encode, 0.1, kept_awake="it sleeps without")
+    told = []
+    for _ in range(4):
+        due = line.next_timer()
+        assert due is not None
+        sent, outcomes = line.poll(due)
+        assert outcomes == []  # nobody asked for it: it is no stop that was acknowledged
+        told += [(tx.data, tx.reason) for tx in sent]
+    assert told == [(b"X", "it sleeps without (held)")] * 4
+    line.command(Action(LEG, "leg"))
+    sent, outcomes = line.poll(1.0)
+    assert [tx.data for tx in sent] == [b"A", b"B"]
+    assert len(outcomes) == 2
+
+
 def test_what_holds_is_said_every_period(line: Repeater) -> None:
     line.command(Action(LEG, "leg"))
     assert frames(line, 1.0) == [b"A", b"B"]
@@ -62,8 +78,9 @@ def test_what_the_board_has_no_word_for_leaves_the_old_set(line: Repeater) -> No
 
 def test_nothing_of_an_operators_is_relayed_and_nothing_ends_by_it(line: Repeater) -> None:
     line.command(Action(LEG, "leg"))
-    assert line.cannot_relay
-    assert line.relay(b"@MMF5$", "stick", manual=True) == line.cannot_relay
+    why = line.cannot_relay(b"@MMF5$")
+    assert why == "this vehicle has no M, R or D"
+    assert line.relay(b"@MMF5$", "stick", manual=True) == why
     assert frames(line, 1.0) == [b"A", b"B"]
     assert frames(line, 1.1) == [b"A", b"B"]
 

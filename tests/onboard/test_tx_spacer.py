@@ -61,6 +61,6 @@ def test_where_no_gap_is_needed_everything_leaves_at_once() -> None:
 
 def test_the_line_is_as_fast_as_its_link_is_opened() -> None:
     assert baud_of("serial:///dev/ttyUSB0?baud=4800", 1.0) == 4800.0
-    assert baud_of("serial:///dev/ttyUSB0", 1.0) == 9600.0
+    assert baud_of("serial:///dev/ttyUSB0", 115200.0) == 115200.0  # that of its role
     assert baud_of("tcp://127.0.0.1:9", 9600.0) == 9600.0
     assert baud_of("no link", 9600.0) == 9600.0

@@ -13,7 +13,7 @@ from protocol.codec import CannotEncode, VehicleCodec
 from protocol.examples import MAIN_TO_PC, PC_TO_MAIN, ROV_UP
 from protocol.messages import FrameFault, Order, Setpoint, Telemetry
 from protocol.tolerances import Tolerances
-from protocol.vehicles import VEHICLES, codec, coreboard, link, motorcan, robot, rov
+from protocol.vehicles import VEHICLES, codec, coreboard, link, robot, rov
 
 FILES = sorted(path.stem for path in (missions_folder() / "vehicles").glob("*.yaml"))
 SILENT = ["coreboard", "motorcan", "rov", "robot"]
@@ -215,7 +215,8 @@ def test_float_order_holds_for_both_ways_of_the_core_board() -> None:
 
 
 def test_motors_get_a_force_and_a_torque_frame_and_report_nothing() -> None:
-    one = motorcan.MotorCodec(thrust=motorcan.Thrust(1000, 2000, 10))
+    wire = {"surge_g": "1000", "heave_g": "2000", "turn_nm": "10"}
+    one = codec("motorcan", "documented", {}, wire=wire)
     force, torque = one.encode(Setpoint(surge=-0.5, turn=0.5, heave=0.25))
     assert force == bytes.fromhex("0001 07 FF FE0C 0000 01F4")
     assert torque == bytes.fromhex("0002 07 FE 0000 0000 0005")

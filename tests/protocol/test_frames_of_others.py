@@ -235,7 +235,7 @@ def test_every_command_of_the_robot_survives_the_wire(row: robot.Command, data: 
     values = frame.decode(raw)
     assert {**items, "length": row.length, "flags": []}.items() <= values.items()
     assert frame.encode(values) == raw
-    assert values.get("at", "") == row.at
+    assert values.get("at", "").startswith(row.at)
 
 
 @given(*[st.integers(-32768, 32767)] * 3)

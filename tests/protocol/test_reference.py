@@ -14,7 +14,7 @@ from protocol.examples import EXAMPLES
 from protocol.reference import reference
 from protocol.tolerances import TOLERANCES
 from protocol.units import unit
-from protocol.vehicles import frame_types
+from protocol.vehicles import VEHICLES, frame_types
 
 FILE = Path(__file__).resolve().parents[2] / "docs" / "protocol.md"
 TEXT = reference()
@@ -73,6 +73,7 @@ def test_examples_of_the_auv_are_its_canonical_frames() -> None:
 def test_errata_name_types_and_tolerances_that_exist_and_each_is_named_once() -> None:
     types = set(frame_types()) | {name.partition(".")[0] for name in frame_types()}
     tolerances = {row.name for row in TOLERANCES}
+    tolerances |= {key.name for row in VEHICLES for key in row.keys}
     assert len({row.name for row in ERRATA}) == len(ERRATA)
     for row in ERRATA:
         assert set(row.frames) <= types, row.name

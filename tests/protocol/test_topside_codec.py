@@ -9,6 +9,7 @@ import pytest
 from canonical_auv import VS
 
 from protocol.codec import CannotEncode
+from protocol.framing import Frame
 from protocol.messages import (
     Ack,
     ClearMission,
@@ -31,6 +32,7 @@ from protocol.messages import (
     Telemetry,
 )
 from protocol.topside import ConsoleCodec, TopsideCodec, answer, encode, encode_ack, status_values
+from protocol.vehicles import link
 
 COMMANDS = [
     (NodeSwitch("OOCCOO"), b"@NSOOCCOO$"),
@@ -184,3 +186,21 @@ def test_an_absurd_reading_is_an_empty_field() -> None:
     )
     assert values["depth_m"] is None
     assert values["heading_deg"] is not None
+
+
+@pytest.mark.parametrize("text", [b"12.300000000000001", b"-0.1000000000000000055511151231257827"])
+def test_a_number_as_a_program_prints_it_costs_no_status(text: bytes) -> None:
+    raw = VS.replace(b"36,360", text + b",360")
+    (received,) = ConsoleCodec().receive(raw, 1.0)
+    assert isinstance(received, Status)
+    assert received.telemetry is not None
+    assert received.telemetry.batteries == (float(text), 360)
+
+
+def test_the_link_to_topside_carries_what_became_of_x_and_w_and_no_other_z() -> None:
+    framer = link("auv.to_topside").framer()
+    for order in (b"@ACK_ZXY$", b"@ACK_ZXN$", b"@ACK_ZWY$", b"@ACK_ZWN$"):
+        (frame,) = framer.receive(order, 0.0)
+        assert isinstance(frame, Frame)
+    (fault, *_) = framer.receive(b"@ACK_ZFY$", 0.0) + framer.flush(1.0)
+    assert isinstance(fault, FrameFault)

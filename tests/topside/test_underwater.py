@@ -173,6 +173,7 @@ def test_a_modems_url_is_its_links_with_range_and_rate() -> None:
     found = modem_address("modem+serial:///dev/ttyUSB0?baud=115200&range=800&rate=600")
     link = "serial:///dev/ttyUSB0?baud=115200"
     assert found == ModemAddress(link, Acoustics(800.0, 600.0))
+    assert modem_address("modem+serial:///dev/ttyUSB0?range=800&rate=600") == found
     plain = modem_address("modem+tcp://10.0.0.7:9000")
     assert plain == ModemAddress("tcp://10.0.0.7:9000", Acoustics(RANGE_M, BIT_RATE))
 

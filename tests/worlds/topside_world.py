@@ -35,7 +35,8 @@ class FakeVessel:
     refuses: str = ""  # what decide says
     refuses_mission: str = ""
     refuses_relay: str = ""  # what relay says
-    cannot_relay: str = ""
+    has_none: str = ""  # what cannot_relay says
+    notices: list[str] = field(default_factory=list)
     store: MemoryStore = field(default_factory=MemoryStore)
 
     def decide(self, command: Command, now: float) -> Verdict:
@@ -52,6 +53,15 @@ class FakeVessel:
 
     def hear_stick(self, now: float) -> None:
         self.sticks.append(now)
+
+    def cannot_relay(self, frame: bytes) -> str:
+        return self.has_none
+
+    def meaning_of_no(self, frame: bytes) -> str:
+        return "it is deaf" if frame == b"@ZAH0,4$" else ""
+
+    def notice(self, text: str) -> None:
+        self.notices.append(text)
 
     def relay(self, frame: bytes, reason: str, manual: bool) -> str:
         if self.refuses_relay:

@@ -26,8 +26,10 @@ from links.simulated.plant import NEUTRAL, NEUTRAL_PWM, Plant
 from protocol.framing import Frame, LinkRow
 from protocol.tolerances import Tolerances
 from protocol.vehicles import coreboard, robot, rov
+from protocol.vehicles.keys import Wire
 
 ANTENNA = 0.3  # m: deeper, and the INS has no GPS to be aligned by
+ALIGNS = 3.0  # s after it was switched on (assumed)
 _DEPTH, _ANGLE, _HEADING, _PLACE = 0.03, radians(0.3), radians(0.5), 2.0  # one sigma, m and rad
 _MAIN_V, _POWER_V = 24.0, 48.0
 _FULL_RPM = 1000.0
@@ -42,10 +44,11 @@ class Board(ABC):
     period: float
     silence: float
 
-    def __init__(self, rng: Random) -> None:
-        self.rng = rng
+    def __init__(self, rng: Random, tolerances: Tolerances, wire: Wire) -> None:
+        """``tolerances`` and ``wire``: how this board was built, as a vehicle file says it."""
+        self.rng, self.tolerances, self.wire = rng, tolerances, wire
         self.heard = -inf
-        self._framer = self.hears.framer(Tolerances())
+        self._framer = self.hears.framer(tolerances)
 
     def receive(self, data: bytes, now: float) -> None:
         timer = self._framer.next_timer()
@@ -71,7 +74,7 @@ class WaterBoard(Board):
         """The seven PWMs from now on."""
 
     @abstractmethod
-    def report(self, plant: Plant, place: Place) -> bytes: ...
+    def report(self, plant: Plant, place: Place, now: float) -> bytes: ...
 
     def _pose(self, plant: Plant) -> tuple[float, float, float, float]:
         """Roll, pitch, yaw in deg and depth in m, as its sensors have them."""
@@ -91,18 +94,21 @@ def _pwms(surge: float, turn: float, up: float) -> tuple[int, ...]:
 
 
 class CoreBoard(WaterBoard):
-    """Closed loop: heading and depth are held by the board, surge stays open (002 table 3-2)."""
+    """Closed loop: heading and depth are held by the board, surge stays open (002 table 3-2). The
+    INS has no power until a frame gives it (byte 43)."""
 
     hears = coreboard.LINKS[2]
     period, silence = 0.1, coreboard.SILENCE
 
-    def __init__(self, rng: Random) -> None:
-        super().__init__(rng)
+    def __init__(self, rng: Random, tolerances: Tolerances, wire: Wire) -> None:
+        super().__init__(rng, tolerances, wire)
         self.values: Mapping[str, Any] = coreboard.NEUTRAL
-        self._report = coreboard.main_to_pc(Tolerances())
+        self.powered = inf  # since when its INS is; the switch stays as it was told last
+        self._report = coreboard.main_to_pc(tolerances)
 
     def take(self, values: Mapping[str, Any]) -> None:
         self.values = values
+        self.powered = min(self.powered, self.heard) if values["ins_on"] else inf
 
     def control(self, plant: Plant, now: float) -> tuple[int, ...]:
         if not self.awake(now):
@@ -114,9 +120,9 @@ class CoreBoard(WaterBoard):
             down = dive_gear(v["depth_m"] - plant.depth, plant.depth_rate)
         return _pwms(surge, turn, -down)
 
-    def report(self, plant: Plant, place: Place) -> bytes:
+    def report(self, plant: Plant, place: Place, now: float) -> bytes:
         roll, pitch, yaw, depth = self._pose(plant)
-        aligned = plant.depth <= ANTENNA
+        aligned = plant.depth <= ANTENNA and now - self.powered >= ALIGNS
         scatter = self.rng.gauss(0.0, _PLACE) / 6.4e6, self.rng.gauss(0.0, _PLACE) / 6.4e6
         values = {
             "roll_deg": roll,
@@ -134,7 +140,7 @@ class CoreBoard(WaterBoard):
             "temperature_c": 18.0,
             "control_v": _MAIN_V,
             "power_v": _POWER_V,
-            "leak": 0,
+            "leak": 1 - int(self.tolerances["leak002"]),
             **{f"usbl{n}": 0.0 for n in range(1, 7)},
             "ins_aligned": int(aligned),
             "reserved83": "00" * 4,
@@ -148,19 +154,20 @@ class RovBoard(WaterBoard):
     hears = rov.LINKS[0]
     period, silence = rov.PERIOD, rov.SILENCE
 
-    def __init__(self, rng: Random) -> None:
-        super().__init__(rng)
+    def __init__(self, rng: Random, tolerances: Tolerances, wire: Wire) -> None:
+        super().__init__(rng, tolerances, wire)
         self.values: Mapping[str, Any] = rov.NEUTRAL
         self.held: dict[str, float] = {}
         self.pwm: tuple[int, ...] = NEUTRAL
-        self._report = rov.up(Tolerances())
+        self._report = rov.up(tolerances)
 
     def take(self, values: Mapping[str, Any]) -> None:
         self.values = values
 
     def control(self, plant: Plant, now: float) -> tuple[int, ...]:
         values = self.values if self.awake(now) else rov.NEUTRAL
-        surge, turn, up = (GEAR_MAX * values[name] for name in ("x", "z", "f"))
+        full = rov.full_effort(self.tolerances)
+        surge, turn, up = (GEAR_MAX * values[name] / full for name in ("x", "z", "f"))
         for flag, here in (("hold_heading", plant.yaw), ("hold_depth", plant.depth)):
             if not values[flag]:
                 self.held.pop(flag, None)
@@ -172,7 +179,7 @@ class RovBoard(WaterBoard):
         self.pwm = _pwms(surge, turn, up)
         return self.pwm
 
-    def report(self, plant: Plant, place: Place) -> bytes:
+    def report(self, plant: Plant, place: Place, now: float) -> bytes:
         roll, pitch, yaw, depth = self._pose(plant)
         turning = [round((pwm - NEUTRAL_PWM) * _FULL_RPM / 500) for pwm in self.pwm[:5]]
         values = {
@@ -202,18 +209,18 @@ class RobotBoard(Board):
     hears = robot.LINKS[0]
     period, silence = 0.1, robot.SILENCE
 
-    def __init__(self, rng: Random) -> None:
-        super().__init__(rng)
-        self.motion, self.speed = robot.STOP, 0
+    def __init__(self, rng: Random, tolerances: Tolerances, wire: Wire) -> None:
+        super().__init__(rng, tolerances, wire)
+        self.motion, self.speed = robot.STOP, 0.0  # mm/s
         self.asked = False  # by a handshake, for one report
-        self._report = robot.up(Tolerances())
+        self._report = robot.up(tolerances)
 
     def take(self, values: Mapping[str, Any]) -> None:
         command = values["command"]
         if values["address"] != robot.ROBOT:
             return
         if command == robot.SPEED:
-            self.speed = values["speed_mm_s"]
+            self.speed = values["speed_mm_s"] * self.wire["speed_step"]
         elif command == robot.HANDSHAKE:
             self.asked = True
         else:
@@ -228,6 +235,7 @@ class RobotBoard(Board):
 
     def report(self, ground: Ground) -> bytes:
         volts = 24.0 + self.rng.gauss(0.0, 0.02)
+        speed = 1000.0 * ground.u / self.wire["speed_step"]
         return self._report.encode(
-            {"speed_mm_s": round(1000.0 * ground.u), "voltage_mv": round(1000.0 * volts)}
+            {"speed_mm_s": round(speed), "voltage_mv": round(1000.0 * volts)}
         )

@@ -23,8 +23,8 @@ def buoyant(context: _Patient) -> Iterator[Finding]:
         return
     if buoyancy.heavy(vehicle):
         says = f"does not rise: {buoyancy.told(vehicle)}; no mission passes its check"
-        yield fault("buoyancy", says, f"take ballast out, {buoyancy.LEARN}")
+        yield fault("buoyancy", says, f"take ballast out, {buoyancy.learn(vehicle)}")
     elif why := buoyancy.doubt(vehicle, datetime.now(UTC).date()):
-        yield warning("buoyancy", why.partition(": ")[0], buoyancy.LEARN)
+        yield warning("buoyancy", why.partition(": ")[0], buoyancy.learn(vehicle))
     else:
         yield ok("buoyancy", says)

@@ -25,7 +25,8 @@ from mission.engine.bounds import in_force
 from mission.engine.limits import LIMITS
 from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
-from mission.onboard.doctor import port_probe
+from mission.onboard.doctor import asking, port_probe
+from mission.onboard.doctor.boards import board
 from mission.onboard.doctor.buoyant import buoyant
 from mission.onboard.doctor.findings import Condition, Finding, fault, ok, warning
 from mission.onboard.serve import health
@@ -40,20 +41,22 @@ SILENT_S = 5.0
 @dataclass(frozen=True, slots=True)
 class CheckContext:
     """``running``: the health of a serve that runs now, as it wrote it. ``mute``: the process of
-    one that runs, but tells nothing of itself."""
+    one that runs, but tells nothing of itself. ``ask``: the board may be sent an X."""
 
     configuration: Configuration
     vehicle: Vehicle
     running: Mapping[str, Any] | None
     mute: int | None = None
+    ask: bool = False
 
 
-def examine(configuration: Configuration, vehicle: Vehicle) -> Iterator[Finding]:
+def examine(
+    configuration: Configuration, vehicle: Vehicle, *, ask: bool = False
+) -> Iterator[Finding]:
     """In the order of ROWS, as they are found."""
     folder, now = configuration.folder, time.time()
-    context = CheckContext(
-        configuration, vehicle, health.read(folder, now), health.mute(folder, now)
-    )
+    running, mute = health.read(folder, now), health.mute(folder, now)
+    context = CheckContext(configuration, vehicle, running, mute, ask)
     for check in ROWS:
         yield from check(context)
 
@@ -218,18 +221,29 @@ def _keys(folder: Path) -> Finding:
 
 def _ports(context: CheckContext) -> Iterator[Finding]:
     links = context.configuration.links
+    if context.ask and (context.running is not None or context.mute is not None):
+        todo = "stop serve (systemctl stop auvmission), then ask again"
+        yield fault("dialect", "not asked: a serve has the vehicle's port", todo)
     if context.running is not None:
-        yield from _of_running(context.running)
+        yield from _of_running(context, context.running)
         return
     if context.mute is not None:
         return  # it has the ports
     yield from port_probe.vehicle_findings(links.vehicle, context.vehicle)
+    if context.ask:
+        yield asking.dialect_finding(links.vehicle, context.vehicle)
     if links.gps is None:
-        yield warning("GPS", "none is configured", "every mission must say `start without fix`")
+        yield _without_gps(context.vehicle)
     else:
         yield from port_probe.gps_findings(links.gps)
     if links.modem is not None:
         yield port_probe.port_finding("modem port", links.modem)
+
+
+def _without_gps(vehicle: Vehicle) -> Finding:
+    if "position" in vehicle.reports:
+        return ok("GPS", f"none is configured; {board(vehicle).name} tells the place")
+    return warning("GPS", "none is configured", "every mission must say `start without fix`")
 
 
 def _camera(context: CheckContext) -> Iterator[Finding]:
@@ -247,7 +261,12 @@ def _camera(context: CheckContext) -> Iterator[Finding]:
         yield ok("camera", f"{shutil.which(program)}; `@NS` opens and closes it")
 
 
-def _of_running(running: Mapping[str, Any]) -> Iterator[Finding]:
+def _of_silent(link: str, vehicle: Vehicle) -> str:
+    quiet = board(vehicle).quiet if link == "vehicle" else ""
+    return "check its power and cable" + (f"; {quiet}" if quiet else "")
+
+
+def _of_running(context: CheckContext, running: Mapping[str, Any]) -> Iterator[Finding]:
     for name, link in running["links"].items():
         if not link["open"]:
             yield fault(
@@ -255,11 +274,11 @@ def _of_running(running: Mapping[str, Any]) -> Iterator[Finding]:
                 f"{link['url']} is not open",
                 "the journal of serve says why; a node that @NS has closed, @NS opens",
             )
-        elif name in ("vehicle", "gps") and _silent(link) > SILENT_S:
+        elif name in ("vehicle", "gps") and _silent(link) > SILENT_S and _reports(name, context):
             yield fault(
                 f"link {name}",
                 f"nothing from {link['url']} for {SILENT_S:g} s",
-                "check its power and cable; a vehicle in manual sends no @SD",
+                _of_silent(name, context.vehicle),
             )
         else:
             says = f"{link['received']} bytes in, {link['sent']} out, {link['faults']} faults"
@@ -274,6 +293,10 @@ def _of_running(running: Mapping[str, Any]) -> Iterator[Finding]:
         yield fault(f"limit {name}", "is breached now", "see auvmission status --local")
     if running["black_box_failure"]:
         yield fault("black box", running["black_box_failure"], "free the disk, restart serve")
+
+
+def _reports(link: str, context: CheckContext) -> bool:
+    return link != "vehicle" or board(context.vehicle).reports
 
 
 def _silent(link: Mapping[str, Any]) -> float:
@@ -293,7 +316,7 @@ def _limits(context: CheckContext) -> Iterator[Finding]:
             "limits",
             f"without a mission's own: radius {bounds.radius:g} m, depth "
             f"{bounds.depth:g} m, time {bounds.time / 60:g} min, voltage {bounds.voltage:g} V",
-            "compare with what today's place allows; @SP tightens them",
+            "compare with what today's place allows; auvmission limits tightens them",
         )
     for row in LIMITS:
         if why := row.disarmed(vehicle):
@@ -303,22 +326,32 @@ def _limits(context: CheckContext) -> Iterator[Finding]:
 
 
 def _assumed(context: CheckContext) -> Iterator[Finding]:
+    its = board(context.vehicle)
+    if its.silence is None:
+        yield ok(
+            "assumed",
+            f"if the Pi dies while {its.name} is in automatic, the vehicle keeps its "
+            "last setpoint until serve runs again",
+            f"have the service manager restart serve (docs/operation.md); keep {its.beside}",
+        )
+    else:
+        yield ok(
+            "assumed",
+            f"if the Pi dies, {its.name} goes neutral by itself after {its.silence:g} s",
+            f"see it once on deck: kill serve, and watch; keep {its.beside}",
+        )
     yield ok(
         "assumed",
-        "if the Pi dies while the STM32 is in automatic, the vehicle keeps its "
-        "last setpoint until serve runs again",
-        "have the service manager restart serve (docs/operation.md); keep a rope or a drop weight",
-    )
-    yield ok(
-        "assumed",
-        "an STM32 that hangs keeps its thrusters as they are",
-        "have its hardware watchdog enabled; keep a rope or a drop weight",
+        f"{its.name}, if it hangs, keeps the thrusters as they are",
+        f"have its hardware watchdog enabled; keep {its.beside}",
     )
     if context.vehicle.calibration == type(context.vehicle.calibration)():
         yield warning(
             "assumed",
             "speeds and turning are planning figures, not measured",
-            "fly missions/shakedown.yaml, then auvmission calibrate",
+            "fly missions/shakedown.yaml, then auvmission calibrate"
+            if context.vehicle.codec == "auv"
+            else "measure them by hand (auvmission stick), and set them in the vehicle file",
         )
 
 

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from links import LinkAddressError, open_link
 from links.base import Link, LinkBusy, LinkError
 from mission.model.vehicle import Vehicle
+from mission.onboard.doctor.boards import board
 from mission.onboard.doctor.findings import Finding, fault, ok, warning
 from protocol.codec import Received
 from protocol.messages import Ack, Fix, FrameFault, Telemetry
@@ -38,7 +39,7 @@ def vehicle_findings(url: str, vehicle: Vehicle) -> list[Finding]:
     try:
         link = open_link("vehicle", url)
     except LinkError as error:
-        return [_not_open("vehicle port", url, error)]
+        return [not_open("vehicle port", url, error)]
     raw = bytearray()
     try:
         heard = _listen(link, vehicle, raw)
@@ -55,7 +56,7 @@ def port_finding(what: str, url: str) -> Finding:
     try:
         open_link(what, url).close()
     except LinkError as error:
-        return _not_open(what, url, error)
+        return not_open(what, url, error)
     return ok(what, f"{url} is there, permitted and free")
 
 
@@ -63,11 +64,11 @@ def gps_findings(url: str) -> list[Finding]:
     try:
         link = open_link("gps", url)
     except LinkError as error:
-        return [_not_open("GPS port", url, error)]
+        return [not_open("GPS port", url, error)]
     decoder, heard, raw = NmeaDecoder(), list[Fix | FrameFault](), bytearray()
     try:
         begun = time.monotonic()
-        for data, now in _bytes(link, lambda: time.monotonic() - begun >= GPS_S):
+        for data, now in listened(link, lambda: time.monotonic() - begun >= GPS_S):
             heard += decoder.receive(data, now)
             raw += data
         heard += decoder.flush(time.monotonic())
@@ -108,7 +109,7 @@ def of_gps(decoder: NmeaDecoder, heard: Sequence[Fix | FrameFault], raw: bytes) 
 
 def _listen(link: Link, vehicle: Vehicle, raw: bytearray) -> list[Received]:
     """Until enough reports have come and the query is answered, or the time is over."""
-    decoder = codec(vehicle.codec, vehicle.dialect, vehicle.tolerances, vehicle.battery_scale)
+    decoder = codec(*vehicle.speaks)
     heard: list[Received] = []
     begun = time.monotonic()
     if vehicle.codec == "auv":
@@ -119,13 +120,13 @@ def _listen(link: Link, vehicle: Vehicle, raw: bytearray) -> list[Received]:
         reports = sum(isinstance(one, Telemetry) for one in heard)
         return passed >= LONGEST_S or reports >= REPORTS or (not reports and passed >= LISTEN_S)
 
-    for data, now in _bytes(link, enough):
+    for data, now in listened(link, enough):
         heard += decoder.receive(data, now)
         raw += data
     return heard
 
 
-def _bytes(link: Link, over: Callable[[], bool]) -> Iterator[tuple[bytes, float]]:
+def listened(link: Link, over: Callable[[], bool]) -> Iterator[tuple[bytes, float]]:
     while not over():
         select.select([link.fileno()] if link.fileno() >= 0 else [], [], [], 0.1)
         now = time.monotonic()
@@ -137,7 +138,7 @@ def of_vehicle(vehicle: Vehicle, heard: Sequence[Received], raw: bytes = b"") ->
     reports = [one for one in heard if isinstance(one, Telemetry)]
     faults = sum(isinstance(one, FrameFault) for one in heard)
     if not reports:
-        yield _no_report(raw, faults)
+        yield _no_report(raw, faults, vehicle)
     else:
         yield ok("vehicle", f"reports ({len(reports)} good, {faults} faulty frames)")
     if vehicle.codec == "auv":
@@ -155,25 +156,31 @@ def of_vehicle(vehicle: Vehicle, heard: Sequence[Received], raw: bytes = b"") ->
         yield from _margins(reports[-1], vehicle)
 
 
-def _no_report(raw: bytes, faults: int) -> Finding:
+def _no_report(raw: bytes, faults: int, vehicle: Vehicle) -> Finding:
     """What is on the line instead, as far as it can be told."""
-    decoder = NmeaDecoder()
+    its, decoder = board(vehicle), NmeaDecoder()
     decoder.receive(raw, 0.0)
     if decoder.counters.sentences:
         return fault("vehicle", "this is a GPS receiver: it sends NMEA sentences", _SWAPPED)
     if QUERY in raw:
         says = "what the Pi sends comes back to it"
-        todo = "TX and RX are joined, or this is not the STM32: check the plug"
+        todo = f"TX and RX are joined, or this is not {its.name}: check the plug"
         return fault("vehicle", says, todo)
+    if not its.reports:
+        return ok("vehicle", f"{its.name}: {its.quiet}; see the thrusters move (auvmission stick)")
     says = f"no report within {LISTEN_S:g} s ({len(raw)} bytes, {faults} faulty frames)"
+    if _REPORT in raw and vehicle.codec != "auv":
+        todo = "the vehicle file is another vehicle's: set `vehicle:` to one for the AUV"
+        return fault("vehicle", f"{says}: this is the AUV's STM32, it sends @SD", todo)
     if faults:
+        manual = f", and whether {its.quiet}" if its.quiet else ""
         return fault(
             "vehicle",
             says,
-            "it sends something else: check dialect and tolerances of the vehicle file, baud "
-            "rate, and whether it is in manual (no @SD then)",
+            "it sends something else: check `vehicle:`, dialect and tolerances of the vehicle "
+            f"file, baud rate{manual}",
         )
-    dead = "check its power and the serial cable (RX and TX crossed?); restart the STM32"
+    dead = f"check its power and the serial cable (RX and TX crossed?); restart {its.name}"
     return fault("vehicle", says, dead)
 
 
@@ -188,7 +195,7 @@ def _sensor(name: str, reports: Sequence[Telemetry], vehicle: Vehicle) -> Findin
         return fault(
             what,
             "silent",
-            "check its cable and power (@RS), or declare it absent in the "
+            f"check its cable and power ({board(vehicle).switch}), or declare it absent in the "
             "vehicle file: limits that need it are then disarmed",
         )
     shown = _shown(name, there[-1])
@@ -224,7 +231,7 @@ def _margins(report: Telemetry, vehicle: Vehicle) -> Iterator[Finding]:
             yield ok("margin voltage", says)
 
 
-def _not_open(what: str, url: str, error: LinkError) -> Finding:
+def not_open(what: str, url: str, error: LinkError) -> Finding:
     if isinstance(error, LinkBusy):
         return fault(what, str(error), f"see who has it: fuser {url.partition('://')[2]}")
     if isinstance(error, LinkAddressError):

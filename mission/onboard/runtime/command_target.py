@@ -1,4 +1,4 @@
-"""What the operator's side and the runtime ask of each other: types, and how a refusal is written.
+"""What the operator's side and the runtime ask of each other: types, and how an answer is written.
 
 What does not live here: the rules between them (topside), the vehicle's behaviour (engine).
 """
@@ -11,10 +11,19 @@ from typing import Protocol
 from mission.model import Verdict
 from protocol.messages import (
     Ack,
+    ClearMission,
     Command,
+    Manual,
+    MissionLine,
+    NodeSwitch,
+    Relay,
+    SetSafety,
+    SetTime,
+    StartMission,
     Status,
     StoreReport,
 )
+from protocol.topside import answer
 
 MODEM = "modem"  # the link whose frames travel in envelopes under water
 
@@ -37,10 +46,7 @@ class MissionRefused(ValueError):
 
 
 class CommandTarget(Protocol):
-    """What the operator's commands act upon; the runtime is one. ``cannot_relay``: why the vehicle
-    takes no M, R and D at all, "" if it has them (R14)."""
-
-    cannot_relay: str
+    """What the operator's commands act upon; the runtime is one."""
 
     @property
     def state(self) -> str:
@@ -65,6 +71,18 @@ class CommandTarget(Protocol):
         """An M that was refused: a stick is held somewhere (R6)."""
         ...
 
+    def cannot_relay(self, frame: bytes) -> str:
+        """Why the vehicle has no such M, R or D, "" if it has (R14)."""
+        ...
+
+    def notice(self, text: str) -> None:
+        """Something that the journal should have."""
+        ...
+
+    def meaning_of_no(self, frame: bytes) -> str:
+        """Why the vehicle has probably refused this frame, "" if nothing is known."""
+        ...
+
     def relay(self, frame: bytes, reason: str, manual: bool) -> str:
         """Why it will not leave, "" if it will."""
         ...
@@ -86,3 +104,27 @@ def one_line(text: str) -> str:
     text = text.translate(_CARRIED)
     kept = (c if " " <= c <= "~" else " " for c in text)
     return " ".join("".join(kept).split())[:REFUSAL_CHARACTERS]
+
+
+_NAMES: dict[type, str] = {
+    NodeSwitch: "NS",
+    StartMission: "AA",
+    ClearMission: "AC",
+    MissionLine: "AW",
+    SetTime: "ST",
+    SetSafety: "SP",
+    Relay: "relay",
+    Manual: "manual",
+}
+
+
+def name_of(command: Command) -> str:
+    """As a refusal has it."""
+    return _NAMES[type(command)]
+
+
+def acknowledge(command: Command, accepted: bool, now: float) -> Ack | None:
+    """R2; None for what only the STM32 may answer."""
+    if isinstance(command, Relay | Manual):
+        return None
+    return answer(name_of(command), accepted, now)

@@ -77,7 +77,6 @@ class Frontseat:
     """
 
     gap = GAP_S  # s that the line needs between two frames
-    cannot_relay = ""
 
     def __init__(
         self,
@@ -128,6 +127,10 @@ class Frontseat:
         else:
             self._queue.extend(frames)
         return None
+
+    def cannot_relay(self, frame: bytes) -> str:
+        """R, M and D are this board's own words."""
+        return ""
 
     def relay(self, data: bytes, reason: str, manual: bool = False) -> str:
         """Pass a frame on unchanged; why not, "" if it will leave. A manual one ends every Z, the

@@ -88,7 +88,7 @@ class OperatorChannel(Protocol):
 
 class StreamChannel:
     def __init__(self, tolerances: Tolerances) -> None:
-        self._codec = _Listener(tolerances)
+        self._codec, self._tolerances = _Listener(tolerances), tolerances
         self._out: list[tuple[bytes, str]] = []
 
     def receive(self, data: bytes, now: float) -> list[Heard]:
@@ -99,7 +99,7 @@ class StreamChannel:
         return self._codec.flush(now) if due is not None and due <= now else []
 
     def send(self, answer: Answer, now: float, reason: str, unasked: bool = False) -> None:
-        self._out.append((encode(answer), reason))
+        self._out.append((encode(answer, self._tolerances), reason))
 
     def outgoing(self, now: float) -> Sequence[tuple[bytes, str]]:
         if not self._out:
@@ -125,7 +125,8 @@ class ModemChannel:
         return self._opened(self._responder.receive(b"", now), now)
 
     def send(self, answer: Answer, now: float, reason: str, unasked: bool = False) -> None:
-        (self._responder.unasked if unasked else self._responder.answer)(encode(answer), now)
+        say = self._responder.unasked if unasked else self._responder.answer
+        say(encode(answer, self._tolerances), now)
 
     def outgoing(self, now: float) -> list[tuple[bytes, str]]:
         return [(data, "answers by modem") for data in self._responder.outgoing(now)]

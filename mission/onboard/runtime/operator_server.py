@@ -20,14 +20,22 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from mission.model import AUTONOMOUS, Outcome, Result, Tx, Verdict
-from mission.onboard.runtime.command_target import MODEM, Answer, CommandTarget, Peer, one_line
+from mission.onboard.runtime.command_target import (
+    MODEM,
+    Answer,
+    CommandTarget,
+    Peer,
+    acknowledge,
+    name_of,
+    one_line,
+)
 from mission.onboard.runtime.commander import Commander
 from mission.onboard.runtime.copies import Copies
 from mission.onboard.runtime.device_switches import LINK as NODES
 from mission.onboard.runtime.device_switches import NAMES, OPEN, DeviceSwitches
 from mission.onboard.runtime.operator_channels import Heard, OperatorChannel, Unfit
 from mission.onboard.runtime.pending_answers import PendingAnswers
-from mission.onboard.runtime.refusals import Refusals
+from mission.onboard.runtime.refusals import Refusals, refused_set
 from mission.onboard.runtime.uploads import Uploads
 from mission.onboard.store import Store, StoreError
 from protocol.messages import (
@@ -140,8 +148,13 @@ class OperatorServer:
         self._answer_awaiting(ack.function, ack, now)
 
     def order_outcome(self, outcome: Outcome, now: float) -> None:
-        """What became of a STOP or SURFACE at the STM32, for whoever gave it."""
+        """What became of a STOP or SURFACE at the STM32, for whoever gave it; a set that was
+        refused is told with the next ``@AR``."""
         if not isinstance(outcome.command, Order):
+            if outcome.result is Result.REFUSED:
+                why = refused_set(outcome.frame, self._target.meaning_of_no(outcome.frame))
+                self._refusals.note("ZA", why, now)
+                self._target.notice(why)
             return
         letter = "X" if outcome.command is Order.STOP else "W"
         result = YES if outcome.result is Result.ACCEPTED else NO
@@ -235,10 +248,10 @@ class OperatorServer:
 
     def _answer(self, peer: Peer, command: Command, verdict: Verdict, now: float) -> None:
         if verdict.accepted:
-            self._refusals.accepted(_NAMES[type(command)])
+            self._refusals.accepted(name_of(command))
         else:
-            self._refusals.note(_NAMES[type(command)], verdict.why, now)
-        ack = _acknowledge(command, verdict.accepted, now)
+            self._refusals.note(name_of(command), verdict.why, now)
+        ack = acknowledge(command, verdict.accepted, now)
         if ack is not None and (verdict.accepted or self._answer_no):
             self._send(peer, ack, now, verdict.why or "accepted")
 
@@ -343,6 +356,8 @@ class OperatorServer:
         if why and self.commander.reads(peer) and now - self._told >= TELL_S:
             self._told = now
             self._tell(peer, f"relay: {why}", now, why)
+        if why:
+            self._target.notice(f"not relayed for {peer}: {why}")
         return Verdict(not why, why)
 
     def _await_relay(self, peer: Peer, command: Relay, now: float) -> None:
@@ -352,7 +367,7 @@ class OperatorServer:
     def _manual(self, peer: Peer, command: Manual, now: float) -> Verdict:
         if peer.link == MODEM:
             return Verdict(False, "manual control does not go over the modem")
-        if why := self._target.cannot_relay:
+        if why := self._target.cannot_relay(command.frame):
             return self._relayed(peer, why, now)
         if not (verdict := self._target.decide(command, now)).accepted:
             return verdict
@@ -373,22 +388,3 @@ class OperatorServer:
     def _send(self, peer: Peer, answer: Answer, now: float, reason: str) -> None:
         if peer in self._paths:
             self._paths[peer].send(answer, now, reason)
-
-
-_NAMES: dict[type, str] = {
-    NodeSwitch: "NS",
-    StartMission: "AA",
-    ClearMission: "AC",
-    MissionLine: "AW",
-    SetTime: "ST",
-    SetSafety: "SP",
-    Relay: "relay",
-    Manual: "manual",
-}
-
-
-def _acknowledge(command: Command, accepted: bool, now: float) -> Ack | None:
-    """R2; None for what only the STM32 may answer."""
-    if isinstance(command, Relay | Manual):
-        return None
-    return answer(_NAMES[type(command)], accepted, now)

@@ -65,6 +65,23 @@ class Observer(Protocol):
         """One per telemetry."""
         ...
 
+    def notice(self, text: str) -> None:
+        """Something that was refused, and why: for people."""
+        ...
+
+
+class Nobody:
+    """An ``Observer`` who looks away."""
+
+    def step(self, step: Step) -> None:
+        pass
+
+    def estimate(self, estimate: Estimate) -> None:
+        pass
+
+    def notice(self, text: str) -> None:
+        pass
+
 
 class ListRecorder:
     """All records in memory."""

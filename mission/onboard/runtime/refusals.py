@@ -45,6 +45,13 @@ class Refusals:
         return self._words[: REFUSAL_CHARACTERS - len(ago)] + ago
 
 
+def refused_set(frame: bytes, meaning: str) -> str:
+    """``frame``: what the vehicle answered N; or why it has no word for the set."""
+    text = frame.decode("ascii", "replace")
+    said = f"the vehicle refused {text}" if frame.startswith(b"@") else f"no word for it: {text}"
+    return f"{said}: {meaning}" if meaning else said
+
+
 def in_words(seconds: float) -> str:
     if seconds < 120.0:
         return f"{seconds:.0f} s"

@@ -3,15 +3,20 @@
     newest command --> its frames, once the line is free --> every ``period`` the same --> board
 
 The frames of the newest command go out as soon as the line has carried those before, and then every
-``period``; a board that hears nothing for its own time of silence goes neutral by itself. Whatever
-was sent counts as accepted: that it is followed is seen by telemetry alone. Nothing of the
-operators' is relayed: these boards have no M, R or D (R14).
+``period``; a board that hears nothing for its own time of silence goes neutral by itself. A board
+that has to be kept awake is told to stop before anything is asked of it, and by nobody. Whatever
+was sent counts as accepted: that it is followed is seen by telemetry alone.
+
+A word of the stick becomes frames of the board's own, where it has such; 600 ms without one the
+board is told to stop, as the STM32 would by itself (R6). Nothing is passed on as it came: what the
+board has no frames for is refused, and what held goes on (R14).
 
 What does not live here: boards that acknowledge (frontseat), frames (protocol.vehicles).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from mission.model import Action, Outcome, Result, Tx
@@ -20,13 +25,18 @@ from protocol.messages import Ack, Order, Setpoint
 
 BITS_PER_BYTE = 10  # 8N1
 BITS_PER_S = 115200
+STICK_S = 0.6  # R6
+_LET_GO = Action(Order.STOP, f"no M for {1000 * STICK_S:.0f} ms: neutral")
+
+
+def _no_stick(held: Setpoint, word: bytes) -> Setpoint:
+    raise CannotEncode("this vehicle has no M, R or D")
 
 
 class Repeater:
     """To the runtime the same as a ``Frontseat``."""
 
     gap = 0.0  # s: frames are delimited by their bytes
-    cannot_relay = "this vehicle has no M, R or D"
 
     def __init__(
         self,
@@ -34,35 +44,59 @@ class Repeater:
         period: float,
         link: str = "vehicle",
         bits_per_s: float = BITS_PER_S,
+        kept_awake: str = "",
+        stick: Callable[[Setpoint, bytes], Setpoint] = _no_stick,
     ) -> None:
+        """``kept_awake``: why the board is told to stop before anything is asked of it, and goes on
+        being told; "": it is not. ``stick``: what an M asks for, upon what the stick held."""
         self._encode, self._period, self._link = encode, period, link
+        self._steer = stick
         self._seconds_per_byte = BITS_PER_BYTE / bits_per_s
         self._frames: list[bytes] = []
         self._action: Action | None = None
         self._is_new = False
+        self._stick: Setpoint | None = None  # what it holds
+        self._lets_go = math.inf  # when it counts as let go
         self._due = self._free = 0.0  # when it is said again; from when on the line may be used
+        if kept_awake:
+            self._action, self._frames = Action(Order.STOP, kept_awake), encode(Order.STOP)
 
     def command(self, action: Action) -> Outcome | None:
         try:
-            self._frames = self._encode(action.command)
+            self._take(action, None)
         except CannotEncode as error:
             return Outcome(Result.REFUSED, str(error).encode(), action.command)
-        self._action, self._is_new = action, True
         return None
 
+    def cannot_relay(self, frame: bytes) -> str:
+        """Why the board has nothing for it, "" if it has."""
+        try:
+            self._encode(self._steer(self._stick or Setpoint(), frame))
+        except CannotEncode as error:
+            return str(error)
+        return ""
+
     def relay(self, data: bytes, reason: str, manual: bool = False) -> str:
-        return self.cannot_relay
+        if why := self.cannot_relay(data):
+            return why
+        setpoint = self._steer(self._stick or Setpoint(), data)
+        self._take(Action(setpoint, reason), setpoint)
+        return ""
 
     def answer(self, ack: Ack, now: float) -> Outcome | None:
         return None
 
     def poll(self, now: float) -> tuple[list[Tx], list[Outcome]]:
+        if now >= self._lets_go:
+            self._take(_LET_GO, Setpoint())
         action = self._action
         if action is None or now < self._free or not (self._is_new or now >= self._due):
             return [], []
         outcomes = []
-        if self._is_new:
+        if self._is_new and self._stick is None:
             outcomes = [Outcome(Result.ACCEPTED, d, action.command) for d in self._frames]
+        if self._is_new and self._stick is not None and action is not _LET_GO:
+            self._lets_go = now + STICK_S
         reason = action.reason if self._is_new else f"{action.reason} (held)"
         self._is_new, self._due = False, now + self._period
         self._free = now + sum(map(len, self._frames)) * self._seconds_per_byte
@@ -71,4 +105,11 @@ class Repeater:
     def next_timer(self) -> float | None:
         if self._action is None:
             return None
-        return self._free if self._is_new else max(self._due, self._free)
+        due = self._free if self._is_new else max(self._due, self._free)
+        return min(due, self._lets_go)
+
+    def _take(self, action: Action, stick: Setpoint | None) -> None:
+        """Raises CannotEncode, and then what held goes on."""
+        self._frames = self._encode(action.command)
+        self._action, self._is_new = action, True
+        self._stick, self._lets_go = stick, math.inf

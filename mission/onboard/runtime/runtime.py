@@ -66,6 +66,7 @@ from protocol.messages import (
 from protocol.nmea import NmeaDecoder
 from protocol.tolerances import Tolerances
 from protocol.vehicles import codec as vehicle_codec
+from protocol.vehicles import line_rate
 
 if TYPE_CHECKING:
     from mission.navigation import Navigation
@@ -93,16 +94,17 @@ class Runtime:
         self._configuration, self._vehicle = configuration, vehicle
         self._store = WatchedStore(store, self._failed_write)
         self.judge = MissionValidator(vehicle, configuration.ascent_only)
-        self._recorder, self._observer = recorder, observer
+        self._recorder, self._observer = recorder, observer or rec.Nobody()
+        self.notice = self._observer.notice
         start = rec.Start(__version__, configuration, vehicle, store.content, wall)
         self._record(rec.start_record, start, 0.0)
         self._clock = WallClock(wall, configuration.utc_offset)
-        self._codec = vehicle_codec(
-            vehicle.codec, vehicle.dialect, vehicle.tolerances, vehicle.battery_scale
-        )
+        self._codec = vehicle_codec(*vehicle.speaks)
+        self.meaning_of_no = self._codec.meaning_of_no
         self._gps = NmeaDecoder()
         links = configuration.links
-        self._frontseat = line_to(self._codec, VEHICLE, links.vehicle)
+        rate = line_rate(vehicle.codec, vehicle.wire)
+        self._frontseat = line_to(self._codec, VEHICLE, links.vehicle, rate)
         self.gap, self.cannot_relay = self._frontseat.gap, self._frontseat.cannot_relay
         self._topside = OperatorServer(
             self,
@@ -250,8 +252,7 @@ class Runtime:
             self._step(now, inputs)
         if heard and (estimate := self._engine.estimate) is not None:
             self._record(rec.estimate_record, estimate)
-            if self._observer is not None:
-                self._observer.estimate(estimate)
+            self._observer.estimate(estimate)
 
     def _from_gps(self, messages: Sequence[Fix | FrameFault], now: float) -> None:
         for message in messages:
@@ -266,8 +267,7 @@ class Runtime:
         for step in outputs.steps:
             self._record(rec.step_record, step)
             self._note(step)
-            if self._observer is not None:
-                self._observer.step(step)
+            self._observer.step(step)
         for action in outputs.actions:
             refused = self._frontseat.command(action)
             if refused is not None:

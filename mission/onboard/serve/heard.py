@@ -50,7 +50,7 @@ def hear(name: str, records: Iterable[Record]) -> Log:
         vehicle = rec.read_start(first).vehicle
     except (ValueError, KeyError, TypeError) as error:
         raise LogError(f"{name}: the start record is not one of this version: {error}") from error
-    board = codec(vehicle.codec, vehicle.dialect, vehicle.tolerances, vehicle.battery_scale)
+    board = codec(*vehicle.speaks)
     gps = NmeaDecoder()
     inputs: list[Heard] = []
     for record in stream:

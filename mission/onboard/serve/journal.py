@@ -126,6 +126,9 @@ class Journal:
     def estimate(self, estimate: Estimate) -> None:
         """Not for people."""
 
+    def notice(self, text: str) -> None:
+        self.warning(text, kind="refused commands")
+
     def _now_in(self, path: str, because: str) -> None:
         level = WARNING if path.startswith(EMERGENCY) else INFO
         self._write(f"{level}: now {path} - {because}")
@@ -144,6 +147,10 @@ class Several:
     def estimate(self, estimate: Estimate) -> None:
         for observer in self._observers:
             observer.estimate(estimate)
+
+    def notice(self, text: str) -> None:
+        for observer in self._observers:
+            observer.notice(text)
 
 
 class Tally:

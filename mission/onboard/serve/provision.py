@@ -33,6 +33,7 @@ from mission.onboard.configuration import (
     load_configuration,
 )
 from mission.onboard.kept import Homes
+from mission.onboard.rates import rated
 from mission.onboard.serve.listening import listening
 from mission.onboard.serve.working import Working, find, keep
 from mission.onboard.store import DiskStore, LostStore, Store, StoreError
@@ -79,6 +80,7 @@ def provide(
         store = _store(configuration.store)
     if isinstance(store, LostStore):
         faults.append(store.why)
+    configuration = rated(configuration, vehicle)
     return Provision(configuration, vehicle, store, homes, tuple(faults), store.content.damage)
 
 

@@ -22,7 +22,7 @@ from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
 from mission.onboard.kept import Homes, read_summed, write_summed
 from protocol.messages import UPWARD, Order
-from protocol.vehicles import codec
+from protocol.vehicles import codec, line_rate
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ def keep(working: Working, homes: Homes) -> None:
 
 def _plain(working: Working) -> dict[str, object]:
     c, v = working.configuration, working.vehicle
-    made = codec(v.codec, v.dialect, v.tolerances, v.battery_scale)
+    made = codec(*v.speaks)
     ways: dict[str, list[str]] = {}
     for name, command in (("stop", Order.STOP), ("surface", Order.SURFACE), ("up", UPWARD)):
         with contextlib.suppress(ValueError):  # the robot on land has no word for up
@@ -56,6 +56,7 @@ def _plain(working: Working) -> dict[str, object]:
         "vehicle": to_plain(v),
         "ways": ways,
         "period": getattr(made, "period", None),
+        "baud": line_rate(v.codec, v.wire),
     }
 
 

@@ -189,3 +189,6 @@ class OnBoard:
 
     def estimate(self, estimate: Estimate) -> None:
         self._tell_estimate(estimate._replace(t=estimate.t + self._zero))
+
+    def notice(self, text: str) -> None:
+        """Not for this one."""

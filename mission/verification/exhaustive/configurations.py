@@ -45,7 +45,7 @@ from protocol.messages import SetSafety
 from protocol.topside import encode
 
 PROFILES = ("as-built", "documented")
-SPOKEN = "auv"  # the vehicle whose frames wire and laws know
+SPOKEN = "auv"  # the codec whose frames wire and laws know
 DEEP, SHALLOW = 3.0, 0.2  # m
 STICK = b"@MMF5$"
 _NOT_MINE = Position(30.0, 120.0)  # where a mission names no home
@@ -75,7 +75,7 @@ class Ground:
 def ground(path: Path, profile: str) -> Ground:
     """Raises Unreadable, or Unreachable where the mission does not start."""
     prepared = prepare(path)
-    if prepared.vehicle.name != SPOKEN:
+    if prepared.vehicle.codec != SPOKEN:
         raise Unreachable(
             f"{path}: for {prepared.vehicle.name}, and this proof speaks the bytes of {SPOKEN} "
             "alone; auvmission check and simulate take every vehicle"

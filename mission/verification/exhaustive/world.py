@@ -50,6 +50,9 @@ class Notes:
     def estimate(self, estimate: Estimate) -> None:
         pass
 
+    def notice(self, text: str) -> None:
+        """Not for this one."""
+
 
 class World:
     """``answers`` is the letter of the STM32's acknowledges, "" for none; ``rises_by`` the start

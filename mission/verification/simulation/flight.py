@@ -52,7 +52,7 @@ AFLOAT_S = 600.0  # what buoyancy alone may need
 def fly(
     mission: Mission,
     vehicle: Vehicle,
-    profile: str = "as-built",
+    profile: str = "",
     seed: int = 0,
     settings: Settings | None = None,
     recorder: Recorder | None = None,
@@ -60,10 +60,10 @@ def fly(
     lines: Sequence[str] | None = None,
     stored: Stored | None = None,
 ) -> Flight:
-    """``profile`` picks the dialect and the firmware together. ``settings`` are the sea and its
-    faults; ``said`` is what the operator sends beside upload and start; ``lines`` go up instead of
-    the mission's own script."""
-    flown = vehicle if vehicle.codec in BOARDS else replace(vehicle, dialect=profile)
+    """``profile`` picks the dialect and the firmware together; "": the vehicle file does.
+    ``settings`` are the sea and its faults; ``said`` is what the operator sends beside upload and
+    start; ``lines`` go up instead of the mission's own script."""
+    flown = vehicle if vehicle.codec in BOARDS or not profile else replace(vehicle, dialect=profile)
     operator = Operator(lines or script(mission), digest(mission), said)
     with uncollected():  # the collector finds nothing, and takes 2 % of a flight
         loop = _LockStep(
@@ -89,7 +89,14 @@ class _LockStep:
         if home is not None:
             position = math.radians(home.latitude_deg), math.radians(home.longitude_deg)
         self.sea: SimulatedVehicle | SimulatedBoard = (
-            SimulatedBoard(vehicle.codec, seed, settings, position=position)
+            SimulatedBoard(
+                vehicle.codec,
+                seed,
+                settings,
+                position=position,
+                tolerances=vehicle.tolerances,
+                wire=vehicle.wire,
+            )
             if vehicle.codec in BOARDS
             else SimulatedVehicle(vehicle.dialect, seed, settings, position=position)
         )

@@ -175,6 +175,9 @@ class FlightLog:
         if self.started is not None and self.ended is None:
             self.estimates.append(estimate)
 
+    def notice(self, text: str) -> None:
+        """Not for this one."""
+
     def flight(self, operator_failure: str, report: FlightEnd) -> Flight:
         start = self.started or 0.0
         last = self.ended if self.ended is not None else report.t

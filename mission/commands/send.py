@@ -1,0 +1,207 @@
+"""``auvmission send``: any word of document 000 to a vehicle; any frame to a port that is free."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from mission.commands.operator import TO
+from mission.commands.options import AS_JSON
+
+if TYPE_CHECKING:
+    from mission.onboard.configuration import Configuration
+
+
+ANSWER_S = 1.0
+
+
+@click.command()
+@click.argument("word", required=False)
+@click.argument("values", nargs=-1, metavar="[NAME=VALUE]...")
+@TO
+@AS_JSON
+@click.option("--list", "listed", is_flag=True, help="Show every word with an example.")
+@click.option("--port", metavar="URL", help="Instead of --to: a board's own port; no serve has it.")
+@click.option("--text", help="With --port: these characters as they are, e.g. '@RI$'.")
+@click.option("--hex", "as_hex", metavar="HEX", help="With --port: these bytes; on CAN ID#DATA.")
+@click.option("--every", type=click.FloatRange(min=0.01), default=0.1, show_default=True,
+              metavar="SECONDS", help="With --port and --for: again so often.")  # fmt: skip
+@click.option("--for", "seconds", type=click.FloatRange(min=0.0), default=0.0, metavar="SECONDS",
+              help="With --port: say it again for so long; boards go neutral without.")  # fmt: skip
+@click.option("--link", "link_name", metavar="NAME",
+              help="With --port: show what comes back for a second, as listen does.")  # fmt: skip
+@click.option("-c", "--config", type=click.Path(path_type=Path),
+              help="As for serve: whose ports may be taken.")  # fmt: skip
+def send(
+    word: str | None,
+    values: tuple[str, ...],
+    to: str,
+    as_json: bool,
+    listed: bool,
+    port: str | None,
+    text: str | None,
+    as_hex: str | None,
+    every: float,
+    seconds: float,
+    link_name: str | None,
+    config: Path | None,
+) -> None:
+    """Say a word of document 000 to the vehicle, and tell what it answers.
+
+    WORD is SP, NS, MM and so on; its values have the names of docs/protocol.md. What no vehicle
+    would take is refused here; what the vehicle refuses is told with its reason. Exit 0 when it is
+    acknowledged, or, for words that nothing acknowledges, when the Pi has it; 1 when it is refused
+    or not answered.
+
+    With --port a frame of any document (rov.DOWN, ...) goes straight to a board, or bytes as they
+    are: on deck, for tests. Nobody watches then, and nothing is stopped but by the board itself.
+    """
+    from mission.commands.words import say_word
+
+    if listed:
+        _list()
+        return
+    if port is None:
+        if word is None or text is not None or as_hex is not None:
+            raise click.UsageError("name a WORD (--list shows all); bytes need --port")
+        say_word(to, _word(word), _values(values), as_json)
+        return
+    data = _bytes(port, word, _values(values), text, as_hex)
+    _refuse_held(port, config)
+    _speak(_with_baud(port, link_name or word), data, (every, seconds), link_name, as_json)
+
+
+def _word(name: str) -> str:
+    return name.removeprefix("auv.").removeprefix("@").upper()
+
+
+def _list() -> None:
+    from mission.topside.words import frame_types
+    from protocol.examples import EXAMPLES
+
+    types = frame_types()
+    for example in EXAMPLES:
+        name = example.type.removeprefix("auv.")
+        is_word = example.type.startswith("auv.") and name in types
+        if is_word and types[name].check(example.raw) is None:
+            values = types[name].decode(example.raw)
+            shown = [f"{k}={v}" for k, v in values.items() if k not in ("flags", "effective")]
+            click.echo(" ".join([f"{name:4}", *shown]))
+
+
+def _values(pairs: tuple[str, ...]) -> dict[str, Any]:
+    """Numbers as numbers, all else as text."""
+    found: dict[str, Any] = {}
+    for pair in pairs:
+        name, equals, value = pair.partition("=")
+        if not equals:
+            raise click.UsageError(f"{pair!r}: write NAME=VALUE")
+        try:
+            found[name] = json.loads(value)
+        except json.JSONDecodeError:
+            found[name] = value
+    return found
+
+
+# --- straight to a board -------------------------------------------------------------------------
+
+
+def _bytes(
+    port: str, word: str | None, values: dict[str, Any], text: str | None, as_hex: str | None
+) -> bytes:
+    if (word, text, as_hex).count(None) != 2:
+        raise click.UsageError("one of WORD, --text and --hex is needed")
+    if text is not None:
+        return text.encode("ascii", "replace")
+    if as_hex is not None:
+        return _from_hex(port, as_hex)
+    assert word is not None
+    return _frame(word, values)
+
+
+def _from_hex(port: str, text: str) -> bytes:
+    from protocol.vehicles.motorcan import from_line
+
+    try:
+        return from_line(text) if port.startswith("can://") else bytes.fromhex(text)
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="--hex") from None
+
+
+def _frame(word: str, values: dict[str, Any]) -> bytes:
+    from protocol.codec import CannotEncode
+    from protocol.vehicles import frame_types
+    from protocol.vehicles.motorcan import CanFrame
+
+    types = frame_types()
+    name = word if word in types else f"auv.{_word(word)}"
+    if name not in types:
+        raise click.UsageError(f"no frame {word!r}; there are: {', '.join(sorted(types))}")
+    frame = types[name]
+    try:
+        raw = frame.encode(values)
+    except CannotEncode as error:
+        raise click.UsageError(str(error)) from None
+    carried = frame.decode(raw)
+    if idle := [one for one in values if one not in carried]:
+        known = ", ".join(one for one in carried if one != "flags")
+        raise click.UsageError(f"{name} has no {', '.join(idle)}; its values are: {known}")
+    return frame.record(values) if isinstance(frame, CanFrame) else raw
+
+
+def _with_baud(port: str, of: str | None) -> str:
+    """That of the link or frame, where one is named."""
+    from links.base import LinkError
+    from mission.topside.hearing import with_baud
+
+    try:
+        return with_baud(port, of.lower() if of and "." in of else "auv.")
+    except LinkError as error:
+        raise click.BadParameter(str(error), param_hint="--port") from None
+
+
+def _configuration(config: Path | None) -> Configuration:
+    from mission.onboard.configuration import ConfigurationError, load_configuration
+
+    try:
+        return load_configuration(config)
+    except ConfigurationError as error:
+        click.echo(str(error), err=True)
+        raise SystemExit(2) from None
+
+
+def _refuse_held(port: str, config: Path | None) -> None:
+    import time
+
+    from mission.onboard.doctor.holder import holder
+
+    held = holder(port, _configuration(config), time.time())
+    if held is not None:
+        says = f"{port}: serve (process {held.process}) has it: say it with --to, or stop serve"
+        click.echo(says, err=True)
+        raise SystemExit(1)
+
+
+def _speak(
+    url: str, data: bytes, repeat: tuple[float, float], link_name: str | None, as_json: bool
+) -> None:
+    """``repeat``: every so many s, for so many s."""
+    from links.base import LinkError
+    from mission.commands.decode import link_row
+    from mission.topside import hearing
+    from mission.topside.console import speak
+    from protocol.tolerances import Tolerances
+
+    ear = None if link_name is None else hearing.Hearing(link_row(link_name), Tolerances())
+    form = hearing.as_json if as_json else hearing.as_line
+    try:
+        for rx in speak(url, data, repeat, ANSWER_S if ear else 0.0):
+            for heard in ear.receive(rx) if ear else ():
+                click.echo(form(heard, False))
+    except LinkError as error:
+        click.echo(str(error), err=True)
+        raise SystemExit(1) from None
+    click.echo(f"sent: {data.decode() if data.isascii() else data.hex(' ')}", err=True)

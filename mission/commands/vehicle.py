@@ -1,0 +1,145 @@
+"""``auvmission vehicle``: a simulated vehicle to practise with, as a process of its own."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mission.commands.options import AS_JSON, PROFILE, SEED, SETTINGS
+
+if TYPE_CHECKING:
+    from links.simulated.pty import Simulated
+
+MARK = "# Written by auvmission vehicle"
+
+
+@click.command()
+@click.argument("name", metavar="[VEHICLE]", default="auv")
+@PROFILE
+@SEED
+@SETTINGS
+@click.option("--speed", type=click.FloatRange(0.1, 20.0), default=1.0, show_default=True,
+              help="Times real time; serve needs the same.")  # fmt: skip
+@click.option("--position", "place", metavar="LAT,LON",
+              help="Where it lies at the beginning, in degrees.")  # fmt: skip
+@click.option("--port", type=click.IntRange(1, 65535), default=4000, show_default=True,
+              help="Where its serve listens for the boat, on this computer.")  # fmt: skip
+@click.option("--modem", metavar="URL", help="Of its acoustic modem, e.g. one end of `water`.")
+@click.option("--folder", type=click.Path(path_type=Path, file_okay=False),
+              help="For serve.yaml, the ports, serve; default: out/VEHICLE.")  # fmt: skip
+@click.option("--track", type=click.Path(path_type=Path, dir_okay=False),
+              help="Write its true track here in the end.")  # fmt: skip
+@AS_JSON
+def vehicle(
+    name: str,
+    profile: str | None,
+    seed: int,
+    settings: tuple[str, ...],
+    speed: float,
+    place: str | None,
+    port: int,
+    modem: str | None,
+    folder: Path | None,
+    track: Path | None,
+    as_json: bool,
+) -> None:
+    """Simulate a vehicle (auv, coreboard, rov, robot) behind ports of this computer.
+
+    Its board, and the AUV's GPS receiver, are at FOLDER/vehicle and FOLDER/gps, as if plugged in;
+    FOLDER/serve.yaml is a configuration for them. Then, in other terminals: serve, and the commands
+    of the boat. Ctrl-C ends it.
+    """
+    from links.simulated.process import position, serve
+    from links.simulated.settings import SettingError
+
+    try:
+        made = _made(name, profile, seed, settings, position(place))
+    except (SettingError, ValueError) as error:
+        click.echo(str(error), err=True)
+        raise SystemExit(2) from None
+    where = (folder or Path("out") / Path(name).stem).resolve()
+    config = _room(where)
+
+    def ready(*paths: str) -> None:
+        ports = _plugged(where, paths)
+        urls = {"gps": None, **ports, "topside": f"tcp://127.0.0.1:{port}", "modem": modem}
+        config.write_text(_configuration(name, where, urls), encoding="utf-8")
+        _tell(name, config, ports, port, speed, as_json)
+
+    try:
+        told = serve(made, speed, ready, track)
+    finally:
+        for label in ("vehicle", "gps"):
+            (where / label).unlink(missing_ok=True)
+    if told == signal.SIGINT:
+        raise KeyboardInterrupt
+
+
+def _made(
+    name: str, profile: str | None, seed: int, texts: tuple[str, ...], place: tuple[float, float]
+) -> Simulated:
+    """Raises ValueError."""
+    from links.simulated.boards import BOARDS, SimulatedBoard
+    from links.simulated.link import SimulatedVehicle
+    from links.simulated.settings import parse_settings
+    from mission.model.shipped import load_vehicle
+
+    loaded, chosen = load_vehicle(name), parse_settings(texts)
+    if loaded.codec == "auv":
+        return SimulatedVehicle(profile or loaded.dialect, seed, chosen, position=place)
+    if loaded.codec not in BOARDS:
+        raise ValueError(f"{name}: there is no simulated board for {loaded.codec}")
+    return SimulatedBoard(loaded.codec, seed, chosen, position=place)
+
+
+def _room(folder: Path) -> Path:
+    """The configuration's place; one that somebody else has written is left alone."""
+    config = folder / "serve.yaml"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if config.exists() and not config.read_text(encoding="utf-8").startswith(MARK):
+            raise click.UsageError(f"{config} is not of a simulated vehicle: give another --folder")
+    except OSError as error:
+        raise click.UsageError(f"{folder}: {error.strerror or error}") from None
+    return config
+
+
+def _plugged(folder: Path, paths: tuple[str, ...]) -> dict[str, str]:
+    """The ports under names that stay."""
+    ports = {}
+    for label, path in zip(("vehicle", "gps"), paths, strict=False):
+        (folder / label).unlink(missing_ok=True)
+        (folder / label).symlink_to(path)
+        ports[label] = f"serial://{folder / label}"
+    return ports
+
+
+def _configuration(name: str, folder: Path, urls: Mapping[str, str | None]) -> str:
+    import json
+
+    file = str(Path(name).resolve()) if Path(name).is_file() else name
+    return (
+        f"{MARK}: the configuration of its serve.\n"
+        f"vehicle: {json.dumps(file)}\n"
+        f"folder: {json.dumps(str(folder / 'pi'))}\n"
+        f"links: {json.dumps(urls)}\n"
+    )
+
+
+def _tell(
+    name: str, config: Path, ports: dict[str, str], port: int, speed: float, as_json: bool
+) -> None:
+    import json
+    import time
+
+    if as_json:
+        click.echo(json.dumps({**ports, "config": str(config), "wall": time.time()}))
+        return
+    factor = "" if speed == 1.0 else f" --speed {speed:g}"
+    click.echo(f"simulated {name}: {', '.join(ports.values())}")
+    click.echo(f"  auvmission serve -c {config}{factor}")
+    click.echo(f"  auvmission status --to tcp://127.0.0.1:{port}")

@@ -1,0 +1,64 @@
+"""The boards of the four documents, as a person mends them: what they are called, why they may say
+nothing, what they do when nobody speaks to them.
+
+What does not live here: what is found (port_probe, doctor), frames and times (protocol.vehicles).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mission.model.vehicle import Vehicle
+from protocol.vehicles import coreboard, motorcan, robot, rov
+
+
+@dataclass(frozen=True, slots=True)
+class Board:
+    """``quiet``: why all may be well though it is silent, "" if nothing explains that. ``switch``:
+    what gives a sensor its power. ``silence``: s without a word after which it goes neutral by
+    itself, None: it never does. ``beside``: what works without Pi and board."""
+
+    name: str
+    quiet: str
+    switch: str
+    silence: float | None
+    beside: str
+    reports: bool = True
+
+
+BOARDS = {
+    "auv": Board(
+        "the STM32",
+        "in manual it sends no @SD",
+        "auvmission power",
+        None,
+        "a rope or a drop weight",
+    ),
+    "coreboard": Board(
+        "the core board",
+        "",
+        "a frame of serve switches its INS on (byte 43): look again with serve running",
+        coreboard.SILENCE,
+        "a rope or a drop weight",
+    ),
+    "motorcan": Board(
+        "the motor boards",
+        "they report nothing",
+        "they have no sensors",
+        motorcan.SILENCE,
+        "a rope or a drop weight",
+        reports=False,
+    ),
+    "rov": Board("the ROV's board", "", "it has no switch for it", rov.SILENCE, "its tether"),
+    "robot": Board(
+        "the robot's board",
+        "",
+        "it has no switch for it",
+        robot.SILENCE,
+        "its power switch at hand",
+    ),
+}
+
+
+def board(vehicle: Vehicle) -> Board:
+    return BOARDS[vehicle.codec]

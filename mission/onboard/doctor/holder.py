@@ -1,0 +1,58 @@
+"""Which of the links of a serve that runs here a URL names: two programs at one port would each get
+half of its bytes.
+
+What does not live here: the exclusive use of a serial port (links.serial), which a serve of another
+folder has all the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from links import parse_address
+from links.base import LinkError
+from mission.onboard.configuration import Configuration
+from mission.onboard.serve import health
+from mission.onboard.serve.listening import listening
+
+
+@dataclass(frozen=True, slots=True)
+class Holder:
+    """``link``: its name in serve's configuration; ``box``: the black box, None if none is told."""
+
+    process: int
+    link: str
+    box: Path | None
+
+
+def holder(url: str, configuration: Configuration, wall: float) -> Holder | None:
+    """None where no serve with the configuration's folder has it."""
+    running = health.read(configuration.folder, wall)
+    if running is not None:
+        urls = {name: link["url"] for name, link in running["links"].items()}
+        box = Path(running["black_box"]) if running["black_box"] else None
+        process = int(running["pid"])
+    else:
+        mute = health.mute(configuration.folder, wall)
+        if mute is None:
+            return None
+        links = configuration.links
+        urls = {"vehicle": links.vehicle, "gps": links.gps, "modem": links.modem}
+        urls["topside"] = listening(links.topside)
+        box, process = None, mute
+    for name, theirs in urls.items():
+        if theirs is not None and _place(theirs) == _place(url):
+            return Holder(process, name, box)
+    return None
+
+
+def _place(url: str) -> tuple[object, ...]:
+    """What a URL names, whatever its options; a device by any of its names."""
+    try:
+        address = parse_address(url)
+    except LinkError:
+        return (url,)
+    if address.scheme == "serial":
+        return (Path(address.path).resolve(),)
+    return address.scheme, address.host, address.port, address.path

@@ -1,0 +1,32 @@
+"""How fast each serial port is opened: at its own URL's rate, else at that of its role.
+
+    vehicle   the rate of its document, or the key ``baud`` of its vehicle file's ``wire``
+    gps       9600 bit/s (NMEA 0183 receivers)
+    modem     115200 bit/s (document 000)
+
+What does not live here: opening them (links), the rate of a vehicle (protocol.vehicles).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from links import at_rate
+from mission.model.vehicle import Vehicle
+from mission.onboard.configuration import Configuration
+from protocol.modem import BAUD as MODEM_BAUD
+from protocol.vehicles import line_rate
+
+GPS_BAUD = 9600
+
+
+def rated(configuration: Configuration, vehicle: Vehicle) -> Configuration:
+    """Every port's URL tells its rate."""
+    links = configuration.links
+    told = replace(
+        links,
+        vehicle=at_rate(links.vehicle, line_rate(vehicle.codec, vehicle.wire)),
+        gps=None if links.gps is None else at_rate(links.gps, GPS_BAUD),
+        modem=None if links.modem is None else at_rate(links.modem, MODEM_BAUD),
+    )
+    return replace(configuration, links=told)

@@ -1,0 +1,191 @@
+"""The shell around a stick: terminal, pad and link in one loop, and an end whatever is lost.
+
+    keys, pad --> Helm --M--> link --> serve        @DU and @AQ in turn, every 0.5 s <-- answers
+
+Whoever is lost (terminal, pad, this program), no further M is sent, and the vehicle is stopped by
+the Pi 2 s after the last (R6). A link that answers nothing for ``LOST_S`` is given up, and what has
+not arrived is never to arrive: the stick of some seconds ago is no command.
+
+    Lost        (the operator must act: says what is gone)
+
+What does not live here: what is sent when (helm), what keys mean (keyboard), pads (joystick).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import socket
+import struct
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from links import open_link
+from links.base import Link, LinkError
+from mission.topside.console import Unreachable, degrees
+from mission.topside.helm import PERIOD_S, Helm, Push
+from mission.topside.joystick import Joystick
+from mission.topside.keyboard import Keyboard, Wish
+from mission.topside.upload import OperatorError
+from protocol.messages import Ack, DataQuery, FrameFault, Order, Status, StoreQuery, StoreReport
+from protocol.topside import EMERGENCIES, Answer, ConsoleCodec, encode
+
+ASK_S = 0.5
+LOST_S = 2.0
+_READ = 512
+_ABORT = struct.pack("ii", 1, 0)  # SO_LINGER: what waits is dropped
+
+
+class Lost(OperatorError):
+    pass
+
+
+@dataclass(slots=True)
+class Seen:
+    """What the line of the terminal is made of; times in s of the monotonic clock."""
+
+    gear: int = 0
+    sent: bytes = b""
+    answered: float = 0.0
+    stop: str = ""
+    status: Status | None = None
+    store: StoreReport | None = None
+
+    def line(self, now: float) -> str:
+        own = self.status.telemetry if self.status is not None else None
+        depth = "" if own is None or own.depth is None else f"{own.depth:.1f} m deep"
+        heading = None if own is None else degrees(own.heading, 0)
+        refusal = self.store.refusal if self.store is not None else ""
+        parts = (
+            f"gear {self.gear:2}",
+            f"sent {self.sent.decode('ascii'):14}",
+            f"answer {now - self.answered:.1f} s ago",
+            depth,
+            "" if heading is None else f"heading {heading:.0f}",
+            f"of {self.status.time[11:]}" if self.status is not None and self.status.time else "",
+            self.stop,
+            refusal,
+        )
+        return "  ".join(part for part in parts if part)
+
+
+@dataclass(slots=True)
+class Stick:
+    """``keys``: descriptor of the terminal; ``pad``: descriptor and reader of a joystick."""
+
+    keys: int
+    keyboard: Keyboard
+    show: Callable[[str], None]
+    pad: tuple[int, Joystick] | None = None
+    _helm: Helm = field(default_factory=Helm)
+    _seen: Seen = field(default_factory=Seen)
+    _codec: ConsoleCodec = field(default_factory=ConsoleCodec)
+    _asked: int = 0
+    _ask_at: float = 0.0
+
+    def steer(self, url: str) -> None:
+        """Until the operator ends it. Raises Lost, Unreachable."""
+        try:
+            link = open_link("vehicle", url)
+        except LinkError as error:
+            raise Unreachable(str(error)) from error
+        self._seen.answered = self._ask_at = time.monotonic()
+        gone = False
+        try:
+            while self._step(link):
+                pass
+        except LinkError as error:
+            gone = True
+            raise Lost(f"{error}; the vehicle stops 2 s after the last word") from error
+        finally:
+            if not gone:
+                self._end(link)
+            link.close()
+
+    def _step(self, link: Link) -> bool:
+        """False when the operator has ended it."""
+        now = time.monotonic()
+        self._hear(link, now)
+        if now - self._seen.answered > LOST_S:
+            _forget(link)
+            raise LinkError("the vehicle does not answer")
+        self._helm.hold(self._push(now))
+        if words := self._helm.words(now):
+            link.send(b"".join(words), now)
+            self._seen.sent = b" ".join(words)
+        if now >= self._ask_at:
+            self._ask_at = now + ASK_S
+            self._asked += 1
+            link.send(encode(DataQuery() if self._asked % 2 else StoreQuery()), now)
+        self._seen.gear = self.keyboard.gear
+        self.show(self._seen.line(now))
+        return self._wait(link)
+
+    def _push(self, now: float) -> Push | None:
+        typed = self.keyboard.push(now)
+        return typed if typed is not None or self.pad is None else self.pad[1].push(now)
+
+    def _wait(self, link: Link) -> bool:
+        """For the next thing to happen."""
+        now = time.monotonic()
+        due = min(self._helm.next_timer() or self._ask_at, self._ask_at, now + PERIOD_S / 4)
+        pads = [] if self.pad is None else [self.pad[0]]
+        watched = [self.keys, link.fileno(), *pads]
+        ready, _, _ = select.select(watched, [], [], max(0.0, due - now))
+        now = time.monotonic()
+        if self.pad is not None and self.pad[0] in ready:
+            self.pad[1].receive(_read(self.pad[0], "the pad is gone"), now)
+        if self.keys not in ready:
+            return True
+        for wish in self.keyboard.press(_read(self.keys, "the terminal is gone"), now):
+            if wish is Wish.QUIT:
+                return False
+            self._helm.drop()
+            link.send(EMERGENCIES[Order.STOP], now)
+            self._seen.sent = EMERGENCIES[Order.STOP]
+        return True
+
+    def _hear(self, link: Link, now: float) -> None:
+        for rx in link.receive(now):
+            for answer in self._codec.receive(rx.data, now):
+                if not isinstance(answer, FrameFault):
+                    self._take(answer, now)
+
+    def _take(self, answer: Answer, now: float) -> None:
+        self._seen.answered = now
+        match answer:
+            case Status():
+                self._seen.status = answer
+            case StoreReport():
+                self._seen.store = answer
+            case Ack(group="Z"):
+                self._seen.stop = "X acknowledged" if answer.ok else "X NOT acknowledged"
+
+    def _end(self, link: Link) -> None:
+        """Neutral, twice (R1); a link that is gone says nothing any more."""
+        self._helm.hold(None)
+        with contextlib.suppress(LinkError):
+            while not self._helm.is_silent:
+                if words := self._helm.words(time.monotonic()):
+                    link.send(b"".join(words), time.monotonic())
+                else:
+                    time.sleep(PERIOD_S / 10)
+
+
+def _read(descriptor: int, otherwise: str) -> bytes:
+    """Raises Lost."""
+    try:
+        data = os.read(descriptor, _READ)
+    except OSError as error:
+        raise Lost(f"{otherwise}: {error.strerror}") from error
+    if not data:
+        raise Lost(otherwise)
+    return data
+
+
+def _forget(link: Link) -> None:
+    """Words that wait in the system's buffers are not sent when the radio is back."""
+    with contextlib.suppress(OSError), socket.socket(fileno=os.dup(link.fileno())) as same:
+        same.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _ABORT)

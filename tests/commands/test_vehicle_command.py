@@ -1,0 +1,153 @@
+"""The simulated vehicles as processes to practise with: all four, under the real serve and boat."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+from served import PATIENCE, soon
+
+from links.serial import SerialLink
+from links.simulated.boards import BOARDS, SimulatedBoard
+from links.simulated.pty import PtyVehicle
+from mission.cli import main
+from mission.onboard.configuration import load_configuration
+from protocol.framing import Frame
+from protocol.vehicles import link, robot
+
+NAMES = ("auv", *BOARDS)
+REPORTS = {
+    "auv": "auv.SD",
+    "coreboard": "coreboard.MAIN_TO_PC",
+    "rov": "rov.UP",
+    "robot": "robot.UP",
+}
+
+
+def run(*words: str) -> Any:
+    return CliRunner().invoke(main, list(words))
+
+
+@contextmanager
+def process(*words: str) -> Iterator[subprocess.Popen[str]]:
+    command = [sys.executable, "-m", "mission", *words]
+    started = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        yield started
+    finally:
+        started.kill()
+        started.communicate()
+
+
+def line(started: subprocess.Popen[str]) -> str:
+    assert started.stdout is not None
+    return started.stdout.readline()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_vehicle_is_served_watched_and_stopped_as_it_would_be_at_sea(
+    tmp_path: Path, name: str
+) -> None:
+    ready = tmp_path / "ready.json"
+    folder = tmp_path / "it"
+    with process("vehicle", name, "--folder", str(folder), "--json") as sea:
+        said = json.loads(line(sea))
+        assert said["vehicle"] == f"serial://{folder}/vehicle"
+        assert ("gps" in said) == (name == "auv")
+        words = ("-c", said["config"], "--ready-file", str(ready), "--topside", "tcp://127.0.0.1:0")
+        with process("serve", *words):
+            soon(ready.exists, "serve")
+            to = json.loads(ready.read_text())["topside"]
+            soon(lambda: "new" in run("status", "--to", to).stdout, "its reports")
+            stopped = run("stop", "--to", to)
+            assert stopped.exit_code == (0 if name in ("auv", "rov") else 3)
+            heard = run(
+                "listen", said["vehicle"], "-c", said["config"], "--json", "--for", "3",
+                "--link", {"auv": "auv.from_stm32", "coreboard": "coreboard.main_to_pc"}.get(name, f"{name}.up"),
+            )  # fmt: skip
+            types = {json.loads(one).get("type") for one in heard.stdout.splitlines()}
+            assert REPORTS[name] in types
+        sea.send_signal(signal.SIGINT)
+        assert sea.wait(PATIENCE) == 130
+    assert {path.name for path in folder.iterdir()} <= {"serve.yaml", "pi"}
+
+
+@pytest.mark.parametrize("name", sorted(BOARDS))
+def test_a_board_behind_its_port_reports_at_the_pace_of_its_document(name: str) -> None:
+    board = SimulatedBoard(name, 1)
+    row = {"coreboard": "coreboard.main_to_pc"}.get(name, f"{name}.up")
+    with PtyVehicle(board, 20.0) as served:
+        port, framer, found = SerialLink("vehicle", served.paths[0]), link(row).framer(), []
+        for step in range(1, 201):
+            served.step(0.01 * step)
+            for rx in port.receive(0.01 * step):
+                found += framer.receive(rx.data, rx.t)
+        port.close()
+    assert all(isinstance(one, Frame) for one in found)
+    assert len(found) == pytest.approx(2.0 / board.board.period, abs=1)
+
+
+def test_what_is_sent_to_a_boards_port_moves_it() -> None:
+    board = SimulatedBoard("robot", 1)
+    with PtyVehicle(board, 20.0) as served:
+        for word in (
+            ("address=1", f"command={robot.SPEED}", "speed_mm_s=500"),
+            ("address=1", "command=1"),
+        ):
+            ran = run("send", "--port", f"serial://{served.paths[0]}", "robot.DOWN", *word)
+            assert ran.exit_code == 0, ran.stderr
+            served.step(board.now + 0.01)
+        served.step(board.now + 0.2)
+    assert board.plant.u > 0.0
+
+
+def test_the_configuration_that_is_written_is_one_that_serve_reads(tmp_path: Path) -> None:
+    with process("vehicle", "rov", "--folder", str(tmp_path), "--port", "4711") as sea:
+        assert "simulated rov" in line(sea)
+        read = load_configuration(tmp_path / "serve.yaml")
+    assert (read.vehicle, read.links.gps) == ("rov", None)
+    assert read.links.topside == "tcp://127.0.0.1:4711"
+
+
+def test_a_configuration_of_somebody_else_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "serve.yaml").write_text("vehicle: auv\n")
+    ran = run("vehicle", "rov", "--folder", str(tmp_path))
+    assert ran.exit_code == 2
+    assert (tmp_path / "serve.yaml").read_text() == "vehicle: auv\n"
+
+
+def test_the_true_track_is_kept_where_it_is_asked_for(tmp_path: Path) -> None:
+    track = tmp_path / "track.csv"
+    words = ("--folder", str(tmp_path), "--track", str(track), "--position", "30.5,120.5")
+    with process("vehicle", *words, "--speed", "10") as sea:
+        line(sea)
+        time.sleep(0.5)
+        sea.send_signal(signal.SIGTERM)
+        assert sea.wait(PATIENCE) == 0
+    rows = track.read_text().splitlines()
+    assert len(rows) > 2
+    assert rows[1].split(",")[1:3] == ["30.50000000", "120.50000000"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("submarine",),
+        ("rov", "--set", "fault=depth_frozen@10"),
+        ("auv", "--position", "91,0"),
+        ("auv", "--position", "here"),
+    ],
+)
+def test_what_cannot_be_simulated_is_refused_with_exit_2(
+    tmp_path: Path, words: tuple[str, ...]
+) -> None:
+    assert run("vehicle", *words, "--folder", str(tmp_path)).exit_code == 2
