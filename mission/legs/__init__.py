@@ -1,13 +1,23 @@
-"""One file per leg type, and the registry: a new leg type is one file and one row here."""
+"""One file per leg type, and the table: a new leg type is one file and one row here.
+
+``LEGS.register(TYPE)`` adds one from elsewhere: texts, schema, manual, check, pictures, engine and
+campaign go by the table.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from types import MappingProxyType
-
 from mission.legs import follow, goto, hold, loiter, rows, surface, wait, yoyo
-from mission.legs.base import LegType, Pilot, Point, Track, View
+from mission.legs.base import Author, LegType, Pilot, Point, Track, View
+from mission.legs.follow import Follow
+from mission.legs.goto import Goto
+from mission.legs.hold import Hold
+from mission.legs.loiter import Loiter
+from mission.legs.rows import Rows
+from mission.legs.surface import Surface
+from mission.legs.wait import Wait
+from mission.legs.yoyo import Yoyo
 from mission.model import LegKind
+from mission.model.tables import Table
 
 _ROWS = (
     hold.TYPE,
@@ -19,6 +29,28 @@ _ROWS = (
     loiter.TYPE,
     surface.TYPE,
 )
-LEGS: Mapping[type[LegKind], LegType] = MappingProxyType({row.kind: row for row in _ROWS})
 
-__all__ = ["LEGS", "LegType", "Pilot", "Point", "Track", "View"]
+
+def _kind_of(row: LegType) -> type[LegKind]:
+    return row.kind
+
+
+LEGS: Table[type[LegKind], LegType] = Table(_kind_of, _ROWS)
+
+__all__ = [
+    "LEGS",
+    "Author",
+    "Follow",
+    "Goto",
+    "Hold",
+    "LegType",
+    "Loiter",
+    "Pilot",
+    "Point",
+    "Rows",
+    "Surface",
+    "Track",
+    "View",
+    "Wait",
+    "Yoyo",
+]

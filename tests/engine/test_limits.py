@@ -16,6 +16,7 @@ from mission.engine.bounds import Bounds, admit, in_force
 from mission.engine.limits import LIMITS, Limit, On, Response
 from mission.engine.monitor import LimitMonitor
 from mission.engine.vehicle_state import VehicleState
+from mission.legs import Surface
 from mission.model import (
     AUTONOMOUS,
     IDLE_EMPTY,
@@ -26,7 +27,6 @@ from mission.model import (
     By,
     NavigationMode,
     Safety,
-    Surface,
 )
 from mission.model.regions import IDLE
 from mission.model.vehicle import REPORTS

@@ -9,21 +9,9 @@ from dataclasses import replace
 import pytest
 from engine_world import Navigation
 
-from mission.legs import LEGS, View, guidance
+from mission.legs import LEGS, Follow, Goto, Hold, Loiter, Rows, Surface, View, Wait, Yoyo, guidance
 from mission.legs.rows import corners
-from mission.model import (
-    Axis,
-    Follow,
-    Goto,
-    Hold,
-    Local,
-    Loiter,
-    Place,
-    Rows,
-    Surface,
-    Wait,
-    Yoyo,
-)
+from mission.model import Axis, Local, Place
 from protocol.messages import Setpoint, Telemetry
 
 KINDS = (
