@@ -6,6 +6,8 @@ campaign go by the table.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from mission.legs import follow, goto, hold, loiter, rows, surface, wait, yoyo
 from mission.legs.base import Author, LegType, Pilot, Point, Track, View
 from mission.legs.follow import Follow
@@ -35,7 +37,16 @@ def _kind_of(row: LegType) -> type[LegKind]:
     return row.kind
 
 
-LEGS: Table[type[LegKind], LegType] = Table(_kind_of, _ROWS)
+def _fault(row: LegType, others: Iterable[LegType]) -> str:
+    """One word means one thing, whichever leg has it."""
+    known = {clause.word: clause for other in others for clause in other.clauses}
+    if row.name in {*known, *(other.name for other in others)}:
+        return f"{row.name} is a word already"
+    twice = [c.word for c in row.clauses if known.get(c.word, c) != c]
+    return f"{twice[0]} means something else already" if twice else ""
+
+
+LEGS: Table[type[LegKind], LegType] = Table(_kind_of, _ROWS, _fault)
 
 __all__ = [
     "LEGS",

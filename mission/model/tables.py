@@ -12,7 +12,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 K = TypeVar("K")
 R = TypeVar("R")
@@ -20,10 +20,16 @@ T = TypeVar("T")
 
 
 class Table(Mapping[K, R], Generic[K, R]):
-    """Rows by ``key``, in the order in which they were registered."""
+    """Rows by ``key``, in the order in which they were registered. ``fault`` says why a row does
+    not go with the others, or ""."""
 
-    def __init__(self, key: Callable[[R], K], rows: Iterable[R]) -> None:
-        self._key = key
+    def __init__(
+        self,
+        key: Callable[[R], K],
+        rows: Iterable[R],
+        fault: Callable[[R, Iterable[R]], str] = lambda row, others: "",
+    ) -> None:
+        self._key, self._fault = key, fault
         self._rows = {key(row): row for row in rows}
         self._changed: list[Callable[[], None]] = []
 
@@ -37,10 +43,12 @@ class Table(Mapping[K, R], Generic[K, R]):
         return len(self._rows)
 
     def register(self, row: R) -> None:
-        """Raises ValueError if there is such a row already."""
+        """Raises ValueError if there is such a row already, or one that it contradicts."""
         key = self._key(row)
         if key in self._rows:
             raise ValueError(f"{key} is registered already")
+        if fault := self._fault(row, self._rows.values()):
+            raise ValueError(fault)
         self._rows[key] = row
         self._tell()
 
@@ -62,7 +70,7 @@ class Table(Mapping[K, R], Generic[K, R]):
             forget()
 
 
-def derived(*tables: Table[K, R]) -> Callable[[Callable[[], T]], Callable[[], T]]:
+def derived(*tables: Table[Any, Any]) -> Callable[[Callable[[], T]], Callable[[], T]]:
     """Decorates a function of ``tables``: its result is kept until one of them has changed."""
 
     def decorate(make: Callable[[], T]) -> Callable[[], T]:

@@ -21,7 +21,7 @@ from mission.model.tables import derived
 from mission.model.units import UNITS, UnitError, quantity
 
 
-@derived(LEGS)
+@derived(LEGS, VARIABLES)
 def _reserved() -> frozenset[str]:
     return frozenset({*VARIABLES, *UNITS, *SETTINGS, *kinds(), *CLAUSES, "home", "here"})
 

@@ -16,6 +16,7 @@ from random import Random
 from mission.authoring.check import Proved, check_mission
 from mission.authoring.compiler.compiler import CompileErrors, compile_mission
 from mission.authoring.language import MissionErrors, digest, parse
+from mission.engine.variables import VARIABLES
 from mission.legs import LEGS
 from mission.model import Mission
 from mission.model.vehicle import Vehicle
@@ -40,7 +41,7 @@ def generate(seed: int, number: int, vehicle: Vehicle) -> Generated:
     """Raises NoneFound."""
     rng = Random(f"mission {seed} {number}")
     for _ in range(TRIES):
-        text = "\n".join(_Author(rng, f"generated-{number}").lines()) + "\n"
+        text = "\n".join(Writer(rng, f"generated-{number}").lines()) + "\n"
         try:
             mission = parse(text)
             chart = compile_mission(mission, vehicle, digest(mission))
@@ -52,7 +53,9 @@ def generate(seed: int, number: int, vehicle: Vehicle) -> Generated:
     raise NoneFound(f"seed {seed}, mission {number}: none of {TRIES} texts passed the check")
 
 
-class _Author:
+class Writer:
+    """Writes one text, line by line; an Author for the legs' own draws."""
+
     def __init__(self, rng: Random, name: str) -> None:
         self.rng, self.name = rng, name
         self._deepest = rng.choice([6, 10, 15, 25, 40])
@@ -124,14 +127,6 @@ class _Author:
 
     def guard(self) -> str:
         rng = self.rng
-        simple = [
-            f"travelled >= {rng.randint(10, 200)}",
-            f"range > {rng.randint(20, 300)}{rng.choice(['', ' sure 90%'])}",
-            f"depth > {rng.randint(1, self._deepest)}",
-            f"altitude < {rng.randint(1, 5)} sure 90%",
-            f"elapsed > {rng.randint(10, 200)}",
-            f"uncertainty > {rng.randint(10, 100)}",
-            f"temperature < {rng.randint(5, 20)}",
-        ]
-        one, other = rng.sample(simple, 2)
+        drawn = [row.draw for row in VARIABLES.values() if row.draw is not None]
+        one, other = (draw(rng, self._deepest) for draw in rng.sample(drawn, 2))
         return rng.choice([one, one, f"{one} {rng.choice(['and', 'or'])} {other}"])

@@ -2,9 +2,10 @@
 that never holds, a sensor that stands or is gone, ``else`` taken.
 
 The check bounds what can happen, not what is likely. So each row of the language's tables has
-missions (a word without one fails a test; a leg type's stand in its row), and each is flown at the
-edge of what is assumed: the whole current, the farthest start, the deepest floor, the compass and
-the speed as far off as they may be, something withheld for as long as the flight lasts.
+missions (a word without one fails a test; those of leg types and variables stand in their rows),
+and each is flown at the edge of what is assumed: the whole current, the farthest start, the deepest
+floor, the compass and the speed as far off as they may be, something withheld for as long as the
+flight lasts.
 
 What does not live here: the laws of a flight (proofs), the words themselves (language.words).
 """
@@ -23,6 +24,7 @@ from mission.authoring.check import check_mission
 from mission.authoring.check.assumptions import Assumptions
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, parse
+from mission.engine.variables import VARIABLES
 from mission.legs import LEGS
 from mission.legs.base import WAY
 from mission.legs.guidance import GIVES
@@ -57,33 +59,6 @@ REFUSED: Mapping[str, str] = {
     "pitch": "a: pitch 5 for 20",
     "roll": "a: roll 5 for 20",
     "leak": f"a: {WAY} until leak > 0 timeout 20",
-}
-UNTIL: Mapping[str, str] = {
-    "depth": "depth >= 3.5 held 2s",
-    "depth_rate": "depth_rate > 2",
-    "altitude": "altitude < 1 sure 90%",
-    "heading": "heading > 90",
-    "course": "course > 120",
-    "pitch": "pitch > 60",
-    "roll": "roll > 60",
-    "speed": "speed > 5",
-    "ground_speed": "ground_speed > 5",
-    "north": "north > 500",
-    "east": "east > 500",
-    "range": "range > 500 sure 90%",
-    "bearing": "bearing < 90 and range > 500",
-    "distance": "distance > 500",
-    "cross_track": "cross_track > 500",
-    "travelled": "travelled >= 25",
-    "current": "current > 3",
-    "uncertainty": "uncertainty > 900",
-    "fix_age": "fix_age > 900",
-    "temperature": "temperature < -3",
-    "battery": "battery < 1",
-    "battery_power": "battery_power < 1",
-    "elapsed": "elapsed > 30 held 5s",
-    "mission_time": "mission_time > 900",
-    "round": "round > 900",
 }
 CLAUSES: Mapping[str, tuple[str, ...]] = {
     "until": (
@@ -128,9 +103,10 @@ def missions() -> Iterator[tuple[str, str]]:
         for word, bodies in table.items():
             for body in bodies:
                 yield word, body
-    for variable, guard in UNTIL.items():
-        way = _TO if variable in GIVES else WAY
-        yield variable, f"a: {way} until {guard} timeout 40"
+    for row in VARIABLES.values():
+        way = _TO if row.name in GIVES else WAY
+        if row.trial:
+            yield row.name, f"a: {way} until {row.trial} timeout 40"
 
 
 def claims(vehicle: Vehicle) -> Iterator[Claim]:
