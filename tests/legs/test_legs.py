@@ -12,10 +12,12 @@ from random import Random
 import pytest
 from engine_world import Navigation
 
-from mission.authoring.language import parse
+from mission.authoring.language import MissionErrors, parse
+from mission.authoring.language.manual import PARTS
 from mission.legs import LEGS, Follow, Goto, Hold, Loiter, Rows, Surface, View, Wait, Yoyo, guidance
 from mission.legs.rows import corners
-from mission.model import Axis, Local, Place
+from mission.legs.words import NO_HEAD
+from mission.model import Axis, LegKind, Local, Place
 from mission.verification.campaign.generated import Writer
 from protocol.messages import Setpoint, Telemetry
 
@@ -116,6 +118,22 @@ def test_whatever_a_leg_type_draws_or_tries_is_a_mission(row):
         assert row.done(leg.kind)
     for body in row.trials:
         parse(f"mission m\n{body}\n")
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Coil(LegKind):
+    pass
+
+
+def test_a_leg_type_is_known_for_as_long_as_it_is_registered():
+    text = "mission m\na: coil for 5\nb: wait 5\n"
+    for _ in range(2):
+        with pytest.raises(MissionErrors, match="unknown word 'coil'"):
+            parse(text)
+        with LEGS.registered(replace(LEGS[Wait], name="coil", kind=Coil, head=NO_HEAD)):
+            assert parse(text).body[0].kind == Coil()
+            assert "coil" in PARTS["grammar"]()
+        assert "coil" not in PARTS["grammar"]()
 
 
 def test_the_contract_covers_every_row():
