@@ -12,11 +12,24 @@ from random import Random
 import pytest
 from engine_world import Navigation
 
-from mission.authoring.language import MissionErrors, parse
+from mission.authoring.language import MissionErrors, parse, to_yaml
 from mission.authoring.language.manual import PARTS
-from mission.legs import LEGS, Follow, Goto, Hold, Loiter, Rows, Surface, View, Wait, Yoyo, guidance
+from mission.legs import (
+    LEGS,
+    Follow,
+    Goto,
+    Hold,
+    LegType,
+    Loiter,
+    Rows,
+    Surface,
+    View,
+    Wait,
+    Yoyo,
+    guidance,
+)
 from mission.legs.rows import corners
-from mission.legs.words import NO_HEAD
+from mission.legs.words import Choice, Measure, Spot
 from mission.model import Axis, LegKind, Local, Place
 from mission.verification.campaign.generated import Writer
 from protocol.messages import Setpoint, Telemetry
@@ -122,16 +135,31 @@ def test_whatever_a_leg_type_draws_or_tries_is_a_mission(row):
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Coil(LegKind):
-    pass
+    winding: float
+    near: Place | None
+    hand: int
+
+
+COIL = LegType(
+    name="coil",
+    kind=Coil,
+    description="as a snake does",
+    clauses=(
+        Measure("winding", "m", 1, 9, "how tight"),
+        Spot("near", "near", "where"),
+        Choice("hand", {"left": -1, "right": 1}, 1, "which way"),
+    ),
+)
 
 
 def test_a_leg_type_is_known_for_as_long_as_it_is_registered():
-    text = "mission m\na: coil for 5\nb: wait 5\n"
+    text = "mission m\na: coil winding 3 near home hand left for 5\n"
     for _ in range(2):
         with pytest.raises(MissionErrors, match="unknown word 'coil'"):
             parse(text)
-        with LEGS.registered(replace(LEGS[Wait], name="coil", kind=Coil, head=NO_HEAD)):
-            assert parse(text).body[0].kind == Coil()
+        with LEGS.registered(COIL):
+            assert parse(text).body[0].kind == Coil(3.0, "home", -1)
+            assert parse(to_yaml(parse(text))) == parse(text)
             assert "coil" in PARTS["grammar"]()
         assert "coil" not in PARTS["grammar"]()
 

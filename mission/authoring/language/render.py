@@ -131,8 +131,7 @@ def node_pairs(node: Leg | Set, units: bool) -> Iterator[Pair]:
     if isinstance(node, Leg):
         for exit_ in node.exits:
             yield "until", exit_text(exit_, units)
-        timed = LEGS[type(node.kind)].head.shape is Shape.TIME
-        if node.duration is not None and not timed:
+        if node.duration is not None and LEGS[type(node.kind)].head.shape is not Shape.TIME:
             yield "for", quantity_text(node.duration, "s", units)
         if node.timeout is not None:
             yield "timeout", quantity_text(node.timeout, "s", units)
