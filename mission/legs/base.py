@@ -97,7 +97,8 @@ class LegType:
     steers. ``depths`` lists those it may steer to, ``fault`` says what is wrong with its figures.
 
     For the check, ``places`` are those that it names; ``corners`` those between which it stays
-    while it is steered, m from home, of the named ones in m (none are named: none are asked for);
+    while it is steered, m from home, of the named ones in m (none are named: none are asked for;
+    ``straight``: those themselves; none: it may go anywhere, as fast as it goes);
     ``room`` the m that it takes about where it was entered; ``within`` its arrival radius, m.
     ``ends_at_last``: it is done at the last of its corners, not at any.
 
@@ -125,7 +126,7 @@ class LegType:
     fault: Callable[[Any], str] = lambda kind: ""
     depths: Callable[[Any], tuple[float, ...]] = lambda kind: ()
     places: Callable[[Any], tuple[Place, ...]] = lambda kind: ()
-    corners: Callable[[Any, tuple[Point, ...]], tuple[Point, ...]] = lambda kind, named: named
+    corners: Callable[[Any, tuple[Point, ...]], tuple[Point, ...]] = lambda kind, named: ()
     room: Callable[[Any], float] = lambda kind: 0.0
     within: Callable[[Any], float] = lambda kind: 0.0
     ends_at_last: bool = False
@@ -142,6 +143,11 @@ class LegType:
     def awaits_fix(self, kind: LegKind) -> bool:
         """Whether it is done by a position fix only."""
         return bool(self.until_fix) and bool(getattr(kind, self.until_fix))
+
+
+def straight(kind: LegKind, named: tuple[Point, ...]) -> tuple[Point, ...]:
+    """The corners of a leg that goes from place to place."""
+    return named
 
 
 def wrap(angle: float) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mission.legs.base import Author, LegType, View
+from mission.legs.base import Author, LegType, View, straight
 from mission.legs.guidance import GIVES, NEEDS, STEERS
 from mission.legs.waypoints import WITHIN, Waypoints, arrival_fault
 from mission.legs.words import Head, Shape
@@ -45,6 +45,7 @@ TYPE = LegType(
     makes_way=True,
     fault=lambda kind: arrival_fault(kind.within),
     places=lambda kind: (kind.place,),
+    corners=straight,
     within=lambda kind: float(kind.within),
     ends_at_last=True,
     shown=lambda kind: f"goto {place(kind.place)} within {number(kind.within)} m",

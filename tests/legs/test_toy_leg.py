@@ -28,7 +28,7 @@ from mission.legs import LEGS, LegType, Track, View
 from mission.legs.base import WAY, Author
 from mission.legs.guidance import STEERS
 from mission.legs.words import Head, Measure, Shape, Spot
-from mission.model import LegKind, Local, Mission, Place
+from mission.model import Axis, LegKind, Local, Mission, Place
 from mission.model.shipped import load_vehicle
 from mission.onboard.runtime.records import TX, ListRecorder
 from mission.verification.campaign.generated import generate
@@ -45,6 +45,11 @@ class Weave(LegKind):
     sway: float
     each: float
     toward: Place | None
+
+
+@dataclass(frozen=True, slots=True)
+class Plunge(LegKind):
+    pass
 
 
 class Weaver:
@@ -87,7 +92,6 @@ WEAVE = LegType(
     makes_way=True,
     fault=lambda kind: "" if kind.tacks < 100 else "nobody weaves that often",
     places=lambda kind: (kind.toward,) if kind.toward is not None else (),
-    corners=lambda kind, named: (),
     shown=lambda kind: f"weave {kind.tacks} times",
     done=lambda kind: "woven",
     draws=(draw,) * 20,
@@ -158,6 +162,14 @@ def test_it_is_compiled_and_checked() -> None:
     assert {r.rule for r in check_mission(chart(far), VEHICLE).refusals} == {"radius"}
     with pytest.raises(CompileErrors, match="nobody weaves"):
         chart("a: weave 100 sway 20 gear 6 timeout 60")
+
+
+def test_what_its_row_does_not_bound_the_check_takes_for_unbounded() -> None:
+    """A leg type that steers the depth and says not to which may go as deep as it can dive."""
+    plunge = LegType("plunge", Plunge, "down", begin=Weaver, steers=frozenset({Axis.VERTICAL}))
+    with LEGS.registered(plunge):
+        asked = chart("a: plunge heading 0 gear 0 timeout 9min")
+        assert {r.rule for r in check_mission(asked, VEHICLE).refusals} == {"depth"}
 
 
 @pytest.mark.parametrize("suffix", [".svg", ".html", ".mmd", ".dot", ".json", ".scxml"])

@@ -138,6 +138,7 @@ class LegBounds:
         self.places = places_of(self.leg.kind, frame)
         self.ascends = self.row.ascends
         self.depths = self.row.depths(self.leg.kind)  # m, those it may steer to itself
+        self.dives = Axis.VERTICAL in self.row.steers and not self.ascends
         self.leans_on_floor = False  # some bound of it rests on the floor that is assumed
 
     # --- what it takes -----------------------------------------------------------------
@@ -243,6 +244,8 @@ class LegBounds:
             return 0.0, high
         if self.depths:
             return min(low, *self.depths) - OVERSHOOT, max(high, *self.depths) + OVERSHOOT
+        if self.dives:
+            return 0.0, max(high, deepest)
         if s.depth is not None:
             return min(low, s.depth), max(high, min(deepest, s.depth) + OVERSHOOT)
         if s.altitude is None and not (s.heave is not None and s.heave > 0):
@@ -277,7 +280,7 @@ class LegBounds:
     @property
     def _pushes_down(self) -> bool:
         s = self.setpoint
-        held = s.depth is not None or s.altitude is not None or bool(self.depths)
+        held = s.depth is not None or s.altitude is not None or self.dives
         return held or (s.heave is not None and s.heave > 0)
 
     def _above_floor(self, deepest: float, deeper: float) -> float:
