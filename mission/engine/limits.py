@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from mission.engine.watch import Watch
 from mission.model import AUTONOMOUS, MANUAL_WAITING, STOPPED, SURFACED
 from mission.model.regions import IDLE
+from mission.model.tables import Table
 from mission.model.vehicle import Vehicle
 from mission.navigation import distribution
 
@@ -172,7 +173,7 @@ def _leak(watch: Watch) -> bool | None:
 # also where everything should be stopped (R7)
 _EVERYWHERE = frozenset({IDLE, AUTONOMOUS, MANUAL_WAITING, STOPPED, SURFACED})
 
-LIMITS: tuple[Limit, ...] = (
+_ROWS = (
     Limit(
         "depth",
         "depth",
@@ -339,3 +340,10 @@ LIMITS: tuple[Limit, ...] = (
         needs=frozenset({"position"}),
     ),
 )
+
+
+def _name_of(row: Limit) -> str:
+    return row.name
+
+
+LIMITS: Table[str, Limit] = Table(_name_of, _ROWS)

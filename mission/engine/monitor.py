@@ -18,7 +18,7 @@ class LimitMonitor(Watch):
 
     def __init__(self, vehicle: Vehicle, vehicle_state: VehicleState, bounds: Bounds) -> None:
         super().__init__(vehicle, vehicle_state, bounds)
-        self.rows = tuple(row for row in LIMITS if not row.disarmed(vehicle))
+        self.rows = tuple(row for row in LIMITS.values() if not row.disarmed(vehicle))
         self._looked = {
             (reported, fixed): tuple(
                 (row.breached, row)

@@ -34,7 +34,6 @@ from mission.model import (
     Estimate,
     Evaluation,
     Leg,
-    Surface,
 )
 from mission.model.copies import copied
 from mission.model.regions import AGAIN
@@ -232,8 +231,7 @@ class Run:
 
     def _ended(self, vehicle_state: VehicleState) -> bool:
         if self.ascent is not None:
-            kind = self.leg.kind
-            if isinstance(kind, Surface) and kind.until_fix:
+            if self._plan.kind.awaits_fix(self.leg.kind):
                 return vehicle_state.fixed(self.ascent.began)
             return vehicle_state.surfaced(self.ascent.began)
         return self._pilot is not None and self._pilot.finished(self._view(vehicle_state))

@@ -15,12 +15,13 @@ What does not live here: comparisons and Kleene's logic (guards), how a text is 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from types import MappingProxyType
+from random import Random
 
 from mission.legs.base import Track, wrap
 from mission.model import Estimate, Health, NavigationMode, Reading
+from mission.model.tables import Table
 from mission.model.vehicle import REPORTS, STALE_AFTER
 from mission.navigation import distribution
 from protocol.messages import Telemetry
@@ -57,7 +58,9 @@ def _certain(scope: Scope) -> float:
 @dataclass(frozen=True, slots=True)
 class Variable:
     """``circular`` values are compared by their difference, -180..180 deg. ``timed`` ones grow by
-    1 a second, so that it can be foretold when a comparison changes."""
+    1 a second, so that it can be foretold when a comparison changes. ``trial`` is a guard that the
+    campaign flies with what it waits for withheld ("": no vehicle of ours knows the variable);
+    ``draw`` makes a random one, for a mission that goes to so many m."""
 
     name: str
     unit: str  # "" for a pure number; "deg" is rad inside
@@ -69,6 +72,8 @@ class Variable:
     sigma: Callable[[Scope], float] = _certain
     share: Callable[[Scope, float], Value] | None = None  # of the part not above the bound
     timed: bool = False
+    trial: str = ""
+    draw: Callable[[Random, int], str] | None = None
 
 
 # --- readings ------------------------------------------------------------------------------
@@ -248,61 +253,80 @@ def _distance_share(scope: Scope, bound: float) -> Value:
     return distribution.within(bound, north, east, e.covariance)
 
 
+def _draw_range(rng: Random, deep: int) -> str:
+    return f"range > {rng.randint(20, 300)}{rng.choice(['', ' sure 90%'])}"
+
+
 # fmt: off
 _ROWS = (
     Variable("depth", "m", ("depth",), STALE_AFTER, "below the surface",
-             read=_estimated("depth"), sigma=_sigma("depth")),
+             read=_estimated("depth"), sigma=_sigma("depth"), trial="depth >= 3.5 held 2s",
+             draw=lambda rng, deep: f"depth > {rng.randint(1, deep)}"),
     Variable("depth_rate", "m/s", ("depth",), STALE_AFTER, "change of depth, positive downward",
-             read=_estimated("depth_rate"), sigma=_sigma("depth_rate")),
+             read=_estimated("depth_rate"), sigma=_sigma("depth_rate"), trial="depth_rate > 2"),
     Variable("altitude", "m", ("altitude",), STALE_AFTER, "above the bottom",
-             read=_estimated("altitude"), sigma=_sigma("altitude")),
+             read=_estimated("altitude"), sigma=_sigma("altitude"), trial="altitude < 1 sure 90%",
+             draw=lambda rng, deep: f"altitude < {rng.randint(1, 5)} sure 90%"),
     Variable("heading", "deg", ("heading",), STALE_AFTER, "where the bow points, 0 to 360", True,
-             read=_reported("heading"), sigma=_sigma("heading")),
+             read=_reported("heading"), sigma=_sigma("heading"), trial="heading > 90"),
     Variable("course", "deg", _TRACK, math.inf, "where it goes over ground, 0 to 360", True,
-             read=_course, sigma=_course_sigma),
+             read=_course, sigma=_course_sigma, trial="course > 120"),
     Variable("pitch", "deg", ("attitude",), STALE_AFTER, "positive nose up",
-             read=_reported("pitch")),
+             read=_reported("pitch"), trial="pitch > 60"),
     Variable("roll", "deg", ("attitude",), STALE_AFTER, "positive to starboard",
-             read=_reported("roll")),
+             read=_reported("roll"), trial="roll > 60"),
     Variable("speed", "m/s", (CLOCK,), STALE_AFTER, "through the water, estimated",
-             read=_estimated("speed"), sigma=_sigma("speed")),
+             read=_estimated("speed"), sigma=_sigma("speed"), trial="speed > 5"),
     Variable("ground_speed", "m/s", ("heading",), STALE_AFTER, "over ground, estimated",
-             read=ground_speed, sigma=_ground_speed_sigma),
+             read=ground_speed, sigma=_ground_speed_sigma, trial="ground_speed > 5"),
     Variable("north", "m", _TRACK, math.inf, "position north of home",
-             read=_position("north"), sigma=_toward(0.0)),
+             read=_position("north"), sigma=_toward(0.0), trial="north > 500"),
     Variable("east", "m", _TRACK, math.inf, "position east of home",
-             read=_position("east"), sigma=_toward(math.pi / 2)),
+             read=_position("east"), sigma=_toward(math.pi / 2), trial="east > 500"),
     Variable("range", "m", _TRACK, math.inf, "distance from home",
-             read=_range, sigma=_greatest, share=_range_share),
+             read=_range, sigma=_greatest, share=_range_share, trial="range > 500 sure 90%",
+             draw=_draw_range),
     Variable("bearing", "deg", _TRACK, math.inf, "from the vehicle to home, 0 to 360", True,
-             read=_bearing, sigma=_bearing_sigma),
+             read=_bearing, sigma=_bearing_sigma, trial="bearing < 90 and range > 500"),
     Variable("distance", "m", _TRACK, math.inf, "to the place the leg goes to",
-             read=_distance, sigma=_greatest, share=_distance_share),
+             read=_distance, sigma=_greatest, share=_distance_share, trial="distance > 500"),
     Variable("cross_track", "m", _TRACK, math.inf, "off the leg's line, positive to starboard",
-             read=_cross_track, sigma=_cross_sigma),
+             read=_cross_track, sigma=_cross_sigma, trial="cross_track > 500"),
     Variable("travelled", "m", ("heading",), STALE_AFTER, "path over ground since the leg began",
-             read=lambda scope: scope.travelled, sigma=_greatest),
+             read=lambda scope: scope.travelled, sigma=_greatest, trial="travelled >= 25",
+             draw=lambda rng, deep: f"travelled >= {rng.randint(10, 200)}"),
     Variable("current", "m/s", _TRACK, math.inf, "speed of the estimated current",
-             read=_current, sigma=_sigma("current")),
+             read=_current, sigma=_sigma("current"), trial="current > 3"),
     Variable("uncertainty", "m", (CLOCK,), math.inf, "radius that holds the position to 95 %",
-             read=_uncertainty),
+             read=_uncertainty, trial="uncertainty > 900",
+             draw=lambda rng, deep: f"uncertainty > {rng.randint(10, 100)}"),
     Variable("fix_age", "s", (CLOCK,), math.inf, "time since the last position fix",
-             read=_fix_age, timed=True),
+             read=_fix_age, timed=True, trial="fix_age > 900"),
     Variable("temperature", "C", ("temperature",), 30.0, "of the water",
-             read=_reported("temperature_c")),
-    Variable("battery", "V", ("battery",), 30.0, "control battery", read=_battery(0)),
-    Variable("battery_power", "V", ("battery",), 30.0, "power battery", read=_battery(1)),
+             read=_reported("temperature_c"), trial="temperature < -3",
+             draw=lambda rng, deep: f"temperature < {rng.randint(5, 20)}"),
+    Variable("battery", "V", ("battery",), 30.0, "control battery", read=_battery(0),
+             trial="battery < 1"),
+    Variable("battery_power", "V", ("battery",), 30.0, "power battery", read=_battery(1),
+             trial="battery_power < 1"),
     Variable("leak", "", ("leak",), STALE_AFTER, "1 when water was found inside, else 0",
              read=_leak),
     Variable("elapsed", "s", (CLOCK,), math.inf, "time since the leg began",
-             read=_elapsed, timed=True),
+             read=_elapsed, timed=True, trial="elapsed > 30 held 5s",
+             draw=lambda rng, deep: f"elapsed > {rng.randint(10, 200)}"),
     Variable("mission_time", "s", (CLOCK,), math.inf, "time since the mission was started",
-             read=_mission_time, timed=True),
+             read=_mission_time, timed=True, trial="mission_time > 900"),
     Variable("round", "", (CLOCK,), math.inf, "round of the innermost repeated group, from 1",
-             read=lambda scope: float(scope.round)),
+             read=lambda scope: float(scope.round), trial="round > 900"),
 )
 # fmt: on
-VARIABLES: Mapping[str, Variable] = MappingProxyType({row.name: row for row in _ROWS})
+
+
+def _name_of(row: Variable) -> str:
+    return row.name
+
+
+VARIABLES: Table[str, Variable] = Table(_name_of, _ROWS)
 
 
 def value_of(row: Variable, scope: Scope) -> Value:

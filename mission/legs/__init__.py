@@ -1,13 +1,25 @@
-"""The registry of leg types, one file for each. docs/how-to/leg.md says what a new one takes."""
+"""One file per leg type, and the table: a new leg type is one file and one row here.
+
+``LEGS.register(TYPE)`` adds one from elsewhere: texts, schema, manual, check, pictures, engine and
+campaign go by the table.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from types import MappingProxyType
+from collections.abc import Iterable
 
 from mission.legs import follow, goto, hold, loiter, rows, surface, wait, yoyo
-from mission.legs.base import LegType, Pilot, Point, Track, View
+from mission.legs.base import Author, LegType, Pilot, Point, Track, View
+from mission.legs.follow import Follow
+from mission.legs.goto import Goto
+from mission.legs.hold import Hold
+from mission.legs.loiter import Loiter
+from mission.legs.rows import Rows
+from mission.legs.surface import Surface
+from mission.legs.wait import Wait
+from mission.legs.yoyo import Yoyo
 from mission.model import LegKind
+from mission.model.tables import Table
 
 _ROWS = (
     hold.TYPE,
@@ -19,6 +31,37 @@ _ROWS = (
     loiter.TYPE,
     surface.TYPE,
 )
-LEGS: Mapping[type[LegKind], LegType] = MappingProxyType({row.kind: row for row in _ROWS})
 
-__all__ = ["LEGS", "LegType", "Pilot", "Point", "Track", "View"]
+
+def _kind_of(row: LegType) -> type[LegKind]:
+    return row.kind
+
+
+def _fault(row: LegType, others: Iterable[LegType]) -> str:
+    """One word means one thing, whichever leg has it."""
+    known = {clause.word: clause for other in others for clause in other.clauses}
+    if row.name in {*known, *(other.name for other in others)}:
+        return f"{row.name} is a word already"
+    twice = [c.word for c in row.clauses if known.get(c.word, c) != c]
+    return f"{twice[0]} means something else already" if twice else ""
+
+
+LEGS: Table[type[LegKind], LegType] = Table(_kind_of, _ROWS, _fault)
+
+__all__ = [
+    "LEGS",
+    "Author",
+    "Follow",
+    "Goto",
+    "Hold",
+    "LegType",
+    "Loiter",
+    "Pilot",
+    "Point",
+    "Rows",
+    "Surface",
+    "Track",
+    "View",
+    "Wait",
+    "Yoyo",
+]

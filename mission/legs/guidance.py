@@ -10,8 +10,10 @@ Source: T. I. Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control 
 from __future__ import annotations
 
 import math
+from types import MappingProxyType
 
 from mission.legs.base import Point, Track, wrap
+from mission.legs.words import Choice
 from mission.model import Axis, Estimate
 
 # Of every leg that steers by the estimate: what it sets itself, what it must know for that, and
@@ -19,6 +21,13 @@ from mission.model import Axis, Estimate
 STEERS = frozenset({Axis.HEADING})
 NEEDS = frozenset({"position", "heading"})
 GIVES = frozenset({"distance", "cross_track"})
+# Which way round, of those that turn.
+SIDE = Choice(
+    "side",
+    MappingProxyType({"port": -1, "starboard": 1}),
+    1,
+    "of the next rows; of a circle: starboard is clockwise",
+)
 
 LOOKAHEAD = 12.0  # m; some turning radii, well above the vehicle's 2 m
 _MOST_CRAB = math.radians(60.0)

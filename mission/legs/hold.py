@@ -1,8 +1,42 @@
-"""The leg that holds its settings and nothing else: heading 90 ZAF8 until ... timeout ..."""
+"""The leg that holds its settings and nothing else: heading 90 ZAF8 until ... timeout ...
+
+It is what a leg does that says nothing else; its word may be left out.
+"""
 
 from __future__ import annotations
 
-from mission.legs.base import LegType
-from mission.model import Hold
+from dataclasses import dataclass
 
-TYPE = LegType(name="hold", kind=Hold)
+from mission.legs.base import WAY, Author, LegType
+from mission.model import LegKind
+
+
+@dataclass(frozen=True, slots=True)
+class Hold(LegKind):
+    pass
+
+
+def _straight(author: Author) -> str:
+    ends = author.rng.choice([f"for {author.rng.randint(5, 200)}", ""])
+    return f"{author.course()}{author.way()} " + (
+        ends or f"until {author.guard()} {author.timeout()}"
+    )
+
+
+def _bottom(author: Author) -> str:
+    return f"altitude {author.rng.randint(2, 6)} {author.course()} {author.timeout(200)}"
+
+
+def _thrust(author: Author) -> str:
+    """Down by the thrusters alone, until a depth or a clock."""
+    gear, depth = author.rng.randint(5, 10), author.depth()
+    return f"gear 0 down {gear} until depth > {depth} {author.timeout(60)}"
+
+
+TYPE = LegType(
+    name="hold",
+    kind=Hold,
+    description="hold the settings; may be left out",
+    draws=(_straight, _straight, _bottom, _thrust),
+    trials=(f"a: {WAY} for 40",),
+)

@@ -6,17 +6,29 @@ course = bearing from the centre + side * (90 deg + atan((distance - radius) / l
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Self
 
 from mission.legs import guidance
-from mission.legs.base import LegType, Point, Track, View
-from mission.legs.guidance import GIVES, NEEDS, STEERS
-from mission.model import Loiter
+from mission.legs.base import Author, LegType, Point, Track, View
+from mission.legs.guidance import GIVES, NEEDS, SIDE, STEERS
+from mission.legs.words import Head, Measure, Shape
+from mission.model import LegKind, Place
 from mission.model.copies import copied
+from mission.model.shown import number, place
 from protocol.messages import Setpoint
 
 LEAST_RADIUS = 4.0  # m; twice the turning radius as tried at sea
+_RADIUS = Measure("radius", "m", 1, 5000, "of the circle")
+
+
+@dataclass(frozen=True, slots=True)
+class Loiter(LegKind):
+    """A circle of ``radius`` about a place (None: where entered), ``side`` +1 clockwise."""
+
+    place: Place | None
+    radius: float
+    side: int
 
 
 class Circle:
@@ -69,13 +81,45 @@ def _fault(kind: Loiter) -> str:
     return ""
 
 
+def _square(kind: Loiter, named: tuple[Point, ...]) -> tuple[Point, ...]:
+    """Two corners of the square about the circle."""
+    (north, east), radius = named[0], kind.radius
+    return ((north - radius, east - radius), (north + radius, east + radius))
+
+
+def _shown(kind: Loiter) -> str:
+    about = f" about {place(kind.place)}" if kind.place is not None else ""
+    turn = "clockwise" if kind.side > 0 else "counter-clockwise"
+    return f"loiter{about}, radius {number(kind.radius)} m, {turn}"
+
+
+def _draw(author: Author) -> str:
+    rng = author.rng
+    where = rng.choice([f" {author.place()}", ""])
+    side = rng.choice(["starboard", "port"])
+    radius, seconds = rng.randint(15, 50), rng.randint(30, 300)
+    return f"loiter{where} radius {radius} side {side} gear 4 for {seconds}"
+
+
 TYPE = LegType(
     name="loiter",
     kind=Loiter,
+    description="circle about a place",
+    head=Head(Shape.ABOUT, "place"),
+    clauses=(_RADIUS, SIDE),
     begin=_begin,
     steers=STEERS,
     needs=NEEDS,
     gives=GIVES,
     makes_way=True,
     fault=_fault,
+    places=lambda kind: (kind.place,) if kind.place is not None else (),
+    corners=_square,
+    room=lambda kind: 0.0 if kind.place is not None else 2.0 * kind.radius,
+    shown=_shown,
+    draws=(_draw,),
+    trials=(
+        "a: loiter here radius 10 gear 4 depth 4 for 60",
+        "a: loiter north 20 east 0 radius 10 gear 4 depth 4 for 60",
+    ),
 )

@@ -3,7 +3,38 @@ the emergency. It holds every axis itself, and leaves the vehicle with everythin
 
 from __future__ import annotations
 
-from mission.legs.base import LegType
-from mission.model import Axis, Surface
+from dataclasses import dataclass
 
-TYPE = LegType(name="surface", kind=Surface, steers=frozenset(Axis), ends=True, ascends=True)
+from mission.legs.base import WAY, Author, LegType
+from mission.model import Axis, LegKind
+
+
+@dataclass(frozen=True, slots=True)
+class Surface(LegKind):
+    """Ascend as R7 proves it; ends at the surface, or with a fix there (``until_fix``)."""
+
+    until_fix: bool = False
+
+
+def _draw(author: Author) -> str:
+    fix = author.rng.choice(["", " until fix"])
+    return f"surface{fix} timeout {author.rng.randint(60, 300)}"
+
+
+TYPE = LegType(
+    name="surface",
+    kind=Surface,
+    description="up, and prove it; `until fix`: with GPS",
+    until_fix="until_fix",
+    steers=frozenset(Axis),
+    ends=True,
+    ascends=True,
+    shown=lambda kind: "surface until a fix" if kind.until_fix else "surface",
+    done=lambda kind: "fix at the surface" if kind.until_fix else "at the surface",
+    draws=(_draw,),
+    trials=(
+        f"a: {WAY} for 20\nb: surface timeout 90",
+        f"a: {WAY} for 20\nb: surface until fix timeout 3min\nc: {WAY} for 20",
+        f"a: {WAY} for 20\nb: surface until fix timeout 5",
+    ),
+)

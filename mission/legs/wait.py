@@ -2,7 +2,29 @@
 
 from __future__ import annotations
 
-from mission.legs.base import LegType
-from mission.model import Wait
+from dataclasses import dataclass
 
-TYPE = LegType(name="wait", kind=Wait)
+from mission.legs.base import WAY, Author, LegType
+from mission.legs.words import Head, Shape
+from mission.model import LegKind
+
+
+@dataclass(frozen=True, slots=True)
+class Wait(LegKind):
+    """Holds whatever is set for ``Leg.duration``, or until an exit."""
+
+
+def _draw(author: Author) -> str:
+    return f"wait {author.rng.randint(5, 60)}"
+
+
+TYPE = LegType(
+    name="wait",
+    kind=Wait,
+    description="hold whatever is set, for a time",
+    head=Head(Shape.TIME),
+    keeps=True,
+    shown=lambda kind: "wait",
+    draws=(_draw,),
+    trials=(f"a: {WAY} for 10\nb: wait 30",),
+)

@@ -13,8 +13,11 @@ from typing import Self
 
 from mission.legs import guidance
 from mission.legs.base import Point, Track, View
+from mission.legs.words import Measure
 from mission.model.copies import copied
 from protocol.messages import Setpoint
+
+WITHIN = Measure("within", "m", 0.5, 1000, "how near counts as there; 10 m unless said", 10.0)
 
 
 class Waypoints:

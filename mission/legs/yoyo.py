@@ -6,15 +6,30 @@ half a metre before the depth that was asked for, or it might hover there for ev
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Self
 
-from mission.legs.base import LegType, Track, View
-from mission.model import Axis, Yoyo
+from mission.legs.base import Author, LegType, Track, View
+from mission.legs.words import Head, Measure, Misfit, Shape
+from mission.model import Axis, LegKind
 from mission.model.copies import copied
+from mission.model.shown import number
 from protocol.messages import Setpoint
 
 TOLERANCE = 0.5  # m
+_SHALLOW = Measure("shallow", "m", 0, 9999, "upper turning depth", example="2")
+_DEEP = Measure("deep", "m", 0.5, 9999, "lower turning depth", example="10")
+
+
+@dataclass(frozen=True, slots=True)
+class Yoyo(LegKind):
+    """Between two depths, ``cycles`` times down and up, while the other axes are held."""
+
+    shallow: float
+    deep: float
+    cycles: int
 
 
 class Profile:
@@ -62,13 +77,40 @@ def _fault(kind: Yoyo) -> str:
     return ""
 
 
+def _contradiction(given: Mapping[str, float]) -> Misfit | None:
+    if given.get("shallow", 0.0) >= given.get("deep", math.inf):
+        return Misfit("upside-down", "shallow", "shallow is not above deep", "swap them")
+    return None
+
+
+def _shown(kind: Yoyo) -> str:
+    return f"yoyo {number(kind.shallow)} to {number(kind.deep)} m, {kind.cycles} times"
+
+
+def _draw(author: Author) -> str:
+    rng = author.rng
+    deep = max(3, author.depth())
+    return (
+        f"yoyo {rng.randint(1, 3)} shallow {rng.randint(1, deep - 1)} deep {deep} "
+        f"{author.course()} {author.timeout(600)}"
+    )
+
+
 TYPE = LegType(
     name="yoyo",
     kind=Yoyo,
+    description="down and up between two depths, so many times",
+    head=Head(Shape.COUNT, "cycles"),
+    clauses=(_SHALLOW, _DEEP),
+    contradiction=_contradiction,
     begin=_begin,
     steers=frozenset({Axis.VERTICAL}),
     needs=frozenset({"depth"}),
     ends=True,
     fault=_fault,
     depths=lambda kind: (kind.shallow, kind.deep),
+    shown=_shown,
+    done=lambda kind: "all cycles done",
+    draws=(_draw,),
+    trials=("a: yoyo 2 shallow 2 deep 6 heading 0 gear 6 timeout 60",),
 )

@@ -141,73 +141,11 @@ class Handler:
     where: Where = field(default=NOWHERE, compare=False)
 
 
-# What a leg does beside holding its settings; one type per leg kind.
+class LegKind:
+    """What a leg does beside holding its settings: a frozen dataclass in its leg type's own file
+    (mission.legs)."""
 
-
-@dataclass(frozen=True, slots=True)
-class Hold:
-    pass
-
-
-@dataclass(frozen=True, slots=True)
-class Wait:
-    """Holds whatever is set for ``Leg.duration``, or until an exit."""
-
-
-@dataclass(frozen=True, slots=True)
-class Goto:
-    """To a place along the track line from where the leg was entered (line of sight)."""
-
-    place: Place
-    within: float  # m, arrival radius
-
-
-@dataclass(frozen=True, slots=True)
-class Follow:
-    places: tuple[Place, ...]
-    within: float
-
-
-@dataclass(frozen=True, slots=True)
-class Rows:
-    """A lawnmower area: ``count`` parallel rows of ``length``, ``spacing`` apart, first along
-    ``bearing`` (rad), the others to ``side`` of it (+1 starboard, -1 port), from ``start``."""
-
-    start: Place | None  # None: where the leg is entered
-    bearing: float
-    length: float
-    spacing: float
-    count: int
-    side: int
-    within: float
-
-
-@dataclass(frozen=True, slots=True)
-class Yoyo:
-    """Between two depths, ``cycles`` times down and up, while the other axes are held."""
-
-    shallow: float
-    deep: float
-    cycles: int
-
-
-@dataclass(frozen=True, slots=True)
-class Loiter:
-    """A circle of ``radius`` about a place (None: where entered), ``side`` +1 clockwise."""
-
-    place: Place | None
-    radius: float
-    side: int
-
-
-@dataclass(frozen=True, slots=True)
-class Surface:
-    """Ascend as R7 proves it; ends at the surface, or with a fix there (``until_fix``)."""
-
-    until_fix: bool = False
-
-
-LegKind = Hold | Wait | Goto | Follow | Rows | Yoyo | Loiter | Surface
+    __slots__ = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,26 +13,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.authoring.compiler.compiler import CompileErrors
-from mission.legs import LEGS
+from mission.legs import LEGS, Goto, Hold, Surface, Wait, Yoyo
 from mission.model import (
     AUTONOMOUS,
     IDLE_READY,
     IMPLICIT_SURFACE,
     By,
     Comparison,
-    Goto,
     Group,
     Guard,
     Handler,
-    Hold,
     Leg,
     Local,
     Loop,
     Set,
-    Surface,
-    Wait,
     Where,
-    Yoyo,
 )
 
 HELD = sets(surge=0.5, heading=1.0, depth=5.0)

@@ -14,7 +14,8 @@ from mission.authoring.compiler.compiler import CompileErrors
 from mission.authoring.compiler.granularity import rounded
 from mission.authoring.language import parse
 from mission.authoring.prepare import Unreadable, prepare
-from mission.model import Hold, Leg, Set, Yoyo
+from mission.legs import Hold, Yoyo
+from mission.model import Leg, Set
 from protocol.messages import Setpoint
 from protocol.vehicles import VEHICLES, codec
 

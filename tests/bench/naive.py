@@ -25,18 +25,8 @@ from transitions.extensions.nesting import NestedState
 from links.simulated.link import SimulatedVehicle
 from links.simulated.plant import STEP, Body, Plant
 from links.simulated.settings import Settings
-from mission.model import (
-    AUTONOMOUS,
-    And,
-    By,
-    Chart,
-    Comparison,
-    Edge,
-    Expression,
-    Not,
-    Or,
-    Surface,
-)
+from mission.legs import Surface
+from mission.model import AUTONOMOUS, And, By, Chart, Comparison, Edge, Expression, Not, Or
 from mission.model.vehicle import Vehicle
 
 RADIUS = 6371000.0

@@ -8,7 +8,8 @@ import pytest
 from engine_world import W, World, leg, mission, when
 
 from mission.engine.ascent import DOWNWARD, Ascent
-from mission.model import IDLE_READY, SURFACED, SURFACING, Surface
+from mission.legs import Surface
+from mission.model import IDLE_READY, SURFACED, SURFACING
 from protocol.messages import UPWARD, Order, Setpoint
 
 LONG = 20000.0

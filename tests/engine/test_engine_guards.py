@@ -12,17 +12,16 @@ from engine_world import World, flying, guard, leg, legs_of, mission, sets, when
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from mission.legs import Goto, Hold, Yoyo
 from mission.model import (
     SURFACING,
     And,
     By,
     Comparison,
     Exit,
-    Goto,
     Group,
     Guard,
     Handler,
-    Hold,
     Leg,
     Local,
     NavigationMode,
@@ -30,7 +29,6 @@ from mission.model import (
     Or,
     Outcome,
     Result,
-    Yoyo,
 )
 from protocol.messages import Order, Setpoint
 

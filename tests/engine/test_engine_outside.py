@@ -9,6 +9,7 @@ from engine_world import NEUTRAL, M, W, World, X, compiled, guard, leg, mission,
 
 from mission.engine.engine import MICROSTEPS, Engine
 from mission.engine.restart import STICK
+from mission.legs import Surface
 from mission.model import (
     IDLE_EMPTY,
     IDLE_READY,
@@ -25,7 +26,6 @@ from mission.model import (
     Outcome,
     Restarted,
     Result,
-    Surface,
 )
 from protocol.messages import (
     ClearMission,

@@ -10,17 +10,8 @@ from engine_world import World, compiled, flying, guard, leg, legs_of, mission, 
 
 from mission.engine.run import MISSED, NEW_HEADING, Run
 from mission.engine.vehicle_state import VehicleState
-from mission.model import (
-    By,
-    Goto,
-    Group,
-    Handler,
-    Local,
-    Outcome,
-    Result,
-    Surface,
-    Yoyo,
-)
+from mission.legs import Goto, Surface, Yoyo
+from mission.model import By, Group, Handler, Local, Outcome, Result
 from protocol.messages import Order, Setpoint
 
 LONG = 20000.0

@@ -9,15 +9,8 @@ import pytest
 from engine_world import HOME, VEHICLE, M, W, World, X, leg, mission, sets
 
 from mission.engine.vehicle_state import metres
-from mission.model import (
-    IDLE_READY,
-    MANUAL_DRIVING,
-    STOPPED,
-    SURFACING,
-    NavigationMode,
-    Restarted,
-    Yoyo,
-)
+from mission.legs import Yoyo
+from mission.model import IDLE_READY, MANUAL_DRIVING, STOPPED, SURFACING, NavigationMode, Restarted
 from protocol.messages import ClearMission, Emergency, Manual, Order, SetSafety, StartMission
 
 MISSION = mission(leg("a", timeout=600.0), leg("b"))

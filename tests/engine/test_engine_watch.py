@@ -433,7 +433,7 @@ def test_what_reports_breach_stays_breached_while_only_the_clock_goes_on():
 
 def test_a_limit_that_is_forgiven_counts_anew():
     one = watch(roll=3.0)
-    row = next(row for row in LIMITS if row.name == "roll-over")
+    row = next(row for row in LIMITS.values() if row.name == "roll-over")
     for _ in range(3):
         assert one.look(reported=True, fixed=False) == []
         one.forgive(row)

@@ -11,6 +11,7 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
+from mission.legs import Goto, Yoyo
 from mission.model import (
     IDLE_EMPTY,
     STOPPED,
@@ -20,7 +21,6 @@ from mission.model import (
     AutoNode,
     Comparison,
     Exit,
-    Goto,
     Group,
     Guard,
     Handler,
@@ -28,7 +28,6 @@ from mission.model import (
     NavigationMode,
     Outcome,
     Result,
-    Yoyo,
 )
 from mission.model.regions import REGIONS
 from protocol.messages import (

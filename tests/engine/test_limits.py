@@ -16,6 +16,7 @@ from mission.engine.bounds import Bounds, admit, in_force
 from mission.engine.limits import LIMITS, Limit, On, Response
 from mission.engine.monitor import LimitMonitor
 from mission.engine.vehicle_state import VehicleState
+from mission.legs import Surface
 from mission.model import (
     AUTONOMOUS,
     IDLE_EMPTY,
@@ -26,7 +27,6 @@ from mission.model import (
     By,
     NavigationMode,
     Safety,
-    Surface,
 )
 from mission.model.regions import IDLE
 from mission.model.vehicle import REPORTS
@@ -41,7 +41,7 @@ def tripped(world: World, name: str) -> bool:
     return bool(left)
 
 
-@pytest.mark.parametrize("row", LIMITS, ids=lambda row: row.name)
+@pytest.mark.parametrize("row", LIMITS.values(), ids=lambda row: row.name)
 def test_every_limit_trips_a_hair_beyond_its_bound(row):
     case = CASES[row.name]
     world = case.begin()
@@ -56,7 +56,11 @@ def test_every_limit_trips_a_hair_beyond_its_bound(row):
 
 @pytest.mark.parametrize(
     "row",
-    [r for r in LIMITS if r.needs and r.on is not On.CLOCK and r.name != "depth contradicted"],
+    [
+        r
+        for r in LIMITS.values()
+        if r.needs and r.on is not On.CLOCK and r.name != "depth contradicted"
+    ],
     ids=lambda row: row.name,
 )
 def test_what_is_not_to_be_believed_breaches_no_limit(row):
@@ -107,7 +111,7 @@ def test_a_sample_that_is_sure_begins_the_count_of_uncertain_ones_anew():
 
 
 @pytest.mark.parametrize("way", ["short", "bound"])
-@pytest.mark.parametrize("row", LIMITS, ids=lambda row: row.name)
+@pytest.mark.parametrize("row", LIMITS.values(), ids=lambda row: row.name)
 def test_no_limit_trips_at_its_bound_or_a_sample_too_early(row, way: str):
     case = CASES[row.name]
     world = case.begin()
@@ -121,12 +125,12 @@ def scripted(row: Limit, patch: pytest.MonkeyPatch) -> tuple[LimitMonitor, list[
     """A watch with this row alone, which says what the list says."""
     says: list[bool | None] = [False]
     one = replace(row, breached=lambda _: says[-1], needs=frozenset())
-    patch.setattr("mission.engine.monitor.LIMITS", (one,))
+    patch.setattr("mission.engine.monitor.LIMITS", {one.name: one})
     bounds = in_force(LEAKY, None, SetSafety())
     return LimitMonitor(LEAKY, VehicleState(), bounds), says
 
 
-@pytest.mark.parametrize("row", LIMITS, ids=lambda row: row.name)
+@pytest.mark.parametrize("row", LIMITS.values(), ids=lambda row: row.name)
 def test_every_limit_waits_for_its_whole_persistence(row, monkeypatch):
     """Unknown samples count neither way."""
     watch, says = scripted(row, monkeypatch)
@@ -148,7 +152,7 @@ def test_every_limit_waits_for_its_whole_persistence(row, monkeypatch):
     assert look(True)
 
 
-_LONG_ROWS = [row for row in LIMITS if row.seconds or row.samples > 2]
+_LONG_ROWS = [row for row in LIMITS.values() if row.seconds or row.samples > 2]
 
 
 def _looks(row: Limit, patch: pytest.MonkeyPatch, said: Iterable[bool]) -> list[bool]:
@@ -176,7 +180,7 @@ def test_a_limit_does_not_act_on_what_is_within_its_bound_for_most_of_the_time(r
 
 
 def test_a_leak_that_flickers_is_a_leak(monkeypatch):
-    row = next(row for row in LIMITS if row.name == "leak")
+    row = next(row for row in LIMITS.values() if row.name == "leak")
     assert _looks(row, monkeypatch, [True, True, False, True, True, False])[4]
 
 
@@ -194,12 +198,12 @@ def test_a_noisy_voltage_below_its_limit_trips_within_a_minute():
 
 def test_a_good_moment_takes_twice_its_time_back(monkeypatch):
     """Bad for 8 s, good for one sample, and bad again: 4 s are left of the 8."""
-    row = replace(next(row for row in LIMITS if row.name == "voltage"), seconds=10.0)
+    row = replace(next(row for row in LIMITS.values() if row.name == "voltage"), seconds=10.0)
     said = [True] * 4 + [False] + [True] * 6
     assert _looks(row, monkeypatch, said).index(True) == 8
 
 
-@pytest.mark.parametrize("row", LIMITS, ids=lambda row: row.name)
+@pytest.mark.parametrize("row", LIMITS.values(), ids=lambda row: row.name)
 def test_a_limit_is_looked_at_when_its_source_speaks_and_no_other_time(row, monkeypatch):
     watch, says = scripted(replace(row, samples=1, seconds=0.0), monkeypatch)
     says.append(True)
@@ -208,19 +212,19 @@ def test_a_limit_is_looked_at_when_its_source_speaks_and_no_other_time(row, monk
     assert tuple(map(len, seen)) == wanted
 
 
-@pytest.mark.parametrize("row", LIMITS, ids=lambda row: row.name)
+@pytest.mark.parametrize("row", LIMITS.values(), ids=lambda row: row.name)
 def test_every_row_says_all_that_a_limit_is(row):
     assert row.source
     assert row.bound
     assert row.samples >= 1
     assert row.acts <= {AUTONOMOUS, IDLE, MANUAL_WAITING, STOPPED, SURFACED}  # else reported (R5)
     assert row.needs <= REPORTS
-    assert CASES.keys() == {r.name for r in LIMITS}
+    assert CASES.keys() == {r.name for r in LIMITS.values()}
 
 
 def test_the_manual_has_the_table_of_limits():
     manual = (Path(__file__).parents[2] / "docs" / "operation.md").read_text(encoding="utf-8")
-    for row in LIMITS:
+    for row in LIMITS.values():
         lasts = f"{row.seconds:g} s" if row.seconds else f"{row.samples} samples"
         lasts = "at once" if lasts == "1 samples" else lasts
         where = ", ".join(sorted(row.acts))
@@ -228,7 +232,7 @@ def test_the_manual_has_the_table_of_limits():
         assert line in manual, line
 
 
-@pytest.mark.parametrize("row", LIMITS, ids=lambda row: row.name)
+@pytest.mark.parametrize("row", LIMITS.values(), ids=lambda row: row.name)
 def test_in_manual_every_limit_is_reported_and_none_acts(row):
     world = flying()
     world.tell(Manual("MM", b"@MMF5$"))
@@ -334,7 +338,7 @@ def test_a_missions_own_limits_are_in_force_from_its_loading_to_its_clearing():
 
 
 def test_what_the_vehicle_does_not_report_disarms_its_limit_and_says_why():
-    why = {row.name: row.disarmed(VEHICLE) for row in LIMITS}
+    why = {row.name: row.disarmed(VEHICLE) for row in LIMITS.values()}
     assert "leak" in why["leak"]
     assert "constants" in why["voltage"]
     assert why["depth"] == ""

@@ -70,7 +70,9 @@ def test_every_law_is_asked_in_the_sample(sample: Found) -> None:
 
 
 def test_every_limit_has_its_event() -> None:
-    assert {row.name for row in LIMITS} == {e.limit for e in EVENTS if e.limit} | set(ELSEWHERE)
+    assert {row.name for row in LIMITS.values()} == {e.limit for e in EVENTS if e.limit} | set(
+        ELSEWHERE
+    )
 
 
 def test_names_of_events_laws_and_ways_are_unique() -> None:

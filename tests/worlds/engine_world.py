@@ -11,6 +11,7 @@ from dataclasses import replace
 
 from mission.authoring.compiler.compiler import compile_mission
 from mission.engine.engine import Engine, Input, Outputs
+from mission.legs import Hold
 from mission.model import (
     Chart,
     Comparison,
@@ -18,7 +19,6 @@ from mission.model import (
     Exit,
     Guard,
     Health,
-    Hold,
     Leg,
     Loaded,
     Mission,

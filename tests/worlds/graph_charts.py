@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from mission.legs import Goto, Hold, Surface
 from mission.model import (
     AUTONOMOUS,
     IMPLICIT_SURFACE,
@@ -12,18 +13,15 @@ from mission.model import (
     Comparison,
     Edge,
     Exit,
-    Goto,
     Group,
     Guard,
     Handler,
-    Hold,
     Leg,
     Loop,
     Mission,
     Position,
     Safety,
     State,
-    Surface,
 )
 from protocol.messages import Setpoint
 

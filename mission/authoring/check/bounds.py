@@ -45,16 +45,9 @@ from mission.authoring.check.intervals import (
     reach,
     scaled,
 )
-from mission.authoring.check.places import places_of, room_around
-from mission.model import (
-    By,
-    Expression,
-    Follow,
-    Goto,
-    State,
-    Surface,
-    Yoyo,
-)
+from mission.authoring.check.places import places_of
+from mission.legs import LEGS
+from mission.model import Axis, By, Expression, State
 from mission.model.units import GEARS
 from mission.model.vehicle import Vehicle
 from mission.navigation.geodesy import LocalFrame
@@ -136,13 +129,16 @@ class LegBounds:
     ):
         assert state.leg is not None
         self.path, self.leg = state.path, state.leg
+        self.row = LEGS[type(state.leg.kind)]
         self.setpoint = state.setpoint or Setpoint()
         self.vehicle, self.assume = vehicle, assume
         gear = GEARS * max(abs(self.setpoint.surge), abs(self.setpoint.turn))
         self.speed = vehicle.speed_by_gear.at(gear) if self.setpoint.surge else 0.0
         self.power = vehicle.battery.hotel + vehicle.thruster_power.at(gear) + self._vertical()
         self.places = places_of(self.leg.kind, frame)
-        self.ascends = isinstance(self.leg.kind, Surface)
+        self.ascends = self.row.ascends
+        self.depths = self.row.depths(self.leg.kind)  # m, those it may steer to itself
+        self.dives = Axis.VERTICAL in self.row.steers and not self.ascends
         self.leans_on_floor = False  # some bound of it rests on the floor that is assumed
 
     # --- what it takes -----------------------------------------------------------------
@@ -161,7 +157,7 @@ class LegBounds:
     def _vertical(self) -> float:
         s = self.setpoint
         held = s.depth is not None or s.altitude is not None or bool(s.heave)
-        active = held or isinstance(self.leg.kind, Surface | Yoyo)
+        active = held or Axis.VERTICAL in self.row.steers
         return self.vehicle.battery.vertical if active else 0.0
 
     # --- from entry to exit ----------------------------------------------------------------
@@ -202,8 +198,8 @@ class LegBounds:
     def _rises_to(self) -> float:
         """m deep: how far up its buoyancy may carry it while its set is in force."""
         s = self.setpoint
-        if isinstance(self.leg.kind, Yoyo):
-            return self.leg.kind.shallow
+        if self.depths:
+            return min(self.depths)
         if s.depth is not None:
             return s.depth
         return math.inf if s.heave is not None and s.heave > 0 else 0.0
@@ -220,10 +216,9 @@ class LegBounds:
 
     def _surfaced(self, after: Bounds, time: float, by: By) -> Bounds:
         farthest = after.range + self.assume.current * time
-        assert isinstance(self.leg.kind, Surface)
         if by is not By.END:
             return after._replace(error=self._error(after), range=farthest)
-        if not self.leg.kind.until_fix:
+        if not self.row.awaits_fix(self.leg.kind):
             up = after._replace(range=farthest, depth=_AFLOAT, blind=_AFLOAT[1])
             return up._replace(error=self._error(up))
         error = self._error(after)
@@ -241,14 +236,16 @@ class LegBounds:
         )
 
     def _depth(self, entry: Bounds, time: float) -> Interval:
-        s, kind = self.setpoint, self.leg.kind
+        s = self.setpoint
         low, high = entry.depth
         rate = self.vehicle.dive_rate
         deepest = high + rate * (time + STICKS)
-        if isinstance(kind, Surface):
+        if self.ascends:
             return 0.0, high
-        if isinstance(kind, Yoyo):
-            return min(low, kind.shallow) - OVERSHOOT, max(high, kind.deep) + OVERSHOOT
+        if self.depths:
+            return min(low, *self.depths) - OVERSHOOT, max(high, *self.depths) + OVERSHOOT
+        if self.dives:
+            return 0.0, max(high, deepest)
         if s.depth is not None:
             return min(low, s.depth), max(high, min(deepest, s.depth) + OVERSHOOT)
         if s.altitude is None and not (s.heave is not None and s.heave > 0):
@@ -283,7 +280,7 @@ class LegBounds:
     @property
     def _pushes_down(self) -> bool:
         s = self.setpoint
-        held = s.depth is not None or s.altitude is not None or isinstance(self.leg.kind, Yoyo)
+        held = s.depth is not None or s.altitude is not None or self.dives
         return held or (s.heave is not None and s.heave > 0)
 
     def _above_floor(self, deepest: float, deeper: float) -> float:
@@ -293,7 +290,7 @@ class LegBounds:
 
     def _held(self, after: Bounds, time: float, by: By, guard: Expression | None) -> Bounds:
         """Along a heading, or about where it was entered."""
-        around, heading = room_around(self.leg.kind), self.setpoint.heading
+        around, heading = self.row.room(self.leg.kind), self.setpoint.heading
         if around or (self.speed and heading is None):
             free = around or self.speed * time
             north = east = (-free, free)
@@ -335,8 +332,8 @@ class LegBounds:
 
         On a straight way the distance from home is greatest at one of its ends.
         """
-        within = getattr(self.leg.kind, "within", 0.0)
-        ends = self.places[-1:] if isinstance(self.leg.kind, Goto | Follow) else self.places
+        within = self.row.within(self.leg.kind)
+        ends = self.places[-1:] if self.row.ends_at_last else self.places
         north = grown(hull_of(n for n, _ in ends), within)
         east = grown(hull_of(e for _, e in ends), within)
         after = after._replace(ahead=reach(north, east))

@@ -15,14 +15,13 @@ from mission.authoring.compiler.granularity import granularity_problems
 from mission.engine.guards import comparisons
 from mission.engine.variables import CLOCK, VARIABLES
 from mission.legs import LEGS
-from mission.model import Axis, Expression, Leg, Problem, Surface, Where
+from mission.model import Axis, Expression, Leg, Problem, Where
+from mission.model.tables import derived
 from mission.model.units import GEARS
 from mission.model.vehicle import Vehicle
 from protocol.codec import CannotEncode, VehicleCodec
 from protocol.messages import Setpoint
 from protocol.vehicles import codec
-
-_POSITION_VARIABLES = frozenset({"distance", "cross_track"})
 
 
 def leg_problems(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
@@ -59,15 +58,14 @@ def _follows(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem
 
 
 def _reports(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
-    needs = LEGS[type(leg.kind)].needs
-    if isinstance(leg.kind, Surface) and leg.kind.until_fix:
-        needs |= {"position"}
+    row = LEGS[type(leg.kind)]
+    needs = row.needs | ({"position"} if row.awaits_fix(leg.kind) else set())
     for sensor in sorted(needs - vehicle.reports):
         yield Problem(
             "vehicle-cannot-know",
             leg.where,
             leg.name,
-            f"a {LEGS[type(leg.kind)].name} leg needs {sensor}, which {vehicle.name} never reports",
+            f"a {row.name} leg needs {sensor}, which {vehicle.name} never reports",
             "hold a heading for a time instead",
         )
 
@@ -163,6 +161,12 @@ def _bounded(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem
             )
 
 
+@derived(LEGS)
+def _given() -> frozenset[str]:
+    """Variables that only some leg types have."""
+    return frozenset().union(*(row.gives for row in LEGS.values()))
+
+
 def guard_problems(
     expression: Expression, vehicle: Vehicle, where: Where, gives: frozenset[str] | None
 ) -> Iterator[Problem]:
@@ -189,7 +193,7 @@ def guard_problems(
                 f"{' nor '.join(absent)}",
                 "use a variable that this vehicle reports",
             )
-        elif gives is not None and comparison.variable in _POSITION_VARIABLES - gives:
+        elif gives is not None and comparison.variable in _given() - gives:
             yield Problem(
                 "never-known",
                 place,

@@ -30,7 +30,7 @@ from mission.authoring.compiler.axes import (
 )
 from mission.authoring.compiler.granularity import BETWEEN_STEPS
 from mission.engine.guards import comparisons
-from mission.legs import LEGS
+from mission.legs import LEGS, Surface
 from mission.model import (
     AUTONOMOUS,
     IDLE_READY,
@@ -50,7 +50,6 @@ from mission.model import (
     Problem,
     Set,
     State,
-    Surface,
     Where,
 )
 from mission.model.extent import DEEPEST_GROUP, WATCHED
@@ -274,14 +273,14 @@ class _Compiler:
     def _leg_edges(self, path: str, leg: Leg) -> None:
         slot = self._slots[path]
         follow = self._ways_from(_Slot(slot.group, slot.index + 1))
-        gives = LEGS[type(leg.kind)].gives
+        row = LEGS[type(leg.kind)]
         for i, leave in enumerate(leg.exits, start=1):
-            self._check_guard(leave.guard, leave.where, gives)
+            self._check_guard(leave.guard, leave.where, row.gives)
             target = leave.target
             ways = self._resolve_name(slot.group, target, leave.where) if target else follow
             self._connect(f"{path}:until{i}", path, ways, By.UNTIL, leave.where, leave.guard)
-        timed_surface = isinstance(leg.kind, Surface) and leg.duration is not None
-        if LEGS[type(leg.kind)].ends and not timed_surface:
+        timed_surface = row.ascends and leg.duration is not None
+        if row.ends and not timed_surface:
             self._connect(f"{path}:end", path, follow, By.END, leg.where)
         if leg.duration is not None:
             self._connect(f"{path}:for", path, follow, By.FOR, leg.where)

@@ -31,6 +31,7 @@ from mission.model import (
     Handler,
     Mission,
     State,
+    shown,
 )
 from mission.model.units import number_text
 from mission.model.vehicle import Vehicle
@@ -154,7 +155,7 @@ class _Comparison:
         ]
         for limit, unit in (("radius", "m"), ("time", "s"), ("depth", "m"), ("voltage", "V")):
             old, new = (getattr(b, limit) for b in bounds)
-            told = words.duration if unit == "s" else lambda v, u=unit: f"{number_text(v)} {u}"
+            told = shown.duration if unit == "s" else lambda v, u=unit: f"{number_text(v)} {u}"
             if old != new:
                 pair = wording.apart(old, new, told, number_text)
                 yield from self._mission(f"limit of {limit}", *pair)

@@ -12,7 +12,7 @@ from typing import TypeVar
 from mission.authoring.diff.matching import leg_of, legs_of
 from mission.authoring.graph import words
 from mission.authoring.language.render import guard_text, node_pairs
-from mission.model import AUTONOMOUS, Chart, Exit, Group, Handler, Leg, Mission, State
+from mission.model import AUTONOMOUS, Chart, Exit, Group, Handler, Leg, Mission, State, shown
 from mission.model.units import number_text
 from protocol.messages import Setpoint
 
@@ -58,7 +58,7 @@ def start(without_fix: bool) -> str:
 
 
 def time(seconds: float | None) -> str:
-    return "none" if seconds is None else words.duration(seconds)
+    return "none" if seconds is None else shown.duration(seconds)
 
 
 def group(which: Group) -> str:

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 from itertools import groupby
 
 from mission.authoring.graph import words
-from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, State, Surface
+from mission.legs import LEGS
+from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, State
 from mission.model.extent import PICTURE
 
 ONE_LINE = 44  # characters of a leg's details that stand together
@@ -195,7 +196,7 @@ def _lines(state: State) -> tuple[str, ...]:
     if state.path == IMPLICIT_SURFACE:
         return ("ascend, proved by the depth; then idle",)
     does, holds = words.kind(state.leg), words.setpoint(state.setpoint)
-    if isinstance(state.leg.kind, Surface):  # what is held while it ascends is all at rest
+    if LEGS[type(state.leg.kind)].ascends:  # what is held while it ascends is all at rest
         return (does,)
     whole = " \u00b7 ".join(part for part in (does, holds) if part)
     return (whole,) if len(whole) <= ONE_LINE else (does, holds)

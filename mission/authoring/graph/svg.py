@@ -43,7 +43,7 @@ from mission.authoring.graph.layout import (
 from mission.authoring.graph.outline import Outline
 from mission.authoring.graph.panel import panel
 from mission.authoring.graph.regions import shared
-from mission.model import IMPLICIT_SURFACE, By
+from mission.model import IMPLICIT_SURFACE, By, shown
 
 MARGIN = 26.0
 NO_BREAK = "\u00a0"
@@ -72,9 +72,9 @@ def _head(outline: Outline, page: float) -> tuple[list[str], float]:
     """Title, conditions and the mission's own handlers; where the legs begin."""
     mission, chart = outline.chart.mission, outline.chart
     legs = sum(1 for s in chart.states if s.leg is not None and s.path != IMPLICIT_SURFACE)
-    home = words.place(mission.home) if mission.home is not None else "where it starts"
+    home = shown.place(mission.home) if mission.home is not None else "where it starts"
     conditions = [f"home {home}", f"safety: {words.safety(mission)}"]
-    conditions += [f"assumed {name} {words.number(v)} m/s" for name, v in mission.assume]
+    conditions += [f"assumed {name} {shown.number(v)} m/s" for name, v in mission.assume]
     note = Style(9.5, MUTED)
     conditions += [f"vehicle {mission.vehicle}", f"{legs} legs", f"digest {chart.digest[:16]}"]
     whole = [part.replace(" ", NO_BREAK) for part in conditions]

@@ -9,6 +9,7 @@ import json
 from typing import Any
 
 from mission.authoring.graph import words
+from mission.legs import LEGS
 from mission.model import And, Chart, Comparison, Edge, Expression, Guard, Not, Or, State
 from mission.model.plain import to_plain
 from mission.model.regions import REGION_EDGES
@@ -44,7 +45,7 @@ def _state(state: State) -> dict[str, Any]:
         return row | {"kind": "region"}
     leg = state.leg
     return row | {
-        "kind": type(leg.kind).__name__.lower(),
+        "kind": LEGS[type(leg.kind)].name,
         "parameters": to_plain(leg.kind),
         "setpoint": to_plain(state.setpoint),
         "duration": leg.duration,

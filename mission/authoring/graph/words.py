@@ -10,48 +10,24 @@ from __future__ import annotations
 import math
 
 from mission.engine.variables import VARIABLES
+from mission.legs import LEGS
 from mission.model import (
     And,
     By,
     Comparison,
     Edge,
     Expression,
-    Follow,
-    Goto,
     Guard,
-    Hold,
     Leg,
-    Local,
-    Loiter,
     Mission,
     Not,
     Or,
-    Place,
-    Position,
-    Rows,
-    Surface,
-    Wait,
-    Yoyo,
 )
+from mission.model.shown import bearing, duration, number
 from mission.model.units import GEARS, UNITS
 from protocol.messages import Setpoint
 
 _SIGNS = {"<": "<", "<=": "\u2264", ">": ">", ">=": "\u2265"}
-
-
-def number(value: float) -> str:
-    """At most four significant digits beyond the point's left side, no trailing zeros."""
-    return f"{round(value, 3):.10g}"
-
-
-def duration(seconds: float) -> str:
-    if seconds >= 120 and seconds % 60 == 0:
-        return f"{number(seconds / 60)} min"
-    return f"{number(seconds)} s"
-
-
-def bearing(radians: float) -> str:
-    return f"{round(math.degrees(radians), 1) % 360:03g}\u00b0"
 
 
 def expression(value: Expression) -> str:
@@ -87,47 +63,9 @@ def guard(value: Guard) -> str:
     return expression(value.expression) + held
 
 
-def place(value: Place) -> str:
-    match value:
-        case Position(latitude, longitude):
-            return f"{latitude:.5f}, {longitude:.5f}"
-        case Local(north, east):
-            ns, ew = "N" if north >= 0 else "S", "E" if east >= 0 else "W"
-            return f"{number(abs(north))} m {ns} {number(abs(east))} m {ew}"
-        case _:
-            return str(value)
-
-
 def kind(leg: Leg) -> str:
     """What the leg does beside holding its set; "" for a plain hold."""
-    match leg.kind:
-        case Hold():
-            return ""
-        case Wait():
-            return "wait"
-        case Goto(where, within):
-            return f"goto {place(where)} within {number(within)} m"
-        case Follow(places, within):
-            return f"follow {len(places)} points within {number(within)} m"
-        case Rows():
-            return _rows(leg.kind)
-        case Yoyo(shallow, deep, cycles):
-            return f"yoyo {number(shallow)} to {number(deep)} m, {cycles} times"
-        case Loiter(where, radius, side):
-            about = f" about {place(where)}" if where is not None else ""
-            turn = "clockwise" if side > 0 else "counter-clockwise"
-            return f"loiter{about}, radius {number(radius)} m, {turn}"
-        case Surface(until_fix):
-            return "surface until a fix" if until_fix else "surface"
-
-
-def _rows(rows: Rows) -> str:
-    start = f" from {place(rows.start)}" if rows.start is not None else ""
-    side = "starboard" if rows.side > 0 else "port"
-    return (
-        f"{rows.count} rows of {number(rows.length)} m, {number(rows.spacing)} m apart to {side}, "
-        f"first {bearing(rows.bearing)}{start}"
-    )
+    return LEGS[type(leg.kind)].shown(leg.kind)
 
 
 def setpoint(value: Setpoint | None) -> str:
@@ -176,21 +114,7 @@ def edge(value: Edge, leg: Leg | None) -> str:
 
 
 def _end(leg: Leg | None) -> str:
-    match leg.kind if leg is not None else None:
-        case Goto():
-            return "arrived"
-        case Follow():
-            return "at the last point"
-        case Rows():
-            return "all rows done"
-        case Yoyo():
-            return "all cycles done"
-        case Surface(True):
-            return "fix at the surface"
-        case Surface(False):
-            return "at the surface"
-        case _:
-            return "done"
+    return LEGS[type(leg.kind)].done(leg.kind) if leg is not None else "done"
 
 
 def safety(mission: Mission) -> str:

@@ -109,16 +109,18 @@ class Value:
 
 @dataclass(frozen=True, slots=True)
 class Places:
-    """goto, loiter, from: one; loiter also none; follow: any number."""
+    """One, or none for loiter and its like; follow and its like: any number."""
 
     word: Name
     places: tuple[PlaceText, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Side:
+class Chosen:
+    """A word with one of its own words behind it: side port."""
+
     word: Name
-    side: Name
+    choice: Name
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +138,7 @@ class Else:
     target: Name
 
 
-Clause = Wire | Value | Places | Side | Until | Else
+Clause = Wire | Value | Places | Chosen | Until | Else
 
 # --- the other statements -------------------------------------------------------------------
 

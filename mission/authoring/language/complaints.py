@@ -13,12 +13,10 @@ from lark import Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 from mission.authoring.language.problems import nearest
 from mission.authoring.language.words import (
     ASSUMPTIONS,
-    CLAUSES,
     ELSEWHERE,
-    KINDS,
     LIMITS,
-    MEASURES,
-    SETTINGS,
+    choices,
+    leg_words,
 )
 from mission.engine.variables import VARIABLES
 from mission.model.units import UNITS
@@ -40,7 +38,6 @@ _EXPECTED = {
     "LABEL": "a name with a colon",
     "OPERATOR": "one of < <= > >=",
     "DIGEST": "8 hex digits",
-    "PORT": "port or starboard",
     "_FIX": "fix",
     "_WITHOUT": "without fix",
     "_EAST": "east and metres",
@@ -67,13 +64,11 @@ _STATEMENTS = (
     "on",
 )
 _TARGETS = "write -> and the name of a leg"
-_LEG_WORDS = (*SETTINGS, "stop", *MEASURES, *KINDS, "from", "side", *CLAUSES)
 _KEYWORDS = {
     "_VEHICLE": "vehicle", "_SUM": "sum", "_HELD": "held", "_SURE": "sure", "_OR": "or",
     "_AND": "and", "_NOT": "not", "_FIX": "fix", "FIX": "fix", "_WITHOUT": "without",
-    "AT_HOME": "home", "HERE": "here", "_NORTH": "north", "_EAST": "east", "PORT": "port",
-    "STARBOARD": "starboard", "UNCERTAIN": "uncertain", "UNTIL": "until", "FOR": "for",
-    "TIMEOUT": "timeout", "ELSE": "else",
+    "AT_HOME": "home", "HERE": "here", "_NORTH": "north", "_EAST": "east",
+    "UNCERTAIN": "uncertain", "UNTIL": "until", "FOR": "for", "TIMEOUT": "timeout", "ELSE": "else",
 }  # fmt: skip
 
 _PART = re.compile(r"->|[<>=!]=?|[^\s<>=!(),:]+|\S")
@@ -110,7 +105,8 @@ class _Misfit:
     def keywords(self) -> list[str]:
         """Every word that would fit."""
         words = [_KEYWORDS[t] for t in self.expected if t in _KEYWORDS]
-        words += _LEG_WORDS if "SETTING" in self.expected else []
+        words += leg_words() if "SETTING" in self.expected else []
+        words += _chosen() if "CHOSEN" in self.expected else []
         words += LIMITS if "LIMIT" in self.expected else []
         return words + (list(ASSUMPTIONS) if "ASSUMED" in self.expected else [])
 
@@ -157,8 +153,13 @@ def _part(text: str, offset: int) -> tuple[int, str]:
     return offset, text[offset : offset + 1]
 
 
+def _chosen() -> list[str]:
+    return [value for row in choices().values() for value in row.values]
+
+
 def _wanted(expected: frozenset[str]) -> str:
     names = [name for terminal, name in _EXPECTED.items() if terminal in expected]
+    names += [" or ".join(_chosen())] if "CHOSEN" in expected else []
     names += sorted(word for terminal, word in _KEYWORDS.items() if terminal in expected)
     return f"expected {' or '.join(names[:4])}" if names else "one statement a line"
 
@@ -266,7 +267,7 @@ def _by_word(misfit: _Misfit) -> Complaint | None:
 
 
 def _is_word(part: str) -> bool:
-    return part in _STATEMENTS or part in _LEG_WORDS
+    return part in _STATEMENTS or part in leg_words()
 
 
 def _first_word(misfit: _Misfit) -> Complaint:
@@ -283,7 +284,7 @@ def _first_word(misfit: _Misfit) -> Complaint:
     if _is_word(part):
         hint = "a name with a colon stands before a leg only"
         return misfit.says("syntax", f"{part!r} does not fit here", hint)
-    close = nearest(part, (*_STATEMENTS, *_LEG_WORDS) if at_start else _LEG_WORDS)
+    close = nearest(part, (*_STATEMENTS, *leg_words()) if at_start else leg_words())
     hint = f"did you mean {close}?" if close else "a line begins with a name, a word or ZA"
     hint = f"write {ELSEWHERE[part]}" if part in ELSEWHERE else hint
     return misfit.says("unknown-word", f"unknown word {part!r}", hint)

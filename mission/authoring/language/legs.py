@@ -8,16 +8,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 from mission.authoring.language.clauses import (
     Amount,
+    Chosen,
     Clause,
     Else,
     Here,
     LegText,
     Name,
     Places,
-    Side,
     Until,
     Value,
     Wire,
@@ -27,34 +28,29 @@ from mission.authoring.language.wire import wire_complaint
 from mission.authoring.language.words import (
     ATTITUDE,
     FIELD_ORDER,
-    KINDS,
-    MEASURES,
+    HOLD,
     SETTINGS,
-    SIDES,
     STOP,
     VERTICAL,
-    WITHIN,
     ZA,
-    KindRow,
     SettingRow,
-    Shape,
+    choices,
+    kinds,
+    measures,
+    spots,
+    steered,
 )
+from mission.legs import LegType
+from mission.legs.words import LegClause, Measure, Shape
 from mission.model import (
+    HOME,
     Exit,
-    Follow,
-    Goto,
-    Hold,
     Leg,
     LegKind,
-    Loiter,
     Place,
-    Rows,
     Set,
     Setting,
-    Surface,
-    Wait,
     Where,
-    Yoyo,
 )
 from mission.model.extent import PLACES
 from mission.model.units import GEARS, compass, number_text
@@ -71,9 +67,7 @@ class _Parts:
     count: int = 0
     places: list[Place | None] = field(default_factory=list)
     settings: list[Setting] = field(default_factory=list)
-    measures: dict[str, float] = field(default_factory=dict)
-    start: Place | None = None
-    side: int = 1
+    given: dict[str, Any] = field(default_factory=dict)  # the kind's own clauses, by word
     exits: list[Exit] = field(default_factory=list)
     until_fix: Name | None = None
     times: dict[str, float] = field(default_factory=dict)
@@ -94,21 +88,20 @@ class Legs:
         for clause in text.clauses:
             self._take(parts, clause)
         name = text.name.text if text.name else ""
-        word = parts.kind.text if parts.kind else "hold"
-        row = KINDS[word]
+        row = kinds()[parts.kind.text if parts.kind else HOLD]
         self._check_settings(parts, row)
-        self._check_measures(parts, row, text.where)
-        self._check_times(parts, word, text.where)
+        self._check_clauses(parts, row, text.where)
+        self._check_times(parts, row, text.where)
         settings = tuple(sorted(parts.settings, key=lambda s: FIELD_ORDER.index(s.word)))
         bounds = (parts.exits, parts.times, parts.otherwise)
         if not name and parts.kind is None and not any(bounds):
             return Set("", settings, text.where)
         return Leg(
             name,
-            self._kind(parts, word),
+            _kind(parts, row),
             settings,
             tuple(parts.exits),
-            parts.times.get("for", parts.times.get("wait")),
+            parts.times.get("for", parts.times.get(row.name)),
             parts.times.get("timeout"),
             parts.otherwise,
             text.where,
@@ -124,9 +117,8 @@ class Legs:
                 self._value(parts, word, amount)
             case Places():
                 self._places(parts, clause)
-            case Side(word, side):
-                if self._once(parts, word):
-                    parts.side = SIDES[side.text]
+            case Chosen(word, choice):
+                self._chosen(parts, word, choice)
             case Until():
                 self._until(parts, clause)
             case Else(word, target):
@@ -149,35 +141,45 @@ class Legs:
             parts.settings += self._setting(SETTINGS[word.text], amount, word.where)
         elif not self._once(parts, word):
             return
-        elif word.text in KINDS:
+        elif word.text in kinds():
             self._begin(parts, word)
-            if KINDS[word.text].shape is Shape.COUNT and amount is not None:
+            if kinds()[word.text].head.shape is Shape.COUNT and amount is not None:
                 parts.count = self._values.whole(amount, 1, _COUNT_MOST, word.text)
             elif amount is not None:
-                parts.times["wait"] = self._values.seconds(amount)
-        elif word.text in MEASURES and amount is not None:
-            row = MEASURES[word.text]
+                parts.times[word.text] = self._values.seconds(amount)
+        elif word.text in measures() and amount is not None:
+            row = measures()[word.text]
             value = self._values.number(amount, row.unit, row.low, row.high)
-            parts.measures[word.text] = value
+            parts.given[word.text] = value % math.tau if row.circular else value
         elif amount is not None:
             parts.times[word.text] = self._values.seconds(amount)
+
+    def _chosen(self, parts: _Parts, word: Name, choice: Name) -> None:
+        values = choices()[word.text].values
+        if choice.text not in values:
+            message, hint = f"unknown {word.text} {choice.text!r}", f"write {' or '.join(values)}"
+            self._problems.add("unknown-word", choice.where, message, hint)
+        elif self._once(parts, word):
+            parts.given[word.text] = values[choice.text]
 
     def _places(self, parts: _Parts, clause: Places) -> None:
         word = clause.word
         if not self._once(parts, word):
             return
-        if word.text == "from":
-            parts.start = self._values.place(clause.places[0], here=True)
+        if word.text in spots():
+            parts.given[word.text] = self._values.place(clause.places[0], here=True)
             return
         self._begin(parts, word)
         if len(clause.places) > PLACES.most:
             hint = "make two legs of it"
             self._problems.add("too-long", word.where, PLACES.exceeded, hint)
             return
-        parts.places = [self._values.place(p, here=word.text == "loiter") for p in clause.places]
-        if word.text == "follow" and len(clause.places) < 2:
+        shape = kinds()[word.text].head.shape
+        parts.places = [self._values.place(p, here=shape is Shape.ABOUT) for p in clause.places]
+        if shape is Shape.PLACES and len(clause.places) < 2:
             hint = "write goto, or two places and more with a comma between"
-            self._problems.add("one-place", word.where, "follow needs several places", hint)
+            message = f"{word.text} needs several places"
+            self._problems.add("one-place", word.where, message, hint)
         self._same_places(clause)
 
     def _same_places(self, clause: Places) -> None:
@@ -269,10 +271,11 @@ class Legs:
         scaled = amount / GEARS if setting.gear else float(amount)
         return [Setting(setting.field, scaled + 0.0, word.where)]
 
-    def _check_settings(self, parts: _Parts, row: KindRow) -> None:
+    def _check_settings(self, parts: _Parts, row: LegType) -> None:
         seen: dict[str, Setting] = {}
+        fixed = steered(row)
         for setting in parts.settings:
-            if setting.word in row.steers:
+            if setting.word in fixed:
                 self._steered(setting, row)
             for other in seen.values():
                 if _clash(setting.word, other.word):
@@ -285,84 +288,80 @@ class Legs:
                     self._problems.add("axis-twice", setting.where, message, "keep one of them")
             seen.setdefault(setting.word, setting)
         surge = seen.get("surge")
-        if row.word in ("goto", "follow", "rows", "loiter") and surge and surge.value <= 0:
-            message = f"{row.word} never arrives without going ahead"
+        if row.makes_way and surge and surge.value <= 0:
+            message = f"{row.name} never arrives without going ahead"
             self._problems.add("no-way", surge.where, message, "write gear 1 to gear 12")
 
-    def _steered(self, setting: Setting, row: KindRow) -> None:
-        if row.word == "wait":
-            hint = "write the settings with `for` instead of `wait`, or on a line before it"
-            message = "wait keeps what is set"
-        elif row.word == "surface":
-            message, hint = "surface sets everything itself", "leave it out"
+    def _steered(self, setting: Setting, row: LegType) -> None:
+        if row.keeps:
+            hint = f"write the settings with `for` instead of `{row.name}`, or on a line before it"
+            message = f"{row.name} keeps what is set"
+        elif row.ascends:
+            message, hint = f"{row.name} sets everything itself", "leave it out"
         else:
-            message, hint = f"{row.word} sets {setting.word} itself", "leave it out"
+            message, hint = f"{row.name} sets {setting.word} itself", "leave it out"
         self._problems.add("steered", setting.where, message, hint)
 
     # --- the kind ---------------------------------------------------------------------------
 
-    def _check_measures(self, parts: _Parts, row: KindRow, where: Where) -> None:
-        allowed = (*row.needs, *row.may)
-        for word in (*MEASURES, "from", "side"):
-            if word in parts.seen and word not in allowed:
-                users = [k.word for k in KINDS.values() if word in (*k.needs, *k.may)]
-                hint = f"{word} belongs to {', '.join(users)}"
-                message = f"{row.word} has no {word}"
-                self._problems.add("foreign-word", parts.seen[word], message, hint)
-        for word in row.needs:
-            if word not in parts.seen:
+    def _check_clauses(self, parts: _Parts, row: LegType, where: Where) -> None:
+        own = {clause.word for clause in row.clauses}
+        for word in (*measures(), *spots(), *choices()):
+            if word in parts.seen and word not in own:
+                self._foreign(parts, row, word)
+        for clause in row.clauses:
+            if clause.needed and clause.word not in parts.seen:
                 place = parts.kind.where if parts.kind else where
-                hint = f"add for instance {word} {_example(word)}"
-                self._problems.add("missing-word", place, f"{row.word} needs {word}", hint)
-        shallow, deep = parts.measures.get("shallow", 0), parts.measures.get("deep", math.inf)
-        if shallow >= deep:
-            where = parts.seen["shallow"]
-            self._problems.add("upside-down", where, "shallow is not above deep", "swap them")
+                hint = f"add for instance {clause.word} {_example(clause)}"
+                message = f"{row.name} needs {clause.word}"
+                self._problems.add("missing-word", place, message, hint)
+        misfit = row.contradiction(parts.given)
+        if misfit is not None:
+            place = parts.seen[misfit.word]
+            self._problems.add(misfit.rule, place, misfit.message, misfit.hint)
 
-    def _check_times(self, parts: _Parts, word: str, where: Where) -> None:
-        if word == "wait":
+    def _foreign(self, parts: _Parts, row: LegType, word: str) -> None:
+        users = [k.name for k in kinds().values() if word in {c.word for c in k.clauses}]
+        hint = f"{word} belongs to {', '.join(users)}"
+        self._problems.add("foreign-word", parts.seen[word], f"{row.name} has no {word}", hint)
+
+    def _check_times(self, parts: _Parts, row: LegType, where: Where) -> None:
+        word = row.name
+        if row.head.shape is Shape.TIME:
             if "for" in parts.times:
-                hint = "write wait 30s, or hold for 30s"
-                self._problems.add(
-                    "two-times", parts.seen["for"], "wait has its time already", hint
-                )
+                hint = f"write {word} 30s, or hold for 30s"
+                message = f"{word} has its time already"
+                self._problems.add("two-times", parts.seen["for"], message, hint)
             elif not parts.times and not parts.exits:
-                hint = "write for instance wait 30s"
-                self._problems.add("no-time", where, "wait needs a time", hint)
-        if parts.until_fix and word != "surface":
+                hint = f"write for instance {word} 30s"
+                self._problems.add("no-time", where, f"{word} needs a time", hint)
+        if parts.until_fix and not row.until_fix:
             hint = "write surface until fix, or until fix_age < 5"
             message = "until fix belongs to surface"
             self._problems.add("fix-leg", parts.until_fix.where, message, hint)
 
-    def _kind(self, parts: _Parts, word: str) -> LegKind:
-        place = parts.places[0] if parts.places else None
-        measures = parts.measures
-        within = measures.get("within", WITHIN)
-        match word:
-            case "wait":
-                return Wait()
-            case "goto":
-                return Goto(place if place is not None else "home", within)
-            case "follow":
-                return Follow(tuple(p for p in parts.places if p is not None), within)
-            case "rows":
-                bearing = measures.get("bearing", 0.0) % math.tau
-                length, spacing = measures.get("length", 0.0), measures.get("spacing", 0.0)
-                count = parts.count
-                return Rows(parts.start, bearing, length, spacing, count, parts.side, within)
-            case "yoyo":
-                return Yoyo(measures.get("shallow", 0.0), measures.get("deep", 0.0), parts.count)
-            case "loiter":
-                return Loiter(place, measures.get("radius", 0.0), parts.side)
-            case "surface":
-                return Surface(parts.until_fix is not None)
-            case _:
-                return Hold()
+
+def _kind(parts: _Parts, row: LegType) -> LegKind:
+    """The kind with its parameters; what could not be read is stood in for."""
+    figures = {c.field: parts.given.get(c.word, c.unsaid) for c in row.clauses}
+    if row.until_fix:
+        figures[row.until_fix] = parts.until_fix is not None
+    place = parts.places[0] if parts.places else None
+    match row.head.shape:
+        case Shape.COUNT:
+            figures[row.head.field] = parts.count
+        case Shape.PLACE:
+            figures[row.head.field] = place if place is not None else HOME
+        case Shape.ABOUT:
+            figures[row.head.field] = place
+        case Shape.PLACES:
+            figures[row.head.field] = tuple(p for p in parts.places if p is not None)
+    return row.kind(**figures)
 
 
 def _clash(one: str, other: str) -> bool:
     return one == other or {one, other} <= VERTICAL or {one, other} == {"heading", "turn"}
 
 
-def _example(word: str) -> str:
-    return {"bearing": "90", "spacing": "20", "shallow": "2", "deep": "10"}.get(word, "100")
+def _example(clause: LegClause) -> str:
+    return clause.example if isinstance(clause, Measure) else ""

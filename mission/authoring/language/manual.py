@@ -16,18 +16,20 @@ from mission.authoring.language.syntax import grammar
 from mission.authoring.language.words import (
     ASSUMPTIONS,
     CLAUSES,
-    KINDS,
     LIMITS,
-    MEASURES,
     REFUSED_ZA,
     SETTINGS,
     ZA,
-    KindRow,
-    MeasureRow,
     NamedValue,
     SettingRow,
+    choices,
+    kinds,
+    measures,
+    spots,
 )
 from mission.engine.variables import VARIABLES
+from mission.legs import LegType
+from mission.legs.words import Measure
 from mission.model.extent import EXTENTS
 from mission.model.units import UNITS, number_text
 
@@ -82,24 +84,29 @@ def _wire() -> str:
 def _kinds() -> str:
     return _table(
         ("word", "followed by", "needs", "may have", "what"),
-        [_kind(row) for row in KINDS.values()],
+        [_kind(row) for row in kinds().values()],
     )
 
 
-def _kind(row: KindRow) -> tuple[str, ...]:
-    needs, may = (", ".join(f"`{w}`" for w in words) for words in (row.needs, row.may))
-    return f"`{row.word}`", row.shape.value, needs, may, row.description
+def _kind(row: LegType) -> tuple[str, ...]:
+    needs, may = (
+        ", ".join(f"`{clause.word}`" for clause in row.clauses if clause.needed is needed)
+        for needed in (True, False)
+    )
+    return f"`{row.name}`", row.head.shape.value, needs, may, row.description
 
 
 def _measures() -> str:
-    rows = [(f"`{r.word}`", r.unit, _range(r), r.description) for r in MEASURES.values()]
-    rows.append(("`from`", "", "", "a place: where the first row begins; here unless said"))
-    side = "port or starboard: of the next rows; of a circle, starboard is clockwise"
-    rows.append(("`side`", "", "", side))
+    rows = [(f"`{r.word}`", r.unit, _range(r), r.description) for r in measures().values()]
+    rows += [(f"`{r.word}`", "", "", f"a place: {r.description}") for r in spots().values()]
+    rows += [
+        (f"`{r.word}`", "", "", f"{' or '.join(r.values)}: {r.description}")
+        for r in choices().values()
+    ]
     return _table(("word", "bare number", "range", "what"), rows)
 
 
-def _range(row: MeasureRow | SettingRow) -> str:
+def _range(row: Measure | SettingRow) -> str:
     return f"{number_text(row.low)} to {number_text(row.high)}"
 
 

@@ -13,12 +13,17 @@ from collections.abc import Iterable, Mapping
 
 from mission.authoring.language.clauses import Amount, Parameter, Statement
 from mission.authoring.language.problems import Problems, suggestion
-from mission.authoring.language.words import CLAUSES, KINDS, SETTINGS
+from mission.authoring.language.words import CLAUSES, SETTINGS, kinds
 from mission.engine.variables import VARIABLES
+from mission.legs import LEGS
 from mission.model import NOWHERE
+from mission.model.tables import derived
 from mission.model.units import UNITS, UnitError, quantity
 
-_RESERVED = frozenset({*VARIABLES, *UNITS, *SETTINGS, *KINDS, *CLAUSES, "home", "here"})
+
+@derived(LEGS, VARIABLES)
+def _reserved() -> frozenset[str]:
+    return frozenset({*VARIABLES, *UNITS, *SETTINGS, *kinds(), *CLAUSES, "home", "here"})
 
 
 def read_parameters(
@@ -41,7 +46,7 @@ def _check_name(statement: Parameter, found: Mapping[str, Amount], problems: Pro
     if name.text in found:
         message = f"parameter {name.text} appears twice"
         problems.add("twice", name.where, message, "keep one of them")
-    elif name.text in _RESERVED:
+    elif name.text in _reserved():
         message = f"{name.text} is a word of the language"
         problems.add("taken-name", name.where, message, f"call it for instance {name.text}_1")
 

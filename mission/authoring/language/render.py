@@ -9,36 +9,31 @@ What does not live here: how the pairs are laid out (canonical.py, yaml_text.py)
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
-from mission.authoring.language.words import GENERATED, LIMITS, MEASURES, SETTINGS, SIDES
+from mission.authoring.language.words import GENERATED, HOLD, LIMITS, SETTINGS
 from mission.engine.variables import VARIABLES
+from mission.legs import LEGS, LegType
+from mission.legs.words import Choice, LegClause, Measure, Shape
 from mission.model import (
     And,
     Comparison,
     Exit,
     Expression,
-    Follow,
-    Goto,
     Group,
     Guard,
     Handler,
-    Hold,
     Leg,
     Local,
-    Loiter,
     Mission,
     Node,
     Not,
     Or,
     Place,
     Position,
-    Rows,
     Safety,
     Set,
     Setting,
-    Surface,
-    Wait,
-    Yoyo,
 )
 from mission.model.units import GEARS, degrees_text, number_text
 
@@ -136,7 +131,7 @@ def node_pairs(node: Leg | Set, units: bool) -> Iterator[Pair]:
     if isinstance(node, Leg):
         for exit_ in node.exits:
             yield "until", exit_text(exit_, units)
-        if node.duration is not None and not isinstance(node.kind, Wait):
+        if node.duration is not None and LEGS[type(node.kind)].head.shape is not Shape.TIME:
             yield "for", quantity_text(node.duration, "s", units)
         if node.timeout is not None:
             yield "timeout", quantity_text(node.timeout, "s", units)
@@ -145,49 +140,49 @@ def node_pairs(node: Leg | Set, units: bool) -> Iterator[Pair]:
 
 
 def _kind_pairs(leg: Leg, units: bool) -> Iterator[Pair]:
-    def measure(word: str, value: float) -> Pair:
-        return word, quantity_text(value, MEASURES[word].unit, units)
-
-    match leg.kind:
-        case Hold():
-            bounds = leg.exits or leg.otherwise or leg.duration is not None
-            bare = GENERATED.match(leg.name) and not bounds and leg.timeout is None
-            if bare or not leg.settings:
-                yield "hold", ""
-        case Wait():
-            time = leg.duration
-            yield "wait", quantity_text(time, "s", units) if time is not None else ""
-        case Goto(place, within):
-            yield from (("goto", place_text(place)), measure("within", within))
-        case Follow(places, within):
-            yield "follow", ", ".join(map(place_text, places))
-            yield measure("within", within)
-        case Rows():
-            yield from _rows(leg.kind, units)
-        case Yoyo(shallow, deep, cycles):
-            yield "yoyo", str(cycles)
-            yield from (measure("shallow", shallow), measure("deep", deep))
-        case Loiter(place, radius, side):
-            yield from (("loiter", place_text(place)), measure("radius", radius), _side(side))
-        case Surface(until_fix):
-            yield "surface", ""
-            if until_fix:
-                yield "until", "fix"
+    row = LEGS[type(leg.kind)]
+    if row.name == HOLD and not _says_hold(leg):
+        return
+    yield row.name, _head(leg, row, units)
+    for clause in row.clauses:
+        text = _clause(clause, getattr(leg.kind, clause.field), units)
+        if text:
+            yield clause.word, text
+    if row.awaits_fix(leg.kind):
+        yield "until", "fix"
 
 
-def _rows(rows: Rows, units: bool) -> Iterator[Pair]:
-    yield "rows", str(rows.count)
-    yield "bearing", degrees_text(rows.bearing)
-    for word, value in (("length", rows.length), ("spacing", rows.spacing)):
-        yield word, quantity_text(value, "m", units)
-    yield _side(rows.side)
-    if rows.start is not None:
-        yield "from", place_text(rows.start)
-    yield "within", quantity_text(rows.within, "m", units)
+def _says_hold(leg: Leg) -> bool:
+    """The word is left out where the leg is one without it."""
+    bounds = leg.exits or leg.otherwise or leg.duration is not None
+    bare = GENERATED.match(leg.name) and not bounds and leg.timeout is None
+    return bool(bare) or not leg.settings
 
 
-def _side(side: int) -> Pair:
-    return "side", next(word for word, sign in SIDES.items() if sign == side)
+def _head(leg: Leg, row: LegType, units: bool) -> str:
+    match row.head.shape:
+        case Shape.NOTHING:
+            return ""
+        case Shape.TIME:
+            return "" if leg.duration is None else quantity_text(leg.duration, "s", units)
+        case Shape.COUNT:
+            return str(getattr(leg.kind, row.head.field))
+        case Shape.PLACE | Shape.ABOUT:
+            return place_text(getattr(leg.kind, row.head.field))
+        case Shape.PLACES:
+            return ", ".join(map(place_text, getattr(leg.kind, row.head.field)))
+
+
+def _clause(clause: LegClause, value: Any, units: bool) -> str:
+    """Empty where nothing is to be said."""
+    match clause:
+        case Measure():
+            circular = clause.circular
+            return degrees_text(value) if circular else quantity_text(value, clause.unit, units)
+        case Choice():
+            return next(word for word, meant in clause.values.items() if meant == value)
+        case _:
+            return "" if value is None else place_text(value)
 
 
 # --- headers --------------------------------------------------------------------------------------

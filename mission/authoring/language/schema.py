@@ -13,17 +13,18 @@ from typing import Any
 from mission.authoring.language.words import (
     ASSUMPTIONS,
     CLAUSES,
-    KINDS,
     LIMITS,
-    MEASURES,
     SETTINGS,
-    SIDES,
     STOP,
-    KindRow,
     NamedValue,
-    Shape,
+    choices,
+    kinds,
+    measures,
+    spots,
 )
 from mission.engine.variables import VARIABLES
+from mission.legs import LegType
+from mission.legs.words import Shape
 from mission.model.extent import NAME
 from mission.model.shipped import missions_folder
 from mission.model.units import UNITS
@@ -166,8 +167,8 @@ def _flag(description: str) -> Schema:
     return {"enum": [True, None, "true", "yes", "on"], "description": description}
 
 
-def _kind(row: KindRow) -> Schema:
-    match row.shape:
+def _kind(row: LegType) -> Schema:
+    match row.head.shape:
         case Shape.NOTHING:
             return _flag(row.description)
         case Shape.TIME:
@@ -175,7 +176,7 @@ def _kind(row: KindRow) -> Schema:
             return {**time, "type": ["number", "string", "boolean", "null"]}
         case Shape.COUNT:
             return _quantity("", row.description)
-        case Shape.PLACE:
+        case Shape.PLACE | Shape.ABOUT:
             return _ref("place", row.description)
         case Shape.PLACES:
             places = {"$ref": "#/definitions/place"}
@@ -188,14 +189,13 @@ def _kind(row: KindRow) -> Schema:
 
 
 def _leg() -> Schema:
-    properties: dict[str, Schema] = {row.word: _kind(row) for row in KINDS.values()}
+    properties: dict[str, Schema] = {row.name: _kind(row) for row in kinds().values()}
     properties |= {r.word: _quantity(r.unit, r.description) for r in SETTINGS.values()}
     properties[STOP] = _flag("thrusters ahead off, the same as gear 0")
-    properties |= {r.word: _quantity(r.unit, r.description) for r in MEASURES.values()}
-    properties["from"] = _ref("place", "where the first row begins; where it is, unless said")
-    properties["side"] = {
-        "enum": list(SIDES),
-        "description": "of the next rows; of a circle: starboard is clockwise",
+    properties |= {r.word: _quantity(r.unit, r.description) for r in measures().values()}
+    properties |= {r.word: _ref("place", r.description) for r in spots().values()}
+    properties |= {
+        r.word: {"enum": list(r.values), "description": r.description} for r in choices().values()
     }
     guards = ", ".join(VARIABLES)
     until = {"$ref": "#/definitions/guard"}
@@ -207,7 +207,8 @@ def _leg() -> Schema:
         properties[word] = _quantity("s", CLAUSES[word])
     properties["else"] = _ref("target", CLAUSES["else"])
     leg = _object(properties, "a leg: what it holds, and what ends it")
-    needs = {row.word: list(row.needs) for row in KINDS.values() if row.needs}
+    needs = {name: [c.word for c in row.clauses if c.needed] for name, row in kinds().items()}
+    needs = {name: words for name, words in needs.items() if words}
     return {**leg, "minProperties": 1, "dependencies": needs}
 
 

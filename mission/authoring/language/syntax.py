@@ -9,7 +9,6 @@ What does not live here: what the clauses mean (legs.py), how statements make a 
 
 from __future__ import annotations
 
-import functools
 import operator
 import re
 from bisect import bisect_right
@@ -24,6 +23,7 @@ from mission.authoring.language import complaints
 from mission.authoring.language.clauses import (
     Amount,
     AtHome,
+    Chosen,
     Clause,
     ComparisonText,
     Coordinates,
@@ -45,7 +45,6 @@ from mission.authoring.language.clauses import (
     Places,
     PlaceText,
     Several,
-    Side,
     Statement,
     Until,
     Value,
@@ -53,13 +52,34 @@ from mission.authoring.language.clauses import (
     WithoutFix,
 )
 from mission.authoring.language.problems import Problems
-from mission.authoring.language.words import ASSUMPTIONS, KINDS, LIMITS, MEASURES, SETTINGS, Shape
+from mission.authoring.language.words import (
+    ASSUMPTIONS,
+    LIMITS,
+    SETTINGS,
+    choices,
+    kinds,
+    measures,
+    spots,
+)
+from mission.legs import LEGS
+from mission.legs.words import Shape
 from mission.model import Where
 from mission.model.extent import DEEPEST_GUARD
+from mission.model.tables import derived
 from mission.model.units import UNITS
 
 _NESTING = re.compile(r"[()]|\b(?:not|and|or|until|on)\b")
-COUNTED = tuple(row.word for row in KINDS.values() if row.shape is Shape.COUNT)
+
+
+# The terminals for the words of kinds, by what follows them.
+_SHAPED = {
+    Shape.NOTHING: "BARE",
+    Shape.TIME: "TIMED",
+    Shape.COUNT: "COUNTED",
+    Shape.PLACE: "PLACED",
+    Shape.ABOUT: "ABOUT",
+    Shape.PLACES: "ALONG",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,13 +104,20 @@ def grammar() -> str:
     text = (Path(__file__).parent / "grammar.lark").read_text(encoding="utf-8")
     terminals = {
         "SETTING": SETTINGS,
-        "MEASURE": MEASURES,
-        "COUNTED": COUNTED,
+        **{_SHAPED[shape]: _of_shape(shape) for shape in Shape},
+        "MEASURE": measures(),
+        "SPOT": spots(),
+        "CHOICE": choices(),
+        "CHOSEN": dict.fromkeys(value for row in choices().values() for value in row.values),
         "LIMIT": LIMITS,
         "ASSUMED": ASSUMPTIONS,
     }
     rows = [f"{name}.3: {_any_of(words)}" for name, words in terminals.items()]
     return "\n".join([text, *rows, f"UNIT.3: {_any_of(UNITS)}", ""])
+
+
+def _of_shape(shape: Shape) -> tuple[str, ...]:
+    return tuple(word for word, row in kinds().items() if row.head.shape is shape)
 
 
 def _any_of(words: Iterable[str]) -> str:
@@ -99,7 +126,7 @@ def _any_of(words: Iterable[str]) -> str:
     return rf"/(?:{alternatives})(?![A-Za-z0-9_\/%])/"
 
 
-@functools.cache
+@derived(LEGS)
 def _parser() -> Lark:
     return Lark(
         grammar(),
@@ -252,18 +279,16 @@ class _Clauses:
     def stop(self, word: Token) -> Value:
         return Value(self._name(word))
 
-    simple = stop
+    bare = stop
 
-    def wait(self, word: Token, amount: Amount | None) -> Value:
+    def timed(self, word: Token, amount: Amount | None) -> Value:
         return Value(self._name(word), amount)
 
-    def goto(self, word: Token, *places: PlaceText | None) -> Places:
+    def placed(self, word: Token, *places: PlaceText | None) -> Places:
         return Places(self._name(word), tuple(p for p in places if p is not None))
 
-    follow = loiter = from_place = goto
-
-    def side(self, word: Token, side: Token) -> Side:
-        return Side(self._name(word), self._name(side))
+    def chosen(self, word: Token, choice: Token) -> Chosen:
+        return Chosen(self._name(word), self._name(choice))
 
     def until_clause(self, word: Token, until: tuple[GuardText | None, Name | None]) -> Until:
         return Until(self._name(word), *until)

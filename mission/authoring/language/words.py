@@ -2,8 +2,8 @@
 
     SETTINGS    what a leg holds            depth 10      {depth: 10 m}
     ZA          the wire's own words        ZAS10         (line script, and bare lines)
-    MEASURES    sizes that a kind needs     within 15     {within: 15 m}
-    KINDS       what a leg does             goto home     {goto: home}
+    kinds()     what a leg does             goto home     {goto: home}
+    measures(), spots(), choices()          within 15     {within: 15 m}
     LIMITS, ASSUMPTIONS   safety and assume, name and value in turn
 
 A word of the line script and the key of the YAML form are the same.
@@ -12,13 +12,19 @@ What does not live here: how clauses stand together (grammar.lark), what they ma
 
 from __future__ import annotations
 
-import enum
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import TypeVar
 
+from mission.legs import LEGS, LegType
+from mission.legs.words import Choice, Measure, Spot
+from mission.model import Axis
+from mission.model.tables import derived
 from mission.model.units import GEARS
+
+C = TypeVar("C", Measure, Spot, Choice)
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,66 +102,58 @@ REFUSED_ZA: Mapping[str, str] = MappingProxyType(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class MeasureRow:
-    word: str
-    unit: str
-    low: float
-    high: float
-    description: str
+# What a leg does is a table of its own (mission.legs); these are its words.
+HOLD = "hold"  # what a leg does that says nothing else
 
 
-_MEASURES = (
-    MeasureRow("within", "m", 0.5, 1000, "how near counts as there; 10 m unless said"),
-    MeasureRow("bearing", "deg", 0, 360, "direction of the first row"),
-    MeasureRow("length", "m", 1, 20000, "length of each row"),
-    MeasureRow("spacing", "m", 0.5, 2000, "distance between rows"),
-    MeasureRow("shallow", "m", 0, 9999, "upper turning depth"),
-    MeasureRow("deep", "m", 0.5, 9999, "lower turning depth"),
-    MeasureRow("radius", "m", 1, 5000, "of the circle"),
+@derived(LEGS)
+def kinds() -> Mapping[str, LegType]:
+    return MappingProxyType({row.name: row for row in LEGS.values()})
+
+
+@derived(LEGS)
+def measures() -> Mapping[str, Measure]:
+    return _clauses(Measure)
+
+
+@derived(LEGS)
+def spots() -> Mapping[str, Spot]:
+    return _clauses(Spot)
+
+
+@derived(LEGS)
+def choices() -> Mapping[str, Choice]:
+    return _clauses(Choice)
+
+
+def _clauses(kind: type[C]) -> Mapping[str, C]:
+    found = [c for row in LEGS.values() for c in row.clauses if isinstance(c, kind)]
+    return MappingProxyType({clause.word: clause for clause in found})
+
+
+@derived(LEGS)
+def leg_words() -> tuple[str, ...]:
+    """Every word that a leg may have, and so every key."""
+    own = (*kinds(), *measures(), *spots(), *choices())
+    return (*SETTINGS, STOP, *own, *CLAUSES)
+
+
+_FIELDS: Mapping[Axis, frozenset[str]] = MappingProxyType(
+    {
+        Axis.HORIZONTAL: frozenset({"surge", "turn"}),
+        Axis.HEADING: STEERING,
+        Axis.VERTICAL: VERTICAL,
+        Axis.ATTITUDE: frozenset({"pitch", "roll"}),
+    }
 )
-MEASURES: Mapping[str, MeasureRow] = MappingProxyType({row.word: row for row in _MEASURES})
-WITHIN = 10.0  # m, unless said
-SIDES: Mapping[str, int] = MappingProxyType({"port": -1, "starboard": 1})
 
 
-class Shape(enum.Enum):
-    """What follows the word of a kind."""
-
-    NOTHING = ""
-    TIME = "a time"
-    COUNT = "a count"
-    PLACE = "a place"
-    PLACES = "places"
+def steered(row: LegType) -> frozenset[str]:
+    """The setpoint's fields that such a leg may not set."""
+    axes = Axis if row.keeps else row.steers
+    return frozenset(field for axis in axes for field in _FIELDS[axis])
 
 
-@dataclass(frozen=True, slots=True)
-class KindRow:
-    """``steers`` are setpoint fields that the kind sets itself, which the leg may not."""
-
-    word: str
-    shape: Shape
-    needs: tuple[str, ...]
-    may: tuple[str, ...]
-    steers: frozenset[str]
-    description: str
-
-
-_ALL = frozenset(FIELD_ORDER)
-_KINDS = (
-    KindRow("hold", Shape.NOTHING, (), (), frozenset(), "hold the settings; may be left out"),
-    KindRow("wait", Shape.TIME, (), (), _ALL, "hold whatever is set, for a time"),
-    KindRow("goto", Shape.PLACE, (), ("within",), STEERING, "to a place, along the line"),
-    KindRow("follow", Shape.PLACES, (), ("within",), STEERING, "through several places in turn"),
-    KindRow("rows", Shape.COUNT, ("bearing", "length", "spacing"), ("side", "from", "within"),
-            STEERING, "a lawnmower: so many parallel rows"),
-    KindRow("yoyo", Shape.COUNT, ("shallow", "deep"), (), VERTICAL,
-            "down and up between two depths, so many times"),
-    KindRow("loiter", Shape.PLACE, ("radius",), ("side",), STEERING, "circle about a place"),
-    KindRow("surface", Shape.NOTHING, (), (), _ALL, "up, and prove it; `until fix`: with GPS"),
-)  # fmt: skip
-KINDS: Mapping[str, KindRow] = MappingProxyType({row.word: row for row in _KINDS})
-FIX = "fix"
 GENERATED = re.compile(r"line\d+\Z")  # what a leg without a name is called: by its line
 
 

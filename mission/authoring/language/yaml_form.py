@@ -13,6 +13,7 @@ from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from mission.authoring.language.clauses import (
     Amount,
+    Chosen,
     Clause,
     Coordinates,
     Else,
@@ -28,7 +29,6 @@ from mission.authoring.language.clauses import (
     Parameter,
     Places,
     PlaceText,
-    Side,
     Statement,
     Until,
     Value,
@@ -38,25 +38,22 @@ from mission.authoring.language.problems import Problems
 from mission.authoring.language.syntax import Syntax
 from mission.authoring.language.words import (
     ASSUMPTIONS,
-    CLAUSES,
-    KINDS,
     LIMITS,
-    MEASURES,
-    SETTINGS,
-    SIDES,
     STOP,
-    Shape,
+    choices,
+    kinds,
+    leg_words,
+    spots,
 )
 from mission.authoring.language.yaml_nodes import Item, Nodes, composed, strip_of, where_of
+from mission.legs.words import Shape
 from mission.model import Where
 
 TOP_KEYS = ("mission", "vehicle", "home", "safety", "assume", "param", "start", "legs", "on")
 GROUP_KEYS = ("repeat", "legs", "on")
 HANDLER_KEYS = ("when", "held", "do")
-LEG_KEYS = (*SETTINGS, STOP, *KINDS, *MEASURES, "from", "side", *CLAUSES)
 WITHOUT_FIX = "without fix"
 
-_FLAGS = (STOP, *(row.word for row in KINDS.values() if row.shape is Shape.NOTHING))
 _YES = ("true", "yes", "on", "")
 
 
@@ -178,7 +175,7 @@ class _Form:
 
     def _clauses(self, node: Node) -> list[Clause]:
         clauses: list[Clause] = []
-        for word, value in self._nodes.items(node, LEG_KEYS, "a leg"):
+        for word, value in self._nodes.items(node, leg_words(), "a leg"):
             clauses += self._clause(word, value)
         if isinstance(node, MappingNode) and not node.value:
             message = "a name with nothing behind it"
@@ -187,31 +184,30 @@ class _Form:
         return clauses
 
     def _clause(self, word: Name, node: Node) -> Iterator[Clause]:
-        if word.text in _FLAGS:
+        row = kinds().get(word.text)
+        shape = row.head.shape if row is not None else None
+        if word.text == STOP or shape is Shape.NOTHING:
             if self._flag(word, node):
                 yield Value(word)
-        elif word.text in ("goto", "loiter", "from"):
+        elif word.text in spots() or shape in (Shape.PLACE, Shape.ABOUT):
             place = self._place(node)
             if place is not None:
                 yield Places(word, (place,))
-        elif word.text == "follow":
-            places = [self._place(item) for item in self._nodes.entries(node, "follow")]
+        elif shape is Shape.PLACES:
+            places = [self._place(item) for item in self._nodes.entries(node, word.text)]
             if places:
                 yield Places(word, tuple(place for place in places if place is not None))
-        elif word.text == "side":
-            side = self._nodes.text(node)
-            if side is not None and side.text in SIDES:
-                yield Side(word, side)
-            elif side is not None:
-                hint = "write " + " or ".join(SIDES)
-                self._problems.add("unknown-word", side.where, f"unknown side {side.text!r}", hint)
+        elif word.text in choices():
+            choice = self._nodes.text(node)
+            if choice is not None:
+                yield Chosen(word, choice)
         elif word.text == "until":
             yield from self._until(word, node)
         elif word.text == "else":
             target = self._nodes.name(node)
             if target is not None:
                 yield Else(word, target)
-        elif word.text == "wait" and isinstance(node, ScalarNode) and node.value in _YES:
+        elif shape is Shape.TIME and isinstance(node, ScalarNode) and node.value in _YES:
             yield Value(word)
         else:
             amount = self._nodes.amount(node)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from mission.authoring.language import render
-from mission.authoring.language.words import ASSUMPTIONS
-from mission.model import Follow, Group, Handler, Leg, Mission, Node, Place, Set
+from mission.authoring.language.words import ASSUMPTIONS, kinds
+from mission.legs.words import Shape
+from mission.model import Group, Handler, Leg, Mission, Node, Set
 from mission.model.units import number_text
 
 # Names that other YAML readers would take for something else than a text.
@@ -65,7 +66,7 @@ def _keys(node: Leg | Set) -> Iterator[str]:
         if exits:
             yield _until(exits)
             exits = []
-        yield f"{word}: {_value(node, word, value)}"
+        yield f"{word}: {_value(word, value)}"
     if exits:
         yield _until(exits)
 
@@ -74,16 +75,13 @@ def _until(exits: list[str]) -> str:
     return f"until: {exits[0]}" if len(exits) == 1 else f"until: [{', '.join(exits)}]"
 
 
-def _value(node: Leg | Set, word: str, value: str) -> str:
-    if word == "follow" and isinstance(node, Leg) and isinstance(node.kind, Follow):
-        return f"[{', '.join(map(_place, node.kind.places))}]"
+def _value(word: str, value: str) -> str:
+    row = kinds().get(word)
+    if row is not None and row.head.shape is Shape.PLACES:
+        return f"[{value}]"
     if word == "else":
         return _name(value)
     return value or "true"
-
-
-def _place(place: Place) -> str:
-    return render.place_text(place)
 
 
 def _handlers(general: list[str], handlers: tuple[Handler, ...], indent: str) -> Iterator[str]:

@@ -318,7 +318,7 @@ def _limits(context: CheckContext) -> Iterator[Finding]:
             f"{bounds.depth:g} m, time {bounds.time / 60:g} min, voltage {bounds.voltage:g} V",
             "compare with what today's place allows; auvmission limits tightens them",
         )
-    for row in LIMITS:
+    for row in LIMITS.values():
         if why := row.disarmed(vehicle):
             yield warning(
                 f"limit {row.name}", f"can never act: {why}", "plan as if it were not there"

@@ -114,7 +114,7 @@ def of_drive(runtime: Runtime, vehicle: Vehicle) -> dict[str, Any]:
         "mission": engine.chart.digest if engine.chart else "",
         "mission_time_s": elapsed,
         "breached": tuple(row.name for row in engine.breaches),
-        "disarmed": {row.name: why for row in LIMITS if (why := row.disarmed(vehicle))},
+        "disarmed": {row.name: why for row in LIMITS.values() if (why := row.disarmed(vehicle))},
         "margins": {
             "depth": _margin(bounds.depth, known("depth"), "m"),
             "radius": _margin(bounds.radius, known("range"), "m"),

@@ -133,7 +133,8 @@ def _always(owner: type, name: str, result: Any) -> Break:
 
 
 def _never_acts(name: str) -> Break:
-    return lambda s: s.put(monitor, "LIMITS", tuple(row for row in LIMITS if row.name != name))
+    others = {each: row for each, row in LIMITS.items() if each != name}
+    return lambda s: s.put(monitor, "LIMITS", others)
 
 
 def _without_way(way: Any) -> Break:
@@ -350,7 +351,7 @@ BROKEN: Mapping[str, Broken] = {
         f"limit {row.name}": Broken(
             f"R5: {row.name}", _never_acts(row.name), _REASONS.get(row.name, "")
         )
-        for row in LIMITS
+        for row in LIMITS.values()
     },
     **_RULES,
 }

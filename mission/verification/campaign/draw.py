@@ -42,8 +42,6 @@ WEIGHT = frozenset({"heavy", "light"})
 STAGED, BESIDE = 0.7, 0.4  # shares: of the flights, and of those with something else beside
 SCENE_TIME, SCENE_FLOOR = 160.0, 30.0  # s that matter, m
 IDLE = ("temperature_", "magnetometer_", "battery_")  # nothing on this vehicle decides by them
-KINDS = (*FAULTS, *INCIDENTS)
-WEIGHTS = tuple(0.25 if name.startswith(IDLE) else 1.0 for name in KINDS)
 PROFILES = ("as-built", "documented")
 
 
@@ -129,7 +127,7 @@ def _staged(rng: Random, seed: int, number: int, subjects: Sequence[Subject]) ->
         return plan
     faults, incidents = [*plan.settings.faults], [*plan.incidents]
     begin = round(rng.uniform(8.0, SCENE_TIME / 2.0), 1)
-    _disturb(rng, rng.choices(KINDS, WEIGHTS)[0], begin, subjects, faults, incidents)
+    _disturb(rng, _troubles(rng, 1)[0], begin, subjects, faults, incidents)
     settings = replace(plan.settings, faults=tuple(faults))
     return replace(plan, settings=settings, incidents=tuple(incidents))
 
@@ -160,7 +158,7 @@ def _disturbed(rng: Random, seed: int, number: int, subjects: Sequence[Subject])
     sea = _sea(rng)
     heading = rng.uniform(0.0, math.tau)
     horizon = HORIZON * subject.proved_time
-    names = rng.choices(KINDS, WEIGHTS, k=rng.randint(1, MOST))
+    names = _troubles(rng, rng.randint(1, MOST))
     others = [s for s in subjects if s is not subject] or [subject]
     faults: list[FaultEvent] = []
     incidents: list[Drawn] = []
@@ -168,6 +166,12 @@ def _disturbed(rng: Random, seed: int, number: int, subjects: Sequence[Subject])
         _disturb(rng, name, begin, others, faults, incidents)
     settings = Settings(sea=sea, faults=tuple(faults))
     return Plan(seed, number, subject, profile, vehicle_seed, settings, tuple(incidents), heading)
+
+
+def _troubles(rng: Random, count: int) -> list[str]:
+    """Names of FAULTS and INCIDENTS."""
+    names = (*FAULTS, *INCIDENTS)
+    return rng.choices(names, [0.25 if n.startswith(IDLE) else 1.0 for n in names], k=count)
 
 
 def _disturb(

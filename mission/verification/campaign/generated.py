@@ -1,8 +1,8 @@
 """Random missions that the check passes, by seed: what an author might come to write, and worse.
 
-A text is drawn line by line, legs of every kind in groups and rounds, and is thrown away when it
-cannot be read or the check refuses it, until one is left. Its limits are drawn near to what the
-legs need, so that the check has something to refuse.
+A text is drawn line by line, legs of every type as their rows draw them, in groups and rounds, and
+is thrown away when it cannot be read or the check refuses it, until one is left. Its limits are
+drawn near to what the legs need, so that the check has something to refuse.
 
 What does not live here: the grammar (language), what is proved (check).
 """
@@ -16,12 +16,14 @@ from random import Random
 from mission.authoring.check import Proved, check_mission
 from mission.authoring.compiler.compiler import CompileErrors, compile_mission
 from mission.authoring.language import MissionErrors, digest, parse
+from mission.engine.variables import VARIABLES
+from mission.legs import LEGS
 from mission.model import Mission
 from mission.model.vehicle import Vehicle
 
 TRIES = 200
 HOME = "30.2874595 120.1535765"
-LEGS = 6  # at most in a body
+LENGTH = 6  # legs in a body, at most
 
 
 class NoneFound(RuntimeError):
@@ -39,7 +41,7 @@ def generate(seed: int, number: int, vehicle: Vehicle) -> Generated:
     """Raises NoneFound."""
     rng = Random(f"mission {seed} {number}")
     for _ in range(TRIES):
-        text = "\n".join(_Author(rng, f"generated-{number}").lines()) + "\n"
+        text = "\n".join(Writer(rng, f"generated-{number}").lines()) + "\n"
         try:
             mission = parse(text)
             chart = compile_mission(mission, vehicle, digest(mission))
@@ -51,10 +53,12 @@ def generate(seed: int, number: int, vehicle: Vehicle) -> Generated:
     raise NoneFound(f"seed {seed}, mission {number}: none of {TRIES} texts passed the check")
 
 
-class _Author:
+class Writer:
+    """Writes one text, line by line; an Author for the legs' own draws."""
+
     def __init__(self, rng: Random, name: str) -> None:
         self.rng, self.name = rng, name
-        self.depth = rng.choice([6, 10, 15, 25, 40])
+        self._deepest = rng.choice([6, 10, 15, 25, 40])
         self._legs = self._groups = 0
         self.floor = rng.random() < 0.5
 
@@ -63,8 +67,8 @@ class _Author:
         radius, minutes = rng.randint(3, 20) * 100, rng.randint(2, 24) * 10
         yield f"mission {self.name} vehicle auv"
         yield f"home {HOME}"
-        yield f"safety radius {radius} time {minutes}min depth {self.depth} voltage 10"
-        floor = f" floor {self.depth}" if self.floor else ""
+        yield f"safety radius {radius} time {minutes}min depth {self._deepest} voltage 10"
+        floor = f" floor {self._deepest}" if self.floor else ""
         yield f"assume current {rng.choice([0, 0.1, 0.2, 0.3])}{floor}"
         yield self._dive()
         yield from self._body(2)
@@ -73,10 +77,10 @@ class _Author:
         if rng.random() < 0.7:
             yield f"up: surface{rng.choice(['', ' until fix'])} timeout {rng.randint(2, 5)}min"
         if rng.random() < 0.3:
-            yield f"on {self._guard()} held {rng.choice([0, 4, 10])} -> surface"
+            yield f"on {self.guard()} held {rng.choice([0, 4, 10])} -> surface"
 
     def _body(self, levels: int) -> Iterator[str]:
-        for _ in range(self.rng.randint(1, LEGS)):
+        for _ in range(self.rng.randint(1, LENGTH)):
             if levels and self.rng.random() < 0.25:
                 yield from self._group(levels - 1)
             else:
@@ -89,94 +93,40 @@ class _Author:
         yield f"repeat {rounds} {name}:" if rounds > 1 else f"group {name}:"
         yield from self._body(levels)
         if self.rng.random() < 0.4:
-            yield f"on {self._guard()} held {self.rng.choice([0, 4])} -> surface"
+            yield f"on {self.guard()} held {self.rng.choice([0, 4])} -> surface"
         yield "end"
 
     def _dive(self) -> str:
-        depth = self._depth()
+        depth = self.depth()
         timeout = f"timeout {self.rng.randint(30, 120)}"
-        return f"dive: {self._course()} depth {depth} until depth >= {depth - 0.5} {timeout}"
+        return f"dive: {self.course()} depth {depth} until depth >= {depth - 0.5} {timeout}"
 
     def _leg(self) -> str:
         self._legs += 1
-        rng = self.rng
-        kinds = [self._straight, self._straight, self._goto, self._yoyo, self._loiter, self._rows,
-                 self._surface, self._wait, self._bottom, self._thrust]  # fmt: skip
-        return f"l{self._legs}: {rng.choice(kinds)()}"
+        draws = [draw for row in LEGS.values() for draw in row.draws]
+        return f"l{self._legs}: {self.rng.choice(draws)(self)}"
 
-    def _course(self) -> str:
+    # --- what legs are made of ------------------------------------------------------------
+
+    def course(self) -> str:
         return f"heading {self.rng.randrange(0, 360, 5)} gear {self.rng.choice([3, 4, 6, 8, 10])}"
 
-    def _depth(self) -> int:
-        return self.rng.randint(1, self.depth - 1)
+    def depth(self) -> int:
+        return self.rng.randint(1, self._deepest - 1)
 
-    def _timeout(self, most: int = 300) -> str:
+    def timeout(self, most: int = 300) -> str:
         otherwise = self.rng.choice(["", "", " else surface"])
         return f"timeout {self.rng.randint(20, most)}{otherwise}"
 
-    def _way(self) -> str:
+    def way(self) -> str:
         """An axis kept, or stated anew."""
-        return self.rng.choice(["", f" depth {self._depth()}"])
+        return self.rng.choice(["", f" depth {self.depth()}"])
 
-    def _guard(self) -> str:
-        rng = self.rng
-        simple = [
-            f"travelled >= {rng.randint(10, 200)}",
-            f"range > {rng.randint(20, 300)}{rng.choice(['', ' sure 90%'])}",
-            f"depth > {rng.randint(1, self.depth)}",
-            f"altitude < {rng.randint(1, 5)} sure 90%",
-            f"elapsed > {rng.randint(10, 200)}",
-            f"uncertainty > {rng.randint(10, 100)}",
-            f"temperature < {rng.randint(5, 20)}",
-        ]
-        one, other = rng.sample(simple, 2)
-        return rng.choice([one, one, f"{one} {rng.choice(['and', 'or'])} {other}"])
-
-    def _straight(self) -> str:
-        ends = self.rng.choice([f"for {self.rng.randint(5, 200)}", ""])
-        return f"{self._course()}{self._way()} " + (
-            ends or f"until {self._guard()} {self._timeout()}"
-        )
-
-    def _place(self) -> str:
+    def place(self) -> str:
         return f"north {self.rng.randint(-200, 200)} east {self.rng.randint(-200, 200)}"
 
-    def _goto(self) -> str:
-        gear = self.rng.choice([4, 6, 8, 10])
-        return f"goto {self._place()} within 15 gear {gear}{self._way()} {self._timeout(600)}"
-
-    def _yoyo(self) -> str:
-        deep = self.rng.randint(3, max(3, self.depth - 1))
-        return (
-            f"yoyo {self.rng.randint(1, 3)} shallow {self.rng.randint(1, deep - 1)} deep {deep} "
-            f"{self._course()} {self._timeout(600)}"
-        )
-
-    def _loiter(self) -> str:
-        where = self.rng.choice([f" {self._place()}", ""])
-        side = self.rng.choice(["starboard", "port"])
-        radius, seconds = self.rng.randint(15, 50), self.rng.randint(30, 300)
-        return f"loiter{where} radius {radius} side {side} gear 4 for {seconds}"
-
-    def _rows(self) -> str:
-        start = self.rng.choice([f" from {self._place()}", ""])
-        return (
-            f"rows {self.rng.randint(2, 4)} bearing {self.rng.randrange(0, 360, 15)} "
-            f"length {self.rng.randint(30, 120)} spacing {self.rng.randint(10, 30)} "
-            f"side {self.rng.choice(['starboard', 'port'])}{start} within 8 gear 8 "
-            f"{self._timeout(900)}"
-        )
-
-    def _surface(self) -> str:
-        return f"surface{self.rng.choice(['', ' until fix'])} timeout {self.rng.randint(60, 300)}"
-
-    def _wait(self) -> str:
-        return f"wait {self.rng.randint(5, 60)}"
-
-    def _bottom(self) -> str:
-        return f"altitude {self.rng.randint(2, 6)} {self._course()} {self._timeout(200)}"
-
-    def _thrust(self) -> str:
-        """Down by the thrusters alone, until a depth or a clock."""
-        depth = self._depth()
-        return f"gear 0 heave {self.rng.randint(5, 10)} until depth > {depth} {self._timeout(60)}"
+    def guard(self) -> str:
+        rng = self.rng
+        drawn = [row.draw for row in VARIABLES.values() if row.draw is not None]
+        one, other = (draw(rng, self._deepest) for draw in rng.sample(drawn, 2))
+        return rng.choice([one, one, f"{one} {rng.choice(['and', 'or'])} {other}"])

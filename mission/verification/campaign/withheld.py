@@ -2,9 +2,10 @@
 that never holds, a sensor that stands or is gone, ``else`` taken.
 
 The check bounds what can happen, not what is likely. So each row of the language's tables has
-missions here (a word without one fails a test), and each is flown at the edge of what is assumed:
-the whole current, the farthest start, the deepest floor, the compass and the speed as far off as
-they may be, something withheld for as long as the flight lasts.
+missions (a word without one fails a test; those of leg types and variables stand in their rows),
+and each is flown at the edge of what is assumed: the whole current, the farthest start, the deepest
+floor, the compass and the speed as far off as they may be, something withheld for as long as the
+flight lasts.
 
 What does not live here: the laws of a flight (proofs), the words themselves (language.words).
 """
@@ -23,6 +24,9 @@ from mission.authoring.check import check_mission
 from mission.authoring.check.assumptions import Assumptions
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, parse
+from mission.engine.variables import VARIABLES
+from mission.legs import LEGS
+from mission.legs.base import WAY
 from mission.legs.guidance import GIVES
 from mission.model.vehicle import Vehicle
 from mission.verification.campaign.draw import PROFILES
@@ -33,42 +37,18 @@ HEAD = (
     "mission {name} vehicle auv\nhome 30.2874595 120.1535765\n"
     "safety radius 400 time 30min depth 30\n"
 )
-_WAY = "heading 0 gear 8 depth 4"
 _TO = "goto north 60 east 0 gear 8 depth 4"
 _SENSORS = (Sensor.DEPTH, Sensor.ALTITUDE, Sensor.HEADING, Sensor.ATTITUDE)
 _HELD = (Sensor.DEPTH, Sensor.ALTITUDE)  # stuck and noisy, they look well
 _NO_FIX = "gps_lost"
 SOURCE = "--word"  # on the command line of the campaign, with its number
 
-KINDS: Mapping[str, tuple[str, ...]] = {
-    "hold": (f"a: {_WAY} for 40",),
-    "wait": (f"a: {_WAY} for 10\nb: wait 30",),
-    "goto": (
-        "a: goto north 30 east 0 gear 8 depth 4 timeout 60",
-        "a: goto north 200 east 0 gear 8 depth 4 timeout 40 else b\nb: heading 0 gear 0 for 10",
-    ),
-    "follow": ("a: follow north 20 east 0, north 20 east 20 gear 8 depth 4 timeout 60",),
-    "rows": (
-        "a: rows 2 bearing 90 length 20 spacing 10 within 5 gear 6 depth 4 timeout 60",
-        "a: rows 2 bearing 0 length 20 spacing 10 from north 10 east 0 gear 6 depth 4 timeout 90",
-    ),
-    "yoyo": ("a: yoyo 2 shallow 2 deep 6 heading 0 gear 6 timeout 60",),
-    "loiter": (
-        "a: loiter here radius 10 gear 4 depth 4 for 60",
-        "a: loiter north 20 east 0 radius 10 gear 4 depth 4 for 60",
-    ),
-    "surface": (
-        f"a: {_WAY} for 20\nb: surface timeout 90",
-        f"a: {_WAY} for 20\nb: surface until fix timeout 3min\nc: {_WAY} for 20",
-        f"a: {_WAY} for 20\nb: surface until fix timeout 5",
-    ),
-}
 SETTINGS: Mapping[str, tuple[str, ...]] = {
     "depth": ("a: depth 5 gear 4 heading 0 for 60\nb: depth 2 gear 4 heading 0 for 30",),
     "altitude": ("a: altitude 3 gear 4 heading 0 for 90",),
     "up": ("a: gear 0 down 8 for 20\nb: up 8 for 20",),
     "down": ("a: gear 0 down 8 for 30", "a: gear 0 down 8 until depth > 6 timeout 60"),
-    "heading": (f"a: {_WAY} for 20\nb: heading 180 for 40",),
+    "heading": (f"a: {WAY} for 20\nb: heading 180 for 40",),
     "gear": ("a: gear 10 heading 0 for 30\nb: gear 0 heading 0 for 20", "a: gear -6 for 20"),
     "speed": ("a: speed 0.75 m/s heading 0 depth 3 for 30",),
     "left": ("a: gear 0 left 6 for 20",),
@@ -78,63 +58,36 @@ SETTINGS: Mapping[str, tuple[str, ...]] = {
 REFUSED: Mapping[str, str] = {
     "pitch": "a: pitch 5 for 20",
     "roll": "a: roll 5 for 20",
-    "leak": f"a: {_WAY} until leak > 0 timeout 20",
-}
-UNTIL: Mapping[str, str] = {
-    "depth": "depth >= 3.5 held 2s",
-    "depth_rate": "depth_rate > 2",
-    "altitude": "altitude < 1 sure 90%",
-    "heading": "heading > 90",
-    "course": "course > 120",
-    "pitch": "pitch > 60",
-    "roll": "roll > 60",
-    "speed": "speed > 5",
-    "ground_speed": "ground_speed > 5",
-    "north": "north > 500",
-    "east": "east > 500",
-    "range": "range > 500 sure 90%",
-    "bearing": "bearing < 90 and range > 500",
-    "distance": "distance > 500",
-    "cross_track": "cross_track > 500",
-    "travelled": "travelled >= 25",
-    "current": "current > 3",
-    "uncertainty": "uncertainty > 900",
-    "fix_age": "fix_age > 900",
-    "temperature": "temperature < -3",
-    "battery": "battery < 1",
-    "battery_power": "battery_power < 1",
-    "elapsed": "elapsed > 30 held 5s",
-    "mission_time": "mission_time > 900",
-    "round": "round > 900",
+    "leak": f"a: {WAY} until leak > 0 timeout 20",
 }
 CLAUSES: Mapping[str, tuple[str, ...]] = {
     "until": (
-        f"a: {_WAY} until travelled >= 20 until depth > 9 -> c timeout 40\nc: heading 90 for 10",
+        f"a: {WAY} until travelled >= 20 until depth > 9 -> c timeout 40\nc: heading 90 for 10",
     ),
-    "for": (f"a: {_WAY} for 15\nb: heading 90 for 15",),
-    "timeout": (f"a: {_WAY} until range > 900 timeout 30",),
+    "for": (f"a: {WAY} for 15\nb: heading 90 for 15",),
+    "timeout": (f"a: {WAY} until range > 900 timeout 30",),
     "else": (
-        f"a: {_WAY} until altitude < 1 timeout 40 else b\nb: heading 180 for 20",
+        f"a: {WAY} until altitude < 1 timeout 40 else b\nb: heading 180 for 20",
         "a: altitude 3 gear 4 heading 0 until range > 900 timeout 60 else b\n"
         "b: depth 2 gear 4 heading 0 for 15",
     ),
 }
 ASSUMPTIONS: Mapping[str, tuple[str, ...]] = {
-    "current": (f"assume current 0.5\na: {_WAY} for 40", f"assume current 0\na: {_WAY} for 40"),
+    "current": (f"assume current 0.5\na: {WAY} for 40", f"assume current 0\na: {WAY} for 40"),
     "floor": ("assume floor 8\na: altitude 3 gear 4 heading 0 for 60",),
-    "start": (f"assume start 150\na: {_WAY} for 30", f"assume start 0\na: {_WAY} for 30"),
+    "start": (f"assume start 150\na: {WAY} for 30", f"assume start 0\na: {WAY} for 30"),
 }
 STATEMENTS: Mapping[str, tuple[str, ...]] = {
     "repeat": (
-        f"repeat 3 r:\n a: {_WAY} until range > 900 timeout 15\n b: heading 180 for 15\nend",
+        f"repeat 3 r:\n a: {WAY} until range > 900 timeout 15\n b: heading 180 for 15\nend",
     ),
     "on": (
-        f"a: {_WAY} for 30\nb: heading 180 for 30\non depth > 3 held 4s -> b",
-        f"a: {_WAY} for 30\nb: surface until fix timeout 90\non uncertain -> b",
-        f"a: {_WAY} until range > 900 timeout 20\nb: heading 90 for 20\n"
+        f"a: {WAY} for 30\nb: heading 180 for 30\non depth > 3 held 4s -> b",
+        f"a: {WAY} for 30\nb: surface until fix timeout 90\non uncertain -> b",
+        f"a: {WAY} until range > 900 timeout 20\nb: heading 90 for 20\n"
         "c: surface timeout 60 else surface\non timeout -> c",
     ),
-    "start": (f"start without fix\na: {_WAY} for 30",),
+    "start": (f"start without fix\na: {WAY} for 30",),
 }
 
 
@@ -145,13 +98,15 @@ def drawn_for(claim: Claim, flight: int) -> Draw:
 
 def missions() -> Iterator[tuple[str, str]]:
     """Every word with each of its texts."""
-    for table in (KINDS, SETTINGS, CLAUSES, ASSUMPTIONS, STATEMENTS):
+    kinds = {row.name: row.trials for row in LEGS.values()}
+    for table in (kinds, SETTINGS, CLAUSES, ASSUMPTIONS, STATEMENTS):
         for word, bodies in table.items():
             for body in bodies:
                 yield word, body
-    for variable, guard in UNTIL.items():
-        way = _TO if variable in GIVES else _WAY
-        yield variable, f"a: {way} until {guard} timeout 40"
+    for row in VARIABLES.values():
+        way = _TO if row.name in GIVES else WAY
+        if row.trial:
+            yield row.name, f"a: {way} until {row.trial} timeout 40"
 
 
 def claims(vehicle: Vehicle) -> Iterator[Claim]:

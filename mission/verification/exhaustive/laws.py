@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from mission.engine.restart import UNANSWERED
+from mission.legs import LEGS
 from mission.model import (
     IDLE_EMPTY,
     IDLE_READY,
@@ -25,7 +26,6 @@ from mission.model import (
     STOPPED,
     SURFACED,
     SURFACING,
-    Surface,
 )
 from mission.verification.exhaustive.cell import Cell
 
@@ -300,7 +300,7 @@ def _line_was_away(cell: Cell) -> Verdict:
     if cell.region == "manual":
         return wrong((cell.state == MANUAL_DRIVING and bool(left), f"{left} left under the stick"))
     leg = cell.leg.leg if cell.leg else None
-    flies = leg is not None and not isinstance(leg.kind, Surface) and len(cell.states) == 1
+    flies = leg is not None and not LEGS[type(leg.kind)].ascends and len(cell.states) == 1
     return wrong((flies and not left, "the set was not said again"))
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from functools import cache
 
+from mission.legs import LEGS
 from mission.model import (
     IMPLICIT_SURFACE,
     MANUAL_WAITING,
@@ -17,11 +18,8 @@ from mission.model import (
     By,
     Comparison,
     Expression,
-    Hold,
     Not,
     Step,
-    Surface,
-    Wait,
 )
 from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.configurations import DEEP
@@ -54,7 +52,7 @@ def _thrust(cell: Cell) -> bool:
     s = leg.setpoint if leg is not None else None
     if s is None or leg is None or leg.leg is None:
         return False
-    return isinstance(leg.leg.kind, Hold | Wait) and bool(s.surge or s.turn or s.heave)
+    return LEGS[type(leg.leg.kind)].plain and bool(s.surge or s.turn or s.heave)
 
 
 def _left(cell: Cell) -> list[Step]:
@@ -71,7 +69,7 @@ def _real(cell: Cell) -> bool:
     leg, limit = cell.leg, cell.event.limit
     kept = cell.configuration.quiet and _until_emergency(cell)
     state = leg.setpoint if leg is not None else None
-    plain = leg is not None and leg.leg is not None and isinstance(leg.leg.kind, Hold | Wait)
+    plain = leg is not None and leg.leg is not None and LEGS[type(leg.leg.kind)].plain
     if limit == "heading does not follow":
         return kept and plain and state is not None and state.heading is not None
     if limit == "no progress":
@@ -193,7 +191,7 @@ def _blind(cell: Cell) -> Verdict:
     leg, sensor = cell.leg, cell.event.sensor
     if leg is None or leg.leg is None or leg.setpoint is None or sensor == "temperature":
         return None
-    if not sensor or isinstance(leg.leg.kind, Surface):
+    if not sensor or LEGS[type(leg.leg.kind)].ascends:
         return None
     needs = ("depth", "altitude", "heading") if sensor == "all" else (sensor,)
     if all(getattr(leg.setpoint, need, None) is None for need in needs):
@@ -211,7 +209,7 @@ def _refused(cell: Cell) -> Verdict:
     """R8: a Z of the leg's set that is answered N: the leg's else."""
     if cell.event.name != "ACK N" or cell.leg is None or cell.configuration.quiet:
         return None
-    if cell.leg.leg is None or isinstance(cell.leg.leg.kind, Surface):
+    if cell.leg.leg is None or LEGS[type(cell.leg.leg.kind)].ascends:
         return None
     ways = [s.by for s in _left(cell)[:1]]
     return wrong(
@@ -255,7 +253,7 @@ def _whole_set(cell: Cell) -> Verdict:
     state = cell.chart.state(last.entered[-1])
     if state.leg is None or state.setpoint is None or cell.state != state.path:
         return None
-    if not isinstance(state.leg.kind, Hold | Wait) or cell.world.now - last.t < 1.5:
+    if not LEGS[type(state.leg.kind)].plain or cell.world.now - last.t < 1.5:
         return None
     wanted = list(_frames(cell.configuration.profile, state.setpoint))
     sent = [t for t in cell.frames(b"@ZA") if t.t >= last.t and "(try " not in t.reason]

@@ -10,34 +10,27 @@ from hypothesis import strategies as st
 from mission.authoring.language.canonical import numbered
 from mission.authoring.language.words import FIELD_ORDER, LIMITS
 from mission.engine.variables import VARIABLES
+from mission.legs import Follow, Goto, Hold, Loiter, Rows, Surface, Wait, Yoyo
 from mission.model import (
     And,
     Comparison,
     Exit,
     Expression,
-    Follow,
-    Goto,
     Group,
     Guard,
     Handler,
-    Hold,
     Leg,
     LegKind,
     Local,
-    Loiter,
     Mission,
     Node,
     Not,
     Or,
     Place,
     Position,
-    Rows,
     Safety,
     Set,
     Setting,
-    Surface,
-    Wait,
-    Yoyo,
 )
 from mission.model.units import GEARS, compass
 

@@ -8,28 +8,21 @@ from pathlib import Path
 import pytest
 
 from mission.authoring.language import digest, is_yaml, load, parse, script, to_lines, to_yaml
+from mission.legs import Follow, Goto, Hold, Loiter, Rows, Surface, Wait, Yoyo
 from mission.model import (
     And,
     Comparison,
     Exit,
-    Follow,
-    Goto,
     Group,
     Guard,
     Handler,
-    Hold,
     Leg,
     Local,
-    Loiter,
     Mission,
     Not,
     Or,
     Position,
-    Rows,
     Set,
-    Surface,
-    Wait,
-    Yoyo,
 )
 
 

@@ -1,0 +1,37 @@
+"""Values as people read them on pictures and in tables: rounded, with units.
+
+Plain characters only (ASCII, Latin-1), because a picture is shown with whatever font the machine
+has. What does not live here: numbers that read back as the same bits (units.number_text).
+"""
+
+from __future__ import annotations
+
+import math
+
+from mission.model.texts import Local, Place, Position
+
+
+def number(value: float) -> str:
+    """At most three digits behind the point, no trailing zeros."""
+    return f"{round(value, 3):.10g}"
+
+
+def duration(seconds: float) -> str:
+    if seconds >= 120 and seconds % 60 == 0:
+        return f"{number(seconds / 60)} min"
+    return f"{number(seconds)} s"
+
+
+def bearing(radians: float) -> str:
+    return f"{round(math.degrees(radians), 1) % 360:03g}\u00b0"
+
+
+def place(value: Place) -> str:
+    match value:
+        case Position(latitude, longitude):
+            return f"{latitude:.5f}, {longitude:.5f}"
+        case Local(north, east):
+            ns, ew = "N" if north >= 0 else "S", "E" if east >= 0 else "W"
+            return f"{number(abs(north))} m {ns} {number(abs(east))} m {ew}"
+        case _:
+            return str(value)
