@@ -53,7 +53,10 @@ class Core:
     def __init__(self, vehicle: Vehicle, navigation: Navigator | None) -> None:
         self.vehicle = vehicle
         self.vehicle_state = VehicleState(
-            navigation, grounded=vehicle.drives, stale_after=vehicle.stale_after
+            navigation,
+            grounded=vehicle.drives,
+            stale_after=vehicle.stale_after,
+            rise=vehicle.ascent_buoyancy,
         )
         self.ways = vehicle_row(vehicle.codec).ways
         self.machine = Machine()

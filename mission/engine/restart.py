@@ -1,6 +1,8 @@
 """A program that begins again: what was under way comes up, what was at rest is left at rest.
 
-    a mission, an ascent     --> emergency/surfacing, at once
+    a mission, an ascent     --> emergency/surfacing, at once; what proves the surface is counted
+                                 from 6 s on: of a depth that nobody saw before, it is known only
+                                 after five reports whether it is frozen
     stopped, surfaced        --> the same again, everything stopped: the vehicle may be on deck
     the stick alone          --> stopped, idle
     the store cannot tell    --> stopped, and up as soon as two reports in a row say a depth to
@@ -19,6 +21,7 @@ from mission.model.regions import EMERGENCY, IDLE, MANUAL
 STICK = "the stick, without a mission"  # under way in manual: a restart stops, and is idle
 UNANSWERED = "a stop without its acknowledgement"  # under way in idle: thrusters may still turn
 REPORTS = 2
+UNWATCHED = 6.0  # s; with the surface's own 6 s a frozen depth shows
 
 
 def under_way(core: Core) -> str:
@@ -47,6 +50,8 @@ def begin_again(core: Core, before: Restarted) -> None:
         core.deep_reports = 0
     else:
         core.surface("restart", why, By.LIMIT)
+        if core.ascent is not None:
+            core.ascent.began += UNWATCHED
 
 
 def unsure(core: Core) -> bool:

@@ -41,6 +41,8 @@ _MEDIAN_OF = 5  # fixes (R9)
 _SCATTER = 10.0  # m (R9)
 _HDOP = 3.0  # (R9)
 FIX_AGE = 5.0  # s: an older fix is none (R9)
+_NEARLY_UP = 1.2  # m: 0.8, and a sensor that is a little off
+_UNSEEN = 3.0  # m: a dive that goes on for the 6 s until an unknown depth acts (R5)
 
 
 class Frame(Protocol):
@@ -79,11 +81,12 @@ class VehicleState:
         *,
         grounded: bool = False,
         stale_after: float = STALE_AFTER,
+        rise: float = math.inf,
     ) -> None:
         """``grounded``: the vehicle drives on the ground, where the depth is 0. ``stale_after``:
-        s, the age at which a report is believed no more."""
+        s, the age at which a report is believed no more. ``rise``: m/s by buoyancy alone."""
         self.navigation = navigation
-        self._stale_after = stale_after
+        self._stale_after, self._rise = stale_after, rise
         self._grounded = grounded
         self.now = 0.0
         self.telemetry: Telemetry | None = None
@@ -186,8 +189,15 @@ class VehicleState:
         believed, only some seconds of fixes as at the surface."""
         depth = self.depth
         if depth is None:
-            return self.receiver.settled(fix.t) >= SETTLED
+            return self.receiver.settled(fix.t) >= SETTLED and self._may_be_up(fix.t)
         return self.receiver.fresh and depth < FIX_DEPTH
+
+    def _may_be_up(self, now: float) -> bool:
+        """It has had the time that the way up takes from where it was last believed to be."""
+        depth = self.believed_depth
+        if depth is None or depth < _NEARLY_UP or self._rise <= 0.0:
+            return True
+        return now - self._believed_at >= (depth + _UNSEEN) / self._rise
 
     # --- out ---------------------------------------------------------------------------------
 

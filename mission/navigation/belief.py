@@ -14,7 +14,9 @@ never twice the same. What speaks against it, over the last ``WINDOW`` seconds:
 What explains a depth that stands is no contradiction: fixes that come in at the surface (the dive
 fails), the ground under the vehicle, the surface above it. A depth that was contradicted is
 believed again once it has moved the way the vehicle is moved, or shows the surface for ``AGREES``
-seconds of fixes; after a leap or an offset by the second alone, for these move as they should.
+seconds of fixes; after a leap or an offset by the second alone, for these move as they should. A
+depth that stood under a push upward is an offset where fixes come; where none do the vehicle is
+under water, and as heavy as its thrusters can just hold, or the port is clogged: movement tells.
 Either way it must have moved: of a clogged port 0.1 m is no proof of the surface.
 
 What does not live here: a sensor by itself (health), what follows (engine, limits). What cannot
@@ -80,8 +82,9 @@ class DepthBelief:
         return copied(self)
 
     def leap(self, t: float, by: float) -> None:
-        """The sensor has come back elsewhere, by so many metres."""
+        """The sensor has come back elsewhere, by so many metres: what leaps is not clogged."""
         self._contradict(t, f"it leapt by {by:.1f} m", moves=False)
+        self._low, self._moves = -math.inf, False
 
     def take(
         self,
@@ -182,7 +185,9 @@ class DepthBelief:
         elif self._way and self._pushed_at <= whole:
             way = "down" if self._way > 0 else "up"
             says = f"the verticals push {way} and it stands at {depth:.1f} m"
-            self._contradict(t, says, moves=self._way > 0)
+            quiet = receiver.quiet(t)
+            under = quiet is None or quiet > _FIXES_GO
+            self._contradict(t, says, moves=self._way > 0 or under)
         elif self._still_at <= whole and t - self._moved_at >= _AT_REST and (by := self._ground(t)):
             says = f"the ground comes nearer by {by:.1f} m and it stands at {depth:.1f} m"
             self._contradict(t, says, moves=True)
@@ -236,8 +241,8 @@ class DepthBelief:
             return
         self._low, self._high = min(self._low, mean), max(self._high, mean)
         if self._moves and abs(moved) >= _FOLLOWS and self._evenly():
-            buoyed = self._way == 0 and moved < 0.0 and self._calm_at <= self._samples[0].t
-            if moved * self._way > 0.0 or buoyed:
+            calm = self._way == 0 and self._calm_at <= self._samples[0].t
+            if moved * self._way > 0.0 or calm:
                 self.reason = ""
         shallow = abs(mean) < FIX_DEPTH and self._high - self._low >= _MOVED
         if shallow and receiver.settled(t) >= AGREES:

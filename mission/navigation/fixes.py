@@ -19,7 +19,7 @@ from protocol.messages import Fix
 FIX_DEPTH = 0.8  # m: the surface's 0.5 m and three sigma of a depth; deeper, a fix is none (R7)
 SETTLED = 5.0  # s of fixes without a gap that behave as at the surface
 _REMEMBERED = 32  # places
-_NEWS = 4  # new places within such a run
+_NEWS, _RECENT = 4, 20.0  # new places within such a run, and s ago that the first of them may be
 _GAP = 2.5  # s between fixes: one second's may be missing
 _HDOP, _SATELLITES = 5.0, 4
 _FASTEST = 4.0  # m/s over ground: a current, the thrusters and a wave together
@@ -35,7 +35,8 @@ class Receiver:
         self._places: dict[tuple[float, float], None] = {}  # oldest first
         self._last: Fix | None = None
         self._good = False  # by what the last one says of itself
-        self._since, self._news = 0.0, 0  # of the run of fixes as at the surface
+        self._since = 0.0  # of the run of fixes as at the surface, and its last new places: when
+        self._news: tuple[float, ...] = ()
 
     def clone(self) -> Self:
         return copied(self)
@@ -49,14 +50,17 @@ class Receiver:
                 del self._places[next(iter(self._places))]
         good = _good(fix)
         if not (good and self._good and self._follows(fix)):
-            self._since, self._news = fix.t, 0
-        self._news = self._news + self.fresh if good else 0
+            self._since, self._news = fix.t, ()
+        if good and self.fresh:
+            self._news = (*self._news[1 - _NEWS :], fix.t)
         self._last, self._good = fix, good
 
     def settled(self, now: float) -> float:
         """s for which its fixes have behaved as at the surface; 0 where they do not."""
         last = self._last
-        if last is None or now - last.t > _GAP or self._news < _NEWS:
+        if last is None or now - last.t > _GAP or len(self._news) < _NEWS:
+            return 0.0
+        if now - self._news[0] > _RECENT:  # it got stuck
             return 0.0
         return last.t - self._since
 

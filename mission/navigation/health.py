@@ -185,9 +185,10 @@ class SensorHealth:
         return frozenset(good)
 
     def _compare(self, t: Telemetry, depth: float, push: Vertical) -> None:
-        """The depth with what else is known; what is absurd by itself is not worth it."""
+        """The depth with what else is known; what is absurd or frozen by itself is not worth it: it
+        would speak against the sensor when that has come back."""
         monitor, altimeter = self.monitors["depth"], self.monitors["altitude"]
-        if monitor.reason == "absurd":
+        if monitor.reason:
             return
         if monitor.leapt:
             self.belief.leap(t.t, monitor.leapt)

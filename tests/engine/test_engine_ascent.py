@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import pytest
-from engine_world import W, World, leg, mission, when
+from engine_world import VEHICLE, W, World, leg, mission, when
 
 from mission.engine.ascent import DOWNWARD, Ascent
 from mission.legs import Surface
@@ -226,7 +226,7 @@ def fixes(world: World, seconds: int, **changes: object) -> None:
 
 
 def test_seconds_of_fixes_are_the_surface_too_where_no_depth_is_believed():
-    world = surfacing()
+    world = surfacing(0.6)
     world.nav.doubt["depth"] = "contradicted: it stands"
     world.wait(5.0)
     fixes(world, 5)
@@ -234,6 +234,20 @@ def test_seconds_of_fixes_are_the_surface_too_where_no_depth_is_believed():
     fixes(world, 2)
     assert world.state == SURFACED
     assert world.commands()[-1] is Order.STOP
+
+
+@pytest.mark.parametrize("depth", [1.3, 3.0, 20.0])
+def test_without_a_depth_no_fix_proves_the_surface_before_it_can_have_come_up(depth: float):
+    """From where it was last believed to be, and the 3 m of a dive that nobody saw."""
+    world = surfacing(depth)
+    world.nav.doubt["depth"] = "absurd"
+    believed = world.t
+    way_up = (depth + 3.0) / VEHICLE.ascent_buoyancy
+    fixes(world, int(way_up) - 4)
+    assert world.state == SURFACING
+    fixes(world, 8)
+    assert world.state == SURFACED
+    assert world.t - believed >= way_up
 
 
 @pytest.mark.parametrize("changes", [{"hdop": 9.0}, {"satellites": 3}, {"speed": 12.0}])

@@ -284,3 +284,15 @@ def test_a_restart_into_surfaced_watches_as_before():
     world.wait(4.0)
     sink(world, 0.3, 9.0)
     assert world.state == SURFACING
+
+
+@pytest.mark.parametrize("during", ["autonomous/a", SURFACING])
+def test_after_a_restart_what_proves_the_surface_counts_from_six_seconds_on(during: str):
+    """By then five reports tell whether a depth that nobody saw before is frozen."""
+    world = World(navigation=False)
+    world.depth = 0.2
+    world.tell(Restarted(during))
+    world.wait(11.9)
+    assert world.state == SURFACING
+    world.wait(2.2)
+    assert world.state == SURFACED

@@ -224,10 +224,34 @@ def test_one_that_moves_against_the_push_is_not():
     assert dive.go(40.0, DOWN, sinking(-0.2, 12.0))
 
 
-def test_what_a_push_upward_in_vain_contradicted_may_be_an_offset_and_is_not_either():
+def test_what_a_push_upward_in_vain_contradicted_while_fixes_come_may_be_an_offset():
     dive = Dive(noise=0.05)
-    dive.go(18.0, UP, at(6.0))
+    assert dive.go(18.0, UP, at(6.0), fixes=True).startswith("contradicted: the verticals push up")
     assert dive.go(40.0, UP, sinking(-0.2, 12.0))
+    assert dive.go(40.0, REST, sinking(0.2, 4.0))
+
+
+@pytest.mark.parametrize("push", [UP, REST])
+def test_a_body_that_its_thrusters_just_hold_is_believed_as_soon_as_it_moves(push):
+    """Where no fix comes it is under water: it rises once less is held, it sinks when let go."""
+    rate = -0.2 if push is UP else 0.2
+    dive = Dive(noise=0.05)
+    dive.go(30.0, REST, at(0.2), fixes=True)
+    dive.go(18.0, HOLD, sinking(0.8, 0.2))
+    assert dive.go(18.0, UP, at(15.5)).startswith("contradicted: the verticals push up")
+    assert dive.go(24.0, push, sinking(rate, 15.5)) == ""
+
+
+def test_what_was_clogged_and_sinks_when_nothing_pushes_is_believed():
+    dive = contradicted()
+    assert dive.go(24.0, REST, sinking(0.2, 4.2)) == ""
+
+
+def test_a_leap_to_the_surface_is_movement_enough_for_ten_seconds_of_fixes():
+    dive = contradicted()
+    dive.belief.leap(dive.t, -4.0)
+    assert dive.go(40.0, REST, at(0.2))
+    assert dive.go(40.0, REST, at(0.2), fixes=True) == ""
 
 
 def test_a_clogged_port_at_the_surface_is_never_believed():
@@ -287,6 +311,12 @@ def test_fixes_that_come_each_second_are_settled_for_as_long():
 )
 def test_what_does_not_behave_as_at_the_surface_is_not_settled(fixes: list[Fix]):
     assert run(fixes)[1] == 0.0
+
+
+def test_a_receiver_that_got_stuck_is_no_longer_settled_though_it_goes_on():
+    stuck = [Fix(20.0 + i, 0.5 + 1e-7 * 19, 2.0, 2.5) for i in range(60)]
+    assert run([*steady(), *stuck[:10]])[1] > 0.0
+    assert run([*steady(), *stuck])[1] == 0.0
 
 
 def test_a_run_of_fixes_is_over_with_the_last_of_them():

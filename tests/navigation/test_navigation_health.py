@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 
+from mission.model import Vertical
 from mission.model.shipped import load_vehicle
 from mission.navigation.health import SENSORS, SensorHealth
 from protocol.messages import Fix, Telemetry
@@ -42,6 +43,17 @@ def after(*reports: Telemetry) -> SensorHealth:
 def test_a_sensor_that_never_reported_is_missing(sensor: str) -> None:
     health = SensorHealth(_ALL).of(sensor, 1.0)
     assert (health.valid, health.reason) == (False, "missing")
+
+
+def test_a_depth_that_was_frozen_is_believed_as_soon_as_it_moves() -> None:
+    """What it said meanwhile speaks against nothing: it was known to be none."""
+    pushed = Vertical(-1.0, -math.inf)
+    health = after(*(report(i) for i in range(6)))
+    for i in range(6, 60):
+        health.telemetry(report(i, depth=6.0), pushed)
+    assert health.of("depth", 118.0).reason == "frozen"
+    health.telemetry(report(60, depth=2.0), pushed)
+    assert health.of("depth", 120.0).valid
 
 
 @pytest.mark.parametrize("sensor", SENSORS)

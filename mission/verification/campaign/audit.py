@@ -81,7 +81,9 @@ class Spurious:
 class _Permit:
     frame: bytes
     order: bool
+    since: float
     tries: int = 0
+    begun: bool = False  # it has left, or it was an older one that looks the same
     ends: float = math.inf
 
     def sent(self, t: float) -> None:
@@ -263,11 +265,14 @@ class _Auditor:
     def _permit(self, command: Setpoint | Order, t: float) -> None:
         order = isinstance(command, Order)
         for permit in self._permits:
-            ended = t + _SAME if order or not permit.tries else t + STALE
+            together = permit.since == t  # of the same step: one leaves behind the other
+            ended = t + _SAME if order or not permit.begun else t + STALE
+            if together:
+                ended = t + STALE
             if order or not permit.order:
                 permit.ends = min(permit.ends, ended)
         self._permits = [p for p in self._permits if p.ends > t]
-        self._permits += [_Permit(frame, order) for frame in self._encode(command)]
+        self._permits += [_Permit(frame, order, t) for frame in self._encode(command)]
 
     # --- sent ----------------------------------------------------------------------------------
 
@@ -278,12 +283,16 @@ class _Auditor:
             yield from self._relayed(tx)
 
     def _commanded(self, tx: Tx) -> Iterator[Spurious]:
-        for permit in self._permits:  # the oldest that is left has the line
-            live = tx.t <= permit.ends and permit.tries < TRIES
-            if live and alike(permit.frame, tx.data):
-                permit.sent(tx.t)
-                break
-        else:
+        live = [
+            permit
+            for permit in self._permits
+            if tx.t <= permit.ends and permit.tries < TRIES and alike(permit.frame, tx.data)
+        ]
+        for permit in live[:1]:  # the oldest that is left has the line
+            permit.sent(tx.t)
+        for permit in live:
+            permit.begun = True
+        if not live:
             yield Spurious(
                 tx.t, f"{tx.data!r} in {self._state}: no step asked for it ({tx.reason})"
             )

@@ -12,7 +12,9 @@ By the true depth and the words on the wire, from R7 alone:
     up         a vehicle that its thrusters (or its buoyancy) could lift comes up
 
 What excuses: physics (``_liftable``), a program that is dead or stands still, a closed node AUTO,
-and a depth sensor that is not healthy, where the rule goes by the depth that is believed.
+and a depth sensor that is not healthy, where the rule goes by the depth that is believed: at rest
+an unknown depth turns nothing, and when it is known again what it was before does not count. One
+that came back elsewhere is known again only when it has shown the surface (R5).
 """
 
 from __future__ import annotations
@@ -67,6 +69,7 @@ def depth_laws(story: Story) -> Iterator[Violation]:
 def _excused(story: Story, begin: float, end: float) -> bool:
     return (
         story.faulty(DEPTH_FAULTS, begin, end)
+        or story.has_leapt(end)
         or story.hindered(begin, end)
         or story.auto_closed(begin, end)
     )
@@ -78,11 +81,12 @@ def _sinks_from_rest(story: Story, stay: Stay) -> Iterator[Violation]:
     deeper = _DEEPER + (_ROSE if story.depth(stay.begin) > 1.0 else 0.0)
     for told in story.told_in(stay.begin, stay.end):
         depth = story.depth(told.t)
-        if told.t - last > _STALE:
+        excused = _excused(story, told.t - 20.0, told.t)
+        if told.t - last > _STALE or excused:
             shallowest, seen = math.inf, 0
         shallowest, last = min(shallowest, depth), told.t
         seen = seen + 1 if depth > deep and depth > shallowest + deeper else 0
-        if seen > _REPORTS and not _excused(story, told.t - 20.0, told.t):
+        if seen > _REPORTS:
             yield Violation(SUNK, told.t, f"sinks in {stay.state}, {depth:.1f} m deep: no response")
             return
 

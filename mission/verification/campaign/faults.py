@@ -32,6 +32,7 @@ from mission.verification.campaign.trial import Trial, try_out
 from mission.verification.campaign.whole_flight import KINDS, throughout
 
 NOT_STARTED = "not started"
+ALARMED = "alarmed"  # of flights without faults (calm)
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +73,7 @@ class Totals:
             "spurious": self.violated[SPURIOUS],
             "ignored": self.violated[IGNORED],
             "raised": self.violated[RAISED],
-            **{kind: self.violated[kind] for kind in KINDS},
+            **{kind: self.violated[kind] for kind in (*KINDS, ALARMED)},
             "aborted": dict(sorted(self.aborted.items())),
         }
 
@@ -121,11 +122,18 @@ def fly_numbered(
 
 
 def result_of(
-    plan: Plan, trial: Trial, vehicle: Vehicle, profile: str, *, whole: bool = True
+    plan: Plan,
+    trial: Trial,
+    vehicle: Vehicle,
+    profile: str,
+    *,
+    whole: bool = True,
+    more: Sequence[Violation] = (),
 ) -> FlightResult:
-    """``whole``: the trial begins with the program, so that its whole flight can be judged."""
+    """``whole``: the trial begins with the program, so that its whole flight can be judged.
+    ``more``: what other laws have found."""
     flown = plan.subject.mission
-    found = violations(trial, flown, vehicle, profile, plan.settings)
+    found = [*violations(trial, flown, vehicle, profile, plan.settings), *more]
     if whole:
         found += throughout(trial, flown, vehicle, profile, plan.settings, plan.silence)
     found.sort(key=lambda violation: violation.t)

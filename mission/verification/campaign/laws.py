@@ -23,7 +23,9 @@ physics explain:
                            one is known (five identical samples), 6 s without a depth (design)
                 + all      of what takes the vehicle out of everybody's hands: a board that
                            hangs, is deaf or dives by itself, a pulled cable, a dead program,
-                           each with the 11 s of another ascent; a program that stands still
+                           each with the 11 s of another ascent; a program that stands still;
+                           what no word that its board obeys could lift, and what sinks by itself
+                           with a depth that was not believed (excuses)
                 + beside   what depths read less than the truth, by an offset, a drift, a delay; one
                            that is stuck within half a metre of what is asked for leads down
                            with 0.25 m/s unseen
@@ -52,22 +54,24 @@ from mission.model import AUTONOMOUS, STOPPED, SURFACED, SURFACING, Mission, Ste
 from mission.model.vehicle import Vehicle
 from mission.verification.campaign.audit import audit
 from mission.verification.campaign.disturbances import Act
-from mission.verification.campaign.obedience import ignored
-from mission.verification.campaign.trial import (
-    FOREVER,
-    Done,
-    Event,
-    Said,
-    Told,
-    Trial,
-    fault_ends,
-    from_home,
+from mission.verification.campaign.excuses import (
+    NEVER,
+    SLIGHT,
+    SPARE,
+    helpless,
+    left,
+    lift,
+    net,
+    unknown_and_heavy,
 )
+from mission.verification.campaign.obedience import ignored
+from mission.verification.campaign.trial import Done, Event, Said, Told, Trial, from_home
 from protocol.messages import SetSafety
 
 LOST, OVERRUN, SPURIOUS, RAISED, IGNORED = "lost", "overrun", "spurious", "raised", "ignored"
 AFLOAT = 0.5  # m (R7)
-HELD, SLIGHT = 3.0, 1.0  # m of a body that its thrusters hold up; N that may lift too slowly
+HELD = 3.0  # m of a body that its thrusters hold up
+SANK = 0.6  # m: 1 m by a sensor that may be 0.4 m off (R7, at rest)
 DEPTH_MARGIN, DEPTH_ERROR = 1.0, 0.4  # m
 SAMPLES, UNPROVED, TURNED, BLIND = 4.2, 11.0, 3.0, 18.0  # s
 ROUND = 30.0  # s of an ascent's three ways
@@ -107,7 +111,7 @@ def violations(
     found = [Violation(SPURIOUS, s.t, s.says) for s in audit(trial.events, profile)]
     if trial.raised:
         found.append(Violation(RAISED, trial.truth.t, trial.raised))
-    elif trial.truth.depth > _allowed(settings):
+    elif trial.truth.depth > _allowed(settings, profile, trial):
         says = f"{trial.truth.depth:.1f} m deep at the end, in {trial.state}"
         found.append(Violation(LOST, trial.truth.t, says))
     elif trial.turning and trial.state != SURFACING and not _may_be_held(trial, settings):
@@ -116,29 +120,42 @@ def violations(
     found += [Violation(IGNORED, i.t, i.says) for i in ignored(trial.events, profile)]
     flown = list(spans(trial, mission, vehicle))
     found += _depths(trial, flown, _dive(settings, profile, trial))
-    found += _ranges(trial, flown, settings)
+    found += _ranges(trial, flown, settings, mission.home is not None)
     found += _times(trial, flown)
     return sorted(found, key=lambda violation: violation.t)
 
 
-def _allowed(settings: Settings) -> float:
-    """m at the end. What is heavy and has a depth that was not believed comes up by a third of the
-    time that its thrusters push: physics does not promise that."""
-    if _floats(settings):
+def _allowed(settings: Settings, profile: str, trial: Trial) -> float:
+    """m at the end. Physics: what no word that its board obeys can lift stays down. An order: what
+    sinks while AUTO is closed is not brought up (R7). What is heavy and has a depth that was not
+    believed comes up by a third of the time that its thrusters push: physics does not promise
+    that."""
+    floats, lifted = net(settings, NEVER), lift(settings, profile, NEVER)
+    if floats > SLIGHT and lifted >= floats:
         return AFLOAT
-    return math.inf if any(f.name.startswith("depth_") for f in settings.faults) else HELD
-
-
-def _floats(settings: Settings) -> bool:
-    """At the end its buoyancy alone brings it up."""
-    endless = [f for f in settings.faults if f.name == "heavy" and fault_ends(f) >= FOREVER]
-    return settings.body.buoyancy > sum(f.value or 8.0 for f in endless) + SLIGHT
+    unknown = any(f.name.startswith("depth_") for f in settings.faults)
+    is_left = any(end == math.inf for _, end in left(trial.events))
+    return math.inf if unknown or is_left or lifted < SPARE else HELD
 
 
 def _may_be_held(trial: Trial, settings: Settings) -> bool:
     """It sank out of surfaced, or so its sensor said: a thruster holds it up (R7, at rest)."""
     said = any(f.name.startswith("depth_") for f in settings.faults)
-    return trial.state == SURFACED and (said or not _floats(settings))
+    return trial.state == SURFACED and (said or _sank(trial))
+
+
+def _sank(trial: Trial) -> bool:
+    """In truth, out of surfaced, and was brought up by itself."""
+    before = ""
+    for event in trial.events:
+        if not (isinstance(event, Step) and event.entered):
+            continue
+        state = event.entered[-1]
+        again = before == SURFACED and state == SURFACING and event.trigger == "limit"
+        if again and trial.track[min(int(event.t), len(trial.track) - 1)].depth > SANK:
+            return True
+        before = state
+    return False
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,10 +237,10 @@ def _dive(settings: Settings, profile: str, trial: Trial) -> float:
     for fault in settings.faults:
         if fault.name in _OUT_OF_HAND:
             seconds += (fault.duration or 0.0) + UNPROVED
-        if fault.name == "capsized":  # until that is known; with it what is heavy cannot be lifted
+        if fault.name == "capsized":  # until that is known
             seconds += ROUND
-        if fault.name in ("capsized", "verticals_dead") and heavy > 0.0:
-            seconds += min(fault.duration or 0.0, 300.0)
+    end = trial.truth.t
+    seconds += helpless(settings, profile, end) + unknown_and_heavy(settings, end)
     seconds += len(_acts(trial, Act.KILL)) * (DOWN + UNPROVED)
     pulled = zip(_acts(trial, Act.UNPLUG), _acts(trial, Act.PLUG), strict=False)
     seconds += sum(plug - unplug + UNPROVED for unplug, plug in pulled)
@@ -270,6 +287,7 @@ def _acts(trial: Trial, act: Act) -> list[float]:
 def _depths(trial: Trial, spans: list[Span], dive: float) -> Iterator[Violation]:
     base = 0.0
     bound = math.inf
+    alone = left(trial.events)  # R7: while AUTO is closed nothing brings up what sinks at rest
     for span in spans:
         acts = span.autonomous or span.state == SURFACING
         places = [p for p in trial.track if span.begin <= p.t <= span.end]
@@ -277,17 +295,22 @@ def _depths(trial: Trial, spans: list[Span], dive: float) -> Iterator[Violation]
             bound, base = span.bounds.depth, max(span.bounds.depth, places[0].depth)
         if not acts:
             base = 0.0
-        elif base and places:
-            deepest = max(places, key=lambda p: p.depth)
-            if deepest.depth > base + dive:
-                says = f"{deepest.depth:.1f} m, limit {bound:g} m, explained {dive:.1f} m more"
-                yield Violation(OVERRUN, deepest.t, f"depth {says}")
+        for place in places if base else ():
+            if any(b <= place.t <= e for b, e in alone):
+                base = max(base, place.depth)
+            elif place.depth > base + dive:
+                says = f"{place.depth:.1f} m, limit {bound:g} m, explained {dive:.1f} m more"
+                yield Violation(OVERRUN, place.t, f"depth {says}")
+                break
 
 
 # --- radius --------------------------------------------------------------------------------------
 
 
-def _ranges(trial: Trial, spans: list[Span], settings: Settings) -> Iterator[Violation]:
+def _ranges(
+    trial: Trial, spans: list[Span], settings: Settings, has_home: bool
+) -> Iterator[Violation]:
+    """A mission without a home has it where it began (R9)."""
     astray = any(f.name.startswith(_ASTRAY) for f in settings.faults)
     beside = sum(f.value or 200.0 for f in settings.faults if f.name == "gps_jump")
     closed = any(isinstance(e, Said) and _GPS_CLOSED.search(e.data) for e in trial.events)
@@ -307,7 +330,11 @@ def _ranges(trial: Trial, spans: list[Span], settings: Settings) -> Iterator[Vio
             span = next(flown, None)
         if span is None or place.t < span.begin:
             continue
-        far = math.hypot(*from_home(trial, place))
+        north, east = from_home(trial, place)
+        if not has_home:
+            first = from_home(trial, trial.track[int(span.started)])
+            north, east = north - first[0], east - first[1]
+        far = math.hypot(north, east)
         explained = FIX_ERROR + unknown + beside + (WAY + stalled) * (speed + current)
         if place.t == math.ceil(span.begin) and far > span.bounds.radius:
             explained += far - span.bounds.radius  # it was outside when the bound came into force

@@ -26,7 +26,8 @@ from protocol.messages import Order, Setpoint
 UNANSWERED = "unanswered"
 _SPARE = 2  # reports, beside those that the rule asks for
 _DEPTH, _ROLL = 1.0 + 0.5, math.radians(6.0)  # m and rad beyond the bound
-_NEARER, _OFF, _STUCK = 0.45, 2.6, 136.0  # m, m, s: 0.5 m, 2 m and 120 s (R5)
+_NEARER, _OFF, _STUCK = 0.5, 2.6, 136.0  # m, m, s: 0.5 m, 2 m and 120 s (R5)
+_NEARLY = 0.45  # m nearer, which a report that only one of two takes may decide
 _UNASKED, _SINKING = 3.0, 0.2  # m and m/s: 2 m and 0.1 m/s (R5)
 _BLIND, _UNDER = 10.5, 1.0  # s and m: 6 s without a depth, from the next report on
 _CLOGGED = 6.5  # m
@@ -209,8 +210,9 @@ def _is_plain(story: Story, begin: float, end: float, faults: tuple[str, ...]) -
 
 
 def _sets(story: Story, stay: Stay) -> list[tuple[float, float, Setpoint]]:
-    """The sets of a leg, from when to when."""
+    """The sets of a leg, from when to when; not those of one that ended in the instant before."""
     steps = [step for step in story.steps if stay.begin <= step.t < stay.end]
+    steps = steps[next((i for i, step in enumerate(steps) if step is stay.step), 0) :]
     found = [(step.t, command) for step in steps if (command := _set_of(step)) is not None]
     ends = [*(t for t, _ in found[1:]), stay.end][: len(found)]
     return [(t, end, command) for (t, command), end in zip(found, ends, strict=True)]
@@ -237,8 +239,10 @@ def _no_progress(story: Story, stay: Stay) -> Iterator[Violation]:
             if not begin < report.t < end:
                 continue
             off = abs(report.depth - wanted)
+            if off <= max(nearest - _NEARLY, _OFF):
+                since = report.t
             if off <= max(nearest - _NEARER, _OFF):
-                since, nearest = report.t, off
+                nearest = off
             if report.t - since > _STUCK and _is_plain(story, since, report.t, DEPTH_FAULTS):
                 says = f"no nearer to {wanted:g} m for {report.t - since:.0f} s"
                 yield Violation(UNANSWERED, report.t, f"{says}, and still in {stay.state}")

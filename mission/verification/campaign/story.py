@@ -36,10 +36,10 @@ from mission.model import (
 from mission.model.vehicle import Vehicle
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.verification.campaign.disturbances import Act
+from mission.verification.campaign.excuses import auto_closed
 from mission.verification.campaign.laws import Span, spans
 from mission.verification.campaign.onboard import DEAD
 from mission.verification.campaign.trial import (
-    AUTO_NODE,
     Done,
     Heard,
     Said,
@@ -47,16 +47,21 @@ from mission.verification.campaign.trial import (
     Trial,
     fault_ends,
 )
+from protocol.checksum import crc32_stm32
 
 SAME = 1e-3  # s
 TRACES = 30.0  # s for which a fault that is over may still be felt
+_LOOKS_WELL = ("stuck", "drifting", "late", "too_")
+_LEAP = 3.0  # m: 2 m/s from one report to the next (R5), and noise
+_AFLOAT, _SHOWN = 0.5, 25.0  # m and s: the first fix, 10 s of them, and the window before
+_KNOWN = 6.0  # s until a node that is open again is known to be
 AGAIN = 1.5  # s from the end of a hindrance until all is as before
 UPWARD_WORDS = (b"@ZAWF$", b"@ZAU12$")
 STOP_WORD, DOWN_WORD = b"@ZAX0$", b"@ZAD12$"
 _RESTS = (STOPPED, SURFACED, MANUAL_WAITING)
 _ASCENDS = ("emergency surfacing", "surge 0 heave -1")
 _REPORT = re.compile(rb"@SD(.{82})\$", re.DOTALL)
-_DATA = struct.Struct("<15f7H2H4x")
+_DATA = struct.Struct("<15f7H2HI")
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,7 +136,7 @@ class Story:
         self._told_at = [told.t for told in self.told]
         self._word_at = [word.t for word in self.words]
         self._hindered = list(self._hindrances())
-        self._closed = list(self._auto_closed())
+        self._closed = list(auto_closed(events))
 
     # --- how it came about -----------------------------------------------------------------------
 
@@ -151,10 +156,12 @@ class Story:
         yield Stay(now.state, now.begin, self.end, now.before, now.step)
 
     def _reports(self) -> Iterator[Report]:
-        """Those that came in one piece."""
+        """Those that came in one piece, and as they were sent."""
         for heard in self.heard:
             for found in _REPORT.finditer(heard.data):
                 values = _DATA.unpack(found[1])
+                if crc32_stm32(found[1][:-4]) != values[-1]:
+                    continue
                 if all(map(math.isfinite, values[:3])):
                     roll, pitch, yaw, _, depth = values[:5]
                     yield Report(heard.t, roll, pitch, yaw, depth, values[15:20])
@@ -171,19 +178,6 @@ class Story:
                 yield done.t, next(later, math.inf) + AGAIN
             elif done.act is Act.POWER:
                 yield done.t, done.t + AGAIN
-
-    def _auto_closed(self) -> Iterator[tuple[float, float]]:
-        """From when to when node AUTO may be closed."""
-        since: float | None = None
-        for said in self.said:
-            for found in AUTO_NODE.finditer(said.data):
-                if found[1] == b"C" and since is None:
-                    since = said.t
-                elif found[1] == b"O" and since is not None:
-                    yield since, said.t + 6.0  # until it is known
-                    since = None
-        if since is not None:
-            yield since, math.inf
 
     # --- what is asked ---------------------------------------------------------------------------
 
@@ -232,11 +226,41 @@ class Story:
     def faulty(self, names: Iterable[str], begin: float, end: float) -> bool:
         return bool(self.faults(names, begin, end))
 
+    def has_leapt(self, t: float) -> bool:
+        """A depth sensor that was wrong and looked well, or has come back elsewhere, is believed
+        again once it has shown the surface for as long as fixes take; before, perhaps not (R5). Nor
+        is one that was right while verticals without thrust pushed in vain."""
+        vain = [f.begin for f in self.settings.faults if f.name.startswith("verticals_")]
+        if any(begin < t and not self._has_shown(begin, t) for begin in vain):
+            return True
+        over = [(f, fault_ends(f)) for f in self.settings.faults if f.name.startswith("depth_")]
+        return any(
+            end < t and self._leap(f, end) > _LEAP and not self._has_shown(end, t)
+            for f, end in over
+        )
+
+    def _leap(self, fault: FaultEvent, over: float) -> float:
+        """m that what it says changes by when it is over; what looked well was contradicted."""
+        kind = fault.name.removeprefix("depth_")
+        if kind in ("frozen", "silent"):
+            return abs(self.depth(over) - self.depth(fault.begin))
+        return math.inf if kind.startswith(_LOOKS_WELL) else 0.0
+
+    def _has_shown(self, begin: float, end: float) -> bool:
+        """It was at the surface for ``_SHOWN`` s, fixes coming."""
+        since = begin
+        for place in self.trial.track[math.ceil(begin) : int(end) + 1]:
+            if place.depth > _AFLOAT or self.faulty(("gps_",), place.t, place.t):
+                since = place.t
+            elif place.t - since > _SHOWN:
+                return True
+        return False
+
     def hindered(self, begin: float, end: float) -> bool:
         return any(b <= end and e >= begin for b, e in self._hindered)
 
     def auto_closed(self, begin: float, end: float) -> bool:
-        return any(b <= end and e >= begin for b, e in self._closed)
+        return any(b <= end and e + _KNOWN >= begin for b, e in self._closed)
 
     def stay_at(self, t: float) -> Stay:
         at = bisect.bisect_right([stay.begin for stay in self.stays], t) - 1

@@ -56,6 +56,7 @@ _STOP_AGAIN = 1.6  # s: every 0.5 s, behind three tries of another word
 _TURNS = 1  # report with a thruster on: X0 leaves with it
 _UPWARD = 2.0  # s after a restart
 _DEEP_ENOUGH, _STAYS = 1.5, 100.0  # m, s: an ascent from where scenes are
+_LEFT = 2.5  # m: 2 (R7, an orderly end), and the sensor
 _DURABLE = 1.5  # s after which a state is on disk
 _SHALLOW, _AFLOAT, _FIXED = 1.0, 4.0, 0.4  # m within s before, m that allow a fix
 _NEARLY = 1.2  # m: 0.8 (R7), and the sensor
@@ -194,9 +195,10 @@ def _doubts(story: Story, stay: Stay, stops: list[float], end: float) -> Iterato
 
 
 def _begins_again(story: Story, stay: Stay) -> Iterator[Violation]:
-    """What was under way long enough to be on the disk, and the disk had room."""
+    """What was under way long enough to be on the disk, and the disk had room. Who dies in the
+    write of a state may have left either on it."""
     dead = next(s for s in reversed(story.stays) if s.state == DEAD and s.end <= stay.begin)
-    was = next(s for s in reversed(story.stays) if s.end <= dead.begin and s.begin < dead.begin)
+    was = next(s for s in reversed(story.stays) if s.end <= dead.begin and s.state != DEAD)
     full = any(done.act is Act.FILL and done.t < stay.begin for done in story.done)
     due = stay.begin + _UPWARD
     again = any(done.act is Act.KILL and stay.begin <= done.t <= due for done in story.done)
@@ -214,7 +216,8 @@ def _begins_again(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
-    """Told to end under way, it is on its way up, and stays until it is there (R7)."""
+    """Told to end under way, it is on its way up, and stays until it is there (R7). Where an X has
+    come since it waits for what is deeper than 2 m."""
     for end in story.done:
         if end.act is not Act.END:
             continue
@@ -231,7 +234,8 @@ def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
         gone = next((d.t for d in story.done if d.act is Act.KILL and d.t > end.t), math.inf)
         hurried = any(done.act is Act.HURRY for done in story.done)
         taken = any(end.t <= s.begin <= gone and s.state.startswith(MANUAL) for s in story.stays)
-        if gone <= end.t + _STAYS and not (hurried or taken) and story.depth(gone) > _DEEP_ENOUGH:
+        allowed = _LEFT if story.stay_at(gone - SAME).state == STOPPED else _DEEP_ENOUGH
+        if gone <= end.t + _STAYS and not (hurried or taken) and story.depth(gone) > allowed:
             says = f"told to end in {stay.state}, and gone {story.depth(gone):.1f} m deep"
             yield Violation(UNLAWFUL, gone, says)
 

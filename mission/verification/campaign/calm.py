@@ -1,0 +1,69 @@
+"""Flights in which nothing goes wrong: currents, noise and the trim of the body alone.
+
+A shipped mission on one of the profiles, in a current up to the one that it assumes, the deep one
+another, a depth noise to 0.2 m, 8 to 20 N of buoyancy, the ground within reach of the altimeter.
+The law: no limit acts and no leg takes its ``else``; whatever does is a false alarm.
+
+What does not live here: what else is asked of a flight (laws, whole_flight), faults (draw).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from random import Random
+
+from links.simulated.plant import Body
+from links.simulated.sea import Sea
+from links.simulated.sensors import SensorErrors
+from links.simulated.settings import Settings
+from mission.model import Mission, Step
+from mission.verification.campaign.draw import PROFILES, Plan, Subject
+from mission.verification.campaign.faults import ALARMED, FlightResult, fly_plan, result_of
+from mission.verification.campaign.laws import Violation
+from mission.verification.campaign.trial import Trial
+
+NOISE, BUOYANCY = 0.2, (8.0, 20.0)  # m, N
+DEPTH = 45.0  # m, where a mission states none
+UNEVEN = 0.85  # of an assumed floor: the least that is drawn
+
+
+def calm(seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
+    rng = Random(f"calm {seed} {number}")
+    subject = rng.choice(subjects)
+    mission = subject.mission
+    most, floor = mission.current(0.5), dict(mission.assume).get("floor")
+    surface = rng.uniform(0.0, most), rng.uniform(0.0, math.tau)
+    deep = rng.uniform(0.0, most), rng.uniform(0.0, math.tau)
+    low, high = (UNEVEN * floor, floor) if floor is not None else _open_floor(mission)
+    settings = Settings(
+        Sea(surface, deep, rng.uniform(low, high)),
+        SensorErrors(depth_noise=rng.uniform(0.0, NOISE)),
+        Body(buoyancy=rng.uniform(*BUOYANCY)),
+    )
+    profile, vehicle_seed = rng.choice(PROFILES), rng.randrange(1 << 31)
+    heading = rng.uniform(0.0, math.tau)
+    return Plan(seed, number, subject, profile, vehicle_seed, settings, (), heading)
+
+
+def _open_floor(mission: Mission) -> tuple[float, float]:
+    """m: no shallower than the depth allowed, which the check takes for the floor."""
+    allowed = mission.safety.depth or DEPTH
+    return allowed, 1.03 * allowed
+
+
+def alarms(trial: Trial) -> Iterator[Violation]:
+    """Limits that acted, and legs that took their ``else``."""
+    for event in trial.events:
+        if not (isinstance(event, Step) and event.entered):
+            continue
+        if event.trigger == "limit" or event.trigger.endswith(":else"):
+            words = next((e.trigger for e in event.evaluations if e.result), event.trigger)
+            yield Violation(ALARMED, event.t, f"{words}: {'; '.join(event.actions)}")
+
+
+def fare_calmly(seed: int, number: int, known: Sequence[Subject]) -> FlightResult:
+    plan = calm(seed, number, known)
+    vehicle = plan.vehicle
+    trial = fly_plan(plan, vehicle)
+    return result_of(plan, trial, vehicle, plan.profile, more=tuple(alarms(trial)))

@@ -1,0 +1,124 @@
+"""What excuses a flight in which the vehicle stays down: physics, and an operator's own order.
+
+    net        N of buoyancy, with what has become heavy or light
+    lift       N upward by the best word that this board obeys: U12, W where it sticks. Where no
+               such word is left, or too little thrust, or it lies upside down, no program brings
+               up what does not float
+    left       from when to when nothing at rest may turn by itself: node AUTO is closed (R7, R13)
+
+All from the plant, the disturbances and what was acknowledged; never from what was believed.
+
+What does not live here: the laws that it excuses (laws, depth_laws).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from links.simulated.faults import FAULTS
+from links.simulated.settings import FaultEvent, Settings
+from mission.model import MANUAL_WAITING, STOPPED, SURFACED, Step, Tx
+from mission.onboard.runtime.runtime import VEHICLE
+from mission.verification.campaign.disturbances import Act
+from mission.verification.campaign.trial import AUTO_NODE, Done, Event, Said, fault_ends
+
+SLIGHT, SPARE = 1.0, 8.0  # N that may lift too slowly; N of lift that make a rise within a turn
+NEVER = 1e5  # s: by then what ends is over
+_ANSWERED = 6.5  # s within which a switch is acknowledged
+_UPWARD = {"documented": frozenset("UW"), "as-built": frozenset("U")}  # as built, W does not stick
+_RESTS = (STOPPED, SURFACED, MANUAL_WAITING)
+_SWITCHED = b"@ACK_NSS$"
+
+
+def value_of(fault: FaultEvent) -> float:
+    """As drawn, or as its row says."""
+    return FAULTS[fault.name].value if fault.value is None else fault.value
+
+
+def net(settings: Settings, t: float) -> float:
+    """N of buoyancy at ``t``; below 0 it sinks."""
+    there = [f for f in settings.faults if f.begin <= t < fault_ends(f)]
+    heavier = sum(value_of(f) for f in there if f.name == "heavy")
+    lighter = sum(value_of(f) for f in there if f.name == "light")
+    return settings.body.buoyancy - heavier + lighter
+
+
+def lift(settings: Settings, profile: str, t: float) -> float:
+    """N upward at ``t``, by the best word that the board obeys."""
+    there = [f for f in settings.faults if f.begin <= t < fault_ends(f)]
+    shares = [value_of(f) for f in there if f.name.startswith("verticals_")]
+    thrust = 3.0 * settings.body.vertical_thrust * min([1.0, *shares])
+    deaf = {f.name[-1].upper() for f in there if f.name.startswith("deaf_to_")}
+    names = {f.name for f in there}
+    untamed = ("dives_until_up" in names and "U" in deaf) or (
+        "dives_until_stop" in names and "X" in deaf
+    )
+    if untamed:
+        return net(settings, t) - thrust
+    if "capsized" in names:  # D12 has 5 s of a minute (R7): that holds nothing up
+        return net(settings, t)
+    return net(settings, t) + (thrust if _UPWARD[profile] - deaf else 0.0)
+
+
+def helpless(settings: Settings, profile: str, end: float) -> int:
+    """s until ``end`` in which no word that the board obeys lifts it."""
+    return sum(lift(settings, profile, float(t)) < SLIGHT for t in range(int(end)))
+
+
+def unknown_and_heavy(settings: Settings, end: float) -> int:
+    """s until ``end`` in which it sinks by itself, once its depth sensor was wrong: what is not
+    believed lets go of it for ten seconds of thirty (R7), and at rest altogether."""
+    begins = [f.begin for f in settings.faults if f.name.startswith("depth_")]
+    first = min(begins, default=math.inf)
+    return sum(net(settings, float(t)) < SLIGHT for t in range(int(end)) if t >= first)
+
+
+def auto_closed(events: Sequence[Event]) -> Iterator[tuple[float, float]]:
+    """From when to when node AUTO is closed: acknowledged, and not opened, nor begun anew."""
+    since: float | None = None
+    for i, event in enumerate(events):
+        found = AUTO_NODE.search(event.data) if isinstance(event, Said) else None
+        opened = found is not None and found[1] == b"O"
+        begun = isinstance(event, Done) and event.act is Act.BOOT
+        if found is not None and found[1] == b"C" and since is None:
+            since = event.t if _is_answered(events, i) else None
+        elif since is not None and (begun or opened):
+            yield since, event.t
+            since = None
+    if since is not None:
+        yield since, math.inf
+
+
+def _is_answered(events: Sequence[Event], i: int) -> bool:
+    due = events[i].t + _ANSWERED
+    for event in events[i + 1 :]:
+        if event.t > due:
+            return False
+        if isinstance(event, Tx) and event.link != VEHICLE and _SWITCHED in event.data:
+            return True
+    return False
+
+
+def left(events: Sequence[Event]) -> list[tuple[float, float]]:
+    """From when to when AUTO is closed and everything should be stopped."""
+    rests = list(_rests(events))
+    return [
+        (max(a, c), min(b, d)) for a, b in auto_closed(events) for c, d in rests if c < b and a < d
+    ]
+
+
+def _rests(events: Sequence[Event]) -> Iterator[tuple[float, float]]:
+    since: float | None = 0.0
+    for event in events:
+        if not (isinstance(event, Step) and event.entered):
+            continue
+        state = event.entered[-1]
+        rests = state.startswith("idle") or state in _RESTS
+        if rests and since is None:
+            since = event.t
+        elif not rests and since is not None:
+            yield since, event.t
+            since = None
+    if since is not None:
+        yield since, math.inf

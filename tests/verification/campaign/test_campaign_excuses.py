@@ -1,0 +1,118 @@
+"""What excuses is physics and what the rules say of an order; and calm flights see a false alarm."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from links.simulated.settings import Settings, parse_settings
+from mission.model import SURFACED, SURFACING, Step, Tx
+from mission.onboard.runtime.runtime import VEHICLE
+from mission.verification.campaign.audit import audit
+from mission.verification.campaign.calm import alarms, calm
+from mission.verification.campaign.disturbances import Act
+from mission.verification.campaign.excuses import (
+    auto_closed,
+    helpless,
+    left,
+    lift,
+    net,
+    unknown_and_heavy,
+)
+from mission.verification.campaign.faults import shipped, subjects
+from mission.verification.campaign.trial import Done, Event, Said, Trial
+
+CLOSE, OPEN, DONE = b"@NSOOOCCC$", b"@NSOOOCCO$", b"@ACK_NSS$"
+
+
+def body(*faults: str) -> Settings:
+    return parse_settings([f"fault={fault}@10+1000000" for fault in faults])
+
+
+@pytest.mark.parametrize(
+    ("profile", "faults", "lifted"),
+    [
+        ("as-built", ("heavy=40",), True),
+        ("as-built", ("heavy=40", "deaf_to_u"), False),
+        ("documented", ("heavy=40", "deaf_to_u"), True),
+        ("documented", ("heavy=40", "deaf_to_w"), True),
+        ("documented", ("heavy=40", "verticals_weak=0.3"), False),
+        ("documented", ("heavy=40", "verticals_dead"), False),
+        ("documented", ("heavy=40", "capsized"), False),
+        ("as-built", ("deaf_to_u",), True),
+        ("as-built", ("dives_until_up", "deaf_to_u"), False),
+    ],
+)
+def test_what_no_word_lifts_that_the_board_obeys_is_physics(profile, faults, lifted):
+    assert (lift(body(*faults), profile, 20.0) > 1.0) is lifted
+    assert (helpless(body(*faults), profile, 20.0) == 0) is lifted
+
+
+def test_what_is_over_or_has_not_begun_excuses_nothing():
+    settings = parse_settings(["fault=heavy=40@10+20", "fault=light=5@50+20"])
+    assert [net(settings, t) for t in (5.0, 10.0, 29.9, 30.0, 60.0)] == [15, -25, -25, 15, 20]
+
+
+def test_only_behind_a_depth_that_was_wrong_is_what_sinks_left_to_a_third_of_the_thrust():
+    heavy = "fault=heavy=40@10+20"
+    assert unknown_and_heavy(parse_settings([heavy]), 100.0) == 0
+    assert unknown_and_heavy(parse_settings([heavy, "fault=depth_stuck@20+5"]), 100.0) == 10
+
+
+def said(t: float, data: bytes) -> Said:
+    return Said(t, "topside", "boat", data)
+
+
+def entered(t: float, state: str) -> Step:
+    return Step(t, "", (), (), (state,), (), "limit", None)
+
+
+def test_auto_is_closed_from_what_was_acknowledged_until_it_is_opened_or_begun_anew():
+    done = Tx(1.1, "topside", DONE, "")
+    assert list(auto_closed([said(1.0, CLOSE)])) == []
+    assert list(auto_closed([said(1.0, CLOSE), done])) == [(1.0, math.inf)]
+    assert list(auto_closed([said(1.0, CLOSE), done, said(9.0, OPEN)])) == [(1.0, 9.0)]
+    assert list(auto_closed([said(1.0, CLOSE), done, Done(5.0, Act.BOOT)])) == [(1.0, 5.0)]
+
+
+def test_it_leaves_alone_what_is_at_rest_and_no_ascent():
+    events: list[Event] = [entered(2.0, SURFACING), said(3.0, CLOSE), Tx(3.1, "topside", DONE, "")]
+    assert left(events) == []
+    assert left([*events, entered(8.0, SURFACED)]) == [(8.0, math.inf)]
+
+
+# --- the audit -----------------------------------------------------------------------------------
+
+
+def test_two_words_of_one_step_leave_one_behind_the_other():
+    both = ("emergency surfacing: W from the operator", "everything stopped: W from the operator")
+    step = Step(10.0, "", (), (), (SURFACING,), both, "W", None)
+    sent = [Tx(10.05, VEHICLE, b"@ZAWF$", ""), Tx(10.1, VEHICLE, b"@ZAX0$", "")]
+    assert audit([said(9.99, b"@ZAWF$"), step, *sent], "as-built") == []
+    late = Tx(12.0, VEHICLE, b"@ZAWF$", "")
+    assert len(audit([said(9.99, b"@ZAWF$"), step, *sent, late], "as-built")) == 1
+
+
+# --- calm ----------------------------------------------------------------------------------------
+
+
+def test_a_calm_flight_is_told_by_its_seed_and_has_no_fault():
+    known = subjects(shipped()[:2])
+    plans = [calm(3, number, known) for number in range(20)]
+    assert plans == [calm(3, number, known) for number in range(20)]
+    assert plans != [calm(4, number, known) for number in range(20)]
+    assert not any(plan.settings.faults or plan.incidents for plan in plans)
+    for plan in plans:
+        assert plan.settings.sea.current[0] <= plan.subject.mission.current(0.5)
+
+
+@pytest.mark.parametrize(
+    ("trigger", "state", "alarmed"),
+    [("limit", SURFACING, 1), ("autonomous/a:else", "autonomous/b", 1),
+     ("autonomous/a:for", "autonomous/b", 0), ("surfaced", SURFACED, 0)],
+)  # fmt: skip
+def test_a_limit_that_acts_or_an_else_in_a_calm_flight_is_a_false_alarm(trigger, state, alarmed):
+    step = Step(9.0, "", (), (), (state,), (), trigger, None)
+    trial = Trial((step,), (), (0.0, 0.0), None, state, "", None, "", False)  # type: ignore[arg-type]
+    assert len(list(alarms(trial))) == alarmed
