@@ -5,22 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 if TYPE_CHECKING:
     from mission.onboard.runtime.records import Recorder
-    from mission.verification.campaign.broken import Noticed
-    from mission.verification.campaign.draw import Subject
-    from mission.verification.campaign.faults import FlightResult
+    from mission.verification.campaign.draw import Plan, Subject
+    from mission.verification.campaign.faults import FlightResult, Totals
+    from mission.verification.campaign.noticing import Noticed
 
 
 @click.command()
 @click.option("--flights", type=click.IntRange(1), default=50, show_default=True,
               help="How many flights.")  # fmt: skip
 @click.option("--seed", type=int, default=0, show_default=True, help="Any; the same flights again.")
-@click.option("--flight", type=click.IntRange(0), help="This one alone, with its whole story.")
+@click.option("--flight", metavar="NUMBER|NAME", help="This one alone, with its whole story.")
+@click.option("--search", is_flag=True, help="Steer towards flights that nearly break a law.")
 @click.option("--workers", type=click.IntRange(1), help="Processes; a core each by default.")
 @click.option(
     "--report",
@@ -38,7 +39,8 @@ if TYPE_CHECKING:
 def faults(
     flights: int,
     seed: int,
-    flight: int | None,
+    flight: str | None,
+    search: bool,
     workers: int | None,
     report: Path | None,
     soak: float | None,
@@ -52,43 +54,117 @@ def faults(
     flight that fails is told with the command that flies it again: exit 1. The last line of
     stdout is one JSON object.
 
-    With --broken one safety rule (or all, one after the other) is broken in the running program,
-    and flights are flown until one notices: exit 0 if all are noticed but those with a reason.
+    With --search the flights go where the margins to the laws are small; they have names instead of
+    numbers, and the object also says which came nearest to each law. With --broken one safety rule
+    (or all, one after the other) is broken in the running program, and flights are flown until one
+    notices: exit 0 if all are noticed but those with a reason.
 
     With --calm nothing is disturbed but by currents and noise: what a limit ends is a false alarm.
     """
-    import functools
     import json
     import sys
 
-    from mission.verification.campaign.faults import Totals, fly_numbered, shipped, subjects
-    from mission.verification.workers import results, with_progress
+    from mission.verification.campaign.faults import Totals, shipped, subjects
 
     known = tuple(subjects(shipped()))
     if rule is not None:
-        sys.exit(_break(rule, seed, flights, workers, known, as_json))
+        sys.exit(_break(rule, seed, flights, workers, known, as_json, search))
     if soak is not None:
         sys.exit(_soak(soak, seed, known, as_json))
     totals = Totals()
+    also: dict[str, Any] = {}
     if flight is not None:
-        with _recorders(report) as recorder:
-            result = (
-                _calmly(seed, known, flight)
-                if calm
-                else fly_numbered(seed, flight, known, recorder)
-            )
-        totals.add(result)
-        click.echo(_story(seed, result, calm), err=as_json)
+        _fly_one(totals, seed, flight, known, report, calm, as_json)
+    elif search:
+        also = _search(totals, seed, flights, workers, known, as_json)
     else:
-        work = functools.partial(_calmly if calm else _fly_numbered, seed, known)
-        tell = functools.partial(click.echo, err=True)
-        found = results(work, range(flights), workers)
-        for result in with_progress(found, flights, "flights", tell):
-            totals.add(result)
-            if result.violations:
-                click.echo(_story(seed, result, calm), err=as_json)
-    click.echo(json.dumps(totals.as_json()))
+        _by_chance(totals, seed, flights, workers, known, calm, as_json)
+    click.echo(json.dumps(totals.as_json() | also))
     sys.exit(0 if totals.clean else 1)
+
+
+def _plan(flight: str, seed: int, known: Sequence[Subject]) -> Plan:
+    """A number is a flight by chance, a name one of a search."""
+    from mission.verification.campaign.draw import draw
+    from mission.verification.campaign.steered import plan_of
+
+    if flight.isdecimal():
+        return draw(seed, int(flight), known)
+    try:
+        return plan_of(flight, seed, known)
+    except ValueError as error:
+        raise click.BadParameter(str(error)) from None
+
+
+def _fly_one(
+    totals: Totals,
+    seed: int,
+    name: str,
+    known: Sequence[Subject],
+    report: Path | None,
+    calm: bool,
+    as_json: bool,
+) -> None:
+    from mission.verification.campaign.faults import fly_plan, result_of
+
+    if calm:
+        if not name.isdecimal():
+            raise click.BadParameter(f"{name!r}: flights without faults have numbers")
+        result = _fly_calmly(seed, known, int(name))
+    else:
+        plan = _plan(name, seed, known)
+        with _recorders(report) as recorder:
+            vehicle = plan.vehicle
+            result = result_of(plan, fly_plan(plan, vehicle, recorder), vehicle, plan.profile)
+    totals.add(result)
+    click.echo(_story(seed, name, result, calm), err=as_json)
+
+
+def _by_chance(
+    totals: Totals,
+    seed: int,
+    flights: int,
+    workers: int | None,
+    known: Sequence[Subject],
+    calm: bool,
+    as_json: bool,
+) -> None:
+    import functools
+
+    from mission.verification.workers import results, with_progress
+
+    work = functools.partial(_fly_calmly if calm else _fly_numbered, seed, known)
+    tell = functools.partial(click.echo, err=True)
+    for result in with_progress(results(work, range(flights), workers), flights, "flights", tell):
+        totals.add(result)
+        if result.violations:
+            click.echo(_story(seed, str(result.number), result, calm), err=as_json)
+
+
+def _search(
+    totals: Totals,
+    seed: int,
+    flights: int,
+    workers: int | None,
+    known: Sequence[Subject],
+    as_json: bool,
+) -> dict[str, Any]:
+    """What the object says beside the totals: which flights came nearest."""
+    import functools
+
+    from mission.verification.campaign.search import Search, flown
+    from mission.verification.workers import with_progress
+
+    search = Search(seed, known)
+    tell = functools.partial(click.echo, err=True)
+    found = flown(search, seed, flights, known, workers)
+    for name, result in with_progress(found, flights, "flights", tell):
+        totals.add(result)
+        if result.violations:
+            click.echo(_story(seed, name, result), err=as_json)
+    nearest = sorted(search.nearest.items())
+    told = {law: {"seed": seed, "flight": near.name, "left": near.left} for law, near in nearest}
+    return {"nearest": told}
 
 
 def _fly_numbered(seed: int, known: Sequence[Subject], number: int) -> FlightResult:
@@ -97,40 +173,51 @@ def _fly_numbered(seed: int, known: Sequence[Subject], number: int) -> FlightRes
     return fly_numbered(seed, number, known)
 
 
-def _calmly(seed: int, known: Sequence[Subject], number: int) -> FlightResult:
-    from mission.verification.campaign.calm import fare_calmly
+def _fly_calmly(seed: int, known: Sequence[Subject], number: int) -> FlightResult:
+    from mission.verification.campaign.calm import fly_calmly
 
-    return fare_calmly(seed, number, known)
+    return fly_calmly(seed, number, known)
 
 
 def _break(
-    rule: str, seed: int, flights: int, workers: int | None, known: Sequence[Subject], as_json: bool
+    rule: str,
+    seed: int,
+    flights: int,
+    workers: int | None,
+    known: tuple[Subject, ...],
+    as_json: bool,
+    search: bool,
 ) -> int:
     """The exit code."""
     import functools
     import json
 
-    from mission.verification.campaign.broken import BROKEN, in_table
+    from mission.verification.campaign.broken import BROKEN
+    from mission.verification.campaign.noticing import in_table
     from mission.verification.workers import results
 
     if rule != "all" and rule not in BROKEN:
         raise click.BadParameter(f"no rule {rule!r}; known: {', '.join(BROKEN)}")
     names = list(BROKEN) if rule == "all" else [rule]
     found: list[Noticed] = []
-    work = functools.partial(_notice, seed, flights, known)
+    work = functools.partial(_notice, seed, flights, known, search)
     for noticed in results(work, names, workers):
         found.append(noticed)
         click.echo(in_table(noticed), err=as_json)
     blind = [n.name for n in found if n.flights is None and not n.reason]
     object_ = {"rules": len(found), "noticed": sum(n.flights is not None for n in found)}
-    click.echo(json.dumps(object_ | {"blind": blind, "flights": flights, "seed": seed}))
+    flown = sum(n.flights or flights for n in found if not n.reason)
+    told = {"blind": blind, "flights": flights, "seed": seed, "flown": flown}
+    click.echo(json.dumps(object_ | told))
     return 1 if blind else 0
 
 
-def _notice(seed: int, flights: int, known: Sequence[Subject], name: str) -> Noticed:
-    from mission.verification.campaign.broken import notice
+def _notice(
+    seed: int, flights: int, known: tuple[Subject, ...], search: bool, name: str
+) -> Noticed:
+    from mission.verification.campaign.noticing import flights_of, notice
 
-    return notice(name, seed, flights, known)
+    return notice(name, flights_of(seed, known), flights, searched=search)
 
 
 def _soak(days: float, seed: int, known: Sequence[Subject], as_json: bool) -> int:
@@ -194,7 +281,7 @@ def _recorders(folder: Path | None) -> Iterator[Callable[[], Recorder | None]]:
             box.close()
 
 
-def _story(seed: int, result: FlightResult, calm: bool) -> str:
+def _story(seed: int, name: str, result: FlightResult, calm: bool = False) -> str:
     found = [f"  {v.kind} at {v.t:.1f} s: {v.says}" for v in result.violations]
-    again = f"  again: auvmission faults{' --calm' * calm} --seed {seed} --flight {result.number}"
-    return "\n".join([f"flight {result.number}: {result.words}", *found, again])
+    again = f"  again: auvmission faults{' --calm' * calm} --seed {seed} --flight {name}"
+    return "\n".join([f"flight {name}: {result.words}", *found, again])

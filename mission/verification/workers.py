@@ -33,10 +33,26 @@ def results(
         yield from map(work, jobs)
         return
     chunk = max(1, min(ahead, len(jobs) // count))
+    with working(work, count) as batch:
+        yield from batch(jobs, chunk)
+
+
+@contextmanager
+def working(
+    work: Callable[[_J], _R], workers: int | None = None
+) -> Iterator[Callable[[Sequence[_J], int], Iterator[_R]]]:
+    """For jobs that come batch by batch, each with how many a worker is given at once."""
+    count = workers or os.cpu_count() or 1
+    if count == 1:
+        yield lambda jobs, chunk: map(work, jobs)
+        return
     with _pool(count) as pool:
-        with _interrupts_held():  # as the processes begin they take this over
-            found = pool.map(work, jobs, chunksize=chunk)
-        yield from found
+
+        def batch(jobs: Sequence[_J], chunk: int) -> Iterator[_R]:
+            with _interrupts_held():  # as the processes begin they take this over
+                return pool.map(work, jobs, chunksize=chunk)
+
+        yield batch
 
 
 @contextmanager

@@ -1,16 +1,15 @@
 """The campaign, tested: each safety rule broken alone, and whether its flights notice.
 
 A row of BROKEN says how one rule is broken, in the running objects of this process and never in a
-file. The flights are those of ``faults``, by seed and number; one that the whole program flies
-without a violation, and the broken one does not, has noticed. What a row names must exist: a rule
-that is written anew has its row written anew.
+file. What a row names must exist: a rule that is written anew has its row written anew.
 
-What does not live here: the flights (draw, scenes), what is asked of them (laws, whole_flight).
+What does not live here: who notices (noticing), the flights (draw, scenes), what is asked of them
+(laws, whole_flight).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
@@ -34,9 +33,6 @@ from mission.onboard.runtime.commander import Commander
 from mission.onboard.runtime.copies import Copies
 from mission.onboard.runtime.frontseat import Frontseat
 from mission.onboard.runtime.resume_marker import ResumeMarker
-from mission.verification.campaign.draw import Subject
-from mission.verification.campaign.faults import fly_numbered
-from mission.verification.campaign.laws import Violation
 from protocol.messages import UPWARD, Fix, Manual, Order, SetSafety
 from protocol.vehicles import vehicle_row
 
@@ -48,11 +44,12 @@ class Surgery:
         self._before: list[tuple[Any, str, Any]] = []
 
     def put(self, owner: Any, name: str, value: Any) -> None:
-        """AttributeError if there is nothing of this name to break."""
-        self._before.append(
-            (owner, name, vars(owner)[name] if isinstance(owner, type) else getattr(owner, name))
-        )
+        """AttributeError or KeyError if there is nothing of this name to break."""
+        self._before.append((owner, name, self.found(owner, name)))
         setattr(owner, name, value)
+
+    def found(self, owner: Any, name: str) -> Any:
+        return vars(owner)[name] if isinstance(owner, type) else getattr(owner, name)
 
     def undo(self) -> None:
         for owner, name, value in reversed(self._before):
@@ -61,27 +58,33 @@ class Surgery:
 
 
 Break = Callable[[Surgery], None]
+_PATIENCE = 5.0  # s: less than any reading's greatest age
+
+
+def same(whole: object, broken: object) -> bool:
+    """Two results of a function on which nothing depends but what it returns."""
+    return whole == broken
+
+
+def differs(whole: object, broken: object) -> bool:
+    """A function that does something: to call it is the difference."""
+    return False
+
+
+def _as_healthy(whole: Any, broken: Any) -> bool:
+    """Valid, and younger than anybody's patience."""
+    return bool(whole.valid) == bool(broken.valid) and whole.age < _PATIENCE
 
 
 @dataclass(frozen=True, slots=True)
 class Broken:
-    """``rule`` is broken; ``reason``: why no flight can tell, "" if one can."""
+    """``rule`` is broken; ``reason``: why no flight can tell, "" if one can. ``alike``: of what a
+    function of the rule returns, whole and broken; true for what makes no difference."""
 
     rule: str
     how: Break
     reason: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Noticed:
-    """``flights`` that it took, None: in none of them; ``by`` is the law. ``reason``: why no flight
-    can tell, "" if one can."""
-
-    name: str
-    rule: str
-    flights: int | None
-    by: str
-    reason: str = ""
+    alike: Callable[[Any, Any], bool] = differs
 
 
 @contextmanager
@@ -93,27 +96,6 @@ def broken(name: str) -> Iterator[None]:
         yield
     finally:
         surgery.undo()
-
-
-def notice(name: str, seed: int, flights: int, known: Sequence[Subject]) -> Noticed:
-    """Flies until one notices, at most ``flights``."""
-    row = BROKEN[name]
-    for number in range(flights):
-        with broken(name):
-            found = fly_numbered(seed, number, known).violations
-        if found and not fly_numbered(seed, number, known).violations:
-            return Noticed(name, row.rule, number + 1, _in_words(found[0]))
-    return Noticed(name, row.rule, None, "", row.reason)
-
-
-def in_table(noticed: Noticed) -> str:
-    """A row of the table in docs/quality.md."""
-    seen = "no" if noticed.flights is None else str(noticed.flights)
-    return f"| {noticed.name} | {noticed.rule} | {seen} | {noticed.by or noticed.reason} |"
-
-
-def _in_words(violation: Violation) -> str:
-    return f"{violation.kind}: {violation.says.splitlines()[-1]}"
 
 
 # --- ways of breaking ----------------------------------------------------------------------------
@@ -291,7 +273,7 @@ _REASONS: Mapping[str, str] = {
 _RULES: Mapping[str, Broken] = {
     "depth margin": Broken("R5: 1 m beyond the depth", _value(limits, "DEPTH_MARGIN", 10.0)),
     "silence": Broken("R8: 5 s without a report", _value(limits, "SILENCE", 60.0)),
-    "operator's limits": Broken("R5: the tightest of three", _loosest),
+    "operator's limits": Broken("R5: the tightest of three", _loosest, alike=same),
     "restart": Broken("R7: a restart surfaces", _restart_only_stops),
     "latch": Broken("R7: what is under way is kept", _marker_not_kept),
     "relays first": Broken("R7: X and W before everything", _relays_first),
@@ -303,33 +285,39 @@ _RULES: Mapping[str, Broken] = {
         "R7: a depth contradicts a fix", _value(vehicle_state, "FIX_DEPTH", 1e9)
     ),
     "belief": Broken("a depth is believed as far as something agrees", _no_contradiction),
-    "copies": Broken("R12: a copy of a command", _nothing(Copies, "judge")),
+    "copies": Broken("R12: a copy of a command", _nothing(Copies, "judge"), alike=same),
     "orderly end": Broken("R7: an orderly end brings it up first", _ends_at_once),
-    "sinks at rest": Broken("R7, at rest: what sinks is brought up", _always(Rest, "sinks", "")),
+    "sinks at rest": Broken(
+        "R7, at rest: what sinks is brought up", _always(Rest, "sinks", ""), alike=same
+    ),
     "stays down": Broken(
-        "R7, at rest: stopped, and it does not rise", _nothing(Rest, "stays_down", "")
+        "R7, at rest: stopped, and it does not rise", _nothing(Rest, "stays_down", ""), alike=same
     ),
     "held up": Broken(
-        "R7, at rest: what sank out of surfaced", _always(Ascent, "pushes_up", False)
+        "R7, at rest: what sank out of surfaced", _always(Ascent, "pushes_up", False), alike=same
     ),
     "rest with AUTO closed": Broken("R7, at rest: AUTO closed", _turns_with_auto_closed),
     "way W": Broken("R7: W is one of the ways", _without_way(Order.SURFACE)),
     "way U12": Broken("R7: X0 and U12 is one of the ways", _without_way(UPWARD)),
     "way X0": Broken("R7: letting go is one of the ways", _without_way(Order.STOP)),
-    "way D12": Broken("R7: upside down D12", _nothing(Ascent, "_may_push_down", False)),
+    "way D12": Broken("R7: upside down D12", _nothing(Ascent, "_may_push_down", False), alike=same),
     "ways in turn": Broken("R7: the depth has to fall", _ascent_never_changes),
-    "upside down": Broken("R7: upside down is a state", _always(VehicleState, "overturned", False)),
-    "cleared below": Broken("R7: cleared at the surface", _clears_anywhere),
-    "started below": Broken("R7: started at the surface", _starts_anywhere),
+    "upside down": Broken(
+        "R7: upside down is a state", _always(VehicleState, "overturned", False), alike=same
+    ),
+    "cleared below": Broken("R7: cleared at the surface", _clears_anywhere, alike=same),
+    "started below": Broken("R7: started at the surface", _starts_anywhere, alike=same),
     "held stick": Broken("R6: every stick still for 2 s", _value(orders, "STICK_QUIET", 0.0)),
-    "neutral stick": Broken("R6: no neutral M takes over", _always(Manual, "neutral", False)),
+    "neutral stick": Broken(
+        "R6: no neutral M takes over", _always(Manual, "neutral", False), alike=same
+    ),
     "any stick": Broken("R6: whoever holds it", _nothing(Engine, "hear_stick")),
     "silent stick": Broken("R6: 2 s without M", _value(engine, "STICK_QUIET", 30.0)),
     "forgotten stick": Broken("R6: 60 s without M", _nothing(Core, "stick_forgotten")),
     "modem stick": Broken("R6: M but by modem", _value(operator_server, "MODEM", "nobody")),
-    "commander": Broken("R12: one commands", _nothing(Commander, "why_not", "")),
+    "commander": Broken("R12: one commands", _nothing(Commander, "why_not", ""), alike=same),
     "AUTO ends": Broken("R13: closing AUTO ends a mission", _nothing(Core, "auto_off")),
-    "AUTO starts": Broken("R13: no @AA until it is open", _starts_with_auto_closed),
+    "AUTO starts": Broken("R13: no @AA until it is open", _starts_with_auto_closed, alike=same),
     "stop again": Broken("R7: X until it is acknowledged", _nothing(Core, "stop_again")),
     "stop doubted": Broken("R7: X where a report shows a thruster", _nothing(Core, "doubt_stop")),
     "line doubted": Broken(
@@ -338,10 +326,18 @@ _RULES: Mapping[str, Broken] = {
     "refused set": Broken("R8: a set answered N", _refusals_accepted),
     "clock of a leg": Broken("every leg has its clock", _legs_for_ever),
     "blind leg": Broken("R8: a reading that a leg needs", _value(run, "BLIND_TIME", 1e9)),
-    "healthy depth": Broken("a depth is not believed", _sensor_is_healthy("depth")),
-    "healthy heading": Broken("a heading is not believed", _sensor_is_healthy("heading")),
-    "healthy attitude": Broken("an attitude is not believed", _sensor_is_healthy("attitude")),
-    "healthy altitude": Broken("an altitude is not believed", _sensor_is_healthy("altitude")),
+    "healthy depth": Broken(
+        "a depth is not believed", _sensor_is_healthy("depth"), alike=_as_healthy
+    ),
+    "healthy heading": Broken(
+        "a heading is not believed", _sensor_is_healthy("heading"), alike=_as_healthy
+    ),
+    "healthy attitude": Broken(
+        "an attitude is not believed", _sensor_is_healthy("attitude"), alike=_as_healthy
+    ),
+    "healthy altitude": Broken(
+        "an altitude is not believed", _sensor_is_healthy("altitude"), alike=_as_healthy
+    ),
     "gap": Broken("20 ms between two frames", _value(frontseat, "GAP_S", 0.0)),
     "unasked": Broken("nothing that nothing asked for", _stop_every_five_seconds),
 }

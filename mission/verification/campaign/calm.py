@@ -62,7 +62,7 @@ def alarms(trial: Trial) -> Iterator[Violation]:
             yield Violation(ALARMED, event.t, f"{words}: {'; '.join(event.actions)}")
 
 
-def fare_calmly(seed: int, number: int, known: Sequence[Subject]) -> FlightResult:
+def fly_calmly(seed: int, number: int, known: Sequence[Subject]) -> FlightResult:
     plan = calm(seed, number, known)
     vehicle = plan.vehicle
     trial = fly_plan(plan, vehicle)

@@ -120,10 +120,30 @@ def stage(name: str, seed: int) -> Plan:
     return _set_up(name, Random(f"scene {name} {seed}"), seed, 0)
 
 
-def _staged(rng: Random, seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
+def rows(subjects: Sequence[Subject]) -> tuple[str, ...]:
+    """Of the tables that flights are drawn from: scenes, and missions by their files' names."""
+    return (*SCENES, *(subject.path.stem for subject in subjects))
+
+
+def draw_row(row: str, rng: Random, seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
+    """A flight of one of ``rows``: of a scene, every second one is the scene alone."""
+    if row in SCENES:
+        return _staged(rng, seed, number, subjects, row, BESIDE if number % 2 else 0.0)
+    subject = {subject.path.stem: subject for subject in subjects}[row]
+    return _disturbed(rng, seed, number, subjects, subject)
+
+
+def _staged(
+    rng: Random,
+    seed: int,
+    number: int,
+    subjects: Sequence[Subject],
+    name: str = "",
+    beside: float = BESIDE,
+) -> Plan:
     """A scene, and in some flights something else that happens meanwhile."""
-    plan = _set_up(rng.choice(tuple(SCENES)), rng, seed, number)
-    if rng.random() >= BESIDE:
+    plan = _set_up(name or rng.choice(tuple(SCENES)), rng, seed, number)
+    if rng.random() >= beside:
         return plan
     faults, incidents = [*plan.settings.faults], [*plan.incidents]
     begin = round(rng.uniform(8.0, SCENE_TIME / 2.0), 1)
@@ -151,8 +171,14 @@ def _set_up(name: str, rng: Random, seed: int, number: int) -> Plan:
     )
 
 
-def _disturbed(rng: Random, seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
-    subject = rng.choice(subjects)
+def _disturbed(
+    rng: Random,
+    seed: int,
+    number: int,
+    subjects: Sequence[Subject],
+    subject: Subject | None = None,
+) -> Plan:
+    subject = subject or rng.choice(subjects)
     profile = rng.choice(PROFILES)
     vehicle_seed = rng.randrange(1 << 31)
     sea = _sea(rng)

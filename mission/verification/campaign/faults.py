@@ -28,6 +28,8 @@ from mission.verification.campaign.laws import (
     Violation,
     violations,
 )
+from mission.verification.campaign.margins import margins
+from mission.verification.campaign.story import Story
 from mission.verification.campaign.trial import Trial, try_out
 from mission.verification.campaign.whole_flight import KINDS, throughout
 
@@ -119,6 +121,18 @@ def fly_numbered(
     plan = draw(seed, number, known)
     vehicle = plan.vehicle
     return result_of(plan, fly_plan(plan, vehicle, recorder), vehicle, plan.profile)
+
+
+def fare_near(plan: Plan) -> tuple[FlightResult, dict[str, float]]:
+    """With how near it came to breaking each law."""
+    vehicle = plan.vehicle
+    trial = fly_plan(plan, vehicle)
+    result = result_of(plan, trial, vehicle, plan.profile)
+    if trial.raised:
+        return result, {}
+    mission, settings = plan.subject.mission, plan.settings
+    story = Story(trial, mission, vehicle, plan.profile, settings, plan.silence)
+    return result, margins(story)
 
 
 def result_of(

@@ -17,9 +17,10 @@ from mission.engine.core import Core
 from mission.engine.limits import LIMITS
 from mission.model.shipped import load_vehicle
 from mission.onboard.runtime import frontseat
-from mission.verification.campaign.broken import BROKEN, broken, notice
+from mission.verification.campaign.broken import BROKEN, broken
 from mission.verification.campaign.draw import Plan, draw, stage
 from mission.verification.campaign.faults import fly_plan, result_of, shipped, subjects
+from mission.verification.campaign.noticing import Flights, notice
 from mission.verification.campaign.scene_texts import TEXTS, mission_of
 from mission.verification.campaign.scenes import SCENES
 
@@ -129,10 +130,10 @@ def test_all_scenes_are_drawn_some_with_something_else_beside() -> None:
 
 
 def test_what_notices_is_a_flight_that_the_whole_program_flies_well() -> None:
-    noticed = notice("unasked", 0, 3, KNOWN)
+    noticed = notice("unasked", Flights(0, KNOWN), 3)
     assert noticed.flights == 1
     assert noticed.by.startswith("spurious")
-    assert notice("limit leak", 0, 1, KNOWN).flights is None
+    assert notice("limit leak", Flights(0, KNOWN), 1).flights is None
 
 
 def test_the_command_tells_the_rule_the_flights_and_the_law() -> None:
@@ -140,6 +141,8 @@ def test_the_command_tells_the_rule_the_flights_and_the_law() -> None:
     assert done.exit_code == 0, done.output
     assert "| unasked | nothing that nothing asked for | 1 | spurious" in done.output
     found = json.loads(done.stdout.splitlines()[-1])
-    assert (found["rules"], found["noticed"], found["blind"]) == (1, 1, [])
+    assert (found["rules"], found["noticed"], found["blind"], found["flown"]) == (1, 1, [], 1)
+    searched = ["--broken", "unasked", "--search", "--flights", "3", "--workers", "1"]
+    assert json.loads(CliRunner().invoke(faults, searched).stdout.splitlines()[-1])["noticed"] == 1
     unknown = CliRunner().invoke(faults, ["--broken", "nonsense"])
     assert unknown.exit_code == 2

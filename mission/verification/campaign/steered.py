@@ -1,0 +1,88 @@
+"""Flights by the row that they are of, as like or unlike each other as is wanted.
+
+    heavy_for_ever/3        the fourth flight of this row of the tables
+    heavy_for_ever/3/0/2    the third neighbour of its first neighbour
+
+A flight follows from the seed and its name alone, whatever was flown before. What a plan is drawn
+from is a point: the first DIMENSIONS random numbers. Of four flights of a row each number is once
+in each quarter of its range, of each two once in each half (Latin hypercubes: McKay, Beckman,
+Conover, Technometrics 21, 1979): a few flights try both profiles and all parts of a range. A
+neighbour is the same point moved a little, now and then in one number by any distance (Kelemen et
+al., A simple and robust mutation strategy, Eurographics 2002).
+
+What does not live here: which are flown (search), what the numbers come to (draw).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from random import Random
+from typing import TYPE_CHECKING, TypeVar
+
+from mission.verification.campaign.draw import PROFILES, Plan, Subject, draw_row, rows
+
+if TYPE_CHECKING:
+    from _typeshed import SupportsLenAndGetItem
+
+_T = TypeVar("_T")
+DIMENSIONS = 48
+NEAR, ANEW = 0.04, 0.08  # of the range: a neighbour's distance; chance of any distance
+
+
+class Steered(Random):
+    """``point`` first, each number in [0, 1), and then as ``seed`` has it."""
+
+    def __init__(self, seed: str, point: Sequence[float]) -> None:
+        super().__init__(seed)
+        self._ahead = iter(point)
+
+    def random(self) -> float:
+        ahead = next(self._ahead, None)
+        return super().random() if ahead is None else ahead
+
+    def choice(self, seq: SupportsLenAndGetItem[_T]) -> _T:
+        """By the part of the range that the number is in; Random's own goes by its last bits."""
+        return seq[int(self.random() * len(seq))]
+
+    def randint(self, a: int, b: int) -> int:
+        return a + int(self.random() * (b - a + 1))
+
+
+def neighbour(name: str, number: int) -> str:
+    return f"{name}/{number}"
+
+
+def plan_of(name: str, seed: int, subjects: Sequence[Subject]) -> Plan:
+    """ValueError for a name that is none."""
+    row, *numbers = name.split("/")
+    if row not in rows(subjects) or not numbers or not all(map(str.isdecimal, numbers)):
+        raise ValueError(f"no flight {name!r}: a row of the tables, and /0 or more")
+    number, *moves = map(int, numbers)
+    rng = Steered(f"steered {seed} {name}", _point(seed, row, number, moves))
+    profile = rng.choice(PROFILES)  # how many numbers come before it otherwise is a draw, too
+    return replace(draw_row(row, rng, seed, number, subjects), profile=profile)
+
+
+def _point(seed: int, row: str, number: int, moves: Sequence[int]) -> list[float]:
+    rng = Random(f"row {seed} {row} {number // 4}")
+    quarters = [_quarters(rng)[number % 4] for _ in range(DIMENSIONS)]
+    name = f"{row}/{number}"
+    rng = Random(f"flight {seed} {name}")
+    point = [(quarter + rng.random()) / 4.0 for quarter in quarters]
+    for move in moves:
+        name = neighbour(name, move)
+        rng = Random(f"move {seed} {name}")
+        point = [_moved(rng, x) for x in point]
+    return point
+
+
+def _quarters(rng: Random) -> list[int]:
+    """In an order in which the first two, and the last two, are in different halves."""
+    low, high = rng.sample((0, 1), 2), rng.sample((2, 3), 2)
+    return [quarter for pair in zip(low, high, strict=True) for quarter in rng.sample(pair, 2)]
+
+
+def _moved(rng: Random, x: float) -> float:
+    near, anew = rng.gauss(0.0, NEAR), rng.random()
+    return rng.random() if anew < ANEW else (x + near) % 1.0
