@@ -106,8 +106,12 @@ def ground(path: Path, profile: str) -> Ground:
 
 def _from_afar(mission: Mission) -> Mission:
     """It may be started where ``Sea`` is, and guards on the range are not open from there."""
+    away = Sea().north + 2.0
     given = [(name, value) for name, value in mission.assume if name != "start"]
-    return replace(mission, assume=(*given, ("start", Sea().north + 2.0)))
+    safety = mission.safety
+    if safety.radius is not None:
+        safety = replace(safety, radius=safety.radius + away)
+    return replace(mission, safety=safety, assume=(*given, ("start", away)))
 
 
 def configurations(ground: Ground) -> Iterator[tuple[Configuration, World]]:

@@ -49,10 +49,18 @@ def _ends_upward(cell: Cell) -> Verdict:
     )
 
 
+def _sinks_again(cell: Cell) -> bool:
+    """Out of surfaced, and nobody will be there to bring it up."""
+    deep = cell.world.sea.depth >= AT_SURFACE
+    return "last" in cell.event.causes and cell.world.ended_in == SURFACED and deep
+
+
 def _ends_at_rest(cell: Cell) -> Verdict:
     """No thruster is turned, and where it can be left alone the program may go. Deep, the stick
     does not leave it."""
     if "end" not in cell.event.causes or _under_way(cell, cell.world.ended_in):
+        return None
+    if _sinks_again(cell):
         return None
     shallow = cell.world.sea.depth < AT_SURFACE
     if cell.world.ended_in.startswith("manual") and not shallow and cell.configuration.auto:
@@ -66,7 +74,8 @@ def _ends_at_rest(cell: Cell) -> Verdict:
 
 def _last_words(cell: Cell) -> Verdict:
     """X0 and U12 under water, and nothing after them."""
-    if "last" not in cell.event.causes or not _under_way(cell, cell.world.ended_in):
+    under_way = _under_way(cell, cell.world.ended_in) or _sinks_again(cell)
+    if "last" not in cell.event.causes or not under_way:
         return None
     left = [t.data for t in cell.frames(b"@Z") if t.t >= cell.world.ended_at]
     return wrong(

@@ -190,6 +190,7 @@ def _emergency(cell: Cell) -> Verdict:
         (SURFACING, SURFACED): frozenset({""}),
         (STOPPED, IDLE_EMPTY): frozenset({"AC"}),
         (SURFACED, IDLE_EMPTY): frozenset({"AC"}),
+        (SURFACED, SURFACING): frozenset({"last"}),  # deep again, and nobody will be there
     }
     asked = None
     for here, there in pairwise(cell.states):
