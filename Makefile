@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test proofs check lint bench score campaign faults exhaustive sea docs clean
+.PHONY: demo test proofs check lint bench compiled score campaign faults exhaustive sea docs clean
 
 DATA ?= ../shared/data/trajectories
 SEED ?= 0
@@ -28,6 +28,11 @@ lint: $(READY)
 bench: $(READY)         ## performance, as ratios within one run
 	$(BIN)/pip install -q -e '.[bench]'
 	$(BIN)/python tests/bench/run.py
+	@test ! -d build/compiled || build/compiled/.venv/bin/python build/compiled/tests/bench/run.py hour wire
+
+compiled: $(READY)      ## the same sources by mypyc, in build/compiled; needs a C compiler
+	$(BIN)/python hatch_build.py build/compiled
+	@build/compiled/.venv/bin/auvmission --version
 
 score: $(READY)         ## the estimate on recorded trajectories; DATA=folder of CSV files
 	@$(BIN)/auvmission score $(DATA)

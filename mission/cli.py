@@ -14,6 +14,7 @@ from typing import Any
 import click
 
 from mission import __version__
+from mission.model.compiled import build
 
 INTERRUPTED = 128 + signal.SIGINT  # exit code, as a shell has it
 
@@ -91,6 +92,6 @@ def _exists(module: str) -> bool:
 
 
 @click.group(cls=_Lazy, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="auvmission")
+@click.version_option(f"{__version__}, {build()}", prog_name="auvmission")
 def main() -> None:
     """Write, check, fly and replay missions of autonomous underwater vehicles."""

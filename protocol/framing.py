@@ -24,8 +24,9 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
+from protocol.drafts import fault
 from protocol.fields import FaultKind, FrameType, Values
 from protocol.messages import FrameFault
 from protocol.tolerances import Tolerances
@@ -358,19 +359,6 @@ def no_stretch(data: bytes, at: int, last: int, base: int, t: float) -> Stretch:
 
 
 _NO_SHORTCUT = Shortcut(b"\0", 0, no_stretch, lambda frame: frame)
-
-
-class _Draft:
-    """A FrameFault while it is filled: setting slots of a frozen class costs thrice as much."""
-
-    __slots__ = FrameFault.__slots__
-
-
-def fault(offset: int, kind: str, length: int) -> FrameFault:
-    draft: Any = _Draft()
-    draft.offset, draft.kind, draft.length = offset, kind, length
-    draft.__class__ = FrameFault
-    return cast("FrameFault", draft)
 
 
 def _by_length(candidate: tuple[int, int, FrameType]) -> tuple[int, int]:

@@ -192,12 +192,15 @@ def _break(
     import functools
     import json
 
+    from mission.model.compiled import compiled
     from mission.verification.campaign.broken import BROKEN
     from mission.verification.campaign.noticing import in_table
     from mission.verification.workers import results
 
     if rule != "all" and rule not in BROKEN:
         raise click.BadParameter(f"no rule {rule!r}; known: {', '.join(BROKEN)}")
+    if compiled():
+        raise click.UsageError("compiled code cannot be broken: --broken takes the pure build")
     names = list(BROKEN) if rule == "all" else [rule]
     found: list[Noticed] = []
     work = functools.partial(_notice, seed, flights, known, search)

@@ -32,7 +32,7 @@ def _draw(author: Author) -> str:
     return f"follow {places} within 15 gear 8{author.way()} {author.timeout(900)}"
 
 
-TYPE = LegType(
+TYPE: LegType = LegType(
     name="follow",
     kind=Follow,
     description="through several places in turn",

@@ -31,7 +31,7 @@ def _draw(author: Author) -> str:
     return f"goto {author.place()} within 15 {way}"
 
 
-TYPE = LegType(
+TYPE: LegType = LegType(
     name="goto",
     kind=Goto,
     description="to a place, along the line",

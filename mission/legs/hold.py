@@ -33,7 +33,7 @@ def _thrust(author: Author) -> str:
     return f"gear 0 down {gear} until depth > {depth} {author.timeout(60)}"
 
 
-TYPE = LegType(
+TYPE: LegType = LegType(
     name="hold",
     kind=Hold,
     description="hold the settings; may be left out",

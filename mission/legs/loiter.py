@@ -101,7 +101,7 @@ def _draw(author: Author) -> str:
     return f"loiter{where} radius {radius} side {side} gear 4 for {seconds}"
 
 
-TYPE = LegType(
+TYPE: LegType = LegType(
     name="loiter",
     kind=Loiter,
     description="circle about a place",

@@ -108,7 +108,7 @@ def _draw(author: Author) -> str:
     )
 
 
-TYPE = LegType(
+TYPE: LegType = LegType(
     name="rows",
     kind=Rows,
     description="a lawnmower: so many parallel rows",

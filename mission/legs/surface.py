@@ -21,7 +21,7 @@ def _draw(author: Author) -> str:
     return f"surface{fix} timeout {author.rng.randint(60, 300)}"
 
 
-TYPE = LegType(
+TYPE: LegType = LegType(
     name="surface",
     kind=Surface,
     description="up, and prove it; `until fix`: with GPS",

@@ -18,7 +18,7 @@ def _draw(author: Author) -> str:
     return f"wait {author.rng.randint(5, 60)}"
 
 
-TYPE = LegType(
+TYPE: LegType = LegType(
     name="wait",
     kind=Wait,
     description="hold whatever is set, for a time",

@@ -96,7 +96,7 @@ def _draw(author: Author) -> str:
     )
 
 
-TYPE = LegType(
+TYPE: LegType = LegType(
     name="yoyo",
     kind=Yoyo,
     description="down and up between two depths, so many times",

@@ -39,7 +39,7 @@ def copied(whole: T, /, **given: Any) -> T:
     """Another object of the type with the attributes ``given``, and copies of all others.
     Raises TypeError for an attribute that can change and has no ``clone``."""
     kind = type(whole)
-    other = object.__new__(kind)
+    other = kind.__new__(kind)
     for name in _NAMES.get(kind) or _attributes(kind, whole):
         if name in given:
             value = given[name]
@@ -53,7 +53,8 @@ def copied(whole: T, /, **given: Any) -> T:
 
 
 def _attributes(kind: type, whole: object) -> tuple[str, ...]:
-    slots = [name for base in kind.__mro__ for name in vars(base).get("__slots__", ())]
+    tables = [vars(base) for base in kind.__mro__]  # a compiled class has another name for slots
+    slots = [n for t in tables for n in (*t.get("__slots__", ()), *t.get("__mypyc_attrs__", ()))]
     if not hasattr(whole, "__dict__"):  # slots alone: the names are the type's
         _NAMES[kind] = tuple(slots)
     return (*slots, *getattr(whole, "__dict__", ()))

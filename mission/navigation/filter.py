@@ -14,7 +14,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from filterpy.kalman import KalmanFilter
@@ -40,7 +40,7 @@ from mission.navigation.model import (
     N,
 )
 
-Array = NDArray[np.float64]
+Array: TypeAlias = NDArray[np.float64]
 
 _UNKNOWN = 1e4  # m: no position, no depth yet
 _LOOSEST = 25.0  # times the variance before anything was heard (no position)

@@ -168,7 +168,8 @@ class Glide:
 
     _ATTACK = math.radians(3.0)
     _LEAST = math.radians(8.0)  # flatter is no glide: inflecting, or at the surface
-    _SLOWEST, _FASTEST = 0.03, 0.6  # m/s of depth rate; forward
+    _SLOWEST = 0.03  # m/s of depth rate
+    _FASTEST = 0.6  # m/s forward
 
     __slots__ = ("_scale", "speed")
 

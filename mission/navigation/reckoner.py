@@ -36,6 +36,22 @@ _PENDING = 4  # velocities that wait for a report
 _SKID = 0.3  # of the slip in a turn: how far it differs from turn to turn, after one rad
 _LOST_TIME, _LOST_GROWTH, _LOST_MOST = 20.0, 0.05, 1.8  # s; rad per s; rad: no compass
 
+_KEPT = (
+    # besides the filter and the speed
+    "t",
+    "located",
+    "last_fix",
+    "nis",
+    "fix_nis",
+    "depth_seen",
+    "altitude_seen",
+    "_motion",
+    "_rejected",
+    "_pending",
+    "_used",
+)
+_kept = operator.attrgetter(*_KEPT)
+
 
 class _Motion(NamedTuple):
     """As of the last report: heading, turn, thrust."""
@@ -72,28 +88,13 @@ class Reckoner:
         self._pending: tuple[GroundFix, ...] = ()  # velocities wait for the next report
         self._used: GroundFix | None = None
 
-    _KEPT = (  # besides the filter and the speed
-        "t",
-        "located",
-        "last_fix",
-        "nis",
-        "fix_nis",
-        "depth_seen",
-        "altitude_seen",
-        "_motion",
-        "_rejected",
-        "_pending",
-        "_used",
-    )
-    _kept = operator.attrgetter(*_KEPT)
-
     def save(self) -> tuple[Any, ...]:
-        return self.filter.save(), self._propulsion.speed, Reckoner._kept(self)
+        return self.filter.save(), self._propulsion.speed, _kept(self)
 
     def load(self, saved: tuple[Any, ...]) -> None:
         arrays, self._propulsion.speed, kept = saved
         self.filter.load(arrays)
-        for name, value in zip(self._KEPT, kept, strict=True):
+        for name, value in zip(_KEPT, kept, strict=True):
             setattr(self, name, value)
 
     def take(self, item: Item) -> None:

@@ -24,6 +24,7 @@ What does not live here: retries and gaps (the drive's outbox), frames to and fr
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 from protocol.checksum import SD_DEFAULT, sd_profile
@@ -99,7 +100,7 @@ def _any_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
     return (*up, *to_pi, MotionFrame(tolerances), *modem_frames(tolerances))
 
 
-LINKS = (
+LINKS: tuple[LinkRow, ...] = (
     LinkRow("auv.any", _any_frames, splice=("auv.SD", "auv.ACK")),
     LinkRow("auv.from_stm32", from_stm32_frames, splice=("auv.SD", "auv.ACK")),
     LinkRow("auv.modem", modem_frames, idle=MODEM_IDLE),
@@ -158,7 +159,7 @@ def shortcut(tolerances: Tolerances, battery_scale: BatteryScale) -> Shortcut:
 # --- Setpoint out ---
 
 # document, 2.2.1: S, E, H and A carry whole numbers, in m and degrees
-GRANULARITY = Granularity(1.0, 1.0, math.radians(1.0), math.radians(1.0))
+GRANULARITY: Granularity = Granularity(1.0, 1.0, math.radians(1.0), math.radians(1.0))
 
 
 def _gear(axis: str, fraction: float) -> int:
@@ -274,7 +275,10 @@ def change(wanted: list[bytes], held: list[bytes]) -> list[bytes]:
     return wanted[1:] or wanted if alike else wanted
 
 
-DIALECTS = {"documented": _documented, "as-built": _as_built}
+DIALECTS: dict[str, Callable[[Setpoint], list[str]]] = {
+    "documented": _documented,
+    "as-built": _as_built,
+}
 
 # What an N to a word of a dialect probably means: the board speaks the other one.
 MEANINGS = {

@@ -190,7 +190,7 @@ def _one(frame: BinaryFrame) -> tuple[FrameType, ...]:
     return (frame,)
 
 
-LINKS = (
+LINKS: tuple[LinkRow, ...] = (
     LinkRow("coreboard.main_to_pc", lambda t: _one(main_to_pc(t))),
     LinkRow("coreboard.main_to_sensor", lambda t: _one(main_to_sensor(t))),
     LinkRow("coreboard.pc_to_main", lambda t: _one(pc_to_main(t))),

@@ -108,7 +108,7 @@ def _force_and_torque(tolerances: Tolerances) -> tuple[CanFrame, CanFrame]:
     return CanFrame(FORCE, force), CanFrame(TORQUE, torque)
 
 
-LINKS = (LinkRow("coreboard.can", can_frames, line=from_line),)
+LINKS: tuple[LinkRow, ...] = (LinkRow("coreboard.can", can_frames, line=from_line),)
 
 
 KEYS: Keys = (

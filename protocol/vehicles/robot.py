@@ -244,7 +244,7 @@ def _down(tolerances: Tolerances) -> tuple[FrameType, ...]:
     return (DownFrame(tolerances),)
 
 
-LINKS = (LinkRow("robot.down", _down), LinkRow("robot.up", _up))
+LINKS: tuple[LinkRow, ...] = (LinkRow("robot.down", _down), LinkRow("robot.up", _up))
 
 # --- Telemetry in, Setpoint out ------------------------------------------------------------------
 

@@ -141,7 +141,7 @@ def _down(tolerances: Tolerances) -> tuple[FrameType, ...]:
     return (down(tolerances),)
 
 
-LINKS = (LinkRow("rov.down", _down), LinkRow("rov.up", _up))
+LINKS: tuple[LinkRow, ...] = (LinkRow("rov.down", _down), LinkRow("rov.up", _up))
 
 # --- Telemetry in, Setpoint out ------------------------------------------------------------------
 

@@ -16,7 +16,8 @@ from collections.abc import Callable
 from typing import Any
 
 from protocol.checksum import stm32_checker
-from protocol.framing import Stretch, fault
+from protocol.drafts import fault
+from protocol.framing import Stretch
 from protocol.messages import Telemetry
 
 LENGTH = 86

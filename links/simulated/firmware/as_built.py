@@ -157,7 +157,7 @@ class AsBuilt(Stm32):
             self.stick.steer(self.sensors.heading(plant), plant)
             self.drive(*self.stick.gears)
             return
-        speed = self.speed
+        speed = float(self.speed)
         if self.horizontal is Horizontal.HEADING:
             turn = turn_gear(self.heading, self.sensors.heading(plant), plant.r)
             left, right = speed + turn, speed - turn

@@ -98,7 +98,8 @@ class CoreBoard(WaterBoard):
     INS has no power until a frame gives it (byte 43)."""
 
     hears = coreboard.LINKS[2]
-    period, silence = 0.1, coreboard.SILENCE
+    period = 0.1
+    silence = coreboard.SILENCE
 
     def __init__(self, rng: Random, tolerances: Tolerances, wire: Wire) -> None:
         super().__init__(rng, tolerances, wire)
@@ -152,7 +153,8 @@ class RovBoard(WaterBoard):
     """The flags hold the heading and the depth of the moment at which they are set."""
 
     hears = rov.LINKS[0]
-    period, silence = rov.PERIOD, rov.SILENCE
+    period = rov.PERIOD
+    silence = rov.SILENCE
 
     def __init__(self, rng: Random, tolerances: Tolerances, wire: Wire) -> None:
         super().__init__(rng, tolerances, wire)
@@ -207,7 +209,8 @@ class RobotBoard(Board):
     """One motion at a time, at the speed that was last set; the handshake is answered at once."""
 
     hears = robot.LINKS[0]
-    period, silence = 0.1, robot.SILENCE
+    period = 0.1
+    silence = robot.SILENCE
 
     def __init__(self, rng: Random, tolerances: Tolerances, wire: Wire) -> None:
         super().__init__(rng, tolerances, wire)

@@ -21,8 +21,10 @@ from typing import Any
 
 from links import parse_address
 from links.base import LinkError
+from mission import __version__
 from mission.engine.bounds import in_force
 from mission.engine.limits import LIMITS
+from mission.model.compiled import build
 from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
 from mission.onboard.doctor import asking, port_probe
@@ -172,6 +174,10 @@ def _crc(context: CheckContext) -> Iterator[Finding]:
             "crcmod runs in pure Python, 40 times slower",
             "apt install gcc python3-dev, then pip install --force-reinstall crcmod",
         )
+
+
+def build_of(context: CheckContext) -> Iterator[Finding]:
+    yield ok("build", f"auvmission {__version__}, {build()}")
 
 
 def _topside(context: CheckContext) -> Iterator[Finding]:
@@ -361,6 +367,7 @@ ROWS: tuple[Callable[[CheckContext], Iterable[Finding]], ...] = (
     _store,
     _clock,
     _crc,
+    build_of,
     _topside,
     _ports,
     _camera,

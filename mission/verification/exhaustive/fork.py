@@ -66,7 +66,7 @@ class Fork(Generic[T]):
         self._nodes.append(node)
         kind = type(value)
         if kind is Engine:
-            node.make, node.fill = partial(object.__new__, Engine), _engine(value)
+            node.make, node.fill = partial(Engine.__new__, Engine), _engine(value)
         elif kind is list or kind is deque:
             shared = self._parts(enumerate(value), node)
             ends = value.maxlen if kind is deque else None
@@ -77,9 +77,8 @@ class Fork(Generic[T]):
         elif kind is set:
             node.make, node.fill = partial(set, frozenset(value)), _nothing
         else:
-            own = getattr(value, "__dict__", {})
-            slots = {n: getattr(value, n) for n in _slots(kind) if hasattr(value, n)}
-            node.make = partial(object.__new__, kind)
+            own, slots = getattr(value, "__dict__", {}), _held(value)
+            node.make = partial(kind.__new__, kind)
             fill = _fill_slots if slots else _fill_object
             node.fill = partial(fill, self._parts((own | slots).items(), node))
         return place
@@ -126,17 +125,20 @@ def _fill_slots(shared: dict[str, Any], shell: Any, linked: list[tuple[_Key, Any
 
 
 def _engine(engine: Engine) -> Callable[[Any, list[tuple[_Key, Any]]], None]:
-    snapshot, own = engine.snapshot(), dict(engine.__dict__)
+    snapshot, own = engine.snapshot(), getattr(engine, "__dict__", {}) | _held(engine)
 
     def fill(shell: Any, linked: list[tuple[_Key, Any]]) -> None:
-        shell.__dict__.update(own)
+        _fill_slots(own, shell, linked)
         shell.restore(snapshot)
 
     return fill
 
 
-def _slots(kind: type) -> tuple[str, ...]:
-    return tuple(name for base in kind.__mro__ for name in base.__dict__.get("__slots__", ()))
+def _held(value: Any) -> dict[str, Any]:
+    """What stands in slots, for which compiled classes have another name."""
+    tables = [vars(base) for base in type(value).__mro__]
+    names = [n for t in tables for n in (*t.get("__slots__", ()), *t.get("__mypyc_attrs__", ()))]
+    return {name: getattr(value, name) for name in names if hasattr(value, name)}
 
 
 _KNOWN: dict[type, bool] = {}

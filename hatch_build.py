@@ -1,0 +1,146 @@
+"""The compiled build: hatchling's hook for a wheel, and a copy of the tree beside the pure one.
+
+    AUVMISSION_COMPILED=1 pip install .        a wheel with compiled modules
+    python hatch_build.py build/compiled       the tree with them, and an environment that runs it
+
+mypyc translates the modules that ``mission.model.compiled`` lists, and the C compiler of this
+machine makes one extension of them all. Without the variable nothing of this happens.
+
+Other packages are not looked at: what is built follows from this tree alone, whatever is installed.
+Classes are marked as such that interpreted ones may inherit from; with that they can be copied,
+too (others can only if their constructor takes nothing). That is done in the copy that is compiled,
+and undone there: no source needs mypyc.
+Contraction is off: a multiplication and an addition that become one instruction round once instead
+of twice, and aarch64 would then differ from x86-64 in the last bit.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import runpy
+import shutil
+import sys
+import sysconfig
+import venv
+from collections.abc import Iterator
+from contextlib import chdir, contextmanager
+from pathlib import Path
+from typing import Any
+
+try:
+    from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+except ImportError:  # run by hand
+    BuildHookInterface = object
+
+LIST = "mission.model.compiled"
+WANTED = "AUVMISSION_COMPILED"
+PACKAGES = ("mission", "links", "protocol")
+NEEDED = ["mypy>=1.18", "setuptools>=65"]
+CHECKING = ["--config-file=", "--no-site-packages", "--ignore-missing-imports"]
+FLAGS = ["-ffp-contract=off"]
+_MARK = "@mypyc_attr(allow_interpreted_subclasses=True)\n"
+_CLASS = re.compile(r"^(?=class \w+(\(ABC\))?:)", re.MULTILINE)
+_FUTURE = re.compile(r"^(from __future__ import annotations\n)", re.MULTILINE)
+_IMPORT = """from typing import TYPE_CHECKING
+if TYPE_CHECKING:
+    from mypy_extensions import mypyc_attr
+"""
+LEFT = {".git", ".venv", ".mypy_cache", ".ruff_cache", ".pytest_cache", "build", "dist", "out"}
+
+
+def compile_in(folder: Path) -> list[Path]:
+    """Compiles in place what stands in ``folder``. The extensions, relative to it; the one that
+    holds the code of all is at its top. CompileError of setuptools where no compiler is."""
+    from mypyc.build import mypycify
+    from setuptools import Distribution
+
+    with chdir(folder), marked(_sources(folder)) as sources:
+        extensions = mypycify(
+            [*CHECKING, *map(str, sources)], opt_level="1", debug_level="0", group_name="auvmission"
+        )
+        for extension in extensions:
+            extension.extra_compile_args += FLAGS
+        command: Any = Distribution({"ext_modules": extensions}).get_command_obj("build_ext")
+        command.inplace = True
+        command.ensure_finalized()
+        command.run()
+    return [Path(command.get_ext_filename(extension.name)) for extension in extensions]
+
+
+def _sources(folder: Path) -> list[Path]:
+    """Of the modules that the tree in ``folder`` lists, relative to it."""
+    sys.path.insert(0, str(folder))
+    path = folder.joinpath(*LIST.split(".")).with_suffix(".py")
+    return [
+        Path(*name.split(".")).with_suffix(".py") for name in runpy.run_path(str(path))["MODULES"]
+    ]
+
+
+@contextmanager
+def marked(sources: list[Path]) -> Iterator[list[Path]]:
+    """Within it the classes without bases say that others may inherit from them."""
+    before = {source: source.read_text() for source in sources}
+    try:
+        for source, text in before.items():
+            source.write_text(_CLASS.sub(_MARK, _FUTURE.sub(r"\1" + _IMPORT, text, count=1)))
+        yield sources
+    finally:
+        for source, text in before.items():
+            source.write_text(text)
+
+
+class CustomBuildHook(BuildHookInterface):  # type: ignore[misc, valid-type]
+    """Hatchling finds it by its name."""
+
+    def dependencies(self) -> list[str]:
+        return NEEDED if os.environ.get(WANTED) else []
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        if version != "standard" or not os.environ.get(WANTED):
+            return
+        tree = Path(self.root) / "build" / "wheel"
+        copy(Path(self.root), tree, PACKAGES)
+        build_data["force_include"] |= {str(tree / file): str(file) for file in compile_in(tree)}
+        build_data |= {"pure_python": False, "infer_tag": True}
+
+
+# --- beside the pure tree ---
+
+
+def copy(root: Path, tree: Path, names: tuple[str, ...]) -> None:
+    """Anew, but with the times of the sources: what is unchanged is not compiled again."""
+    for name in names:
+        shutil.rmtree(tree / name, ignore_errors=True)
+        source = root / name
+        if source.is_dir():
+            ignored = shutil.ignore_patterns("__pycache__")
+            shutil.copytree(source, tree / name, ignore=ignored)
+        else:
+            shutil.copy2(source, tree / name)
+
+
+def environment(tree: Path) -> None:
+    """In ``tree``: it sees the packages of the running one, and of ours only those in ``tree``."""
+    folder = tree / ".venv"
+    venv.create(folder, symlinks=True)
+    packages = Path(sysconfig.get_path("purelib", vars={"base": str(folder)}))
+    packages.joinpath("auvmission.pth").write_text(f"{tree}\n{sysconfig.get_path('purelib')}\n")
+    for name in ("auvmission", "pytest"):
+        script = Path(sys.executable).parent.joinpath(name).read_text().split("\n", 1)[1]
+        program = folder / "bin" / name
+        program.write_text(f"#!{folder}/bin/python\n{script}")
+        program.chmod(0o755)
+
+
+def main(folder: str) -> int:
+    root, tree = Path(__file__).resolve().parent, Path(folder).resolve()
+    tree.mkdir(parents=True, exist_ok=True)
+    copy(root, tree, tuple(p.name for p in root.iterdir() if p.name not in LEFT))
+    compile_in(tree)
+    environment(tree)
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(*sys.argv[1:]))

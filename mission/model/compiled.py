@@ -1,0 +1,90 @@
+"""Which modules mypyc may compile, and which of them are compiled where this program runs.
+
+Compiled code comes from the same sources and gives the same bytes; it is only quicker. The list has
+what an hour of flight spends its time in. Left to the interpreter: what swaps an object's class
+(``protocol.drafts``, ``protocol.vehicles.sd_stream``), what other classes inherit from (frames,
+codecs), and whatever runs once a flight.
+
+What does not live here: how they are compiled (hatch_build.py).
+"""
+
+from __future__ import annotations
+
+from importlib.machinery import EXTENSION_SUFFIXES
+from pathlib import Path
+
+import mission
+
+MODULES = (
+    "links.simulated.boards",
+    "links.simulated.faults",
+    "links.simulated.firmware.as_built",
+    "links.simulated.firmware.controllers",
+    "links.simulated.firmware.documented",
+    "links.simulated.firmware.gps",
+    "links.simulated.firmware.manual",
+    "links.simulated.firmware.stm32",
+    "links.simulated.firmware.uart",
+    "links.simulated.geodesy",
+    "links.simulated.ground",
+    "links.simulated.link",
+    "links.simulated.plant",
+    "links.simulated.sensors",
+    "links.simulated.settings",
+    "links.simulated.wrong",
+    "protocol.checksum",
+    "protocol.framing",
+    "protocol.nmea",
+    "protocol.nmea_fields",
+    "protocol.topside",
+    "mission.verification.campaign.onboard",
+    "mission.verification.campaign.trial",
+    "mission.navigation.distribution",
+    "mission.onboard.runtime.runtime",
+    "mission.onboard.runtime.frontseat",
+    "mission.onboard.runtime.operator_channels",
+    "mission.onboard.runtime.operator_server",
+    "mission.engine.ascent",
+    "mission.engine.attitude",
+    "mission.engine.core",
+    "mission.engine.engine",
+    "mission.engine.lasting",
+    "mission.engine.rest",
+    "mission.engine.restart",
+    "mission.engine.run",
+    "mission.engine.vehicle_state",
+    "mission.engine.watch",
+    "mission.engine.bounds",
+    "mission.engine.limits",
+    "mission.engine.monitor",
+    "mission.navigation.fixes",
+    "mission.engine.guards",
+    "mission.navigation.belief",
+    "mission.navigation.filter",
+    "mission.navigation.health",
+    "mission.navigation.model",
+    "mission.navigation.navigator",
+    "mission.navigation.reckoner",
+    "mission.analysis.smoothing",
+    "mission.verification.simulation.flight",
+    "mission.verification.simulation.flightlog",
+    "mission.engine.variables",
+    "mission.model.vehicle",
+)
+_ROOT = Path(mission.__file__).resolve().parents[1]
+
+
+def compiled() -> list[str]:
+    """Those of MODULES that have a compiled form beside their source: Python takes that first."""
+    return [name for name in MODULES if any(map(Path.exists, _extensions(name)))]
+
+
+def build() -> str:
+    """In words: ``pure Python``, or how many modules are compiled."""
+    there = compiled()
+    return f"{len(there)} of {len(MODULES)} modules compiled" if there else "pure Python"
+
+
+def _extensions(name: str) -> list[Path]:
+    path = _ROOT.joinpath(*name.split("."))
+    return [path.with_name(path.name + suffix) for suffix in EXTENSION_SUFFIXES]

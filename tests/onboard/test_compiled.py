@@ -1,0 +1,143 @@
+"""Laws of the compiled build: it is of modules that exist, says that it is one, and does the same to
+the bit. Flights need what `make compiled` makes."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.machinery
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from mission.cli import main
+from mission.model import compiled
+from mission.onboard.doctor import doctor
+from mission.verification.exhaustive.fork import Fork
+
+ROOT = Path(__file__).resolve().parents[2]
+TREE = ROOT / "build" / "compiled"
+PYTHON = TREE / ".venv" / "bin" / "python"
+PACKAGES = ("mission", "links", "protocol")
+
+
+def sources(tree: Path) -> dict[Path, bytes]:
+    return {p.relative_to(tree): p.read_bytes() for n in PACKAGES for p in (tree / n).rglob("*.py")}
+
+
+def both(*arguments: str, folder: Path | None = None) -> tuple[str, str]:
+    """What the program prints and, with a folder, the digests of the files that it leaves there."""
+    if not PYTHON.exists():
+        pytest.skip("no compiled build: make compiled")
+    if sources(TREE) != sources(ROOT):
+        pytest.skip("the compiled build is of other sources: make compiled")
+    return _run(sys.executable, ROOT, arguments, folder), _run(PYTHON, TREE, arguments, folder)
+
+
+def _run(python: str | Path, tree: Path, arguments: tuple[str, ...], folder: Path | None) -> str:
+    if folder is not None:
+        arguments = (*arguments, "--report", str(folder))
+    command = [str(python), "-m", "mission", *arguments]
+    told = subprocess.run(command, cwd=tree, capture_output=True, text=True, check=False)
+    left = sorted(folder.iterdir()) if folder else []
+    return "\n".join(
+        [
+            f"exit {told.returncode}",
+            told.stdout,
+            *(f"{p.name} {hashlib.sha256(p.read_bytes()).hexdigest()}" for p in left),
+        ]
+    )
+
+
+@pytest.mark.parametrize("name", compiled.MODULES)
+def test_a_module_that_is_to_be_compiled_exists(name: str) -> None:
+    assert importlib.util.find_spec(name) is not None
+
+
+def test_the_list_of_modules_is_in_order() -> None:
+    assert len(set(compiled.MODULES)) == len(compiled.MODULES)
+    for package in PACKAGES:
+        of_it = [name for name in compiled.MODULES if name.startswith(f"{package}.")]
+        assert of_it == sorted(of_it)
+
+
+def test_a_module_counts_as_compiled_when_its_extension_is_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(compiled, "_ROOT", tmp_path)
+    assert compiled.compiled() == []
+    assert compiled.build() == "pure Python"
+    name = compiled.MODULES[0]
+    path = tmp_path.joinpath(*name.split("."))
+    path.parent.mkdir(parents=True)
+    path.with_name(path.name + importlib.machinery.EXTENSION_SUFFIXES[0]).touch()
+    assert compiled.compiled() == [name]
+    assert compiled.build() == f"1 of {len(compiled.MODULES)} modules compiled"
+
+
+def test_the_version_says_which_build_it_is() -> None:
+    assert compiled.build() in CliRunner().invoke(main, ["--version"]).stdout
+
+
+def test_a_rule_cannot_be_broken_in_compiled_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compiled, "compiled", lambda: ["mission.engine.core"])
+    told = CliRunner().invoke(main, ["faults", "--broken", "latch", "--flights", "1"])
+    assert told.exit_code == 2
+    assert "pure build" in told.output
+
+
+class Native:
+    """As mypyc makes them: the attributes have neither a dictionary nor the name of slots."""
+
+    __slots__ = ("depth", "never_set")
+
+    def __init__(self, depth: float) -> None:
+        self.depth = depth
+
+
+del Native.__slots__
+Native.__mypyc_attrs__ = ("depth", "never_set")  # type: ignore[attr-defined]
+
+
+def test_a_copy_has_what_a_compiled_class_holds() -> None:
+    assert Fork(Native(3.0)).copy().depth == 3.0
+
+
+def test_the_doctor_says_which_build_it_is() -> None:
+    assert doctor.build_of in doctor.ROWS
+    (finding,) = doctor.build_of(None)  # type: ignore[arg-type]
+    assert compiled.build() in str(finding)
+
+
+@pytest.mark.parametrize("profile", ["as-built", "documented"])
+@pytest.mark.parametrize("mission", ["first-dive", "loiter", "yoyo-profile"])
+def test_a_compiled_flight_prints_and_records_the_same_bytes(
+    mission: str, profile: str, tmp_path: Path
+) -> None:
+    path = str(ROOT / "missions" / f"{mission}.yaml")
+    pure, quick = both(
+        "simulate", path, "--profile", profile, "--seed", "7", "--json", folder=tmp_path
+    )
+    assert pure == quick
+
+
+@pytest.mark.parametrize("number", range(3))
+def test_a_compiled_flight_with_faults_records_the_same_bytes(number: int, tmp_path: Path) -> None:
+    words = ("faults", "--seed", "3", "--flight", str(number), "--json")
+    pure, quick = both(*words, folder=tmp_path)
+    assert pure == quick
+
+
+@pytest.mark.proof
+def test_a_compiled_campaign_has_the_same_verdicts() -> None:
+    pure, quick = both("faults", "--seed", "3", "--flights", "100")
+    assert pure == quick
+
+
+@pytest.mark.proof
+def test_every_cell_gives_the_same_when_compiled() -> None:
+    pure, quick = both("exhaustive", str(ROOT / "missions" / "loiter.yaml"), "--json")
+    assert pure == quick
