@@ -52,9 +52,8 @@ def wires(vehicle: Simulated) -> tuple[Wire, ...]:
     """That of the board, and where there is one, that of the GPS receiver."""
     if isinstance(vehicle, SimulatedBoard):
         return (Wire(vehicle.queue, boards.BYTE_TIME, vehicle.vehicle_link.send),)
-    stm32 = vehicle.stm32
     return (
-        Wire(stm32.tx.queue, uart.BYTE_TIME, stm32.receive),
+        Wire(vehicle.stm32.tx.queue, uart.BYTE_TIME, vehicle.vehicle_link.send),
         Wire(vehicle.gps.queue, uart.BYTE_TIME, None),
     )
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from tests.mission.test_other_vehicles import TEXTS, prepared
+from test_other_vehicles import TEXTS, prepared
 
 from links.base import Rx
 from mission.model import MANUAL_DRIVING, MANUAL_WAITING, STOPPED, SURFACING, Step, Tx

@@ -1,7 +1,7 @@
 """A small world for laws over the engine: a navigation double, a mission kit, a pilot of time.
 
 The double believes what it is told, so that each law holds one thing fixed: positions are set, not
-estimated. The navigation's own laws stand in tests/mission/navigation.
+estimated. The navigation's own laws stand in tests/navigation.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ What does not live here: how a rule is broken (broken), who asks (noticing).
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
@@ -51,9 +51,9 @@ class _Witness(Surgery):
     def _watched(self, whole: Any, other: Any) -> Any:
         if isinstance(whole, property):
             return property(self._watched_results(whole.fget, other.fget, same))
-        if isinstance(whole, tuple):
-            left = {row.name for row in other}
-            return tuple(row if row.name in left else self._watched_limit(row) for row in whole)
+        if isinstance(whole, Mapping):
+            limits = whole.items()
+            return {k: row if k in other else self._watched_limit(row) for k, row in limits}
         if callable(whole):
             return self._watched_results(whole, other, self._row.alike)
         self._tell()

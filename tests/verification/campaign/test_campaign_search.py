@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from mission.commands.faults import faults
-from mission.engine import watch
+from mission.engine import monitor
 from mission.engine.core import Core
 from mission.verification.campaign.broken import BROKEN, broken
 from mission.verification.campaign.draw import PROFILES, rows, stage
@@ -213,10 +213,10 @@ def test_a_rule_is_reached_where_it_could_have_made_a_difference() -> None:
 
 
 def test_what_was_watched_is_whole_again_afterwards() -> None:
-    before = (watch.LIMITS, Core.surface, Core.auto_off)
+    before = (monitor.LIMITS, Core.surface, Core.auto_off)
     with reached() as rules:
         assert Core.surface is not before[1]
-    assert (watch.LIMITS, Core.surface, Core.auto_off) == before
+    assert (monitor.LIMITS, Core.surface, Core.auto_off) == before
     assert rules < set(BROKEN)
 
 

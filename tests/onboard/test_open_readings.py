@@ -7,7 +7,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from tests.mission.test_other_vehicles import TEXTS
+from test_other_vehicles import TEXTS
 
 from mission.authoring.language import parse
 from mission.model.shipped import load_vehicle
