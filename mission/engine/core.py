@@ -162,10 +162,12 @@ class Core:
             self._move("clear", IDLE_EMPTY, "no mission is stored", (), None)
 
     def clear(self) -> None:
-        """Without a run, so not out of one; a stop goes on until it is acknowledged."""
-        self.chart = None
+        """Without a run, so not out of one; a stop goes on until it is acknowledged. What was held
+        up is let go."""
+        self.chart, why = None, "cleared by the operator"
+        held_up = self.active == SURFACED and self.stop_at is self.stopped_at is None
         if self.active != IDLE_EMPTY:
-            self._move("clear", IDLE_EMPTY, "cleared by the operator", (), By.OPERATOR)
+            self._move("clear", IDLE_EMPTY, why, self._stop(why) if held_up else (), By.OPERATOR)
         self.machine = Machine()
         self.emergency_since_idle = self._sank = False
         self.renew_bounds()

@@ -10,6 +10,7 @@ from engine_world import HOME, M, W, World, X, leg, mission, sets
 from mission.engine.attitude import Attitude
 from mission.engine.rest import Rest
 from mission.model import (
+    IDLE_EMPTY,
     IDLE_READY,
     MANUAL_WAITING,
     STOPPED,
@@ -150,6 +151,17 @@ def test_an_operators_stop_lets_go_of_what_was_held_up():
     world.depth = 0.2
     world.wait(9.0)
     world.tell(X)
+    assert world.commands()[-1] is Order.STOP
+
+
+def test_what_was_held_up_is_let_go_when_it_is_cleared():
+    world = at_rest(SURFACED)
+    sink(world, 0.3, 9.0)
+    world.depth = 0.2
+    world.wait(9.0)
+    assert world.commands()[-1] == UPWARD
+    world.tell(ClearMission())
+    assert world.state == IDLE_EMPTY
     assert world.commands()[-1] is Order.STOP
 
 

@@ -79,7 +79,7 @@ def auto_closed(events: Sequence[Event]) -> Iterator[tuple[float, float]]:
     since: float | None = None
     for i, event in enumerate(events):
         found = AUTO_NODE.search(event.data) if isinstance(event, Said) else None
-        opened = found is not None and found[1] == b"O"
+        opened = found is not None and found[1] == b"O" and _is_answered(events, i)
         begun = isinstance(event, Done) and event.act is Act.BOOT
         if found is not None and found[1] == b"C" and since is None:
             since = event.t if _is_answered(events, i) else None

@@ -41,6 +41,7 @@ from mission.model import (
 )
 from mission.model.regions import EMERGENCY, MANUAL
 from mission.model.shipped import load_vehicle
+from mission.model.vehicle import STALE_AFTER
 from mission.verification.campaign.audit import command_of, moves
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.disturbances import MODEM, TOPSIDE, Act
@@ -59,6 +60,7 @@ _DEEP_ENOUGH, _STAYS = 1.5, 100.0  # m, s: an ascent from where scenes are
 _LEFT = 2.5  # m: 2 (R7, an orderly end), and the sensor
 _DURABLE = 1.5  # s after which a state is on disk
 _SHALLOW, _AFLOAT, _FIXED = 1.0, 4.0, 0.4  # m within s before, m that allow a fix
+_REPORTS = 2.0  # s between two
 _NEARLY = 1.2  # m: 0.8 (R7), and the sensor
 _START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
 _CLEAR_AGAIN = 4.5, 30.5  # s
@@ -250,7 +252,8 @@ def _has_word(story: Story, begin: float, end: float) -> bool:
 def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
     """By 6 s of shallow depth, or by a fix: its antenna is out of the water for a while."""
     t = stay.begin
-    shallow = story.deepest(t - _AFLOAT, t) <= _SHALLOW
+    told = t - _REPORTS  # the last report may be as old: what sinks since is not known
+    shallow = story.deepest(told - _AFLOAT, told) <= _SHALLOW
     fixed = story.deepest(t - 2.0, t) <= _FIXED
     unknown = not story.told_in(t - 6.0, t) or story.faulty(DEPTH_FAULTS, t - 20.0, t)
     wanders = story.faulty(("gps_wanders",), t - 20.0, t)
@@ -272,7 +275,8 @@ def _is_cleared(story: Story, stay: Stay) -> Iterator[Violation]:
     early, late = t - _CLEAR_AGAIN[1], t - _CLEAR_AGAIN[0]
     asked = any(early <= s.t <= late and _AC.search(s.data) for s in story.said)
     bound = _START_FREE if asked else _CLEAR
-    if depth > bound and not story.faulty(DEPTH_FAULTS, t - 10.0, t):
+    unknown = asked and not story.told_in(t - STALE_AFTER, t)  # R7: no depth is believed
+    if depth > bound and not unknown and not story.faulty(DEPTH_FAULTS, t - 10.0, t):
         yield Violation(UNLAWFUL, t, f"cleared {depth:.1f} m deep")
 
 

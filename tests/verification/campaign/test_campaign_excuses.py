@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -72,7 +73,9 @@ def test_auto_is_closed_from_what_was_acknowledged_until_it_is_opened_or_begun_a
     done = Tx(1.1, "topside", DONE, "")
     assert list(auto_closed([said(1.0, CLOSE)])) == []
     assert list(auto_closed([said(1.0, CLOSE), done])) == [(1.0, math.inf)]
-    assert list(auto_closed([said(1.0, CLOSE), done, said(9.0, OPEN)])) == [(1.0, 9.0)]
+    opened = said(9.0, OPEN), replace(done, t=9.1)
+    assert list(auto_closed([said(1.0, CLOSE), done, *opened])) == [(1.0, 9.0)]
+    assert list(auto_closed([said(1.0, CLOSE), done, said(9.0, OPEN)])) == [(1.0, math.inf)]
     assert list(auto_closed([said(1.0, CLOSE), done, Done(5.0, Act.BOOT)])) == [(1.0, 5.0)]
 
 
