@@ -353,6 +353,7 @@ class Core:
             why = f"{self.reason}; at the surface"
             if held:
                 why = f"{why}, and held up: it sank when it was let go"
+                self.stop_at = self.stopped_at = None  # of an earlier turn of the ascent
             stop = () if held else self._stop("the surface is reached")
             self._move("surfaced", SURFACED, why, stop, None)
             self.ascent = None

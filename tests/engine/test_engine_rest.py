@@ -17,7 +17,9 @@ from mission.model import (
     SURFACED,
     SURFACING,
     AutoNode,
+    Outcome,
     Restarted,
+    Result,
 )
 from protocol.messages import UPWARD, ClearMission, Order, StartMission, Telemetry
 
@@ -152,6 +154,17 @@ def test_an_operators_stop_lets_go_of_what_was_held_up():
     world.wait(9.0)
     world.tell(X)
     assert world.commands()[-1] is Order.STOP
+
+
+def test_what_is_held_up_is_not_stopped_for_a_stop_that_was_acknowledged_before():
+    world = at_rest(SURFACED)
+    sink(world, 0.3, 9.0)
+    world.tell(Outcome(Result.ACCEPTED, b"@ZAX0$", Order.STOP))  # of a turn of the ascent
+    world.depth = 0.2
+    world.wait(9.0)
+    assert world.state == SURFACED
+    world.wait(20.0)  # the thrusters turn, as they should
+    assert world.commands()[-1] == UPWARD
 
 
 def test_what_was_held_up_is_let_go_when_it_is_cleared():
