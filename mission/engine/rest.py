@@ -26,7 +26,7 @@ RISEN = 0.5  # m in RISE_TIME, or it does not rise
 RISE_TIME = 20.0  # s
 _LASTS = 1.0  # s, and two reports
 _SMOOTH = 6.0  # s, of the depth that the deepest is compared with
-_LONGEST = 10.0  # s without a depth: it begins anew
+_LONGEST = 10.0  # s without a depth: its mean begins anew, not what it was before
 _FASTER = 1.5  # times the greatest descent rate, and ...
 _JUMP = 0.5  # ... m: more than that from one report to the next is no descent
 
@@ -62,16 +62,18 @@ class Rest:
     def take(self, t: float, depth: float | None, deep: float = DEEP) -> None:
         """One report; ``depth`` None where it is not believed. It may sink as far as ``deep``."""
         if depth is None:
-            self.begin()
-            return
+            return  # what it was before still stands
         since, change = t - self._t, abs(depth - self._depth)
-        if since > _LONGEST or change > _FASTER * self._fastest * max(since, 1.0) + _JUMP:
+        sinks = change <= _FASTER * self._fastest * max(since, 1.0) + _JUMP  # not: the first one
+        if not sinks:
             self.begin()
-            self._smooth = self._shallowest = self._from = depth
+            self._shallowest = depth
+        if not sinks or since > _LONGEST:
+            self._smooth = self._from = depth
             self._since = t
         else:
             self._smooth += (depth - self._smooth) * min(since / _SMOOTH, 1.0)
-            self._shallowest = min(self._shallowest, self._smooth)
+        self._shallowest = min(self._shallowest, self._smooth)
         self._t, self._depth = t, depth
         if not (depth > deep and depth > self._shallowest + SUNK):
             self._sunk_at = None

@@ -178,6 +178,17 @@ def test_what_was_held_up_is_let_go_when_it_is_cleared():
     assert world.commands()[-1] is Order.STOP
 
 
+@pytest.mark.parametrize("state", REST)
+def test_what_sank_while_no_depth_was_believed_is_brought_up_when_one_is(state: str):
+    world = at_rest(state)
+    world.depth = None
+    world.wait(40.0)
+    assert world.state == state
+    world.depth = 12.0  # on the floor, say: it does not sink any more
+    world.wait(6.0)
+    assert world.state == SURFACING
+
+
 def test_a_copy_watches_its_own_rest():
     rest = Rest(0.6)
     rest.take(0.0, 0.2)

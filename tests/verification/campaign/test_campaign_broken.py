@@ -12,7 +12,7 @@ from mission.authoring.check import check_mission
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest
 from mission.commands.faults import faults
-from mission.engine import watch
+from mission.engine import monitor
 from mission.engine.core import Core
 from mission.engine.limits import LIMITS
 from mission.model.shipped import load_vehicle
@@ -95,11 +95,11 @@ def test_a_scene_tells_a_rule_from_its_absence_by_its_law(
 
 
 def test_a_rule_that_was_broken_is_whole_again_afterwards() -> None:
-    before = (frontseat.GAP_S, watch.LIMITS, Core.surface)
+    before = (frontseat.GAP_S, monitor.LIMITS, Core.surface)
     for name in BROKEN:
         with broken(name):
             pass
-    assert (frontseat.GAP_S, watch.LIMITS, Core.surface) == before
+    assert (frontseat.GAP_S, monitor.LIMITS, Core.surface) == before
 
 
 def test_every_limit_is_a_rule_to_be_broken_and_what_no_flight_can_tell_has_its_reason() -> None:
