@@ -36,6 +36,17 @@ def saved(path: Path, records: list[Record]) -> Path:
     return path
 
 
+KEPT = sorted((Path(__file__).parent / "recorded").glob("*.mcap"))
+
+
+@pytest.mark.parametrize("path", KEPT, ids=lambda path: path.stem)
+def test_a_box_that_was_recorded_long_ago_gives_the_same_bytes_and_states(path: Path) -> None:
+    """Who changes a rule of flight on purpose records them anew: `auvmission faults --seed 5
+    --flight 3` (short-time) and `--flight 25` (heavy-then-ended, begun-again) with `--report`."""
+    found = replay(list(read_records(path)))
+    assert found.identical, summary(found)
+
+
 def test_a_flight_from_the_file_is_identical(recorded: list[Record], tmp_path: Path) -> None:
     path = saved(tmp_path / "box.mcap", recorded)
     ran = CliRunner().invoke(command, [str(path)])

@@ -384,7 +384,7 @@ OTHERS = (
     Event("no ACK", _answers(""), also=frozenset({"deaf"})),
     Event("the leg's time is up", _leg_ends),
     Event("what the leg waits for", come_true),
-    Event("a minute of silence, deep", _minute(DEEP), also=_SILENCE),
+    Event("a minute of silence, deep", _minute(DEEP), also=_SILENCE | {"deeper"}),
     Event("a minute of silence, then at the surface", _minute(SHALLOW), also=_SILENCE),
     Event("a minute of silence, the depth unknown", script(_minute_blind), also=_SILENCE),
     Event("W, and nothing helps", script(_sinks_for_ever), "W", "sinks"),
