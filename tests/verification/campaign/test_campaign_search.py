@@ -231,6 +231,7 @@ def test_a_flight_that_did_not_reach_a_rule_is_the_same_without_it(scene: str) -
             assert fare_near(plan) == whole, rule
 
 
+@pytest.mark.proof
 def test_a_search_notices_a_rule_that_is_broken() -> None:
     flights = Flights(0, KNOWN)
     noticed = notice("unasked", flights, 5, searched=True)
