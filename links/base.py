@@ -1,4 +1,4 @@
-"""The Link protocol: what the drive asks of anything that moves bytes.
+"""The Link protocol: what the runtime asks of anything that moves bytes.
 
 LinkError                 (the operator or the hardware must act)
 +-- LinkBusy              somebody else has the port

@@ -1,4 +1,4 @@
-"""What the drive asks of every codec, and nothing else. The rows are in ``protocol.vehicles``.
+"""What the runtime asks of every codec, and nothing else. The rows are in ``protocol.vehicles``.
 
 A codec is sans-IO: bytes and times go in, messages come out. A candidate frame that stays
 unfinished is given up after an idle time (G3): that is what ``next_timer`` is for.

@@ -2,7 +2,7 @@
 
     $GNGGA,...*hh CR LF      any sentence with its checksum; GGA and RMC are read, field by field
 
-What the drive believes of them is another matter (protocol.nmea): there the two sentences of an
+What the runtime believes of them is another matter (protocol.nmea): there the two sentences of an
 epoch become one fix. What does not live here: the rules of single fields (protocol.nmea_fields).
 """
 

@@ -52,11 +52,20 @@ def copied(whole: T, /, **given: Any) -> T:
     return other
 
 
+def slots_of(kind: type) -> tuple[str, ...]:
+    """The names of its slots; a compiled class has another table of them."""
+    tables = [vars(base) for base in kind.__mro__]
+    return tuple(
+        name
+        for table in tables
+        for name in (*table.get("__slots__", ()), *table.get("__mypyc_attrs__", ()))
+    )
+
+
 def _attributes(kind: type, whole: object) -> tuple[str, ...]:
-    tables = [vars(base) for base in kind.__mro__]  # a compiled class has another name for slots
-    slots = [n for t in tables for n in (*t.get("__slots__", ()), *t.get("__mypyc_attrs__", ()))]
+    slots = slots_of(kind)
     if not hasattr(whole, "__dict__"):  # slots alone: the names are the type's
-        _NAMES[kind] = tuple(slots)
+        _NAMES[kind] = slots
     return (*slots, *getattr(whole, "__dict__", ()))
 
 

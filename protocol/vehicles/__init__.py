@@ -1,6 +1,6 @@
 """The registry: one row per vehicle, one row per link. A new vehicle is one file and its rows here.
 
-``codec`` makes what the drive asks of a vehicle; ``LINKS`` is what ``decode --link`` knows.
+``codec`` makes what the runtime asks of a vehicle; ``LINKS`` is what ``decode --link`` knows.
 """
 
 from __future__ import annotations

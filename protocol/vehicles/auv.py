@@ -18,7 +18,7 @@ only word that clears, which therefore leads unless the words that follow overwr
 It stops the thrusters for a moment, so between two sets that control the same axes ``change``
 leaves it out: a leg that steers does not stutter.
 
-What does not live here: retries and gaps (the drive's outbox), frames to and from topside.
+What does not live here: retries and gaps (the runtime's frontseat), frames to and from topside.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@
 ``stick_surge``, ``stick_turn`` and ``stick_heave`` of the ``wire`` table are the share of the full
 effort at the stick's end. A vehicle without such a key has no such axis.
 
-What does not live here: when a stick may be taken, and when it counts as let go (drive, engine).
+What does not live here: when a stick may be taken, and when it counts as let go (runtime, engine).
 """
 
 from __future__ import annotations

@@ -5,21 +5,16 @@ from __future__ import annotations
 import json
 import signal
 import subprocess
-import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import pytest
-from click.testing import CliRunner
+from programs import process, run
 from served import PATIENCE, soon
 
 from links.serial import SerialLink
 from links.simulated.boards import BOARDS, SimulatedBoard
 from links.simulated.pty import PtyVehicle
-from mission.cli import main
 from mission.onboard.configuration import load_configuration
 from protocol.framing import Frame
 from protocol.vehicles import link, robot
@@ -31,21 +26,6 @@ REPORTS = {
     "rov": "rov.UP",
     "robot": "robot.UP",
 }
-
-
-def run(*words: str) -> Any:
-    return CliRunner().invoke(main, list(words))
-
-
-@contextmanager
-def process(*words: str) -> Iterator[subprocess.Popen[str]]:
-    command = [sys.executable, "-m", "mission", *words]
-    started = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    try:
-        yield started
-    finally:
-        started.kill()
-        started.communicate()
 
 
 def line(started: subprocess.Popen[str]) -> str:

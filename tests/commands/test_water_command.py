@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import signal
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -14,28 +13,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
+from programs import process, run
 from served import PATIENCE, TEXT, soon
 
 from links.acoustic import SOUND_SPEED, Water
 from links.serial import SerialLink
 from links.simulated.water import PAUSE_S, Channel
-from mission.cli import main
-
-
-def run(*words: str) -> Any:
-    return CliRunner().invoke(main, list(words))
-
-
-@contextmanager
-def process(*words: str) -> Iterator[subprocess.Popen[str]]:
-    command = [sys.executable, "-m", "mission", *words]
-    started = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    try:
-        yield started
-    finally:
-        started.kill()
-        started.communicate()
 
 
 def told(started: subprocess.Popen[str]) -> Any:

@@ -11,12 +11,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner, Result
+from programs import run
 from served import Running, read_now, running, silent_board, simulated, soon
 
 from links import open_link
 from links.simulated.pty import PtyVehicle
-from mission.cli import main
 from mission.topside.switches import nodes, power
 from mission.topside.underwater import Submerged
 from mission.topside.upload import Ask, NoAnswer, Refused, Script
@@ -41,10 +40,6 @@ WORDS = {
     e.type.removeprefix("auv."): e.raw for e in reversed(EXAMPLES) if e.type.startswith("auv.")
 }
 QUIET = StoreReport("empty", 0, 0, "", "", "")
-
-
-def run(*words: str) -> Result:
-    return CliRunner().invoke(main, list(words))
 
 
 def plain(word: str) -> dict[str, Any]:

@@ -3,7 +3,7 @@
     sunk        under water or going down, and no way up in time (depth_laws)
     unanswered  a limit passed in truth, and no response in time (limit_laws)
     unsent      a set or a stop that had to leave, and did not (word_laws)
-    unlawful    a move that the rules forbid (word_laws)
+    unlawful    a move that the rules forbid (word_laws, surface_laws)
 
 Written from the rules (docs/rules.md) alone, never from what the engine does. What does not live
 here: the end of a flight and its bounds (laws), who asked for a byte (audit).
@@ -20,8 +20,9 @@ from mission.verification.campaign.depth_laws import SUNK, depth_laws
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.limit_laws import UNANSWERED, limit_laws
 from mission.verification.campaign.story import Story
+from mission.verification.campaign.surface_laws import UNLAWFUL, surface_laws
 from mission.verification.campaign.trial import Trial
-from mission.verification.campaign.word_laws import UNLAWFUL, UNSENT, word_laws
+from mission.verification.campaign.word_laws import UNSENT, word_laws
 
 KINDS = (SUNK, UNANSWERED, UNSENT, UNLAWFUL)
 
@@ -38,5 +39,5 @@ def throughout(
     if trial.raised:
         return
     story = Story(trial, mission, vehicle, profile, settings, silence)
-    for laws in (depth_laws, limit_laws, word_laws):
+    for laws in (depth_laws, limit_laws, surface_laws, word_laws):
         yield from laws(story)

@@ -4,9 +4,6 @@
     stop       an X0 goes out again until it is acknowledged; and where a report shows a thruster on
     restart    what was under way surfaces; an emergency that had ended is latched
     end        told to end, the program brings up first what is under way
-    surface    surfaced is said only of what is at the surface
-    clear      an emergency is cleared at the surface (or by the second @AC, up to 2 m)
-    start      a mission begins at the surface (without a fix: up to 2 m)
     stick      no stick that is held, and none in neutral, takes an emergency over (R6); 2 s without
                M everything is stopped, a minute later manual is left
     commander  one connection commands while it is heard (R12)
@@ -15,7 +12,8 @@
     refused    a set that is answered N: the leg's else (R8)
     blind      a leg that needs a reading which fails is left within 6 s of that being known
 
-What does not live here: who asked for a byte (audit), an X, W or set in time (obedience).
+What does not live here: who asked for a byte (audit), an X, W or set in time (obedience), what
+holds at the surface alone (surface_laws).
 """
 
 from __future__ import annotations
@@ -41,17 +39,16 @@ from mission.model import (
 )
 from mission.model.regions import EMERGENCY, MANUAL
 from mission.model.shipped import load_vehicle
-from mission.model.vehicle import STALE_AFTER
 from mission.verification.campaign.audit import command_of, moves
-from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.disturbances import MODEM, TOPSIDE, Act
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.onboard import DEAD
 from mission.verification.campaign.story import SAME, STOP_WORD, UPWARD_WORDS, Report, Stay, Story
+from mission.verification.campaign.surface_laws import UNLAWFUL
 from mission.verification.campaign.trial import AUTO_NODE, Said, fault_ends
 from protocol.messages import Order
 
-UNSENT, UNLAWFUL = "unsent", "unlawful"
+UNSENT = "unsent"
 _CLOCK = 0.6  # s
 _STOP_AGAIN = 1.6  # s: every 0.5 s, behind three tries of another word
 _TURNS = 1  # report with a thruster on: X0 leaves with it
@@ -59,21 +56,15 @@ _UPWARD = 2.0  # s after a restart
 _DEEP_ENOUGH, _STAYS = 1.5, 100.0  # m, s: an ascent from where scenes are
 _LEFT = 2.5  # m: 2 (R7, an orderly end), and the sensor
 _DURABLE = 1.5  # s after which a state is on disk
-_SHALLOW, _AFLOAT, _FIXED = 1.0, 4.0, 0.4  # m within s before, m that allow a fix
-_REPORTS = 2.0  # s between two
-_NEARLY = 1.2  # m: 0.8 (R7), and the sensor
-_START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
-_CLEAR_AGAIN = 4.5, 30.5  # s
 _BLIND, _FROZEN = 14.0, 12.0  # s: 6 s (R8), and what three reports more may take
 _QUIET, _SILENT, _FORGOTTEN = 1.9, 2.6, 61.5  # s
 _COMMANDS = 9.5  # s
-_M, _AC = re.compile(rb"@M[TDMRSP][^@$]*\$"), re.compile(rb"@AC\$")
+_M = re.compile(rb"@M[TDMRSP][^@$]*\$")
 _ACKNOWLEDGED = re.compile(rb"@ACK_Z[XA]Y\$")
 _ACCEPTED = re.compile(rb"@ACK_(?:AA|AC|SP|ST|AW|NS)[^N]\$")
 _REFUSED = re.compile(rb"@ACK_Z([A-Z])N\$")
 _GAP, _NODE = 0.02, 1.0  # s
 _ORDER = re.compile(rb"@ZA(X0|WF)\$")
-_UNDETECTED = ("depth_too", "depth_drifting", "depth_late", "depth_stuck", "depth_inter")
 
 
 def word_laws(story: Story) -> Iterator[Violation]:
@@ -82,14 +73,9 @@ def word_laws(story: Story) -> Iterator[Violation]:
     for stay in story.stays:
         if stay.autonomous:
             yield from _ends_in_time(story, stay, clocks)
-            yield from _starts_at_surface(story, stay)
             yield from _is_left_blind(story, stay)
         if stay.rests and stay.step is not None:
             yield from _stops(story, stay)
-        if stay.state == SURFACED and stay.before == SURFACING:
-            yield from _is_at_surface(story, stay)
-        if stay.state.startswith("idle"):
-            yield from _is_cleared(story, stay)
         if stay.state == MANUAL_DRIVING and stay.before.startswith(EMERGENCY):
             yield from _takes_over(story, stay)
         if stay.state.startswith(MANUAL):
@@ -126,16 +112,6 @@ def _ends_in_time(story: Story, stay: Stay, clocks: Mapping[str, float]) -> Iter
             f"{stay.end - stay.begin:.0f} s in {stay.state}, its clock says {due - stay.begin:g} s"
         )
         yield Violation(UNLAWFUL, due, says)
-
-
-def _starts_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
-    if not stay.before.startswith("idle") or story.faulty(
-        DEPTH_FAULTS, stay.begin - 10.0, stay.begin
-    ):
-        return
-    depth = story.depth(stay.begin)
-    if depth > (_START_FREE if story.mission.start_without_fix else _START):
-        yield Violation(UNLAWFUL, stay.begin, f"a mission begins {depth:.1f} m deep")
 
 
 def _is_left_blind(story: Story, stay: Stay) -> Iterator[Violation]:
@@ -244,40 +220,6 @@ def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
 
 def _has_word(story: Story, begin: float, end: float) -> bool:
     return any(word.data in UPWARD_WORDS for word in story.words_in(begin, end))
-
-
-# --- the surface ---------------------------------------------------------------------------------
-
-
-def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
-    """By 6 s of shallow depth, or by a fix: its antenna is out of the water for a while."""
-    t = stay.begin
-    told = t - _REPORTS  # the last report may be as old: what sinks since is not known
-    shallow = story.deepest(told - _AFLOAT, told) <= _SHALLOW
-    fixed = story.deepest(t - 2.0, t) <= _FIXED
-    unknown = not story.told_in(t - 6.0, t) or story.faulty(DEPTH_FAULTS, t - 20.0, t)
-    wanders = story.faulty(("gps_wanders",), t - 20.0, t)
-    if wanders and (unknown or story.depth(t) < _NEARLY):
-        return  # nothing contradicts fixes as at the surface
-    if not (shallow or fixed) and not story.faulty(_UNDETECTED, t - 10.0, t):
-        says = (
-            f"surfaced, said {story.depth(t):.1f} m deep, {story.depth(t - _AFLOAT):.1f} m before"
-        )
-        yield Violation(UNLAWFUL, t, says)
-
-
-def _is_cleared(story: Story, stay: Stay) -> Iterator[Violation]:
-    if stay.step is None or stay.step.trigger != "clear" or not stay.before.startswith(EMERGENCY):
-        return
-    t, depth = stay.begin, story.depth(stay.begin)
-    if stay.before == SURFACING:
-        yield Violation(UNLAWFUL, t, "cleared while it surfaces")
-    early, late = t - _CLEAR_AGAIN[1], t - _CLEAR_AGAIN[0]
-    asked = any(early <= s.t <= late and _AC.search(s.data) for s in story.said)
-    bound = _START_FREE if asked else _CLEAR
-    unknown = asked and not story.told_in(t - STALE_AFTER, t)  # R7: no depth is believed
-    if depth > bound and not unknown and not story.faulty(DEPTH_FAULTS, t - 10.0, t):
-        yield Violation(UNLAWFUL, t, f"cleared {depth:.1f} m deep")
 
 
 # --- the stick -----------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ from types import FunctionType, MethodType
 from typing import Any, Generic, TypeVar, cast
 
 from mission.engine.engine import Engine
-from mission.model.copies import is_fixed
+from mission.model.copies import is_fixed, slots_of
 from protocol.fields import FrameType
 
 T = TypeVar("T")
@@ -135,10 +135,8 @@ def _engine(engine: Engine) -> Callable[[Any, list[tuple[_Key, Any]]], None]:
 
 
 def _held(value: Any) -> dict[str, Any]:
-    """What stands in slots, for which compiled classes have another name."""
-    tables = [vars(base) for base in type(value).__mro__]
-    names = [n for t in tables for n in (*t.get("__slots__", ()), *t.get("__mypyc_attrs__", ()))]
-    return {name: getattr(value, name) for name in names if hasattr(value, name)}
+    """What stands in its slots."""
+    return {name: getattr(value, name) for name in slots_of(type(value)) if hasattr(value, name)}
 
 
 _KNOWN: dict[type, bool] = {}

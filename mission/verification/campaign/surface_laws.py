@@ -1,0 +1,80 @@
+"""Laws of what holds at the surface alone, over the whole flight.
+
+    surface    surfaced is said only of what is at the surface
+    clear      an emergency is cleared at the surface (or by the second @AC, up to 2 m)
+    start      a mission begins at the surface (without a fix: up to 2 m)
+
+What does not live here: how an ascent comes there (depth_laws, word_laws).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from mission.model import SURFACED, SURFACING
+from mission.model.regions import EMERGENCY
+from mission.model.vehicle import STALE_AFTER
+from mission.verification.campaign.depth_laws import DEPTH_FAULTS
+from mission.verification.campaign.laws import Violation
+from mission.verification.campaign.story import Stay, Story
+
+UNLAWFUL = "unlawful"
+_SHALLOW, _AFLOAT, _FIXED = 1.0, 4.0, 0.4  # m within s before, m that allow a fix
+_REPORTS = 2.0  # s between two
+_NEARLY = 1.2  # m: 0.8 (R7), and the sensor
+_START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
+_CLEAR_AGAIN = 4.5, 30.5  # s
+_AC = re.compile(rb"@AC\$")
+_UNDETECTED = ("depth_too", "depth_drifting", "depth_late", "depth_stuck", "depth_inter")
+
+
+def surface_laws(story: Story) -> Iterator[Violation]:
+    for stay in story.stays:
+        if stay.autonomous:
+            yield from _starts_at_surface(story, stay)
+        if stay.state == SURFACED and stay.before == SURFACING:
+            yield from _is_at_surface(story, stay)
+        if stay.state.startswith("idle"):
+            yield from _is_cleared(story, stay)
+
+
+def _starts_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
+    if not stay.before.startswith("idle") or story.faulty(
+        DEPTH_FAULTS, stay.begin - 10.0, stay.begin
+    ):
+        return
+    depth = story.depth(stay.begin)
+    if depth > (_START_FREE if story.mission.start_without_fix else _START):
+        yield Violation(UNLAWFUL, stay.begin, f"a mission begins {depth:.1f} m deep")
+
+
+def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
+    """By 6 s of shallow depth, or by a fix: its antenna is out of the water for a while."""
+    t = stay.begin
+    told = t - _REPORTS  # the last report may be as old: what sinks since is not known
+    shallow = story.deepest(told - _AFLOAT, told) <= _SHALLOW
+    fixed = story.deepest(t - 2.0, t) <= _FIXED
+    unknown = not story.told_in(t - 6.0, t) or story.faulty(DEPTH_FAULTS, t - 20.0, t)
+    wanders = story.faulty(("gps_wanders",), t - 20.0, t)
+    if wanders and (unknown or story.depth(t) < _NEARLY):
+        return  # nothing contradicts fixes as at the surface
+    if not (shallow or fixed) and not story.faulty(_UNDETECTED, t - 10.0, t):
+        says = (
+            f"surfaced, said {story.depth(t):.1f} m deep, {story.depth(t - _AFLOAT):.1f} m before"
+        )
+        yield Violation(UNLAWFUL, t, says)
+
+
+def _is_cleared(story: Story, stay: Stay) -> Iterator[Violation]:
+    if stay.step is None or stay.step.trigger != "clear" or not stay.before.startswith(EMERGENCY):
+        return
+    t, depth = stay.begin, story.depth(stay.begin)
+    if stay.before == SURFACING:
+        yield Violation(UNLAWFUL, t, "cleared while it surfaces")
+    early, late = t - _CLEAR_AGAIN[1], t - _CLEAR_AGAIN[0]
+    asked = any(early <= s.t <= late and _AC.search(s.data) for s in story.said)
+    bound = _START_FREE if asked else _CLEAR
+    unknown = asked and not story.told_in(t - STALE_AFTER, t)  # R7: no depth is believed
+    if depth > bound and not unknown and not story.faulty(DEPTH_FAULTS, t - 10.0, t):
+        yield Violation(UNLAWFUL, t, f"cleared {depth:.1f} m deep")
