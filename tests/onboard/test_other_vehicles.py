@@ -19,9 +19,9 @@ from mission.engine.vehicle_state import VehicleState
 from mission.engine.watch import Descent
 from mission.model import Health, Vertical
 from mission.model.shipped import load_vehicle
+from mission.verification.rig.rehearsal import Cue
 from mission.verification.simulation.flight import fly
 from mission.verification.simulation.flightlog import Flight
-from mission.verification.simulation.rehearsal import Said
 from protocol.messages import Order, Setpoint, Telemetry
 from protocol.vehicles import codec, link
 
@@ -71,7 +71,7 @@ def prepared(folder: Path, text: str) -> Prepared:
     return prepare(path)
 
 
-def flown(folder: Path, name: str, *said: Said) -> Flight:
+def flown(folder: Path, name: str, *said: Cue) -> Flight:
     ready = prepared(folder, TEXTS[name])
     return fly(ready.mission, ready.vehicle, seed=3, said=said)
 
@@ -147,7 +147,7 @@ def test_what_holds_is_said_every_period_in_whole_good_frames(name: str, tmp_pat
 def test_surfacing_by_the_operator_ends_at_the_surface_or_where_it_stands(
     name: str, tmp_path: Path
 ) -> None:
-    flight = flown(tmp_path, name, Said(9.0, b"@ZAWF$"))
+    flight = flown(tmp_path, name, Cue(9.0, b"@ZAWF$"))
     assert flight.outcome == "emergency"
     assert flight.final_state == "emergency/surfaced"
     assert flight.at_surface
@@ -158,7 +158,7 @@ def test_surfacing_by_the_operator_ends_at_the_surface_or_where_it_stands(
 
 @pytest.mark.parametrize("name", TEXTS)
 def test_a_stop_by_the_operator_is_said_until_the_end(name: str, tmp_path: Path) -> None:
-    flight = flown(tmp_path, name, Said(5.0, b"@ZAX0$"))
+    flight = flown(tmp_path, name, Cue(5.0, b"@ZAX0$"))
     assert flight.final_state == "emergency/stopped"
     vehicle = load_vehicle(name)
     stop = codec(name, vehicle.dialect, {}).encode(Order.STOP)[-1]

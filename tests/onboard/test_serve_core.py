@@ -26,7 +26,7 @@ from mission.onboard.runtime.runtime import VEHICLE
 from mission.topside.orders import order
 from mission.topside.upload import Conversation, Refused, clear, start, upload
 from mission.verification.campaign.audit import audit
-from mission.verification.campaign.onboard import Death
+from mission.verification.rig.program import Death
 from protocol.messages import MissionLine, Order
 from protocol.topside import encode
 
@@ -73,7 +73,7 @@ class ServeCore(RuleBasedStateMachine):
 
     def boat(self, number: int) -> Boat:
         boat = self.world.boats[number]
-        if not boat.connected:
+        if not self.world.is_connected(boat):
             self.do(lambda: self.world.connect(boat))
         return boat
 
@@ -93,7 +93,7 @@ class ServeCore(RuleBasedStateMachine):
         boat, total = self.boat(number), len(known.lines)
         for place in places:
             line = encode(MissionLine(total, place % total + 1, known.lines[place % total]))
-            self.do(lambda line=line: self.world.say(boat, [line]))
+            self.do(lambda line=line: self.world.over_the_air(boat, [line]))
 
     @rule(number=BOATS)
     def is_cut_off(self, number: int) -> None:
@@ -107,7 +107,7 @@ class ServeCore(RuleBasedStateMachine):
     @rule(number=BOATS, word=st.sampled_from(WORDS))
     def says(self, number: int, word: bytes) -> None:
         boat = self.boat(number)
-        self.do(lambda: self.world.say(boat, [word]))
+        self.do(lambda: self.world.over_the_air(boat, [word]))
 
     @rule(number=BOATS)
     def starts(self, number: int) -> None:
@@ -164,7 +164,7 @@ class ServeCore(RuleBasedStateMachine):
 
     def begins_anew(self) -> None:
         """As the service manager does it, a second later."""
-        if not self.world.board.lives:
+        if not self.world.program.lives:
             self.do(lambda: self.world.run(1.0))
             self.world.boot()
 
@@ -225,7 +225,9 @@ class ServeCore(RuleBasedStateMachine):
         self.begins_anew()
         self.do(lambda: world.run(15.0))
         self.boat(0)
-        self.do(lambda: world.say(world.boats[0], [b"@NSOOOCCO$", b"@SP,2000,240,100,10,$"]))
+        self.do(
+            lambda: world.over_the_air(world.boats[0], [b"@NSOOOCCO$", b"@SP,2000,240,100,10,$"])
+        )
         self.do(lambda: world.run(6.0))
 
     def come_back(self) -> None:
@@ -233,7 +235,7 @@ class ServeCore(RuleBasedStateMachine):
         if world.runtime.state.startswith("idle"):  # whatever is stored, and with lines of another
             mixed = [known.lines[0], *MISSIONS[1].lines[1:]]
             lines = [MissionLine(len(mixed), i, line) for i, line in enumerate(mixed, 1)]
-            self.do(lambda: world.say(world.boats[0], [encode(line) for line in lines]))
+            self.do(lambda: world.over_the_air(world.boats[0], [encode(line) for line in lines]))
             talk = self.held(upload(known.lines, known.digest, quiet))
             assert talk.failure is None, talk.failure
             assert world.store.content.lines == known.lines
@@ -283,5 +285,5 @@ def test_who_dies_in_the_first_write_of_a_start_is_started_again() -> None:
     state.world.store.death = Death.BEFORE
     state.is_killed()
     assert state.world.store.death is None, "the start had something to write"
-    assert state.world.board.lives
+    assert state.world.program.lives
     state.teardown()

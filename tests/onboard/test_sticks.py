@@ -14,8 +14,8 @@ from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.store import MemoryStore
+from mission.verification.rig.rehearsal import Cue
 from mission.verification.simulation.flight import fly
-from mission.verification.simulation.rehearsal import Said
 from protocol.messages import Order, Setpoint
 from protocol.vehicles import codec
 
@@ -172,8 +172,8 @@ def test_a_mission_flies_on_when_the_stick_is_given_back_in_its_midst(
 ) -> None:
     ready = prepared(tmp_path, TEXTS[name])
     turn = b"@MRR3$"
-    held = [Said(6.0 + 0.2 * i, turn) for i in range(10)]
-    flight = fly(ready.mission, ready.vehicle, seed=3, said=(*held, Said(11.0, b"@AA$")))
+    held = [Cue(6.0 + 0.2 * i, turn) for i in range(10)]
+    flight = fly(ready.mission, ready.vehicle, seed=3, said=(*held, Cue(11.0, b"@AA$")))
     assert flight.outcome == "completed", flight.reason
     assert flight.at_surface
     turned = codec(*ready.vehicle.speaks).encode(Setpoint(turn=0.6))[-1]

@@ -35,12 +35,12 @@ from mission.onboard.runtime.records import (
     read_start,
     read_tx,
 )
+from mission.verification.rig.rehearsal import Cue
 from mission.verification.simulation import plot
 from mission.verification.simulation.flight import fly
 from mission.verification.simulation.flightlog import Flight, LegFlown
 from mission.verification.simulation.legtable import table
 from mission.verification.simulation.plot import ellipse
-from mission.verification.simulation.rehearsal import Said
 
 ROOT = Path(__file__).resolve().parents[2]
 PROFILES = ("as-built", "documented")
@@ -83,8 +83,8 @@ def flown(profile: str = "as-built", seed: int = 0, **more: Any) -> Flight:
     return fly(parse(SHORT), load_vehicle("auv"), profile, seed, **more)
 
 
-def said(after: float, data: bytes) -> list[Said]:
-    return [Said(after, data)]
+def said(after: float, data: bytes) -> list[Cue]:
+    return [Cue(after, data)]
 
 
 @pytest.fixture
@@ -209,8 +209,8 @@ def test_an_emergency_surfacing_ends_proved_at_the_surface(profile: str) -> None
 
 def test_a_stick_interrupts_and_the_mission_goes_on_with_the_same_leg() -> None:
     start = 12.0
-    script = [Said(start + 0.2 * i, b"@MMF3$") for i in range(10)]
-    script += [Said(start + 5.0, b"@AA$")]
+    script = [Cue(start + 0.2 * i, b"@MMF3$") for i in range(10)]
+    script += [Cue(start + 5.0, b"@AA$")]
     flight = flown(said=script)
     assert flight.outcome == "completed"
     interrupted = [leg for leg in flight.legs if leg.by == "operator"]

@@ -1,6 +1,6 @@
 """Campaigns: many seeded flights that try to prove the project wrong.
 
-    draw --Plan--> trial (the lock-step flight that is disturbed) --Trial--> laws, audit
+    draw --Plan--> trial (the lock-step flight that is disturbed) --Trace--> laws, audit
                                                                        |
     faults, proofs (one flight each) --> pool --> totals    soak: missions in a row for days
 

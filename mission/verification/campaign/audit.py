@@ -43,8 +43,8 @@ from mission.model import (
 )
 from mission.onboard.runtime.command_target import MODEM, Peer
 from mission.onboard.runtime.runtime import VEHICLE
-from mission.verification.campaign.disturbances import Act
-from mission.verification.campaign.trial import Done, Event, Heard, Said
+from mission.verification.rig.acts import Act
+from mission.verification.rig.trace import Done, Event, Heard, Said
 from protocol.messages import UPWARD, Manual, Order, Setpoint
 from protocol.modem import Sender, wrap
 from protocol.topside import TopsideCodec

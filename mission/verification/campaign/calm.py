@@ -21,7 +21,7 @@ from mission.model import Mission, Step
 from mission.verification.campaign.draw import PROFILES, Plan, Subject
 from mission.verification.campaign.faults import ALARMED, FlightResult, fly_plan, result_of
 from mission.verification.campaign.laws import Violation
-from mission.verification.campaign.trial import Trial
+from mission.verification.rig.trace import Trace
 
 NOISE, BUOYANCY = 0.2, (8.0, 20.0)  # m, N
 DEPTH = 45.0  # m, where a mission states none
@@ -52,7 +52,7 @@ def _open_floor(mission: Mission) -> tuple[float, float]:
     return allowed, 1.03 * allowed
 
 
-def alarms(trial: Trial) -> Iterator[Violation]:
+def alarms(trial: Trace) -> Iterator[Violation]:
     """Limits that acted, and legs that took their ``else``."""
     for event in trial.events:
         if not (isinstance(event, Step) and event.entered):

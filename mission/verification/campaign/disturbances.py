@@ -10,11 +10,11 @@ What does not live here: faults of the vehicle (links.simulated.faults), when an
 
 from __future__ import annotations
 
-import enum
 from collections.abc import Callable
 from dataclasses import dataclass
 from random import Random
 
+from mission.verification.rig.acts import BOAT, MODEM, OTHER_BOAT, PORT, TOPSIDE, Act, Disturbance
 from protocol.messages import (
     ClearMission,
     DataQuery,
@@ -29,42 +29,12 @@ from protocol.messages import (
 from protocol.modem import Sender, wrap
 from protocol.topside import encode
 
-TOPSIDE, MODEM, PORT = "topside", "modem", "vehicle"
-BOAT, OTHER_BOAT = "boat", "other boat"
 STICK_EVERY = 0.2  # s (R1: while the stick is held)
 STICK_ENDS = b"@MMF0$"  # twice (R1)
 SLIDER_RATES = (5, 20, 60, 200)  # words a second
 SLIDER = 15.0  # s at most that one is moved
 LATE = 120.0  # s that a copy may be late (R12)
 STALL = 8.0  # s at most: a longer one ends by the watchdog's kill
-
-
-class Act(enum.Enum):
-    SAY = "says"
-    JOIN = "connects"
-    PART = "loses its connection"
-    KILL = "the program is killed"
-    BOOT = "the program begins anew"
-    END = "the program is told to end, and begins anew when it has"
-    HURRY = "the program is told to end at once"
-    UNPLUG = "the cable to the STM32 is pulled"
-    PLUG = "the cable to the STM32 is back"
-    FILL = "the disk is full"
-    FREE = "the disk has room again"
-    STALL = "the program stands still"
-    RUN = "the program goes on"
-    POWER = "Pi and STM32 are without power"
-    DIE_BEFORE = "the program will be killed before its next write"
-    DIE_AFTER = "the program will be killed after its next write"
-
-
-@dataclass(frozen=True, slots=True)
-class Disturbance:
-    after: float
-    act: Act
-    data: bytes = b""
-    link: str = TOPSIDE
-    address: str = BOAT
 
 
 @dataclass(frozen=True, slots=True)

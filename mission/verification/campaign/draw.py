@@ -24,10 +24,11 @@ from mission.authoring.language import script
 from mission.model import Mission
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Vehicle
-from mission.verification.campaign.disturbances import INCIDENTS, Disturbance
+from mission.verification.campaign.disturbances import INCIDENTS
 from mission.verification.campaign.scene_texts import mission_of
 from mission.verification.campaign.scenes import SCENES
 from mission.verification.campaign.trial import FOREVER
+from mission.verification.rig.acts import Disturbance
 
 MOST = 5  # disturbances a flight
 CURRENT = 0.5  # m/s

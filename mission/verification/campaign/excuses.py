@@ -20,8 +20,9 @@ from links.simulated.faults import FAULTS
 from links.simulated.settings import FaultEvent, Settings
 from mission.model import MANUAL_WAITING, STOPPED, SURFACED, Step, Tx
 from mission.onboard.runtime.runtime import VEHICLE
-from mission.verification.campaign.disturbances import Act
-from mission.verification.campaign.trial import AUTO_NODE, Done, Event, Said, fault_ends
+from mission.verification.campaign.trial import AUTO_NODE, fault_ends
+from mission.verification.rig.acts import Act
+from mission.verification.rig.trace import Done, Event, Said
 
 SLIGHT, SPARE = 1.0, 8.0  # N that may lift too slowly; N of lift that make a rise within a turn
 NEVER = 1e5  # s: by then what ends is over

@@ -30,8 +30,9 @@ from mission.verification.campaign.laws import (
 )
 from mission.verification.campaign.margins import margins
 from mission.verification.campaign.story import Story
-from mission.verification.campaign.trial import Trial, try_out
+from mission.verification.campaign.trial import try_out
 from mission.verification.campaign.whole_flight import KINDS, throughout
+from mission.verification.rig.trace import Trace
 
 NOT_STARTED = "not started"
 ALARMED = "alarmed"  # of flights without faults (calm)
@@ -98,7 +99,7 @@ def subjects(paths: Iterable[Path]) -> list[Subject]:
 
 def fly_plan(
     plan: Plan, vehicle: Vehicle, recorder: Callable[[], Recorder | None] = lambda: None
-) -> Trial:
+) -> Trace:
     return try_out(
         plan.subject.mission,
         vehicle,
@@ -137,7 +138,7 @@ def fare_near(plan: Plan) -> tuple[FlightResult, dict[str, float]]:
 
 def result_of(
     plan: Plan,
-    trial: Trial,
+    trial: Trace,
     vehicle: Vehicle,
     profile: str,
     *,
@@ -156,7 +157,7 @@ def result_of(
     )
 
 
-def _aborts(trial: Trial) -> list[str]:
+def _aborts(trial: Trace) -> list[str]:
     """Why missions did not come to their own end, by the names of limits and operators."""
     if trial.started is None:
         return [NOT_STARTED]

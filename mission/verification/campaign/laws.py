@@ -53,7 +53,6 @@ from mission.engine.limits import SILENCE
 from mission.model import AUTONOMOUS, STOPPED, SURFACED, SURFACING, Mission, Step, Tx
 from mission.model.vehicle import Vehicle
 from mission.verification.campaign.audit import audit
-from mission.verification.campaign.disturbances import Act
 from mission.verification.campaign.excuses import (
     NEVER,
     SLIGHT,
@@ -65,7 +64,8 @@ from mission.verification.campaign.excuses import (
     unknown_and_heavy,
 )
 from mission.verification.campaign.obedience import ignored
-from mission.verification.campaign.trial import Done, Event, Said, Told, Trial, from_home
+from mission.verification.rig.acts import Act
+from mission.verification.rig.trace import Done, Event, Said, Told, Trace, from_home
 from protocol.messages import SetSafety
 
 LOST, OVERRUN, SPURIOUS, RAISED, IGNORED = "lost", "overrun", "spurious", "raised", "ignored"
@@ -106,7 +106,7 @@ class Violation:
 
 
 def violations(
-    trial: Trial, mission: Mission, vehicle: Vehicle, profile: str, settings: Settings
+    trial: Trace, mission: Mission, vehicle: Vehicle, profile: str, settings: Settings
 ) -> list[Violation]:
     found = [Violation(SPURIOUS, s.t, s.says) for s in audit(trial.events, profile)]
     if trial.raised:
@@ -125,7 +125,7 @@ def violations(
     return sorted(found, key=lambda violation: violation.t)
 
 
-def _allowed(settings: Settings, profile: str, trial: Trial) -> float:
+def _allowed(settings: Settings, profile: str, trial: Trace) -> float:
     """m at the end. Physics: what no word that its board obeys can lift stays down. An order: what
     sinks while AUTO is closed is not brought up (R7). What is heavy and has a depth that was not
     believed comes up by a third of the time that its thrusters push: physics does not promise
@@ -138,13 +138,13 @@ def _allowed(settings: Settings, profile: str, trial: Trial) -> float:
     return math.inf if unknown or is_left or lifted < SPARE else HELD
 
 
-def _may_be_held(trial: Trial, settings: Settings) -> bool:
+def _may_be_held(trial: Trace, settings: Settings) -> bool:
     """It sank out of surfaced, or so its sensor said: a thruster holds it up (R7, at rest)."""
     said = any(f.name.startswith("depth_") for f in settings.faults)
     return trial.state == SURFACED and (said or _sank(trial))
 
 
-def _sank(trial: Trial) -> bool:
+def _sank(trial: Trace) -> bool:
     """In truth, out of surfaced, and was brought up by itself."""
     before = ""
     for event in trial.events:
@@ -173,7 +173,7 @@ class Span:
         return self.state.startswith(AUTONOMOUS)
 
 
-def spans(trial: Trial, mission: Mission, vehicle: Vehicle) -> Iterator[Span]:
+def spans(trial: Trace, mission: Mission, vehicle: Vehicle) -> Iterator[Span]:
     given, asked = SetSafety(), SetSafety()
     span = Span(0.0, 0.0, "idle/empty", in_force(vehicle, mission.safety, given), 0.0)
     interrupted = False
@@ -225,7 +225,7 @@ def _number(text: bytes) -> float | None:
 # --- depth ---------------------------------------------------------------------------------------
 
 
-def _dive(settings: Settings, profile: str, trial: Trial) -> float:
+def _dive(settings: Settings, profile: str, trial: Trace) -> float:
     """m that a dive may go on beyond its bound."""
     body = settings.body
     heavy = sum(f.value or 8.0 for f in settings.faults if f.name == "heavy")
@@ -248,7 +248,7 @@ def _dive(settings: Settings, profile: str, trial: Trial) -> float:
     return DEPTH_MARGIN + DEPTH_ERROR + _unseen(settings, trial, speed) + speed * seconds
 
 
-def _unseen(settings: Settings, trial: Trial, speed: float) -> float:
+def _unseen(settings: Settings, trial: Trace, speed: float) -> float:
     """m by which a depth that looks well is, or leads, beside the truth."""
     metres = 0.0
     for fault in settings.faults:
@@ -280,11 +280,11 @@ def stalls(events: Iterable[Event]) -> list[tuple[float, float]]:
     return found
 
 
-def _acts(trial: Trial, act: Act) -> list[float]:
+def _acts(trial: Trace, act: Act) -> list[float]:
     return [e.t for e in trial.events if isinstance(e, Done) and e.act is act]
 
 
-def _depths(trial: Trial, spans: list[Span], dive: float) -> Iterator[Violation]:
+def _depths(trial: Trace, spans: list[Span], dive: float) -> Iterator[Violation]:
     base = 0.0
     bound = math.inf
     alone = left(trial.events)  # R7: while AUTO is closed nothing brings up what sinks at rest
@@ -308,7 +308,7 @@ def _depths(trial: Trial, spans: list[Span], dive: float) -> Iterator[Violation]
 
 
 def _ranges(
-    trial: Trial, spans: list[Span], settings: Settings, has_home: bool
+    trial: Trace, spans: list[Span], settings: Settings, has_home: bool
 ) -> Iterator[Violation]:
     """A mission without a home has it where it began (R9)."""
     astray = any(f.name.startswith(_ASTRAY) for f in settings.faults)
@@ -347,7 +347,7 @@ def _ranges(
 # --- time and reports -----------------------------------------------------------------------------
 
 
-def _times(trial: Trial, spans: list[Span]) -> Iterator[Violation]:
+def _times(trial: Trace, spans: list[Span]) -> Iterator[Violation]:
     told = [event.t for event in trial.events if isinstance(event, Told)]
     stood = stalls(trial.events)
     for span in spans:

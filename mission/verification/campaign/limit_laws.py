@@ -20,7 +20,8 @@ from mission.verification.campaign.audit import command_of
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import Report, Stay, Story, gaps
-from mission.verification.campaign.trial import FOREVER, Told, fault_ends
+from mission.verification.campaign.trial import FOREVER, fault_ends
+from mission.verification.rig.trace import Told
 from protocol.messages import Order, Setpoint
 
 UNANSWERED = "unanswered"

@@ -29,9 +29,10 @@ from links.simulated.link import Truth
 from mission.model import MANUAL_DRIVING, SURFACED, SURFACING
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.laws import Span
-from mission.verification.campaign.onboard import DEAD
 from mission.verification.campaign.story import STOP_WORD, UPWARD_WORDS, Story, gaps
-from mission.verification.campaign.trial import fault_ends, from_home
+from mission.verification.campaign.trial import fault_ends
+from mission.verification.rig.program import DEAD
+from mission.verification.rig.trace import from_home
 
 _ANSWER_TO_LIMIT = 10.0  # s: by report
 _DEPTH, _TILT = 1.5, math.radians(6.0)  # m and rad beyond the bound

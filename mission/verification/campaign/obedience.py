@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from mission.model import MANUAL_DRIVING, Step, Tx
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.verification.campaign.audit import alike, command_of
-from mission.verification.campaign.disturbances import Act
-from mission.verification.campaign.trial import Done, Event, Said
+from mission.verification.rig.acts import Act
+from mission.verification.rig.trace import Done, Event, Said
 from protocol.messages import Order, Setpoint
 from protocol.topside import EMERGENCIES
 from protocol.vehicles.auv import AuvCodec

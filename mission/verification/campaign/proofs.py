@@ -31,10 +31,12 @@ from mission.authoring.check import Proved
 from mission.authoring.check.assumptions import Assumptions
 from mission.model import AUTONOMOUS, IDLE_READY, SURFACED, Mission, Step
 from mission.model.vehicle import Vehicle
-from mission.verification.campaign.disturbances import INCIDENTS, Disturbance
+from mission.verification.campaign.disturbances import INCIDENTS
 from mission.verification.campaign.draw import PROFILES
 from mission.verification.campaign.laws import AFLOAT, Violation
-from mission.verification.campaign.trial import FOREVER, Trial, from_home, try_out
+from mission.verification.campaign.trial import FOREVER, try_out
+from mission.verification.rig.acts import Disturbance
+from mission.verification.rig.trace import Trace, from_home
 
 MOST = 3  # faults a flight
 BIAS = math.radians(4.0)  # one sigma, of the compass; cut at two (assumed: 12 deg)
@@ -204,7 +206,7 @@ def _proved(claim: Claim, vehicle: Vehicle, proof: Proof) -> Margin:
     )
 
 
-def _times(trial: Trial) -> tuple[float | None, float | None]:
+def _times(trial: Trace) -> tuple[float | None, float | None]:
     """When the mission began, and when it or its emergency had ended."""
     begun = None
     for event in trial.events:
@@ -218,7 +220,7 @@ def _times(trial: Trial) -> tuple[float | None, float | None]:
     return begun, None
 
 
-def _needed(trial: Trial, vehicle: Vehicle, begun: float, ended: float) -> Margin:
+def _needed(trial: Trace, vehicle: Vehicle, begun: float, ended: float) -> Margin:
     places = [place for place in trial.track if begun <= place.t <= ended]
     thrust = places[-1].used - places[0].used if places else 0.0
     return Margin(
@@ -230,7 +232,7 @@ def _needed(trial: Trial, vehicle: Vehicle, begun: float, ended: float) -> Margi
 
 
 def _violations(
-    trial: Trial, proved: Margin, begun: float, ended: float | None, needed: Margin
+    trial: Trace, proved: Margin, begun: float, ended: float | None, needed: Margin
 ) -> Iterator[Violation]:
     if needed.time > proved.time:
         says = f"{needed.time:.0f} s, proved {proved.time:.0f} s"

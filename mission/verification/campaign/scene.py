@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from random import Random
 
 from links.simulated.settings import FaultEvent
-from mission.verification.campaign.disturbances import BOAT, OTHER_BOAT, TOPSIDE, Act, Disturbance
 from mission.verification.campaign.trial import FOREVER
+from mission.verification.rig.acts import BOAT, OTHER_BOAT, TOPSIDE, Act, Disturbance
 
 STARTED = 6.0  # s: about when a scene's mission begins
 DOWN = STARTED + 30.0  # s: at depth, in every mission but the transit

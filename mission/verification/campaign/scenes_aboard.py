@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from random import Random
 
-from mission.verification.campaign.disturbances import MODEM, OTHER_BOAT, PORT, Act, Disturbance
 from mission.verification.campaign.scene import (
     AA,
     AC,
@@ -25,6 +24,7 @@ from mission.verification.campaign.scene import (
     say,
 )
 from mission.verification.campaign.scenes_at_sea import AUTO_CLOSED, AUTO_OPEN
+from mission.verification.rig.acts import MODEM, OTHER_BOAT, PORT, Act, Disturbance
 from protocol.modem import Sender, wrap
 
 # --- bounds --------------------------------------------------------------------------------------

@@ -23,12 +23,12 @@ from links.simulated.link import START
 from mission.model import Step
 from mission.model.vehicle import Vehicle
 from mission.onboard.blackbox import BlackBox, part_path, read_records
-from mission.onboard.runtime.records import Recorder
-from mission.verification.campaign.disturbances import Act, Disturbance
 from mission.verification.campaign.draw import Subject, draw
 from mission.verification.campaign.faults import FlightResult, Totals, result_of
-from mission.verification.campaign.onboard import FillableStore, OnBoard
-from mission.verification.campaign.trial import Event, Trial, try_out
+from mission.verification.campaign.trial import try_out
+from mission.verification.rig.acts import Act, Disturbance
+from mission.verification.rig.program import FillableStore, Program
+from mission.verification.rig.trace import Event, Trace
 
 DAY = 86400.0
 PART = 4 << 20  # bytes of one part of the black box
@@ -114,7 +114,7 @@ def _fly_on(
     told: Callable[[Soaked, FlightResult], None],
 ) -> None:
     rng = Random(f"soak {seed}")
-    board = _board(vehicle, box)
+    program = _program(vehicle, box)
     elapsed = 0.0
     earlier: tuple[Event, ...] = ()
     while elapsed < days * DAY:
@@ -136,9 +136,9 @@ def _fly_on(
                 Disturbance(lull, Act.FREE),
             ],
             heading=plan.heading,
-            board=board,
+            program=program,
         )
-        board.begin_again(trial.truth.t)
+        program.begin_again(trial.truth.t)
         elapsed += trial.truth.t
         soaked.days, soaked.missions = elapsed / DAY, soaked.missions + 1
         told_of = replace(trial, events=(*earlier, *trial.events))
@@ -152,7 +152,7 @@ def _fly_on(
         told(soaked, result)
 
 
-def _last_words(trial: Trial) -> tuple[Event, ...]:
+def _last_words(trial: Trace) -> tuple[Event, ...]:
     """What the audit of the next flight must know of this one, at that one's times: the state
     that was entered last, and what was said shortly before."""
     end, events = trial.truth.t, trial.events
@@ -161,15 +161,10 @@ def _last_words(trial: Trial) -> tuple[Event, ...]:
     return tuple(replace(e, t=e.t - end) for e in (*entered, *words))
 
 
-def _board(vehicle: Vehicle, box: BlackBox) -> OnBoard:
-    def recorder() -> Recorder:
-        return box
-
-    board = OnBoard(
-        vehicle, FillableStore(), START.timestamp(), lambda s: None, lambda e: None, recorder
-    )
-    board.boot(0.0, 0.0)
-    return board
+def _program(vehicle: Vehicle, box: BlackBox) -> Program:
+    program = Program(vehicle, FillableStore(), START.timestamp(), lambda: box)
+    program.boot(0.0, 0.0)
+    return program
 
 
 def _take_away(soaked: Soaked, box: BlackBox) -> None:

@@ -35,18 +35,12 @@ from mission.model import (
 )
 from mission.model.vehicle import Vehicle
 from mission.onboard.runtime.runtime import VEHICLE
-from mission.verification.campaign.disturbances import Act
 from mission.verification.campaign.excuses import auto_closed
 from mission.verification.campaign.laws import Span, spans
-from mission.verification.campaign.onboard import DEAD
-from mission.verification.campaign.trial import (
-    Done,
-    Heard,
-    Said,
-    Told,
-    Trial,
-    fault_ends,
-)
+from mission.verification.campaign.trial import fault_ends
+from mission.verification.rig.acts import Act
+from mission.verification.rig.program import DEAD
+from mission.verification.rig.trace import Done, Heard, Said, Told, Trace
 from protocol.checksum import crc32_stm32
 
 SAME = 1e-3  # s
@@ -111,7 +105,7 @@ class Story:
 
     def __init__(
         self,
-        trial: Trial,
+        trial: Trace,
         mission: Mission,
         vehicle: Vehicle,
         profile: str,

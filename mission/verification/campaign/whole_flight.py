@@ -21,14 +21,14 @@ from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.limit_laws import UNANSWERED, limit_laws
 from mission.verification.campaign.story import Story
 from mission.verification.campaign.surface_laws import UNLAWFUL, surface_laws
-from mission.verification.campaign.trial import Trial
 from mission.verification.campaign.word_laws import UNSENT, word_laws
+from mission.verification.rig.trace import Trace
 
 KINDS = (SUNK, UNANSWERED, UNSENT, UNLAWFUL)
 
 
 def throughout(
-    trial: Trial,
+    trial: Trace,
     mission: Mission,
     vehicle: Vehicle,
     profile: str,

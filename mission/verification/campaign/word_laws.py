@@ -40,12 +40,13 @@ from mission.model import (
 from mission.model.regions import EMERGENCY, MANUAL
 from mission.model.shipped import load_vehicle
 from mission.verification.campaign.audit import command_of, moves
-from mission.verification.campaign.disturbances import MODEM, TOPSIDE, Act
 from mission.verification.campaign.laws import Violation
-from mission.verification.campaign.onboard import DEAD
 from mission.verification.campaign.story import SAME, STOP_WORD, UPWARD_WORDS, Report, Stay, Story
 from mission.verification.campaign.surface_laws import UNLAWFUL
-from mission.verification.campaign.trial import AUTO_NODE, Said, fault_ends
+from mission.verification.campaign.trial import AUTO_NODE, fault_ends
+from mission.verification.rig.acts import MODEM, TOPSIDE, Act
+from mission.verification.rig.program import DEAD
+from mission.verification.rig.trace import Said
 from protocol.messages import Order
 
 UNSENT = "unsent"

@@ -7,6 +7,7 @@ What does not live here: physics (the sea is told what it is), simulated firmwar
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from links.base import Rx
@@ -20,19 +21,15 @@ from mission.onboard.runtime.runtime import GPS, VEHICLE, Runtime
 from mission.onboard.store import MemoryStore, Stored
 from mission.verification.exhaustive.fork import Fork
 from mission.verification.exhaustive.wire import Sea, answer
+from mission.verification.rig.acts import BOAT, TOPSIDE
+from mission.verification.rig.lockstep import Due, LockStep
 from protocol.modem import Sender, wrap
 
-BOAT, TENDER = "boat", "tender"  # two connections of the operators
-TOPSIDE = "topside"
+TENDER = "tender"  # a connection beside that of the boat
 _PERIOD = 2.0  # s between reports
 _LATENCY = 0.02  # s until the STM32 answers
 _STOP = b"@ZAX0$"
-_BUSY = 200  # inputs at one instant: more, and a timer is never done
 _CONFIGURATION = Configuration(links=LinkUrls(modem="memory://modem"))
-
-
-class Busy(RuntimeError):
-    """The runtime asks for its timer again and again."""
 
 
 _BEGUN: dict[object, Fork[World]] = {}  # a runtime is made of nothing but these
@@ -54,16 +51,16 @@ class Notes:
         """Not for this one."""
 
 
-class World:
+class World(LockStep):
     """``answers`` is the letter of the STM32's acknowledges, "" for none; ``rises_by`` the start
     of a frame after which the vehicle comes up."""
 
     def __init__(self, vehicle: Vehicle, stored: Stored, home: Position, now: float = 0.0) -> None:
+        super().__init__(now)
         self.vehicle, self.home = vehicle, home
         self.sea, self.notes = Sea(), Notes()
         self.store = MemoryStore(stored)
         self.runtime = Runtime(_CONFIGURATION, vehicle, self.store, observer=self.notes)
-        self.now = now
         self.answers = "Y"
         self.reports = True
         self.spoils = False  # each report loses a bit on its way
@@ -153,26 +150,24 @@ class World:
 
     def wait(self, seconds: float) -> None:
         """Until then: timers, answers and reports when they are due."""
-        end, busy = self.now + seconds, 0
-        while True:
-            timer = self.runtime.next_timer()
-            answers = [t for t, _ in self._owed[:1]]
-            due = min(t for t in (timer, self._report_due, *answers) if t is not None)
-            if due > end:
-                break
-            busy = busy + 1 if due <= self.now else 0
-            if busy > _BUSY:
-                raise Busy(f"{busy} inputs at {self.now:.3f} s, in {self.state}")
-            self.now = max(self.now, due)
-            if timer is not None and timer <= self.now:
-                self._take(self.runtime.handle_timer(self.now))
-            elif self._owed and self._owed[0][0] <= self.now:
-                self.hear(self._owed.pop(0)[1])
-            else:
-                self._report_due = self.now + _PERIOD
-                if self.reports:
-                    self.report()
-        self.now = end
+        self.run_until(self.now + seconds)
+
+    def dues(self) -> Iterator[Due]:
+        yield self.runtime.next_timer(), self._handle_timer
+        if self._owed:
+            yield self._owed[0][0], self._answer
+        yield self._report_due, self._report
+
+    def _handle_timer(self) -> None:
+        self._take(self.runtime.handle_timer(self.now))
+
+    def _answer(self) -> None:
+        self.hear(self._owed.pop(0)[1])
+
+    def _report(self) -> None:
+        self._report_due = self.now + _PERIOD
+        if self.reports:
+            self.report()
 
     # --- what goes out -------------------------------------------------------------------------
 

@@ -143,7 +143,7 @@ class FlightEnd:
 
 
 class FlightLog:
-    """An Observer of the runtime."""
+    """Told every step and estimate of a flight, in order."""
 
     def __init__(self, mission: Mission) -> None:
         self._leg_paths = leg_paths(mission)
@@ -174,9 +174,6 @@ class FlightLog:
     def estimate(self, estimate: Estimate) -> None:
         if self.started is not None and self.ended is None:
             self.estimates.append(estimate)
-
-    def notice(self, text: str) -> None:
-        """Not for this one."""
 
     def flight(self, operator_failure: str, report: FlightEnd) -> Flight:
         start = self.started or 0.0

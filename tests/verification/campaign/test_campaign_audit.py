@@ -19,9 +19,9 @@ from mission.model import (
     Tx,
 )
 from mission.verification.campaign.audit import audit, command_of
-from mission.verification.campaign.disturbances import Act
 from mission.verification.campaign.obedience import ignored
-from mission.verification.campaign.trial import Done, Event, Heard, Said
+from mission.verification.rig.acts import Act
+from mission.verification.rig.trace import Done, Event, Heard, Said
 from protocol.messages import Order, Setpoint
 from protocol.modem import wrap
 

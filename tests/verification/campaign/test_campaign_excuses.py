@@ -12,7 +12,6 @@ from mission.model import SURFACED, SURFACING, Step, Tx
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.verification.campaign.audit import audit
 from mission.verification.campaign.calm import alarms, calm
-from mission.verification.campaign.disturbances import Act
 from mission.verification.campaign.excuses import (
     auto_closed,
     helpless,
@@ -22,7 +21,8 @@ from mission.verification.campaign.excuses import (
     unknown_and_heavy,
 )
 from mission.verification.campaign.faults import shipped, subjects
-from mission.verification.campaign.trial import Done, Event, Said, Trial
+from mission.verification.rig.acts import Act
+from mission.verification.rig.trace import Done, Event, Said, Trace
 
 CLOSE, OPEN, DONE = b"@NSOOOCCC$", b"@NSOOOCCO$", b"@ACK_NSS$"
 
@@ -117,5 +117,5 @@ def test_a_calm_flight_is_told_by_its_seed_and_has_no_fault():
 )  # fmt: skip
 def test_a_limit_that_acts_or_an_else_in_a_calm_flight_is_a_false_alarm(trigger, state, alarmed):
     step = Step(9.0, "", (), (), (state,), (), trigger, None)
-    trial = Trial((step,), (), (0.0, 0.0), None, state, "", None, "", False)  # type: ignore[arg-type]
+    trial = Trace((step,), (), (0.0, 0.0), None, state, "", None, "", False)  # type: ignore[arg-type]
     assert len(list(alarms(trial))) == alarmed

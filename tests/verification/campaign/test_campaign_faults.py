@@ -21,12 +21,14 @@ from mission.engine.monitor import LimitMonitor
 from mission.model import IDLE_EMPTY, IDLE_READY, SURFACED, SURFACING, Action, Step, Tx
 from mission.model.shipped import load_vehicle
 from mission.onboard.runtime.frontseat import Frontseat
-from mission.verification.campaign.disturbances import INCIDENTS, PORT, Act, Disturbance
+from mission.verification.campaign.disturbances import INCIDENTS
 from mission.verification.campaign.draw import CLUSTER, MOST, OUT_OF_HAND, draw
 from mission.verification.campaign.faults import fly_numbered, fly_plan, shipped, subjects
 from mission.verification.campaign.laws import IGNORED, LOST, OVERRUN, RAISED, violations
 from mission.verification.campaign.soak import Soaked, grown, soak
-from mission.verification.campaign.trial import FOREVER, Done, Heard, Trial, try_out
+from mission.verification.campaign.trial import FOREVER, try_out
+from mission.verification.rig.acts import PORT, Act, Disturbance
+from mission.verification.rig.trace import Done, Heard, Trace
 from mission.verification.workers import results
 from protocol.messages import Order
 
@@ -39,11 +41,11 @@ NO_FAULTS = Settings()
 
 def flown(
     disturbances: list[Disturbance], profile: str = "as-built", settings: Settings = NO_FAULTS
-) -> Trial:
+) -> Trace:
     return try_out(FIRST.mission, VEHICLE, profile, 1, settings, disturbances)
 
 
-def kinds_of(trial: Trial, profile: str = "as-built", settings: Settings = NO_FAULTS) -> set[str]:
+def kinds_of(trial: Trace, profile: str = "as-built", settings: Settings = NO_FAULTS) -> set[str]:
     return {v.kind for v in violations(trial, FIRST.mission, VEHICLE, profile, settings)}
 
 

@@ -1,10 +1,10 @@
-"""The program on board, on the flight's clock: a runtime that can be killed and begun anew.
+"""The program on board, on the rig's clock: a runtime that can be killed and begun anew.
 
-Each runtime's time begins at 0, as at sea; here all times are the flight's. While nobody lives,
+Each runtime's time begins at 0, as at sea; here all times are the rig's. While nobody lives,
 bytes are lost. What a runtime made durable is all that the next one knows. It may die inside a
 write of its store; what it would have sent then is never sent.
 
-What does not live here: when it is killed (disturbances), the loop (trial).
+What does not live here: when it is killed, what its bytes are for (rig).
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from dataclasses import replace
 from links.base import Rx
 from mission.model import Estimate, Step, Tx
 from mission.model.vehicle import Vehicle
+from mission.navigation import Navigation
 from mission.onboard.configuration import Configuration
 from mission.onboard.runtime.records import Recorder
 from mission.onboard.runtime.runtime import Runtime
@@ -56,25 +57,26 @@ class FillableStore(MemoryStore):
             raise Died
 
 
-class OnBoard:
-    """``step`` and ``estimate`` are told with the flight's times. Recorded is the runtime that
-    lives; ``recorder`` is called once for each."""
+class Program:
+    """``wall`` is the wall clock at the rig's time 0, s since 1970 UTC. ``recorder`` is called once
+    for each life. It tells nobody what it does until somebody listens."""
 
     def __init__(
         self,
         vehicle: Vehicle,
         store: FillableStore,
         wall: float,
-        step: Callable[[Step], None],
-        estimate: Callable[[Estimate], None],
         recorder: Callable[[], Recorder | None] = lambda: None,
         configuration: Configuration | None = None,
     ) -> None:
         self._vehicle, self.store, self._wall = vehicle, store, wall
         self._configuration = configuration or Configuration()
-        self._tell_step, self._tell_estimate, self._recorder = step, estimate, recorder
+        self._recorder = recorder
+        self._tell_step: Callable[[Step], None] = lambda step: None
+        self._tell_estimate: Callable[[Estimate], None] = lambda estimate: None
         self._zero = 0.0
         self.runtime: Runtime | None = None
+        self.navigation: Navigation | None = None  # of the runtime that lives, once it is loaded
         self._navigation_due: float | None = None
         self._leaves: float | None = None  # when the last words are due
         self._gone: float | None = None  # when it has said them, at the latest
@@ -103,7 +105,15 @@ class OnBoard:
         self._navigation_due = now + navigation_after
 
     def kill(self) -> None:
-        self.runtime = self._navigation_due = self._leaves = self._gone = None
+        self.runtime = self.navigation = self._navigation_due = self._leaves = self._gone = None
+
+    def navigate(self, now: float) -> list[Tx]:
+        """The filter is loaded."""
+        self._navigation_due = None
+        if self.runtime is None:
+            return []
+        self.navigation = navigation = self.runtime.make_navigation()
+        return self._shifted(lambda runtime, at: runtime.set_navigation(navigation, at), now)
 
     def end(self, now: float, *, at_once: bool = False) -> list[Tx]:
         """As by SIGTERM: it dies by itself when the vehicle needs nobody (serve: leaving)."""
@@ -125,11 +135,11 @@ class OnBoard:
             self.kill()
 
     def listen(self, step: Callable[[Step], None], estimate: Callable[[Estimate], None]) -> None:
-        """Somebody else is told from now on."""
+        """Who is told from now on, with the rig's times."""
         self._tell_step, self._tell_estimate = step, estimate
 
     def begin_again(self, now: float) -> None:
-        """``now`` is 0 of another flight; the program lives on."""
+        """``now`` is 0 of another rig; the program lives on."""
         self._zero -= now
         if self._navigation_due is not None:
             self._navigation_due -= now
@@ -153,8 +163,7 @@ class OnBoard:
     def handle_timer(self, now: float) -> list[Tx]:
         out: list[Tx] = []
         if self._navigation_due is not None and now >= self._navigation_due:
-            self._navigation_due = None
-            out = self._shifted(lambda d, at: d.set_navigation(d.make_navigation(), at), now)
+            out = self.navigate(now)
         if self._gone is None and self._leaves is not None and now >= self._leaves:
             out += self.end(now, at_once=True)
         return out + self._shifted(lambda runtime, at: runtime.handle_timer(at), now)
@@ -172,7 +181,7 @@ class OnBoard:
         if self.runtime is None:
             return []
         at, due = now - self._zero, self.runtime.next_timer()
-        if due is not None and at < due < at + _SAME:  # the sum was rounded
+        if self._zero and due is not None and at < due < at + _SAME:  # the sum was rounded
             at = due
         try:
             out = [replace(tx, t=now) for tx in call(self.runtime, at)]

@@ -23,7 +23,7 @@ START_UNTIL_S = 120.0  # a cold GPS receiver needs a while
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class Cue:
     """Bytes that the operator sends ``after`` so many seconds of mission."""
 
     after: float
@@ -41,9 +41,9 @@ class _Phase(enum.Enum):
 class Operator:
     """Sans-IO. ``failure`` says why there is no mission under way; "" while all is well."""
 
-    def __init__(self, lines: Sequence[str], digest: str, script: Sequence[Said] = ()) -> None:
+    def __init__(self, lines: Sequence[str], digest: str, script: Sequence[Cue] = ()) -> None:
         self._lines, self._digest = tuple(lines), digest
-        self._script = sorted(script, key=lambda said: said.after)
+        self._script = sorted(script, key=lambda cue: cue.after)
         self._codec = ConsoleCodec()
         self._phase, self._line, self._tries = _Phase.UPLOAD, 1, 0
         self._due = 0.0

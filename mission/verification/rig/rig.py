@@ -1,0 +1,249 @@
+"""Program, simulated vehicle, links and operators in lock step, and all that may happen to them.
+
+    operator --bytes--> Program --bytes--> SimulatedVehicle
+             <--bytes--         <--bytes--
+    disturbances --> boats, modem, cable, disk, power, the program itself
+
+Every simulated flight is one of these; who flies it says what is disturbed and when it is over.
+What it saw stands in ``events``, in its order.
+
+What does not live here: what is disturbed (campaign.disturbances), when a flight is over and what
+came of it (simulation.flight, campaign.trial), what the exhaustive proof plays (exhaustive.world).
+"""
+
+from __future__ import annotations
+
+import heapq
+import re
+from collections import deque
+from collections.abc import Iterator
+
+from links.base import Rx
+from links.simulated.link import SimulatedVehicle
+from mission.model import Estimate, Step, Tx
+from mission.onboard.runtime.device_switches import LINK as NODES
+from mission.onboard.runtime.runtime import GPS, VEHICLE
+from mission.verification.rig.acts import BOAT, MODEM, PORT, TOPSIDE, Act, Disturbance
+from mission.verification.rig.lockstep import Due, LockStep
+from mission.verification.rig.program import Death, Program
+from mission.verification.rig.rehearsal import Operator
+from mission.verification.rig.trace import Done, Event, Heard, Said, Told
+from mission.verification.rig.vehicle import Simulated
+
+RESTART = 3.0  # s until a program that died by itself is begun anew
+_WAITS = (Act.SAY, Act.JOIN, Act.PART, Act.END, Act.HURRY)  # for a program that stands still
+_DEATHS = {Act.DIE_BEFORE: Death.BEFORE, Act.DIE_AFTER: Death.AFTER}
+_GPS_NODE = re.compile(rb"BDGPS ([OC])")
+
+
+class Rig(LockStep):
+    """``operator`` is at the boat, and begins at ``operator_from``; each answer to an answer takes
+    him ``radio`` s, 0: none at all. ``program`` has been begun."""
+
+    def __init__(
+        self,
+        sea: Simulated,
+        program: Program,
+        operator: Operator | None = None,
+        *,
+        operator_from: float = 0.0,
+        radio: float = 0.0,
+    ) -> None:
+        super().__init__()
+        self.sea, self.program, self.operator = sea, program, operator
+        self.events: list[Event] = []
+        self.plugged, self.joined = True, set[str]()
+        self.gps_open = self._lived = True
+        self._operator_from, self._radio = operator_from, radio
+        self._planned: list[tuple[float, int, Disturbance]] = []
+        self._count = 0  # of what was ever planned: of one time, the first goes first
+        self._held: list[Disturbance] | None = None  # what came while the program stands still
+        program.listen(self.stepped, self.told)
+
+    # --- who is due ------------------------------------------------------------------------------
+
+    def dues(self) -> Iterator[Due]:
+        """Bytes before timers: what has arrived by then is known by then."""
+        yield self.sea.vehicle_link.next_event(), self._hear_vehicle
+        yield self.sea.gps_link.next_event(), self._hear_gps
+        if self._planned:
+            yield self._planned[0][0], self._do_planned
+        yield from self.operators()
+        if self._held is None:
+            yield self.program.next_timer(), self._handle_timer
+        if self._lived and not self.program.lives:
+            yield self.now, self._died
+
+    def operators(self) -> Iterator[Due]:
+        due = None if self.operator is None else self.operator.next_timer()
+        if due is not None:
+            yield due + self._operator_from, self._operate
+
+    def _operate(self) -> None:
+        assert self.operator is not None
+        for data in self.operator.handle_timer(self.now - self._operator_from):
+            self.send(self.say(TOPSIDE, BOAT, data))
+
+    def _handle_timer(self) -> None:
+        self.send(self.program.handle_timer(self.now))
+
+    def _died(self) -> None:
+        """By a disturbance, or inside a write: then the service manager and the boat do theirs."""
+        self._lived = False
+        last = next((e for e in reversed(self.events) if isinstance(e, Done)), None)
+        if last is None or last.act is not Act.KILL or last.t != self.now:
+            self.do(Disturbance(self.now, Act.KILL))
+            self.begin_anew()
+
+    def begin_anew(self) -> None:
+        self.plan(Disturbance(self.now + RESTART, Act.BOOT))
+        self.plan(Disturbance(self.now + RESTART + 1.0, Act.JOIN))
+
+    # --- what comes in ---------------------------------------------------------------------------
+
+    def join(self, address: str = BOAT, link: str = TOPSIDE) -> None:
+        self.joined.add(address)
+        self.send(self.program.connected(link, address, self.now))
+
+    def say(self, link: str, address: str, data: bytes) -> list[Tx]:
+        """Nothing is said over a connection that is not there."""
+        if link == PORT:
+            self._hear(Rx(self.now, link, data))
+            return []
+        if link != MODEM and address not in self.joined:
+            return []
+        self.events.append(Said(self.now, link, address, data))
+        return self.program.receive(Rx(self.now, link, data, address), self.now)
+
+    def _hear_vehicle(self) -> None:
+        for rx in self.sea.vehicle_link.receive(self.now):
+            if self.plugged:
+                self._hear(rx)
+
+    def _hear_gps(self) -> None:
+        for rx in self.sea.gps_link.receive(self.now):
+            if self.gps_open:
+                self._hear(rx)
+
+    def _hear(self, rx: Rx) -> None:
+        """Bytes of the vehicle or its GPS."""
+        if self._held is not None:
+            self._held.append(Disturbance(self.now, Act.SAY, rx.data, rx.link, rx.address))
+            return
+        if rx.link == VEHICLE:
+            self.events.append(Heard(self.now, rx.data))
+        self.send(self.program.receive(rx, self.now))
+
+    # --- what goes out ---------------------------------------------------------------------------
+
+    def send(self, sent: list[Tx]) -> None:
+        """Answers are answered in turn, until nobody has anything to say."""
+        waiting = deque(sent)
+        while waiting:
+            tx = waiting.popleft()
+            self.events.append(tx)
+            if tx.link == VEHICLE:
+                if self.plugged:
+                    self.sea.vehicle_link.send(tx.data, self.now)
+            elif tx.link == TOPSIDE and tx.address in self.joined:
+                waiting += self.answered(tx)
+            elif tx.link == NODES:
+                if (switched := _GPS_NODE.match(tx.data)) is not None:
+                    self.gps_open = switched[1] == b"O"
+                waiting += self.program.receive(Rx(self.now, NODES, tx.data + b"\n"), self.now)
+
+    def answered(self, tx: Tx) -> list[Tx]:
+        """What comes of an operator's reaction to these bytes."""
+        out: list[Tx] = []
+        if self.operator is None or tx.address != BOAT:
+            return out
+        for data in self.operator.receive(tx.data, self.now - self._operator_from):
+            if self._radio:
+                self.plan(Disturbance(self.now + self._radio, Act.SAY, data))
+            else:
+                out += self.say(TOPSIDE, BOAT, data)
+        return out
+
+    # --- what is disturbed -----------------------------------------------------------------------
+
+    def plan(self, disturbance: Disturbance) -> None:
+        self._count += 1
+        heapq.heappush(self._planned, (disturbance.after, self._count, disturbance))
+
+    def _do_planned(self) -> None:
+        while self._planned and self._planned[0][0] <= self.now:
+            self.do(heapq.heappop(self._planned)[2])
+
+    def do(self, disturbance: Disturbance) -> None:
+        """Now; or, where it needs the program and that stands still, when it goes on."""
+        act = disturbance.act
+        if self._held is not None and act in _WAITS:
+            self._held.append(disturbance)
+            return
+        if act is Act.SAY:
+            self.send(self.say(disturbance.link, disturbance.address, disturbance.data))
+        elif act is not Act.BOOT or not self.program.lives:  # nobody begins two programs
+            self.events.append(Done(self.now, act))
+            self._carry_out(disturbance)
+
+    def _carry_out(self, disturbance: Disturbance) -> None:
+        now, act = self.now, disturbance.act
+        match act:
+            case Act.STALL:
+                self._held = [] if self._held is None else self._held
+            case Act.RUN:
+                self._run_again()
+            case Act.POWER:
+                self._cut_power()
+            case Act.DIE_BEFORE | Act.DIE_AFTER:
+                self.program.store.death = _DEATHS[act]
+            case Act.FILL | Act.FREE:
+                self.program.store.full = act is Act.FILL
+            case Act.JOIN:
+                self.join(disturbance.address, disturbance.link)
+            case Act.PART:
+                self.joined.discard(disturbance.address)
+                self.send(self.program.disconnected(disturbance.link, disturbance.address, now))
+            case Act.KILL:
+                self.program.kill()
+                self._are_gone()
+            case Act.END | Act.HURRY:
+                self.send(self.program.end(now, at_once=act is Act.HURRY))
+            case Act.BOOT:
+                self.program.boot(now)
+                self._lived = True
+            case Act.UNPLUG | Act.PLUG:
+                self.plugged = act is Act.PLUG
+                if self.plugged:
+                    self.send(self.program.connected(VEHICLE, "", now))
+
+    def _cut_power(self) -> None:
+        self.sea.advance(self.now)
+        if isinstance(self.sea, SimulatedVehicle):
+            self.sea.stm32.restart()
+
+    def _are_gone(self) -> None:
+        """With the program: its connections, its nodes, what it had not read yet."""
+        self.joined.clear()
+        self.gps_open, self._held = True, None
+
+    def _run_again(self) -> None:
+        """What came meanwhile is read in one piece a port; connections in their order."""
+        held, self._held = self._held or [], None
+        ports: dict[str, bytes] = {}
+        for disturbance in held:
+            if disturbance.link in (VEHICLE, GPS):
+                ports[disturbance.link] = ports.get(disturbance.link, b"") + disturbance.data
+        for link, data in ports.items():
+            self._hear(Rx(self.now, link, data))
+        for disturbance in held:
+            if disturbance.link not in ports:
+                self.do(disturbance)
+
+    # --- what is kept ----------------------------------------------------------------------------
+
+    def stepped(self, step: Step) -> None:
+        self.events.append(step)
+
+    def told(self, estimate: Estimate) -> None:
+        self.events.append(Told(self.now, estimate))

@@ -1,0 +1,50 @@
+"""The simulated vehicle that a vehicle file describes, and where it lies.
+
+What does not live here: what it is made of (links.simulated).
+"""
+
+from __future__ import annotations
+
+import math
+
+from links.simulated.boards import BOARDS, SimulatedBoard
+from links.simulated.link import HOME, SimulatedVehicle
+from links.simulated.settings import Settings
+from mission.model import Mission
+from mission.model.vehicle import Vehicle
+
+Simulated = SimulatedVehicle | SimulatedBoard
+
+
+def simulated(
+    vehicle: Vehicle,
+    seed: int = 0,
+    settings: Settings | None = None,
+    *,
+    position: tuple[float, float] = HOME,
+    heading: float = 0.0,
+) -> Simulated:
+    """``position``: latitude and longitude, rad. Raises SettingError for a fault that it cannot
+    have, ValueError for a codec without a simulated board."""
+    if vehicle.codec == "auv":
+        return SimulatedVehicle(vehicle.dialect, seed, settings, position=position, heading=heading)
+    if vehicle.codec not in BOARDS:
+        raise ValueError(f"{vehicle.name}: there is no simulated board for {vehicle.codec}")
+    return SimulatedBoard(
+        vehicle.codec,
+        seed,
+        settings,
+        position=position,
+        tolerances=vehicle.tolerances,
+        wire=vehicle.wire,
+    )
+
+
+def home_of(mission: Mission) -> tuple[float, float]:
+    """Latitude and longitude, rad; that of the demonstration where the mission states none."""
+    home = mission.home
+    return (
+        HOME
+        if home is None
+        else (math.radians(home.latitude_deg), math.radians(home.longitude_deg))
+    )
