@@ -487,6 +487,24 @@ def test_a_broken_engine_is_seen(broken: Break, name: str, law: str, survey, wor
     assert found.broken[law], dict(found.broken)
 
 
+def test_a_set_of_the_same_instant_that_left_before_the_order_is_not_of_its_state() -> None:
+    """Told to end in the instant of a report after which a leg steers."""
+    from mission.verification.exhaustive.run import _judged, _played
+
+    on = ground(MISSIONS / "bottom-following.yaml", "as-built")
+    name = "autonomous/home_run , handlers acted, quiet"
+    configuration, world = next((c, w) for c, w in configurations(on) if c.name == name)
+    fork = Fork(world)
+    together = 0
+    for event in EVENTS:
+        if "end" in event.causes:
+            cell, fault = _played(configuration, event, on, fork)
+            assert list(_judged(cell, fault, Found())) == []
+            left, told = cell.frames(until=cell.world.ended_after), cell.steps[-1]
+            together += left[-1].t == told.t
+    assert together
+
+
 def test_what_leaves_the_drive_as_an_exception_is_a_violation(survey, worlds, patch) -> None:
     from mission.verification.exhaustive.run import _examine
 

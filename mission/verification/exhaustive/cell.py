@@ -84,9 +84,13 @@ class Cell:
     def sent(self) -> list[Tx]:
         return self.world.sent[self.before.sent :]
 
-    def frames(self, start: bytes = b"@") -> list[Tx]:
-        """What left for the STM32, of those that begin so."""
-        return [t for t in self.sent if t.link == "vehicle" and t.data.startswith(start)]
+    def frames(
+        self, start: bytes = b"@", since: int | None = None, until: int | None = None
+    ) -> list[Tx]:
+        """What left for the STM32, of those that begin so; ``since`` and ``until``, if not the
+        event's, count what had left in all."""
+        sent = self.world.sent[self.before.sent if since is None else since : until]
+        return [t for t in sent if t.link == "vehicle" and t.data.startswith(start)]
 
     def answers(self, start: bytes) -> list[Tx]:
         """What left for operators."""

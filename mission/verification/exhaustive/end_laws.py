@@ -65,7 +65,7 @@ def _ends_at_rest(cell: Cell) -> Verdict:
     shallow = cell.world.sea.depth < AT_SURFACE
     if cell.world.ended_in.startswith("manual") and not shallow and cell.configuration.auto:
         return wrong((cell.state not in (SURFACING, MANUAL_DRIVING), f"{cell.state}"))
-    others = [t.data for t in cell.frames(b"@Z") if t.data != X and t.t >= cell.world.ended_at]
+    others = [t.data for t in cell.frames(b"@Z", cell.world.ended_after) if t.data != X]
     return wrong(
         (bool(others), f"{others[:1]} left"),
         (shallow and not cell.world.engine.settled, f"it stays in {cell.state}"),
@@ -77,7 +77,7 @@ def _last_words(cell: Cell) -> Verdict:
     under_way = _under_way(cell, cell.world.ended_in) or _sinks_again(cell)
     if "last" not in cell.event.causes or not under_way:
         return None
-    left = [t.data for t in cell.frames(b"@Z") if t.t >= cell.world.ended_at]
+    left = [t.data for t in cell.frames(b"@Z", cell.world.ended_after)]
     return wrong(
         (cell.state != SURFACING, f"the state is {cell.state}"),
         (left != [X, U12], f"{left} left"),

@@ -22,19 +22,21 @@ _HALVES = 0.15  # s: an answer, and what is on the line
 
 
 def _sent_in(cell: Cell, state: str) -> Iterator[Tx]:
-    """What left for the vehicle while it was in this state, from the frame of its entry on."""
-    taken = [(cell.before.t, cell.configuration.state), *cell.world.states[cell.before.states :]]
-    spans = pairwise((*taken, (cell.world.now + 1.0, "")))
-    for (since, here), (until, _) in spans:
-        if here != state:
-            continue
-        left = [t for t in cell.frames() if since <= t.t < until]
-        new = since > cell.before.t or here != cell.configuration.state
-        skip = 0
-        if new:  # what left at the same instant, before the order that led here
-            first = next((i for i, t in enumerate(left) if t.data in (X, W)), 0)
-            skip = first if left and left[first].t == since else 0
-        yield from left[skip:]
+    """What left for the vehicle while it was in this state, from the frame of its entry on; by the
+    order in which it left, because another input of the same instant may have come before."""
+    world, before = cell.world, cell.before
+    taken = zip(world.left[before.states :], world.states[before.states :], strict=True)
+    spans = [(before.sent, (-1.0, cell.configuration.state)), *taken, (len(world.sent), (-1.0, ""))]
+    for (since, (t, here)), (until, _) in pairwise(spans):
+        if here == state:
+            left = cell.frames(since=since, until=until)
+            yield from left[_before_the_order(left, t) :]
+
+
+def _before_the_order(left: list[Tx], t: float) -> int:
+    """How many of what left with the input of ``t`` did so before the X or W that it led to."""
+    first = next((i for i, tx in enumerate(left) if tx.data in (X, W)), 0)
+    return first if left and left[first].t == t else 0
 
 
 def _only(cell: Cell, state: str, allowed: tuple[bytes, ...]) -> Verdict:

@@ -68,8 +68,9 @@ class World(LockStep):
         self.sent: list[Tx] = []
         self.states: list[tuple[float, str]] = [(now, self.runtime.state)]
         self.depths = [self.sea.depth]  # the true one, at each of these
+        self.left = [0]  # how many of ``sent`` had left before the input that led to each
         self.last_fix = self.last_stick = -1e9
-        self.ended_in, self.ended_at = "", now  # where and when the program was told to end
+        self.ended_in, self.ended_after = "", 0  # told to end: where, behind how many of ``sent``
         self.at_once = ""  # the state right after the first input since it was emptied
         self._owed: list[tuple[float, bytes]] = []
         self._report_due = now + _PERIOD
@@ -137,6 +138,7 @@ class World(LockStep):
         if key not in _BEGUN:
             _BEGUN[key] = Fork(World(self.vehicle, kept, self.home))
         again = _BEGUN[key].copy()
+        again.left[:] = [*self.left, *(n + len(self.sent) for n in again.left)]
         again.notes.steps[:0] = self.notes.steps
         again.sent[:0], again.states[:0] = self.sent, self.states
         again.depths[:0] = self.depths
@@ -145,7 +147,7 @@ class World(LockStep):
 
     def end(self, *, at_once: bool = False) -> None:
         """The program is to end."""
-        self.ended_in, self.ended_at = self.state, self.now
+        self.ended_in, self.ended_after = self.state, len(self.sent)
         self._take(self.runtime.end(self.now, at_once=at_once))
 
     def wait(self, seconds: float) -> None:
@@ -172,6 +174,7 @@ class World(LockStep):
     # --- what goes out -------------------------------------------------------------------------
 
     def _take(self, sent: list[Tx]) -> None:
+        before = len(self.sent)
         self.sent += sent
         for tx in sent:
             if tx.link != VEHICLE:
@@ -189,3 +192,4 @@ class World(LockStep):
         if self.states[-1][1] != self.runtime.state:
             self.states.append((self.now, self.runtime.state))
             self.depths.append(self.sea.depth)
+            self.left.append(before)
