@@ -9,7 +9,7 @@ from links import LINKS
 from links.simulated.faults import FAULTS
 from links.simulated.settings import SETTINGS
 from mission.model.units import number_text
-from mission.model.vehicle_file import RANGES, TOGETHER, Range
+from mission.model.vehicle_ranges import RANGES, TOGETHER, Range
 from mission.onboard.blackbox import KINDS
 from mission.onboard.runtime.records import INPUTS, START
 

@@ -1,32 +1,40 @@
-"""From a mission file to a chart on a vehicle, and to what the check says of it.
+"""From a mission's text to a chart on a vehicle, and to what the check says of it: the one way.
 
-    Unreadable        (the author must act; ``problems`` has every place, str shows them all)
+    text or script --language--> Draft --compiler--> Chart --check--> Report
 
-The one way in for every program that takes a mission file; the Pi, which takes lines, has its own
-in ``topside``.
+    Unreadable        (the author must act; holds every Diagnostic of every stage)
+
+What is wrong at one stage does not hide what is known of the later ones: of a text that cannot be
+read throughout, the legs that can be read are judged each by itself; of a mission that cannot be
+compiled, what refuses it whatever its legs set.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from mission.authoring.check import Report, check_mission
-from mission.authoring.compiler.compiler import CompileErrors, compile_mission
-from mission.authoring.language import MissionErrors, digest, parse, read_file
-from mission.authoring.language.problems import Problem, Problems
-from mission.model import Chart, Mission
+from mission.authoring.check import Report, before_the_proof, check_mission, check_ways, no_home
+from mission.authoring.compiler.abilities import guard_problems, own_problems
+from mission.authoring.compiler.compiler import compiled
+from mission.authoring.language import Draft, digest, draft, read_file
+from mission.model import Chart, Mission, legs_of
+from mission.model.diagnostics import Diagnosed, Diagnostic, MissionErrors, ordered, placed, whole
 from mission.model.shipped import load_vehicle, missions_folder
 from mission.model.vehicle import Vehicle, VehicleError
 
 
-class Unreadable(ValueError):
-    """There is no chart: the file cannot be read, parsed or compiled."""
+class Unreadable(Diagnosed):
+    """There is no chart: a file cannot be read, or what it says cannot be flown."""
 
-    def __init__(self, message: str, problems: tuple[Problem, ...] = ()) -> None:
-        super().__init__(message)
-        self.problems = problems
+
+@dataclass(frozen=True, slots=True)
+class Charted:
+    """``chart`` is None where something was ``found``."""
+
+    chart: Chart | None
+    found: tuple[Diagnostic, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,23 +50,49 @@ def prepare(
     path: str | Path, vehicle: str | None = None, parameters: Mapping[str, str] | None = None
 ) -> Prepared:
     """``path``: a file or a shipped mission's name. ``vehicle``: likewise; None: the one that the
-    mission names."""
+    mission names. Raises Unreadable."""
     file = mission_file(path)
     source = str(file)
     try:
         text = read_file(file)
-        mission = parse(text, source, parameters or {})
-        chosen = load_vehicle(vehicle or mission.vehicle)
-        chart = compile_mission(mission, chosen, digest(mission))
+        read = draft(text, source, parameters or {})
     except MissionErrors as error:
-        raise Unreadable(str(error), error.problems) from None
+        raise Unreadable(error.diagnostics, source) from None
+    try:
+        chosen = load_vehicle(vehicle or read.mission.vehicle)
     except VehicleError as error:
-        nowhere = Problem(0, 0, 0, "", str(error), "", "vehicle")
-        raise Unreadable(str(error), (nowhere,)) from None
-    except CompileErrors as error:
-        placed = _placed(text, source, error)
-        raise Unreadable(str(placed), placed.problems) from None
-    return Prepared(source, text, mission, chosen, chart)
+        known = error.diagnostics if vehicle or not len(read.problems) else ()
+        raise Unreadable([*known, *read.problems.found()], source) from None
+    made = charted(read, chosen)
+    if made.chart is None:
+        raise Unreadable(made.found, source)
+    return Prepared(source, text, read.mission, chosen, made.chart)
+
+
+def charted(read: Draft, vehicle: Vehicle) -> Charted:
+    """The chart of what was read, or everything that is known to be wrong with it."""
+    mission, place = read.mission, read.problems.placed
+    if len(read.problems):
+        return Charted(None, ordered([*read.problems.found(), *place(_alone(read, vehicle))]))
+    made = compiled(mission, vehicle, digest(mission))
+    if made.found or made.chart is None:
+        ways = check_ways(made.chart, vehicle) if made.chart is not None else ()
+        found = [*made.found, *before_the_proof(mission, vehicle), *ways]
+        return Charted(None, place(ordered(found)))
+    return Charted(made.chart)
+
+
+def _alone(read: Draft, vehicle: Vehicle) -> Iterator[Diagnostic]:
+    """What is known of the statements that could be read, whatever the others were to say."""
+    mission = read.mission
+    for leg in legs_of(mission.body):
+        if read.sound(leg.where):
+            yield from own_problems(replace(leg, name=leg.name or "this leg"), vehicle)
+    for handler in mission.handlers:
+        if read.sound(handler.where):
+            yield from guard_problems(handler.guard.expression, vehicle, handler.where, None)
+    if not read.says_home:
+        yield from no_home(mission)
 
 
 def mission_file(name: str | Path) -> Path:
@@ -71,11 +105,13 @@ def mission_file(name: str | Path) -> Path:
     if shipped.is_file():
         return shipped
     known = ", ".join(sorted(p.stem for p in missions_folder().glob("*.yaml")))
-    raise Unreadable(f"{path}: no such file, and no shipped mission; there are {known}")
+    message = f"{path}: no such file, and no shipped mission"
+    raise Unreadable([whole("unreadable", message, f"there are {known}")])
 
 
 def check_prepared(prepared: Prepared) -> Report:
-    return check_mission(prepared.chart, prepared.vehicle)
+    report = check_mission(prepared.chart, prepared.vehicle)
+    return replace(report, refusals=placed(report.refusals, prepared.text, prepared.source))
 
 
 def parameters_of(pairs: Iterable[str]) -> dict[str, str]:
@@ -84,18 +120,7 @@ def parameters_of(pairs: Iterable[str]) -> dict[str, str]:
     for pair in pairs:
         name, sign, value = pair.partition("=")
         if not sign or not name.strip():
-            raise Unreadable(f"--param {pair!r}: write NAME=VALUE, for instance row_length=150")
+            hint = "write NAME=VALUE, for instance row_length=150"
+            raise Unreadable([whole("parameter-value", f"--param {pair!r} sets nothing", hint)])
         found[name.strip()] = value.strip()
     return found
-
-
-def _placed(text: str, source: str, errors: CompileErrors) -> MissionErrors:
-    """The compiler's problems with the lines they stand in."""
-    problems = Problems(text, source)
-    try:
-        for p in errors.problems:
-            problems.add(p.rule, p.where, p.message, p.hint)
-        problems.complain()
-    except MissionErrors as placed:
-        return placed
-    raise AssertionError("compile errors without a problem")

@@ -24,7 +24,6 @@ def check(mission: str, vehicle: str | None, parameters: tuple[str, ...], as_jso
 
     from mission.authoring.check.show import as_object, as_text, unreadable_object
     from mission.authoring.prepare import Unreadable, check_prepared, parameters_of, prepare
-    from mission.model import Where
     from mission.model.buoyancy import doubt
 
     try:
@@ -33,14 +32,11 @@ def check(mission: str, vehicle: str | None, parameters: tuple[str, ...], as_jso
     except Unreadable as error:
         click.echo(str(error), err=True)
         if as_json:
-            problems = [
-                (p.rule, Where(p.line, p.column, p.length), p.message) for p in error.problems
-            ]
-            click.echo(json.dumps(unreadable_object(problems)))
+            click.echo(json.dumps(unreadable_object(error.diagnostics)))
         sys.exit(2)
     today = datetime.now(UTC).date()
     if prepared.vehicle.ascent_measured and (why := doubt(prepared.vehicle, today)):
         click.echo(f"{prepared.vehicle.name}: {why}", err=True)
-    text = as_text(prepared.source, report, prepared.chart.digest, prepared.text)
+    text = as_text(prepared.source, report, prepared.chart.digest)
     click.echo(json.dumps(as_object(report)) if as_json else text)
     sys.exit(0 if report.ok else 1)

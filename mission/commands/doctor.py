@@ -62,9 +62,9 @@ def doctor(config: Path | None, ask: bool, on_deck: bool, as_json: bool) -> None
 
 def _examined(config: Path | None, ask: bool) -> Iterator[Finding]:
     """What cannot be read is a fault, and the rest is as serve would begin with."""
+    from mission.model.diagnostics import Diagnosed
     from mission.model.shipped import load_vehicle
-    from mission.model.vehicle import VehicleError
-    from mission.onboard.configuration import ConfigurationError, load_configuration
+    from mission.onboard.configuration import load_configuration
     from mission.onboard.doctor.doctor import examine
     from mission.onboard.doctor.findings import fault
     from mission.onboard.rates import rated
@@ -73,8 +73,9 @@ def _examined(config: Path | None, ask: bool) -> Iterator[Finding]:
     try:
         configuration = load_configuration(config)
         vehicle = load_vehicle(configuration.vehicle)
-    except (ConfigurationError, VehicleError, ImportError) as error:
-        yield fault("configuration", str(error), _MEND)
+    except (Diagnosed, ImportError) as error:
+        said = error.brief if isinstance(error, Diagnosed) else str(error)
+        yield fault("configuration", said, _MEND)
         try:
             got = provide(config, {}, None)
         except Unusable:

@@ -60,7 +60,7 @@ def _refuse_unchecked(prepared: Prepared, force: bool) -> None:
     report = check_prepared(prepared)
     if report.ok:
         return
-    click.echo(as_text(prepared.source, report, prepared.chart.digest, prepared.text), err=True)
+    click.echo(as_text(prepared.source, report, prepared.chart.digest), err=True)
     if not force:
         click.echo("not uploaded: mend it, or take --force if you know better", err=True)
         raise SystemExit(1)

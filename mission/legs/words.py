@@ -97,9 +97,9 @@ LegClause = Measure | Spot | Choice
 
 
 class Misfit(NamedTuple):
-    """Measures that contradict each other: the rule, the word to blame, and what to write."""
+    """Measures that contradict each other: the code, the word to blame, and what to write."""
 
-    rule: str
+    code: str
     word: str
     message: str
     hint: str

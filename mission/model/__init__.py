@@ -66,11 +66,11 @@ from mission.model.texts import (
     Or,
     Place,
     Position,
-    Problem,
     Safety,
     Set,
     Setting,
     Where,
+    legs_of,
 )
 
 __all__ = [
@@ -119,7 +119,6 @@ __all__ = [
     "Outcome",
     "Place",
     "Position",
-    "Problem",
     "Reading",
     "Record",
     "Restarted",
@@ -133,4 +132,5 @@ __all__ = [
     "Verdict",
     "Vertical",
     "Where",
+    "legs_of",
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from mission.model.diagnostics import Stage, whole
 from mission.model.vehicle import Vehicle, VehicleError
 from mission.model.vehicle_file import LONGEST, read_vehicle
 
@@ -25,7 +26,11 @@ def load_vehicle(name: str | Path) -> Vehicle:
             text = file.read(LONGEST + 1)
     except FileNotFoundError:
         known = ", ".join(sorted(p.stem for p in (missions_folder() / "vehicles").glob("*.yaml")))
-        raise VehicleError(f"no vehicle file {path}; shipped ones: {known}") from None
+        raise _unreadable(f"no vehicle file {path}", f"shipped ones: {known}") from None
     except (OSError, UnicodeDecodeError) as error:
-        raise VehicleError(f"{path}: cannot be read: {error}") from error
+        raise _unreadable(f"{path}: cannot be read: {error}", "give a vehicle file") from error
     return read_vehicle(text, str(path))
+
+
+def _unreadable(message: str, hint: str) -> VehicleError:
+    return VehicleError([whole("unreadable", message, hint, Stage.VEHICLE)])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 # --- where things stand in a text -----------------------------------------------------------------
@@ -18,18 +19,6 @@ class Where:
 
 
 NOWHERE = Where(0, 0, 0)
-
-
-@dataclass(frozen=True, slots=True)
-class Problem:
-    """What the author must mend: which rule is broken, where, by which words, and what to write
-    instead. ``text`` is the offending text, "" where it is not at hand."""
-
-    rule: str  # short and stable: axis-conflict, unknown-target, no-timeout, ...
-    where: Where
-    text: str
-    message: str
-    hint: str = ""
 
 
 # --- guards ---------------------------------------------------------------------------------------
@@ -187,6 +176,15 @@ class Group:
 
 
 Node = Leg | Set | Group
+
+
+def legs_of(body: Iterable[Node]) -> Iterator[Leg]:
+    """In their order, those of the groups too."""
+    for node in body:
+        if isinstance(node, Leg):
+            yield node
+        elif isinstance(node, Group):
+            yield from legs_of(node.body)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,8 @@ from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from mission.model.diagnostics import Diagnosed
+
 # What a vehicle can report, and the axes it can follow, at all: the keys of those two tables.
 REPORTS = frozenset(
     {
@@ -30,8 +32,8 @@ STALE_AFTER = 6.0  # s: three reports missed (design: readings are three-valued)
 FOLLOWS = frozenset({"surge", "turn", "heave", "heading", "depth", "altitude", "attitude"})
 
 
-class VehicleError(ValueError):
-    """A vehicle file cannot be used; the message names file, key and remedy."""
+class VehicleError(Diagnosed):
+    """A vehicle file cannot be used."""
 
 
 @dataclass(frozen=True, slots=True)

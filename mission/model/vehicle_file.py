@@ -12,14 +12,17 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from datetime import date
 from types import MappingProxyType
 from typing import Any
 
 from yaml.nodes import MappingNode, Node, ScalarNode
 
-from mission.model.units import GEARS, UnitError, quantity, range_text
+from mission.model.diagnostics import Diagnostics, Stage
+from mission.model.likeness import suggestion
+from mission.model.texts import NOWHERE, Where
+from mission.model.units import UnitError, quantity
 from mission.model.vehicle import (
     FOLLOWS,
     REPORTS,
@@ -33,112 +36,12 @@ from mission.model.vehicle import (
     Vehicle,
     VehicleError,
 )
-from mission.model.yaml_tree import YamlFault, tree
+from mission.model.vehicle_ranges import GEAR, RANGES, TOGETHER, Range, Together
+from mission.model.yaml_tree import YamlFault, tree, where_of
 from protocol.vehicles import codec
 
 LONGEST = 1 << 16  # characters of a vehicle file
 _BOOL = {"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False}
-
-
-@dataclass(frozen=True, slots=True)
-class Range:
-    """``low``..``high`` in ``unit``; ``above``: low itself is out."""
-
-    unit: str
-    low: float
-    high: float
-    above: bool = False
-
-    def fault(self, value: float) -> str:
-        """``value`` in SI. Empty where it is within."""
-        low, high = (quantity(bound, self.unit) for bound in (self.low, self.high))
-        if (low < value if self.above else low <= value) and value <= high:
-            return ""
-        return f"out of range: {range_text(self.low, self.high, self.unit, self.above)}"
-
-
-_RISE = Range("m/s", 0.01, 10)
-_SIGMA = Range("m", 0.001, 100)
-_ANGLE = Range("deg", 0, 90)
-_LAG = Range("s", 0, 600)
-_TIME = Range("s", 0, 1e6, above=True)
-_FLOW = Range("m/s", 0, 5)
-_DRIFT = Range("m/s", -5, 5)
-_POWER = Range("W", 0, 1e5)
-_GEAR = Range("", 0, GEARS)
-_HARMONIC = Range("deg", -60, 60)
-
-# Every number of a vehicle file by its key, those of the calibration with all their words.
-RANGES: Mapping[str, Range] = MappingProxyType(
-    {
-        "limits.radius": Range("m", 1, 100_000),
-        "limits.time": Range("min", 0, 65_535, above=True),
-        "limits.depth": Range("m", 0, 11_000, above=True),
-        "limits.voltage": Range("V", 0, 1000),
-        "limits.descent_rate": _RISE,
-        "limits.roll": Range("deg", 5, 180),
-        "stale_after": Range("s", 0.1, 60),
-        "battery_scale.control": Range("", 0, 1000, above=True),
-        "battery_scale.power": Range("", 0, 1000, above=True),
-        "speed_by_gear": Range("m/s", 0, 20),
-        "dive_rate": _RISE,
-        "ascent_buoyancy": Range("m/s", -10, 10),  # of a heavy vehicle, too: it is measured
-        "ascent_thrust": _RISE,
-        "turn_rate": Range("deg/s", 0.1, 360),
-        "current": _FLOW,
-        "battery.usable": Range("Wh", 0, 1e6, above=True),
-        "battery.hotel": _POWER,
-        "battery.vertical": _POWER,
-        "thruster_power": _POWER,
-        "sensors.depth": _SIGMA,
-        "sensors.altitude": _SIGMA,
-        "sensors.heading": Range("deg", 0.01, 90),
-        "sensors.heading_bias": _ANGLE,
-        "sensors.fix": Range("m", 0.01, 1000),
-        "sensors.telemetry_period": Range("s", 0.01, 60),
-        "compass.declination": Range("deg", -180, 180),
-        "compass.bias_deg": Range("deg", -180, 180),
-        "calibration.speed_scale": Range("", 0.2, 5),
-        "calibration.speed_scale_sigma": Range("", 0.001, 1),
-        "calibration.speed_noise": _FLOW,
-        "calibration.speed_time": _TIME,
-        "calibration.surge_length": Range("m", 0, 1000, above=True),
-        "calibration.turn_slip": _LAG,
-        "calibration.turn_slip_time": _TIME,
-        "calibration.sway_noise": Range("", 0, 1),
-        "calibration.turn_loss": _LAG,
-        "calibration.deviation_sigma": _ANGLE,
-        "calibration.compass_wander": _ANGLE,
-        "calibration.compass_wander_time": _TIME,
-        "calibration.current_sigma": _FLOW,
-        "calibration.surface_drift": _FLOW,
-        "calibration.deviation.sin1": _HARMONIC,
-        "calibration.deviation.cos1": _HARMONIC,
-        "calibration.deviation.sin2": _HARMONIC,
-        "calibration.deviation.cos2": _HARMONIC,
-        "calibration.current.north": _DRIFT,
-        "calibration.current.east": _DRIFT,
-    }
-)
-
-
-@dataclass(frozen=True, slots=True)
-class Together:
-    """Two numbers of which the second must be above the first, or ``equal`` to it."""
-
-    less: str
-    more: str
-    why: str
-    equal: bool = True
-
-
-TOGETHER = (
-    Together("ascent_buoyancy", "ascent_thrust", "thrust is added to the buoyancy"),
-    Together("dive_rate", "limits.descent_rate", "each dive would be an unexplained descent",
-             equal=False),
-    Together("sensors.telemetry_period", "stale_after", "each report would be too old to believe",
-             equal=False),
-)  # fmt: skip
 
 
 _FLAGS = ("constant_batteries", "one_speed", "glides", "drives")
@@ -173,21 +76,20 @@ _MAY_LACK = (
 
 def read_vehicle(text: str, where: str) -> Vehicle:
     """Raises VehicleError with everything that is wrong, by lines."""
+    found = Diagnostics(Stage.VEHICLE, text, where, VehicleError)
     if len(text) > LONGEST:
-        raise VehicleError(f"{where}: more than {LONGEST:,} characters, which no vehicle file has")
+        message = f"more than {LONGEST:,} characters, which no vehicle file has"
+        raise found.refusal("too-long", NOWHERE, message, "give a vehicle file")
     try:
         root = tree(text)
     except YamlFault as fault:
-        raise VehicleError(f"{where}:{fault}") from None
+        raise found.refusal(*fault.said("the vehicle file")) from None
     if not isinstance(root, MappingNode):
-        raise VehicleError(f"{where}: a vehicle file is a table of keys")
-    file = _File(where, root)
+        hint = "write keys and values, for instance vehicle: auv"
+        raise found.refusal("yaml-type", Where(1, 1), "a vehicle file is a table of keys", hint)
+    file = _File(found, root)
     vehicle = _vehicle(file)
     file.complain()
-    try:
-        codec(*vehicle.speaks)
-    except ValueError as error:
-        raise VehicleError(f"{where}:{file.line('codec')}: codec: {error}") from None
     return vehicle
 
 
@@ -195,9 +97,8 @@ class _File:
     """The values of the file by their dotted keys. What is wrong is noted, and a value stands in
     for it, so that reading goes on."""
 
-    def __init__(self, where: str, root: Node) -> None:
-        self._where = where
-        self._faults: list[tuple[int, str]] = []
+    def __init__(self, found: Diagnostics, root: Node) -> None:
+        self._found = found
         self._leaves: dict[str, ScalarNode] = {}
         self._good: dict[str, float] = {}
         self._take("", root)
@@ -206,12 +107,18 @@ class _File:
         """Raises VehicleError if there is anything to complain about."""
         for pair in TOGETHER:
             self._together(pair)
-        if self._faults:
-            rows = (f"{self._where}:{line}: {message}" for line, message in sorted(self._faults))
-            raise VehicleError("\n".join(rows))
+        self._spoken()
+        self._found.complain()
 
-    def line(self, key: str) -> int:
-        return _line(self._leaves[key])
+    def _spoken(self) -> None:
+        """The codec itself says whether there is such a one, with such a dialect."""
+        if "codec" in self._leaves and "dialect" in self._leaves:
+            said = (self.text("codec"), self.text("dialect"))
+            try:
+                codec(*said, self.texts("tolerances"), wire=self.texts("wire"))
+            except ValueError as error:
+                what, _, instead = str(error).partition("; ")
+                self._says("codec", "codec", what, self._leaves["codec"], instead)
 
     def text(self, key: str) -> str:
         return self._leaves[key].value if key in self._leaves else ""
@@ -222,7 +129,8 @@ class _File:
         try:
             return date.fromisoformat(text).isoformat() if text else ""
         except ValueError:
-            self._says(key, f"{text:.40} is no day; write it as 2026-11-22", self._leaves[key])
+            node = self._leaves[key]
+            self._says(key, "number", f"{text:.40} is no day", node, "write it as 2026-11-22")
             return ""
 
     def texts(self, table: str) -> dict[str, str]:
@@ -233,7 +141,7 @@ class _File:
         if node is None:
             return False
         if node.style in ("'", '"') or node.value.lower() not in _BOOL:
-            self._says(key, f"write true or false, not {_shown(node)}", node)
+            self._says(key, "flag", f"{_shown(node)} is no flag", node, "write true or false")
         return _BOOL.get(node.value.lower(), False)
 
     def true_keys(self, table: str) -> frozenset[str]:
@@ -251,40 +159,60 @@ class _File:
     def curve(self, table: str) -> Curve:
         """By gear, from a standstill on."""
         keys = self._below(table)
-        gears = [self._value(key, _GEAR, self._gear_node(key)) for key in keys]
+        gears = [self._value(key, GEAR, self._gear_node(key)) for key in keys]
         figures = [self._value(key, RANGES[table], self._leaves[key]) for key in keys]
         rows = sorted(zip(gears, figures, strict=True))
         fault = "" if any(map(math.isnan, (*gears, *figures))) else _curve_fault(rows)
         if keys and fault:
-            self._says(table, fault, self._leaves[keys[0]])
+            hint = "write a figure for gear 0, and one for each gear that was measured"
+            self._says(table, "curve", fault, self._leaves[keys[0]], hint)
         return Curve(tuple(x for x, _ in rows), tuple(y for _, y in rows))
 
     # --- reading ----------------------------------------------------------------------------
 
     def _take(self, table: str, node: Node) -> None:
         if not isinstance(node, MappingNode):
-            self._says(table, "a table is needed", node)
+            hint = "write keys and values below it"
+            self._says(table, "yaml-type", "a table is needed", node, hint)
             return
         seen = set()
         for key, value in node.value:
             name = str(key.value) if isinstance(key, ScalarNode) else "[...]"
             if table not in _FREE and name not in _KNOWN[table]:
-                there = ", ".join(sorted(_KNOWN[table]))
-                self._says(table, f"no key {name:.40}; there are {there}", key)
+                hint = suggestion(name, sorted(_KNOWN[table]), "there are")
+                self._says(table, "unknown-word", f"no key {name:.40}", key, hint)
             elif name in seen:
-                self._says(table, f"{name:.40} appears twice; keep one of them", key)
+                self._says(table, "twice", f"{name:.40} appears twice", key, "keep one of them")
             else:
                 self._put(f"{table}.{name}" if table else name, value)
             seen.add(name)
         for name in sorted(_KNOWN.get(table, frozenset()) - seen):
             if not f"{table}.{name}".lstrip(".").startswith(_MAY_LACK):
-                self._says(table, f"the key {name} is missing", node)
+                self._says(
+                    table,
+                    "missing-word",
+                    f"the key {name} is missing",
+                    node,
+                    self._example(table, name),
+                )
+
+    @staticmethod
+    def _example(table: str, name: str) -> str:
+        row = RANGES.get(f"{table}.{name}".lstrip("."))
+        figure = f"a number of {row.unit}" if row is not None and row.unit else "what it is"
+        return f"add {name}: and {figure}; the shipped vehicle files have it"
 
     def _put(self, key: str, value: Node) -> None:
         if key in _KNOWN or key in _FREE:
             self._take(key, value)
         elif not isinstance(value, ScalarNode) or not 0 < len(value.value) <= 80:
-            self._says(key, f"one value is needed, not {_shown(value)}", value)
+            self._says(
+                key,
+                "yaml-type",
+                f"one value is needed, not {_shown(value)}",
+                value,
+                "write one value",
+            )
         else:
             self._leaves[key] = value
 
@@ -293,17 +221,21 @@ class _File:
 
     def _gear_node(self, key: str) -> ScalarNode:
         node = self._leaves[key]
-        return ScalarNode("", key.partition(".")[2], node.start_mark)
+        return ScalarNode("", key.partition(".")[2], node.start_mark, node.end_mark)
 
     def _value(self, key: str, wanted: Range, node: ScalarNode) -> float:
         try:
             value = quantity(node.value, wanted.unit)
-            fault = wanted.fault(value)
-            fault = f"{_shown(node)} is {fault}" if fault else ""
+            fault, hint = ("out of range", wanted.text) if wanted.excludes(value) else ("", "")
+            code, fault = "range", f"{_shown(node)} is {fault}" if fault else ""
         except UnitError as error:
-            value, fault = math.nan, str(error)
+            code, fault, hint = (
+                "number",
+                str(error),
+                f"write for instance {wanted.high:g} {wanted.unit}",
+            )
         if fault:
-            self._says(key, fault, node)
+            self._says(key, code, fault, node, hint)
             return math.nan
         self._good[key] = value + 0.0
         return value + 0.0
@@ -314,10 +246,12 @@ class _File:
             return
         word = "below" if pair.equal else "not above"
         node = self._leaves.get(pair.more) or self._leaves[pair.less]
-        self._says(pair.more, f"{word} {pair.less.replace('.', ': ')}: {pair.why}", node)
+        message = f"{word} {pair.less.replace('.', ': ')}: {pair.why}"
+        self._says(pair.more, "contradiction", message, node, "correct one of the two")
 
-    def _says(self, key: str, message: str, node: Node) -> None:
-        self._faults.append((_line(node), ": ".join([*filter(None, key.split(".")), message])))
+    def _says(self, key: str, code: str, message: str, node: Node, hint: str) -> None:
+        said = ": ".join([*filter(None, key.split(".")), message])
+        self._found.add(code, where_of(node), said, hint)
 
 
 def _vehicle(file: _File) -> Vehicle:
@@ -386,10 +320,6 @@ def _curve_fault(rows: list[tuple[float, float]]) -> str:
     if rows[-1][1] == 0.0:
         return "the highest gear has nothing"
     return ""
-
-
-def _line(node: Node) -> int:
-    return int(node.start_mark.line) + 1
 
 
 def _shown(node: Node) -> str:

@@ -27,16 +27,29 @@ from yaml.events import (
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from mission.model.extent import DEEPEST_YAML, NODES, STATEMENT
+from mission.model.texts import Where
 
+_DEEPEST_PLACE = 2  # tables in each other whose keys have a place
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class YamlFault(ValueError):
-    """``rule`` is yaml, too-long or too-deep; ``why`` has no place."""
+    """``code`` is yaml, too-long or too-deep; ``why`` has no place."""
 
-    def __init__(self, line: int, column: int, why: str, rule: str = "yaml") -> None:
-        super().__init__(f"{line}:{column}: {'not YAML: ' if rule == 'yaml' else ''}{why}")
-        self.line, self.column, self.why, self.rule = line, column, why, rule
+    def __init__(self, line: int, column: int, why: str, code: str = "yaml") -> None:
+        super().__init__(f"{line}:{column}: {'not YAML: ' if code == 'yaml' else ''}{why}")
+        self.line, self.column, self.why, self.code = line, column, why, code
+
+    def said(self, what: str) -> tuple[str, Where, str, str]:
+        """Code, place, message and hint; ``what`` was read, for instance "the mission"."""
+        where = Where(self.line, self.column)
+        if self.code == "yaml":
+            message = f"this is no YAML: {self.why or 'it cannot be read'}"
+            hint = "indent with blanks, and put quotes around a text that holds a colon"
+            return self.code, where, message, hint
+        deep = self.code == "too-deep"
+        hint = "does an alias hold itself?" if deep else "do aliases repeat themselves?"
+        return self.code, where, f"{what} is {self.why}", hint
 
 
 @dataclass(slots=True)
@@ -141,9 +154,8 @@ def tree(text: str) -> Node | None:
     return grown.root
 
 
-def values(text: str) -> Any:
-    """What ``yaml.safe_load`` makes of the only document. Raises YamlFault."""
-    root = tree(text)
+def values(root: Node | None) -> Any:
+    """What ``yaml.safe_load`` makes of the nodes. Raises YamlFault."""
     try:
         return None if root is None else SafeConstructor().construct_document(root)
     except yaml.MarkedYAMLError as error:
@@ -154,9 +166,30 @@ def values(text: str) -> Any:
         raise YamlFault(1, 1, f"a value cannot be read: {error!s:.80}") from None
 
 
-def _fault(event: Any, message: str, rule: str = "yaml") -> YamlFault:
+def places(
+    root: Node | None, above: tuple[str, ...] = ()
+) -> dict[tuple[str, ...], tuple[Where, Where]]:
+    """Where each key of the tables stands, by itself and those above it, and where its value."""
+    found: dict[tuple[str, ...], tuple[Where, Where]] = {}
+    for key, value in root.value if isinstance(root, MappingNode) else ():
+        if isinstance(key, ScalarNode) and len(above) < _DEEPEST_PLACE:
+            path = (*above, key.value)
+            found[path] = where_of(key), where_of(value)
+            found.update(places(value, path))
+    return found
+
+
+def where_of(node: Node) -> Where:
+    """The node's own text, up to the end of its first line."""
+    start, end = node.start_mark, node.end_mark
+    same_line = isinstance(node, ScalarNode) and start.line == end.line
+    length = end.column - start.column if same_line else 1
+    return Where(start.line + 1, start.column + 1, max(1, length))
+
+
+def _fault(event: Any, message: str, code: str = "yaml") -> YamlFault:
     mark = event.start_mark
-    return YamlFault(mark.line + 1, mark.column + 1, message, rule)
+    return YamlFault(mark.line + 1, mark.column + 1, message, code)
 
 
 def _too_deep(event: Any) -> YamlFault:

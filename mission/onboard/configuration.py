@@ -30,6 +30,8 @@ from pathlib import Path
 from reprlib import Repr
 from typing import Any
 
+from mission.model.diagnostics import Diagnosed, Diagnostics, Stage, whole
+from mission.model.texts import NOWHERE, Where
 from mission.model.units import UnitError, quantity, range_text
 from mission.onboard.kept import default_folder
 from protocol.tolerances import Tolerances, UnknownTolerance
@@ -40,8 +42,8 @@ _shortened.maxlevel = 2
 shown = _shortened.repr
 
 
-class ConfigurationError(ValueError):
-    """The configuration cannot be used; the message lists every fault in it."""
+class ConfigurationError(Diagnosed):
+    """The configuration cannot be used."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,45 +97,99 @@ def load_configuration(path: Path | None) -> Configuration:
     try:
         return parse_configuration(path.read_text(encoding="utf-8"), str(path))
     except UnicodeDecodeError as error:
-        raise ConfigurationError(f"{path}: cannot be read: it is not UTF-8") from error
+        raise _unreadable(path, "it is not UTF-8", "save it as UTF-8") from error
     except OSError as error:
-        raise ConfigurationError(f"{path}: cannot be read: {error.strerror or error}") from error
+        raise _unreadable(
+            path, error.strerror or str(error), "give a file that is there"
+        ) from error
+
+
+def _unreadable(path: Path, why: str, hint: str) -> ConfigurationError:
+    message = f"{path}: cannot be read: {why}"
+    return ConfigurationError([whole("unreadable", message, hint, Stage.CONFIGURATION)])
 
 
 def parse_configuration(text: str, where: str = "configuration") -> Configuration:
-    from mission.model.yaml_tree import YamlFault, values  # yaml: may be missing (provision)
+    """Raises ConfigurationError with everything that is wrong."""
+    # yaml: may be missing (provision)
+    from mission.model.yaml_tree import YamlFault, places, tree, values
 
+    found = Diagnostics(Stage.CONFIGURATION, text, where, ConfigurationError)
     if len(text) > LONGEST:
-        raise ConfigurationError(f"{where}: more than {LONGEST:,} characters")
+        hint = "give the configuration of serve"
+        raise found.refusal("too-long", NOWHERE, f"more than {LONGEST:,} characters", hint)
     try:
-        data = values(text)
+        root = tree(text)
+        data = values(root)
     except YamlFault as fault:
-        raise ConfigurationError(f"{where}:{fault}") from None
+        raise found.refusal(*fault.said("the configuration")) from None
     data = {} if data is None else data
     if not isinstance(data, dict):
-        raise ConfigurationError(f"{where}: a configuration is a table of keys, not {shown(data)}")
-    faults: list[str] = []
-    given = _table(data, _KEYS, faults)
-    if faults:
-        raise ConfigurationError("\n".join(f"{where}: {fault}" for fault in faults))
+        message = f"a configuration is a table of keys, not {shown(data)}"
+        raise found.refusal("yaml-type", Where(1, 1), message, "write for instance vehicle: auv")
+    given = _Tables(found, places(root)).read(data, _KEYS)
+    found.complain()
     return Configuration(**given)
 
 
-def _table(data: Mapping[Any, Any], keys: Mapping[str, Any], faults: list[str]) -> dict[str, Any]:
-    values: dict[str, Any] = {}
-    for key, value in data.items():
-        if key not in keys:
-            faults.append(f"unknown key {shown(key)}; there are {', '.join(keys)}")
-            continue
+@dataclass(frozen=True, slots=True)
+class _Tables:
+    """Reads tables key by key; ``places`` has each key, with those above it, and its value."""
+
+    found: Diagnostics
+    places: Mapping[tuple[str, ...], tuple[Where, Where]]
+
+    def read(
+        self, data: Mapping[Any, Any], keys: Mapping[str, Any], above: tuple[str, ...] = ()
+    ) -> dict[str, Any]:
+        values: dict[str, Any] = {}
+        for key, value in data.items():
+            path = (*above, str(key))
+            at_key, at_value = self.places.get(path, (Where(1, 1), Where(1, 1)))
+            if key not in keys:
+                message = ": ".join([*above, f"unknown key {shown(key)}"])
+                self.found.add("unknown-word", at_key, message, f"there are {', '.join(keys)}")
+            elif isinstance(keys[key], Mapping):
+                values[key] = self._table(value, keys[key], path, at_value)
+            else:
+                self._take(values, key, value, keys[key], path, at_value)
+        return values
+
+    def _table(
+        self, value: Any, keys: Mapping[str, Any], path: tuple[str, ...], where: Where
+    ) -> Any:
+        if isinstance(value, dict):
+            return LinkUrls(**self.read(value, keys, path))
+        message = ": ".join([*path, f"a table is needed, not {shown(value)}"])
+        self.found.add("yaml-type", where, message, f"write {{{', '.join(keys)}}}, each with a URL")
+        return None
+
+    def _take(
+        self,
+        values: dict[str, Any],
+        key: str,
+        value: Any,
+        read: Callable[[Any], Any],
+        path: tuple[str, ...],
+        where: Where,
+    ) -> None:
         try:
-            values[key] = keys[key](value)
+            values[key] = read(value)
         except (_Wrong, UnitError) as error:
-            faults.append(f"{key}: {error}")
-    return values
+            what, _, instead = str(error).partition("; ")
+            hint = instead or f"default: {_default(path)}"
+            self.found.add("value", where, ": ".join([*path, what]), hint)
+
+
+def _default(path: tuple[str, ...]) -> str:
+    value: Any = Configuration()
+    for key in path:
+        value = getattr(value, key)
+    return "nothing" if value is None else str(value)
 
 
 class _Wrong(ValueError):
-    pass
+    """Says what is wrong; behind a semicolon, what instead."""
 
 
 def _text(value: Any) -> str:
@@ -148,7 +204,7 @@ def _text_or_none(value: Any) -> str | None:
 
 def _flag(value: Any) -> bool:
     if not isinstance(value, bool):
-        raise _Wrong(f"write true or false, not {shown(value)}")
+        raise _Wrong(f"{shown(value)} is no flag; write true or false")
     return value
 
 
@@ -156,7 +212,7 @@ def _seconds(low: float, high: float) -> Callable[[Any], float]:
     def read(value: Any) -> float:
         seconds = quantity(value, "s")
         if not low <= seconds <= high:
-            raise _Wrong(f"{shown(value)} is out of range: {range_text(low, high, 's')}")
+            raise _Wrong(f"{shown(value)} is out of range; {range_text(low, high, 's')}")
         return seconds
 
     return read
@@ -168,7 +224,7 @@ def _silence(value: Any) -> float | None:
 
 def _zone(value: Any) -> str:
     if not isinstance(value, str) or not re.fullmatch(r"[+-](0\d|1[0-4]):[0-5]\d", value):
-        raise _Wrong(f'write an offset such as "+08:00", in quotes, not {shown(value)}')
+        raise _Wrong(f'{shown(value)} is no offset; write one such as "+08:00", in quotes')
     return value
 
 
@@ -187,21 +243,11 @@ def _tolerances(value: Any) -> Mapping[str, str]:
     return found
 
 
-def _links(value: Any) -> LinkUrls:
-    if not isinstance(value, dict):
-        raise _Wrong(f"a table is needed, not {shown(value)}")
-    faults: list[str] = []
-    required = {"vehicle", "topside"}
-    keys = {f.name: _text if f.name in required else _text_or_none for f in fields(LinkUrls)}
-    values = _table(value, keys, faults)
-    if faults:
-        raise _Wrong("; ".join(faults))
-    return LinkUrls(**values)
-
-
+_REQUIRED = {"vehicle", "topside"}
+_LINK_KEYS = {f.name: _text if f.name in _REQUIRED else _text_or_none for f in fields(LinkUrls)}
 _KEYS = {
     "vehicle": _text,
-    "links": _links,
+    "links": _LINK_KEYS,
     "folder": _folder,
     "time_zone": _zone,
     "answer_no": _flag,

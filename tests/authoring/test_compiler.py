@@ -12,7 +12,7 @@ from engine_world import VEHICLE, compiled, leg, mission, sets, when
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mission.authoring.compiler.compiler import CompileErrors
+from mission.authoring.compiler.compiler import MissionErrors
 from mission.legs import LEGS, Goto, Hold, Surface, Wait, Yoyo
 from mission.model import (
     AUTONOMOUS,
@@ -34,9 +34,9 @@ HELD = sets(surge=0.5, heading=1.0, depth=5.0)
 
 
 def rules(*body, vehicle=VEHICLE, **more) -> list[str]:
-    with pytest.raises(CompileErrors) as caught:
+    with pytest.raises(MissionErrors) as caught:
         compiled(mission(*body, **more), vehicle)
-    return [p.rule for p in caught.value.problems]
+    return [p.code for p in caught.value.diagnostics]
 
 
 def targets(chart, source: str, by: By) -> list[tuple[tuple[Loop, ...], str]]:
@@ -167,10 +167,10 @@ def test_two_ways_in_with_different_values_name_the_axis_and_the_line():
         leg("b", when("depth", ">", 1), settings=sets(depth=9.0)),
         Leg("c", Hold(), sets(heading=3.0), timeout=60.0, where=Where(7, 1)),
     )
-    with pytest.raises(CompileErrors) as caught:
+    with pytest.raises(MissionErrors) as caught:
         compiled(mission(*body))
-    (problem,) = caught.value.problems
-    assert problem.rule == "axis-conflict"
+    (problem,) = caught.value.diagnostics
+    assert problem.code == "axis-conflict"
     assert problem.where == Where(7, 1)
     assert "depth, altitude or heave" in problem.message
     assert "depth 5" in problem.message
@@ -287,8 +287,8 @@ def test_axes_agree_with_a_walk_along_every_way(one):
 def _try(one):
     try:
         return compiled(one), set()
-    except CompileErrors as error:
-        return None, {p.rule for p in error.problems}
+    except MissionErrors as error:
+        return None, {p.code for p in error.diagnostics}
 
 
 def _legs(one):
@@ -317,9 +317,9 @@ def test_a_leg_without_a_bound_by_time_is_refused():
 
 
 def test_an_unknown_target_gets_the_nearest_known_name():
-    with pytest.raises(CompileErrors) as caught:
+    with pytest.raises(MissionErrors) as caught:
         compiled(mission(leg("home_run"), leg("a", when("depth", ">", 1, "home_rum"))))
-    assert "home_run" in caught.value.problems[0].hint
+    assert "home_run" in caught.value.diagnostics[0].hint
 
 
 def test_a_name_that_several_legs_have_must_be_written_with_its_path():
@@ -398,9 +398,9 @@ def test_all_problems_are_told_at_once_in_the_order_of_the_text():
         replace(leg("b", settings=sets(pitch=1.0)), where=Where(2, 1)),
         replace(leg("c", kind=Yoyo(5.0, 2.0, 1), settings=()), where=Where(9, 1)),
     )
-    with pytest.raises(CompileErrors) as caught:
+    with pytest.raises(MissionErrors) as caught:
         compiled(mission(*body))
-    lines = [p.where.line for p in caught.value.problems]
+    lines = [p.where.line for p in caught.value.diagnostics]
     assert lines == sorted(lines)
     assert {2, 3, 9} <= set(lines)
 

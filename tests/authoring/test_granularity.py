@@ -10,7 +10,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from mission.authoring.check import check_mission
-from mission.authoring.compiler.compiler import CompileErrors
+from mission.authoring.compiler.compiler import MissionErrors
 from mission.authoring.compiler.granularity import rounded
 from mission.authoring.language import parse
 from mission.authoring.prepare import Unreadable, prepare
@@ -23,9 +23,9 @@ HELD = sets(surge=0.5, heading=1.0, depth=5.0)
 
 
 def problems(*body) -> list[tuple[str, str, str]]:
-    with pytest.raises(CompileErrors) as caught:
+    with pytest.raises(MissionErrors) as caught:
         compiled(mission(*body))
-    return [(p.rule, p.message, p.hint) for p in caught.value.problems]
+    return [(p.code, p.message, p.hint) for p in caught.value.diagnostics]
 
 
 def assumed(text: str) -> list[str]:
@@ -58,8 +58,8 @@ def test_it_stands_where_the_author_wrote_it(tmp_path):
     file.write_text("mission: m\nlegs:\n  - a: {depth: 4.5 m, heading: 90, gear: 4, for: 20 s}\n")
     with pytest.raises(Unreadable) as caught:
         prepare(file)
-    (problem,) = caught.value.problems
-    assert (problem.line, problem.offending) == (3, "depth")
+    (problem,) = caught.value.diagnostics
+    assert (problem.where.line, problem.offending) == (3, "depth")
 
 
 def test_a_kept_value_is_complained_of_once_and_a_stated_one_each_time():
@@ -70,9 +70,9 @@ def test_a_kept_value_is_complained_of_once_and_a_stated_one_each_time():
     )
     assert len(problems(*body)) == 1
     again = parse("a: depth 4.5 heading 0 gear 4 for 5\nb: depth 5 for 5\nc: depth 4.5 for 5\n")
-    with pytest.raises(CompileErrors) as caught:
+    with pytest.raises(MissionErrors) as caught:
         compiled(again)
-    assert [p.where.line for p in caught.value.problems] == [1, 3]
+    assert [p.where.line for p in caught.value.diagnostics] == [1, 3]
 
 
 def test_what_the_sensor_cannot_tell_apart_is_stated_by_the_check():

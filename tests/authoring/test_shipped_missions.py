@@ -64,7 +64,7 @@ def test_a_name_that_is_neither_says_which_missions_there_are(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     with pytest.raises(
-        Unreadable, match=r"first-dve: no such file.*first-dive, float-test, harbour-survey"
+        Unreadable, match=r"first-dve: no such file.*\n.*first-dive, float-test, harbour-survey"
     ):
         prepare("first-dve")
     with pytest.raises(Unreadable, match=r"first-dive\.yaml: cannot be read: No such file"):

@@ -16,7 +16,7 @@ from click.testing import CliRunner
 
 from mission.analysis.replay.replay import replay
 from mission.authoring.check import check_mission
-from mission.authoring.compiler.compiler import CompileErrors, compile_mission
+from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.diff.changes import changes
 from mission.authoring.graph.formats import FORMATS
 from mission.authoring.graph.outline import outline
@@ -143,7 +143,7 @@ def test_what_is_wrong_with_it_is_said_in_its_words(leg: str, rule: str, says: s
     with pytest.raises(MissionErrors) as caught:
         mission(leg)
     assert says in str(caught.value)
-    assert rule in {problem.rule for problem in caught.value.problems}
+    assert rule in {problem.code for problem in caught.value.diagnostics}
 
 
 def test_it_is_in_the_schema_and_its_yaml_fits() -> None:
@@ -159,8 +159,8 @@ def test_it_is_compiled_and_checked() -> None:
     report = check_mission(chart(), VEHICLE)
     assert report.ok, report.refusals
     far = "a: weave 90 sway 20 each 60 gear 12 timeout 20min"
-    assert {r.rule for r in check_mission(chart(far), VEHICLE).refusals} == {"radius"}
-    with pytest.raises(CompileErrors, match="nobody weaves"):
+    assert {r.code for r in check_mission(chart(far), VEHICLE).refusals} == {"radius"}
+    with pytest.raises(MissionErrors, match="nobody weaves"):
         chart("a: weave 100 sway 20 gear 6 timeout 60")
 
 
@@ -169,7 +169,7 @@ def test_what_its_row_does_not_bound_the_check_takes_for_unbounded() -> None:
     plunge = LegType("plunge", Plunge, "down", begin=Weaver, steers=frozenset({Axis.VERTICAL}))
     with LEGS.registered(plunge):
         asked = chart("a: plunge heading 0 gear 0 timeout 9min")
-        assert {r.rule for r in check_mission(asked, VEHICLE).refusals} == {"depth"}
+        assert {r.code for r in check_mission(asked, VEHICLE).refusals} == {"depth"}
 
 
 @pytest.mark.parametrize("suffix", [".svg", ".html", ".mmd", ".dot", ".json", ".scxml"])

@@ -120,7 +120,7 @@ def test_a_heavy_vehicle_passes_no_check_and_starts_no_mission() -> None:
     for rate in (0.0, -0.1):
         vehicle = replace(VEHICLE, ascent_buoyancy=rate, ascent_measured="2026-11-22")
         report = check_mission(chart, vehicle)
-        assert [r.rule for r in report.refusals] == ["heavy"]
+        assert [r.code for r in report.refusals] == ["heavy"]
         assert f"{rate:g} m/s, measured 2026-11-22" in report.refusals[0].message
         world = World(flown(leg("a")), vehicle=vehicle)
         world.tell(world.report(), world.fix())
@@ -181,5 +181,7 @@ def test_doctor_asks_nothing_of_what_drives_on_the_ground() -> None:
 def test_a_day_that_is_none_is_refused_with_its_line(tmp_path: Path) -> None:
     mine = tmp_path / "mine.yaml"
     mine.write_text(measured(0.2, "22.11.2026"))
-    with pytest.raises(VehicleError, match=r"mine.yaml:\d+: ascent_measured: 22.11.2026 is no day"):
+    with pytest.raises(
+        VehicleError, match=r"mine.yaml:\d+:\d+: ascent_measured: 22.11.2026 is no day"
+    ):
         load_vehicle(mine)

@@ -9,11 +9,13 @@ from pathlib import Path
 import pytest
 
 from mission.authoring.check import check_mission
-from mission.authoring.compiler.compiler import CompileErrors, compile_mission
+from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, load
+from mission.model.diagnostics import MissionErrors
 from mission.model.shipped import load_vehicle, missions_folder
 from mission.model.vehicle import FOLLOWS, REPORTS, VehicleError
-from mission.model.vehicle_file import RANGES, TOGETHER, read_vehicle
+from mission.model.vehicle_file import read_vehicle
+from mission.model.vehicle_ranges import RANGES, TOGETHER
 
 SHIPPED = sorted((missions_folder() / "vehicles").glob("*.yaml"))
 AUV = (missions_folder() / "vehicles" / "auv.yaml").read_text(encoding="utf-8")
@@ -40,8 +42,12 @@ def test_a_shipped_file_says_of_every_sensor_and_axis_whether_it_is_there(path: 
     ("old", "new", "named"),
     [
         ("dive_rate: 0.35", "diverate: 0.35", "diverate"),
-        ("  voltage: 10 V", "  volts: 10 V", "limits: no key volts; there are depth"),
-        ("  leak: false", "  leek: true", "reports: no key leek; there are altitude"),
+        (
+            "  voltage: 10 V",
+            "  volts: 10 V",
+            r"limits: no key volts .*\n.*\n.*\n +did you mean voltage",
+        ),
+        ("  leak: false", "  leek: true", r"reports: no key leek .*\n.*\n.*\n +did you mean leak"),
         ("  attitude: false", "  yaw: true", "follows: no key yaw"),
         ("bias_deg: 0.0", "bias: 0.0", "compass: no key bias"),
         ("power: 1.0}", "thrusters: 1.0}", "battery_scale: no key thrusters"),
@@ -60,7 +66,11 @@ def test_a_key_nobody_knows_is_refused_with_those_there_are(
 @pytest.mark.parametrize(
     ("old", "new", "named"),
     [
-        ("codec: auv", "codec: submarine", "codec: no vehicle 'submarine'; there are: auv"),
+        (
+            "codec: auv",
+            "codec: submarine",
+            r"codec: no vehicle 'submarine' .*\n.*\n.*\n +there are: auv",
+        ),
         ("dialect: as-built ", "dialect: spoken ", "codec: no dialect 'spoken' of auv"),
         ("tolerances: {}", "tolerances: {sd: on}", "codec: no tolerance 'sd'"),
     ],
@@ -76,7 +86,9 @@ def test_a_dialect_belongs_to_its_codec(tmp_path: Path) -> None:
     rov = (missions_folder() / "vehicles" / "rov.yaml").read_text(encoding="utf-8")
     path = tmp_path / "rov.yaml"
     path.write_text(rov.replace("dialect: documented", "dialect: as-built"), encoding="utf-8")
-    with pytest.raises(VehicleError, match="no dialect 'as-built' of rov; there are: documented"):
+    with pytest.raises(
+        VehicleError, match=r"no dialect 'as-built' of rov .*\n.*\n.*\n +there are: documented"
+    ):
         load_vehicle(path)
 
 
@@ -101,11 +113,11 @@ def test_a_number_beyond_its_range_is_refused_with_its_line_and_the_range(key: s
     row = RANGES[key]
     for value in (row.low - 1e-3 if not row.above else row.low, row.high * 1.001, 1e300):
         with pytest.raises(
-            VehicleError, match=rf"^f.yaml:\d+: .*{key.rpartition('.')[2]}: .* out of range"
+            VehicleError, match=rf"^f.yaml:\d+:\d+: .*{key.rpartition('.')[2]}: .* out of range"
         ):
             read_vehicle(with_number(key, f"{value!r} {row.unit}"), "f.yaml")
     for value in ("nan", "1e400", "", "five", "3 fathom", "[1]"):
-        with pytest.raises(VehicleError, match=rf"^f.yaml:\d+: .*{key.rpartition('.')[2]}: "):
+        with pytest.raises(VehicleError, match=rf"^f.yaml:\d+:\d+: .*{key.rpartition('.')[2]}: "):
             read_vehicle(with_number(key, value), "f.yaml")
 
 
@@ -145,10 +157,13 @@ def test_all_mistakes_of_a_vehicle_file_are_told_at_once_by_their_lines() -> Non
     text = text.replace("turn_rate: 12 deg/s", "tern_rate: 12").replace("hotel: 35", "hotel: 1e9")
     with pytest.raises(VehicleError) as caught:
         read_vehicle(text, "f.yaml")
-    rows = str(caught.value).splitlines()
-    assert len(rows) == 5
-    lines = [int(row.split(":")[1]) for row in rows]
+    found = caught.value.diagnostics
+    assert len(found) == 5
+    assert all(d.file == "f.yaml" and d.code and d.hint for d in found)
+    lines = [d.where.line for d in found]
     assert lines == sorted(lines)
+    assert all(d.text == text.split("\n")[d.where.line - 1] for d in found)
+    rows = [d.message for d in found]
     for word in ("dive_rate", "leak", "tern_rate", "turn_rate is missing", "hotel"):
         assert any(word in row for row in rows)
 
@@ -164,5 +179,5 @@ def test_a_vehicle_file_with_a_number_spoilt_is_refused_or_is_checked_against() 
         try:
             vehicle = read_vehicle(text[: number.start()] + new + text[number.end() :], "f.yaml")
             check_mission(compile_mission(mission, vehicle, digest(mission)), vehicle)
-        except (VehicleError, CompileErrors):
+        except (VehicleError, MissionErrors):
             continue

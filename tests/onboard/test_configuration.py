@@ -52,11 +52,20 @@ def test_all_faults_are_told_at_once_with_file_and_key() -> None:
             "vehicel: auv\nmanual_for: -1\nanswer_no: maybe\ntime_zone: 8\nlinks: {vehicle: 3, x: 1}",
             "serve.yaml",
         )
-    lines = str(caught.value).splitlines()
-    assert len(lines) == 5
-    assert all(line.startswith("serve.yaml: ") for line in lines)
-    for word in ("vehicel", "manual_for", "answer_no", "time_zone", "links"):
-        assert any(word in line for line in lines)
+    found = caught.value.diagnostics
+    places = [(d.where.line, d.where.column, d.offending) for d in found]
+    assert places == [
+        (1, 1, "vehicel"),
+        (2, 13, "-1"),
+        (3, 12, "maybe"),
+        (4, 12, "8"),
+        (5, 18, "3"),
+        (5, 21, "x"),
+    ]
+    assert all(d.file == "serve.yaml" and d.code and d.hint for d in found)
+    words = ("vehicel", "manual_for", "answer_no", "time_zone", "links: vehicle", "links")
+    for word, diagnostic in zip(words, found, strict=True):
+        assert word in diagnostic.message
 
 
 @pytest.mark.parametrize("text", ["- a\n", "a: [", "3"])
@@ -72,7 +81,7 @@ def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
 
 def test_a_tolerance_that_does_not_exist_is_told_before_anything_begins() -> None:
     with pytest.raises(
-        ConfigurationError, match=r"serve.yaml: tolerances: .*'nope'.*aw_zero_based"
+        ConfigurationError, match=r"serve.yaml:1:13: tolerances: .*'nope'(.|\n)*aw_zero_based"
     ):
         parse_configuration("tolerances: {nope: 3}", "serve.yaml")
 
@@ -80,13 +89,18 @@ def test_a_tolerance_that_does_not_exist_is_told_before_anything_begins() -> Non
 def test_a_link_that_is_wrong_is_named_by_its_key() -> None:
     with pytest.raises(ConfigurationError) as caught:
         parse_configuration("links: {gps: 3}", "serve.yaml")
-    assert str(caught.value) == "serve.yaml: links: gps: a text is needed, not 3"
+    (found,) = caught.value.diagnostics
+    assert found.brief == (
+        "serve.yaml:1:14: links: gps: a text is needed, not 3; default: serial:///dev/ttyUSB0"
+    )
 
 
 def test_what_is_no_yaml_is_told_in_one_line_with_its_place(tmp_path: Path) -> None:
-    with pytest.raises(ConfigurationError, match=r"^serve.yaml:2:1: not YAML: .*'\]'") as caught:
+    with pytest.raises(
+        ConfigurationError, match=r"^serve.yaml:2:1: this is no YAML: .*'\]'"
+    ) as caught:
         parse_configuration("links: [a, b\n", "serve.yaml")
-    assert "\n" not in str(caught.value)
+    assert "\n" not in caught.value.brief
     (tmp_path / "latin.yaml").write_bytes(b"folder: \xe9")
     with pytest.raises(ConfigurationError, match="cannot be read: it is not UTF-8"):
         load_configuration(tmp_path / "latin.yaml")
@@ -116,5 +130,5 @@ def test_serve_does_not_begin_with_a_wrong_configuration_and_calls_it_a_fault(
     path.write_text("tolerances: {nope: 3}\n")
     ran = CliRunner().invoke(serve, ["--config", str(path), "--folder", str(tmp_path / "pi")])
     assert ran.exit_code == 2
-    assert f" fault   {path}: tolerances: " in ran.stderr
+    assert f" fault   {path}:1:13: tolerances: " in ran.stderr
     assert not (tmp_path / "pi").exists()

@@ -175,7 +175,7 @@ def refusal(folder: Path, vehicle: str, legs: str) -> list[tuple[str, int, str]]
     text = f"mission m vehicle {vehicle}\nstart without fix\n{legs}\n"
     with pytest.raises(Unreadable) as caught:
         prepared(folder, text)
-    return [(p.rule, p.line, p.message) for p in caught.value.problems]
+    return [(p.code, p.where.line, p.message) for p in caught.value.diagnostics]
 
 
 @pytest.mark.parametrize(

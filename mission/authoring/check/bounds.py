@@ -58,11 +58,12 @@ _AFLOAT: Interval = (0.0, 0.5)  # m (R7)
 
 @dataclass(frozen=True, slots=True)
 class Trail:
-    """How the worst time came about: the last leg, how it was left, and the trail before it."""
+    """How a worst figure came about: the last leg, how it was left, and the trail before it."""
 
     leg: str
     by: By
-    time: float
+    time: float  # s
+    energy: float  # J
     before: Trail | None
 
 
@@ -88,7 +89,8 @@ class Bounds(NamedTuple):
     ahead: float = math.inf  # m from home, the place that it steers to; inf where it does not
     rises_to: float = math.inf  # m deep: what was asked for last lets it rise so far
     blind: float = 0.0  # m deep at most, the truth, where the sensor of a hold fails unseen
-    trail: Trail | None = None
+    trail: Trail | None = None  # of the time
+    spent: Trail | None = None  # of the energy
 
     @staticmethod
     def start(within: float, fix: float, depth: float) -> Bounds:
@@ -118,6 +120,7 @@ class Bounds(NamedTuple):
             rises_to=min(self.rises_to, other.rises_to),
             blind=max(self.blind, other.blind),
             trail=later.trail,
+            spent=(self if self.energy >= other.energy else other).spent,
         )
 
 
@@ -187,7 +190,8 @@ class LegBounds:
             ahead=math.inf,
             rises_to=self._rises_to(),
             blind=self._blind(entry, time),
-            trail=Trail(self.path, by, time, entry.trail),
+            trail=Trail(self.path, by, time, time * self.power, entry.trail),
+            spent=Trail(self.path, by, time, time * self.power, entry.spent),
         )
         if self.ascends:
             return self._surfaced(after, time, by)
@@ -228,6 +232,7 @@ class LegBounds:
             time=after.time,
             energy=after.energy,
             trail=after.trail,
+            spent=after.spent,
             north=north,
             east=east,
             fixed_north=north,

@@ -209,13 +209,15 @@ class Flow:
         time = ascent_time(bounds.depth[1], self.vehicle)
         drift = self.assume.current * time
         battery = self.vehicle.battery
+        energy = time * (battery.hotel + battery.vertical)
         bounds = goes_on(bounds, self.vehicle)
         up = bounds._replace(
             time=bounds.time + time,
-            energy=bounds.energy + time * (battery.hotel + battery.vertical),
+            energy=bounds.energy + energy,
             range=bounds.range + drift,
             error=bounds.error + drift,
-            trail=Trail(IMPLICIT_SURFACE, By.END, time, bounds.trail),
+            trail=Trail(IMPLICIT_SURFACE, By.END, time, energy, bounds.trail),
+            spent=Trail(IMPLICIT_SURFACE, By.END, time, energy, bounds.spent),
         )
         self._note(path, up)
         worst = self.proof.worst
@@ -237,10 +239,10 @@ def _merge(table: dict[K, Bounds], key: K, bounds: Bounds) -> None:
     table[key] = bounds if here is None else here.join(bounds)
 
 
-def trail(bounds: Bounds | None) -> Iterable[Trail]:
+def trail(last: Trail | None) -> Iterable[Trail]:
     """From the start on."""
     steps = []
-    at = bounds.trail if bounds else None
+    at = last
     while at is not None:
         steps.append(at)
         at = at.before

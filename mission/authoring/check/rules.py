@@ -22,8 +22,9 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from mission.authoring.check import remedy
 from mission.authoring.check.assumptions import SPEED_SHARE, Assumptions
-from mission.authoring.check.bounds import Bounds, LegBounds
+from mission.authoring.check.bounds import Bounds, LegBounds, Trail
 from mission.authoring.check.flow import Flow, Proof, TooLongError, trail
 from mission.authoring.check.places import places_named
 from mission.authoring.compiler.granularity import rounded
@@ -39,28 +40,21 @@ from mission.model import (
     Comparison,
     Expression,
     Guard,
+    Mission,
     Not,
     Or,
     Position,
     State,
     Where,
     buoyancy,
+    legs_of,
 )
+from mission.model.diagnostics import Diagnostic, Stage
 from mission.model.vehicle import Vehicle
 from mission.navigation.geodesy import LocalFrame
 from protocol.messages import SetSafety
 
 PATH_STEPS = 12  # of a counterexample; what lies between is told by its number
-
-
-@dataclass(frozen=True, slots=True)
-class Refusal:
-    """``path`` is the counterexample where one matters: leg, how it was left, after how long."""
-
-    rule: str
-    where: Where
-    message: str
-    path: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +73,7 @@ class Proved:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    refusals: tuple[Refusal, ...]
+    refusals: tuple[Diagnostic, ...]
     proved: Proved | None
     assumed: tuple[str, ...]
 
@@ -93,13 +87,46 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     mission = chart.mission
     limits = envelope.in_force(vehicle, mission.safety, SetSafety())
     assume = Assumptions.of(mission, vehicle, limits.depth)
-    frame = LocalFrame(mission.home) if mission.home else None
-    early = [*_heavy(chart, vehicle), *_no_bound(chart), *_no_home(chart)]
+    early = [*_heavy(mission, vehicle), *_no_bound(chart), *no_home(mission)]
     unbounded = bool(early)
     early += _unknowable(chart, vehicle)
     if unbounded:
         return Report(tuple(early), None, tuple(_assumed(chart, vehicle, assume, False)))
-    flow = Flow(
+    flow = _flow(chart, vehicle, assume, limits)
+    try:
+        proof = flow.walk(_start(vehicle, assume))
+    except TooLongError:
+        message = f"more than {flow.proof.walked - 1} legs are flown in the worst case"
+        refusals = (*early, _refused("too-long", mission.where, message, "repeat less"))
+        return Report(refusals, None, tuple(_assumed(chart, vehicle, assume, False)))
+    found = [*early, *_ways(chart, proof), *_bounds(chart, vehicle, proof, limits, assume)]
+    floor = any(leg.leans_on_floor for leg in flow.legs.values())
+    assumed = tuple(_assumed(chart, vehicle, assume, floor))
+    return Report(tuple(found), _proved(proof, chart, vehicle), assumed)
+
+
+def before_the_proof(mission: Mission, vehicle: Vehicle) -> Iterator[Diagnostic]:
+    """What refuses it whatever its legs set and wherever they lead."""
+    yield from _heavy(mission, vehicle)
+    yield from no_home(mission)
+
+
+def check_ways(chart: Chart, vehicle: Vehicle) -> Iterator[Diagnostic]:
+    """What is wrong with the ways of a chart that is not whole: nothing that rests on figures."""
+    limits = envelope.in_force(vehicle, chart.mission.safety, SetSafety())
+    assume = Assumptions.of(chart.mission, vehicle, limits.depth)
+    if any(_no_bound(chart)):
+        return
+    try:
+        proof = _flow(chart, vehicle, assume, limits).walk(_start(vehicle, assume))
+    except TooLongError:
+        return
+    yield from _ways(chart, proof)
+
+
+def _flow(chart: Chart, vehicle: Vehicle, assume: Assumptions, limits: envelope.Bounds) -> Flow:
+    frame = LocalFrame(chart.mission.home) if chart.mission.home else None
+    return Flow(
         chart,
         vehicle,
         assume,
@@ -107,16 +134,16 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
         radius=limits.radius,
         depth=limits.depth + DEPTH_MARGIN,
     )
-    try:
-        proof = flow.walk(Bounds.start(assume.start, 2.0 * vehicle.sensors.fix, assume.depth))
-    except TooLongError:
-        message = f"more than {flow.proof.walked - 1} legs are flown in the worst case; repeat less"
-        refusals = (*early, Refusal("too-long", mission.where, message))
-        return Report(refusals, None, tuple(_assumed(chart, vehicle, assume, False)))
-    found = [*early, *_ways(chart, proof), *_bounds(chart, vehicle, proof, limits)]
-    floor = any(leg.leans_on_floor for leg in flow.legs.values())
-    assumed = tuple(_assumed(chart, vehicle, assume, floor))
-    return Report(tuple(found), _proved(proof, chart, vehicle), assumed)
+
+
+def _start(vehicle: Vehicle, assume: Assumptions) -> Bounds:
+    return Bounds.start(assume.start, 2.0 * vehicle.sensors.fix, assume.depth)
+
+
+def _refused(
+    code: str, where: Where, message: str, hint: str = "", path: tuple[str, ...] = ()
+) -> Diagnostic:
+    return Diagnostic(Stage.CHECK, code, where, message, hint, path)
 
 
 # --- rules ------------------------------------------------------------------------------
@@ -130,32 +157,30 @@ def _name(path: str) -> str:
     return path.removeprefix(AUTONOMOUS + "/")
 
 
-def _heavy(chart: Chart, vehicle: Vehicle) -> Iterator[Refusal]:
+def _heavy(mission: Mission, vehicle: Vehicle) -> Iterator[Diagnostic]:
     if why := buoyancy.heavy(vehicle):
-        yield Refusal("heavy", chart.mission.where, why)
+        message, _, hint = why.partition("; ")
+        yield _refused("heavy", mission.where, message, hint)
 
 
-def _no_bound(chart: Chart) -> Iterator[Refusal]:
+def _no_bound(chart: Chart) -> Iterator[Diagnostic]:
     for state in _legs(chart):
         leg = state.leg
         assert leg is not None
         if leg.duration is None and leg.timeout is None:
-            message = f"{_name(state.path)} has no clock to end it; add for or timeout"
-            yield Refusal("no-bound", leg.where, message)
+            message = f"{_name(state.path)} has no clock to end it"
+            yield _refused("no-bound", leg.where, message, "add for or timeout")
 
 
-def _no_home(chart: Chart) -> Iterator[Refusal]:
+def no_home(mission: Mission) -> Iterator[Diagnostic]:
     """How far a position is from a home that the first fixes will tell cannot be proved."""
-    if chart.mission.home is not None:
-        return
-    for state in _legs(chart):
-        assert state.leg is not None
-        if any(isinstance(place, Position) for place in places_named(state.leg.kind)):
+    for leg in () if mission.home is not None else legs_of(mission.body):
+        if any(isinstance(place, Position) for place in places_named(leg.kind)):
             message = (
-                f"{_name(state.path)} names a latitude and longitude, but the mission names no "
-                "home to measure from; add home, or write north .. east .."
+                f"{leg.name or 'this leg'} names a latitude and longitude, but the mission names "
+                "no home to measure from"
             )
-            yield Refusal("no-home", state.leg.where, message)
+            yield _refused("no-home", leg.where, message, "add home, or write north .. east ..")
 
 
 def _variables(expression: Expression) -> Iterator[Comparison]:
@@ -185,7 +210,7 @@ def _known(guard: Guard | Expression, vehicle: Vehicle) -> bool:
             return any(_known(o, vehicle) for o in operands)
 
 
-def _unknowable(chart: Chart, vehicle: Vehicle) -> Iterator[Refusal]:
+def _unknowable(chart: Chart, vehicle: Vehicle) -> Iterator[Diagnostic]:
     seen = set()
     for edge in chart.edges:
         if edge.guard is None or edge.where in seen or _known(edge.guard, vehicle):
@@ -193,69 +218,112 @@ def _unknowable(chart: Chart, vehicle: Vehicle) -> Iterator[Refusal]:
         seen.add(edge.where)
         names = sorted({c.variable for c in _variables(edge.guard.expression)})
         message = f"{vehicle.name} never reports what this guard needs ({', '.join(names)})"
-        yield Refusal("unknowable", edge.where, message)
+        yield _refused("unknowable", edge.where, message, "ask what this vehicle reports")
 
 
-def _ways(chart: Chart, proof: Proof) -> Iterator[Refusal]:
+def _ways(chart: Chart, proof: Proof) -> Iterator[Diagnostic]:
     for child, edge in proof.backward.items():
         way = (f"{_name(edge.source)} ({edge.by.value})", _name(edge.target))
         where = edge.where if edge.where.line else _where(chart, edge.source)
         clocked = edge.by in (By.TIMEOUT, By.FOR, By.ELSE)
-        rule = "no-way-up" if clocked else "endless"
-        message = (
-            f"{_name(child)} leads back to {_name(edge.target)}, without end"
-            + (": clocks alone never lead to the surface" if clocked else "")
-            + "; use repeat for rounds, and lead on with the exit"
+        code = "no-way-up" if clocked else "endless"
+        message = f"{_name(child)} leads back to {_name(edge.target)}, without end" + (
+            ": clocks alone never lead to the surface" if clocked else ""
         )
-        yield Refusal(rule, where, message, way)
+        hint = "use repeat for rounds, and lead on with the exit"
+        yield _refused(code, where, message, hint, way)
     for state in _legs(chart):
         if state.path not in proof.reached:
             assert state.leg is not None
             message = f"no way leads to {_name(state.path)}"
-            yield Refusal("unreachable", state.leg.where, message)
+            hint = f"lead there with -> {state.leg.name}, or take it out"
+            yield _refused("unreachable", state.leg.where, message, hint)
 
 
 def _bounds(
-    chart: Chart, vehicle: Vehicle, proof: Proof, limits: envelope.Bounds
-) -> Iterator[Refusal]:
+    chart: Chart,
+    vehicle: Vehicle,
+    proof: Proof,
+    limits: envelope.Bounds,
+    assume: Assumptions,
+) -> Iterator[Diagnostic]:
     worst = proof.worst
     mission = chart.mission
+
+    def again(changed: Chart) -> Proof:
+        return _flow(changed, vehicle, assume, limits).walk(_start(vehicle, assume))
+
     if proof.end is None or worst is None:
         if not proof.backward:
-            yield Refusal("no-way-up", mission.where, "no way leads to the end of the mission")
+            message, hint = "no way leads to the end of the mission", "let the last leg end"
+            yield _refused("no-way-up", mission.where, message, hint)
         return
     if worst.time > limits.time:
         message = (
             f"the worst case takes {_minutes(worst.time)}, the ascent included; "
             f"the safety time is {_minutes(limits.time)}"
         )
-        yield Refusal("time", mission.where, message, _path(worst))
+        hint = remedy.hint(_time(limits.time), chart, proof, again)
+        hint += _longer(mission, vehicle, worst.time)
+        yield _refused("time", mission.where, message, hint, _path(worst.trail))
     if proof.out_of_radius is not None:
         path, bounds = proof.out_of_radius
         message = (
             f"{_name(path)} may be {bounds.range:.0f} m from home, with current and uncertainty; "
             f"the radius is {limits.radius:.0f} m"
         )
-        yield Refusal("radius", _where(chart, path), message, _path(bounds))
+        hint = "stay nearer, or state what the radius may be with safety radius"
+        yield _refused("radius", _where(chart, path), message, hint, _path(bounds.trail))
     if proof.out_of_depth is not None:
         path, bounds = proof.out_of_depth
         message = (
             f"{_name(path)} may reach {bounds.depth[1]:.1f} m; "
-            f"the depth allowed is {limits.depth:.0f} m" + _floor_hint(chart, path)
+            f"the depth allowed is {limits.depth:.0f} m"
         )
-        yield Refusal("depth", _where(chart, path), message, _path(bounds))
+        hint = _floor_hint(chart, path)
+        yield _refused("depth", _where(chart, path), message, hint, _path(bounds.trail))
     if worst.energy > vehicle.battery.usable:
         message = (
             f"the worst case takes {worst.energy / 3600:.0f} Wh, the ascent included; "
             f"usable are {vehicle.battery.usable / 3600:.0f} Wh"
         )
-        yield Refusal("energy", mission.where, message, _path(worst))
+        hint = remedy.hint(_energy(vehicle.battery.usable), chart, proof, again)
+        yield _refused("energy", mission.where, message, hint, _path(worst.spent))
+
+
+def _time(allowed: float) -> remedy.Figure:
+    return remedy.Figure(
+        of=lambda step: step.time,
+        worst=lambda proof: proof.worst.time if proof.worst else math.inf,
+        last=lambda proof: proof.worst.trail if proof.worst else None,
+        allowed=allowed,
+        shown=_minutes,
+    )
+
+
+def _energy(allowed: float) -> remedy.Figure:
+    return remedy.Figure(
+        of=lambda step: step.energy,
+        worst=lambda proof: proof.worst.energy if proof.worst else math.inf,
+        last=lambda proof: proof.worst.spent if proof.worst else None,
+        allowed=allowed,
+        shown=lambda joules: f"{joules / 3600:.0f} Wh",
+    )
+
+
+def _longer(mission: Mission, vehicle: Vehicle, worst: float) -> str:
+    """Where only the mission's own safety time is exceeded."""
+    if mission.safety.time is None or worst > vehicle.limits.time:
+        return ""
+    return f"; or safety time {math.ceil(worst / 60)} min"
 
 
 def _floor_hint(chart: Chart, path: str) -> str:
     setpoint = chart.state(path).setpoint
     holds = setpoint is not None and setpoint.altitude is not None
-    return "; end it sooner, or state the sea floor with assume floor" if holds else ""
+    if holds:
+        return "end it sooner, or state the sea floor with assume floor"
+    return "end it sooner, or stay higher"
 
 
 def _where(chart: Chart, path: str) -> Where:
@@ -269,8 +337,8 @@ def _minutes(seconds: float) -> str:
     return f"{seconds / 60:.1f} min"
 
 
-def _path(bounds: Bounds | None) -> tuple[str, ...]:
-    steps = [f"{_name(s.leg)} ({s.by.value}) {s.time:.0f} s" for s in trail(bounds)]
+def _path(last: Trail | None) -> tuple[str, ...]:
+    steps = [f"{_name(s.leg)} ({s.by.value}) {s.time:.0f} s" for s in trail(last)]
     if len(steps) <= PATH_STEPS:
         return tuple(steps)
     half = PATH_STEPS // 2
@@ -295,7 +363,7 @@ def _proved(proof: Proof, chart: Chart, vehicle: Vehicle) -> Proved | None:
         blind_depth=blind,
         blind_time=(blind - proof.deepest) / vehicle.ascent_buoyancy,
         uncertainty=proof.end.error,
-        path=_path(worst),
+        path=_path(worst.trail),
     )
 
 

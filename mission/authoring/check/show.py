@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
-from mission.authoring.check.rules import Refusal, Report
-from mission.authoring.language.problems import Problem
-from mission.model import Where
+from mission.authoring.check.rules import Report
+from mission.model.diagnostics import Diagnostic
 
 
 def as_object(report: Report) -> dict[str, Any]:
     proved = report.proved
     return {
         "ok": report.ok,
-        "refusals": [_refusal(r) for r in report.refusals],
+        "refusals": [r.as_object() for r in report.refusals],
         "proved": None
         if proved is None
         else {
@@ -32,30 +32,19 @@ def as_object(report: Report) -> dict[str, Any]:
     }
 
 
-def _refusal(refusal: Refusal) -> dict[str, Any]:
+def unreadable_object(found: Iterable[Diagnostic]) -> dict[str, Any]:
+    """The same object for a text that has no chart."""
     return {
-        "rule": refusal.rule,
-        "line": refusal.where.line,
-        "column": refusal.where.column,
-        "message": refusal.message,
-        "path": list(refusal.path),
+        "ok": False,
+        "refusals": [d.as_object() for d in found],
+        "proved": None,
+        "assumed": [],
     }
 
 
-def unreadable_object(problems: list[tuple[str, Where, str]]) -> dict[str, Any]:
-    """The same object for a text that has no chart."""
-    refusals = [_refusal(Refusal(rule, where, message)) for rule, where, message in problems]
-    return {"ok": False, "refusals": refusals, "proved": None, "assumed": []}
-
-
-def as_text(source: str, report: Report, digest: str, text: str = "") -> str:
-    """``text``: the mission as its author wrote it; refusals then show the place underlined."""
-    lines = text.split("\n")
+def as_text(source: str, report: Report, digest: str) -> str:
     """``digest``: the canonical text's; its beginning is shown, as the vehicle tells it."""
-    rows = []
-    for refusal in report.refusals:
-        rows.append(_placed(refusal, lines).rendered(source))
-        rows += [f"    {step}" for step in refusal.path]
+    rows = [refusal.rendered for refusal in report.refusals]
     proved = report.proved
     if proved is not None:
         rows += [
@@ -77,10 +66,3 @@ def as_text(source: str, report: Report, digest: str, text: str = "") -> str:
     rows += ["assumed", *(f"  {line}" for line in report.assumed)]
     rows.append(f"{source}: {'ok' if report.ok else 'refused'}, digest {digest[:16]}")
     return "\n".join(rows)
-
-
-def _placed(refusal: Refusal, lines: list[str]) -> Problem:
-    where = refusal.where
-    line = lines[where.line - 1].removesuffix("\r") if 0 < where.line <= len(lines) else ""
-    length = max(1, min(where.length, len(line) - where.column + 1))
-    return Problem(where.line, where.column, length, line, refusal.message, "", refusal.rule)

@@ -1,6 +1,6 @@
 """What a vehicle cannot do: legs and guards that its file says it could never follow or know.
 
-A row of checks over one resolved leg, each yielding Problems with the place in the text. What
+A row of checks over one resolved leg, each yielding Diagnostics with the place in the text. What
 does not live here: the proofs over time, place and energy (mission.authoring.check).
 """
 
@@ -10,12 +10,14 @@ import functools
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from mission.authoring.compiler.axes import axis_where
+from mission.authoring.compiler.axes import axis_where, own_setpoint, statement_problems
 from mission.authoring.compiler.granularity import granularity_problems
+from mission.authoring.compiler.refusing import refused
 from mission.engine.guards import comparisons
 from mission.engine.variables import CLOCK, VARIABLES
 from mission.legs import LEGS
-from mission.model import Axis, Expression, Leg, Problem, Where
+from mission.model import Axis, Expression, Leg, Where
+from mission.model.diagnostics import Diagnostic
 from mission.model.tables import derived
 from mission.model.units import GEARS
 from mission.model.vehicle import Vehicle
@@ -24,7 +26,7 @@ from protocol.messages import Setpoint
 from protocol.vehicles import codec
 
 
-def leg_problems(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
+def leg_problems(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnostic]:
     found = [problem for check in _CHECKS for problem in check(leg, setpoint, vehicle)]
     yield from found or [
         *granularity_problems(leg, setpoint, vehicle),
@@ -32,7 +34,19 @@ def leg_problems(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Pro
     ]
 
 
-def _follows(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
+def own_problems(leg: Leg, vehicle: Vehicle) -> Iterator[Diagnostic]:
+    """What is wrong with a leg whatever the legs before it set."""
+    own = own_setpoint(leg)
+    yield from statement_problems(leg)
+    for check in _OWN:
+        yield from check(leg, own, vehicle)
+    yield from granularity_problems(leg, own, vehicle)
+    gives = LEGS[type(leg.kind)].gives
+    for leave in leg.exits:
+        yield from guard_problems(leave.guard.expression, vehicle, leave.where, gives)
+
+
+def _follows(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnostic]:
     wanted = {
         "surge": setpoint.surge != 0.0,
         "turn": setpoint.turn != 0.0,
@@ -48,43 +62,40 @@ def _follows(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem
     for axis, asked in wanted.items():
         if asked and axis not in vehicle.follows:
             word = "pitch" if axis == "attitude" else axis
-            yield Problem(
+            yield refused(
                 "vehicle-cannot-follow",
                 axis_where(leg, word),
-                axis,
                 f"{vehicle.name} cannot follow {axis}",
                 f"it follows {', '.join(sorted(vehicle.follows))}",
             )
 
 
-def _reports(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
+def _reports(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnostic]:
     row = LEGS[type(leg.kind)]
     needs = row.needs | ({"position"} if row.awaits_fix(leg.kind) else set())
     for sensor in sorted(needs - vehicle.reports):
-        yield Problem(
+        yield refused(
             "vehicle-cannot-know",
             leg.where,
-            leg.name,
             f"a {row.name} leg needs {sensor}, which {vehicle.name} never reports",
             "hold a heading for a time instead",
         )
 
 
-def _one_speed(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
+def _one_speed(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnostic]:
     horizontal = round(abs(setpoint.surge or setpoint.turn) * GEARS)
     vertical = round(abs(setpoint.heave or 0.0) * GEARS)
     if vehicle.one_speed and horizontal and vertical and horizontal != vertical:
-        yield Problem(
+        yield refused(
             "one-speed",
             axis_where(leg, "heave"),
-            leg.name,
             f"{vehicle.name} has one speed for both: gear {horizontal} ahead or turning and "
             f"gear {vertical} up or down cannot be held together",
             "write the same gear for both, or hold a depth",
         )
 
 
-def _encodes(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
+def _encodes(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnostic]:
     """The codec has the last word on what the vehicle's language can say."""
     row = LEGS[type(leg.kind)]
     if Axis.HEADING in row.steers and not row.ascends:
@@ -92,10 +103,9 @@ def _encodes(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem
     for depth in row.depths(leg.kind) or (setpoint.depth,):
         fault = _cannot_say(vehicle.codec, vehicle.dialect, replace(setpoint, depth=depth))
         if fault:
-            yield Problem(
+            yield refused(
                 "vehicle-has-no-word",
                 leg.where,
-                leg.name,
                 f"{vehicle.name} has no command for this leg: {fault}",
                 "set what the message names in another way",
             )
@@ -116,46 +126,46 @@ def _codec(name: str, dialect: str) -> VehicleCodec:
     return codec(name, dialect, {})
 
 
-def _figures(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
+def _figures(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnostic]:
     row = LEGS[type(leg.kind)]
     fault = row.fault(leg.kind)
     if fault:
-        yield Problem("leg-figures", leg.where, leg.name, fault)
-    if row.makes_way and setpoint.surge <= 0.0:
-        yield Problem(
-            "no-way-on",
-            leg.where,
-            leg.name,
-            f"a {row.name} leg goes nowhere without way on",
-            "add gear (1 to 12) or speed",
-        )
+        yield refused("leg-figures", leg.where, fault, "change these figures")
     for depth in (*row.depths(leg.kind), setpoint.depth):
         if depth is not None and depth > vehicle.limits.depth:
-            yield Problem(
+            yield refused(
                 "too-deep",
                 axis_where(leg, "depth"),
-                leg.name,
                 f"depth {depth:g} m is below the hard limit of {vehicle.name}, "
                 f"{vehicle.limits.depth:g} m",
                 "stay above it",
             )
 
 
-def _bounded(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
+def _makes_way(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnostic]:
+    row = LEGS[type(leg.kind)]
+    if row.makes_way and setpoint.surge <= 0.0:
+        yield refused(
+            "no-way-on",
+            leg.where,
+            f"a {row.name} leg goes nowhere without way on",
+            "add gear (1 to 12) or speed",
+        )
+
+
+def _bounded(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnostic]:
     if leg.duration is None and leg.timeout is None:
-        yield Problem(
+        yield refused(
             "no-time-bound",
             leg.where,
-            leg.name,
             f"{leg.name} is not bounded by time: it could last for ever",
             "add timeout (or for)",
         )
     for word, value in (("for", leg.duration), ("timeout", leg.timeout)):
         if value is not None and not 0.0 < value < float("inf"):
-            yield Problem(
+            yield refused(
                 "no-time-bound",
                 leg.where,
-                leg.name,
                 f"{word} {value:g} s is no bound",
                 "write a time greater than 0",
             )
@@ -169,39 +179,37 @@ def _given() -> frozenset[str]:
 
 def guard_problems(
     expression: Expression, vehicle: Vehicle, where: Where, gives: frozenset[str] | None
-) -> Iterator[Problem]:
+) -> Iterator[Diagnostic]:
     """``gives``: the variables that only some leg types have and this one has; None: not a leg."""
     for comparison in comparisons(expression):
         place = comparison.where if comparison.where.line else where
         variable = VARIABLES.get(comparison.variable)
         if variable is None:
-            yield Problem(
+            yield refused(
                 "unknown-variable",
                 place,
-                comparison.variable,
                 f"there is no variable {comparison.variable!r}",
                 f"known ones: {', '.join(VARIABLES)}",
             )
             continue
         absent = [s for s in variable.source if s != CLOCK and s not in vehicle.reports]
         if absent:
-            yield Problem(
+            yield refused(
                 "never-known",
                 place,
-                comparison.variable,
                 f"{comparison.variable} can never be known: {vehicle.name} does not report "
                 f"{' nor '.join(absent)}",
                 "use a variable that this vehicle reports",
             )
         elif gives is not None and comparison.variable in _given() - gives:
-            yield Problem(
+            yield refused(
                 "never-known",
                 place,
-                comparison.variable,
                 f"{comparison.variable} is known only in legs that go to a place",
                 "use travelled, range or elapsed",
             )
 
 
-_Check = Callable[[Leg, Setpoint, Vehicle], Iterator[Problem]]
-_CHECKS: tuple[_Check, ...] = (_bounded, _figures, _reports, _follows, _one_speed)
+_Check = Callable[[Leg, Setpoint, Vehicle], Iterator[Diagnostic]]
+_OWN: tuple[_Check, ...] = (_bounded, _figures, _reports, _follows, _one_speed)
+_CHECKS = (*_OWN, _makes_way)

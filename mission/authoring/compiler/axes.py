@@ -17,8 +17,10 @@ from collections import deque
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from mission.authoring.compiler.refusing import refused
 from mission.legs import LEGS
-from mission.model import Axis, Leg, LegKind, Problem, Set, Setting, Where
+from mission.model import Axis, Leg, LegKind, Set, Setting, Where
+from mission.model.diagnostics import Diagnostic
 from mission.model.units import GEARS
 from protocol.messages import Setpoint
 
@@ -94,6 +96,12 @@ def _unit(settings: tuple[Setting, ...], kind: LegKind | None) -> Unit:
     return Unit(states, "heading" in words or Axis.HEADING in steers)
 
 
+def own_setpoint(leg: Leg) -> Setpoint:
+    """What a leg would hold if nothing stood before it."""
+    unit = unit_of(leg)
+    return _setpoint({axis: unit.apply(axis, INITIAL[axis]) for axis in Axis})
+
+
 def joined(units: Iterable[Unit]) -> Unit:
     """What several do one after the other."""
     states: dict[Axis, Value] = {}
@@ -107,9 +115,9 @@ def joined(units: Iterable[Unit]) -> Unit:
     return Unit(states, drops)
 
 
-def statement_problems(node: Leg | Set) -> list[Problem]:
+def statement_problems(node: Leg | Set) -> list[Diagnostic]:
     """Axes stated twice, or against each other, within one line."""
-    problems: list[Problem] = []
+    problems: list[Diagnostic] = []
     seen: dict[str, Setting] = {}
     for setting in node.settings:
         if setting.word in seen:
@@ -145,8 +153,8 @@ def statement_problems(node: Leg | Set) -> list[Problem]:
     return problems
 
 
-def _clash(setting: Setting, message: str, hint: str) -> Problem:
-    return Problem("axis-clash", setting.where, setting.word, message, hint)
+def _clash(setting: Setting, message: str, hint: str) -> Diagnostic:
+    return refused("axis-clash", setting.where, message, hint)
 
 
 class Resolution:
@@ -170,7 +178,7 @@ class Resolution:
             self._in[axis] = {}
             self._spread(axis)
 
-    def setpoints(self) -> tuple[dict[str, Setpoint], list[Problem]]:
+    def setpoints(self) -> tuple[dict[str, Setpoint], list[Diagnostic]]:
         sets, problems = {}, []
         for path, leg in self._legs.items():
             values = {axis: self._value(axis, path) for axis in Axis}
@@ -215,7 +223,7 @@ class Resolution:
         if place in self._parents:
             queue.append((self._parents[place], value, origin))
 
-    def _conflicts(self, path: str, leg: Leg, values: dict[Axis, Value]) -> list[Problem]:
+    def _conflicts(self, path: str, leg: Leg, values: dict[Axis, Value]) -> list[Diagnostic]:
         problems = []
         unit = self._units[path]
         for axis in Axis:
@@ -231,23 +239,21 @@ class Resolution:
         return problems
 
 
-def _conflict(axis: Axis, leg: Leg, came: list[tuple[Value, str]]) -> Problem:
+def _conflict(axis: Axis, leg: Leg, came: list[tuple[Value, str]]) -> Diagnostic:
     (one, by_one), (two, by_two) = came
-    return Problem(
+    return refused(
         "axis-conflict",
         leg.where,
-        leg.name,
         f"{leg.name} omits {axis.value}, and the ways into it bring different values: "
         f"{_words(axis, one)} from {_short(by_one)}, {_words(axis, two)} from {_short(by_two)}",
         f"state {axis.value} in {leg.name}",
     )
 
 
-def _unknown(axis: Axis, leg: Leg, origin: str) -> Problem:
-    return Problem(
+def _unknown(axis: Axis, leg: Leg, origin: str) -> Diagnostic:
+    return refused(
         "axis-steered",
         leg.where,
-        leg.name,
         f"{leg.name} omits {axis.value}, which {_short(origin)} steered by itself: "
         "there is no value to keep",
         f"state {axis.value} in {leg.name}",

@@ -7,7 +7,7 @@ there is one edge for another round and one beyond it; at the mission's end is t
 ``surface``. Bare lines are no states: their settings travel on the ways through them. All problems
 of a mission are told at once.
 
-CompileErrors             (the mission's author must act; every problem has line and column)
+MissionErrors             (the mission's author must act; every one has line and column)
 
 What does not live here: how values travel (axes), what a vehicle can do (abilities), the proofs
 over time, place and energy (check), running (machine, engine).
@@ -29,6 +29,7 @@ from mission.authoring.compiler.axes import (
     unit_of,
 )
 from mission.authoring.compiler.granularity import BETWEEN_STEPS
+from mission.authoring.compiler.refusing import refused
 from mission.engine.guards import comparisons
 from mission.legs import LEGS, Surface
 from mission.model import (
@@ -47,28 +48,35 @@ from mission.model import (
     Loop,
     Mission,
     Node,
-    Problem,
     Set,
     State,
     Where,
 )
+from mission.model.diagnostics import Diagnostic, MissionErrors, ordered
 from mission.model.extent import DEEPEST_GROUP, WATCHED
 from mission.model.vehicle import Vehicle
 from protocol.messages import Setpoint
 
 
-class CompileErrors(ValueError):
-    """A mission that cannot be flown; ``problems`` in the order of the text."""
+@dataclass(frozen=True, slots=True)
+class Compiled:
+    """``chart`` is there where the ways between the legs are known; it is whole, and may be flown,
+    where nothing was ``found`` to be wrong."""
 
-    def __init__(self, problems: list[Problem]) -> None:
-        self.problems = tuple(sorted(problems, key=lambda p: (p.where.line, p.where.column)))
-        lines = (f"{p.where.line}:{p.where.column}: {p.message}" for p in self.problems)
-        super().__init__("\n".join(lines))
+    chart: Chart | None
+    found: tuple[Diagnostic, ...]
+
+
+def compiled(mission: Mission, vehicle: Vehicle, digest: str) -> Compiled:
+    return _Compiler(mission, vehicle).compiled(digest)
 
 
 def compile_mission(mission: Mission, vehicle: Vehicle, digest: str) -> Chart:
-    """Raises CompileErrors with everything that is wrong."""
-    return _Compiler(mission, vehicle).chart(digest)
+    """Raises MissionErrors with everything that is wrong."""
+    made = compiled(mission, vehicle, digest)
+    if made.found or made.chart is None:
+        raise MissionErrors(made.found)
+    return made.chart
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,10 +94,25 @@ class _Way:
     unit: Unit
 
 
+# Where one of these is wrong, nobody knows which leg leads where.
+_LEADING = frozenset(
+    {
+        "ambiguous-target",
+        "loop-without-wait",
+        "name-reserved",
+        "name-twice",
+        "no-leg",
+        "repeat",
+        "too-deep-nesting",
+        "unknown-target",
+    }
+)
+
+
 class _Compiler:
     def __init__(self, mission: Mission, vehicle: Vehicle) -> None:
         self._mission, self._vehicle = mission, vehicle
-        self._problems: list[Problem] = []
+        self._problems: list[Diagnostic] = []
         self._states: list[State] = []
         self._bodies: dict[str, tuple[Node, ...]] = {AUTONOMOUS: mission.body}
         self._repeat: dict[str, int] = {AUTONOMOUS: 1}
@@ -101,11 +124,11 @@ class _Compiler:
         self._flows: list[Flow] = []
         self._ways: dict[_Slot, tuple[_Way, ...]] = {}
 
-    def chart(self, digest: str) -> Chart:
+    def compiled(self, digest: str) -> Compiled:
         self._index()
         start = self._ways_from(_Slot(AUTONOMOUS, 0))[0]
         if start.target == IMPLICIT_SURFACE:
-            self._refuse("no-leg", self._mission.where, "", "the mission has no leg that lasts")
+            self._refuse("no-leg", self._mission.where, "the mission has no leg that lasts")
         for path, leg in self._legs.items():
             self._leg_edges(path, leg)
         for state in self._states:
@@ -114,11 +137,11 @@ class _Compiler:
         self._mission_edges()
         self._check_watched()
         sets = self._resolve(start)
-        if self._problems:
-            raise CompileErrors(self._problems)
-        return Chart(
-            self._mission, digest, self._placed(sets), tuple(self._edges), initial=start.target
-        )
+        found = ordered(self._problems)
+        if not _LEADING.isdisjoint(p.code for p in found):
+            return Compiled(None, found)
+        states, edges = self._placed(sets), tuple(self._edges)
+        return Compiled(Chart(self._mission, digest, states, edges, initial=start.target), found)
 
     # --- names and places ----------------------------------------------------------------
 
@@ -146,7 +169,6 @@ class _Compiler:
             self._refuse(
                 "name-reserved",
                 node.where,
-                node.name,
                 f"{node.name!r} cannot be a name here",
                 f"{SURFACE} is the leg at every mission's end; choose another name",
             )
@@ -155,7 +177,6 @@ class _Compiler:
             self._refuse(
                 "name-twice",
                 node.where,
-                node.name,
                 f"{node.name} appears twice in the same group",
                 "choose another name",
             )
@@ -167,12 +188,11 @@ class _Compiler:
 
     def _check_group(self, path: str, group: Group) -> None:
         if group.repeat < 1:
-            self._refuse("repeat", group.where, group.name, "a group has at least one round")
+            self._refuse("repeat", group.where, "a group has at least one round")
         elif group.repeat > 1 and not _lasts(group):
             self._refuse(
                 "loop-without-wait",
                 group.where,
-                group.name,
                 f"{group.name} repeats without a leg that takes time",
                 "add a wait or another leg",
             )
@@ -180,7 +200,6 @@ class _Compiler:
             self._refuse(
                 "too-deep-nesting",
                 group.where,
-                group.name,
                 f"groups stand inside each other more than {DEEPEST_GROUP.most} deep",
                 "flatten them",
             )
@@ -217,14 +236,13 @@ class _Compiler:
             self._refuse(
                 "ambiguous-target",
                 where,
-                name,
                 f"{name} could be any of {places}",
                 "write its path",
             )
             return
         near = difflib.get_close_matches(name, [*self._named, SURFACE], n=3)
         hint = f"did you mean {', '.join(near)}?" if near else f"{SURFACE} is always there"
-        self._refuse("unknown-target", where, name, f"there is no leg {name!r}", hint)
+        self._refuse("unknown-target", where, f"there is no leg {name!r}", hint)
 
     # --- ways ------------------------------------------------------------------------------
 
@@ -331,7 +349,7 @@ class _Compiler:
                 handled[state.path] = above + _watched(state.group.handlers)
             elif state.leg and above + _watched(state.leg.exits) > WATCHED.most:
                 leg, hint = state.leg, "use fewer, or part the leg"
-                self._refuse("too-long", leg.where, leg.name, WATCHED.exceeded, hint)
+                self._refuse("too-long", leg.where, WATCHED.exceeded, hint)
                 return
 
     # --- sets ------------------------------------------------------------------------------
@@ -344,7 +362,7 @@ class _Compiler:
         told: set[str] = set()  # a value that legs keep is complained of once, where it is stated
         for path, leg in self._legs.items():
             for problem in leg_problems(leg, sets[path], self._vehicle):
-                kept = problem.rule == BETWEEN_STEPS and problem.where == leg.where
+                kept = problem.code == BETWEEN_STEPS and problem.where == leg.where
                 if not (kept and problem.message in told):
                     self._problems.append(problem)
                 told.add(problem.message)
@@ -359,8 +377,8 @@ class _Compiler:
         placed.append(State(IMPLICIT_SURFACE, AUTONOMOUS, end, Setpoint()))
         return tuple(placed)
 
-    def _refuse(self, rule: str, where: Where, text: str, message: str, hint: str = "") -> None:
-        self._problems.append(Problem(rule, where, text, message, hint))
+    def _refuse(self, code: str, where: Where, message: str, hint: str = "") -> None:
+        self._problems.append(refused(code, where, message, hint))
 
 
 def _watched(guarded: Iterable[Exit | Handler]) -> int:

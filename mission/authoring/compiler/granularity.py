@@ -16,13 +16,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from mission.authoring.compiler.axes import axis_where
+from mission.authoring.compiler.refusing import refused
 from mission.legs import LEGS
-from mission.model import Axis, Leg, Problem, Where
+from mission.model import Axis, Leg, Where
+from mission.model.diagnostics import Diagnostic
 from mission.model.vehicle import Vehicle
 from protocol.messages import Setpoint
 from protocol.vehicles import vehicle_row
 
-BETWEEN_STEPS = "between-steps"  # the rule
+BETWEEN_STEPS = "between-steps"  # the code
 _EXACT = 1e-6  # of a step: degrees went through radians
 
 
@@ -74,14 +76,13 @@ def rounded(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Rounded]
         yield Rounded(held.word, unit, wanted, below, above, nearest, bearable, place)
 
 
-def granularity_problems(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Problem]:
+def granularity_problems(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnostic]:
     for found in rounded(leg, setpoint, vehicle):
         if not found.bearable:
             unit = found.unit
-            yield Problem(
+            yield refused(
                 BETWEEN_STEPS,
                 found.where,
-                leg.name,
                 f"{vehicle.name} cannot be told {found}: it would hold {found.nearest:g} {unit}",
                 f"write {found.below:g} {unit} or {found.above:g} {unit}",
             )

@@ -33,7 +33,7 @@ def _side(prepared: Prepared, report: Report) -> dict[str, Any]:
         "vehicle": prepared.vehicle.name,
         "digest": prepared.chart.digest,
         "ok": report.ok,
-        "refusals": [{"rule": r.rule, "message": r.message} for r in report.refusals],
+        "refusals": [r.as_object() for r in report.refusals],
     }
 
 
@@ -107,7 +107,7 @@ def _amount(value: float | None, unit: str, sign: str = "") -> str:
 def _verdict(word: str, report: Report) -> list[str]:
     if report.ok:
         return [f"{word}: the check passes it"]
-    lines = [f"  line {r.where.line}: {r.message} [{r.rule}]" for r in report.refusals]
+    lines = [f"  line {r.where.line}: {r.message} [{r.code}]" for r in report.refusals]
     return [f"{word}: the check refuses it", *lines]
 
 
@@ -130,7 +130,7 @@ def as_markdown(found: Difference) -> str:
     for word, report in zip(("before", "after"), found.reports, strict=True):
         for refusal in report.refusals:
             place = f"{word}, line {refusal.where.line}"
-            rows += ["", f"- {place}: {_cell(refusal.message)} (`{refusal.rule}`)"]
+            rows += ["", f"- {place}: {_cell(refusal.message)} (`{refusal.code}`)"]
     return "\n".join(rows)
 
 

@@ -12,14 +12,16 @@ and what to write instead. What does not live here: whether the mission is safe
 from __future__ import annotations
 
 import re
+from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from mission.authoring.language.canonical import digest, script, to_lines
-from mission.authoring.language.problems import MissionErrors, Problem, Problems
-from mission.model import Mission
+from mission.model import NOWHERE, Mission, Where
+from mission.model.diagnostics import Diagnostics, MissionErrors, Stage
 from mission.model.extent import BYTES, STATEMENTS
 
 if TYPE_CHECKING:
@@ -27,8 +29,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "MissionErrors",
-    "Problem",
     "digest",
+    "draft",
+    "draft_script",
     "load",
     "parse",
     "parse_script",
@@ -40,6 +43,7 @@ __all__ = [
 
 _NONE: Mapping[str, str] = MappingProxyType({})
 _YAML_KEY = re.compile(r"""(?m)^(?:["']?(?:mission|legs)["']?\s*:(?:\s|$)|---|%YAML|\{)""")
+_HOME = re.compile(r"(?m)^\W*home\b")
 
 
 def is_yaml(text: str, source: str = "") -> bool:
@@ -51,32 +55,65 @@ def is_yaml(text: str, source: str = "") -> bool:
     return source.endswith((".yaml", ".yml")) or bool(re.search(r"(?m)^\s*- ", text))
 
 
+@dataclass(frozen=True, slots=True)
+class Draft:
+    """What a text says, as far as it could be read: a whole mission where there are no problems."""
+
+    mission: Mission
+    problems: Diagnostics
+    lines: tuple[int, ...]  # in which its statements begin, rising
+    says_home: bool = False  # whether it could be read or not
+
+    def sound(self, where: Where) -> bool:
+        """Whether nothing is wrong in the statement that begins there."""
+        after = bisect_right(self.lines, where.line)
+        last = self.lines[after] - 1 if after < len(self.lines) else BYTES.most
+        return not self.problems.within(where.line, last)
+
+
 def parse(text: str, source: str = "", parameters: Mapping[str, str] = _NONE) -> Mission:
     """Reads either form. Raises MissionErrors with everything that is wrong."""
+    return _whole(draft(text, source, parameters))
+
+
+def _whole(read: Draft) -> Mission:
+    read.problems.complain()
+    return read.mission
+
+
+def draft(text: str, source: str = "", parameters: Mapping[str, str] = _NONE) -> Draft:
+    """Reads either form. Raises MissionErrors where reading ended early (a text too large)."""
     text = text.removeprefix("\ufeff").replace("\r\n", "\n")
-    return _parsed(text, source, parameters, yaml=is_yaml(text, source))
+    return _drafted(text, source, parameters, yaml=is_yaml(text, source))
 
 
-def _parsed(text: str, source: str, parameters: Mapping[str, str], yaml: bool) -> Mission:
+def draft_script(lines: Sequence[str], source: str = "script") -> Draft:
+    """What ``@AW`` brought, line by line; ``sum`` in line 1 must fit. Raises as ``draft`` does."""
+    return _drafted("\n".join(lines), source, _NONE, yaml=False)
+
+
+def _drafted(text: str, source: str, parameters: Mapping[str, str], yaml: bool) -> Draft:
     from mission.authoring.language import assembly, canonical
 
-    found = Problems(text, source)
+    found = Diagnostics(Stage.TEXT, text, source)
     if yaml:
         from mission.authoring.language.yaml_form import statements as read
     else:
         from mission.authoring.language.lines import statements as read
     statements = list(_bounded(read(text, found), found))
     mission, claimed = assembly.Assembly(found, parameters).read(statements)
-    found.complain()
+    begins = tuple(sorted({statement.where.line for statement in statements}))
+    if len(found):
+        return Draft(mission, found, begins, bool(_HOME.search(text)))
     mission = canonical.numbered(mission)
     canonical.check_length(mission, found)
     if claimed is not None and claimed.text != canonical.total(mission):
         hint = f"the lines make {canonical.total(mission)}: send them again, or drop the sum"
-        raise found.refusal("sum", claimed.where, "the sum does not fit the lines", hint)
-    return mission
+        found.add("sum", claimed.where, "the sum does not fit the lines", hint)
+    return Draft(mission, found, begins)
 
 
-def _bounded(statements: Iterable[Statement], found: Problems) -> Iterator[Statement]:
+def _bounded(statements: Iterable[Statement], found: Diagnostics) -> Iterator[Statement]:
     for number, statement in enumerate(statements, 1):
         if number > STATEMENTS.most:
             message = f"the mission is too long: {STATEMENTS.exceeded}"
@@ -94,8 +131,6 @@ def load(path: str | Path, parameters: Mapping[str, str] = _NONE) -> Mission:
 def read_file(path: str | Path) -> str:
     """A mission file's text. Raises MissionErrors where there is none: no such file, not UTF-8,
     longer than any mission (a device may never end)."""
-    from mission.model import NOWHERE
-
     why, hint = "", "give a mission file"
     try:
         with Path(path).open("rb") as file:
@@ -107,12 +142,13 @@ def read_file(path: str | Path) -> str:
         why = error.strerror or str(error)
     except UnicodeDecodeError:
         why, hint = "it is not UTF-8", "save it as UTF-8; a mission needs ASCII alone"
-    raise Problems("", str(path)).refusal("unreadable", NOWHERE, f"cannot be read: {why}", hint)
+    found = Diagnostics(Stage.TEXT, "", str(path))
+    raise found.refusal("unreadable", NOWHERE, f"cannot be read: {why}", hint)
 
 
 def parse_script(lines: Sequence[str], source: str = "script") -> Mission:
     """What ``@AW`` brought, line by line; ``sum`` in line 1 must fit. Raises MissionErrors."""
-    return _parsed("\n".join(lines), source, _NONE, yaml=False)
+    return _whole(draft_script(lines, source))
 
 
 def to_yaml(mission: Mission) -> str:

@@ -30,7 +30,6 @@ from mission.authoring.language.clauses import (
 )
 from mission.authoring.language.legs import Legs
 from mission.authoring.language.parameters import read_parameters
-from mission.authoring.language.problems import Problems, nearest, suggestion
 from mission.authoring.language.values import Values
 from mission.authoring.language.words import ASSUMPTIONS, GENERATED, LIMITS
 from mission.model import (
@@ -38,14 +37,16 @@ from mission.model import (
     SURFACE,
     Group,
     Handler,
-    Leg,
     Mission,
     Node,
     Position,
     Safety,
     Where,
+    legs_of,
 )
+from mission.model.diagnostics import Diagnostics
 from mission.model.extent import DEEPEST_GROUP, HANDLERS, NAME
+from mission.model.likeness import nearest, suggestion
 from mission.model.shipped import missions_folder
 
 UNNAMED = "unnamed"
@@ -89,7 +90,7 @@ class _Head:
 class Assembly:
     """Takes the statements of one file; ``mission`` is whole only if no problem was found."""
 
-    def __init__(self, problems: Problems, parameters: Mapping[str, str]) -> None:
+    def __init__(self, problems: Diagnostics, parameters: Mapping[str, str]) -> None:
         self._problems = problems
         self._given = parameters
         self._head = _Head()
@@ -109,7 +110,7 @@ class Assembly:
             self._unclosed()
         self._resolve()
         top = self._scopes[0]
-        if not len(self._problems) and not any(_legs(top.body)):
+        if not len(self._problems) and not any(legs_of(top.body)):
             where = statements[0].where if statements else Where(1, 1)
             hint = "add for instance a line  wait 30s"
             self._problems.add("empty-mission", where, "nothing in this mission takes time", hint)
@@ -248,7 +249,7 @@ class Assembly:
             self._problems.add(
                 "empty-group", name.where, f"group {name.text} is empty", "add a leg"
             )
-        elif scope.repeat > 1 and not any(_legs(scope.body)):
+        elif scope.repeat > 1 and not any(legs_of(scope.body)):
             hint = "add a wait: bare ZA lines set and go on at once"
             message = f"loop {name.text} takes no time"
             self._problems.add("loop-without-wait", name.where, message, hint)
@@ -332,11 +333,3 @@ class Assembly:
             self._problems.add(
                 "unknown-target", target.where, f"there is no leg {target.name!r} here", hint
             )
-
-
-def _legs(body: Iterable[Node]) -> Iterator[Leg]:
-    for node in body:
-        if isinstance(node, Leg):
-            yield node
-        elif isinstance(node, Group):
-            yield from _legs(node.body)

@@ -15,8 +15,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from mission.authoring.language import render
-from mission.authoring.language.problems import Problems
 from mission.model import Group, Mission, Node
+from mission.model.diagnostics import Diagnostics
 from mission.model.extent import LINES
 from mission.model.units import number_text
 
@@ -28,7 +28,7 @@ def to_lines(mission: Mission) -> str:
     return "".join(f"{line}\n" for line in _lines(mission))
 
 
-def check_length(mission: Mission, problems: Problems) -> None:
+def check_length(mission: Mission, problems: Diagnostics) -> None:
     """Raises MissionErrors for one that cannot travel: every line is one ``@AW``."""
     if sum(1 for _ in _lines(mission)) > LINES.most:
         message = f"the mission is too long: {LINES.exceeded}"

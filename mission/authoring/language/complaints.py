@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 from lark import Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
-from mission.authoring.language.problems import nearest
 from mission.authoring.language.words import (
     ASSUMPTIONS,
     ELSEWHERE,
@@ -19,12 +18,13 @@ from mission.authoring.language.words import (
     leg_words,
 )
 from mission.engine.variables import VARIABLES
+from mission.model.likeness import nearest
 from mission.model.units import UNITS
 
 
 @dataclass(frozen=True, slots=True)
 class Complaint:
-    rule: str
+    code: str
     offset: int
     length: int
     message: str
@@ -86,8 +86,8 @@ class _Misfit:
     before: str
     expected: frozenset[str]
 
-    def says(self, rule: str, message: str, hint: str) -> Complaint:
-        return Complaint(rule, self.offset, len(self.part), message, hint)
+    def says(self, code: str, message: str, hint: str) -> Complaint:
+        return Complaint(code, self.offset, len(self.part), message, hint)
 
     @property
     def word(self) -> bool:

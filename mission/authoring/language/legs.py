@@ -233,7 +233,7 @@ class Legs:
         vehicle = self._values.vehicle
         if isinstance(vehicle, VehicleError):
             hint = "write a gear instead, or mend the vehicle file"
-            self._problems.add("vehicle-file", amount.where, str(vehicle), hint)
+            self._problems.add("vehicle-file", amount.where, vehicle.brief, hint)
             return []
         curve = vehicle.speed_by_gear
         if speed > max(curve.y) * (1 + 1e-9):
@@ -318,7 +318,7 @@ class Legs:
         misfit = row.contradiction(parts.given)
         if misfit is not None:
             place = parts.seen[misfit.word]
-            self._problems.add(misfit.rule, place, misfit.message, misfit.hint)
+            self._problems.add(misfit.code, place, misfit.message, misfit.hint)
 
     def _foreign(self, parts: _Parts, row: LegType, word: str) -> None:
         users = [k.name for k in kinds().values() if word in {c.word for c in k.clauses}]

@@ -10,16 +10,16 @@ import re
 from collections.abc import Iterator
 
 from mission.authoring.language.clauses import Amount, LegText, Name, Opening, Parameter, Statement
-from mission.authoring.language.problems import Problems
 from mission.authoring.language.syntax import Strip, Syntax
 from mission.model import Where
+from mission.model.diagnostics import Diagnostics
 from mission.model.extent import CODE, STATEMENT
 
 _PARAMETER = re.compile(r"param\s+([A-Za-z_][\w-]*)\b")
 _NAMED = re.compile(r"([A-Za-z_][\w-]*)\s*:")
 
 
-def statements(text: str, problems: Problems) -> Iterator[Statement]:
+def statements(text: str, problems: Diagnostics) -> Iterator[Statement]:
     """Every statement that could be read; the others are among the problems."""
     syntax = Syntax(problems)
     code = 0
@@ -67,7 +67,7 @@ class _Growing:
         return Strip(" ".join(self._texts), tuple(self._parts))
 
 
-def _strips(text: str, problems: Problems) -> Iterator[Strip]:
+def _strips(text: str, problems: Diagnostics) -> Iterator[Strip]:
     growing: _Growing | None = None
     for number, column, content in _code(text):
         more = content[1:].lstrip() if content.startswith("+") else content

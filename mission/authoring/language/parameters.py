@@ -12,11 +12,12 @@ import re
 from collections.abc import Iterable, Mapping
 
 from mission.authoring.language.clauses import Amount, Parameter, Statement
-from mission.authoring.language.problems import Problems, suggestion
 from mission.authoring.language.words import CLAUSES, SETTINGS, kinds
 from mission.engine.variables import VARIABLES
 from mission.legs import LEGS
 from mission.model import NOWHERE
+from mission.model.diagnostics import Diagnostics
+from mission.model.likeness import suggestion
 from mission.model.tables import derived
 from mission.model.units import UNITS, UnitError, quantity
 
@@ -27,7 +28,7 @@ def _reserved() -> frozenset[str]:
 
 
 def read_parameters(
-    statements: Iterable[Statement], given: Mapping[str, str], problems: Problems
+    statements: Iterable[Statement], given: Mapping[str, str], problems: Diagnostics
 ) -> dict[str, Amount]:
     """``given``: what the caller sets, name -> text."""
     found: dict[str, Amount] = {}
@@ -41,7 +42,7 @@ def read_parameters(
     return found
 
 
-def _check_name(statement: Parameter, found: Mapping[str, Amount], problems: Problems) -> None:
+def _check_name(statement: Parameter, found: Mapping[str, Amount], problems: Diagnostics) -> None:
     name = statement.name
     if name.text in found:
         message = f"parameter {name.text} appears twice"
@@ -51,13 +52,13 @@ def _check_name(statement: Parameter, found: Mapping[str, Amount], problems: Pro
         problems.add("taken-name", name.where, message, f"call it for instance {name.text}_1")
 
 
-def _check_unit(amount: Amount, problems: Problems) -> None:
+def _check_unit(amount: Amount, problems: Diagnostics) -> None:
     if amount.unit and amount.unit not in UNITS:
         hint = suggestion(amount.unit, list(UNITS), "units")
         problems.add("unknown-unit", amount.where, f"unknown unit {amount.unit!r}", hint)
 
 
-def _override(found: dict[str, Amount], name: str, text: str, problems: Problems) -> None:
+def _override(found: dict[str, Amount], name: str, text: str, problems: Diagnostics) -> None:
     default = found.get(name)
     if default is None:
         hint = suggestion(name, list(found), "parameters") or "this mission has no parameters"

@@ -125,8 +125,14 @@ def _top() -> dict[str, Schema]:
 
 
 def _coordinates() -> Schema:
-    latitude = {"type": "number", "minimum": -90, "maximum": 90, "description": "deg, WGS 84"}
-    longitude = {"type": "number", "minimum": -180, "maximum": 180, "description": "deg, WGS 84"}
+    # 1e-05 is a text to YAML 1.1, and a number to the language
+    degrees = {
+        "type": ["number", "string"],
+        "pattern": rf"^{_NUMBER}$",
+        "description": "deg, WGS 84",
+    }
+    latitude = {**degrees, "minimum": -90, "maximum": 90}
+    longitude = {**degrees, "minimum": -180, "maximum": 180}
     table = _object(
         {"latitude": latitude, "longitude": longitude}, "a position", ("latitude", "longitude")
     )

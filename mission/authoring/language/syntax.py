@@ -1,6 +1,6 @@
 """The grammar at work: one statement (or guard, place, until) of text to clauses, by lark.
 
-Lark's LALR tables are made once, on first use. A text that does not fit costs one Problem, which
+Lark's LALR tables are made once, on first use. A text that does not fit costs one Diagnostic, which
 ``complaints`` words. Positions go through a ``Strip``: where each part of the text came from.
 
 What does not live here: what the clauses mean (legs.py), how statements make a mission
@@ -51,7 +51,6 @@ from mission.authoring.language.clauses import (
     Wire,
     WithoutFix,
 )
-from mission.authoring.language.problems import Problems
 from mission.authoring.language.words import (
     ASSUMPTIONS,
     LIMITS,
@@ -64,6 +63,7 @@ from mission.authoring.language.words import (
 from mission.legs import LEGS
 from mission.legs.words import Shape
 from mission.model import Where
+from mission.model.diagnostics import Diagnostics
 from mission.model.extent import DEEPEST_GUARD
 from mission.model.tables import derived
 from mission.model.units import UNITS
@@ -140,7 +140,7 @@ def _parser() -> Lark:
 class Syntax:
     """Reads pieces of one file; what does not fit goes to ``problems``."""
 
-    def __init__(self, problems: Problems) -> None:
+    def __init__(self, problems: Diagnostics) -> None:
         self._problems = problems
 
     def statement(self, strip: Strip) -> Statement | None:
@@ -175,7 +175,7 @@ class Syntax:
         except UnexpectedInput as error:
             complaint = complaints.explain(strip.text, error)
             where = strip.where(complaint.offset, complaint.length)
-            self._problems.add(complaint.rule, where, complaint.message, complaint.hint)
+            self._problems.add(complaint.code, where, complaint.message, complaint.hint)
             return None
         return _Clauses(strip).made(tree)
 

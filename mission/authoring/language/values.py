@@ -23,7 +23,6 @@ from mission.authoring.language.clauses import (
     PlaceText,
     Several,
 )
-from mission.authoring.language.problems import Problems, suggestion
 from mission.engine.variables import VARIABLES
 from mission.model import (
     HOME,
@@ -38,6 +37,8 @@ from mission.model import (
     Position,
     Where,
 )
+from mission.model.diagnostics import Diagnostics
+from mission.model.likeness import suggestion
 from mission.model.shipped import load_vehicle
 from mission.model.units import UNITS, UnitError, quantity, range_text
 from mission.model.vehicle import Vehicle, VehicleError
@@ -49,7 +50,9 @@ _FAR = 20_000.0  # m: no mission of this vehicle goes farther from home
 class Values:
     """Reads values for one file; ``vehicle`` is the name of the one it is for."""
 
-    def __init__(self, problems: Problems, parameters: Mapping[str, Amount], vehicle: str) -> None:
+    def __init__(
+        self, problems: Diagnostics, parameters: Mapping[str, Amount], vehicle: str
+    ) -> None:
         self.problems = problems
         self._parameters = parameters
         self._name = vehicle

@@ -34,7 +34,6 @@ from mission.authoring.language.clauses import (
     Value,
     WithoutFix,
 )
-from mission.authoring.language.problems import Problems
 from mission.authoring.language.syntax import Syntax
 from mission.authoring.language.words import (
     ASSUMPTIONS,
@@ -45,9 +44,11 @@ from mission.authoring.language.words import (
     leg_words,
     spots,
 )
-from mission.authoring.language.yaml_nodes import Item, Nodes, composed, strip_of, where_of
+from mission.authoring.language.yaml_nodes import Item, Nodes, composed, strip_of
 from mission.legs.words import Shape
 from mission.model import Where
+from mission.model.diagnostics import Diagnostics
+from mission.model.yaml_tree import where_of
 
 TOP_KEYS = ("mission", "vehicle", "home", "safety", "assume", "param", "start", "legs", "on")
 GROUP_KEYS = ("repeat", "legs", "on")
@@ -57,14 +58,14 @@ WITHOUT_FIX = "without fix"
 _YES = ("true", "yes", "on", "")
 
 
-def statements(text: str, problems: Problems) -> Iterator[Statement]:
+def statements(text: str, problems: Diagnostics) -> Iterator[Statement]:
     """Every statement that could be read; the others are among the problems."""
     root = composed(text, problems)
     return iter(()) if root is None else _Form(problems).top(root)
 
 
 class _Form:
-    def __init__(self, problems: Problems) -> None:
+    def __init__(self, problems: Diagnostics) -> None:
         self._problems = problems
         self._syntax = Syntax(problems)
         self._nodes = Nodes(problems)

@@ -12,21 +12,22 @@ from collections.abc import Sequence
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from mission.authoring.language.clauses import Amount, Name
-from mission.authoring.language.problems import Problems, suggestion
 from mission.authoring.language.syntax import Strip
 from mission.model import Where
-from mission.model.yaml_tree import YamlFault, tree
+from mission.model.diagnostics import Diagnostics
+from mission.model.likeness import suggestion
+from mission.model.yaml_tree import YamlFault, tree, where_of
 
 _AMOUNT = re.compile(r"(-?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/%]*)\Z")
 _WORD = re.compile(r"[A-Za-z_][\w-]*\Z")
 Item = tuple[Name, Node]
 
 
-def composed(text: str, problems: Problems) -> Node | None:
+def composed(text: str, problems: Diagnostics) -> Node | None:
     try:
         root = tree(text)
     except YamlFault as fault:
-        problems.add(fault.rule, Where(fault.line, fault.column), *_WORDS[fault.rule](fault))
+        problems.add(*fault.said("the mission"))
         return None
     if root is None:
         problems.add(
@@ -35,26 +36,10 @@ def composed(text: str, problems: Problems) -> Node | None:
     return root
 
 
-def _not_yaml(fault: YamlFault) -> tuple[str, str]:
-    hint = "indent with blanks, and put quotes around a text that holds a colon"
-    return f"this is no YAML: {fault.why or 'it cannot be read'}", hint
-
-
-def _too_long(fault: YamlFault) -> tuple[str, str]:
-    return f"the mission is {fault.why}", "do aliases repeat themselves?"
-
-
-def _too_deep(fault: YamlFault) -> tuple[str, str]:
-    return f"the mission is {fault.why}", "does an alias hold itself?"
-
-
-_WORDS = {"yaml": _not_yaml, "too-long": _too_long, "too-deep": _too_deep}
-
-
 class Nodes:
     """Reads nodes of one file; what does not fit goes to the problems."""
 
-    def __init__(self, problems: Problems) -> None:
+    def __init__(self, problems: Diagnostics) -> None:
         self._problems = problems
 
     def amount(self, node: Node) -> Amount | None:
@@ -141,14 +126,6 @@ class Nodes:
             self._problems.add("unknown-word", name.where, message, hint)
         else:
             items[name.text] = (name, value)
-
-
-def where_of(node: Node) -> Where:
-    """The node's own text, up to the end of its first line."""
-    start, end = node.start_mark, node.end_mark
-    same_line = start.line == end.line and isinstance(node, ScalarNode)
-    length = end.column - start.column if same_line else 1
-    return Where(start.line + 1, start.column + 1, max(1, length))
 
 
 def strip_of(node: Node) -> Strip:

@@ -11,8 +11,8 @@ check).
 
 from __future__ import annotations
 
-from mission.authoring.compiler.compiler import CompileErrors, compile_mission
 from mission.model import Chart
+from mission.model.diagnostics import Diagnostic, MissionErrors
 from mission.model.vehicle import Vehicle
 from mission.onboard.runtime.command_target import MissionRefused
 
@@ -44,25 +44,22 @@ def judge(lines: tuple[str, ...], vehicle: Vehicle) -> Chart:
     """As above."""
     try:
         from mission.authoring.check import check_mission
-        from mission.authoring.language import MissionErrors, digest, parse_script
+        from mission.authoring.language import draft_script
+        from mission.authoring.prepare import charted
     except ImportError as error:
         raise MissionRefused(f"missions cannot be judged: {error}") from error
 
     try:
-        mission = parse_script(lines)
-        chart = compile_mission(mission, vehicle, digest(mission))
+        made = charted(draft_script(lines), vehicle)
     except MissionErrors as error:
-        found = error.problems[0]
-        raise MissionRefused(_said(found.line, found.column, found.message)) from None
-    except CompileErrors as error:
-        where = error.problems[0].where
-        raise MissionRefused(_said(where.line, where.column, error.problems[0].message)) from None
-    report = check_mission(chart, vehicle)
+        raise MissionRefused(_said(error.diagnostics[0])) from None
+    if made.chart is None:
+        raise MissionRefused(_said(made.found[0]))
+    report = check_mission(made.chart, vehicle)
     if not report.ok:
-        refusal = report.refusals[0]
-        raise MissionRefused(_said(refusal.where.line, refusal.where.column, refusal.message))
-    return chart
+        raise MissionRefused(_said(report.refusals[0]))
+    return made.chart
 
 
-def _said(line: int, column: int, message: str) -> str:
-    return f"line {line}:{column}: {message}"
+def _said(found: Diagnostic) -> str:
+    return f"line {found.where.line}:{found.where.column}: {found.message}"

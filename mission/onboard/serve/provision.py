@@ -95,7 +95,9 @@ def _configuration(
         links = _with(read.links, given)
         for url in _urls(links):
             check_url(url)
-    except (ConfigurationError, LinkError) as error:
+    except ConfigurationError as error:
+        faults.append(error.brief)
+    except LinkError as error:
         faults.append(str(error))
     except Exception as error:  # a library that is missing, a home that nobody has
         faults.append(f"the configuration cannot be read: {type(error).__name__}: {error}")
@@ -108,7 +110,7 @@ def _vehicle(name: str, faults: list[str]) -> Vehicle | None:
     try:
         return load_vehicle(name)
     except VehicleError as error:
-        faults.append(str(error))
+        faults.append(error.brief)
     except Exception as error:
         faults.append(f"the vehicle file {name} cannot be read: {type(error).__name__}: {error}")
     return None

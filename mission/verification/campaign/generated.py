@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from random import Random
 
 from mission.authoring.check import Proved, check_mission
-from mission.authoring.compiler.compiler import CompileErrors, compile_mission
+from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import MissionErrors, digest, parse
 from mission.engine.variables import VARIABLES
 from mission.legs import LEGS
@@ -45,7 +45,7 @@ def generate(seed: int, number: int, vehicle: Vehicle) -> Generated:
         try:
             mission = parse(text)
             chart = compile_mission(mission, vehicle, digest(mission))
-        except (MissionErrors, CompileErrors):
+        except MissionErrors:
             continue
         report = check_mission(chart, vehicle)
         if report.ok and report.proved is not None:

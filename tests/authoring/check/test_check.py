@@ -31,7 +31,7 @@ def report(body: str, head: str = HEAD) -> Report:
 
 
 def rules(found: Report) -> list[str]:
-    return [r.rule for r in found.refusals]
+    return [r.code for r in found.refusals]
 
 
 def test_a_plain_mission_is_proved() -> None:
@@ -65,7 +65,7 @@ def test_a_guard_on_the_clock_shortens_the_worst_case() -> None:
 def test_a_mission_longer_than_its_safety_time_is_refused_with_its_path() -> None:
     found = report("repeat 40 r:\n a: heading 0 ZAF2 for 60s\n b: heading 180 ZAF2 for 60s\nend\n")
     assert "time" in rules(found)
-    refusal = next(r for r in found.refusals if r.rule == "time")
+    refusal = next(r for r in found.refusals if r.code == "time")
     assert any("r/a" in step for step in refusal.path)
     assert any("more" in step for step in refusal.path)
 
@@ -92,7 +92,7 @@ def test_a_latitude_without_a_home_to_measure_it_from_is_refused(leg: str) -> No
 
 def test_a_swept_path_beyond_the_radius_is_refused_at_the_leg_that_leaves_it() -> None:
     found = report("near: heading 0 ZAF6 for 60s\nfar: heading 0 ZAF8 for 20min\n")
-    refusal = next(r for r in found.refusals if r.rule == "radius")
+    refusal = next(r for r in found.refusals if r.code == "radius")
     assert refusal.where.line in (5, 4)
     assert "1000 m" in refusal.message
 
@@ -224,7 +224,7 @@ def test_a_way_back_without_end_is_refused_with_the_way() -> None:
         "b: heading 180 ZAF4 until travelled > 10 -> a timeout 1min\n"
     )
     assert "endless" in rules(found)
-    refusal = next(r for r in found.refusals if r.rule == "endless")
+    refusal = next(r for r in found.refusals if r.code == "endless")
     assert refusal.where.line == 5
     assert refusal.path[0].startswith("b")
 

@@ -16,15 +16,19 @@ def errors(text: str, parameters: dict[str, str] | None = None) -> MissionErrors
 
 @pytest.mark.parametrize("row", BROKEN, ids=lambda row: row.text[:40])
 def test_a_broken_mission_is_refused_at_its_place(row: Broken) -> None:
-    found = errors(row.text).problems
+    found = errors(row.text).diagnostics
     assert len(found) == 1, [p.message for p in found]
     problem = found[0]
-    assert (problem.rule, problem.line, problem.column) == (row.rule, row.line, row.column)
+    assert (problem.code, problem.where.line, problem.where.column) == (
+        row.rule,
+        row.line,
+        row.column,
+    )
     assert row.message in problem.message
     assert problem.hint.startswith(row.hint)
     assert row.hint
     assert problem.text == row.text.split("\n")[row.line - 1]
-    assert problem.length >= 1
+    assert problem.where.length >= 1
 
 
 def test_there_are_eighty_broken_missions_and_more() -> None:
@@ -61,8 +65,8 @@ def test_there_are_eighty_broken_missions_and_more() -> None:
     ids=["lines", "yaml"],
 )
 def test_all_errors_of_a_file_are_told_at_once(text: str, places: list[tuple[int, int]]) -> None:
-    problems = errors(text).problems
-    assert [(p.line, p.column) for p in problems] == places
+    problems = errors(text).diagnostics
+    assert [(p.where.line, p.where.column) for p in problems] == places
 
 
 def test_an_error_shows_the_line_underlined_and_what_to_write() -> None:
@@ -78,14 +82,14 @@ def test_an_error_shows_the_line_underlined_and_what_to_write() -> None:
 
 def test_places_are_right_in_continued_lines() -> None:
     text = "a: depth 5\n  + until depth > 3 # x\n\n  +  or altitued < 2 timeout 30\n"
-    problem = errors(text).problems[0]
-    assert (problem.line, problem.column, problem.offending) == (4, 9, "altitued")
+    problem = errors(text).diagnostics[0]
+    assert (problem.where.line, problem.where.column, problem.offending) == (4, 9, "altitued")
 
 
 def test_places_are_right_behind_quotes_and_in_other_scripts() -> None:
     text = 'mission: m\n# 下潜\nlegs:\n  - a: {until: "dephts > 3", timeout: 5 s}\n'
-    problem = errors(text).problems[0]
-    assert (problem.line, problem.column, problem.offending) == (4, 17, "dephts")
+    problem = errors(text).diagnostics[0]
+    assert (problem.where.line, problem.where.column, problem.offending) == (4, 17, "dephts")
 
 
 @pytest.mark.parametrize(
@@ -104,17 +108,17 @@ def test_a_parameter_from_outside_is_checked(parameters: dict[str, str], message
 
 def test_a_mission_is_at_most_as_long_as_the_wire_can_count() -> None:
     text = "mission m vehicle auv\n" + "wait 5\n" * 9999
-    assert [p.rule for p in errors(text).problems] == ["too-long"]
+    assert [p.code for p in errors(text).diagnostics] == ["too-long"]
 
 
 def test_groups_are_nested_at_most_sixteen_deep() -> None:
     text = "".join(f"group g{n}:\n" for n in range(17)) + "wait 5\n" + "end\n" * 17
-    assert [p.rule for p in errors(text).problems] == ["too-deep"]
+    assert [p.code for p in errors(text).diagnostics] == ["too-deep"]
 
 
 def test_thousands_of_groups_in_each_other_are_refused_and_no_trap() -> None:
     text = "repeat 2 g:\n" * 3000 + "wait 5\n" + "end\n" * 3000
-    assert "too-deep" in {p.rule for p in errors(text).problems}
+    assert "too-deep" in {p.code for p in errors(text).diagnostics}
 
 
 def test_aliases_that_repeat_themselves_are_no_trap() -> None:
@@ -127,9 +131,9 @@ def test_aliases_that_repeat_themselves_are_no_trap() -> None:
     deep = "mission: m\nlegs: " + "[" * 100_000
     dashes = "mission: m\nlegs:\n" + "- " * 100_000
     for text in (bomb, endless, wide, deep, dashes):
-        assert errors(text).problems
+        assert errors(text).diagnostics
 
 
 @pytest.mark.parametrize("text", ["", "\n\n# only a comment\n", "\ufeff", "\x00", "---\n", "- a\n"])
 def test_no_text_at_all_is_an_error_with_a_place(text: str) -> None:
-    assert errors(text).problems[0].line >= 1
+    assert errors(text).diagnostics[0].where.line >= 1

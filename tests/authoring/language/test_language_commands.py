@@ -256,21 +256,23 @@ def test_a_file_that_never_ends_or_is_no_text_is_refused_alike(
 
 
 @pytest.mark.parametrize(
-    ("arguments", "rule"),
-    [(["absent.yaml"], "unreadable"), (["first-dive", "--vehicle", "nessie"], "vehicle")],
+    ("arguments", "stage"),
+    [(["absent.yaml"], "text"), (["first-dive", "--vehicle", "nessie"], "vehicle")],
 )
-def test_a_program_is_told_too_why_nothing_could_be_read(arguments: list[str], rule: str) -> None:
+def test_a_program_is_told_too_why_nothing_could_be_read(arguments: list[str], stage: str) -> None:
     ran = call("check", *arguments, "--json")
     assert ran.exit_code == 2
     (refusal,) = json.loads(ran.stdout)["refusals"]
-    assert (refusal["rule"], refusal["line"]) == (rule, 0)
+    told = (refusal["stage"], refusal["code"], refusal["line"])
+    assert told == (stage, "unreadable", 0)
+    assert refusal["hint"]
 
 
 def test_a_place_alone_in_a_value_is_told_as_a_place() -> None:
     with pytest.raises(MissionErrors) as caught:
         parse("mission: m\nlegs: [{g: {goto: base, gear: 8, timeout: 60}}]\n")
-    (problem,) = caught.value.problems
-    assert (problem.rule, problem.offending) == ("place", "base")
+    (problem,) = caught.value.diagnostics
+    assert (problem.code, problem.offending) == ("place", "base")
     assert "north 10 east 20" in problem.hint
 
 
@@ -289,7 +291,7 @@ def test_converted_yaml_reads_as_the_documentation_writes_it() -> None:
 def test_a_word_behind_a_number_where_a_unit_may_stand_is_told_as_one() -> None:
     with pytest.raises(MissionErrors) as caught:
         parse("wait 3 fortnights\nwait 30 untill depth > 3\n")
-    assert [(p.rule, p.hint[:16]) for p in caught.value.problems] == [
+    assert [(p.code, p.hint[:16]) for p in caught.value.diagnostics] == [
         ("unknown-unit", "units: m, km, cm"),
         ("unknown-word", "did you mean unt"),
     ]

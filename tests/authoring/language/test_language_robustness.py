@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from mission.authoring.language import MissionErrors, Problem, layout, parse, to_lines, to_yaml
+from mission.authoring.language import MissionErrors, layout, parse, to_lines, to_yaml
+from mission.model.diagnostics import Diagnostic
 
 MISSIONS = Path(__file__).resolve().parents[3] / "missions"
 FRAGMENTS = """-> ( ) not and until held sure % 1e999 1e-999 - -- 9999999999999999999999 ZAA5;-3 ZAH
@@ -33,11 +34,11 @@ def mutated(rng: random.Random, texts: list[str]) -> str:
     return text
 
 
-def problems_of(text: str) -> tuple[Problem, ...]:
+def problems_of(text: str) -> tuple[Diagnostic, ...]:
     try:
         parse(text)
     except MissionErrors as errors:
-        return errors.problems
+        return errors.diagnostics
     return ()
 
 
@@ -51,7 +52,7 @@ def test_a_damaged_mission_is_read_or_refused_with_places_and_hints(seed: int) -
         text = mutated(rng, texts)
         refused = problems_of(text)
         assert all(p.message and p.hint for p in refused)
-        assert all(1 <= p.line <= text.count("\n") + 1 for p in refused)
+        assert all(1 <= p.where.line <= text.count("\n") + 1 for p in refused)
         if not refused:
             mission = parse(text)
             assert parse(to_lines(mission)) == parse(to_yaml(mission)) == mission

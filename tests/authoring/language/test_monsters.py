@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from mission.authoring.compiler.compiler import CompileErrors, compile_mission
+from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.graph.outline import TooLarge, outline
-from mission.authoring.language import MissionErrors, Problem, digest, parse, parse_script
+from mission.authoring.language import MissionErrors, digest, parse, parse_script
 from mission.model import extent
+from mission.model.diagnostics import Diagnostic
 from mission.model.extent import EXTENTS, Extent
 from mission.model.shipped import load_vehicle
 from mission.model.yaml_tree import YamlFault, tree
@@ -27,11 +28,11 @@ def wrapped(statement: str) -> str:
     return "\n".join([*lines, rest]) + "\n"
 
 
-def first(text: str) -> Problem:
+def first(text: str) -> Diagnostic:
     with pytest.raises(MissionErrors) as caught:
         parse(text)
     assert len(str(caught.value)) < 100_000  # however long the text is
-    return caught.value.problems[0]
+    return caught.value.diagnostics[0]
 
 
 def handlers(count: int) -> str:
@@ -77,9 +78,9 @@ GROWN = [
 def test_one_more_than_the_figure_is_refused_and_so_is_any_number_more(
     text, bound: Extent, rule: str
 ) -> None:
-    assert first(text(bound.most + 1)).rule == rule
+    assert first(text(bound.most + 1)).code == rule
     if bound.most < 1000:  # the others take seconds
-        assert first(text(bound.most * 30)).rule == rule
+        assert first(text(bound.most * 30)).code == rule
 
 
 @pytest.mark.parametrize(
@@ -98,14 +99,14 @@ def test_a_leg_watches_as_many_comparisons_as_the_figure_says_and_not_one_more()
         if not more:
             assert compile_mission(mission, vehicle, digest(mission))
             continue
-        with pytest.raises(CompileErrors, match=extent.WATCHED.exceeded):
+        with pytest.raises(MissionErrors, match=extent.WATCHED.exceeded):
             compile_mission(mission, vehicle, digest(mission))
 
 
 def test_the_hundredth_error_ends_the_reading() -> None:
     with pytest.raises(MissionErrors) as caught:
         parse(HEAD + "dpeth 5\n" * 5000)
-    assert len(caught.value.problems) == extent.PROBLEMS.most
+    assert len(caught.value.diagnostics) == extent.PROBLEMS.most
     assert "there may be more" in str(caught.value)
 
 
@@ -138,7 +139,7 @@ def test_a_monster_is_refused_in_few_words(text: str) -> None:
 
 def test_targets_by_the_thousand_are_each_looked_up_once() -> None:
     text = HEAD + "".join(f"a{n}: depth 5 for 1s else b{n}\n" for n in range(3_000))
-    assert first(text).rule == "unknown-target"
+    assert first(text).code == "unknown-target"
 
 
 def test_aliases_are_counted_as_if_they_were_written_out() -> None:
@@ -153,7 +154,7 @@ def test_a_line_script_that_fits_the_wire_is_judged_however_it_is_nested() -> No
     for word in ("not", "("):
         with pytest.raises(MissionErrors) as caught:
             parse_script(guard(4_000, word).splitlines())
-        assert caught.value.problems[0].rule == "too-deep"
+        assert caught.value.diagnostics[0].code == "too-deep"
 
 
 def test_a_graph_that_nobody_could_look_at_is_not_drawn() -> None:

@@ -10,11 +10,12 @@ from click.testing import CliRunner
 from links.simulated.settings import FaultEvent
 from mission.authoring.check.assumptions import FROZEN, LATE, STICKS, TURNED
 from mission.authoring.check.bounds import ascent_time
-from mission.authoring.compiler.compiler import CompileErrors, compile_mission
+from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, parse, words
 from mission.commands.campaign import campaign
 from mission.engine.variables import VARIABLES
 from mission.legs import LEGS
+from mission.model.diagnostics import MissionErrors
 from mission.model.shipped import load_vehicle
 from mission.verification.campaign.draw import PROFILES
 from mission.verification.campaign.proofs import ENERGY, RANGE, TIME, Claim, show
@@ -56,7 +57,7 @@ def test_every_word_of_the_language_has_its_flights() -> None:
 @pytest.mark.parametrize("word", REFUSED)
 def test_what_is_not_flown_no_mission_may_say(word: str) -> None:
     mission = parse(f"{HEAD.format(name='m')}{REFUSED[word]}\n")
-    with pytest.raises(CompileErrors):
+    with pytest.raises(MissionErrors):
         compile_mission(mission, VEHICLE, digest(mission))
 
 

@@ -1,0 +1,10 @@
+"""What the compiler refuses, as a Diagnostic."""
+
+from __future__ import annotations
+
+from mission.model import Where
+from mission.model.diagnostics import Diagnostic, Stage
+
+
+def refused(code: str, where: Where, message: str, hint: str = "") -> Diagnostic:
+    return Diagnostic(Stage.COMPILE, code, where, message, hint)
