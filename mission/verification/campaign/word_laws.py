@@ -22,9 +22,7 @@ import functools
 import math
 import re
 from collections.abc import Iterator, Mapping
-from itertools import pairwise
 
-from links.simulated.firmware.uart import BYTE_TIME
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, parse, script
 from mission.model import (
@@ -45,6 +43,7 @@ from mission.verification.campaign.story import SAME, STOP_WORD, UPWARD_WORDS, R
 from mission.verification.campaign.surface_laws import UNLAWFUL
 from mission.verification.campaign.trial import AUTO_NODE, fault_ends
 from mission.verification.rig.acts import MODEM, TOPSIDE, Act
+from mission.verification.rig.line import crowded
 from mission.verification.rig.program import DEAD
 from mission.verification.rig.trace import Said
 from protocol.messages import Order
@@ -64,7 +63,7 @@ _M = re.compile(rb"@M[TDMRSP][^@$]*\$")
 _ACKNOWLEDGED = re.compile(rb"@ACK_Z[XA]Y\$")
 _ACCEPTED = re.compile(rb"@ACK_(?:AA|AC|SP|ST|AW|NS)[^N]\$")
 _REFUSED = re.compile(rb"@ACK_Z([A-Z])N\$")
-_GAP, _NODE = 0.02, 1.0  # s
+_NODE = 1.0  # s
 _ORDER = re.compile(rb"@ZA(X0|WF)\$")
 
 
@@ -322,12 +321,8 @@ def _by_limit(stay: Stay) -> bool:
 
 
 def _keeps_the_gap(story: Story) -> Iterator[Violation]:
-    for one, other in pairwise(story.words):
-        free = one.t + len(one.data) * BYTE_TIME + _GAP
-        if other.t < free - 1e-6:
-            says = f"{other.data!r} leaves {free - other.t:.3f} s too soon behind {one.data!r}"
-            yield Violation(UNLAWFUL, other.t, says)
-            return
+    if found := crowded(story.words):
+        yield Violation(UNLAWFUL, *found)
 
 
 def _heeds_refusals(story: Story) -> Iterator[Violation]:

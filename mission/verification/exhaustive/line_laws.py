@@ -11,10 +11,9 @@ from itertools import pairwise
 from mission.model import STOPPED, SURFACED, SURFACING, Tx
 from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.laws import U12, Law, Verdict, W, X, wrong
+from mission.verification.rig.line import GAP_S, crowded
 
 D12 = b"@ZAD12$"  # upside down (R7)
-_BYTE = 10 / 9600  # s, 8N1
-_GAP = 0.02  # s (as built: one burst is one frame)
 _ANSWER = 0.3  # s (R1)
 _TRIES = 3  # R1
 _EPS = 1e-6
@@ -64,13 +63,11 @@ def _surfaced(cell: Cell) -> Verdict:
 
 
 def _gap(cell: Cell) -> Verdict:
-    """Two frames at once would be one burst, which is read as one frame."""
+    """Of one life of the program: another one's time begins at 0."""
     if "restart" in cell.event.causes or len(cell.frames()) < 2:
         return None
-    for a, b in pairwise(cell.frames()):
-        if b.t - a.t < len(a.data) * _BYTE + _GAP - _EPS:
-            return f"{b.data!r} left {b.t - a.t:.3f} s after {a.data!r}"
-    return ""
+    found = crowded(cell.frames())
+    return found.says if found else ""
 
 
 def _one_outstanding(cell: Cell) -> Verdict:
@@ -78,7 +75,7 @@ def _one_outstanding(cell: Cell) -> Verdict:
     by a stick that took over, do not wait."""
     if cell.event.name != "no ACK" or cell.configuration.region in ("manual", "idle"):
         return None
-    for a, b in pairwise(t for t in cell.frames(b"@ZA") if t.t > cell.before.t + _GAP):
+    for a, b in pairwise(t for t in cell.frames(b"@ZA") if t.t > cell.before.t + GAP_S):
         if b.data not in (X, W) and b.t - a.t < _ANSWER - _EPS:
             return f"{b.data!r} left {b.t - a.t:.3f} s after {a.data!r}"
     return ""
