@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mission.commands.jobs import Where, job_options
 from mission.commands.options import SEED
 
 if TYPE_CHECKING:
     from mission.verification.campaign.proofs import Claim, Shown
+    from mission.verification.workers.outcome import Lost
 
 Job = tuple["Claim", int, int]  # claim, seed, flight
 
@@ -38,7 +40,7 @@ Job = tuple["Claim", int, int]  # claim, seed, flight
 @click.option("--word", type=click.IntRange(0), help="The word's mission of this number.")
 @click.option("--flight", type=click.IntRange(0), help="Fly this flight alone, and tell its story.")
 @click.option("--show", is_flag=True, help="Print the generated mission, do not fly.")
-@click.option("--workers", type=click.IntRange(1), help="Processes; a core each by default.")
+@job_options
 def campaign(
     files: tuple[Path, ...],
     missions: int | None,
@@ -49,13 +51,14 @@ def campaign(
     word: int | None,
     flight: int | None,
     show: bool,
-    workers: int | None,
+    where: Where,
 ) -> None:
     """Fly missions within what the check assumed: never past what it proved.
 
     Current, start, compass, speed and floor are random within the assumptions; sensors fail and
     links are lost. Each counterexample is told with the command that flies it again: exit 1. The
-    last line of stdout is one JSON object.
+    last line of stdout is one JSON object; its `at_most` bounds the probability that a flight drawn
+    like these gets past what was proved (exact binomial, 95 %).
     """
     import functools
     import json
@@ -65,14 +68,17 @@ def campaign(
     from mission.model.shipped import load_vehicle
     from mission.verification.campaign.faults import shipped
     from mission.verification.campaign.generated import generate
+    from mission.verification.campaign.proofs import Shown
     from mission.verification.campaign.withheld import claims as withheld
-    from mission.verification.workers import results, with_progress
+    from mission.verification.workers import results
+    from mission.verification.workers.outcome import Lost, had
+    from mission.verification.workers.progress import with_progress
 
     if generated is not None and show:
         click.echo(generate(seed, generated, load_vehicle("auv")).text, nl=False)
         return
     only = generated is not None or words or word is not None
-    named = () if only else files or tuple(shipped())
+    named = () if only else tuple(dict.fromkeys(files)) or tuple(shipped())
     count = 1 if generated is not None else len(named) if missions is None or only else missions
     tell = functools.partial(click.echo, err=True)
     try:
@@ -82,29 +88,34 @@ def campaign(
         sys.exit(2)
     first = generated or 0
     numbers = range(first, first + count - len(claims))
-    made = results(functools.partial(_generated, seed), numbers, workers)
-    claims += with_progress(made, len(numbers), "missions generated", tell)
-    if words or word is not None:
-        said = list(withheld(load_vehicle("auv")))
-        claims += said if word is None else said[word : word + 1]
-    flown = range(flights) if flight is None else [flight]
-    jobs: list[Job] = [(claim, seed, number) for claim in claims for number in flown]
-    ended = with_progress(results(_show, jobs, workers), len(jobs), "flights", tell)
-    tally = _Tally(len(claims))
-    for (_, _, number), shown in zip(jobs, ended, strict=True):
-        tally.take(shown)
-        if shown.violations or flight is not None:
-            click.echo(_story(shown, seed, number))
+    tally = _Tally()
+    with where.keeping({"flights": "within what was proved", "seed": seed}, Shown) as kept:
+        made = results(functools.partial(_generated, seed), numbers, where.place)
+        claims += map(had, with_progress(made, len(numbers), "missions generated", tell))
+        if words or word is not None:
+            said = list(withheld(load_vehicle("auv")))
+            claims += said if word is None else said[word : word + 1]
+        tally.missions = len(claims)
+        flown = range(flights) if flight is None else [flight]
+        jobs: list[Job] = [(claim, seed, number) for claim in claims for number in flown]
+        found = results(_show, jobs, where.place, _name, kept)
+        ended = with_progress(found, len(jobs), "flights", tell, kept.count)
+        for (claim, _, number), shown in zip(jobs, ended, strict=True):
+            tally.take(shown)
+            if isinstance(shown, Lost) or shown.violations or flight is not None:
+                click.echo(_story(claim, shown, seed, number))
     click.echo(json.dumps(tally.as_json()))
-    sys.exit(1 if any(tally.violations.values()) else 0)
+    sys.exit(0 if tally.clean else 1)
 
 
 @dataclass(slots=True)
 class _Tally:
     """``greatest_share``: of what the check proved, how much some flight needed."""
 
-    missions: int
+    missions: int = 0
     flights: int = 0
+    broken: int = 0  # flights with a violation
+    undone: int = 0
     not_started: int = 0
     violations: dict[str, int] = field(
         default_factory=lambda: dict.fromkeys(
@@ -115,8 +126,14 @@ class _Tally:
         default_factory=lambda: dict.fromkeys(("time", "range", "depth", "energy"), 0.0)
     )
 
-    def take(self, shown: Shown) -> None:
+    def take(self, shown: Shown | Lost) -> None:
+        from mission.verification.workers.outcome import Lost
+
+        if isinstance(shown, Lost):
+            self.undone += 1
+            return
         self.flights += 1
+        self.broken += bool(shown.violations)
         self.not_started += not shown.started
         for violation in shown.violations:
             self.violations[violation.kind] += 1
@@ -124,8 +141,14 @@ class _Tally:
             share = getattr(shown.needed, name) / getattr(shown.proved, name)
             self.greatest_share[name] = max(most, round(share, 3))
 
+    @property
+    def clean(self) -> bool:
+        return not self.broken and not self.undone
+
     def as_json(self) -> dict[str, object]:
-        return asdict(self)
+        from mission.verification.bounds import at_most
+
+        return asdict(self) | {"at_most": at_most(self.broken, self.flights)}
 
 
 def _claim(path: Path) -> Claim:
@@ -159,7 +182,19 @@ def _show(job: Job) -> Shown:
     return show(claim, vehicle, seed, flight, drawn_for(claim, flight))
 
 
-def _story(shown: Shown, seed: int, number: int) -> str:
+def _name(job: Job) -> str:
+    """With what the flight follows from, but the seed."""
+    from mission.authoring.language import digest
+
+    claim, _, flight = job
+    return f"{claim.source} {digest(claim.mission)[:8]} --flight {flight}"
+
+
+def _story(claim: Claim, shown: Shown | Lost, seed: int, number: int) -> str:
+    from mission.verification.workers.outcome import Lost
+
+    again = f"  again: auvmission campaign {claim.source} --seed {seed} --flight {number}"
+    if isinstance(shown, Lost):
+        return f"flight {shown}\n{again}"
     found = [f"  {v.kind} at {v.t:.1f} s: {v.says}" for v in shown.violations]
-    again = f"  again: auvmission campaign {shown.source} --seed {seed} --flight {number}"
     return "\n".join([f"flight {number} of {shown.words}", *found, again])

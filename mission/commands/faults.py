@@ -9,11 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mission.commands.jobs import Where, job_options
+
 if TYPE_CHECKING:
     from mission.onboard.runtime.records import Recorder
     from mission.verification.campaign.draw import Plan, Subject
     from mission.verification.campaign.faults import FlightResult, Totals
     from mission.verification.campaign.noticing import Noticed
+    from mission.verification.workers.outcome import Lost
 
 
 @click.command()
@@ -22,7 +25,6 @@ if TYPE_CHECKING:
 @click.option("--seed", type=int, default=0, show_default=True, help="Any; the same flights again.")
 @click.option("--flight", metavar="NUMBER|NAME", help="This one alone, with its whole story.")
 @click.option("--search", is_flag=True, help="Steer towards flights that nearly break a law.")
-@click.option("--workers", type=click.IntRange(1), help="Processes; a core each by default.")
 @click.option(
     "--report",
     type=click.Path(path_type=Path, file_okay=False),
@@ -36,17 +38,18 @@ if TYPE_CHECKING:
 )
 @click.option("--calm", is_flag=True, help="Without any fault: no limit may act.")
 @click.option("--json", "as_json", is_flag=True, help="The object alone, no story.")
+@job_options
 def faults(
     flights: int,
     seed: int,
     flight: str | None,
     search: bool,
-    workers: int | None,
     report: Path | None,
     soak: float | None,
     rule: str | None,
     calm: bool,
     as_json: bool,
+    where: Where,
 ) -> None:
     """Fly the shipped missions with faults of vehicle, links, operators and program.
 
@@ -60,6 +63,9 @@ def faults(
     notices: exit 0 if all are noticed but those with a reason.
 
     With --calm nothing is disturbed but by currents and noise: what a limit ends is a false alarm.
+
+    `at_most` bounds the probability that a flight drawn like these breaks a law (exact binomial,
+    95 %). `digest` is the same wherever the same flights are flown.
     """
     import json
     import sys
@@ -68,7 +74,7 @@ def faults(
 
     known = tuple(subjects(shipped()))
     if rule is not None:
-        sys.exit(_break(rule, seed, flights, workers, known, as_json, search))
+        sys.exit(_break(rule, seed, flights, where, known, as_json, search))
     if soak is not None:
         sys.exit(_soak(soak, seed, known, as_json))
     totals = Totals()
@@ -76,9 +82,9 @@ def faults(
     if flight is not None:
         _fly_one(totals, seed, flight, known, report, calm, as_json)
     elif search:
-        also = _search(totals, seed, flights, workers, known, as_json)
+        also = _search(totals, seed, flights, where, known, as_json)
     else:
-        _by_chance(totals, seed, flights, workers, known, calm, as_json)
+        also = _by_chance(totals, seed, flights, where, known, calm, as_json)
     click.echo(json.dumps(totals.as_json() | also))
     sys.exit(0 if totals.clean else 1)
 
@@ -124,44 +130,68 @@ def _by_chance(
     totals: Totals,
     seed: int,
     flights: int,
-    workers: int | None,
+    where: Where,
     known: Sequence[Subject],
     calm: bool,
     as_json: bool,
-) -> None:
+) -> dict[str, Any]:
+    """What the object says beside the totals: how seldom a flight breaks a law."""
     import functools
 
-    from mission.verification.workers import results, with_progress
+    from mission.verification.bounds import at_most
+    from mission.verification.campaign.faults import FlightResult
+    from mission.verification.workers import results
+    from mission.verification.workers.progress import with_progress
 
     work = functools.partial(_fly_calmly if calm else _fly_numbered, seed, known)
+    asked = {"flights": "calm" if calm else "by chance", "seed": seed}
     tell = functools.partial(click.echo, err=True)
-    for result in with_progress(results(work, range(flights), workers), flights, "flights", tell):
-        totals.add(result)
-        if result.violations:
-            click.echo(_story(seed, str(result.number), result, calm), err=as_json)
+    with where.keeping(asked, FlightResult) as kept:
+        found = results(work, range(flights), where.place, kept=kept)
+        for number, result in enumerate(with_progress(found, flights, "flights", tell, kept.count)):
+            _take(totals, result, seed, str(number), as_json, calm)
+    return {"at_most": at_most(totals.broken, totals.flights)}
+
+
+def _take(
+    totals: Totals,
+    result: FlightResult | Lost,
+    seed: int,
+    name: str,
+    as_json: bool,
+    calm: bool = False,
+) -> None:
+    from mission.verification.workers.outcome import Lost
+
+    if isinstance(result, Lost):
+        totals.undone += 1
+        click.echo(f"flight {result}\n{_again(seed, name, calm)}", err=as_json)
+        return
+    totals.add(result)
+    if result.violations:
+        click.echo(_story(seed, name, result, calm), err=as_json)
 
 
 def _search(
     totals: Totals,
     seed: int,
     flights: int,
-    workers: int | None,
+    where: Where,
     known: Sequence[Subject],
     as_json: bool,
 ) -> dict[str, Any]:
     """What the object says beside the totals: which flights came nearest."""
     import functools
 
-    from mission.verification.campaign.search import Search, flown
-    from mission.verification.workers import with_progress
+    from mission.verification.campaign.search import Fared, Search, flown
+    from mission.verification.workers.progress import with_progress
 
     search = Search(seed, known)
     tell = functools.partial(click.echo, err=True)
-    found = flown(search, seed, flights, known, workers)
-    for name, result in with_progress(found, flights, "flights", tell):
-        totals.add(result)
-        if result.violations:
-            click.echo(_story(seed, name, result), err=as_json)
+    with where.keeping({"flights": "searched", "seed": seed}, Fared) as kept:
+        found = flown(search, seed, flights, known, where.place, kept)
+        for name, result in with_progress(found, flights, "flights", tell, kept.count):
+            _take(totals, result, seed, name, as_json)
     nearest = sorted(search.nearest.items())
     told = {law: {"seed": seed, "flight": near.name, "left": near.left} for law, near in nearest}
     return {"nearest": told}
@@ -183,7 +213,7 @@ def _break(
     rule: str,
     seed: int,
     flights: int,
-    workers: int | None,
+    where: Where,
     known: tuple[Subject, ...],
     as_json: bool,
     search: bool,
@@ -194,8 +224,9 @@ def _break(
 
     from mission.model.compiled import compiled
     from mission.verification.campaign.broken import BROKEN
-    from mission.verification.campaign.noticing import in_table
+    from mission.verification.campaign.noticing import Noticed, in_table
     from mission.verification.workers import results
+    from mission.verification.workers.outcome import Lost
 
     if rule != "all" and rule not in BROKEN:
         raise click.BadParameter(f"no rule {rule!r}; known: {', '.join(BROKEN)}")
@@ -204,15 +235,23 @@ def _break(
     names = list(BROKEN) if rule == "all" else [rule]
     found: list[Noticed] = []
     work = functools.partial(_notice, seed, flights, known, search)
-    for noticed in results(work, names, workers):
-        found.append(noticed)
-        click.echo(in_table(noticed), err=as_json)
+    asked = {"flights": "broken", "seed": seed, "most": flights, "searched": search}
+    undone: list[str] = []
+    with where.keeping(asked, Noticed) as kept:
+        for noticed in results(work, names, where.lasting(flights).place, kept=kept):
+            if isinstance(noticed, Lost):
+                undone.append(noticed.name)
+            else:
+                found.append(noticed)
+            click.echo(
+                str(noticed) if isinstance(noticed, Lost) else in_table(noticed), err=as_json
+            )
     blind = [n.name for n in found if n.flights is None and not n.reason]
     object_ = {"rules": len(found), "noticed": sum(n.flights is not None for n in found)}
     flown = sum(n.flights or flights for n in found if not n.reason)
-    told = {"blind": blind, "flights": flights, "seed": seed, "flown": flown}
+    told = {"blind": blind, "undone": undone, "flights": flights, "seed": seed, "flown": flown}
     click.echo(json.dumps(object_ | told))
-    return 1 if blind else 0
+    return 1 if blind or undone else 0
 
 
 def _notice(
@@ -286,5 +325,8 @@ def _recorders(folder: Path | None) -> Iterator[Callable[[], Recorder | None]]:
 
 def _story(seed: int, name: str, result: FlightResult, calm: bool = False) -> str:
     found = [f"  {v.kind} at {v.t:.1f} s: {v.says}" for v in result.violations]
-    again = f"  again: auvmission faults{' --calm' * calm} --seed {seed} --flight {name}"
-    return "\n".join([f"flight {name}: {result.words}", *found, again])
+    return "\n".join([f"flight {name}: {result.words}", *found, _again(seed, name, calm)])
+
+
+def _again(seed: int, name: str, calm: bool) -> str:
+    return f"  again: auvmission faults{' --calm' * calm} --seed {seed} --flight {name}"

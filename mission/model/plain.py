@@ -6,6 +6,7 @@ import dataclasses
 import enum
 import types
 import typing
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin
@@ -19,7 +20,7 @@ def to_plain(value: Any) -> Any:
         return {f.name: to_plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
     if isinstance(value, Mapping):
         return {str(k): to_plain(v) for k, v in value.items()}
-    if isinstance(value, frozenset):
+    if isinstance(value, frozenset | set):
         return sorted(to_plain(v) for v in value)
     if isinstance(value, tuple | list):
         return [to_plain(v) for v in value]
@@ -46,8 +47,10 @@ def _from_plain(kind: Any, data: Any) -> Any:
     if origin is tuple:
         kinds = args[:1] * len(data) if args[-1] is Ellipsis else args
         return tuple(_from_plain(k, v) for k, v in zip(kinds, data, strict=True))
-    if origin is frozenset:
-        return frozenset(_from_plain(args[0], v) for v in data)
+    if origin in (frozenset, set):
+        return origin(_from_plain(args[0], v) for v in data)
+    if origin is Counter:
+        return Counter(data)
     if isinstance(origin, type) and issubclass(origin, Mapping):
         return {k: _from_plain(args[1], v) for k, v in data.items()}
     return kind(data) if isinstance(kind, type) and issubclass(kind, Path | enum.Enum) else data

@@ -124,6 +124,15 @@ BENCHES = (
             Figure("sieve_mbit", "sifting a flood", "Mbit/s", 100, True),
         ),
     ),
+    Bench(
+        "bench_campaign",
+        "flights in two processes",
+        lambda module: module.main(),
+        (
+            Figure("pool", "the pool, of two processes by hand", "%", 97, True),
+            Figure("dask", "a Dask cluster, of two processes by hand", "%", 93, True),
+        ),
+    ),
     Bench("bench_modem", "the modem", lambda module: module.main(2)),
 )
 

@@ -82,15 +82,36 @@ def test_flights_in_several_processes_end_with_their_processes() -> None:
     assert rest == ["interrupted"]
 
 
+def test_flights_that_were_interrupted_are_kept_and_the_rest_flown_later(tmp_path: Path) -> None:
+    kept = tmp_path / "kept.jsonl"
+    call = ("-m", "mission", "faults", "--seed", "4", "--workers", "2", "--resume", str(kept))
+    process = begun(*call, "--flights", "2000")
+    try:
+        soon(lambda: kept.exists() and kept.read_bytes().count(b"\n") > 4, "some have ended")
+        code, _ = interrupted(process)
+    finally:
+        if group_of(process):
+            os.killpg(process.pid, signal.SIGKILL)
+    assert code == CODE
+    there = kept.read_bytes()
+    assert there.endswith(b"\n")
+    again = CliRunner().invoke(main, ["faults", "--seed", "4", "--flights", "6", *call[-2:]])
+    anew = CliRunner().invoke(main, ["faults", "--seed", "4", "--flights", "6", "--on", "local"])
+    assert again.stdout == anew.stdout
+    assert kept.read_bytes().startswith(there)
+
+
 @pytest.mark.parametrize("after", [0, 3])
 def test_jobs_that_never_end_do_not_outlive_who_wanted_them(after: int) -> None:
     """Interrupted while the processes begin, and while they work."""
     job = "import sys, time; print(flush=True); time.sleep(1e6)"
     code = (
         "from mission.verification.workers import results\n"
+        "from mission.verification.workers.places import place\n"
         "if __name__ == '__main__':\n"
         "    print('begins', flush=True)\n"
-        f"    for _ in results(exec, [{job!r}] * 2, 2): pass\n"
+        f"    jobs = [{job!r}, {job!r} + ' ']\n"
+        "    for _ in results(exec, jobs, place('processes', 2)): pass\n"
     )
     process = begun("-c", code)
     try:

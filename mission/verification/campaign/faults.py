@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +33,7 @@ from mission.verification.campaign.margins import margins
 from mission.verification.campaign.story import Story
 from mission.verification.campaign.trial import try_out
 from mission.verification.campaign.whole_flight import KINDS, throughout
-from mission.verification.rig.trace import Trace
+from mission.verification.rig.trace import Told, Trace
 
 NOT_STARTED = "not started"
 ALARMED = "alarmed"  # of flights without faults (calm)
@@ -40,31 +41,40 @@ ALARMED = "alarmed"  # of flights without faults (calm)
 
 @dataclass(frozen=True, slots=True)
 class FlightResult:
-    """How one flight fared; small, for it comes from another process."""
+    """How one flight fared; small, for it comes from another process. ``digest``: of all that was
+    said, heard, decided and sent, with its times, and of the truth at the end."""
 
     number: int
     words: str
     kinds: tuple[str, ...]
     violations: tuple[Violation, ...]
     aborted: tuple[str, ...]
+    digest: str = ""
 
 
 @dataclass(slots=True)
 class Totals:
+    """``undone``: flights that nobody saw the end of."""
+
     flights: int = 0
+    broken: int = 0  # flights that broke any law
+    undone: int = 0
     kinds: Counter[str] = field(default_factory=Counter)
     aborted: Counter[str] = field(default_factory=Counter)
     violated: Counter[str] = field(default_factory=Counter)  # flights, by kind of violation
+    digest: str = ""  # of all in their order
 
     def add(self, result: FlightResult) -> None:
         self.flights += 1
+        self.broken += bool(result.violations)
+        self.digest = sha256(f"{self.digest} {result.digest}".encode()).hexdigest()[:16]
         self.kinds.update(result.kinds)
         self.aborted.update(result.aborted)
         self.violated.update({violation.kind for violation in result.violations})
 
     @property
     def clean(self) -> bool:
-        return not self.violated
+        return not self.violated and not self.undone
 
     def as_json(self) -> dict[str, Any]:
         """The JSON object of one run; ``ignored``, ``raised`` and KINDS beside it."""
@@ -78,6 +88,8 @@ class Totals:
             "raised": self.violated[RAISED],
             **{kind: self.violated[kind] for kind in (*KINDS, ALARMED)},
             "aborted": dict(sorted(self.aborted.items())),
+            "undone": self.undone,
+            "digest": self.digest,
         }
 
 
@@ -153,8 +165,24 @@ def result_of(
         found += throughout(trial, flown, vehicle, profile, plan.settings, plan.silence)
     found.sort(key=lambda violation: violation.t)
     return FlightResult(
-        plan.number, plan.in_words(), plan.kinds, tuple(found), tuple(_aborts(trial))
+        plan.number,
+        plan.in_words(),
+        plan.kinds,
+        tuple(found),
+        tuple(_aborts(trial)),
+        digest_of(trial),
     )
+
+
+def digest_of(trial: Trace) -> str:
+    """The same wherever the same flight is flown. Estimates are left out: what follows from them
+    is in it, and they take longest."""
+    found = sha256()
+    for event in trial.events:
+        if not isinstance(event, Told):
+            found.update(repr(event).encode())
+    found.update(repr((trial.truth, trial.state)).encode())
+    return found.hexdigest()[:16]
 
 
 def _aborts(trial: Trace) -> list[str]:

@@ -27,8 +27,12 @@ from mission.verification.campaign.faults import FlightResult, fare_near
 from mission.verification.campaign.scenes import SCENES
 from mission.verification.campaign.steered import neighbour, plan_of
 from mission.verification.workers import working
+from mission.verification.workers.kept import Kept
+from mission.verification.workers.outcome import Lost
+from mission.verification.workers.places import Place
 
 GENERATION, STEERED = 18, 6  # flights after the first round; of them neighbours, at most
+Fared = tuple[FlightResult, dict[str, float]]  # with how near it came, by law
 NEARLY = 0.5  # of its bound: a law with more left is not followed up
 
 
@@ -97,21 +101,28 @@ class Search:
 
 
 def flown(
-    search: Search, seed: int, most: int, known: Sequence[Subject], workers: int | None = None
-) -> Iterator[tuple[str, FlightResult]]:
+    search: Search,
+    seed: int,
+    most: int,
+    known: Sequence[Subject],
+    at: Place,
+    kept: Kept[Fared] | None = None,
+) -> Iterator[tuple[str, FlightResult | Lost]]:
     """``most`` flights, with their names, as ``search`` asks for them."""
     work = functools.partial(fare_named, seed, known)
-    with working(work, workers) as batch:
+    with working(work, at, kept=kept) as batch:
         while most > 0:
             names = search.generation()[:most]
             most -= len(names)
-            for name, (result, margins) in zip(names, batch(names, 1), strict=True):
+            for name, fared in zip(names, batch(names), strict=True):
+                if isinstance(fared, Lost):
+                    yield name, fared
+                    continue
+                result, margins = fared
                 search.tell(name, margins, broken=bool(result.violations))
                 yield name, result
 
 
-def fare_named(
-    seed: int, known: Sequence[Subject], name: str
-) -> tuple[FlightResult, dict[str, float]]:
+def fare_named(seed: int, known: Sequence[Subject], name: str) -> Fared:
     """ValueError for a name that is none (steered)."""
     return fare_near(plan_of(name, seed, known))

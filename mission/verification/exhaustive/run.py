@@ -13,6 +13,7 @@ import itertools
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from hashlib import sha256
 from pathlib import Path
 
 from mission.verification.exhaustive.cell import Cell, Configuration, Event, before
@@ -28,6 +29,9 @@ from mission.verification.exhaustive.proof_laws import PROOF_LAWS
 from mission.verification.exhaustive.rest_laws import REST_LAWS
 from mission.verification.exhaustive.world import World
 from mission.verification.workers import results
+from mission.verification.workers.kept import Kept
+from mission.verification.workers.outcome import Lost, had
+from mission.verification.workers.places import Place
 
 ALL_LAWS = (
     *STATE_LAWS,
@@ -53,6 +57,7 @@ class Found:
     asked: Counter[str] = field(default_factory=Counter)
     broken: Counter[str] = field(default_factory=Counter)
     violations: list[dict[str, str]] = field(default_factory=list)
+    undone: list[str] = field(default_factory=list)  # shares that nobody saw the end of
 
     def add(self, other: Found) -> None:
         self.missions |= other.missions
@@ -61,6 +66,7 @@ class Found:
         self.asked += other.asked
         self.broken += other.broken
         self.violations = (self.violations + other.violations)[:KEPT]
+        self.undone += other.undone
 
     def as_json(self) -> dict[str, object]:
         return {
@@ -69,17 +75,32 @@ class Found:
             "events": len(EVENTS),
             "cells": self.cells,
             "violations": self.violations,
+            "undone": self.undone,
         }
 
 
-def examine(missions: Sequence[Path], workers: int, progress: Progress) -> Found:
+def examine(missions: Sequence[Path], at: Place, kept: Kept[Found], progress: Progress) -> Found:
     """All cells of these missions on every profile."""
-    shares = [(path, profile) for path in missions for profile in PROFILES]
+    shares = [(path, profile) for path in dict.fromkeys(missions) for profile in PROFILES]
     found = Found()
-    for share, done in zip(shares, results(_share, shares, workers, ahead=1), strict=True):
-        found.add(done)
+    done = results(_share, shares, at, _name, kept)
+    for share, outcome in zip(shares, done, strict=True):
+        found.add(_found(outcome))
         progress(_words(*share, found))
     return found
+
+
+def _found(outcome: Found | Lost) -> Found:
+    """Raises what the share raised: it is no finding."""
+    if isinstance(outcome, Lost) and outcome.error is None:
+        return Found(undone=[str(outcome)])
+    return had(outcome)
+
+
+def _name(share: tuple[Path, str]) -> str:
+    path, profile = share
+    content = path.read_bytes() if path.is_file() else b""
+    return f"{path.name} {sha256(content).hexdigest()[:8]} {profile}"
 
 
 def unasked(found: Found, *, of_legs: bool = True) -> list[str]:

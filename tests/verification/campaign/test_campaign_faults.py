@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import json
 import random
 from pathlib import Path
@@ -29,7 +28,6 @@ from mission.verification.campaign.soak import Soaked, grown, soak
 from mission.verification.campaign.trial import FOREVER, try_out
 from mission.verification.rig.acts import PORT, Act, Disturbance
 from mission.verification.rig.trace import Done, Heard, Trace
-from mission.verification.workers import results
 from protocol.messages import Order
 
 VEHICLE = load_vehicle("auv")
@@ -83,12 +81,6 @@ def test_a_flight_is_told_by_its_seed_and_number_alone() -> None:
     plan = draw(5, 7, KNOWN)
     first, second = (fly_plan(plan, VEHICLE) for _ in range(2))
     assert first.events == second.events
-
-
-@pytest.mark.proof
-def test_what_comes_out_does_not_depend_on_who_works() -> None:
-    work = functools.partial(fly_numbered, 9, known=KNOWN[:3])
-    assert list(results(work, range(3), 2)) == [work(number) for number in range(3)]
 
 
 def test_the_command_ends_with_one_object_and_flies_one_again(tmp_path: Path) -> None:

@@ -30,6 +30,7 @@ from mission.verification.campaign.search import (
     flown,
 )
 from mission.verification.campaign.steered import plan_of
+from mission.verification.workers.places import place
 
 KNOWN = tuple(subjects(shipped()))
 ROWS = rows(KNOWN)
@@ -152,7 +153,8 @@ def test_what_has_broken_a_law_is_told_and_not_steered_by() -> None:
 @pytest.mark.proof
 def test_what_is_flown_does_not_depend_on_who_works() -> None:
     def names(workers: int) -> list[str]:
-        return [name for name, _ in flown(Search(3, KNOWN), 3, len(ROWS) + 20, KNOWN, workers)]
+        found = flown(Search(3, KNOWN), 3, len(ROWS) + 20, KNOWN, place(workers=workers))
+        return [name for name, _ in found]
 
     assert names(1) == names(2)
 

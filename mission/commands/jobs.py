@@ -1,0 +1,92 @@
+"""The options of commands whose work is many jobs, and where those are done."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from mission.verification.workers.kept import Kept
+    from mission.verification.workers.places import Place
+
+_ON = click.option(
+    "--on",
+    metavar="PLACE",
+    help="Where: local (this process), processes (of this machine), dask://HOST:PORT; "
+    "processes by default.",
+)
+_WORKERS = click.option(
+    "--workers", type=click.IntRange(1), help="Processes; a core each by default."
+)
+_PATIENCE = click.option(
+    "--patience",
+    metavar="SECONDS",
+    type=click.FloatRange(0.0, min_open=True),
+    help="A job that takes longer hangs: it is tried again, and then told.",
+)
+_RESUME = click.option(
+    "--resume",
+    metavar="FILE",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Keep results there (JSON lines), and go on from those that are there.",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Where:
+    """What the options say."""
+
+    place: Place
+    resume: Path | None
+
+    def lasting(self, factor: float) -> Where:
+        """For jobs that each last as long as ``factor`` others."""
+        return Where(replace(self.place, patience=factor * self.place.patience), self.resume)
+
+    @contextmanager
+    def keeping(self, asked: Mapping[str, Any], kind: Any) -> Iterator[Kept[Any]]:
+        """``asked``: what results follow from, plain; ``kind``: their type. What stands in the way
+        of beginning at all: exit 2."""
+        from mission.verification.workers.kept import Unusable, keeping
+        from mission.verification.workers.outcome import Unreachable
+
+        try:
+            with keeping(self.resume, asked, kind) as kept:
+                yield kept
+        except (Unusable, Unreachable) as error:
+            raise _Refused(str(error)) from None
+
+
+class _Refused(click.ClickException):
+    exit_code = 2
+
+
+def job_options(command: Callable[..., None]) -> Callable[..., None]:
+    """``--on``, ``--workers``, ``--patience`` and ``--resume``, given as ``where``."""
+
+    @functools.wraps(command)
+    def called(
+        *,
+        on: str | None,
+        workers: int | None,
+        patience: float | None,
+        resume: Path | None,
+        **others: Any,
+    ) -> None:
+        from mission.verification.workers.places import PATIENCE, place
+
+        try:
+            chosen = place(on, workers, patience or PATIENCE)
+        except ValueError as error:
+            raise click.BadParameter(str(error), param_hint="--on") from None
+        command(**others, where=Where(chosen, resume))
+
+    for option in (_RESUME, _PATIENCE, _WORKERS, _ON):
+        called = option(called)
+    return called

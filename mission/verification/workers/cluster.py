@@ -1,0 +1,220 @@
+"""Jobs on a Dask cluster: a scheduler somewhere, and workers on as many machines as one has.
+
+Before the first job every worker says which program it runs; each job says so again, because
+workers come and go: one that came later with another program is sent no more. A worker that dies is
+the scheduler's matter: it gives the job to others, and to three of them at most (its setting
+``allowed-failures``). What hangs ends its own process after a while.
+
+Results follow from the jobs alone, and a worker must have one thread: a flight takes a core, and
+Python gives a process one.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import os
+import pickle
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from ipaddress import ip_address
+from typing import Any, Generic, TypeVar
+
+import distributed
+
+from mission.verification.workers.code import code, difference
+from mission.verification.workers.outcome import (
+    RETRIES,
+    Lost,
+    Raised,
+    Run,
+    Unreachable,
+    tried,
+)
+
+AHEAD = 3  # jobs for each worker on the scheduler: none waits for the next, and few are in vain
+CONNECTING = 10.0  # s until a scheduler has answered
+JOINING = 30.0  # s until there is a worker
+ALONE = 120.0  # s without any worker until that is an error
+LOOK = 0.02  # s between two looks at what has ended
+COUNT = 5.0  # s between two counts of the workers
+HUNG = 78  # exit code of a worker's process that has ended itself
+_J = TypeVar("_J")
+_R = TypeVar("_R")
+
+
+@dataclass(frozen=True, slots=True)
+class OtherCode:
+    """The answer of a worker that runs another program."""
+
+    worker: str
+    differs: str
+
+
+@contextmanager
+def on_cluster(work: Callable[[_J], _R], address: str, patience: float) -> Iterator[Run[_J, _R]]:
+    """``address``: HOST:PORT of the scheduler; ``patience``: s that a job may take."""
+    client = _connected(address)
+    try:
+        _compare(client)
+        yield _Cluster[_J, _R](client, work, patience).run
+    finally:
+        client.close(timeout=1)
+
+
+def url_of(address: str) -> str:
+    """TLS unless the scheduler is on this machine: who reaches it runs what he likes there."""
+    host = address.rpartition(":")[0].strip("[]")
+    return f"{'tcp' if _loopback(host) else 'tls'}://{address}"
+
+
+def _loopback(host: str) -> bool:
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def _connected(address: str) -> distributed.Client:
+    url = url_of(address)
+    security = distributed.Security(require_encryption=url.startswith("tls"))
+    if security.require_encryption and not security.get_connection_args("client")["ssl_context"]:
+        raise Unreachable(f"{url} is beyond this machine, and needs keys: docs/how-to/campaign.md")
+    try:
+        return distributed.Client(
+            url, security=security, timeout=CONNECTING, set_as_default=False, name="auvmission"
+        )
+    except (OSError, ValueError, RuntimeError) as error:
+        raise Unreachable(f"no scheduler at {url}: {error or type(error).__name__}") from None
+
+
+def _compare(client: distributed.Client) -> None:
+    try:
+        client.wait_for_workers(1, timeout=JOINING)
+    except TimeoutError:
+        raise Unreachable(f"the scheduler at {client.scheduler.address} has no worker") from None
+    threads = client.nthreads()
+    told = client.run(code, on_error="return")
+    found = [_unfit(name, threads.get(name, 1), theirs) for name, theirs in told.items()]
+    if any(found):
+        raise Unreachable("workers that cannot be used: " + "; ".join(filter(None, found)))
+
+
+def _unfit(worker: str, threads: int, theirs: Mapping[str, str] | BaseException) -> str:
+    if isinstance(theirs, BaseException):
+        return f"{worker} has no auvmission ({type(theirs).__name__}: {theirs})"
+    if differs := difference(theirs, code()):
+        return f"{worker} runs another program ({differs})"
+    return f"{worker} has {threads} threads: begin it with --nthreads 1" if threads != 1 else ""
+
+
+class _Cluster(Generic[_J, _R]):
+    def __init__(
+        self, client: distributed.Client, work: Callable[[_J], _R], patience: float
+    ) -> None:
+        self._client, self._patience = client, patience
+        self._work = pickle.dumps(work)
+        self._ended = distributed.as_completed(
+            loop=client.loop, with_results=True, raise_errors=False
+        )
+        self._at: dict[distributed.Future, tuple[str, _J, int]] = {}
+        self._room = self._counted = 0.0
+        self._seen = time.monotonic()
+        self._serial = itertools.count()
+
+    def run(self, jobs: Iterable[tuple[str, _J]]) -> Iterator[tuple[str, _R | Lost]]:
+        fresh = iter(jobs)
+        try:
+            while self._filled(fresh):
+                for future, found in self._next():
+                    yield from self._ended_with(future, found)
+        finally:
+            self._client.cancel(list(self._at), asynchronous=False)
+            self._at.clear()
+
+    def _ended_with(
+        self, future: distributed.Future, found: Any
+    ) -> Iterator[tuple[str, _R | Lost]]:
+        """What is to be told of it; nothing if it is tried again."""
+        name, job, tries = self._at.pop(future)
+        if isinstance(found, OtherCode):
+            self._client.retire_workers([found.worker], close_workers=False)
+            self._submit(name, job, tries)
+        elif future.status == "finished":
+            yield name, found.lost(name) if isinstance(found, Raised) else found
+        elif tries >= RETRIES or _tried_by_scheduler(future, found):
+            yield name, Lost(name, _why(future, found))
+        else:
+            self._submit(name, job, tries + 1)
+
+    def _submit(self, name: str, job: _J, tries: int = 0) -> None:
+        key = f"{name} #{next(self._serial)} of {self._client.id}"
+        future = self._client.submit(
+            perform, dict(code()), self._work, job, self._patience, key=key, pure=False
+        )
+        self._at[future] = name, job, tries
+        self._ended.add(future)
+
+    def _filled(self, fresh: Iterator[tuple[str, _J]]) -> bool:
+        self._count()
+        for name, job in itertools.islice(fresh, max(int(self._room) - len(self._at), 0)):
+            self._submit(name, job)
+        return bool(self._at)
+
+    def _count(self) -> None:
+        now = time.monotonic()
+        if self._room and now - self._counted < COUNT:
+            return
+        workers = len(self._client.nthreads())
+        self._counted = now
+        self._seen = now if workers else self._seen
+        self._room = float(AHEAD * max(workers, 1))
+
+    def _next(self) -> list[tuple[distributed.Future, Any]]:
+        """What has ended since, once something has; nothing every COUNT seconds."""
+        until = time.monotonic() + COUNT
+        while not self._ended.has_ready() and time.monotonic() < until:
+            time.sleep(LOOK)
+        if self._client.status != "running":
+            raise Unreachable("the scheduler is gone")
+        if time.monotonic() - self._seen > ALONE + COUNT:
+            raise Unreachable(f"no worker for {ALONE:.0f} s")
+        return list(self._ended.next_batch(block=False))
+
+
+def _tried_by_scheduler(future: distributed.Future, found: Any) -> bool:
+    return future.status == "error" and isinstance(found[1], distributed.KilledWorker)
+
+
+def _why(future: distributed.Future, found: Any) -> str:
+    if future.status != "error":
+        return "cancelled by the scheduler"
+    error = found[1]
+    if isinstance(error, distributed.KilledWorker):
+        return f"{error.allowed_failures + 1} workers died of it"
+    return f"{type(error).__name__}: {error}"
+
+
+# --- on the worker ---
+
+
+def perform(theirs: Mapping[str, str], work: bytes, job: Any, patience: float) -> Any:
+    """The result, Raised or OtherCode."""
+    if differs := difference(code(), theirs):
+        return OtherCode(distributed.get_worker().address, differs)
+    clock = threading.Timer(patience, os._exit, [HUNG])
+    clock.daemon = True
+    clock.start()
+    try:
+        return tried(_loaded(work), job)
+    finally:
+        clock.cancel()
+
+
+@functools.lru_cache(maxsize=4)
+def _loaded(work: bytes) -> Callable[[Any], Any]:
+    found: Callable[[Any], Any] = pickle.loads(work)
+    return found

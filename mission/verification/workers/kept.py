@@ -1,0 +1,84 @@
+"""Results on a file, so that a campaign that was ended goes on from there.
+
+JSON lines. The first says what was asked for and by which program; each other is a result with
+the name of its job, written as it comes. A last line that was cut off is taken away.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, Any, Generic, TypeVar
+
+from mission.model.plain import from_plain, to_plain
+from mission.verification.workers.code import code, difference
+
+_R = TypeVar("_R")
+
+
+class Unusable(ValueError):
+    """The file is another campaign's, another program's, or none of ours."""
+
+
+class Kept(Generic[_R]):
+    """``kind`` is the type of the results (mission.model.plain); ``count``: so many were there."""
+
+    def __init__(self, kind: Any, found: dict[str, Any], file: IO[str] | None = None) -> None:
+        self._kind, self._found, self._file = kind, found, file
+        self.count = len(found)
+
+    def get(self, name: str) -> _R | None:
+        """What is kept is forgotten here: it is asked for once."""
+        data = self._found.pop(name, None)
+        found: _R | None = None if data is None else from_plain(self._kind, data)
+        return found
+
+    def add(self, name: str, result: _R) -> None:
+        if self._file is not None:
+            line = json.dumps({"job": name, "result": to_plain(result)}, separators=(",", ":"))
+            self._file.write(line + "\n")
+            self._file.flush()
+
+
+@contextmanager
+def keeping(path: Path | None, asked: Mapping[str, Any], kind: Any) -> Iterator[Kept[Any]]:
+    """``asked`` is plain: what the results follow from. Raises Unusable, OSError."""
+    if path is None:
+        yield Kept(kind, {})
+        return
+    head = json.loads(json.dumps({"asked": dict(asked), "code": dict(code())}))
+    found = _read(path, head) if path.exists() and path.stat().st_size else None
+    with path.open("a", encoding="utf-8") as file:
+        if found is None:
+            file.write(json.dumps(head) + "\n")
+            file.flush()
+        yield Kept(kind, found or {}, file)
+
+
+def _read(path: Path, head: Mapping[str, Any]) -> dict[str, Any]:
+    whole = path.read_bytes()
+    whole = whole[: whole.rfind(b"\n") + 1]
+    try:
+        first, *rows = map(json.loads, whole.splitlines())
+        _same(path, first, head)
+        found = {row["job"]: row["result"] for row in rows}
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        if isinstance(error, Unusable):
+            raise
+        raise Unusable(f"{path} is no file of results; name one that is not there yet") from None
+    with path.open("r+b") as file:
+        file.truncate(len(whole))
+    return found
+
+
+def _same(path: Path, theirs: Mapping[str, Any], ours: Mapping[str, Any]) -> None:
+    for part, words in (("asked", "another campaign"), ("code", "another program")):
+        differs = difference(_texts(theirs[part]), _texts(ours[part]))
+        if differs:
+            raise Unusable(f"{path} has results of {words} ({differs}); name another file")
+
+
+def _texts(part: Mapping[str, Any]) -> dict[str, str]:
+    return {name: str(value) for name, value in part.items()}

@@ -1,0 +1,67 @@
+"""What becomes of a job: its result, or word of why there is none."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+RETRIES = 1  # of a job whose worker was lost with it
+_J = TypeVar("_J")
+_R = TypeVar("_R")
+
+
+class Unreachable(RuntimeError):
+    """No scheduler, no worker, no keys, or workers that cannot be used."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """A job without a result. ``error`` is what it raised; None: its workers were lost."""
+
+    name: str
+    why: str
+    error: Exception | None = None
+
+    def __str__(self) -> str:
+        return f"{self.name}: no result: {self.why}"
+
+
+@dataclass(frozen=True, slots=True)
+class Raised:
+    """What a job raised, in a form that every process can read."""
+
+    error: Exception
+
+    def lost(self, name: str) -> Lost:
+        return Lost(name, f"raised {type(self.error).__name__}: {self.error}", self.error)
+
+
+Run = Callable[[Iterable[tuple[str, _J]]], Iterator[tuple[str, _R | Lost]]]
+"""Jobs with their names in, as many as are wanted at a time; outcomes out, in any order."""
+
+
+def had(outcome: _R | Lost) -> _R:
+    """For who cannot go on without: raises what the job raised, else RuntimeError."""
+    if isinstance(outcome, Lost):
+        raise outcome.error or RuntimeError(str(outcome))
+    return outcome
+
+
+def tried(work: Callable[[_J], Any], job: _J) -> Any:
+    """The result, or Raised. MemoryError leaves: it says something about the worker."""
+    try:
+        return work(job)
+    except MemoryError:
+        raise
+    except Exception as error:  # a job that fails is no end of the others
+        return Raised(_portable(error))
+
+
+def _portable(error: Exception) -> Exception:
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:  # some take arguments that pickle does not know of
+        return RuntimeError(f"{type(error).__name__}: {error}")
+    return error
