@@ -42,6 +42,7 @@ COMMANDS = {
     "nodes": "words",
     "power": "words",
     "rudder": "words",
+    "output": "words",
     "send": "send",
     "stick": "stick",
     "replay": "replay",

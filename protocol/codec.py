@@ -6,6 +6,7 @@ unfinished is given up after an idle time (G3): that is what ``next_timer`` is f
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -35,7 +36,10 @@ FINE = Granularity()
 
 
 class VehicleCodec(Protocol):
-    """Telemetry in, Setpoint out, for one link to one vehicle."""
+    """Telemetry in, Setpoint out, for one link to one vehicle. ``levels``: what its channels are,
+    by name."""
+
+    levels: Mapping[str, float]
 
     def receive(self, data: bytes, now: float) -> list[Received]:
         """Everything that is complete with these bytes, in their order."""
@@ -58,4 +62,10 @@ class VehicleCodec(Protocol):
 
         Raises CannotEncode for what the vehicle cannot follow.
         """
+        ...
+
+    def take_outputs(self, levels: Mapping[str, float]) -> dict[str, bytes]:
+        """What these channels beside the motion shall be from now on (protocol.vehicles.channels):
+        the frames that say so by themselves, by what they set; what rides with the motion is in
+        every later ``encode``. Raises CannotEncode."""
         ...

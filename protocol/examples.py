@@ -56,6 +56,7 @@ _ROWS: tuple[tuple[str, bytes], ...] = (
     ("auv.AW", b"@AW0802ZAF6$"),
     ("auv.AQ", b"@AQ$"),
     ("auv.AR", b"@AR,staging,9,5,3-5.9,0123456789abcdef,line 3: no bound,$"),
+    ("auv.AO", b"@AO,lamp,40,$"),
     ("auv.ST", b"@ST,2025/01/11 16:56:06,$"),
     ("auv.SP", b"@SP,1000,5,200,10,$"),
     ("auv.DU", b"@DU$"),

@@ -22,7 +22,8 @@ class Telemetry:
     the compass gives it (magnetic, uncorrected). ``actuators`` are fractions -1..1 of full thrust
     in the order of the vehicle's row, rudders in rad where the vehicle reports them so.
     ``velocity`` is through the water, body axes (forward, starboard, down). ``faults`` names
-    fields that were kept but are doubtful (``field:reason``).
+    fields that were kept but are doubtful (``field:reason``). ``board`` has what else the report
+    says, by the names and in the units of the vehicle's sources (protocol.vehicles.channels).
     """
 
     t: float
@@ -39,6 +40,7 @@ class Telemetry:
     velocity: tuple[float, float, float] | None = None
     leak: bool | None = None
     faults: tuple[str, ...] = ()
+    board: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +82,14 @@ class Order(enum.Enum):
 
     STOP = "stop"  # all thrusters off (AUV: ZAX0)
     SURFACE = "surface"  # emergency surfacing (AUV: ZAWF)
+
+
+@dataclass(frozen=True, slots=True)
+class Outputs:
+    """What every output shall be that the vehicle file names, in the units of its channel: lamps,
+    servos, switches. They move nothing; no setpoint and no order takes them back."""
+
+    levels: tuple[tuple[str, float], ...]
 
 
 UPWARD = Setpoint(heave=-1.0)  # full vertical thrust and nothing else (AUV: ZAX0, ZAU12)
@@ -170,6 +180,12 @@ class SetSafety:  # @SP; None keeps the previous value
 
 
 @dataclass(frozen=True, slots=True)
+class SetOutput:  # @AO (R4)
+    name: str  # of the vehicle file
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
 class DataQuery:  # @DU
     pass
 
@@ -213,6 +229,7 @@ Command = (
     | StoreQuery
     | SetTime
     | SetSafety
+    | SetOutput
     | DataQuery
     | Relay
     | Manual

@@ -18,6 +18,7 @@ from protocol.errata import ERRATA, errata_of
 from protocol.examples import EXAMPLES
 from protocol.fields import BinaryFrame, Const, FaultKind, Field, FrameType, Number, Pad, Raw
 from protocol.motion_frame import EMERGENCY, MotionFrame
+from protocol.reference_channels import channel_tables
 from protocol.status_frame import TABLE, StatusFrame
 from protocol.text import Digit, Int, Letters, Sep, TextFrame
 from protocol.tolerances import TOLERANCES, Tolerances
@@ -39,6 +40,7 @@ _CELLS: dict[str, tuple[Cell, ...]] = {
     "auv.AW": (("0", "@AW"), ("3", "total"), ("5", "current"), ("7", "payload"), ("", "$")),
     "auv.ST": (("0", "@ST"), ("3", ","), ("4", "YYYY/MM/DD hh:mm:ss"), ("23", ","), ("24", "$")),
     "auv.SP": _commas("@SP", *SafetyFrame.ITEMS),
+    "auv.AO": _commas("@AO", "name", "value"),
     "auv.AR": _commas("@AR", "state", "total", "have", "missing", "digest", "refusal"),
     "auv.ACK": (("0", "@ACK_"), ("5", "class"), ("6", "func"), ("7", "result"), ("8", "$")),
     "auv.MODEM": (
@@ -84,6 +86,7 @@ def _document() -> Iterator[str]:
         yield from _section(frame)
     yield from _tolerances()
     yield from _keys()
+    yield from channel_tables()
     yield from _errata()
     yield from _faults()
 

@@ -36,6 +36,7 @@ from protocol.messages import (
     NodeSwitch,
     Order,
     Relay,
+    SetOutput,
     SetSafety,
     SetTime,
     StartMission,
@@ -63,7 +64,7 @@ def relayed_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
 def to_pi_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
     nodes = (tables.NS, tables.NI)
     mission = (tables.AA, tables.AC, tables.AQ, tables.MissionLineFrame(tolerances))
-    settings = (tables.TimeFrame(tolerances), tables.SafetyFrame())
+    settings = (tables.OutputFrame(), tables.TimeFrame(tolerances), tables.SafetyFrame())
     own = (*nodes, *mission, *settings, tables.DU)
     emergency = MotionFrame(tolerances, codes="XW")
     return (*own, *relayed_frames(tolerances), emergency)
@@ -99,6 +100,7 @@ _COMMANDS: dict[str, Callable[[Values], Command]] = {
     "auv.AW": lambda v: MissionLine(v["total"], v["current"], v["payload"]),
     "auv.ST": lambda v: SetTime(v["time"]),
     "auv.SP": _safety,
+    "auv.AO": lambda v: SetOutput(v["name"], v["value"]),
     "auv.DU": lambda v: DataQuery(),
     "auv.ZA": lambda v: Emergency(Order.STOP if v["code"] == "X" else Order.SURFACE),
 }
@@ -138,6 +140,7 @@ def _commands(items: Sequence[Frame | FrameFault]) -> list[Command | FrameFault]
 
 _LINE = tables.MissionLineFrame(_USUAL)
 _TIME, _SAFETY = tables.TimeFrame(_USUAL), tables.SafetyFrame()
+_OUTPUT = tables.OutputFrame()
 _ACK, _STORE, _STATUS = (
     tables.AckFrame("NASRZ", _USUAL),
     tables.StoreFrame(),
@@ -169,6 +172,7 @@ def _encode_plain(
     | StoreQuery
     | SetTime
     | SetSafety
+    | SetOutput
     | DataQuery
     | StoreReport,
 ) -> bytes:
@@ -189,6 +193,8 @@ def _encode_plain(
             return _TIME.encode({"time": time})
         case SetSafety():
             return _SAFETY.encode(_safety_values(message))
+        case SetOutput(name=name, value=value):
+            return _OUTPUT.encode({"name": name, "value": value})
         case DataQuery():
             return tables.DU.encode({})
     return _STORE.encode(dataclasses.asdict(message))
@@ -212,11 +218,12 @@ def encode_ack(ack: Ack) -> bytes:
     return raw
 
 
-_POSITIVE = {"NS": "S", "AA": "A", "AC": "C", "AW": "W", "ST": "T", "SP": "P", "RS": "S"}
+_POSITIVE = {"NS": "S", "AA": "A", "AC": "C", "AW": "W", "AO": "O"}
+_POSITIVE |= {"ST": "T", "SP": "P", "RS": "S"}
 
 
 def answer(code: str, ok: bool, now: float) -> Ack:
-    """The Ack to NS, AA, AC, AW, ST or SP; refused ones carry N (R2)."""
+    """The Ack to NS, AA, AC, AW, AO, ST or SP; refused ones carry N (R2)."""
     return Ack(now, code[0], code[1], ord(_POSITIVE[code] if ok else "N"))
 
 

@@ -1,11 +1,12 @@
 """Frame tables of document 000, chapters 1.1, 1.2, 2.1: what topside and the Pi say to each other.
 
-    to the Pi      @NS @NI   @AA @AC @AW @AQ   @ST @SP   @DU
+    to the Pi      @NS @NI   @AA @AC @AW @AQ @AO   @ST @SP   @DU
     relayed        @RS @RI   @MT @MD @MM @MR @MS @MP   @D
     to topside     @ACK_   @VS   @AR
 
 ``@AW`` and ``@ACK_`` carry binary bytes and are delimited by length (G1); the others are pure text.
-@AQ and @AR use codes that the document reserves (R4). Readings and tolerances: docs/protocol.md.
+@AQ, @AO and @AR use codes that the document reserves (R4). docs/protocol.md has readings and
+tolerances.
 
 What does not live here: messages (``protocol.topside``), the Z class and ``@SD``
 (``protocol.vehicles.auv``).
@@ -207,6 +208,29 @@ class SafetyFrame(TextFrame):
         return text
 
 
+class OutputFrame(TextFrame):
+    """``@AO,name,value,$`` (R4): an output by its name in the vehicle file."""
+
+    NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,23}")
+
+    def __init__(self) -> None:
+        super().__init__("auv.AO", "000 table 1.1.2, a reserved code (R4)", "@AO")
+
+    def parse(self, body: str) -> Values:
+        parts = body.split(",")
+        if len(parts) != 4 or parts[0] or parts[-1]:
+            raise Refused(FaultKind.FIELD_COUNT)
+        if not parts[1]:
+            raise Refused(FaultKind.EMPTY_FIELD)
+        if not self.NAME.fullmatch(parts[1]):
+            raise Refused(FaultKind.BAD_ENUM)
+        return {"name": parts[1], "value": parse_decimal(parts[2])}
+
+    def format(self, values: Mapping[str, Any]) -> str:
+        name, value = (required(values, key, self.name) for key in ("name", "value"))
+        return f",{name},{format_decimal('value', value)},"
+
+
 # --- 1.2.2 remote control ---
 
 SERVO = (Letters("mode", 1, "AS"), Digit("servo", "123"), Sep(","), Int("angle", -37, 37))
@@ -251,7 +275,8 @@ class AckFrame(FrameType):
     def __init__(self, groups: str, tolerances: Tolerances, z_codes: str = Z_CODES) -> None:
         """``groups``: the classes that this link carries, of N A S R Z."""
         rs = "SYN" if tolerances.on("rs_yn") else "S"
-        table = {"NS": "SN", "AA": "AN", "AC": "CN", "AW": "WN", "ST": "TN", "SP": "PN", "RS": rs}
+        table = {"NS": "SN", "AA": "AN", "AC": "CN", "AW": "WN", "AO": "ON"}
+        table |= {"ST": "TN", "SP": "PN", "RS": rs}
         table |= {"Z" + code: "YN" for code in z_codes}
         self._letters = {k: v for k, v in table.items() if k[0] in groups}
         self._masks = {k: n for k, n in {"NI": 6, "RI": 7}.items() if k[0] in groups}

@@ -11,6 +11,7 @@ compiled, what refuses it whatever its legs set.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -55,7 +56,7 @@ def prepare(
     source = str(file)
     try:
         text = read_file(file)
-        read = draft(text, source, parameters or {})
+        read = draft(text, source, parameters or {}, _readings(vehicle))
     except MissionErrors as error:
         raise Unreadable(error.diagnostics, source) from None
     try:
@@ -67,6 +68,13 @@ def prepare(
     if made.chart is None:
         raise Unreadable(made.found, source)
     return Prepared(source, text, read.mission, chosen, made.chart)
+
+
+def _readings(vehicle: str | None) -> Mapping[str, str] | None:
+    """Of the vehicle that the caller names; None where it names none, or none that can be read."""
+    with contextlib.suppress(VehicleError):
+        return None if vehicle is None else load_vehicle(vehicle).readings
+    return None
 
 
 def charted(read: Draft, vehicle: Vehicle) -> Charted:

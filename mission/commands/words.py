@@ -1,4 +1,4 @@
-"""``auvmission limits | time | nodes | power | rudder``: what operators set before each dive."""
+"""``auvmission limits | time | nodes | power | rudder | output``: what operators set by hand."""
 
 from __future__ import annotations
 
@@ -143,6 +143,21 @@ def rudder(servo: str, angle: int, step: bool, to: str, as_json: bool) -> None:
     """
     values = {"mode": "A" if step else "S", "servo": SERVOS[servo], "angle": angle}
     say_word(to, "D", values, as_json)
+
+
+@click.command(context_settings=ANGLES)
+@click.argument("name")
+@click.argument("value", type=float)
+@TO
+@AS_JSON
+def output(name: str, value: float, to: str, as_json: bool) -> None:
+    """Set an output by its name in the vehicle file (@AO): a lamp, a servo, a switch.
+
+    Refused where the mission under way or an emergency holds it, and outside its bounds. Every
+    emergency makes it safe; what moves or holds the vehicle works under the stick alone.
+    """
+    number = int(value) if value.is_integer() else value
+    say_word(to, "AO", {"name": name, "value": number}, as_json)
 
 
 # --- a word and its answer, told -----------------------------------------------------------------

@@ -15,6 +15,7 @@ from mission.engine.bounds import admit, in_force
 from mission.engine.limits import Limit
 from mission.engine.machine import Machine
 from mission.engine.monitor import LimitMonitor
+from mission.engine.outputs import OutputKeeper
 from mission.engine.rest import DEEP, DEEP_AGAIN, Rest
 from mission.engine.run import Run
 from mission.engine.vehicle_state import SURFACE_DEPTH, Navigator, VehicleState
@@ -73,6 +74,7 @@ class Core:
         self.stick = -math.inf  # the last M that was obeyed
         self.any_stick = -math.inf  # the last M of anybody, obeyed or not (R6)
         self.clear_refused = -math.inf  # the last @AC that was
+        self.outputs = OutputKeeper(vehicle.outputs)
         self.rest = Rest(vehicle.limits.descent_rate)
         self._rested = ""  # the kind of rest that it watches
         self._sank = False  # out of surfaced: let go, it would sink again
@@ -249,6 +251,10 @@ class Core:
             passed.append(action)
         return tuple(passed)
 
+    def say(self, action: Action) -> None:
+        """Beside whatever moves the vehicle."""
+        self._record((action,))
+
     def fly_on(self) -> None:
         """What the active leg has to send now."""
         run = self.flying
@@ -296,6 +302,7 @@ class Core:
     def doubt_line(self) -> None:
         """Nor does it prove who gave it: behind a line that was away a stop that was acknowledged
         and a leg's set are said again. Not the stick's: it is said all the time."""
+        self.outputs.doubt()
         if self._rests and self.stopped_at is not None:
             self._record(self._stop(f"{self.reason}: the line to the vehicle was away"))
         else:

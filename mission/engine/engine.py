@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mission.engine import ending
+from mission.engine.auxiliary import mind_outputs
 from mission.engine.bounds import Bounds
 from mission.engine.core import Core
 from mission.engine.limits import Limit, Response
@@ -136,6 +137,7 @@ class Engine:
             core.mind_rest()
             core.doubt_stop()
         core.stop_again()
+        mind_outputs(core)
         self._timer = self._next_timer()
         if not (core.actions or core.steps or verdicts):
             return NOTHING
@@ -251,7 +253,7 @@ class Engine:
 
     def _next_timer(self) -> float | None:
         core = self.core
-        due: list[float | None] = [core.stop_at]
+        due: list[float | None] = [core.stop_at, core.outputs.next_timer()]
         if (run := core.flying) is not None:
             due += run.next_timer(core.vehicle_state)
             due.append(core.watch.next_timer())
@@ -355,6 +357,10 @@ class Engine:
     def round(self) -> int:
         return self.core.run.round if self.core.run else 1
 
+    def output(self, name: str) -> float | None:
+        """What the vehicle was told that it shall be; None: nothing."""
+        return self.core.outputs.said.get(name)
+
     @property
     def settled(self) -> bool:
         """The program may end: nobody has to stay with the vehicle."""
@@ -380,19 +386,7 @@ class Engine:
         """Every variable as a guard would see it now."""
         core = self.core
         vehicle_state = core.vehicle_state
-        scope = (
-            core.run.scope(vehicle_state)
-            if core.run
-            else Scope(
-                core.now,
-                vehicle_state.estimate,
-                vehicle_state.telemetry,
-                vehicle_state.health,
-                core.now,
-                core.now,
-                0.0,
-                1,
-                lambda: None,
-            )
-        )
+        idle = vehicle_state.telemetry, vehicle_state.health, core.now, core.now, 0.0, 1
+        scope = core.run.scope(vehicle_state) if core.run else None
+        scope = scope or Scope(core.now, vehicle_state.estimate, *idle, lambda: None)
         return {name: reading_of(row, scope) for name, row in VARIABLES.items()}

@@ -12,12 +12,21 @@ What does not live here: what a variable is (variables), which guard is looked a
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
-from mission.engine.variables import VARIABLES, Scope, Value, Variable, difference, value_of
+from mission.engine.variables import (
+    VARIABLES,
+    Scope,
+    Value,
+    Variable,
+    difference,
+    reading_row,
+    value_of,
+)
 from mission.model import And, Comparison, Expression, Guard, Not
 from mission.navigation import distribution
+from protocol.vehicles.channels import Source
 
 Test = Callable[[list[Value], Scope], "bool | None"]
 STRICT_S = 1e-6  # a strict comparison of a time holds from the next microsecond on
@@ -61,9 +70,11 @@ def comparisons(expression: Expression) -> Iterator[Comparison]:
 class Sheet:
     """The variables of a set of guards, each read once however many ask for it."""
 
-    __slots__ = ("_places", "rows", "stale_after")
+    __slots__ = ("_places", "_sources", "rows", "stale_after")
 
-    def __init__(self) -> None:
+    def __init__(self, sources: Iterable[tuple[str, Source]] = ()) -> None:
+        """``sources``: those of the vehicle's readings, by name."""
+        self._sources = dict(sources)
         self.rows: list[Variable] = []
         self._places: dict[str, int] = {}
         self.stale_after: tuple[float, ...] = ()
@@ -80,7 +91,7 @@ class Sheet:
         timed = tuple(
             (self._place(c.variable), c.bound + (STRICT_S if c.operator in (">", "<=") else 0.0))
             for c in found
-            if VARIABLES[c.variable].timed
+            if self._row(c.variable).timed
         )
         ages = {row.max_age for row in self.rows if row.max_age < math.inf}
         self.stale_after = tuple(sorted(ages))
@@ -89,8 +100,12 @@ class Sheet:
     def _place(self, name: str) -> int:
         if name not in self._places:
             self._places[name] = len(self.rows)
-            self.rows.append(VARIABLES[name])
+            self.rows.append(self._row(name))
         return self._places[name]
+
+    def _row(self, name: str) -> Variable:
+        source = self._sources.get(name)
+        return VARIABLES[name] if source is None else reading_row(name, source)
 
     def _test(self, expression: Expression) -> Test:
         if isinstance(expression, Comparison):
@@ -101,7 +116,7 @@ class Sheet:
         return _all(tests) if isinstance(expression, And) else _any(tests)
 
     def _comparison(self, c: Comparison) -> Test:
-        place, row = self._place(c.variable), VARIABLES[c.variable]
+        place, row = self._place(c.variable), self._row(c.variable)
         if c.sure is not None:
             return _sure(place, row, c.operator, c.bound, c.sure)
         if row.circular:

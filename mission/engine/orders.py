@@ -4,6 +4,7 @@
     @AA    from idle, or from manual 2 s after the stick, with everything known that it takes
     @AC    from idle; from stopped and surfaced at the surface, or asked twice (R7)
     @SP    always, in force at once (R5)
+    @AO    an output that neither the mission under way nor an emergency holds
     M      always; in an emergency only after 2 s without any, and not a neutral one (R6)
 
 What does not live here: who is the commander, and by which channel (onboard.runtime).
@@ -17,6 +18,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
+from mission.engine.auxiliary import set_output
 from mission.engine.bounds import admit
 from mission.engine.core import Core
 from mission.engine.ending import WHY
@@ -38,7 +40,15 @@ from mission.model import (
 from mission.model.buoyancy import heavy
 from mission.model.regions import EMERGENCY, IDLE, MANUAL
 from mission.navigation.fixes import metres
-from protocol.messages import ClearMission, Emergency, Manual, Order, SetSafety, StartMission
+from protocol.messages import (
+    ClearMission,
+    Emergency,
+    Manual,
+    Order,
+    SetOutput,
+    SetSafety,
+    StartMission,
+)
 
 STICK_QUIET = 2.0  # s (R6)
 START_DEPTH = 2.0  # m: without fixes a mission starts above it (R7)
@@ -217,6 +227,7 @@ ORDERS: Mapping[type, Callable[[Core, Any], Verdict]] = MappingProxyType(
     {
         Emergency: emergency,
         SetSafety: set_safety,
+        SetOutput: set_output,
         Manual: manual,
         ClearMission: clear,
         StartMission: start,

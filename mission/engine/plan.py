@@ -40,7 +40,7 @@ def plan_of(chart: Chart, path: str) -> Plan:
     if path != IMPLICIT_SURFACE:
         handlers = [e for g in (*groups, AUTONOMOUS) for e in chart.leaving(g)]
         edges = [e for e in handlers if e.by is By.ON] + edges
-    sheet = Sheet()
+    sheet = Sheet(chart.sources)
     guarded = tuple((e, sheet.add(e.guard)) for e in edges if e.guard is not None)
     return Plan(
         path,

@@ -25,6 +25,7 @@ from mission.model.tables import Table
 from mission.model.vehicle import REPORTS, STALE_AFTER
 from mission.navigation import distribution
 from protocol.messages import Telemetry
+from protocol.vehicles.channels import Source
 
 CLOCK = "clock"
 SOURCES = REPORTS | {CLOCK}  # what a variable may be known by
@@ -327,6 +328,19 @@ def _name_of(row: Variable) -> str:
 
 
 VARIABLES: Table[str, Variable] = Table(_name_of, _ROWS)
+
+
+def reading_row(name: str, source: Source) -> Variable:
+    """A reading that the vehicle file names: stale like a report, and known by nothing else."""
+    read = source.read
+    return Variable(
+        name,
+        "",
+        (CLOCK,),
+        STALE_AFTER,
+        source.meaning,
+        read=lambda scope: None if scope.telemetry is None else read(scope.telemetry),
+    )
 
 
 def value_of(row: Variable, scope: Scope) -> Value:

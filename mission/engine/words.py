@@ -16,6 +16,8 @@ from protocol.messages import (
     Fix,
     Manual,
     Order,
+    Outputs,
+    SetOutput,
     Setpoint,
     SetSafety,
     StartMission,
@@ -29,6 +31,7 @@ _EVENTS: Mapping[type, str] = MappingProxyType(
         StartMission: "operator @AA",
         ClearMission: "operator @AC",
         SetSafety: "operator @SP",
+        SetOutput: "operator @AO",
         Manual: "operator M",
         Loaded: "store",
         AutoNode: "node AUTO",
@@ -57,7 +60,9 @@ def _event(one: object) -> str:
     return type(one).__name__
 
 
-def in_words(command: Setpoint | Order) -> str:
+def in_words(command: Setpoint | Order | Outputs) -> str:
+    if isinstance(command, Outputs):
+        return " ".join(["output", *(f"{name} {level:.9g}" for name, level in command.levels)])
     if isinstance(command, Order):
         return "everything stopped" if command is Order.STOP else "emergency surfacing"
     parts = []

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from mission.model.texts import NOWHERE, Group, Guard, Leg, Mission, Where
 from protocol.messages import Setpoint
+from protocol.vehicles.channels import Source
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +37,8 @@ class State:
     """A node of the mission's tree. ``path`` is ``autonomous/rows/out``; parents come first.
 
     ``setpoint`` is a leg's complete set (None for groups); an axis that the leg's kind steers
-    (a goto's heading) is None in it.
+    (a goto's heading) is None in it. ``outputs`` are all that the mission names anywhere, by name,
+    each with what it is in this leg.
     """
 
     path: str
@@ -44,6 +46,7 @@ class State:
     leg: Leg | None = None
     setpoint: Setpoint | None = None
     group: Group | None = None
+    outputs: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +86,7 @@ class Chart:
     states: tuple[State, ...]
     edges: tuple[Edge, ...]
     initial: str
+    sources: tuple[tuple[str, Source], ...] = ()  # of the vehicle's readings, by name
     _by_path: dict[str, State] = field(init=False, repr=False, compare=False)
     _by_source: dict[str, tuple[Edge, ...]] = field(init=False, repr=False, compare=False)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from mission.model.chart import By, Chart
-from protocol.messages import Order, Setpoint
+from protocol.messages import Order, Outputs, Setpoint
 
 
 class NavigationMode(enum.Enum):
@@ -81,7 +81,7 @@ class Action:
     """Something for the vehicle, with the reason that goes on record. ``steers``: a set
     that differs a little from the one in force, so that nothing need be cleared before."""
 
-    command: Setpoint | Order
+    command: Setpoint | Order | Outputs
     reason: str
     steers: bool = False
 

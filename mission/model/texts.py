@@ -113,6 +113,16 @@ class Setting:
 
 
 @dataclass(frozen=True, slots=True)
+class OutputSetting:
+    """``output name value``: an output of the vehicle file, in its unit there. They stand sorted
+    by name."""
+
+    name: str
+    value: float
+    where: Where = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
 class Exit:
     """``until guard [-> target]``; no target: the next leg in order."""
 
@@ -153,6 +163,7 @@ class Leg:
     timeout: float | None = None
     otherwise: str | None = None
     where: Where = field(default=NOWHERE, compare=False)
+    outputs: tuple[OutputSetting, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,6 +173,7 @@ class Set:
     name: str
     settings: tuple[Setting, ...]
     where: Where = field(default=NOWHERE, compare=False)
+    outputs: tuple[OutputSetting, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

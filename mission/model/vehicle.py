@@ -136,6 +136,42 @@ class Calibration:
 
 
 @dataclass(frozen=True, slots=True)
+class Output:
+    """Something beside the motion that legs and operators set, in ``unit``, by its ``name``.
+
+    ``safe``: from the start on, in every emergency, and when the mission that held it is over.
+    ``needed``: what it would take away, so that no mission may set it ("": nothing).
+    ``excludes``: axes of a setpoint that leave it at rest. ``choices``: the values it can have,
+    where not all can be had. ``irreversible``: for operators alone,
+    and no emergency touches it, unless ``ascent`` is what an ascent that gains nothing makes it.
+    """
+
+    name: str
+    channel: str
+    low: float
+    high: float
+    safe: float
+    unit: str = ""
+    whole: bool = False
+    needed: str = ""
+    excludes: tuple[str, ...] = ()
+    irreversible: bool = False
+    ascent: float | None = None
+    choices: tuple[float, ...] = ()
+
+    def fault(self, value: float) -> str:
+        """Why it cannot be that, "" if it can."""
+        said = f"{self.name} {value:.9g}"
+        if not self.low <= value <= self.high:
+            return f"{said} is outside {self.low:.9g} to {self.high:.9g} {self.unit}".rstrip()
+        if self.whole and value != int(value):
+            return f"{said} is not a whole number"
+        if self.choices and value not in self.choices:
+            return f"{said} is none of {', '.join(f'{c:g}' for c in self.choices)}"
+        return ""
+
+
+@dataclass(frozen=True, slots=True)
 class Vehicle:
     name: str
     codec: str
@@ -164,6 +200,11 @@ class Vehicle:
     glides: bool = False  # no thruster: moves forward by sinking and rising
     drives: bool = False  # on the ground: it is at the surface wherever it is
     wire: Mapping[str, str] = field(default_factory=dict)  # what its document leaves open
+    outputs: tuple[Output, ...] = ()
+    readings: Mapping[str, str] = field(default_factory=dict)  # guards' names -> sources
+
+    def output(self, name: str) -> Output | None:
+        return next((output for output in self.outputs if output.name == name), None)
 
     @property
     def speaks(

@@ -12,7 +12,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from datetime import date
 from types import MappingProxyType
 from typing import Any
@@ -36,6 +36,7 @@ from mission.model.vehicle import (
     Vehicle,
     VehicleError,
 )
+from mission.model.vehicle_outputs import OUTPUT, OUTPUT_KEYS, read_outputs, read_readings
 from mission.model.vehicle_ranges import GEAR, RANGES, TOGETHER, Range, Together
 from mission.model.yaml_tree import YamlFault, tree, where_of
 from protocol.vehicles import codec
@@ -47,7 +48,7 @@ _BOOL = {"true": True, "yes": True, "on": True, "false": False, "no": False, "of
 _FLAGS = ("constant_batteries", "one_speed", "glides", "drives")
 _TEXTS = ("vehicle", "codec", "dialect", "ascent_measured")
 _GEARS = ("speed_by_gear", "thruster_power")  # tables of a figure by gear
-_FREE = ("tolerances", "wire", *_GEARS)  # tables of any keys
+_FREE = ("tolerances", "wire", "outputs", "readings", *_GEARS)  # tables of any keys
 
 
 def _known() -> Mapping[str, frozenset[str]]:
@@ -70,6 +71,8 @@ _MAY_LACK = (
     "glides",
     "drives",
     "wire",
+    "outputs",
+    "readings",
     "calibration",
 )  # and what is below
 
@@ -90,7 +93,10 @@ def read_vehicle(text: str, where: str) -> Vehicle:
     file = _File(found, root)
     vehicle = _vehicle(file)
     file.complain()
-    return vehicle
+    outputs = read_outputs(file, vehicle.codec, codec(*vehicle.speaks))
+    readings = read_readings(file, vehicle.codec)
+    found.complain()
+    return replace(vehicle, outputs=outputs, readings=readings)
 
 
 class _File:
@@ -156,6 +162,21 @@ class _File:
             self._good[key] = default
         return default
 
+    def number_in(self, key: str, wanted: Range, default: float) -> float:
+        """Of a table whose keys are the file's own."""
+        node = self._leaves.get(key)
+        return default if node is None else self._value(key, wanted, node)
+
+    def names(self, table: str) -> list[str]:
+        """Of what stands directly in it, in the order of the file."""
+        inner = (key.removeprefix(f"{table}.").partition(".")[0] for key in self._below(table))
+        return list(dict.fromkeys(inner))
+
+    def refuse(self, key: str, message: str, hint: str) -> None:
+        """``key``: a leaf, or a table that has one."""
+        node = self._leaves.get(key) or self._leaves[self._below(key)[0]]
+        self._says(key, "output", message, node, hint)
+
     def curve(self, table: str) -> Curve:
         """By gear, from a standstill on."""
         keys = self._below(table)
@@ -178,8 +199,9 @@ class _File:
         seen = set()
         for key, value in node.value:
             name = str(key.value) if isinstance(key, ScalarNode) else "[...]"
-            if table not in _FREE and name not in _KNOWN[table]:
-                hint = suggestion(name, sorted(_KNOWN[table]), "there are")
+            known = OUTPUT_KEYS if OUTPUT.fullmatch(table) else _KNOWN.get(table, frozenset())
+            if table not in _FREE and name not in known:
+                hint = suggestion(name, sorted(known), "there are")
                 self._says(table, "unknown-word", f"no key {name:.40}", key, hint)
             elif name in seen:
                 self._says(table, "twice", f"{name:.40} appears twice", key, "keep one of them")
@@ -203,7 +225,7 @@ class _File:
         return f"add {name}: and {figure}; the shipped vehicle files have it"
 
     def _put(self, key: str, value: Node) -> None:
-        if key in _KNOWN or key in _FREE:
+        if key in _KNOWN or key in _FREE or OUTPUT.fullmatch(key):
             self._take(key, value)
         elif not isinstance(value, ScalarNode) or not 0 < len(value.value) <= 80:
             self._says(

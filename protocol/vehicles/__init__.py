@@ -14,7 +14,8 @@ from protocol.fields import FrameType
 from protocol.framing import LinkRow
 from protocol.messages import UPWARD, Order, Setpoint
 from protocol.tolerances import Tolerances
-from protocol.vehicles import auv, coreboard, motorcan, robot, rov
+from protocol.vehicles import auv, auv_outputs, coreboard, motorcan, robot, robot_outputs, rov
+from protocol.vehicles.channels import Channel, Source
 from protocol.vehicles.keys import Keys, Wire, read_wire
 
 BatteryScale = tuple[float, float]
@@ -32,7 +33,8 @@ class UnknownDialect(ValueError):
 @dataclass(frozen=True, slots=True)
 class VehicleRow:
     """``make(dialect, tolerances, battery_scale, wire)``, with one of its ``dialects`` and values
-    of its ``keys``. ``ways``: what an ascent tries, in turn (R7); no two are the same bytes."""
+    of its ``keys``. ``ways``: what an ascent tries, in turn (R7); no two are the same bytes.
+    ``channels`` can be set beside the motion, ``sources`` be read beside the telemetry."""
 
     name: str
     make: Callable[[str, Tolerances, BatteryScale, Wire], VehicleCodec]
@@ -40,6 +42,8 @@ class VehicleRow:
     keys: Keys
     granularity: Granularity = FINE
     ways: tuple[Setpoint | Order, ...] = (Order.SURFACE, UPWARD, Order.STOP)
+    channels: tuple[Channel, ...] = ()
+    sources: tuple[Source, ...] = ()
 
 
 _THRUST_OR_NONE = (Order.SURFACE, Order.STOP)  # its SURFACE is full vertical thrust
@@ -50,17 +54,40 @@ def _silent(
     make: Callable[[str, Tolerances, BatteryScale, Wire], VehicleCodec],
     keys: Keys,
     ways: tuple[Setpoint | Order, ...] = _THRUST_OR_NONE,
+    channels: tuple[Channel, ...] = (),
+    sources: tuple[Source, ...] = (),
 ) -> VehicleRow:
     """A board that acknowledges nothing, and is spoken to as its document says."""
-    return VehicleRow(name, make, ("documented",), keys, ways=ways)
+    return VehicleRow(name, make, ("documented",), keys, FINE, ways, channels, sources)
 
 
 VEHICLES = (
-    VehicleRow("auv", auv.AuvCodec, tuple(auv.DIALECTS), auv.KEYS, auv.GRANULARITY),
-    _silent("coreboard", coreboard.CoreboardCodec, coreboard.KEYS),
+    VehicleRow(
+        "auv",
+        auv.AuvCodec,
+        tuple(auv.DIALECTS),
+        auv.KEYS,
+        auv.GRANULARITY,
+        channels=auv_outputs.CHANNELS,
+        sources=auv_outputs.SOURCES,
+    ),
+    _silent(
+        "coreboard",
+        coreboard.CoreboardCodec,
+        coreboard.KEYS,
+        channels=coreboard.CHANNELS,
+        sources=coreboard.SOURCES,
+    ),
     _silent("motorcan", motorcan.MotorCodec, motorcan.KEYS),
-    _silent("rov", rov.RovCodec, rov.KEYS),
-    _silent("robot", robot.RobotCodec, robot.KEYS, (Order.SURFACE,)),
+    _silent("rov", rov.RovCodec, rov.KEYS, channels=rov.CHANNELS, sources=rov.SOURCES),
+    _silent(
+        "robot",
+        robot.RobotCodec,
+        robot.KEYS,
+        (Order.SURFACE,),
+        robot_outputs.CHANNELS,
+        robot_outputs.SOURCES,
+    ),
 )
 
 LINKS: tuple[LinkRow, ...] = (

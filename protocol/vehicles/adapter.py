@@ -10,13 +10,14 @@ What does not live here: any vehicle's table, units or signs.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from protocol.codec import CannotEncode, Received
 from protocol.fields import Values
 from protocol.framing import Frame, Framer
 from protocol.messages import Order, Setpoint
+from protocol.vehicles.channels import Channel, at_rest
 from protocol.vehicles.keys import Wire
 from protocol.vehicles.stick import steered
 
@@ -28,14 +29,20 @@ class SilentBoard:
     period: float  # s between frames that say what holds
     silence: float  # s after which it goes neutral
     kept_awake = ""  # why it is told to stop though nothing is asked of it; "": it is not
+    channels: tuple[Channel, ...] = ()
 
     def __init__(
         self, framer: Framer, message: Callable[[Frame], Received | None], wire: Wire
     ) -> None:
         self.framer, self._message, self._wire = framer, message, wire
+        self.levels = at_rest(self.channels)
 
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
         raise NotImplementedError
+
+    def take_outputs(self, levels: Mapping[str, float]) -> dict[str, bytes]:
+        self.levels = {**self.levels, **levels}
+        return {}
 
     def meaning_of_no(self, frame: bytes) -> str:
         """It refuses nothing in words."""
@@ -84,3 +91,11 @@ def refuse(setpoint: Setpoint, **reasons: str) -> None:
         if value is None or (value == 0.0 and axis in ("surge", "turn", "heave")):
             continue
         raise CannotEncode(f"{axis}: {why}")
+
+
+def fights(channel: Channel, setpoint: Setpoint | Order) -> bool:
+    """Whether it has to be at rest now: an order, or an axis that it excludes."""
+    if isinstance(setpoint, Order):
+        return bool(channel.excludes)
+    values = (getattr(setpoint, axis) for axis in channel.excludes)
+    return any(value is not None and value != 0.0 for value in values)

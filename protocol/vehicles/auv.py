@@ -24,7 +24,7 @@ What does not live here: retries and gaps (the runtime's frontseat), frames to a
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from protocol.checksum import SD_DEFAULT, sd_profile
@@ -44,6 +44,8 @@ from protocol.topside import (
     to_topside_frames,
 )
 from protocol.topside_frames import AckFrame
+from protocol.vehicles.auv_outputs import CHANNELS, frames_of
+from protocol.vehicles.channels import at_rest
 from protocol.vehicles.keys import Keys, Wire, baud
 from protocol.vehicles.sd_stream import sd_reader
 
@@ -310,6 +312,7 @@ class AuvCodec:
             raise ValueError(f"no dialect {dialect!r}; there are: {', '.join(DIALECTS)}")
         self._words, self._dialect = DIALECTS[dialect], dialect
         chosen = tolerances or Tolerances()
+        self.levels = at_rest(CHANNELS)
         self.framer = FROM_STM32.framer(chosen, shortcut(chosen, battery_scale))
 
     def receive(self, data: bytes, now: float) -> list[Received]:
@@ -330,3 +333,7 @@ class AuvCodec:
         if isinstance(setpoint, Order):
             return [EMERGENCIES[setpoint]]
         return [f"@ZA{word}$".encode("ascii") for word in self._words(setpoint)]
+
+    def take_outputs(self, levels: Mapping[str, float]) -> dict[str, bytes]:
+        self.levels = {**self.levels, **levels}
+        return frames_of(levels, self.levels)

@@ -21,6 +21,7 @@ What does not live here: the CAN behind the main board (protocol.vehicles.motorc
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from protocol.checksum import xor8
 from protocol.codec import CannotEncode, Received
@@ -44,6 +45,7 @@ from protocol.framing import Frame, LinkRow
 from protocol.messages import Order, Setpoint, Telemetry
 from protocol.tolerances import Tolerances
 from protocol.vehicles.adapter import SilentBoard, fraction, heading_of, radians_of, refuse
+from protocol.vehicles.channels import Channel, of_board, told
 from protocol.vehicles.keys import Key, Keys, Octets, Wire, baud, read_wire
 from protocol.vehicles.stick import stick_keys
 
@@ -199,6 +201,16 @@ LINKS: tuple[LinkRow, ...] = (
 
 # --- Telemetry in --------------------------------------------------------------------------------
 
+SOURCES = (
+    of_board("avoid_m", "m", "distance to what is ahead"),
+    *(of_board(f"usbl{n}", "deg", f"phase difference {n} of the USBL") for n in range(1, 7)),
+    of_board("temperature_c", "C", "of the board"),
+    of_board("x_m", "m", "its own dead reckoning, x"),
+    of_board("y_m", "m", "its own dead reckoning, y"),
+    of_board("ins_aligned", "", "1: the INS is aligned"),
+    of_board("mode", "", "its mode (codes not given)"),
+)
+
 
 def telemetry(
     values: Values, t: float, leak: bool, scale: tuple[float, float] = (1.0, 1.0)
@@ -220,6 +232,7 @@ def telemetry(
         position=(latitude, longitude) if known and latitude and longitude else None,
         leak=leak,
         faults=tuple(values["flags"]),
+        board=told(values, tuple(values["flags"]), SOURCES),
     )
 
 
@@ -237,6 +250,20 @@ AUXILIARY: Keys = (
 )
 KEYS: Keys = (baud(115_200), *stick_keys("surge", "turn", "heave"), *AUXILIARY)
 
+_POSITION = "the position, and with it the limit of radius, comes from it"
+PASSED_ON = tuple(f"passthrough{n}" for n in range(1, 12))
+CHANNELS = (
+    Channel("usbl_on", "", 0, 1, "power of the USBL"),
+    Channel("usbl_khz", "kHz", 0, 255, "frequency of the USBL (E-B10)"),
+    Channel("ins_on", "", 0, 1, "power of the INS", needed=_POSITION),
+    Channel("dvl_on", "", 0, 1, "power of the DVL", needed=_POSITION),
+    Channel("nav", "", 0, 4, "the board's own navigation", needed=_POSITION),
+    *(
+        Channel(name, "", 0, 255, f"byte {at}, passed on to the sensor board")
+        for at, name in enumerate(PASSED_ON, 48)
+    ),
+)
+
 NEUTRAL: Values = {
     **dict.fromkeys(("lat_deg", "lon_deg", "x_m", "y_m", "depth_m", "heading_deg"), 0.0),
     **dict.fromkeys(("tx", "ty", "tz", "mx", "my", "mz"), 0),
@@ -250,6 +277,20 @@ def auxiliary(wire: Wire) -> Values:
     values = {key.name: wire[key.name] for key in AUXILIARY}
     values["angle_error_deg"] /= values.pop("angle_error_step")
     return values
+
+
+def levels_of(wire: Wire) -> dict[str, float]:
+    """The channels, as configured."""
+    passed = zip(PASSED_ON, bytes.fromhex(wire["passthrough"]), strict=True)
+    switched = (row.name for row in CHANNELS if row.name in wire)
+    return {name: wire[name] for name in switched} | dict(passed)
+
+
+def carried(levels: Mapping[str, float]) -> Values:
+    """The channels as values of table 3-2."""
+    whole = {name: int(level) for name, level in levels.items()}
+    passed = bytes(whole.pop(name) for name in PASSED_ON)
+    return whole | {"passthrough": passed.hex()}
 
 
 def command(setpoint: Setpoint | Order) -> Values:
@@ -286,6 +327,7 @@ class CoreboardCodec(SilentBoard):
 
     period, silence = PERIOD, SILENCE
     kept_awake = "neutral: the board powers its INS as each frame says (R16)"
+    channels = CHANNELS
 
     def __init__(
         self,
@@ -299,6 +341,7 @@ class CoreboardCodec(SilentBoard):
         self._frame = pc_to_main(chosen)
         self._scale = battery_scale
         self._auxiliary = auxiliary(self._wire)
+        self.levels = levels_of(self._wire)
         self.encode(Order.STOP)  # refused here if what is configured has no place in its bytes
         self._dry = 1 - int(chosen["leak002"])  # code
         self._leaks = 0  # frames that tell of a leak, less those that do not
@@ -310,4 +353,5 @@ class CoreboardCodec(SilentBoard):
         return telemetry(values, frame.t, self._leaks >= LEAK_FRAMES, self._scale)
 
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
-        return [self._frame.encode(self._auxiliary | command(setpoint))]
+        values = self._auxiliary | carried(self.levels) | command(setpoint)
+        return [self._frame.encode(values)]

@@ -40,8 +40,16 @@ from protocol.fields import (
 from protocol.framing import Frame, LinkRow
 from protocol.messages import Order, Setpoint, Telemetry
 from protocol.tolerances import Tolerances
-from protocol.vehicles.adapter import SilentBoard, fraction, refuse
+from protocol.vehicles.adapter import SilentBoard, fights, fraction, refuse
 from protocol.vehicles.keys import Key, Keys, Wire, baud, read_wire
+from protocol.vehicles.robot_outputs import (
+    CHANNELS,
+    GIMBAL,
+    HANDSHAKE,
+    POWER,
+    ROBOT,
+    commands,
+)
 from protocol.vehicles.stick import stick_keys
 
 PERIOD = 0.1  # s (R17)
@@ -53,8 +61,7 @@ KEYS: Keys = (
     Key("speed_step", 1, 0.1, 1000, "mm/s that 1 of command 20 and of its report is", whole=False),
 )
 
-ROBOT, GIMBAL, POWER = 1, 2, 4
-STOP, FORWARD, BACK, SPIN_RIGHT, SPIN_LEFT, SPEED, HANDSHAKE = 0, 1, 2, 9, 10, 0x20, 0xFF
+STOP, FORWARD, BACK, SPIN_RIGHT, SPIN_LEFT, SPEED = 0, 1, 2, 9, 10, 0x20
 USER = 6  # bytes
 
 
@@ -287,6 +294,7 @@ class RobotCodec(SilentBoard):
     """A ``VehicleCodec``."""
 
     period, silence = PERIOD, SILENCE
+    channels = CHANNELS
 
     def __init__(
         self,
@@ -303,12 +311,20 @@ class RobotCodec(SilentBoard):
     def _telemetry(self, frame: Frame) -> Received:
         return telemetry(frame.values(), frame.t, self._scale, self._wire["speed_step"])
 
+    def take_outputs(self, levels: Mapping[str, float]) -> dict[str, bytes]:
+        super().take_outputs(levels)
+        frames = (self._frame.encode(values) for values in commands(levels, self.levels))
+        return {frame[1:3].hex(): frame for frame in frames}
+
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
         """The speed first: a motion begins with what it should have."""
         command, share = motion(setpoint)
+        speed = share * self._wire["full_speed"]
+        if command == STOP and not fights(CHANNELS[0], setpoint):
+            command, speed = int(self.levels["side"]), self.levels["side_speed_mm_s"]
         frames = [self._frame.encode({"address": ROBOT, "command": command})]
         if command != STOP:
-            speed = round(share * self._wire["full_speed"] / self._wire["speed_step"])
-            wanted = {"address": ROBOT, "command": SPEED, "speed_mm_s": speed}
+            told = round(speed / self._wire["speed_step"])
+            wanted = {"address": ROBOT, "command": SPEED, "speed_mm_s": told}
             frames.insert(0, self._frame.encode(wanted))
         return frames

@@ -21,8 +21,10 @@ What does not live here: framing and checks (protocol.framing, protocol.fields).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from protocol.checksum import sum256
-from protocol.codec import Received
+from protocol.codec import CannotEncode, Received
 from protocol.fields import (
     F32LE,
     I8,
@@ -40,7 +42,15 @@ from protocol.fields import (
 from protocol.framing import Frame, LinkRow
 from protocol.messages import Order, Setpoint, Telemetry
 from protocol.tolerances import Tolerances
-from protocol.vehicles.adapter import SilentBoard, fraction, heading_of, radians_of, refuse
+from protocol.vehicles.adapter import (
+    SilentBoard,
+    fights,
+    fraction,
+    heading_of,
+    radians_of,
+    refuse,
+)
+from protocol.vehicles.channels import Channel, of_board, told
 from protocol.vehicles.keys import Keys, Wire, baud, read_wire
 from protocol.vehicles.stick import stick_keys
 
@@ -145,6 +155,22 @@ LINKS: tuple[LinkRow, ...] = (LinkRow("rov.down", _down), LinkRow("rov.up", _up)
 
 # --- Telemetry in, Setpoint out ------------------------------------------------------------------
 
+CHANNELS = (
+    Channel("led_pct", "%", 0, 100, "brightness of the LED"),
+    Channel("servo_deg", "deg", -30, 30, "angle of the servo"),
+    Channel("hold_heading", "", 0, 1, "1: the board holds the heading it has",
+            excludes=("turn", "heading")),
+    Channel("hold_depth", "", 0, 1, "1: the board holds the depth it has",
+            excludes=("heave", "depth", "altitude")),
+)  # fmt: skip
+LATER = ("led_pct", "servo_deg")  # which the older layout does not have
+SOURCES = (
+    of_board("metal_pct", "%", "metal detector"),
+    of_board("temperature_c", "C", "of the board"),
+    *(of_board(f"a{axis}_g", "g", f"acceleration {axis}") for axis in "xyz"),
+    *(of_board(f"g{axis}_dps", "deg/s", f"rate of turn about {axis}") for axis in "xyz"),
+)
+
 
 def telemetry(values: Values, t: float) -> Telemetry:
     legacy = "temperature_c" not in values
@@ -159,6 +185,7 @@ def telemetry(values: Values, t: float) -> Telemetry:
         if legacy
         else tuple(values[f"rpm_{name}"] / _FULL_SPEED for name in THRUSTERS),
         faults=tuple(values["flags"]),
+        board=told(values, tuple(values["flags"]), SOURCES),
     )
 
 
@@ -199,6 +226,7 @@ class RovCodec(SilentBoard):
     """A ``VehicleCodec``."""
 
     period, silence = PERIOD, SILENCE
+    channels = CHANNELS
 
     def __init__(
         self,
@@ -210,9 +238,17 @@ class RovCodec(SilentBoard):
         chosen = tolerances or Tolerances()
         super().__init__(LINKS[1].framer(chosen), _telemetry, wire or read_wire(KEYS, {}))
         self._frame, self._full = down(chosen), full_effort(chosen)
+        self._legacy = chosen["layout003"] == "legacy"
+
+    def take_outputs(self, levels: Mapping[str, float]) -> dict[str, bytes]:
+        absent = [name for name in LATER if self._legacy and levels.get(name)]
+        if absent:
+            raise CannotEncode(f"{', '.join(absent)}: the older layout does not have it")
+        return super().take_outputs(levels)
 
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
-        values = command(setpoint)
+        free = (row.name for row in CHANNELS if not fights(row, setpoint))
+        values = command(setpoint) | {name: int(self.levels[name]) for name in free}
         return [self._frame.encode(values | {n: self._full * values[n] for n in ("x", "z", "f")})]
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from mission.verification.exhaustive.run import ALL_LAWS
 
 ROOT = Path(__file__).parents[2]
-RULES = {f"R{number}" for number in range(1, 18)}
+RULES = {f"R{number}" for number in range(1, 19)}
 
 
 def rows() -> dict[str, list[str]]:

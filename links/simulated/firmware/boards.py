@@ -25,7 +25,7 @@ from links.simulated.ground import Ground
 from links.simulated.plant import NEUTRAL, NEUTRAL_PWM, Plant
 from protocol.framing import Frame, LinkRow
 from protocol.tolerances import Tolerances
-from protocol.vehicles import coreboard, robot, rov
+from protocol.vehicles import coreboard, robot, robot_outputs, rov
 from protocol.vehicles.keys import Wire
 
 ANTENNA = 0.3  # m: deeper, and the INS has no GPS to be aligned by
@@ -220,11 +220,11 @@ class RobotBoard(Board):
 
     def take(self, values: Mapping[str, Any]) -> None:
         command = values["command"]
-        if values["address"] != robot.ROBOT:
+        if values["address"] != robot_outputs.ROBOT:
             return
         if command == robot.SPEED:
             self.speed = values["speed_mm_s"] * self.wire["speed_step"]
-        elif command == robot.HANDSHAKE:
+        elif command == robot_outputs.HANDSHAKE:
             self.asked = True
         else:
             self.motion = command

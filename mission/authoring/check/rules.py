@@ -200,6 +200,8 @@ def _known(guard: Guard | Expression, vehicle: Vehicle) -> bool:
         case Guard(expression):
             return _known(expression, vehicle)
         case Comparison(name):
+            if name not in VARIABLES:  # a reading that the vehicle file names
+                return True
             sources = VARIABLES[name].source
             return all(s == CLOCK or s in vehicle.reports for s in sources)
         case Not(operand):

@@ -12,6 +12,7 @@ from dataclasses import replace
 
 from mission.authoring.compiler.axes import axis_where, own_setpoint, statement_problems
 from mission.authoring.compiler.granularity import granularity_problems
+from mission.authoring.compiler.outputs import output_problems
 from mission.authoring.compiler.refusing import refused
 from mission.engine.guards import comparisons
 from mission.engine.variables import CLOCK, VARIABLES
@@ -38,6 +39,7 @@ def own_problems(leg: Leg, vehicle: Vehicle) -> Iterator[Diagnostic]:
     """What is wrong with a leg whatever the legs before it set."""
     own = own_setpoint(leg)
     yield from statement_problems(leg)
+    yield from output_problems(leg, vehicle)
     for check in _OWN:
         yield from check(leg, own, vehicle)
     yield from granularity_problems(leg, own, vehicle)
@@ -184,12 +186,14 @@ def guard_problems(
     for comparison in comparisons(expression):
         place = comparison.where if comparison.where.line else where
         variable = VARIABLES.get(comparison.variable)
+        if variable is None and comparison.variable in vehicle.readings:
+            continue
         if variable is None:
             yield refused(
                 "unknown-variable",
                 place,
                 f"there is no variable {comparison.variable!r}",
-                f"known ones: {', '.join(VARIABLES)}",
+                f"known ones: {', '.join([*VARIABLES, *vehicle.readings])}",
             )
             continue
         absent = [s for s in variable.source if s != CLOCK and s not in vehicle.reports]

@@ -5,6 +5,7 @@ a leg that omits it are an error; turn and heading exclude each other; what a le
 (a goto's heading) cannot be kept by the next, because no text says what it was.
 
     (surge, turn) | heading | ("depth" | "altitude" | "heave", value) | (pitch, roll)
+    each output by its name; None: safe
 
 Linear in legs and ways: a place takes at most two different values of an axis, which is one too
 many. What does not live here: the ways themselves (compiler), what a vehicle can do (abilities).
@@ -37,7 +38,8 @@ _AXIS_OF = {
 _STEERED = ("steered",)  # the leg before held it by itself
 
 Value = tuple[float | str, ...] | None  # None: not controlled
-INITIAL: Mapping[Axis, Value] = {
+Kept = Axis | str  # what keeps its value; a str is an output's name
+INITIAL: Mapping[Kept, Value] = {
     Axis.HORIZONTAL: (0.0, 0.0),
     Axis.HEADING: None,
     Axis.VERTICAL: None,
@@ -49,10 +51,10 @@ INITIAL: Mapping[Axis, Value] = {
 class Unit:
     """What one leg or bare line does to the axes: ``states`` them, or drops the turn."""
 
-    states: Mapping[Axis, Value]
+    states: Mapping[Kept, Value]
     drops_turn: bool
 
-    def apply(self, axis: Axis, value: Value) -> Value:
+    def apply(self, axis: Kept, value: Value) -> Value:
         if axis in self.states:
             return self.states[axis]
         if axis is Axis.HORIZONTAL and self.drops_turn and value is not None:
@@ -70,14 +72,19 @@ class Flow:
     unit: Unit
 
 
-def unit_of(node: Leg | Set) -> Unit:
+def unit_of(node: Leg | Set, outputs: Iterable[str] = ()) -> Unit:
+    """``outputs``: the names of all that the mission sets; an ascent makes them safe."""
     kind = node.kind if isinstance(node, Leg) else None
-    return _unit(node.settings, kind)
+    unit = _unit(node.settings, kind)
+    ascends = kind is not None and LEGS[type(kind)].ascends
+    safe: dict[Kept, Value] = dict.fromkeys(outputs) if ascends else {}
+    own: dict[Kept, Value] = {o.name: (o.value,) for o in node.outputs}
+    return Unit({**unit.states, **safe, **own}, unit.drops_turn)
 
 
 def _unit(settings: tuple[Setting, ...], kind: LegKind | None) -> Unit:
     words = {s.word: s.value for s in settings}
-    states: dict[Axis, Value] = {}
+    states: dict[Kept, Value] = {}
     if "surge" in words or "turn" in words:
         states[Axis.HORIZONTAL] = (words.get("surge", 0.0), words.get("turn", 0.0))
     if "heading" in words:
@@ -104,7 +111,7 @@ def own_setpoint(leg: Leg) -> Setpoint:
 
 def joined(units: Iterable[Unit]) -> Unit:
     """What several do one after the other."""
-    states: dict[Axis, Value] = {}
+    states: dict[Kept, Value] = {}
     drops = False
     for unit in units:
         if unit.drops_turn:
@@ -166,34 +173,45 @@ class Resolution:
         parents: Mapping[str, str],
         flows: Iterable[Flow],
         start: Flow,
+        outputs: Iterable[str] = (),
     ) -> None:
         self._legs, self._parents, self._start = legs, parents, start
-        self._units = {path: unit_of(leg) for path, leg in legs.items()}
+        self._outputs = tuple(outputs)
+        self._kept: tuple[Kept, ...] = (*Axis, *self._outputs)
+        self._units = {path: unit_of(leg, self._outputs) for path, leg in legs.items()}
         self._out: dict[str, list[Flow]] = {}
         for flow in flows:
             self._out.setdefault(flow.source, []).append(flow)
         # axis -> place -> the different values that came in, with where each came from
-        self._in: dict[Axis, dict[str, list[tuple[Value, str]]]] = {}
-        for axis in Axis:
+        self._in: dict[Kept, dict[str, list[tuple[Value, str]]]] = {}
+        for axis in self._kept:
             self._in[axis] = {}
             self._spread(axis)
 
     def setpoints(self) -> tuple[dict[str, Setpoint], list[Diagnostic]]:
         sets, problems = {}, []
         for path, leg in self._legs.items():
-            values = {axis: self._value(axis, path) for axis in Axis}
+            values = {axis: self._value(axis, path) for axis in self._kept}
             problems += self._conflicts(path, leg, values)
             sets[path] = _setpoint(values)
         return sets, problems
 
-    def _value(self, axis: Axis, path: str) -> Value:
-        came = self._in[axis].get(path)
-        return self._units[path].apply(axis, came[0][0] if came else INITIAL[axis])
+    def levels(self) -> dict[str, dict[str, float]]:
+        """By leg: the outputs that are not safe there."""
+        found = {}
+        for path in self._legs:
+            values = ((name, self._value(name, path)) for name in self._outputs)
+            found[path] = {name: float(v[0]) for name, v in values if v is not None}
+        return found
 
-    def _spread(self, axis: Axis) -> None:
+    def _value(self, axis: Kept, path: str) -> Value:
+        came = self._in[axis].get(path)
+        return self._units[path].apply(axis, came[0][0] if came else INITIAL.get(axis))
+
+    def _spread(self, axis: Kept) -> None:
         queue: deque[tuple[str, Value, str]] = deque()
         start = self._start
-        queue.append((start.target, start.unit.apply(axis, INITIAL[axis]), "the start"))
+        queue.append((start.target, start.unit.apply(axis, INITIAL.get(axis)), "the start"))
         for path, unit in self._units.items():
             if axis in unit.states:
                 self._leave(queue, axis, path, unit.states[axis], path)
@@ -213,7 +231,7 @@ class Resolution:
     def _leave(
         self,
         queue: deque[tuple[str, Value, str]],
-        axis: Axis,
+        axis: Kept,
         place: str,
         value: Value,
         origin: str,
@@ -223,10 +241,10 @@ class Resolution:
         if place in self._parents:
             queue.append((self._parents[place], value, origin))
 
-    def _conflicts(self, path: str, leg: Leg, values: dict[Axis, Value]) -> list[Diagnostic]:
+    def _conflicts(self, path: str, leg: Leg, values: dict[Kept, Value]) -> list[Diagnostic]:
         problems = []
         unit = self._units[path]
-        for axis in Axis:
+        for axis in self._kept:
             came = [] if axis in unit.states else self._in[axis].get(path, [])
             if unit.drops_turn and axis is Axis.HORIZONTAL:
                 came = list({unit.apply(axis, v): (v, o) for v, o in came}.values())
@@ -235,18 +253,20 @@ class Resolution:
             elif came and came[0][0] == _STEERED:
                 surge, turn = values[Axis.HORIZONTAL] or (0.0, 0.0)
                 if axis is Axis.VERTICAL or (surge != 0.0 and turn == 0.0):
+                    assert isinstance(axis, Axis)
                     problems.append(_unknown(axis, leg, came[0][1]))
         return problems
 
 
-def _conflict(axis: Axis, leg: Leg, came: list[tuple[Value, str]]) -> Diagnostic:
+def _conflict(axis: Kept, leg: Leg, came: list[tuple[Value, str]]) -> Diagnostic:
     (one, by_one), (two, by_two) = came
+    what = axis.value if isinstance(axis, Axis) else f"output {axis}"
     return refused(
         "axis-conflict",
         leg.where,
-        f"{leg.name} omits {axis.value}, and the ways into it bring different values: "
+        f"{leg.name} omits {what}, and the ways into it bring different values: "
         f"{_words(axis, one)} from {_short(by_one)}, {_words(axis, two)} from {_short(by_two)}",
-        f"state {axis.value} in {leg.name}",
+        f"state {what} in {leg.name}",
     )
 
 
@@ -264,7 +284,9 @@ def _short(path: str) -> str:
     return path.partition("/")[2] or path
 
 
-def _words(axis: Axis, value: Value) -> str:
+def _words(axis: Kept, value: Value) -> str:
+    if isinstance(axis, str):
+        return "safe" if value is None else f"{float(value[0]):g}"
     if value is None:
         return "none"
     if value == _STEERED:
@@ -278,7 +300,7 @@ def _words(axis: Axis, value: Value) -> str:
     return f"pitch {math.degrees(float(value[0])):g} roll {math.degrees(float(value[1])):g}"
 
 
-def _setpoint(values: Mapping[Axis, Value]) -> Setpoint:
+def _setpoint(values: Mapping[Kept, Value]) -> Setpoint:
     def known(axis: Axis) -> Value:
         value = values[axis]
         return None if value == _STEERED else value

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mission.authoring.compiler.abilities import guard_problems, leg_problems
 from mission.authoring.compiler.axes import (
@@ -29,6 +29,13 @@ from mission.authoring.compiler.axes import (
     unit_of,
 )
 from mission.authoring.compiler.granularity import BETWEEN_STEPS
+from mission.authoring.compiler.outputs import (
+    complete,
+    fight_problems,
+    output_problems,
+    outputs_of,
+    sources_of,
+)
 from mission.authoring.compiler.refusing import refused
 from mission.engine.guards import comparisons
 from mission.legs import LEGS, Surface
@@ -51,6 +58,7 @@ from mission.model import (
     Set,
     State,
     Where,
+    legs_of,
 )
 from mission.model.diagnostics import Diagnostic, MissionErrors, ordered
 from mission.model.extent import DEEPEST_GROUP, WATCHED
@@ -123,6 +131,7 @@ class _Compiler:
         self._edges: list[Edge] = []
         self._flows: list[Flow] = []
         self._ways: dict[_Slot, tuple[_Way, ...]] = {}
+        self._levels: dict[str, dict[str, float]] = {}  # path of a leg -> its outputs
 
     def compiled(self, digest: str) -> Compiled:
         self._index()
@@ -141,7 +150,9 @@ class _Compiler:
         if not _LEADING.isdisjoint(p.code for p in found):
             return Compiled(None, found)
         states, edges = self._placed(sets), tuple(self._edges)
-        return Compiled(Chart(self._mission, digest, states, edges, initial=start.target), found)
+        sources = sources_of(edges, self._vehicle)
+        chart = Chart(self._mission, digest, states, edges, start.target, sources)
+        return Compiled(chart, found)
 
     # --- names and places ----------------------------------------------------------------
 
@@ -160,6 +171,7 @@ class _Compiler:
                     stack += [(path, j, child) for j, child in enumerate(node.body)][::-1]
             else:
                 self._problems += statement_problems(node)
+                self._problems += output_problems(node, self._vehicle)
                 if isinstance(node, Leg):
                     self._states.append(State(path, parent, leg=node))
                     self._legs[path] = node
@@ -189,7 +201,7 @@ class _Compiler:
     def _check_group(self, path: str, group: Group) -> None:
         if group.repeat < 1:
             self._refuse("repeat", group.where, "a group has at least one round")
-        elif group.repeat > 1 and not _lasts(group):
+        elif group.repeat > 1 and not any(legs_of(group.body)):
             self._refuse(
                 "loop-without-wait",
                 group.where,
@@ -357,10 +369,14 @@ class _Compiler:
     def _resolve(self, start: _Way) -> dict[str, Setpoint]:
         parents = {state.path: state.parent for state in self._states}
         first = Flow("", start.target, start.unit)
-        sets, problems = Resolution(self._legs, parents, self._flows, first).setpoints()
+        outputs = outputs_of(self._mission)
+        resolution = Resolution(self._legs, parents, self._flows, first, outputs)
+        sets, problems = resolution.setpoints()
         self._problems += problems
+        self._levels = resolution.levels()
         told: set[str] = set()  # a value that legs keep is complained of once, where it is stated
         for path, leg in self._legs.items():
+            self._problems += fight_problems(leg, sets[path], self._levels[path], self._vehicle)
             for problem in leg_problems(leg, sets[path], self._vehicle):
                 kept = problem.code == BETWEEN_STEPS and problem.where == leg.where
                 if not (kept and problem.message in told):
@@ -369,13 +385,10 @@ class _Compiler:
         return sets
 
     def _placed(self, sets: dict[str, Setpoint]) -> tuple[State, ...]:
-        placed = [
-            State(s.path, s.parent, s.leg, sets[s.path] if s.leg else None, s.group)
-            for s in self._states
-        ]
-        end = Leg(SURFACE, Surface())
-        placed.append(State(IMPLICIT_SURFACE, AUTONOMOUS, end, Setpoint()))
-        return tuple(placed)
+        names, vehicle = outputs_of(self._mission), self._vehicle
+        end = State(IMPLICIT_SURFACE, AUTONOMOUS, Leg(SURFACE, Surface()), Setpoint())
+        legs = [replace(s, setpoint=sets[s.path]) if s.leg else s for s in self._states]
+        return tuple(complete(s, names, self._levels, vehicle) for s in (*legs, end))
 
     def _refuse(self, code: str, where: Where, message: str, hint: str = "") -> None:
         self._problems.append(refused(code, where, message, hint))
@@ -383,14 +396,3 @@ class _Compiler:
 
 def _watched(guarded: Iterable[Exit | Handler]) -> int:
     return sum(1 for each in guarded for _ in comparisons(each.guard.expression))
-
-
-def _lasts(group: Group) -> bool:
-    stack: list[Node] = [group]
-    while stack:
-        node = stack.pop()
-        if isinstance(node, Leg):
-            return True
-        if isinstance(node, Group):
-            stack.extend(node.body)
-    return False

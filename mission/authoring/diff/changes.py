@@ -228,6 +228,12 @@ class _Comparison:
             one, two = axis(set_of(old)), axis(set_of(new))
             if one != two:
                 yield row(what, *wording.apart(one, two, wording.axis(what), wording.exact_set))
+        names = dict.fromkeys(name for name, _ in (*old.outputs, *new.outputs))
+        for name in names:
+            sides = zip((old, new), self.vehicles, strict=True)
+            one_level, two_level = (wording.level(state, name, of) for state, of in sides)
+            if one_level != two_level:
+                yield row(f"output {name}", one_level, two_level)
         for what, one_time, two_time in (
             ("for", a.duration, b.duration), ("timeout", a.timeout, b.timeout)
         ):  # fmt: skip

@@ -104,6 +104,7 @@ def _content(state: State) -> tuple[Hashable, ...]:
         (s.depth, s.altitude, s.heave),
         tuple(e.guard for e in leg.exits),
         (leg.duration, leg.timeout),
+        state.outputs,
     )
 
 

@@ -14,6 +14,7 @@ from mission.authoring.graph import words
 from mission.authoring.language.render import guard_text, node_pairs
 from mission.model import AUTONOMOUS, Chart, Exit, Group, Handler, Leg, Mission, State, shown
 from mission.model.units import number_text
+from mission.model.vehicle import Vehicle
 from protocol.messages import Setpoint
 
 V = TypeVar("V")
@@ -39,7 +40,7 @@ def stands_after(chart: Chart, path: str) -> str:
 def whole(state: State) -> str:
     """A leg in one line, for one that came or went."""
     leg = leg_of(state)
-    parts = [words.kind(leg), words.setpoint(state.setpoint)]
+    parts = [words.kind(leg), words.setpoint(state.setpoint), words.outputs(state)]
     parts += [f"until {way(e)}" for e in leg.exits]
     parts += [f"for {time(leg.duration)}"] if leg.duration is not None else []
     parts += [f"timeout {time(leg.timeout)}"] if leg.timeout is not None else []
@@ -64,6 +65,14 @@ def time(seconds: float | None) -> str:
 def group(which: Group) -> str:
     rounds = f"{which.repeat} rounds" if which.repeat > 1 else ""
     return ", ".join([*([rounds] if rounds else []), *(f"on {way(h)}" for h in which.handlers)])
+
+
+def level(state: State, name: str, vehicle: Vehicle) -> str:
+    """Of one output, which only the other mission may name."""
+    output, levels = vehicle.output(name), dict(state.outputs)
+    if output is None:
+        return "no such output"
+    return number_text(levels.get(name, output.safe))
 
 
 AXES: dict[str, Callable[[Setpoint], Setpoint]] = {

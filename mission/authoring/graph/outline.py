@@ -196,10 +196,11 @@ def _lines(state: State) -> tuple[str, ...]:
     if state.path == IMPLICIT_SURFACE:
         return ("ascend, proved by the depth; then idle",)
     does, holds = words.kind(state.leg), words.setpoint(state.setpoint)
+    told = tuple(filter(None, (words.outputs(state),)))
     if LEGS[type(state.leg.kind)].ascends:  # what is held while it ascends is all at rest
-        return (does,)
-    whole = " \u00b7 ".join(part for part in (does, holds) if part)
-    return (whole,) if len(whole) <= ONE_LINE else (does, holds)
+        return (does, *told)
+    whole = " \u00b7 ".join(part for part in (does, holds, *told) if part)
+    return (whole,) if len(whole) <= ONE_LINE else (does, holds, *told)
 
 
 def _joined(ways: list[Way]) -> tuple[Way, ...]:

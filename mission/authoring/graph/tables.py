@@ -48,11 +48,14 @@ def _state(state: State) -> dict[str, Any]:
         "kind": LEGS[type(leg.kind)].name,
         "parameters": to_plain(leg.kind),
         "setpoint": to_plain(state.setpoint),
+        "outputs": dict(state.outputs),
         "duration": leg.duration,
         "timeout": leg.timeout,
         "line": leg.where.line or None,
         "text": " \u00b7 ".join(
-            part for part in (words.kind(leg), words.setpoint(state.setpoint)) if part
+            part
+            for part in (words.kind(leg), words.setpoint(state.setpoint), words.outputs(state))
+            if part
         ),
     }
 

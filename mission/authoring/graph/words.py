@@ -22,6 +22,7 @@ from mission.model import (
     Mission,
     Not,
     Or,
+    State,
 )
 from mission.model.shown import bearing, duration, number
 from mission.model.units import GEARS, UNITS
@@ -92,6 +93,11 @@ def setpoint(value: Setpoint | None) -> str:
     if value.roll is not None:
         words.append(f"roll {number(math.degrees(value.roll))}\u00b0")
     return " \u00b7 ".join(words) or "at rest"
+
+
+def outputs(value: State) -> str:
+    """What it sets beside the motion, safe ones too: all that the mission names."""
+    return ", ".join(f"{name} {number(level)}" for name, level in value.outputs)
 
 
 def edge(value: Edge, leg: Leg | None) -> str:

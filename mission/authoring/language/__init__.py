@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -71,9 +71,14 @@ class Draft:
         return not self.problems.within(where.line, last)
 
 
-def parse(text: str, source: str = "", parameters: Mapping[str, str] = _NONE) -> Mission:
+def parse(
+    text: str,
+    source: str = "",
+    parameters: Mapping[str, str] = _NONE,
+    readings: Collection[str] | None = None,
+) -> Mission:
     """Reads either form. Raises MissionErrors with everything that is wrong."""
-    return _whole(draft(text, source, parameters))
+    return _whole(draft(text, source, parameters, readings))
 
 
 def _whole(read: Draft) -> Mission:
@@ -81,18 +86,31 @@ def _whole(read: Draft) -> Mission:
     return read.mission
 
 
-def draft(text: str, source: str = "", parameters: Mapping[str, str] = _NONE) -> Draft:
-    """Reads either form. Raises MissionErrors where reading ended early (a text too large)."""
+def draft(
+    text: str,
+    source: str = "",
+    parameters: Mapping[str, str] = _NONE,
+    readings: Collection[str] | None = None,
+) -> Draft:
+    """Reads either form. ``readings``: what guards may ask for beside the variables; None: what the
+    vehicle's shipped file names. Raises MissionErrors where reading ended early (a text too
+    large)."""
     text = text.removeprefix("\ufeff").replace("\r\n", "\n")
-    return _drafted(text, source, parameters, yaml=is_yaml(text, source))
+    return _drafted(text, source, parameters, readings, yaml=is_yaml(text, source))
 
 
-def draft_script(lines: Sequence[str], source: str = "script") -> Draft:
+def draft_script(lines: Sequence[str], readings: Collection[str] | None = None) -> Draft:
     """What ``@AW`` brought, line by line; ``sum`` in line 1 must fit. Raises as ``draft`` does."""
-    return _drafted("\n".join(lines), source, _NONE, yaml=False)
+    return _drafted("\n".join(lines), "script", _NONE, readings, yaml=False)
 
 
-def _drafted(text: str, source: str, parameters: Mapping[str, str], yaml: bool) -> Draft:
+def _drafted(
+    text: str,
+    source: str,
+    parameters: Mapping[str, str],
+    readings: Collection[str] | None,
+    yaml: bool,
+) -> Draft:
     from mission.authoring.language import assembly, canonical
 
     found = Diagnostics(Stage.TEXT, text, source)
@@ -101,7 +119,7 @@ def _drafted(text: str, source: str, parameters: Mapping[str, str], yaml: bool) 
     else:
         from mission.authoring.language.lines import statements as read
     statements = list(_bounded(read(text, found), found))
-    mission, claimed = assembly.Assembly(found, parameters).read(statements)
+    mission, claimed = assembly.Assembly(found, parameters, readings).read(statements)
     begins = tuple(sorted({statement.where.line for statement in statements}))
     if len(found):
         return Draft(mission, found, begins, bool(_HOME.search(text)))
@@ -146,9 +164,9 @@ def read_file(path: str | Path) -> str:
     raise found.refusal("unreadable", NOWHERE, f"cannot be read: {why}", hint)
 
 
-def parse_script(lines: Sequence[str], source: str = "script") -> Mission:
+def parse_script(lines: Sequence[str], readings: Collection[str] | None = None) -> Mission:
     """What ``@AW`` brought, line by line; ``sum`` in line 1 must fit. Raises MissionErrors."""
-    return _whole(draft_script(lines, source))
+    return _whole(draft_script(lines, readings))
 
 
 def to_yaml(mission: Mission) -> str:

@@ -12,7 +12,7 @@ reachability (mission.authoring.check).
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from mission.authoring.language.clauses import (
@@ -90,9 +90,15 @@ class _Head:
 class Assembly:
     """Takes the statements of one file; ``mission`` is whole only if no problem was found."""
 
-    def __init__(self, problems: Diagnostics, parameters: Mapping[str, str]) -> None:
+    def __init__(
+        self,
+        problems: Diagnostics,
+        parameters: Mapping[str, str],
+        readings: Collection[str] | None = None,
+    ) -> None:
+        """``readings``: as of Values."""
         self._problems = problems
-        self._given = parameters
+        self._given, self._readings = parameters, readings
         self._head = _Head()
         self._seen: dict[str, Where] = {}
         self._scopes = [_Scope(None)]
@@ -102,7 +108,8 @@ class Assembly:
     def read(self, statements: Sequence[Statement]) -> tuple[Mission, Name | None]:
         """The mission, and the ``sum`` it claims."""
         parameters = read_parameters(statements, self._given, self._problems)
-        self._values = Values(self._problems, parameters, self._vehicle(statements))
+        vehicle = self._vehicle(statements)
+        self._values = Values(self._problems, parameters, vehicle, self._readings)
         self._legs = Legs(self._values)
         for index, statement in enumerate(statements):
             self._take(statement, first=index == 0)

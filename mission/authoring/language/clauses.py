@@ -138,7 +138,16 @@ class Else:
     target: Name
 
 
-Clause = Wire | Value | Places | Chosen | Until | Else
+@dataclass(frozen=True, slots=True)
+class OutputText:
+    """An output of the vehicle file and its value."""
+
+    word: Name
+    name: Name
+    amount: Amount
+
+
+Clause = Wire | Value | Places | Chosen | Until | Else | OutputText
 
 # --- the other statements -------------------------------------------------------------------
 

@@ -69,6 +69,7 @@ _KEYWORDS = {
     "_AND": "and", "_NOT": "not", "_FIX": "fix", "FIX": "fix", "_WITHOUT": "without",
     "AT_HOME": "home", "HERE": "here", "_NORTH": "north", "_EAST": "east",
     "UNCERTAIN": "uncertain", "UNTIL": "until", "FOR": "for", "TIMEOUT": "timeout", "ELSE": "else",
+    "OUTPUT": "output",
 }  # fmt: skip
 
 _PART = re.compile(r"->|[<>=!]=?|[^\s<>=!(),:]+|\S")

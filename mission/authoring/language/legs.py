@@ -18,6 +18,7 @@ from mission.authoring.language.clauses import (
     Here,
     LegText,
     Name,
+    OutputText,
     Places,
     Until,
     Value,
@@ -47,6 +48,7 @@ from mission.model import (
     Exit,
     Leg,
     LegKind,
+    OutputSetting,
     Place,
     Set,
     Setting,
@@ -67,6 +69,7 @@ class _Parts:
     count: int = 0
     places: list[Place | None] = field(default_factory=list)
     settings: list[Setting] = field(default_factory=list)
+    outputs: dict[str, OutputSetting] = field(default_factory=dict)
     given: dict[str, Any] = field(default_factory=dict)  # the kind's own clauses, by word
     exits: list[Exit] = field(default_factory=list)
     until_fix: Name | None = None
@@ -93,9 +96,10 @@ class Legs:
         self._check_clauses(parts, row, text.where)
         self._check_times(parts, row, text.where)
         settings = tuple(sorted(parts.settings, key=lambda s: FIELD_ORDER.index(s.word)))
+        outputs = tuple(parts.outputs[name] for name in sorted(parts.outputs))
         bounds = (parts.exits, parts.times, parts.otherwise)
         if not name and parts.kind is None and not any(bounds):
-            return Set("", settings, text.where)
+            return Set("", settings, text.where, outputs)
         return Leg(
             name,
             _kind(parts, row),
@@ -105,6 +109,7 @@ class Legs:
             parts.times.get("timeout"),
             parts.otherwise,
             text.where,
+            outputs,
         )
 
     # --- clauses ----------------------------------------------------------------------------
@@ -124,6 +129,8 @@ class Legs:
             case Else(word, target):
                 if self._once(parts, word):
                     parts.otherwise = target.text
+            case OutputText():
+                self._output(parts, clause)
 
     def _once(self, parts: _Parts, word: Name) -> bool:
         if word.text in parts.seen:
@@ -153,6 +160,15 @@ class Legs:
             parts.given[word.text] = value % math.tau if row.circular else value
         elif amount is not None:
             parts.times[word.text] = self._values.seconds(amount)
+
+    def _output(self, parts: _Parts, clause: OutputText) -> None:
+        name, amount = clause.name, clause.amount
+        if name.text in parts.outputs:
+            message = f"output {name.text} appears twice"
+            self._problems.add("twice", name.where, message, "keep one of them")
+            return
+        value = self._values.bare(amount, f"output {name.text}")
+        parts.outputs[name.text] = OutputSetting(name.text, value, name.where)
 
     def _chosen(self, parts: _Parts, word: Name, choice: Name) -> None:
         values = choices()[word.text].values

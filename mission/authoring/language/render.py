@@ -128,6 +128,8 @@ def node_pairs(node: Leg | Set, units: bool) -> Iterator[Pair]:
         yield from _kind_pairs(node, units)
     for setting in node.settings:
         yield setting_pair(setting, units)
+    for output in node.outputs:
+        yield "output", f"{output.name} {number_text(output.value)}"
     if isinstance(node, Leg):
         for exit_ in node.exits:
             yield "until", exit_text(exit_, units)

@@ -212,6 +212,13 @@ def _leg() -> Schema:
     for word in ("for", "timeout"):
         properties[word] = _quantity("s", CLAUSES[word])
     properties["else"] = _ref("target", CLAUSES["else"])
+    properties["output"] = {
+        "type": "object",
+        "description": CLAUSES["output"],
+        "minProperties": 1,
+        "patternProperties": {_NAME: _quantity("", "a bare number, in the vehicle file's unit")},
+        "additionalProperties": False,
+    }
     leg = _object(properties, "a leg: what it holds, and what ends it")
     needs = {name: [c.word for c in row.clauses if c.needed] for name, row in kinds().items()}
     needs = {name: words for name, words in needs.items() if words}

@@ -41,6 +41,7 @@ from mission.authoring.language.clauses import (
     Offset,
     On,
     Opening,
+    OutputText,
     Parameter,
     Places,
     PlaceText,
@@ -295,6 +296,9 @@ class _Clauses:
 
     def otherwise(self, word: Token, target: Token) -> Else:
         return Else(self._name(word), self._name(target))
+
+    def output(self, word: Token, name: Token, amount: Amount) -> OutputText:
+        return OutputText(self._name(word), self._name(name), amount)
 
     # guards
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from mission.authoring.language.clauses import (
     Amount,
@@ -48,14 +48,19 @@ _FAR = 20_000.0  # m: no mission of this vehicle goes farther from home
 
 
 class Values:
-    """Reads values for one file; ``vehicle`` is the name of the one it is for."""
+    """Reads values for one file; ``vehicle`` is the name of the one it is for. ``readings``: what
+    guards may ask for beside the variables; None: what that vehicle's shipped file names."""
 
     def __init__(
-        self, problems: Diagnostics, parameters: Mapping[str, Amount], vehicle: str
+        self,
+        problems: Diagnostics,
+        parameters: Mapping[str, Amount],
+        vehicle: str,
+        readings: Collection[str] | None = None,
     ) -> None:
         self.problems = problems
         self._parameters = parameters
-        self._name = vehicle
+        self._name, self._given = vehicle, readings
 
     @functools.cached_property
     def vehicle(self) -> Vehicle | VehicleError:
@@ -63,6 +68,14 @@ class Values:
             return load_vehicle(self._name)
         except VehicleError as error:
             return error
+
+    @property
+    def _readings(self) -> Collection[str]:
+        """What the vehicle file names beside the variables."""
+        if self._given is not None:
+            return self._given
+        vehicle = self.vehicle
+        return () if isinstance(vehicle, VehicleError) else vehicle.readings
 
     def number(
         self, amount: Amount, unit: str, low: float, high: float, above: bool = False
@@ -95,6 +108,16 @@ class Values:
         else:
             return int(value)
         return low
+
+    def bare(self, amount: Amount, what: str) -> float:
+        """A number whose unit is said elsewhere; NaN where it is none."""
+        given = self._parameters.get(amount.text, amount) if amount.is_name else amount
+        if given.unit:
+            message = f"{what} takes a bare number, not one in {given.unit}"
+            hint = f"write {given.text}; the vehicle file says the unit"
+            self.problems.add("unit", amount.where, message, hint)
+            return math.nan
+        return self.number(amount, "", -1e6, 1e6)
 
     def seconds(self, amount: Amount, zero: bool = False) -> float:
         return self.number(amount, "s", 0.0 if zero else _SHORTEST, 1e6)
@@ -180,17 +203,19 @@ class Values:
     def _comparison(self, text: ComparisonText) -> Comparison:
         row = VARIABLES.get(text.variable.text)
         bound, sure = 0.0, None
-        if row is None:
-            self._unknown_variable(text.variable)
-        else:
+        if row is not None:
             low, high = (0.0, 360.0) if row.circular else (-1e6, 1e7)
             bound = self.number(text.bound, row.unit, low, high)
+        elif text.variable.text in self._readings:
+            bound = self.bare(text.bound, text.variable.text)
+        else:
+            self._unknown_variable(text.variable)
         if text.sure is not None:
             sure = self._share(text.sure)
         return Comparison(text.variable.text, text.operator, bound, sure, text.where)
 
     def _unknown_variable(self, name: Name) -> None:
-        hint = suggestion(name.text, list(VARIABLES), "variables")
+        hint = suggestion(name.text, [*VARIABLES, *self._readings], "variables")
         self.problems.add("unknown-variable", name.where, f"unknown variable {name.text!r}", hint)
 
     def _share(self, amount: Amount) -> float:

@@ -190,6 +190,7 @@ CLAUSES: Mapping[str, str] = MappingProxyType(
         "for": "the leg ends after this time",
         "timeout": "the leg is given up after this time",
         "else": "where to go then, and when the vehicle cannot follow; unless said as `on timeout`",
+        "output": "an output of the vehicle file and its value there: `output lamp 80`",
     }
 )
 

@@ -26,6 +26,7 @@ from mission.authoring.language.clauses import (
     Offset,
     On,
     Opening,
+    OutputText,
     Parameter,
     Places,
     PlaceText,
@@ -208,12 +209,20 @@ class _Form:
             target = self._nodes.name(node)
             if target is not None:
                 yield Else(word, target)
+        elif word.text == "output":
+            yield from self._outputs(word, node)
         elif shape is Shape.TIME and isinstance(node, ScalarNode) and node.value in _YES:
             yield Value(word)
         else:
             amount = self._nodes.amount(node)
             if amount is not None:
                 yield Value(word, amount)
+
+    def _outputs(self, word: Name, node: Node) -> Iterator[Clause]:
+        for name, value in self._nodes.items(node, None, "output"):
+            amount = self._nodes.amount(value)
+            if amount is not None:
+                yield OutputText(word, name, amount)
 
     def _flag(self, word: Name, node: Node) -> bool:
         text = node.value.lower() if isinstance(node, ScalarNode) else None

@@ -59,7 +59,11 @@ def _body(body: tuple[Node, ...], indent: str) -> Iterator[str]:
 
 def _keys(node: Leg | Set) -> Iterator[str]:
     exits: list[str] = []
+    if outputs := [value.replace(" ", ": ") for value in _outputs(node)]:
+        yield f"output: {_table(outputs)}"
     for word, value in render.node_pairs(node, True):
+        if word == "output":
+            continue
         if word == "until":
             exits.append(value)
             continue
@@ -69,6 +73,10 @@ def _keys(node: Leg | Set) -> Iterator[str]:
         yield f"{word}: {_value(word, value)}"
     if exits:
         yield _until(exits)
+
+
+def _outputs(node: Leg | Set) -> Iterator[str]:
+    return (value for word, value in render.node_pairs(node, True) if word == "output")
 
 
 def _until(exits: list[str]) -> str:

@@ -17,6 +17,7 @@ from protocol.messages import (
     MissionLine,
     NodeSwitch,
     Relay,
+    SetOutput,
     SetSafety,
     SetTime,
     StartMission,
@@ -61,6 +62,10 @@ class CommandTarget(Protocol):
     @property
     def doubted_at(self) -> float:
         """When a report last contradicted a stop, -inf: never."""
+        ...
+
+    def output(self, name: str) -> float | None:
+        """What the vehicle was told it shall be, None where nothing was."""
         ...
 
     def decide(self, command: Command, now: float) -> Verdict: ...
@@ -113,6 +118,7 @@ _NAMES: dict[type, str] = {
     MissionLine: "AW",
     SetTime: "ST",
     SetSafety: "SP",
+    SetOutput: "AO",
     Relay: "relay",
     Manual: "manual",
 }

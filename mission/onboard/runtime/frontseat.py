@@ -31,8 +31,9 @@ from dataclasses import dataclass
 
 from mission.model import Action, Outcome, Result, Tx
 from mission.onboard.runtime.relays import Relays
+from mission.onboard.runtime.restated import Restated, TakeOutputs, no_outputs
 from protocol.codec import CannotEncode
-from protocol.messages import Ack, Order, Setpoint
+from protocol.messages import Ack, Order, Outputs, Setpoint
 from protocol.vehicles.auv import change
 
 ANSWER_S = 0.3
@@ -83,8 +84,10 @@ class Frontseat:
         encode: Callable[[Setpoint | Order], list[bytes]],
         link: str = "vehicle",
         bits_per_s: float = BITS_PER_S,
+        take_outputs: TakeOutputs = no_outputs,
     ) -> None:
         self._encode, self._link = encode, link
+        self._take_outputs, self._outputs = take_outputs, Restated()
         self._seconds_per_byte = BITS_PER_BYTE / bits_per_s
         self._urgent: deque[_Frame] = deque()
         self._relays = Relays()
@@ -100,10 +103,14 @@ class Frontseat:
     @property
     def idle(self) -> bool:
         """Nothing waits to be sent or answered."""
-        return not (self._urgent or self._relays or self._queue or self._outstanding)
+        waits = self._urgent or self._relays or self._queue or self._outputs
+        return not (waits or self._outstanding)
 
     def command(self, action: Action) -> Outcome | None:
         """Queue an action; an Outcome only if the vehicle has no word for it."""
+        if isinstance(action.command, Outputs):
+            self._outputs.add(self._take_outputs(action.command), action.reason)
+            return None
         try:
             data = self._encode(action.command)
         except CannotEncode as error:
@@ -187,6 +194,8 @@ class Frontseat:
             frame = self._queue.popleft()
             self._late_at = self._late_at if self._queue else None
             return [self._send(frame, 1, now)]
+        if (word := self._outputs.take(now)) is not None:
+            return [self._transmit(*word, now)]
         return [self._transmit(*self._relays.take(), now)] if self._relays else []
 
     def next_timer(self) -> float | None:
@@ -195,9 +204,11 @@ class Frontseat:
         if waiting is None:
             if self._urgent:
                 return self._free
-            if not (self._relays or self._queue):
+            if not (self._relays or self._queue or self._outputs):
                 return None
         due = [self._free] if self._relays else []
+        if (said := self._outputs.next_timer()) is not None:
+            due.append(max(self._free, said))
         if self._queue and self._late_at is not None:
             due.append(self._late_at)
         if waiting:

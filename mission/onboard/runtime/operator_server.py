@@ -51,6 +51,7 @@ from protocol.messages import (
     NodeSwitch,
     Order,
     Relay,
+    SetOutput,
     SetSafety,
     SetTime,
     StartMission,
@@ -272,6 +273,8 @@ class OperatorServer:
                 return self._is_idle and not (self._store.content.lines or self._uploads.total)
             case MissionLine():
                 return self._uploads.holds(command)
+            case SetOutput():
+                return self._target.output(command.name) == command.value
             case SetSafety():
                 return self._merged(command) == self._store.content.limits
             case NodeSwitch():

@@ -20,8 +20,9 @@ import math
 from collections.abc import Callable
 
 from mission.model import Action, Outcome, Result, Tx
+from mission.onboard.runtime.restated import Restated, TakeOutputs, no_outputs
 from protocol.codec import CannotEncode
-from protocol.messages import Ack, Order, Setpoint
+from protocol.messages import Ack, Order, Outputs, Setpoint
 
 BITS_PER_BYTE = 10  # 8N1
 BITS_PER_S = 115200
@@ -46,15 +47,19 @@ class Repeater:
         bits_per_s: float = BITS_PER_S,
         kept_awake: str = "",
         stick: Callable[[Setpoint, bytes], Setpoint] = _no_stick,
+        take_outputs: TakeOutputs = no_outputs,
     ) -> None:
         """``kept_awake``: why the board is told to stop before anything is asked of it, and goes on
-        being told; "": it is not. ``stick``: what an M asks for, upon what the stick held."""
+        being told; "": it is not. ``stick``: what an M asks for, upon what the stick held.
+        ``take_outputs``: what is in no frame of its own is in every later one of ``encode``."""
         self._encode, self._period, self._link = encode, period, link
         self._steer = stick
+        self._take_outputs, self._outputs = take_outputs, Restated()
         self._seconds_per_byte = BITS_PER_BYTE / bits_per_s
         self._frames: list[bytes] = []
         self._action: Action | None = None
         self._is_new = False
+        self._news = ""  # the reason of outputs that are to be said with what holds
         self._stick: Setpoint | None = None  # what it holds
         self._lets_go = math.inf  # when it counts as let go
         self._due = self._free = 0.0  # when it is said again; from when on the line may be used
@@ -62,11 +67,25 @@ class Repeater:
             self._action, self._frames = Action(Order.STOP, kept_awake), encode(Order.STOP)
 
     def command(self, action: Action) -> Outcome | None:
+        if isinstance(action.command, Outputs):
+            self._set_outputs(action.command, action.reason)
+            return None
         try:
             self._take(action, None)
         except CannotEncode as error:
             return Outcome(Result.REFUSED, str(error).encode(), action.command)
         return None
+
+    def _set_outputs(self, outputs: Outputs, reason: str) -> None:
+        """What holds is said at once with them; where nothing holds yet, neutral, by nobody."""
+        held = self._action or Action(Order.STOP, f"neutral, with {reason}")
+        assert not isinstance(held.command, Outputs)
+        before = self._frames or self._encode(held.command)
+        self._outputs.add(self._take_outputs(outputs), reason)
+        frames = self._encode(held.command)
+        if frames != before:
+            self._action, self._frames, self._due = held, frames, 0.0
+            self._news = "" if self._is_new else reason
 
     def cannot_relay(self, frame: bytes) -> str:
         """Why the board has nothing for it, "" if it has."""
@@ -91,25 +110,38 @@ class Repeater:
             self._take(_LET_GO, Setpoint())
         action = self._action
         if action is None or now < self._free or not (self._is_new or now >= self._due):
-            return [], []
+            return self._own_word(now), []
         outcomes = []
         if self._is_new and self._stick is None:
+            assert not isinstance(action.command, Outputs)
             outcomes = [Outcome(Result.ACCEPTED, d, action.command) for d in self._frames]
         if self._is_new and self._stick is not None and action is not _LET_GO:
             self._lets_go = now + STICK_S
         reason = action.reason if self._is_new else f"{action.reason} (held)"
+        reason, self._news = self._news or reason, ""
         self._is_new, self._due = False, now + self._period
         self._free = now + sum(map(len, self._frames)) * self._seconds_per_byte
         return [Tx(now, self._link, data, reason) for data in self._frames], outcomes
 
+    def _own_word(self, now: float) -> list[Tx]:
+        """Of an output, between what is repeated."""
+        word = self._outputs.take(now) if now >= self._free else None
+        if word is None:
+            return []
+        self._free = now + len(word[0]) * self._seconds_per_byte
+        return [Tx(now, self._link, *word)]
+
     def next_timer(self) -> float | None:
-        if self._action is None:
-            return None
-        due = self._free if self._is_new else max(self._due, self._free)
-        return min(due, self._lets_go)
+        said = self._outputs.next_timer()
+        first = math.inf if said is None else max(said, self._free)
+        if self._action is not None:
+            due = self._free if self._is_new else max(self._due, self._free)
+            first = min(first, due, self._lets_go)
+        return first if first < math.inf else None
 
     def _take(self, action: Action, stick: Setpoint | None) -> None:
         """Raises CannotEncode, and then what held goes on."""
+        assert not isinstance(action.command, Outputs)
         self._frames = self._encode(action.command)
-        self._action, self._is_new = action, True
+        self._action, self._is_new, self._news = action, True, ""
         self._stick, self._lets_go = stick, math.inf

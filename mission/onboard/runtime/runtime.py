@@ -104,7 +104,7 @@ class Runtime:
         self._gps = NmeaDecoder()
         links = configuration.links
         rate = line_rate(vehicle.codec, vehicle.wire)
-        self._frontseat = line_to(self._codec, VEHICLE, links.vehicle, rate)
+        self._frontseat = line_to(self._codec, VEHICLE, links.vehicle, rate, vehicle.outputs)
         self.gap, self.cannot_relay = self._frontseat.gap, self._frontseat.cannot_relay
         self._topside = OperatorServer(
             self,
@@ -114,6 +114,7 @@ class Runtime:
             configuration.answer_no,
         )
         self._engine = Engine(vehicle, forgotten_after=configuration.manual_for)
+        self.output = self._engine.output
         self._engine.limit_topside_silence(configuration.topside_silence)
         self._chart: Chart | None = None
         self._telemetry: Telemetry | None = None

@@ -1,0 +1,59 @@
+"""Words that set an output and that nothing acknowledges: each is said three times (R18).
+
+    lamp -> word, 2 s, word, 2 s, word        a newer word for the same thing takes its place
+
+Not among what a stop clears: an emergency says its safe outputs behind its own words. What does not
+live here: when the line is free for them (frontseat, repeater).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from protocol.messages import Outputs
+
+TIMES, AGAIN_S = 3, 2.0
+TakeOutputs = Callable[[Outputs], Mapping[str, bytes]]  # the frames of their own, by what they set
+
+
+def no_outputs(wanted: Outputs) -> Mapping[str, bytes]:
+    """Of a vehicle whose file names none."""
+    return {}
+
+
+@dataclass(slots=True)
+class _Word:
+    data: bytes
+    reason: str
+    due: float
+    said: int = 0
+
+
+class Restated:
+    def __init__(self) -> None:
+        self._words: dict[str, _Word] = {}  # by what they set
+
+    def __len__(self) -> int:
+        return len(self._words)
+
+    def add(self, frames: Mapping[str, bytes], reason: str) -> None:
+        """At once; ``frames`` by what they set."""
+        for sets, data in frames.items():
+            self._words.pop(sets, None)  # behind the others
+            self._words[sets] = _Word(data, reason, 0.0)
+
+    def take(self, now: float) -> tuple[bytes, str] | None:
+        """The next that is due, with its reason."""
+        sets = next((s for s, word in self._words.items() if word.due <= now), None)
+        if sets is None:
+            return None
+        word = self._words[sets]
+        again = f" ({word.said + 1} of {TIMES})" if word.said else ""
+        word.said, word.due = word.said + 1, now + AGAIN_S
+        if word.said == TIMES:
+            del self._words[sets]
+        return word.data, word.reason + again
+
+    def next_timer(self) -> float | None:
+        return min((word.due for word in self._words.values()), default=None)

@@ -1,0 +1,86 @@
+"""What a vehicle's frames carry beside the motion: outputs that can be set, readings that come in.
+
+    Channel   led_pct       set by legs and by @AO, under a name and bounds of the vehicle file
+    Source    metal_pct     read by guards, under a name of the vehicle file
+
+A row of VEHICLES has its channels and sources. What does not live here: names, bounds and safe
+states of one vehicle (mission.model.vehicle), who may set what and when (mission.engine.outputs).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from protocol.messages import Telemetry
+
+Levels = Mapping[str, float]  # by channel
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """A number in a frame, ``low``..``high`` in ``unit`` ("": a switch or a code).
+
+    ``rest``: what it is where nobody says anything. ``whole``: no fraction is possible;
+    ``choices``: nothing but these is, unless there are none.
+    ``needed``: what it would take away; no mission may set it. ``excludes``: axes of a setpoint
+    that it would fight against, and which therefore have it at rest.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    meaning: str
+    rest: float = 0.0
+    whole: bool = True
+    needed: str = ""
+    excludes: tuple[str, ...] = ()
+    choices: tuple[float, ...] = ()
+
+    def fault(self, value: float) -> str:
+        """Why the frame cannot carry it, "" if it can."""
+        if not self.low <= value <= self.high:
+            return f"{value:.9g} is outside {self.low:.9g} to {self.high:.9g}"
+        if self.whole and value != int(value):
+            return f"{value:.9g} is not a whole number"
+        if self.choices and value not in self.choices:
+            return f"{value:.9g} is none of {', '.join(f'{c:g}' for c in self.choices)}"
+        return ""
+
+
+def _of_board(name: str) -> Callable[[Telemetry], float | None]:
+    def read(report: Telemetry) -> float | None:
+        return next((value for channel, value in report.board if channel == name), None)
+
+    return read
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A number of a report, in ``unit``; ``read`` where it is not among ``Telemetry.board``."""
+
+    name: str
+    unit: str
+    meaning: str
+    read: Callable[[Telemetry], float | None]
+
+
+def of_board(name: str, unit: str, meaning: str) -> Source:
+    """A field of the report that stands in ``Telemetry.board`` under the same name."""
+    return Source(name, unit, meaning, _of_board(name))
+
+
+def at_rest(channels: tuple[Channel, ...]) -> Levels:
+    return {channel.name: channel.rest for channel in channels}
+
+
+def told(
+    values: Mapping[str, object], flags: tuple[str, ...], sources: tuple[Source, ...]
+) -> tuple[tuple[str, float], ...]:
+    """What a frame says of ``sources``; what is doubtful (``name:reason``) or missing is left
+    out."""
+    doubtful = {flag.partition(":")[0] for flag in flags}
+    names = (source.name for source in sources if source.name not in doubtful)
+    read = ((name, values.get(name)) for name in names)
+    return tuple((name, float(v)) for name, v in read if isinstance(v, int | float))
