@@ -86,6 +86,7 @@ def sd_reader(
             # fmt: on
             draft.batteries = (control * control_scale, power * power_scale)
             draft.position = draft.velocity = draft.leak = None
+            draft.board = ()
             draft.__class__ = telemetry_class
             if at != stop:
                 items.append(fault(base + stop, "bad_header", at - stop))
