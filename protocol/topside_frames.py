@@ -228,6 +228,8 @@ class OutputFrame(TextFrame):
 
     def format(self, values: Mapping[str, Any]) -> str:
         name, value = (required(values, key, self.name) for key in ("name", "value"))
+        if not self.NAME.fullmatch(str(name)):
+            raise CannotEncode(f"name: {name!r} is not a letter and at most 23 letters, digits, _")
         return f",{name},{format_decimal('value', value)},"
 
 

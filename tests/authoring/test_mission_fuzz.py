@@ -38,8 +38,18 @@ _events: list[str] = []
 _watching = [False]
 
 
+_VEHICLES = missions_folder() / "vehicles"
+
+
+def _reads_a_shipped_vehicle(event: str, arguments: tuple[object, ...]) -> bool:
+    """A guard's unknown name is looked up there: data, and never a path that the text gives."""
+    if event != "open" or arguments[1] not in ("r", None):
+        return False
+    return Path(str(arguments[0])).parent == _VEHICLES
+
+
 def _audit(event: str, arguments: tuple[object, ...]) -> None:
-    if _watching[0] and event in _WATCHED:
+    if _watching[0] and event in _WATCHED and not _reads_a_shipped_vehicle(event, arguments):
         _events.append(f"{event} {arguments[:1]!r}")
 
 

@@ -150,6 +150,9 @@ STORES = st.fixed_dictionaries(
 )
 BY_HAND = {
     "auv.AW": mission_lines(),
+    "auv.AO": st.fixed_dictionaries(
+        {"name": st.from_regex(r"[a-z][a-z0-9_]{0,11}", fullmatch=True), "value": DECIMAL}
+    ),
     "auv.ST": st.fixed_dictionaries({"time": CLOCK}),
     "auv.SP": st.fixed_dictionaries(
         {n: st.none() | DECIMAL for n in ("radius_m", "minutes", "depth_m", "low_voltage_v")}
