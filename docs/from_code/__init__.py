@@ -20,6 +20,7 @@ from sphinx.util.typing import ExtensionMetadata
 from from_code.commands import command_part
 from from_code.layers import layers_picture, rooms_table
 from from_code.tables import (
+    diagnostic_codes,
     link_schemes,
     record_kinds,
     simulation_settings,
@@ -34,6 +35,7 @@ PARTS: Mapping[str, Callable[[str], str]] = MappingProxyType(
         "layers": lambda _: layers_picture(),
         "rooms": lambda _: rooms_table(),
         "order": order_picture,
+        "diagnostic-codes": lambda _: diagnostic_codes(),
         "link-schemes": lambda _: link_schemes(),
         "record-kinds": lambda _: record_kinds(),
         "simulation-settings": lambda _: simulation_settings(),

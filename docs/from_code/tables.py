@@ -8,6 +8,7 @@ from from_code.commands import escaped
 from links import LINKS
 from links.simulated.faults import FAULTS
 from links.simulated.settings import SETTINGS
+from mission.model.codes import CODES
 from mission.model.units import number_text
 from mission.model.vehicle_ranges import RANGES, TOGETHER, Range
 from mission.onboard.blackbox import KINDS
@@ -28,6 +29,10 @@ def vehicle_ranges() -> str:
 def _bounds(row: Range) -> str:
     first = "more than " if row.above else ""
     return f"{first}{number_text(row.low)} to {number_text(row.high)}"
+
+
+def diagnostic_codes() -> str:
+    return _table(("code", "says"), [(f"`{code}`", escaped(says)) for code, says in CODES.items()])
 
 
 def vehicle_pairs() -> str:

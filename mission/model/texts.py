@@ -93,9 +93,9 @@ HOME = "home"
 class Axis(enum.Enum):
     """What a leg may set or keep. One axis has one holder at a time."""
 
-    HORIZONTAL = "surge and turn"
+    HORIZONTAL = "gear and turn (left, right)"
     HEADING = "heading"
-    VERTICAL = "depth, altitude or heave"
+    VERTICAL = "depth, altitude, up or down"
     ATTITUDE = "attitude"
 
 

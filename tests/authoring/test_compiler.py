@@ -172,7 +172,7 @@ def test_two_ways_in_with_different_values_name_the_axis_and_the_line():
     (problem,) = caught.value.diagnostics
     assert problem.code == "axis-conflict"
     assert problem.where == Where(7, 1)
-    assert "depth, altitude or heave" in problem.message
+    assert "depth, altitude, up or down" in problem.message
     assert "depth 5" in problem.message
     assert "depth 9" in problem.message
 

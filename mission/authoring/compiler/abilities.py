@@ -67,9 +67,12 @@ def _follows(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnos
             yield refused(
                 "vehicle-cannot-follow",
                 axis_where(leg, word),
-                f"{vehicle.name} cannot follow {axis}",
+                f"{vehicle.name} cannot follow {axis}{_WORDS.get(axis, '')}",
                 f"it follows {', '.join(sorted(vehicle.follows))}",
             )
+
+
+_WORDS = {"surge": " (gear, speed)", "turn": " (left, right)", "heave": " (up, down)"}
 
 
 def _reports(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnostic]:

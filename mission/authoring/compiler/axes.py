@@ -129,16 +129,17 @@ def statement_problems(node: Leg | Set) -> list[Diagnostic]:
     for setting in node.settings:
         if setting.word in seen:
             problems.append(
-                _clash(setting, f"{setting.word} is stated twice in this line", "state it once")
+                _clash(setting, f"{_word(setting)} is stated twice in this line", "state it once")
             )
         seen[setting.word] = setting
     vertical = [w for w in ("depth", "altitude", "heave") if w in seen]
+    said_words = [_word(seen[w]) for w in vertical]
     if len(vertical) > 1:
         problems.append(
             _clash(
                 seen[vertical[1]],
-                f"{vertical[0]} and {vertical[1]} exclude each other: one axis, one holder",
-                f"leave out one of {', '.join(vertical)}",
+                f"{said_words[0]} and {said_words[1]} exclude each other: one axis, one holder",
+                f"leave out one of {', '.join(said_words)}",
             )
         )
     if "heading" in seen and "turn" in seen and seen["turn"].value != 0.0:
@@ -146,7 +147,7 @@ def statement_problems(node: Leg | Set) -> list[Diagnostic]:
             _clash(
                 seen["turn"],
                 "turn and heading exclude each other",
-                "either hold a heading (heading, ZAH) or turn at a rate (turn, ZAL, ZAR)",
+                "either hold a heading (heading, ZAH) or turn at a rate (left, right, ZAL, ZAR)",
             )
         )
     if isinstance(node, Leg):
@@ -154,7 +155,9 @@ def statement_problems(node: Leg | Set) -> list[Diagnostic]:
         own = [s for s in node.settings if _AXIS_OF[s.word] in steers]
         name = LEGS[type(node.kind)].name
         problems += [
-            _clash(s, f"a {name} leg steers {_AXIS_OF[s.word].value} itself", f"leave out {s.word}")
+            _clash(
+                s, f"a {name} leg steers {_AXIS_OF[s.word].value} itself", f"leave out {_word(s)}"
+            )
             for s in own
         ]
     return problems
@@ -294,10 +297,26 @@ def _words(axis: Kept, value: Value) -> str:
     if axis is Axis.HEADING:
         return f"{math.degrees(float(value[0])) % 360.0:g} deg"
     if axis is Axis.VERTICAL:
-        return f"{value[0]} {float(value[1]):g}"
+        return said(str(value[0]), float(value[1]))
     if axis is Axis.HORIZONTAL:
-        return f"surge {float(value[0]) * GEARS:g} turn {float(value[1]) * GEARS:g} (gears)"
+        return f"{said('surge', float(value[0]))} {said('turn', float(value[1]))}"
     return f"pitch {math.degrees(float(value[0])):g} roll {math.degrees(float(value[1])):g}"
+
+
+def said(field: str, value: float) -> str:
+    """A setpoint's field in the words of the language."""
+    if field == "surge":
+        return f"gear {value * GEARS:g}"
+    low, high = _SIDES.get(field, (field, field))
+    amount = abs(value) * GEARS if field in _SIDES else value
+    return f"{low if value < 0.0 else high} {amount:g}"
+
+
+_SIDES = {"turn": ("left", "right"), "heave": ("up", "down")}
+
+
+def _word(setting: Setting) -> str:
+    return said(setting.word, setting.value).partition(" ")[0]
 
 
 def _setpoint(values: Mapping[Kept, Value]) -> Setpoint:

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 
 from lark import Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
+from mission.authoring.language import elsewhere
 from mission.authoring.language.words import (
     ASSUMPTIONS,
-    ELSEWHERE,
     LIMITS,
+    SETTINGS,
     choices,
     leg_words,
 )
@@ -194,11 +195,20 @@ def _by_shape(misfit: _Misfit) -> Complaint | None:
         return misfit.says("clock-time", "times are written with a unit", hint)
     if at.startswith("=>"):
         return Complaint("arrow", misfit.offset, 2, "an arrow is written ->", _TARGETS)
+    if part == "=" and misfit.before in SETTINGS and "OPERATOR" not in misfit.expected:
+        hint = f"write {misfit.before} and its value, with a blank between"
+        return misfit.says("equality", "'=' sets nothing", hint)
     if part in ("=", "==", "!=", "!"):
         hint = "measured values are never equal: write a range with >= and <="
         return misfit.says("equality", f"{part!r} is no comparison", hint)
     if part in ("&&", "||", "&", "|"):
         return misfit.says("operator", f"{part!r} is no operator", "write and, or, not")
+    if part in ",;":
+        hint = "leave it out: blanks part the words, and each statement has its line"
+        return misfit.says("separator", f"{part!r} parts nothing here", hint)
+    if part[0] in "[({" and ("_NORTH" in misfit.expected or part[0] != "("):
+        hint = "write a place without brackets: 30.28 120.15, north 10 east 20, or home"
+        return misfit.says("place", f"{part[0]!r} begins no list here", hint)
     if part[0] in "@$":
         message = f"{part!r}: @ and $ are the wire's, not the mission's"
         return misfit.says("frame", message, "leave them out")
@@ -212,6 +222,8 @@ def _by_number(misfit: _Misfit) -> Complaint | None:
     labelled = re.match(r"\s*:", misfit.text[misfit.offset + len(part) :])
     if not misfit.word or not behind or labelled or _is_word(part):
         return None
+    if part in elsewhere.LEG and not misfit.glued:
+        return _brought(misfit)
     # where a unit may stand, a long word is one unless it is nearly a word that fits
     likeness = 0.75 if "UNIT" in expected and len(part) > 5 else 0.6
     close_word, close_unit = nearest(part, misfit.keywords(), likeness), nearest(part, UNITS)
@@ -219,6 +231,7 @@ def _by_number(misfit: _Misfit) -> Complaint | None:
         return misfit.says("unknown-word", f"unknown word {part!r}", f"did you mean {close_word}?")
     if "UNIT" not in expected and not misfit.glued:
         return None
+    close_unit = elsewhere.UNIT.get(part.lower(), close_unit)
     hint = f"did you mean {close_unit}?" if close_unit else "units: " + ", ".join(UNITS)
     return misfit.says("unknown-unit", f"unknown unit {part!r}", hint)
 
@@ -229,6 +242,8 @@ def _by_place(misfit: _Misfit) -> Complaint | None:
     if part in ("and", "or") and re.search(r"\bheld\b", text[:offset]):
         hint = "put held behind the last comparison, before ->"
         return misfit.says("held-last", "held is for the whole guard", hint)
+    if re.match(r"(?:repeat|loop)\s+\d+\s*:", text):
+        return _rounds(misfit, text.partition(":")[0].split())
     if misfit.first and "_NORTH" not in expected:  # else it is a place, alone in a YAML value
         return _first_word(misfit)
     if re.match(r"\s*:", text[offset + len(part) :]):
@@ -252,6 +267,11 @@ def _by_word(misfit: _Misfit) -> Complaint | None:
         return misfit.says("label", f"{part!r} is no name", hint)
     if not misfit.word:
         return None
+    if "LIMIT" in expected and part in elsewhere.SAFETY:
+        hint = f"write {elsewhere.SAFETY[part]}"
+        return misfit.says("unknown-word", f"safety has no {part!r}", hint)
+    if part in elsewhere.LEG and "_NORTH" not in expected:
+        return _brought(misfit)
     close = nearest(part, misfit.keywords())
     if close and close != part:
         return misfit.says("unknown-word", f"unknown word {part!r}", f"did you mean {close}?")
@@ -263,8 +283,12 @@ def _by_word(misfit: _Misfit) -> Complaint | None:
         return misfit.says("number", message, hint)
     if _is_word(part):
         return misfit.says("syntax", f"{part!r} does not fit here", wanted)
-    hint = f"write {ELSEWHERE[part]}" if part in ELSEWHERE else wanted
-    return misfit.says("unknown-word", f"unknown word {part!r}", hint)
+    return misfit.says("unknown-word", f"unknown word {part!r}", wanted)
+
+
+def _brought(misfit: _Misfit) -> Complaint:
+    hint = f"write {elsewhere.LEG[misfit.part]}"
+    return misfit.says("unknown-word", f"unknown word {misfit.part!r}", hint)
 
 
 def _is_word(part: str) -> bool:
@@ -274,6 +298,12 @@ def _is_word(part: str) -> bool:
 def _first_word(misfit: _Misfit) -> Complaint:
     part, at_start = misfit.part, misfit.offset == 0
     label = misfit.text.split(":", 1)[0].strip() if ":" in misfit.text else ""
+    if at_start and part in ("repeat", "loop") and label:
+        return _rounds(misfit, label.split())
+    behind = misfit.text[len(part) :].split()
+    if at_start and not label and part not in elsewhere.CONTROL and behind and _of_leg(behind[0]):
+        hint = f"write {part}: {misfit.text[len(part) :].strip():.40}"
+        return misfit.says("colon", f"a colon is missing behind {part!r}", hint)
     if at_start and " " in label and not _is_word(part):
         hint = f"write {'_'.join(label.split())}:"
         return Complaint("label", 0, len(label), f"{label!r} is no name: no blanks", hint)
@@ -285,10 +315,24 @@ def _first_word(misfit: _Misfit) -> Complaint:
     if _is_word(part):
         hint = "a name with a colon stands before a leg only"
         return misfit.says("syntax", f"{part!r} does not fit here", hint)
+    if part in elsewhere.LEG:
+        return _brought(misfit)
     close = nearest(part, (*_STATEMENTS, *leg_words()) if at_start else leg_words())
     hint = f"did you mean {close}?" if close else "a line begins with a name, a word or ZA"
-    hint = f"write {ELSEWHERE[part]}" if part in ELSEWHERE else hint
     return misfit.says("unknown-word", f"unknown word {part!r}", hint)
+
+
+def _of_leg(word: str) -> bool:
+    return word in leg_words() or re.match(r"ZA[A-Z]", word) is not None
+
+
+def _rounds(misfit: _Misfit, words: list[str]) -> Complaint:
+    """``repeat 3:`` and ``loop 3 r:``."""
+    count = next((word for word in words[1:] if word.isdigit()), "3")
+    name = next((word for word in words[1:] if not word.isdigit()), "name")
+    said, length = " ".join(words), misfit.text.index(":") + 1
+    message = f"{said!r} opens no group: it needs the word repeat, a count and a name"
+    return Complaint("rounds", 0, length, message, f"write repeat {count} {name}:")
 
 
 def _no_operator(misfit: _Misfit, part: str) -> Complaint:
@@ -302,5 +346,6 @@ def _no_operator(misfit: _Misfit, part: str) -> Complaint:
     if _NUMBER_WORD.fullmatch(part):
         hint = f"write {before} >= {part}"
         return misfit.says("comparison", "a comparison needs < <= > or >=", hint)
-    message, hint = f"{before!r} is compared with nothing", f"write for instance {before} >= 1"
+    example = "battery < 11" if before == "battery" else f"{before} >= 1"
+    message, hint = f"{before!r} is compared with nothing", f"write for instance {example}"
     return Complaint("comparison", start, len(before), message, hint)

@@ -42,7 +42,9 @@ def _salvaged(strip: Strip) -> list[Statement]:
         return [Parameter(Name(parameter[1], where), Amount("1", "", where), where)]
     head = strip.text.partition(":")[0]
     words = head.split()
-    group = len(words) > 1 and words[0] in ("repeat", "group")
+    group = len(words) > 1 and words[0] in ("repeat", "group", "loop")
+    if group and words[-1].isdigit():  # repeat 3: and no name
+        return [Opening(Name("unnamed", strip.where(0, 1)), None, strip.where(0, 1))]
     match = _NAMED.match(strip.text, head.rindex(words[-1]) if group else 0)
     if match is None:
         return []

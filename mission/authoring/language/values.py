@@ -23,7 +23,7 @@ from mission.authoring.language.clauses import (
     PlaceText,
     Several,
 )
-from mission.engine.variables import VARIABLES
+from mission.engine.variables import VARIABLES, Variable
 from mission.model import (
     HOME,
     And,
@@ -204,8 +204,7 @@ class Values:
         row = VARIABLES.get(text.variable.text)
         bound, sure = 0.0, None
         if row is not None:
-            low, high = (0.0, 360.0) if row.circular else (-1e6, 1e7)
-            bound = self.number(text.bound, row.unit, low, high)
+            bound = self._bound(row, text.bound)
         elif text.variable.text in self._readings:
             bound = self.bare(text.bound, text.variable.text)
         else:
@@ -213,6 +212,15 @@ class Values:
         if text.sure is not None:
             sure = self._share(text.sure)
         return Comparison(text.variable.text, text.operator, bound, sure, text.where)
+
+    def _bound(self, row: Variable, amount: Amount) -> float:
+        if row.unit == "V" and amount.unit == "%":
+            hint = f"write the volts of your battery at that charge, for instance {row.name} < 11"
+            message = f"{row.name} is told in V, not as a share"
+            self.problems.add("unit", amount.where, message, hint)
+            return math.nan
+        low, high = (0.0, 360.0) if row.circular else (-1e6, 1e7)
+        return self.number(amount, row.unit, low, high)
 
     def _unknown_variable(self, name: Name) -> None:
         hint = suggestion(name.text, [*VARIABLES, *self._readings], "variables")

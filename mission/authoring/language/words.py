@@ -193,22 +193,3 @@ CLAUSES: Mapping[str, str] = MappingProxyType(
         "output": "an output of the vehicle file and its value there: `output lamp 80`",
     }
 )
-
-# Words that authors bring along from elsewhere, and what they are here.
-ELSEWHERE: Mapping[str, str] = MappingProxyType(
-    {
-        "ahead": "gear 4",
-        "attitude": "pitch 5 roll -3",
-        "back": "gear -4",
-        "course": "heading 90",
-        "dive": "depth 5",
-        "forward": "gear 4",
-        "if": "until depth > 5 -> name",
-        "loop": "repeat 3 name:",
-        "sleep": "wait 30s",
-        "thrust": "gear 4",
-        "turn": "left 4, right 4 or heading 90",
-        "when": "until depth > 5 -> name",
-        "while": "until depth > 5",
-    }
-)

@@ -6,11 +6,12 @@ legs.py), values inside a text such as ``until`` (syntax.py).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
+from mission.authoring.language import elsewhere
 from mission.authoring.language.clauses import (
     Amount,
     Chosen,
@@ -55,6 +56,8 @@ TOP_KEYS = ("mission", "vehicle", "home", "safety", "assume", "param", "start", 
 GROUP_KEYS = ("repeat", "legs", "on")
 HANDLER_KEYS = ("when", "held", "do")
 WITHOUT_FIX = "without fix"
+
+_NO_METRES = Amount("0", "", Where(0, 0, 0))  # stands in for what could not be read
 
 _YES = ("true", "yes", "on", "")
 
@@ -103,7 +106,7 @@ class _Form:
 
     def _head(self, keys: dict[str, Item], root: Node) -> Iterator[Statement]:
         name = self._nodes.name(keys["mission"][1]) if "mission" in keys else None
-        if "mission" not in keys:
+        if "mission" not in keys and not self._guessed:
             hint = "write mission: and its name in the first line"
             where = Where(root.start_mark.line + 1, root.start_mark.column + 1)
             self._problems.add("missing-word", where, "the mission has no name", hint)
@@ -146,6 +149,12 @@ class _Form:
                 yield leg
             return
         items = self._nodes.items(node, None, "a leg")
+        word = items[0][0].text.split()[0] if items and items[0][0].text.split() else ""
+        if word in elsewhere.CONTROL:
+            way = elsewhere.as_key(elsewhere.LEG.get(word, "repeat"))
+            message = f"{word!r} is no leg's name"
+            self._problems.add("control-word", items[0][0].where, message, f"write {way}")
+            return
         if len(items) != 1:
             hint = "write - name: {...}, one name to each item of legs"
             if items:
@@ -196,9 +205,12 @@ class _Form:
             if place is not None:
                 yield Places(word, (place,))
         elif shape is Shape.PLACES:
-            places = [self._place(item) for item in self._nodes.entries(node, word.text)]
+            places = [
+                self._place(item) or Offset(Amount(str(i), "", word.where), _NO_METRES)
+                for i, item in enumerate(self._nodes.entries(node, word.text))
+            ]
             if places:
-                yield Places(word, tuple(place for place in places if place is not None))
+                yield Places(word, tuple(places))
         elif word.text in choices():
             choice = self._nodes.text(node)
             if choice is not None:
@@ -273,6 +285,9 @@ class _Form:
     def _place(self, node: Node) -> PlaceText | None:
         if isinstance(node, ScalarNode):
             return self._syntax.place(strip_of(node))
+        if isinstance(node, SequenceNode):
+            self._list_of_coordinates(node)
+            return None
         keys = {k.text: v for k, v in self._nodes.items(node, None, "a place")}
         for one, other in (("latitude", "longitude"), ("north", "east")):
             if set(keys) == {one, other}:
@@ -281,6 +296,21 @@ class _Form:
                     return None
                 return (Offset if one == "north" else Coordinates)(first, second)
         if isinstance(node, MappingNode):
-            hint = "write home, {north: 10 m, east: 20 m} or {latitude: 30.28, longitude: 120.15}"
-            self._problems.add("place", where_of(node), "this is no place", hint)
+            given = {elsewhere.PLACE.get(key, key): value for key, value in keys.items()}
+            self._problems.add("place", where_of(node), "this is no place", _place_hint(given))
         return None
+
+    def _list_of_coordinates(self, node: SequenceNode) -> None:
+        """Which of them is the latitude nobody could see."""
+        named = dict(zip(("latitude", "longitude"), node.value, strict=False))
+        hint = _place_hint(named if len(node.value) == 2 else {})
+        self._problems.add("place", where_of(node), "a list is no place: name its numbers", hint)
+
+
+def _place_hint(given: Mapping[str, Node]) -> str:
+    """With the numbers that were given, where these would make a place."""
+    for pair in (("latitude", "longitude"), ("north", "east")):
+        values = [given[key].value for key in pair if isinstance(given.get(key), ScalarNode)]
+        if len(values) == len(given) == 2:
+            return f"write {{{pair[0]}: {values[0]:.20}, {pair[1]}: {values[1]:.20}}}"
+    return "write home, {north: 10 m, east: 20 m} or {latitude: 30.28, longitude: 120.15}"

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
+from mission.authoring.language import elsewhere
 from mission.authoring.language.clauses import Amount, Name
 from mission.authoring.language.syntax import Strip
 from mission.model import Where
@@ -20,6 +21,9 @@ from mission.model.yaml_tree import YamlFault, tree, where_of
 
 _AMOUNT = re.compile(r"(-?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/%]*)\Z")
 _WORD = re.compile(r"[A-Za-z_][\w-]*\Z")
+_NO_COLON_YET = re.compile(r"\s*(?:- +)?([A-Za-z_][\w-]*) +(\{.*)")
+_NO_COLON = re.compile(r"\s*(?:- +)?([A-Za-z_][\w-]*) +([^:#]+)\Z")
+_ELSEWHERE = {"a leg": elsewhere.LEG, "safety": elsewhere.SAFETY, "a mission": elsewhere.TOP}
 Item = tuple[Name, Node]
 
 
@@ -27,7 +31,12 @@ def composed(text: str, problems: Diagnostics) -> Node | None:
     try:
         root = tree(text)
     except YamlFault as fault:
-        problems.add(*fault.said("the mission"))
+        code, where, message, hint = fault.said("the mission")
+        missing = forgotten_colon(text, fault.line) if code == "yaml" else None
+        if missing is not None:
+            where, hint = missing
+            code, message = "colon", "a colon is missing here"
+        problems.add(code, where, message, hint)
         return None
     if root is None:
         problems.add(
@@ -119,13 +128,39 @@ class Nodes:
             message = f"{name.text} appears twice; the first is in line {first}"
             self._problems.add("twice", name.where, message, "keep one of them")
         elif known is not None and name.text not in known:
-            hint = suggestion(name.text, known, "keys")
-            if name.text[:2] == "ZA":
-                hint = "write it as an item of its own, - ZAF6, or as gear: 6"
-            message = f"{what} has no key {name.text!r}"
-            self._problems.add("unknown-word", name.where, message, hint)
+            self._problems.add(*_unknown(name, value, known, what))
         else:
             items[name.text] = (name, value)
+
+
+def _unknown(
+    name: Name, value: Node, known: Sequence[str], what: str
+) -> tuple[str, Where, str, str]:
+    """Code, place, message and hint for a key that is none."""
+    word, _, rest = name.text.partition(" ")
+    if rest and word in known and isinstance(value, ScalarNode) and not value.value:
+        hint = f"write {word}: {rest:.40}"
+        return "colon", name.where, f"a colon is missing behind {word!r}", hint
+    message = f"{what} has no key {name.text!r}"
+    hint = suggestion(name.text, known, "keys")
+    if name.text[:2] == "ZA":
+        hint = "write it as an item of its own, - ZAF6, or as gear: 6"
+    elif name.text in _ELSEWHERE.get(what, {}):
+        hint = f"write {elsewhere.as_key(_ELSEWHERE[what][name.text])}"
+    return "unknown-word", name.where, message, hint
+
+
+def forgotten_colon(text: str, line: int) -> tuple[Where, str] | None:
+    """Where YAML found a colon too many, one may be missing before: ``- dive {depth: 5 m}`` in this
+    line, or a line above that is no item and has none."""
+    lines = text.split("\n")
+    for number in (line, line - 1):
+        row = lines[number - 1] if 0 < number <= len(lines) else ""
+        match = _NO_COLON_YET.match(row) if number == line else _NO_COLON.match(row)
+        if match is not None:
+            where = Where(number, match.start(1) + 1, len(match[1]))
+            return where, f"write {match[1]}: {match[2]}"
+    return None
 
 
 def strip_of(node: Node) -> Strip:
