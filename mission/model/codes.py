@@ -65,6 +65,7 @@ CODES: Mapping[str, str] = MappingProxyType(
         "one-place": "follow needs several places",
         "one-speed": "this vehicle has one speed for thrust ahead and upward",
         "operator": "and, or, not are written as words",
+        "output": "an output that the vehicle file does not have, or a value that it does not take",
         "parameter-value": "a parameter from outside has no value that fits",
         "parenthesis": "a parenthesis is not closed",
         "place": "this is no place",
