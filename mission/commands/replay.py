@@ -15,24 +15,23 @@ from mission.commands.options import AS_JSON
 def replay(file: Path, as_json: bool) -> None:
     """Re-run the black box FILE and compare every step, estimate and sent byte.
 
-    Exit 0 if all is identical, 1 with the first divergence if not, 2 if FILE cannot be used.
-    A file that was cut is replayed to its last whole record, and what is left out is told; of a
-    recording in parts name any.
+    Exit 0 if all is there and identical, 1 with the first divergence, 2 if FILE cannot be used, 3
+    if what is there is the same but records are missing (cut or damaged): which part could be
+    compared is told. Of a recording in parts name any.
     """
     import json
 
     from mission.analysis.replay.replay import ReplayError, describe, summary
     from mission.analysis.replay.replay import replay as again
-    from mission.onboard.blackbox import BlackBoxError, read_parts, unread
+    from mission.onboard.blackbox import BlackBoxError, recording
 
     try:
-        result = again(list(read_parts(file)))
-        left_out = unread(file)
+        result = again(list(recording(file)))
     except (BlackBoxError, ReplayError) as error:
         click.echo(f"{file}: {error}" if isinstance(error, ReplayError) else str(error), err=True)
         raise SystemExit(2) from None
-    for part in left_out:
-        click.echo(str(part), err=True)
+    for gap in result.gaps:
+        click.echo(str(gap), err=True)
     if as_json:
         found = result.divergence
         first = found and {
@@ -49,9 +48,19 @@ def replay(file: Path, as_json: bool) -> None:
             "until_s": result.until,
             "version": result.version,
             "divergence": first,
-            "left_out": [str(part) for part in left_out],
+            "missing": [
+                {
+                    "after_s": gap.after,
+                    "before_s": gap.before,
+                    "records": gap.records,
+                    "bytes": gap.lost,
+                }
+                for gap in result.gaps
+                if not gap.whole
+            ],
+            "not_compared": result.beyond,
         }
         click.echo(json.dumps(data))
     else:
         click.echo(summary(result))
-    raise SystemExit(0 if result.identical else 1)
+    raise SystemExit(0 if result.identical else 3 if result.same else 1)

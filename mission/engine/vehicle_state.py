@@ -46,6 +46,9 @@ _UNSEEN = 3.0  # m: a dive that goes on for the 6 s until an unknown depth acts 
 
 
 class Frame(Protocol):
+    @property
+    def origin(self) -> Position: ...
+
     def to_local(self, latitude: float, longitude: float) -> tuple[float, float]: ...
 
 

@@ -14,7 +14,7 @@ from mission.authoring.prepare import prepare
 from mission.commands.replay import replay as command
 from mission.model import Record
 from mission.model.shipped import missions_folder
-from mission.onboard.blackbox import BlackBox, read_records
+from mission.onboard.blackbox import BlackBox, read_records, recording
 from mission.onboard.runtime.records import ESTIMATE, RX, STEP, TIMER, TX, ListRecorder
 from mission.verification.simulation.flight import fly
 
@@ -75,14 +75,54 @@ def changed(recorded: list[Record], kind: str, at: int = 20) -> tuple[int, list[
     return number, [*recorded[:number], new, *recorded[number + 1 :]]
 
 
-def test_what_a_damaged_file_leaves_out_is_told(recorded: list[Record], tmp_path: Path) -> None:
+def test_what_is_missing_is_told_and_never_called_identical(
+    recorded: list[Record], tmp_path: Path
+) -> None:
     path = saved(tmp_path / "b.mcap", recorded)
     whole = path.read_bytes()
     assert CliRunner().invoke(command, [str(path)]).stderr == ""
     path.write_bytes(whole[: len(whole) // 2])
     ran = CliRunner().invoke(command, ["--json", str(path)])
-    assert "is cut or damaged behind byte" in ran.stderr
-    assert json.loads(ran.stdout)["left_out"] == [ran.stderr.strip()]
+    assert ran.exit_code == 3
+    assert "is cut behind" in ran.stderr
+    told = json.loads(ran.stdout)
+    assert not told["identical"]
+    assert len(told["missing"]) == 1
+    ran = CliRunner().invoke(command, [str(path)])
+    assert "identical" not in ran.stdout
+    assert ran.stdout.startswith("the same as far as it can be compared: ")
+
+
+def garbled(path: Path, kind: str, at: int) -> None:
+    """The ``at``-th record of that kind with another byte within."""
+    payload = [r.payload for r in read_records(path) if r.kind == kind][at]
+    whole = path.read_bytes()
+    place = whole.index(payload) + 3
+    path.write_bytes(whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :])
+
+
+def test_behind_a_missing_output_all_else_is_compared(
+    recorded: list[Record], tmp_path: Path
+) -> None:
+    path = saved(tmp_path / "b.mcap", recorded)
+    garbled(path, ESTIMATE, 20)
+    garbled(path, TX, 4)
+    found = replay(list(recording(path)))
+    assert (found.same, found.identical) == (True, False)
+    assert (found.records, found.beyond) == (len(recorded) - 2, 0)
+    assert [gap.records for gap in found.gaps] == [1, 1]
+
+
+def test_behind_a_missing_input_nothing_is_compared_and_that_is_told(
+    recorded: list[Record], tmp_path: Path
+) -> None:
+    path = saved(tmp_path / "b.mcap", recorded)
+    garbled(path, RX, 60)
+    found = replay(list(recording(path)))
+    assert (found.same, found.identical) == (True, False)
+    assert found.records + found.beyond == len(recorded) - 1
+    assert found.beyond > 100
+    assert f"behind {found.until:.3f} s nothing could be compared" in summary(found)
 
 
 @pytest.mark.parametrize("kind", [TX, STEP, ESTIMATE])

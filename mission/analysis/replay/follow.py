@@ -35,9 +35,9 @@ class _Box:
             further = part_path(self.path, self._part + 1)
             if not further.exists():
                 return
-            self._part += 1
-            self.close()
-            self._tail = Tail(further)
+            self._part, before = self._part + 1, self._tail
+            self._tail = Tail(further, before.expected)
+            before.close()
 
     def close(self) -> None:
         self._tail.close()

@@ -4,7 +4,11 @@
 
 Everything is compared, to the last bit: kinds, times, payloads, and their order. The file may end
 anywhere (a power cut): what the runtime would have recorded beyond its end is not missed. Only the
-program's version in the start record may differ; it is told.
+program's version in the start record may differ; it is told. Of the first form, what was not on
+record then is left out.
+
+Where records are missing, the comparison goes on behind them if they can only have been outputs
+that the inputs before them made; else it ends there, and says so.
 
     ReplayError        (the operator must act: nothing to begin with, or from another version)
 
@@ -14,13 +18,17 @@ What does not live here: files (blackbox), how a runtime is made again (rerun).
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from mission import __version__
 from mission.analysis.replay.rerun import drive_from, failed_writes, feed
 from mission.model import Record
+from mission.onboard.blackbox import Gap
 from mission.onboard.runtime import records as rec
+from mission.onboard.runtime.runtime import Runtime
+from mission.onboard.stream.events import frame_text
 
 
 class ReplayError(ValueError):
@@ -49,46 +57,97 @@ class Replayed:
     until: float  # s, the engine's time of the last one
     version: str  # that recorded it
     divergence: Divergence | None
+    gaps: tuple[Gap, ...] = ()  # all of the recording; behind ``until`` nothing was compared
+    beyond: int = 0  # whole records behind the gap that ended the comparison
 
     @property
     def identical(self) -> bool:
+        """All that was recorded is there, was compared, and is the same."""
+        return self.same and all(gap.whole for gap in self.gaps)
+
+    @property
+    def same(self) -> bool:
+        """As far as it could be compared."""
         return self.divergence is None
 
 
-def replay(recording: Sequence[Record]) -> Replayed:
+def replay(recording: Sequence[Record | Gap]) -> Replayed:
     """Raises ReplayError."""
+    records = [item for item in recording if isinstance(item, Record)]
     start = _start(recording)
     again = rec.ListRecorder()
     try:
-        runtime = drive_from(start, failed_writes(recording), again)
+        runtime = drive_from(start, failed_writes(records), again)
     except ValueError as error:
         raise ReplayError(f"recorded by version {start.version}: {error}") from error
-    produced, place, inputs = again.records, 0, 0
-    cause = recording[0]
-    until = 0.0
-    for number, record in enumerate(recording):
+    return _Comparison(start, runtime, again, records[0]).run(recording)
+
+
+class _Comparison:
+    """What the runtime records again, beside what was recorded."""
+
+    def __init__(
+        self, start: rec.Start, runtime: Runtime, again: rec.ListRecorder, first: Record
+    ) -> None:
+        self._version, self._runtime, self._again = start.version, runtime, again
+        self._left_out = rec.SINCE_FORM_2 if start.form < rec.FORM else frozenset[str]()
+        self._produced: deque[Record] = deque()
+        self._cause, self._inputs, self._until, self._number = first, 0, 0.0, 0
+
+    def run(self, recording: Sequence[Record | Gap]) -> Replayed:
+        gaps = tuple(item for item in recording if isinstance(item, Gap))
+        for place, item in enumerate(recording):
+            if isinstance(item, Gap):
+                if not self._passes(item):
+                    rest = sum(isinstance(one, Record) for one in recording[place:])
+                    return self._result(gaps, beyond=rest)
+            elif (divergence := self._compare(item)) is not None:
+                return self._result(gaps, divergence)
+        return self._result(gaps)
+
+    def _result(
+        self, gaps: tuple[Gap, ...], divergence: Divergence | None = None, beyond: int = 0
+    ) -> Replayed:
+        return Replayed(
+            self._number, self._inputs, self._until, self._version, divergence, gaps, beyond
+        )
+
+    def _compare(self, record: Record) -> Divergence | None:
+        self._take()
         if record.kind in rec.INPUTS and record.kind != rec.STORE:
-            if place < len(produced):  # what came before this input has more than was recorded
-                found = Divergence(number, cause, record, produced[place])
-                return Replayed(number, inputs, until, start.version, found)
-            cause, inputs = record, inputs + 1
-            feed(runtime, record)
-        actual = produced[place] if place < len(produced) else None
+            if self._produced:  # what came before this input has more than was recorded
+                return Divergence(self._number, self._cause, record, self._produced[0])
+            self._cause, self._inputs = record, self._inputs + 1
+            feed(self._runtime, record)
+            self._take()
+        actual = self._produced[0] if self._produced else None
         if actual is None or not _same(record, actual):
-            found = Divergence(number, cause, record, actual)
-            return Replayed(number, inputs, until, start.version, found)
-        place, until = place + 1, record.t
-        if place == len(produced):
-            produced.clear()
-            place = 0
-    return Replayed(len(recording), inputs, until, start.version, None)
+            return Divergence(self._number, self._cause, record, actual)
+        self._produced.popleft()
+        self._number, self._until = self._number + 1, record.t
+        return None
+
+    def _take(self) -> None:
+        made = self._again.records
+        self._produced.extend(one for one in made if one.kind not in self._left_out)
+        made.clear()
+
+    def _passes(self, gap: Gap) -> bool:
+        """The comparison can go on behind it: what is missing are outputs that wait here."""
+        self._take()
+        if gap.records is None or gap.records > len(self._produced):
+            return gap.cut
+        for _ in range(gap.records):
+            self._produced.popleft()
+        return True
 
 
-def _start(recording: Sequence[Record]) -> rec.Start:
-    if not recording or recording[0].kind != rec.START:
+def _start(recording: Sequence[Record | Gap]) -> rec.Start:
+    first = recording[0] if recording else None
+    if not isinstance(first, Record) or first.kind != rec.START:
         raise ReplayError("there is no whole start record: nothing can be replayed from it")
     try:
-        return rec.read_start(recording[0])
+        return rec.read_start(first)
     except (ValueError, KeyError, TypeError) as error:
         raise ReplayError(
             f"the start record is not one of version {__version__}: {error}; "
@@ -112,8 +171,11 @@ def _same(recorded: Record, now: Record) -> bool:
 def summary(result: Replayed) -> str:
     other = f", recorded by version {result.version}" if result.version != __version__ else ""
     extent = f"{result.records} records, {result.inputs} inputs, {result.until:.3f} s{other}"
-    if result.divergence is None:
+    if result.identical:
         return f"identical: {extent}"
+    if result.divergence is None:
+        head = f"the same as far as it can be compared: {extent}"
+        return "\n".join([head, *_not_compared(result)])
     found = result.divergence
     lines = [
         f"different at {found.t:.6f} s, record {found.number} ({extent} before it the same)",
@@ -124,6 +186,17 @@ def summary(result: Replayed) -> str:
     return "\n".join([*lines, *_fields(found)])
 
 
+def _not_compared(result: Replayed) -> Iterator[str]:
+    for gap in result.gaps:
+        if not gap.whole:
+            yield f"  missing   {gap}"
+    if result.beyond:
+        yield (
+            f"  behind {result.until:.3f} s nothing could be compared: inputs are missing; "
+            f"{result.beyond} records are there and can be read"
+        )
+
+
 def describe(record: Record | None) -> str:
     """One record in one line: the bytes of what came and left, the JSON of what was decided."""
     if record is None:
@@ -131,19 +204,13 @@ def describe(record: Record | None) -> str:
     head = f"{record.kind} at {record.t:.6f} s:"
     if record.kind == rec.RX:
         rx = rec.read_rx(record)
-        return f"{head} {rx.link} {_bytes(rx.data)}"
+        return f"{head} {rx.link} {frame_text(rx.data)}"
     if record.kind == rec.TX:
         tx = rec.read_tx(record)
-        return f"{head} {tx.link} {_bytes(tx.data)} ({tx.reason})"
+        return f"{head} {tx.link} {frame_text(tx.data)} ({tx.reason})"
     if record.kind in rec.INPUTS:
         return " ".join([head, *rec.read_texts(record)])
     return f"{head} {record.payload.decode(errors='replace')[:400]}"
-
-
-def _bytes(data: bytes) -> str:
-    if all(0x20 <= byte < 0x7F for byte in data):
-        return data.decode("ascii")
-    return data.hex(" ")
 
 
 def _fields(found: Divergence) -> list[str]:

@@ -51,6 +51,7 @@ from mission.onboard.runtime.mission_validator import MissionValidator
 from mission.onboard.runtime.operator_channels import operator_channels
 from mission.onboard.runtime.operator_server import OperatorServer
 from mission.onboard.runtime.resume_marker import ResumeMarker
+from mission.onboard.runtime.standing import StandingChanges
 from mission.onboard.runtime.wallclock import WallClock
 from mission.onboard.store import Store, StoreError, WatchedStore
 from protocol.codec import Received
@@ -96,12 +97,12 @@ class Runtime:
         self.judge = MissionValidator(vehicle, configuration.ascent_only)
         self._recorder, self._observer = recorder, observer or rec.Nobody()
         self.notice = self._observer.notice
-        start = rec.Start(__version__, configuration, vehicle, store.content, wall)
+        start = rec.Start(__version__, configuration, vehicle, store.content, wall, rec.FORM)
         self._record(rec.start_record, start, 0.0)
         self._clock = WallClock(wall, configuration.utc_offset)
         self._codec = vehicle_codec(*vehicle.speaks)
         self.meaning_of_no = self._codec.meaning_of_no
-        self._gps = NmeaDecoder()
+        self._gps, self._now = NmeaDecoder(), 0.0
         links = configuration.links
         rate = line_rate(vehicle.codec, vehicle.wire)
         self._frontseat = line_to(self._codec, VEHICLE, links.vehicle, rate, vehicle.outputs)
@@ -119,10 +120,8 @@ class Runtime:
         self._chart: Chart | None = None
         self._telemetry: Telemetry | None = None
         self._fix: Fix | None = None
-        self._now = 0.0
-        self._marker = ResumeMarker(self._store)
-        self._owes_report = False
-        self._has_news = False  # a report, a fix or a step since the last look at the surface
+        self._marker, self._standing = ResumeMarker(self._store), StandingChanges(recorder)
+        self._owes_report = self._has_news = False  # news since the last look at the surface
         self._refused: list[Outcome] = []  # commands for which the vehicle has no word
         self._out: list[Tx] = []
         self._begin()
@@ -300,6 +299,7 @@ class Runtime:
             out, self._out = self._out + out, []
         for peer, fault in self._topside.faults():
             self._record(rec.fault_record, now, peer.link, fault)
+        self._standing.follow(now, self._engine, self.commander.peer, self.digest)
         for tx in out:
             self._record(rec.tx_record, tx)
         return out
@@ -384,9 +384,8 @@ class Runtime:
 
     def _load(self, chart: Chart | None, now: float) -> None:
         self._chart, self.unjudged = chart, ()
+        self._record(rec.mission_record, now, self.digest, self._store.content.lines)
         self._step(now, (Loaded(chart),))
-
-    # --- record -----------------------------------------------------------------------------------
 
     def _failed_write(self, number: int, why: str) -> None:
         self._record(rec.input_record, self._now, rec.STORE, str(number), why)

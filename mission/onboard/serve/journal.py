@@ -12,6 +12,7 @@ which has everything.
 
 from __future__ import annotations
 
+import json
 import os
 from collections import Counter
 from collections.abc import Callable, Iterable
@@ -166,7 +167,7 @@ class Tally:
 
     def record(self, record: Record) -> None:
         if record.kind == FAULT_RECORD:
-            self.faults[record.payload.partition(b"\0")[0].decode()] += 1
+            self.faults[json.loads(record.payload)["link"]] += 1
         if self._recorder is not None:
             self._recorder.record(record)
 

@@ -1,0 +1,143 @@
+"""What writes a black box, record by record.
+
+A file that has grown to its limit is closed and goes on in the next part. A disk that fails must
+not stop the vehicle: nothing here raises after opening, nor where a shell opens it. What cannot be
+written waits, the first ``WAITING`` bytes of it; what is lost is counted, and its numbers are
+missing in the file.
+
+What does not live here: the bytes (form), what becomes of a part that is closed (closed).
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+
+from mission.model import Record
+from mission.onboard.blackbox.form import LIMIT, NS, BlackBoxError, foot, head, pack
+from mission.onboard.blackbox.parts import part_path
+from mission.onboard.runtime.records import START
+
+WAITING = 16 << 20  # bytes kept while the disk does not take them
+_BATCH = 1 << 16
+
+
+class BlackBox:
+    """A Recorder. ``wall``: s since 1970 UTC at the engine's time 0 (0: none, as in simulation).
+
+    ``shell`` False: ``record`` writes by itself, in batches, never synced. True: ``record`` only
+    keeps; the shell calls ``take`` in the same thread and gives what it got to ``store`` in
+    another, one at a time; a file that cannot be made is tried again with each ``store``.
+    Raises BlackBoxError if the file cannot be made and there is no shell.
+    """
+
+    def __init__(
+        self, path: Path, wall: float = 0.0, limit: int = LIMIT, shell: bool = False
+    ) -> None:
+        self.path, self.failure, self.lost = path, "", 0
+        self._base, self._part, self._limit = path, 1, limit
+        self._wall, self._shell = round(wall * NS), shell
+        self._pending, self._start, self._number = bytearray(), b"", 0
+        self._unwritten = bytearray()
+        self.fd, self._size, self._closed = -1, 0, False
+        try:
+            self._open()
+        except BlackBoxError as error:
+            if not shell:
+                raise
+            self.failure = str(error)
+
+    def record(self, record: Record) -> None:
+        number, self._number = self._number, self._number + 1
+        message = pack(record.kind, record.payload, number, self._wall, round(record.t * NS))
+        if record.kind == START:
+            self._start = message
+        if self._shell and len(self._pending) > WAITING:
+            self.lost += 1
+            return
+        self._pending += message
+        if not self._shell and len(self._pending) > _BATCH:
+            self.store(self.take())
+
+    def take(self) -> bytes:
+        """What was recorded since the last call: whole records."""
+        data, self._pending = bytes(self._pending), bytearray()
+        return data
+
+    def store(self, data: bytes, sync: bool = False) -> None:
+        """Never raises: ``failure`` says what the disk said last, "" if all is well."""
+        if len(self._unwritten) > WAITING:
+            self.lost += 1
+            data = b""
+        try:
+            self._write(data)
+            if sync:
+                os.fdatasync(self.fd)
+            self.failure = ""
+        except BlackBoxError as error:
+            self.failure = str(error)
+        except OSError as error:
+            self.failure = f"{self.path}: {error.strerror or error}"
+
+    def close(self) -> None:
+        """Twice is harmless."""
+        if self._closed:
+            return
+        self.store(self.take())
+        self._closed = True
+        fd, self.fd = self.fd, -1
+        if fd >= 0:
+            self._finish(fd)
+
+    def _open(self) -> None:
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self.fd, self._size = _begin(self.path)
+        except OSError as error:
+            why = error.strerror or error
+            raise BlackBoxError(f"the black box {self.path} cannot be made: {why}") from error
+
+    def _write(self, data: bytes) -> None:
+        """What the disk did not take stands first in the next write: no record is split."""
+        filled = self._size > 2 * len(head()) and self._size + len(data) > self._limit
+        if not self._unwritten and filled:
+            self._unwritten = bytearray(data)
+            self._next_part()
+        else:
+            self._unwritten += data
+        if self.fd < 0:
+            self._open()
+        while self._unwritten:
+            written = os.write(self.fd, self._unwritten)
+            self._size += written
+            del self._unwritten[:written]
+
+    def _next_part(self) -> None:
+        path = part_path(self._base, self._part + 1)
+        fd, self._size = _begin(path)
+        old, self.fd, self.path, self._part = self.fd, fd, path, self._part + 1
+        self._unwritten[:0] = self._start
+        self._finish(old)
+
+    def _finish(self, fd: int) -> None:
+        try:
+            os.write(fd, foot())
+            os.fsync(fd)
+        except OSError as error:
+            self.failure = f"{self.path}: {error.strerror or error}"
+        finally:
+            os.close(fd)
+
+
+def _begin(path: Path) -> tuple[int, int]:
+    """A new file with its head: descriptor and size."""
+    fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o644)
+    try:
+        if (written := os.write(fd, head())) < len(head()):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    except OSError:
+        os.close(fd)
+        path.unlink()  # whoever tries again finds the name free
+        raise
+    return fd, written

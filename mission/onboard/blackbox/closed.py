@@ -1,0 +1,222 @@
+"""A part that is closed: the same records in compressed chunks, and what follows from them beside.
+
+    part --read--> records --derive--> chunks of 10 s --new file, read again--> takes its place
+
+Every topic has its schema, so that any tool reads it. The old file stays until the new one is on
+the disk, whole, and says the same: whenever this is cut, one of the two is there. A part with
+damage in it stays as it is, for whoever may read more out of it.
+
+What does not live here: when it is done (serve), what is derived (stream).
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import BinaryIO
+
+from mcap.opcode import Opcode
+from mcap.writer import CompressionType, IndexType, Writer
+
+from mission import __version__
+from mission.authoring.language import MissionErrors, parse_script, to_yaml
+from mission.model import Record
+from mission.model.plain import to_plain
+from mission.onboard.blackbox.form import HEAD, MAGIC, NS, PROFILE, schema_text
+from mission.onboard.blackbox.parts import part_number, parts_of
+from mission.onboard.blackbox.reading import content, read_records
+from mission.onboard.blackbox.scan import Found, Scan, is_first_form
+from mission.onboard.runtime import records as rec
+from mission.onboard.stream.derived import Derivation
+from mission.onboard.stream.topics import DERIVED, RAW
+
+CHUNK_S = 10.0  # the unit of loss
+_CHUNK_BYTES = 1 << 18  # of a vehicle that says much
+_INDEX = IndexType.ALL & ~IndexType.MESSAGE  # the chunks' index is enough to find a time
+_NOTHING: Mapping[str, str] = {}
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    path: Path
+    found: tuple[Found, ...]
+    lost: int  # bytes at its end that are no record: a power cut
+
+    @property
+    def start(self) -> Record | None:
+        first = self.found[0].record if self.found else None
+        return first if first is not None and first.kind == rec.START else None
+
+
+def close_part(path: Path, notes: Mapping[str, str] = _NOTHING) -> bool:
+    """Nobody writes to it any more. ``notes`` go to its metadata: of a simulation the seed and the
+    sea. False where it stays as it is: it is damaged, of the first form, or was done before.
+    Raises OSError for a disk that does not take it."""
+    part = _part(path)
+    if part is None or part.start is None:
+        return False
+    new = path.with_name(f".{path.name}.new")
+    try:
+        with new.open("wb") as file:
+            _write(file, part, notes)
+            file.flush()
+            os.fsync(file.fileno())
+        if _says(new) != _says(path):
+            return False
+        new.replace(path)
+        _sync_folder(path.parent)
+    finally:
+        new.unlink(missing_ok=True)
+    return True
+
+
+def close_recording(path: Path, notes: Mapping[str, str] = _NOTHING) -> None:
+    """All its parts."""
+    for part in parts_of(path):
+        close_part(part, notes)
+
+
+def close_folder(folder: Path, but: Path | None) -> int:
+    """Every part in it but the one that is being written; how many were done. One that cannot be
+    read or written stays as it is."""
+    done = 0
+    for path in sorted(folder.glob("*.mcap")):
+        if path != but:
+            try:
+                done += close_part(path)
+            except OSError:
+                continue
+    return done
+
+
+def is_closed(data: bytes) -> bool:
+    """By its beginning: its metadata stand behind the header."""
+    length = HEAD.unpack_from(data, len(MAGIC))[1] if len(data) > len(MAGIC) + HEAD.size else 0
+    behind = len(MAGIC) + HEAD.size + int(length)
+    return data[behind : behind + 1] == bytes([Opcode.METADATA])
+
+
+def _part(path: Path) -> _Part | None:
+    """None for what stays as it is."""
+    data = content(path)
+    if is_closed(data) or is_first_form(data):
+        return None
+    scan = Scan(False, 0 if part_number(path) == 1 else None)
+    scan.at = len(MAGIC)
+    read = list(scan.read(data))
+    found = tuple(one for one in read if isinstance(one, Found))
+    damaged = any(one.skipped for one in read) or any(one.missed != 0 for one in found)
+    return None if damaged else _Part(path, found, scan.rest)
+
+
+def _says(path: Path) -> list[tuple[int, str, bytes]]:
+    return [(round(r.t * NS), r.kind, r.payload) for r in read_records(path)]
+
+
+def _sync_folder(folder: Path) -> None:
+    fd = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(fd)
+    finally:
+        os.close(fd)
+
+
+# --- what it is made of --------------------------------------------------------------------------
+
+
+def _write(file: BinaryIO, part: _Part, notes: Mapping[str, str]) -> None:
+    assert part.start is not None
+    derivation = Derivation(part.start)
+    _recall(derivation, part.path)
+    writer = Writer(
+        file,
+        chunk_size=_CHUNK_BYTES,
+        compression=CompressionType.ZSTD,
+        index_types=_INDEX,
+        enable_data_crcs=True,
+    )
+    writer.start(PROFILE, f"auvmission {__version__}")
+    writer.add_metadata("auvmission", _metadata(derivation.start, part, notes))
+    channels = {}
+    for topic in (*RAW, *DERIVED):
+        schema = writer.register_schema(topic.schema_name, "jsonschema", schema_text(topic))
+        metadata = dict(topic.metadata)
+        channels[topic.name] = writer.register_channel(topic.name, "json", schema, metadata)
+    _messages(writer, channels, part.found, derivation)
+    for name, kind, data in _attachments(derivation.start, part.found):
+        stamp = round(derivation.start.wall * NS)
+        writer.add_attachment(stamp, stamp, name, kind, data)
+    writer.finish()
+
+
+def _recall(derivation: Derivation, path: Path) -> None:
+    """What the parts before it say goes on to hold."""
+    for before in parts_of(path):
+        if part_number(before) < part_number(path) and before.exists():
+            for record in read_records(before):
+                derivation.remember(record)
+
+
+def _messages(
+    writer: Writer, channels: Mapping[str, int], found: Iterable[Found], derivation: Derivation
+) -> None:
+    wall = round(derivation.start.wall * NS)
+    until: float | None = None
+    for one in found:
+        record = one.record
+        if until is None or record.t >= until:
+            writer.flush()
+            until = record.t + CHUNK_S
+        t = round(record.t * NS)
+        writer.add_message(channels[record.kind], wall + t, record.payload, t, one.number)
+        for message in derivation.receive(record):
+            t = round(message.t * NS)
+            data = json.dumps(message.value, separators=(",", ":"), allow_nan=False).encode()
+            writer.add_message(channels[message.topic], wall + t, data, t, one.number)
+    writer.flush()
+
+
+def _metadata(start: rec.Start, part: _Part, notes: Mapping[str, str]) -> dict[str, str]:
+    begun = datetime.fromtimestamp(start.wall, UTC).isoformat(timespec="microseconds")
+    digests = [json.loads(r.payload)["digest"] for r in _missions(part.found)]
+    return {
+        "version": start.version,
+        "closed_by": __version__,
+        "form": str(start.form),
+        "vehicle": start.vehicle.name,
+        "began": begun,
+        "part": str(part_number(part.path)),
+        "missions": " ".join(dict.fromkeys(filter(None, digests))),
+        "end": f"cut: {part.lost} bytes were no record" if part.lost else "whole",
+        **notes,
+    }
+
+
+def _missions(found: Iterable[Found]) -> list[Record]:
+    return [one.record for one in found if one.record.kind == rec.MISSION]
+
+
+def _attachments(start: rec.Start, found: Iterable[Found]) -> list[tuple[str, str, bytes]]:
+    plain = to_plain(start)
+    made = [
+        (f"{name}.json", "application/json", json.dumps(plain[name], indent=2).encode())
+        for name in ("vehicle", "configuration")
+    ]
+    for record in _missions(found):
+        said = json.loads(record.payload)
+        if said["digest"]:
+            name = f"mission-{said['digest'][:8]}.yaml"
+            made.append((name, "application/yaml", _mission_text(said["lines"]).encode()))
+    return list(dict.fromkeys(made))
+
+
+def _mission_text(lines: list[str]) -> str:
+    """As authors read it; the script itself where this version cannot."""
+    try:
+        return to_yaml(parse_script(lines))
+    except MissionErrors:
+        return "\n".join(lines) + "\n"

@@ -1,0 +1,55 @@
+"""Names of recordings and of their parts: ``<start>.mcap``, ``<start>.part2.mcap``, ...
+
+By the start's wall time, so that names sort as the starts did. Each part begins with the ``start``
+record again.
+"""
+
+from __future__ import annotations
+
+import re
+from datetime import UTC, datetime
+from pathlib import Path
+
+_PART = re.compile(r"\.part(\d+)$")
+
+
+def file_name(wall: float) -> str:
+    return datetime.fromtimestamp(wall, UTC).strftime("%Y%m%dT%H%M%SZ.mcap")
+
+
+def new_path(folder: Path, wall: float) -> Path:
+    """A name that is not taken: two starts within a second (or a clock set back) differ."""
+    path = folder / file_name(wall)
+    number = 1
+    while path.exists():
+        number += 1
+        path = folder / file_name(wall).replace(".mcap", f"-{number}.mcap")
+    return path
+
+
+def part_path(base: Path, part: int) -> Path:
+    return base if part == 1 else base.with_name(f"{base.stem}.part{part}{base.suffix}")
+
+
+def first_part(path: Path) -> Path:
+    return path.with_name(_PART.sub("", path.stem) + path.suffix)
+
+
+def part_number(path: Path) -> int:
+    found = _PART.search(path.stem)
+    return int(found[1]) if found else 1
+
+
+def parts_of(path: Path) -> list[Path]:
+    """All that are there, in their order, whichever is named; ``path`` alone if none is."""
+    base = first_part(path)
+    further = base.parent.glob(f"{_plain(base.stem)}.part*{base.suffix}")
+    found = {part_number(p): p for p in further if _PART.search(p.stem)}
+    if base.exists() or not found:
+        found[1] = base
+    return [found[number] for number in sorted(found)]
+
+
+def _plain(name: str) -> str:
+    """For glob: a name that means itself."""
+    return re.sub(r"([\[*?])", r"[\1]", name)

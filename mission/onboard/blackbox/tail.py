@@ -1,0 +1,48 @@
+"""A file that is being written, read as it grows.
+
+What does not live here: which file is next (analysis.replay.follow).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from mission.model import Record
+from mission.onboard.blackbox.form import MAGIC, BlackBoxError
+from mission.onboard.blackbox.scan import Found, Scan, is_first_form
+
+_HEAD = 256  # bytes that tell the form
+
+
+class Tail:
+    """``read`` gives the whole records that have come since. Raises BlackBoxError for what is no
+    black box. ``expected`` is the number of its first record, behind the ``start`` of a further
+    part; None: it may be any."""
+
+    def __init__(self, path: Path, expected: int | None = 0) -> None:
+        try:
+            self._file = path.open("rb")
+        except OSError as error:
+            raise BlackBoxError(f"{path} cannot be read: {error.strerror or error}") from error
+        head = self._file.read(_HEAD)
+        if head[: len(MAGIC)] != MAGIC:
+            self._file.close()
+            raise BlackBoxError(f"{path} is no black box: it does not begin as MCAP does")
+        self._scan = Scan(is_first_form(head), expected)
+        self._rest = head[len(MAGIC) :]
+
+    @property
+    def expected(self) -> int | None:
+        """The number of what comes next."""
+        return self._scan.expected
+
+    def read(self) -> Iterator[Record]:
+        data = self._rest + self._file.read()
+        for found in self._scan.read(data):
+            if isinstance(found, Found):
+                yield found.record
+        self._rest, self._scan.at = data[self._scan.at :], 0
+
+    def close(self) -> None:
+        self._file.close()

@@ -1,0 +1,289 @@
+"""What follows from the records: decoded values, places on the earth, distances to limits, words.
+
+    Derivation: every record of one run of the program, in order --receive--> Messages
+
+Numbers are rounded to what a sensor can tell, the records keep every bit. Nothing is decided here, and nothing estimated: values are decoded, converted and put side by side.
+The rows of the topics, with the unit of each field, are in ``topics``; a maker here gives each its
+values. What does not live here: files (blackbox), words of events (events), maps (plan).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from mission.authoring.compiler.compiler import CompileErrors, compile_mission
+from mission.authoring.language import MissionErrors, parse_script
+from mission.model import Chart, Estimate, NavigationMode, Record
+from mission.navigation.distribution import PLANE_95
+from mission.navigation.geodesy import LocalFrame
+from mission.onboard.runtime import records as rec
+from mission.onboard.stream import topics, wellknown
+from mission.onboard.stream.events import events_of
+from mission.onboard.stream.plan import plan_geojson
+from mission.onboard.stream.senses import Senses
+from protocol.messages import Fix, Telemetry
+from protocol.vehicles import auv, rov
+
+HOME, VEHICLE_FRAME = "home", "vehicle"
+_ACTUATORS: Mapping[str, tuple[str, ...]] = {"auv": auv.ACTUATORS, "rov": rov.THRUSTERS}
+_DIGITS: Mapping[str, int] = {
+    **dict.fromkeys(("latitude", "longitude", "latitude_deg", "longitude_deg"), 8),
+    "orientation": 6,
+    "t": 9,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """Of a derived topic; ``value`` is what its schema says."""
+
+    topic: str
+    t: float  # s, the engine's time
+    value: Mapping[str, Any]
+
+
+class Derivation:
+    """``start`` is the record that a run begins with: ValueError, KeyError or TypeError where it
+    is none that this version can read."""
+
+    def __init__(self, start: Record) -> None:
+        self.start = rec.read_start(start)
+        self._senses = Senses(self.start.vehicle)
+        self._standing: rec.Standing | None = None
+        self._frame: LocalFrame | None = None
+        self._chart: Chart | None = None
+        self._report: Telemetry | None = None
+        self._state, self._since = "", 0.0
+        self._began: float | None = None  # the mission under way
+
+    def remember(self, record: Record) -> None:
+        """What is derived from this one is not wanted, but what it says goes on to hold."""
+        if record.kind == rec.STEP:
+            self._step(record)
+        elif record.kind in (rec.STANDING, rec.MISSION):
+            for _ in self._made(record):
+                pass
+
+    def receive(self, record: Record) -> Iterator[Message]:
+        for message in self._made(record):
+            yield Message(message.topic, message.t, _rounded(message.value))
+
+    def _made(self, record: Record) -> Iterator[Message]:
+        yield from self._events(record)
+        for sensed in self._senses.hear(record):
+            if isinstance(sensed, Telemetry):
+                self._report = sensed
+                yield Message(topics.TELEMETRY, sensed.t, self._telemetry(sensed))
+            else:
+                yield from self._fix(sensed)
+        if record.kind == rec.STEP:
+            self._step(record)
+        elif record.kind == rec.STANDING:
+            yield from self._stand(record)
+        elif record.kind == rec.MISSION:
+            yield from self._load(record)
+        elif record.kind == rec.ESTIMATE:
+            yield from self._estimate(rec.estimate_of(record.payload))
+
+    def wall(self, t: float) -> float:
+        return self.start.wall + t
+
+    # --- what is remembered ----------------------------------------------------------------------
+
+    def _step(self, record: Record) -> None:
+        step = rec.step_of(record.payload)
+        if not step.entered:
+            return
+        self._state, self._since = step.entered[-1], step.t
+        if step.trigger == "start" and self._began is None:
+            self._began = step.t
+        elif not self._state.startswith(("autonomous", "manual")):
+            self._began = None
+
+    def _stand(self, record: Record) -> Iterator[Message]:
+        self._standing = rec.read_standing(record)
+        origin = self._standing.origin
+        if origin is not None and (self._frame is None or self._frame.origin != origin):
+            self._frame = LocalFrame(origin)
+            yield from self._plan(record.t)
+
+    def _load(self, record: Record) -> Iterator[Message]:
+        said = json.loads(record.payload)
+        self._chart = None
+        with contextlib.suppress(MissionErrors, CompileErrors):  # of this version
+            if said["digest"]:
+                mission = parse_script(said["lines"])
+                self._chart = compile_mission(mission, self.start.vehicle, said["digest"])
+        yield from self._plan(record.t)
+
+    # --- what is made ----------------------------------------------------------------------------
+
+    def _plan(self, t: float) -> Iterator[Message]:
+        home = self._chart.mission.home if self._chart else None
+        origin = home or (self._frame.origin if self._frame else None)
+        if self._chart is not None and origin is not None:
+            features = plan_geojson(self._chart, origin)
+            yield Message(topics.PLAN, t, {"geojson": json.dumps(features)})
+
+    def _events(self, record: Record) -> Iterator[Message]:
+        for event in events_of(record):
+            said = wellknown.log(self.wall(event.t), event.level, event.of, event.says)
+            yield Message(topics.JOURNAL, event.t, said)
+
+    def _telemetry(self, seen: Telemetry) -> Mapping[str, Any]:
+        volts = seen.batteries or (None, None)
+        place = seen.position or (None, None)
+        return {
+            "t": seen.t,
+            "depth_m": _finite(seen.depth),
+            "altitude_m": _finite(seen.altitude),
+            "heading_deg": _degrees(seen.heading),
+            "pitch_deg": _degrees(seen.pitch),
+            "roll_deg": _degrees(seen.roll),
+            "temperature_c": _finite(seen.temperature_c),
+            "control_v": _finite(volts[0]),
+            "power_v": _finite(volts[1]),
+            "actuators": self._actuators(seen),
+            "magnetic_ut": _list(seen.magnetic, 1e6),
+            "latitude_deg": _degrees(place[0]),
+            "longitude_deg": _degrees(place[1]),
+            "velocity_m_s": _list(seen.velocity),
+            "leak": seen.leak,
+            "faults": list(seen.faults),
+        }
+
+    def _actuators(self, seen: Telemetry) -> Mapping[str, float]:
+        shares = seen.actuators or ()
+        names = _ACTUATORS.get(self.start.vehicle.codec, ())
+        if len(names) != len(shares):
+            names = tuple(str(number + 1) for number in range(len(shares)))
+        return {n: s for n, s in zip(names, shares, strict=True) if math.isfinite(s)}
+
+    def _fix(self, fix: Fix) -> Iterator[Message]:
+        latitude, longitude = math.degrees(fix.latitude), math.degrees(fix.longitude)
+        said = {
+            "t": fix.t,
+            "latitude_deg": latitude,
+            "longitude_deg": longitude,
+            "accuracy_m": _finite(fix.accuracy),
+            "speed_m_s": _finite(fix.speed),
+            "course_deg": _degrees(fix.course),
+            "hdop": _finite(fix.hdop),
+            "elevation_m": _finite(fix.elevation),
+            "satellites": fix.satellites,
+            "utc": fix.utc,
+        }
+        yield Message(topics.FIX, fix.t, said)
+        known = math.isfinite(fix.accuracy)
+        spread = (fix.accuracy**2, 0.0, fix.accuracy**2) if known else None
+        wall = self.wall(fix.t)
+        place = wellknown.location(wall, "gps", latitude, longitude, 0.0, spread)
+        yield Message(topics.FIXES, fix.t, place)
+
+    def _estimate(self, seen: Estimate) -> Iterator[Message]:
+        place = self._place(seen)
+        yield Message(topics.STATE, seen.t, self._situation(seen, place))
+        if place is None:
+            return
+        wall, depth = self.wall(seen.t), seen.depth or 0.0
+        where = wellknown.location(wall, VEHICLE_FRAME, *place, -depth, seen.covariance)
+        yield Message(topics.POSITION, seen.t, where)
+        if seen.heading is not None:
+            report = self._report
+            tilt = (report.pitch or 0.0, report.roll or 0.0) if report else (0.0, 0.0)
+            at = (seen.north, seen.east, depth)
+            pose = wellknown.pose(wall, HOME, at, (seen.heading, *tilt))
+            yield Message(topics.POSE, seen.t, pose)
+
+    def _place(self, seen: Estimate) -> tuple[float, float] | None:
+        """Degrees, where a position is known."""
+        if self._frame is None or seen.mode is NavigationMode.NONE:
+            return None
+        latitude, longitude = self._frame.to_geodetic(seen.north, seen.east)
+        return math.degrees(latitude), math.degrees(longitude)
+
+    def _situation(self, seen: Estimate, place: tuple[float, float] | None) -> Mapping[str, Any]:
+        standing, located = self._standing, seen.mode is not NavigationMode.NONE
+        mission_time = None if self._began is None else seen.t - self._began
+        autonomous = self._state.startswith("autonomous/")
+        return {
+            "t": seen.t,
+            "state": self._state,
+            "leg": self._state.partition("/")[2] if autonomous else "",
+            "since_s": seen.t - self._since,
+            "mission_time_s": mission_time,
+            "digest": standing.digest if standing else "",
+            "latitude_deg": place[0] if place else None,
+            "longitude_deg": place[1] if place else None,
+            "north_m": seen.north if located else None,
+            "east_m": seen.east if located else None,
+            "depth_m": seen.depth,
+            "altitude_m": seen.altitude,
+            "heading_deg": _degrees(seen.heading),
+            "speed_m_s": seen.speed,
+            "current_north_m_s": seen.current_north,
+            "current_east_m_s": seen.current_east,
+            "radius_95_m": radius_95(seen.covariance) if located else None,
+            "fix_age_s": seen.fix_age,
+            "nis": seen.nis[0] if seen.nis else None,
+            **self._margins(seen, mission_time, located),
+            "breached": list(standing.breached) if standing else [],
+            "commander": standing.commander if standing else "",
+        }
+
+    def _margins(
+        self, seen: Estimate, mission_time: float | None, located: bool
+    ) -> Mapping[str, float | None]:
+        standing, report = self._standing, self._report
+        volts = report.batteries[0] if report and report.batteries else None
+        if self.start.vehicle.constant_batteries:
+            volts = None
+        if standing is None:
+            return dict.fromkeys(MARGINS)
+        far = math.hypot(seen.north, seen.east)
+        return {
+            "to_depth_m": None if seen.depth is None else standing.depth - seen.depth,
+            "to_radius_m": standing.radius - far if located else None,
+            "to_time_s": None if mission_time is None else standing.time - mission_time,
+            "to_voltage_v": None if volts is None else _finite(volts - standing.voltage),
+        }
+
+
+MARGINS = ("to_depth_m", "to_radius_m", "to_time_s", "to_voltage_v")
+
+
+def radius_95(covariance: tuple[float, float, float]) -> float:
+    """Long half axis of the 95 % ellipse, m, of (nn, ne, ee)."""
+    nn, ne, ee = covariance
+    middle, spread = (nn + ee) / 2.0, math.hypot((nn - ee) / 2.0, ne)
+    return PLANE_95 * math.sqrt(max(middle + spread, 0.0))
+
+
+def _rounded(value: Any, digits: int = 4) -> Any:
+    """0.1 mm, 0.0001 deg; a place and an attitude finer than that."""
+    if isinstance(value, float):
+        return round(value, digits)
+    if isinstance(value, Mapping):
+        return {name: _rounded(one, _DIGITS.get(name, digits)) for name, one in value.items()}
+    if isinstance(value, list):
+        return [_rounded(one, digits) for one in value]
+    return value
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None
+
+
+def _degrees(value: float | None) -> float | None:
+    return None if value is None or not math.isfinite(value) else math.degrees(value)
+
+
+def _list(values: tuple[float, ...] | None, scale: float = 1.0) -> list[float] | None:
+    if values is None or not all(map(math.isfinite, values)):
+        return None
+    return [value * scale for value in values]

@@ -1,0 +1,123 @@
+"""What happened, in words: a line for each record that a person would want to know of.
+
+What does not live here: the dive as a whole (analysis.story), what a running serve tells (journal).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from mission.model import Record
+from mission.model.regions import EMERGENCY
+from mission.onboard.runtime import records as rec
+from mission.onboard.runtime.runtime import VEHICLE
+from mission.onboard.stream.wellknown import ERROR, INFO, WARNING
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    t: float  # s, the engine's time
+    level: int  # of a foxglove.Log
+    of: str  # vehicle, engine, a link
+    says: str
+
+
+def events_of(record: Record) -> list[Event]:
+    """None for most records."""
+    made = _EVENTS.get(record.kind)
+    return [] if made is None else made(record)
+
+
+def frame_text(data: bytes) -> str:
+    """A frame as people read it: as it is where that is possible, else in hexadecimal."""
+    printable = all(0x20 <= byte < 0x7F for byte in data.rstrip(b"\r\n"))
+    return data.decode("ascii").rstrip() if printable else data.hex(" ")
+
+
+def _start(record: Record) -> list[Event]:
+    start = rec.read_start(record)
+    kept = f", under way before: {start.store.under_way}" if start.store.under_way else ""
+    what = f"the program begins, version {start.version}, vehicle {start.vehicle.name}{kept}"
+    broken = [Event(0.0, ERROR, "store", text) for text in start.store.damage]
+    return [Event(0.0, WARNING if kept else INFO, "program", what), *broken]
+
+
+def _step(record: Record) -> list[Event]:
+    step = rec.step_of(record.payload)
+    t, why = step.t, step.trigger or step.event
+    if step.entered:
+        path = step.entered[-1]
+        level = WARNING if path.startswith(EMERGENCY) else INFO
+        because = f" - {step.event}" if step.event != why else ""
+        found = [Event(t, level, "engine", f"now {path}: {why}{because}")]
+    elif step.actions:
+        found = []
+    else:
+        found = [Event(t, INFO, "engine", f"{why}: nothing follows")]
+    return found + [Event(t, INFO, "engine", f"asks for {action}") for action in step.actions]
+
+
+def _tx(record: Record) -> list[Event]:
+    tx = rec.read_tx(record)
+    if tx.link == VEHICLE:
+        return [Event(tx.t, INFO, "vehicle", f"sent {frame_text(tx.data)} - {tx.reason}")]
+    if tx.data.startswith(b"@ACK_") and tx.data.endswith(b"N$"):
+        to = f"{tx.link} {tx.address}".rstrip()
+        return [Event(tx.t, WARNING, to, f"refused: {frame_text(tx.data)} - {tx.reason}")]
+    return []
+
+
+def _fault(record: Record) -> list[Event]:
+    plain = json.loads(record.payload)
+    says = f"no frame: {plain['kind']}, {plain['length']} bytes"
+    return [Event(record.t, WARNING, plain["link"], says)]
+
+
+def _link(says: str) -> Callable[[Record], list[Event]]:
+    def made(record: Record) -> list[Event]:
+        link, address = rec.read_texts(record)
+        return [Event(record.t, INFO, f"{link} {address}".rstrip(), says)]
+
+    return made
+
+
+def _store(record: Record) -> list[Event]:
+    number, failed = rec.read_texts(record)
+    return [Event(record.t, ERROR, "store", f"write {number} failed: {failed}")]
+
+
+def _ending(record: Record) -> list[Event]:
+    at_once = rec.read_texts(record) == (rec.AT_ONCE,)
+    says = "the program is to end at once" if at_once else "the program is to end"
+    return [Event(record.t, WARNING, "program", says)]
+
+
+def _mission(record: Record) -> list[Event]:
+    plain = json.loads(record.payload)
+    if not plain["digest"]:
+        return [Event(record.t, INFO, "store", "no mission is stored")]
+    says = f"mission {plain['digest'][:8]} is stored, {len(plain['lines'])} lines"
+    return [Event(record.t, INFO, "store", says)]
+
+
+def _navigation(record: Record) -> list[Event]:
+    return [Event(record.t, INFO, "program", "the position filter is loaded")]
+
+
+_EVENTS: Mapping[str, Callable[[Record], list[Event]]] = MappingProxyType(
+    {
+        rec.START: _start,
+        rec.STEP: _step,
+        rec.TX: _tx,
+        rec.FAULT: _fault,
+        rec.CONNECTED: _link("is connected"),
+        rec.DISCONNECTED: _link("is gone"),
+        rec.STORE: _store,
+        rec.ENDING: _ending,
+        rec.MISSION: _mission,
+        rec.NAVIGATION: _navigation,
+    }
+)

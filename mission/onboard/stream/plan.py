@@ -1,0 +1,103 @@
+"""A mission as a map: home, the radius, the lines of its legs, as GeoJSON (RFC 7946).
+
+A leg that steers to places is walked by its own pilot from corner to corner, from where the leg
+before it ended. What does not live here: a route that was flown (derived), pictures (report).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from mission.legs import LEGS
+from mission.legs.base import Point, View
+from mission.model import Chart, Estimate, Local, NavigationMode, Place, Position, State
+from mission.navigation.geodesy import LocalFrame
+from protocol.messages import Setpoint
+
+_CORNERS = 2000  # of one leg, at most
+_ROUND = 72  # corners of a circle
+
+Feature = dict[str, Any]
+
+
+def plan_geojson(chart: Chart, origin: Position) -> dict[str, Any]:
+    """``origin`` is home. Longitude stands before latitude."""
+    frame = LocalFrame(origin)
+    features = [_feature(frame, "Point", [(0.0, 0.0)], name="home", what="home")]
+    radius = chart.mission.safety.radius
+    if radius is not None:
+        turns = (2.0 * math.pi * i / _ROUND for i in range(_ROUND + 1))
+        edge = [(radius * math.cos(a), radius * math.sin(a)) for a in turns]
+        features.append(
+            _feature(frame, "LineString", edge, name="radius", what=f"limit of {radius:g} m")
+        )
+    for state, corners in routes(chart, frame):
+        assert state.leg is not None
+        shown = LEGS[type(state.leg.kind)].shown(state.leg.kind)
+        name = state.path.partition("/")[2]
+        form = "LineString" if len(corners) > 1 else "Point"
+        features.append(_feature(frame, form, corners, name=name, what=shown))
+    return {"type": "FeatureCollection", "features": features}
+
+
+def routes(chart: Chart, frame: LocalFrame) -> Iterator[tuple[State, list[Point]]]:
+    """Each leg that steers to places, with its corners in metres from home, in their order."""
+    here = (0.0, 0.0)
+    for state in chart.states:
+        if state.leg is None:
+            continue
+        corners = list(_walk(state, here, frame))
+        if len(corners) > 1:
+            here = corners[-1]
+            yield state, corners
+
+
+def _walk(state: State, here: Point, frame: LocalFrame) -> Iterator[Point]:
+    assert state.leg is not None
+
+    def place(named: Place) -> Point | None:
+        if isinstance(named, Local):
+            return named.north, named.east
+        if isinstance(named, Position):
+            angles = math.radians(named.latitude_deg), math.radians(named.longitude_deg)
+            return frame.to_local(*angles)
+        return 0.0, 0.0
+
+    kind = state.leg.kind
+    begin = LEGS[type(kind)].begin
+    if begin is None:
+        return
+    yield here
+    view = View(0.0, _standing_at(here, 0.0), 0.0, place)
+    pilot = begin(kind, state.setpoint or Setpoint(), view)
+    for turn in range(1, _CORNERS):
+        pilot.setpoint(view)
+        track = pilot.track(view)
+        if pilot.finished(view) or track is None or track.distance < 1e-6:
+            return
+        north = here[0] + track.distance * math.cos(track.ahead)
+        here = north, here[1] + track.distance * math.sin(track.ahead)
+        yield here
+        view = View(float(turn), _standing_at(here, float(turn)), 0.0, place)
+
+
+def _standing_at(here: Point, t: float) -> Estimate:
+    sigmas = dict.fromkeys(("depth", "depth_rate", "altitude", "heading", "speed", "current"), 0.0)
+    return Estimate(
+        t, *here, 0.0, 0.0, None, 0.0, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0), sigmas, None, 0.0,
+        NavigationMode.FIX,
+    )  # fmt: skip
+
+
+def _feature(frame: LocalFrame, form: str, points: Sequence[Point], **named: str) -> Feature:
+    places = [_degrees(frame, point) for point in points]
+    coordinates = places[0] if form == "Point" else places
+    geometry = {"type": form, "coordinates": coordinates}
+    return {"type": "Feature", "properties": named, "geometry": geometry}
+
+
+def _degrees(frame: LocalFrame, point: Point) -> list[float]:
+    latitude, longitude = frame.to_geodetic(*point)
+    return [round(math.degrees(longitude), 8), round(math.degrees(latitude), 8)]

@@ -1,0 +1,60 @@
+"""Words for JSON Schemas: every field with its unit and what it says.
+
+    table(t=number("s", "the engine's time"), depth_m=number("m", "as reported", known=False))
+
+``known`` False: null where it is not known. A table has all its fields, and no others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+Schema = Mapping[str, Any]
+
+
+def table(says: str = "", optional: Sequence[str] = (), /, **fields: Schema) -> Schema:
+    return _said(
+        {
+            "type": "object",
+            "properties": fields,
+            "required": [name for name in fields if name not in optional],
+            "additionalProperties": False,
+        },
+        says,
+    )
+
+
+def number(unit: str, says: str = "", *, known: bool = True) -> Schema:
+    kind = "number" if known else ["number", "null"]
+    return _said({"type": kind}, f"{unit}: {says}" if says else unit)
+
+
+def count(says: str) -> Schema:
+    return _said({"type": "integer"}, says)
+
+
+def text(says: str, *, known: bool = True) -> Schema:
+    return _said({"type": "string" if known else ["string", "null"]}, says)
+
+
+def flag(says: str, *, known: bool = True) -> Schema:
+    return _said({"type": "boolean" if known else ["boolean", "null"]}, says)
+
+
+def listed(of: Schema, says: str, *, known: bool = True) -> Schema:
+    return _said({"type": "array" if known else ["array", "null"], "items": of}, says)
+
+
+def named(of: Schema, says: str) -> Schema:
+    """A table whose names are not known beforehand."""
+    return _said({"type": "object", "additionalProperties": of}, says)
+
+
+def absent(of: Schema) -> Schema:
+    """It, or null."""
+    return {"anyOf": [of, {"type": "null"}]}
+
+
+def _said(schema: dict[str, Any], says: str) -> Schema:
+    return schema | ({"description": says} if says else {})

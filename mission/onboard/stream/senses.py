@@ -1,0 +1,40 @@
+"""Reports and fixes out of the recorded bytes, through the decoders that flew.
+
+What does not live here: files (blackbox), deciding anything again (analysis.replay).
+"""
+
+from __future__ import annotations
+
+from mission.model import Record
+from mission.model.vehicle import Vehicle
+from mission.onboard.runtime import records as rec
+from mission.onboard.runtime.runtime import GPS, VEHICLE
+from protocol.messages import Fix, Telemetry
+from protocol.nmea import NmeaDecoder
+from protocol.vehicles import codec
+
+Sensed = Telemetry | Fix
+_CLOCKS = frozenset({rec.RX, rec.TIMER})
+
+
+class Senses:
+    """Of one run of the program: every record in order, with or without gaps."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self._board, self._gps = codec(*vehicle.speaks), NmeaDecoder()
+
+    def hear(self, record: Record) -> list[Sensed]:
+        if record.kind not in _CLOCKS:
+            return []
+        now, found = rec.read_time(record), list[object]()
+        for decoder in (self._board, self._gps):
+            due = decoder.next_timer()
+            if due is not None and due <= now:
+                found += decoder.flush(now)
+        if record.kind == rec.RX:
+            rx = rec.read_rx(record)
+            if rx.link == VEHICLE:
+                found += self._board.receive(rx.data, rx.t)
+            elif rx.link == GPS:
+                found += self._gps.receive(rx.data, rx.t)
+        return [one for one in found if isinstance(one, Telemetry | Fix)]
