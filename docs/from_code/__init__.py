@@ -22,8 +22,8 @@ from from_code.layers import layers_picture, rooms_table
 from from_code.tables import (
     diagnostic_codes,
     link_schemes,
-    record_kinds,
     simulation_settings,
+    topic_tables,
     vehicle_pairs,
     vehicle_ranges,
 )
@@ -37,7 +37,7 @@ PARTS: Mapping[str, Callable[[str], str]] = MappingProxyType(
         "order": order_picture,
         "diagnostic-codes": lambda _: diagnostic_codes(),
         "link-schemes": lambda _: link_schemes(),
-        "record-kinds": lambda _: record_kinds(),
+        "topics": lambda _: topic_tables(),
         "simulation-settings": lambda _: simulation_settings(),
         "vehicle-ranges": lambda _: vehicle_ranges(),
         "vehicle-pairs": lambda _: vehicle_pairs(),

@@ -11,8 +11,8 @@ from links.simulated.settings import SETTINGS
 from mission.model.codes import CODES
 from mission.model.units import number_text
 from mission.model.vehicle_ranges import RANGES, TOGETHER, Range
-from mission.onboard.blackbox import KINDS
-from mission.onboard.runtime.records import INPUTS, START
+from mission.onboard.stream.schemas import Schema
+from mission.onboard.stream.topics import TOPICS, Topic
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -51,16 +51,26 @@ def link_schemes() -> str:
     return _table(("scheme", "example", "options"), rows)
 
 
-def record_kinds() -> str:
-    """The topics of a black box in the order of their channels."""
-    rows = [(f"`{kind}`", _role(kind)) for kind in KINDS]
-    return _table(("topic", "is"), rows)
+def topic_tables() -> str:
+    """Every topic of a black box, with its fields."""
+    return "\n\n".join(map(_topic, TOPICS.values()))
 
 
-def _role(kind: str) -> str:
-    if kind == START:
-        return "what a replay begins with"
-    return "input" if kind in INPUTS else "output"
+def _topic(topic: Topic) -> str:
+    known = f", schema `{topic.well_known}`" if topic.well_known else ""
+    rows = [
+        (f"`{name}`", _kind_of(field), escaped(field.get("description", "")))
+        for name, field in topic.schema["properties"].items()
+    ]
+    head = f"### {topic.name}\n\n{escaped(topic.says)} ({topic.role}{known})."
+    return f"{head}\n\n{_table(('field', 'is', 'unit, meaning'), rows)}"
+
+
+def _kind_of(schema: Schema) -> str:
+    if "anyOf" in schema:
+        return f"{_kind_of(schema['anyOf'][0])} or null"
+    kind = schema.get("type", "anything")
+    return kind if isinstance(kind, str) else " or ".join(kind)
 
 
 def simulation_settings() -> str:

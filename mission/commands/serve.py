@@ -45,6 +45,7 @@ def serve(
     import os
     import time
 
+    from mission.onboard.serve.closing import close_in_background
     from mission.onboard.serve.instance_lock import AnotherServe, only_one
     from mission.onboard.serve.journal import printed
     from mission.onboard.serve.leaving import time_to_leave
@@ -85,6 +86,7 @@ def serve(
         speed,
         observer,
         time_to_leave(os.environ),
+        close_in_background,
     )
     refusal = ""
     try:

@@ -49,6 +49,7 @@ def simulate(
 
     from links.simulated.settings import SettingError, parse_settings
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
+    from mission.onboard.blackbox import close_recording
     from mission.verification.simulation.flight import fly
     from mission.verification.simulation.legtable import table
 
@@ -63,6 +64,8 @@ def simulate(
         flight = fly(prepared.mission, prepared.vehicle, profile or "", seed, sea, box)
         if box is not None and report is not None:
             box.close()
+            notes = {"seed": str(seed), "sea": " ".join(settings), "mission": prepared.mission.name}
+            close_recording(box.path, notes | {"simulated": profile or prepared.vehicle.dialect})
             _draw(flight, report, prepared.mission.name)
     except SettingError as error:
         click.echo(str(error), err=True)

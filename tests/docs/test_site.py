@@ -17,7 +17,7 @@ from from_code.layers import rooms
 from from_code.way import order_picture
 
 from mission.cli import COMMANDS
-from mission.onboard.blackbox import KINDS
+from mission.onboard.stream.topics import TOPICS
 
 LOADS = {"link": "href", "script": "src", "img": "src", "iframe": "src", "source": "src"}
 
@@ -144,10 +144,14 @@ def test_every_command_has_a_section_with_an_example() -> None:
         assert re.search(rf"```(?:sh|console)\n(?:.*\n)*?.*auvmission {name}\b", section), name
 
 
-def test_every_topic_of_the_black_box_has_its_payload() -> None:
-    text = (ROOT / "docs" / "reference" / "black-box.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| ((?:`\w+`(?:, )?)+) \|", text, re.MULTILINE)
-    assert {name for row in rows for name in re.findall(r"`(\w+)`", row)} == set(KINDS)
+def test_every_topic_of_the_black_box_has_its_fields_with_their_meaning() -> None:
+    text = PARTS["topics"]("")
+    sections = dict(re.findall(r"^### (\w+)\n(.*?)(?=^###|\Z)", text, re.MULTILINE | re.DOTALL))
+    assert sections.keys() == TOPICS.keys()
+    for name, topic in TOPICS.items():
+        assert re.findall(r"^\| `(\w+)` \|", sections[name], re.MULTILINE) == list(
+            topic.schema["properties"]
+        )
 
 
 def test_the_pictures_show_every_room_and_the_whole_way() -> None:

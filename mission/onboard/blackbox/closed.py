@@ -150,7 +150,7 @@ def _write(file: BinaryIO, part: _Part, notes: Mapping[str, str]) -> None:
     for name, kind, data in _attachments(derivation.start, part.found):
         stamp = round(derivation.start.wall * NS)
         writer.add_attachment(stamp, stamp, name, kind, data)
-    writer.finish()
+    writer.finish()  # type: ignore[no-untyped-call]
 
 
 def _recall(derivation: Derivation, path: Path) -> None:
@@ -169,7 +169,7 @@ def _messages(
     for one in found:
         record = one.record
         if until is None or record.t >= until:
-            writer.flush()
+            writer.flush()  # type: ignore[no-untyped-call]
             until = record.t + CHUNK_S
         t = round(record.t * NS)
         writer.add_message(channels[record.kind], wall + t, record.payload, t, one.number)
@@ -177,7 +177,7 @@ def _messages(
             t = round(message.t * NS)
             data = json.dumps(message.value, separators=(",", ":"), allow_nan=False).encode()
             writer.add_message(channels[message.topic], wall + t, data, t, one.number)
-    writer.flush()
+    writer.flush()  # type: ignore[no-untyped-call]
 
 
 def _metadata(start: rec.Start, part: _Part, notes: Mapping[str, str]) -> dict[str, str]:

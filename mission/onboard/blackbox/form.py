@@ -76,7 +76,7 @@ def head() -> bytes:
     Header(PROFILE, f"auvmission {__version__}").write(builder)
     for number, topic in enumerate(RAW, 1):
         Schema(number, schema_text(topic), "jsonschema", topic.schema_name).write(builder)
-        Channel(number, topic.name, "json", topic.metadata, number).write(builder)
+        Channel(number, topic.name, "json", dict(topic.metadata), number).write(builder)
     return bytes(builder.end())  # type: ignore[no-untyped-call]
 
 

@@ -106,7 +106,8 @@ class Reader:
                 continue
             if found.missed or found.missed is None:
                 yield self._gap(path, found)
-            self._t = found.record.t
+            if found.number or self._t is None:  # else the start again, in a further part
+                self._t = found.record.t
             yield found.record
         self._expected = scan.expected
         if not closed:

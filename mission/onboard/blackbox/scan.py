@@ -43,6 +43,7 @@ _LIKELY = re.compile(rb"(?:[\x05\x06]...|\x0f\x04\x00\x00)\x00{5}", re.DOTALL)
 _CHUNK_FIXED = 8 + 8 + 8 + 4
 _CHECKED = frozenset({OP_MESSAGE, OP_CHUNK, OP_DATA_END})
 _START = CHANNELS[START]
+_SCHEMA = b"\x03"
 _FOOTER = b"\x02\x14" + bytes(7)
 _TELLING = 1 << 12
 _TODAY = (PROFILE.encode(), b"jsonschema", b"closed_by")
@@ -114,7 +115,7 @@ class Scan:
         """What the record at this place gives, None where it is not whole."""
         skipped = at - self.at if damaged else 0
         if data[at] == OP_DATA_END:
-            return [End(at, skipped)] if data.startswith(_FOOTER, end) else None
+            return [End(at, skipped)] if _is_summary(data, end) else None
         if data[at] == OP_CHUNK:
             inner = _unpacked(data[at + HEAD.size : end])
             return None if inner is None else list(self._of_chunk(inner, at, skipped))
@@ -137,7 +138,7 @@ class Scan:
         size = _length(data, end)
         if size is not None and data[end] == OP_DATA_END:
             near = self.expected is not None and number < self.expected + _NEAR
-            return near and data.startswith(_FOOTER, end + size)
+            return near and _is_summary(data, end + size)
         follows = size is not None and data[end] == OP_MESSAGE
         return follows and _number(data, end, end + (size or 0)) == number + 1
 
@@ -181,6 +182,13 @@ def _length(data: bytes, at: int) -> int | None:
     if opcode not in OPCODES or short or length > _LARGEST or at + HEAD.size + length > len(data):
         return None
     return HEAD.size + int(length)
+
+
+def _is_summary(data: bytes, at: int) -> bool:
+    """What stands behind the records: the footer at once, or schemas first."""
+    return data.startswith(_FOOTER, at) or (
+        data[at : at + 1] == _SCHEMA and _length(data, at) is not None
+    )
 
 
 def _channel(data: bytes, at: int) -> int:

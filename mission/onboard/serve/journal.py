@@ -22,7 +22,7 @@ from datetime import UTC, datetime
 from mission.model import Estimate, Record, Step, Tx
 from mission.model.regions import EMERGENCY
 from mission.onboard.runtime.records import FAULT as FAULT_RECORD
-from mission.onboard.runtime.records import Observer, Recorder
+from mission.onboard.runtime.records import Observer
 
 INFO, WARNING, FAULT = "info", "warning", "fault"
 LEVELS = {INFO: 6, WARNING: 4, FAULT: 3}  # syslog's numbers
@@ -155,21 +155,14 @@ class Several:
 
 
 class Tally:
-    """A recorder in front of the black box that counts faults by link."""
+    """A sink of records that counts faults by link."""
 
     def __init__(self) -> None:
         self.faults: Counter[str] = Counter()
-        self._recorder: Recorder | None = None
-
-    def over(self, recorder: Recorder | None) -> Tally:
-        self._recorder = recorder
-        return self
 
     def record(self, record: Record) -> None:
         if record.kind == FAULT_RECORD:
             self.faults[json.loads(record.payload)["link"]] += 1
-        if self._recorder is not None:
-            self._recorder.record(record)
 
 
 def _shown(data: bytes) -> str:

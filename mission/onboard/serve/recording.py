@@ -2,6 +2,7 @@
 
     records --FLUSH_S--> black box        Health --EVERY_S--> status.json
     what it began with --once it has worked--> working
+    parts that are closed --> closing
 
 One thread does all of it, so that nobody waits for the disk but the disk. A disk that fails is
 told, and stops nothing. What does not live here: the files' formats (blackbox, health).
@@ -19,12 +20,21 @@ from mission.onboard.serve import health
 from mission.onboard.serve.journal import Tally
 from mission.onboard.serve.provision import Provision
 from mission.onboard.serve.working import find
+from mission.onboard.stream.sinks import Sinks
+
+ClosesParts = Callable[[Path, Path | None], None]  # folder, the part that is being written
+
+
+def leave_parts(folder: Path, but: Path | None) -> None:
+    """As they are, for whoever has the time."""
 
 
 class Recording:
-    def __init__(self, tell: Callable[[str], None]) -> None:
-        self._tell = tell
-        self.tally = Tally()  # what the runtime writes to
+    def __init__(self, tell: Callable[[str], None], close_parts: ClosesParts = leave_parts) -> None:
+        self._tell, self._close_parts = tell, close_parts
+        self._part: Path | None = None  # that is being written
+        self.sinks, self.tally = Sinks(tell), Tally()  # what the runtime writes to
+        self.sinks.put("the count of faults", self.tally)
         self.box: BlackBox | None = None
         self._failure = ""  # as it was told
         self._disk = ThreadPoolExecutor(1, "black box")
@@ -40,7 +50,7 @@ class Recording:
         self._failure = self.box.failure
         if self._failure:
             self._tell(f"{self._failure} - nothing will be recorded until that is mended")
-        self.tally.over(self.box)
+        self.sinks.put("the black box", self.box)
 
     async def keep_box(self) -> None:
         """Runs until it is cancelled."""
@@ -53,6 +63,9 @@ class Recording:
                 # shielded: what was taken is written even when this task is cancelled
                 stored = self._disk.submit(box.store, data, True)
                 await asyncio.shield(asyncio.wrap_future(stored))
+            if box.path != self._part:  # the first, or another: those before it are closed
+                self._part = box.path
+                self._close_parts(box.path.parent, box.path)
             if box.failure != self._failure:
                 self._failure = box.failure
                 self._tell(f"black box: {self._failure or 'it is written now'}")
@@ -80,6 +93,7 @@ class Recording:
         box, self.box = self.box, None
         if box is not None:
             await asyncio.get_running_loop().run_in_executor(self._disk, box.close)
+            self._close_parts(box.path.parent, None)
 
     def end(self) -> None:
         self._disk.shutdown()

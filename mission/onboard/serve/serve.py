@@ -39,7 +39,7 @@ from mission.onboard.serve.preload import prepare
 from mission.onboard.serve.processes import Processes
 from mission.onboard.serve.provision import Provision
 from mission.onboard.serve.rate_limiter import RateLimiter, host_of
-from mission.onboard.serve.recording import Recording
+from mission.onboard.serve.recording import ClosesParts, Recording, leave_parts
 from mission.onboard.serve.systemclock import set_system_clock
 from mission.onboard.serve.validation_queue import ValidationQueue
 from mission.onboard.serve.watchdog import Watchdog
@@ -71,6 +71,7 @@ class Server:
         speed: float = 1.0,
         observer: Observer | None = None,
         leave_within: float = USUAL_S - MARGIN_S,
+        close_parts: ClosesParts = leave_parts,
     ) -> None:
         self._got = got
         self._configuration, self._vehicle, self._store = got.configuration, got.vehicle, got.store
@@ -79,7 +80,7 @@ class Server:
         self._observer = Several(self._journal, *([observer] if observer else []))
         self._limiter, self._began = RateLimiter(time.monotonic()), time.monotonic()
         self._recording, self.validation = (
-            Recording(self._tell),
+            Recording(self._tell, close_parts),
             ValidationQueue(self._hear, self._spawn),
         )
         self._commander: Peer | None = None
@@ -148,7 +149,7 @@ class Server:
                 self._configuration,
                 self._vehicle,
                 self._store,
-                self._recording.tally,
+                self._recording.sinks,
                 wall=wall,
                 observer=self._observer,
             )

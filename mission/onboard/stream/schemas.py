@@ -27,7 +27,7 @@ def table(says: str = "", optional: Sequence[str] = (), /, **fields: Schema) -> 
 
 def number(unit: str, says: str = "", *, known: bool = True) -> Schema:
     kind = "number" if known else ["number", "null"]
-    return _said({"type": kind}, f"{unit}: {says}" if says else unit)
+    return _said({"type": kind}, ": ".join(filter(None, (unit, says))))
 
 
 def count(says: str) -> Schema:

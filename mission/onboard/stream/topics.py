@@ -180,8 +180,9 @@ DERIVED: tuple[Topic, ...] = (
         FIX, "a fix of the GPS receiver, decoded",
         t=_T, latitude_deg=number("deg"), longitude_deg=number("deg"),
         accuracy_m=_maybe("m", "one sigma of each axis"), speed_m_s=_maybe("m/s", "over ground"),
-        course_deg=_maybe("deg", "over ground"), hdop=_maybe(""),
-        elevation_m=_maybe("m"), satellites=_maybe(""), utc=text("as it says", known=False),
+        course_deg=_maybe("deg", "over ground"),
+        hdop=_maybe("", "horizontal dilution of precision"), elevation_m=_maybe("m"),
+        satellites=_maybe("", "how many"), utc=text("as it says", known=False),
     ),
     _derived(
         STATE, "where it is, what it does and how far it is from each limit; for each estimate",
