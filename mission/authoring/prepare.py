@@ -22,8 +22,10 @@ from mission.authoring.compiler.compiler import compiled
 from mission.authoring.language import Draft, digest, draft, read_file
 from mission.model import Chart, Mission, legs_of
 from mission.model.diagnostics import Diagnosed, Diagnostic, MissionErrors, ordered, placed, whole
-from mission.model.shipped import load_vehicle, missions_folder
+from mission.model.shipped import load_vehicle, shipped_missions
 from mission.model.vehicle import Vehicle, VehicleError
+
+_LACKS = ("vehicle-cannot-follow", "vehicle-has-no-word", "vehicle-cannot-know", "never-known")
 
 
 class Unreadable(Diagnosed):
@@ -66,7 +68,8 @@ def prepare(
         raise Unreadable([*known, *read.problems.found()], source) from None
     made = charted(read, chosen)
     if made.chart is None:
-        raise Unreadable(made.found, source)
+        own = chosen.name == read.mission.vehicle
+        raise Unreadable(made.found if own else [_unfit(made.found, chosen.name)], source)
     return Prepared(source, text, read.mission, chosen, made.chart)
 
 
@@ -109,12 +112,11 @@ def mission_file(name: str | Path) -> Path:
     path = Path(name)
     if path.suffix or path.name != str(path) or path.exists():
         return path
-    shipped = missions_folder() / f"{path}.yaml"
-    if shipped.is_file():
-        return shipped
-    known = ", ".join(sorted(p.stem for p in missions_folder().glob("*.yaml")))
+    shipped = shipped_missions()
+    if str(path) in shipped:
+        return shipped[str(path)]
     message = f"{path}: no such file, and no shipped mission"
-    raise Unreadable([whole("unreadable", message, f"there are {known}")])
+    raise Unreadable([whole("unreadable", message, f"there are {', '.join(shipped)}")])
 
 
 def check_prepared(prepared: Prepared) -> Report:
@@ -132,3 +134,11 @@ def parameters_of(pairs: Iterable[str]) -> dict[str, str]:
             raise Unreadable([whole("parameter-value", f"--param {pair!r} sets nothing", hint)])
         found[name.strip()] = value.strip()
     return found
+
+
+def _unfit(found: Iterable[Diagnostic], vehicle: str) -> Diagnostic:
+    """Why a mission of another vehicle cannot fly on this one: the one reason that matters, which
+    is what the vehicle lacks before what it knows or bears."""
+    weight = {code: at for at, code in enumerate(_LACKS)}
+    first = min(found, key=lambda d: (weight.get(d.code, len(weight)), d.where.line))
+    return replace(first, message=f"not for {vehicle}: {first.message}")

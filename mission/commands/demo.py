@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mission.commands.options import PROFILE, SEED, SETTINGS
+from mission.commands.options import PROFILE, SEED, SETTINGS, VEHICLE
 
 if TYPE_CHECKING:
     from mission.verification.simulation.demo import Progress
+
+OWN = {"coreboard": "coreboard-dive", "rov": "rov-dive", "robot": "robot-drive"}
 
 
 @click.command()
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 @PROFILE
 @SEED
 @SETTINGS
+@VEHICLE
 @click.option("--out", type=click.Path(path_type=Path, file_okay=False),
               default=Path("out/demo"), show_default=True,
               help="For pictures, logs and black box; an earlier demo's are removed.")  # fmt: skip
@@ -31,12 +34,17 @@ def demo(
     profile: str | None,
     seed: int,
     settings: tuple[str, ...],
+    vehicle: str | None,
     out: Path,
 ) -> None:
-    """Fly MISSION (default: first-dive) through serve and a simulated vehicle, over real bytes.
+    """Fly MISSION through serve and a simulated vehicle, over real bytes.
+
+    Without MISSION the vehicle's own: first-dive, coreboard-dive, rov-dive or robot-drive.
 
     Exit 0 only if the vehicle surfaced, the mission completed and every leg was left as planned.
     """
+    from dataclasses import replace
+
     from links.simulated.settings import SettingError, parse_settings
     from mission.authoring.graph.outline import outline
     from mission.authoring.graph.svg import svg
@@ -46,9 +54,9 @@ def demo(
     from mission.verification.simulation.legtable import table
     from mission.verification.simulation.plot import draw_flight
 
-    path = mission or Path("first-dive")
+    path = mission or Path(OWN.get(vehicle or "", "first-dive"))
     try:
-        prepared = prepare(path)
+        prepared = prepare(path, vehicle)
         parse_settings(settings)
     except (Unreadable, SettingError) as error:
         click.echo(str(error), err=True)
@@ -61,8 +69,10 @@ def demo(
     worst = report.proved.worst_time
     click.echo(f"{path}: at most {worst / 60:.1f} min of mission, {speed:g} times real time")
     shown = Shown()
-    dialect = profile or prepared.vehicle.dialect
-    flown = Demo(prepared, out, speed, dialect, seed, settings, worst, click.echo, shown.show)
+    if profile is not None and prepared.vehicle.codec == "auv":
+        prepared = replace(prepared, vehicle=replace(prepared.vehicle, dialect=profile))
+    named = vehicle or prepared.mission.vehicle
+    flown = Demo(prepared, out, speed, named, seed, settings, worst, click.echo, shown.show)
     try:
         flight = flown.fly()
     except (DemoError, OperatorError) as error:

@@ -26,8 +26,8 @@ MARK = "# Written by auvmission vehicle"
               help="Times real time; serve needs the same.")  # fmt: skip
 @click.option("--position", "place", metavar="LAT,LON",
               help="Where it lies at the beginning, in degrees.")  # fmt: skip
-@click.option("--port", type=click.IntRange(1, 65535), default=4000, show_default=True,
-              help="Where its serve listens for the boat, on this computer.")  # fmt: skip
+@click.option("--port", type=click.IntRange(0, 65535), default=4000, show_default=True,
+              help="Where its serve listens for the boat; 0: anywhere free.")  # fmt: skip
 @click.option("--modem", metavar="URL", help="Of its acoustic modem, e.g. one end of `water`.")
 @click.option("--folder", type=click.Path(path_type=Path, file_okay=False),
               help="For serve.yaml, the ports, serve; default: out/VEHICLE.")  # fmt: skip
@@ -83,17 +83,16 @@ def _made(
     name: str, profile: str | None, seed: int, texts: tuple[str, ...], place: tuple[float, float]
 ) -> Simulated:
     """Raises ValueError."""
-    from links.simulated.boards import BOARDS, SimulatedBoard
-    from links.simulated.link import SimulatedVehicle
+    from dataclasses import replace
+
     from links.simulated.settings import parse_settings
     from mission.model.shipped import load_vehicle
+    from mission.verification.rig.vehicle import simulated
 
-    loaded, chosen = load_vehicle(name), parse_settings(texts)
-    if loaded.codec == "auv":
-        return SimulatedVehicle(profile or loaded.dialect, seed, chosen, position=place)
-    if loaded.codec not in BOARDS:
-        raise ValueError(f"{name}: there is no simulated board for {loaded.codec}")
-    return SimulatedBoard(loaded.codec, seed, chosen, position=place)
+    loaded = load_vehicle(name)
+    if profile is not None and loaded.codec == "auv":
+        loaded = replace(loaded, dialect=profile)
+    return simulated(loaded, seed, parse_settings(texts), position=place)
 
 
 def _room(folder: Path) -> Path:

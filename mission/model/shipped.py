@@ -16,11 +16,24 @@ def missions_folder() -> Path:
     return shipped if shipped.is_dir() else here.parent / "missions"
 
 
+def shipped_missions() -> dict[str, Path]:
+    """By name: the AUV's, and those of the other vehicles, which lie in a folder of their own."""
+    folder = missions_folder()
+    found = (*folder.glob("*.yaml"), *(folder / "others").glob("*.yaml"))
+    return {path.stem: path for path in sorted(found, key=lambda path: path.stem)}
+
+
+def vehicle_file(name: str | Path) -> Path:
+    """That of a shipped vehicle's name; a path as it stands."""
+    path = Path(name)
+    if path.suffix in (".yaml", ".yml"):
+        return path
+    return missions_folder() / "vehicles" / f"{name}.yaml"
+
+
 def load_vehicle(name: str | Path) -> Vehicle:
     """A vehicle by the name of a shipped file or by path. Raises VehicleError."""
-    path = Path(name)
-    if path.suffix not in (".yaml", ".yml"):
-        path = missions_folder() / "vehicles" / f"{name}.yaml"
+    path = vehicle_file(name)
     try:
         with path.open(encoding="utf-8") as file:
             text = file.read(LONGEST + 1)

@@ -1,7 +1,7 @@
 """The demonstration: a mission from its file to the vehicle and home, over real bytes.
 
-    python -m links.simulated  <-- pty 9600 8N1 -->  auvmission serve  <-- TCP -->  this process
-    (STM32, plant, GPS)        <-- pty NMEA ------>  (the Pi's program)             (the operator)
+    auvmission vehicle   <-- pty ----------->  auvmission serve    <-- TCP -->  this process
+    (board, body, GPS)   <-- pty: GPS ------>  (the Pi's program)               (the operator)
 
 Three processes and one time factor. The operator uploads line by line, starts with ``@AA`` and
 asks with ``@DU``; state and leg come from the events that ``serve --events`` prints. What is shown
@@ -20,6 +20,7 @@ import json
 import math
 import os
 import queue
+import re
 import signal
 import subprocess
 import sys
@@ -35,6 +36,7 @@ from links.simulated.geodesy import local
 from mission.authoring.language import script
 from mission.authoring.prepare import Prepared
 from mission.model import Estimate, NavigationMode, Position, Step
+from mission.model.shipped import vehicle_file
 from mission.onboard.blackbox import read_parts
 from mission.onboard.runtime.records import ESTIMATE, START, STEP, estimate_of, read_start, step_of
 from mission.topside.console import converse
@@ -50,12 +52,14 @@ HURRY_S = 0.5  # the same, where the demonstration does not get to its end
 PLANNED = frozenset({"until", "for", "end"})
 LEFT = frozenset(
     {
+        "gps",
         "graph.svg",
         "pi",
         "serve.log",
         "serve.yaml",
         "track.png",
         "truth.csv",
+        "vehicle",
         "vehicle.log",
         "vehicle.yaml",
     }
@@ -86,7 +90,7 @@ class Demo:
     prepared: Prepared
     folder: Path
     speed: float
-    profile: str
+    vehicle: str  # file or name
     seed: int
     settings: tuple[str, ...]
     worst_time: float  # s
@@ -101,7 +105,7 @@ class Demo:
         with _told_to_end(), self._vehicle() as vehicle, self._serve(vehicle) as events:
             ready = events.take(READY_S)
             topside, box = ready["topside"], Path(ready["black_box"])
-            self.tell(f"the Pi listens on {topside}; STM32 on {vehicle['vehicle']}")
+            self.tell(f"the Pi listens on {topside}; its board is at {vehicle['vehicle']}")
             self._operate(topside, events)
         return self._flight(box, vehicle["wall"], time.monotonic() - began)
 
@@ -159,7 +163,8 @@ class Demo:
 
     @contextmanager
     def _vehicle(self) -> Iterator[dict[str, Any]]:
-        command = [sys.executable, "-m", "links.simulated", "--profile", self.profile]
+        command = [sys.executable, "-m", "mission", "vehicle", self._vehicle_file()]
+        command += ["--folder", str(self.folder), "--port", "0", "--json"]
         command += ["--seed", str(self.seed), "--speed", str(self.speed)]
         command += ["--track", str(self.folder / "truth.csv")]
         for setting in self.settings:
@@ -172,34 +177,17 @@ class Demo:
 
     @contextmanager
     def _serve(self, vehicle: dict[str, Any]) -> Iterator[_Lines]:
-        config = self.folder / "serve.yaml"
-        config.write_text(
-            f"vehicle: {json.dumps(self._vehicle_file())}\n"
-            "links:\n"
-            f"  vehicle: serial://{vehicle['vehicle']}?baud=9600\n"
-            f"  gps: serial://{vehicle['gps']}?baud=9600\n"
-            "  topside: tcp://127.0.0.1:0\n",
-            encoding="utf-8",
-        )
-        command = [sys.executable, "-m", "mission", "serve", "--config", str(config)]
-        command += ["--folder", str((self.folder / "pi").resolve())]
+        command = [sys.executable, "-m", "mission", "serve", "--config", vehicle["config"]]
         command += ["--speed", str(self.speed), "--events"]
         with self._process("auvmission serve", command) as lines:
             yield lines
 
     def _vehicle_file(self) -> str:
-        """The vehicle's file, in the dialect of the profile that flies."""
-        from mission.model.shipped import missions_folder
-
-        text = (missions_folder() / "vehicles" / f"{self.prepared.vehicle.name}.yaml").read_text(
-            encoding="utf-8"
-        )
-        rows = [
-            f"dialect: {self.profile}" if row.startswith("dialect:") else row
-            for row in text.split("\n")
-        ]
+        """The vehicle's file, in the dialect that flies."""
+        text = vehicle_file(self.vehicle).read_text(encoding="utf-8")
+        dialect = f"dialect: {self.prepared.vehicle.dialect}"
         path = self.folder / "vehicle.yaml"
-        path.write_text("\n".join(rows), encoding="utf-8")
+        path.write_text(re.sub(r"(?m)^dialect:.*", dialect, text), encoding="utf-8")
         return str(path.resolve())
 
     @contextmanager
