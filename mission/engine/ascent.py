@@ -33,10 +33,20 @@ Way = Setpoint | Order
 
 
 class Ascent:
-    """``ways``: the vehicle's, in their order. ``sinking``: it sinks from rest."""
+    """``ways``: the vehicle's, in their order. ``upward``: it begins with X0 and U12. A depth is
+    taken for its change alone, and None where not even that is believed."""
 
     __slots__ = (
-        *("_at", "_deepest", "_looked", "_overturned_at", "_since", "_start_depth", "_ways"),
+        *(
+            "_at",
+            "_deepest",
+            "_downward",
+            "_looked",
+            "_overturned_at",
+            "_since",
+            "_start_depth",
+            "_ways",
+        ),
         *("_turn", "_why", "began", "way"),
     )
 
@@ -48,14 +58,15 @@ class Ascent:
         ways: tuple[Way, ...],
         *,
         overturned: bool = False,
-        sinking: bool = False,
+        upward: bool = False,
     ) -> None:
         self.began, self._why, self._ways, self._turn = now, why, ways, TURN
+        self._downward: tuple[Way, ...] = ()  # that led deeper, upside down
         self._begin_turn(now, depth)
         first = ways[0]
         if overturned:
             first = Order.STOP
-        elif (depth is None or sinking) and UPWARD in ways:
+        elif (depth is None or upward) and UPWARD in ways:
             first = UPWARD
         self._at = ways.index(first) if first in ways else 0
         self.way: Way = ways[self._at]
@@ -86,12 +97,26 @@ class Ascent:
             self.way, self._overturned_at = DOWNWARD, now
             why = f"{why}, and the vehicle is upside down"
         else:
-            self._at = (self._at + 1) % len(self._ways)
+            self._at = self._next(depth, overturned)
             self.way = self._ways[self._at]
         driven = self._has_led_deeper(depth) and self.way is Order.STOP
         self._begin_turn(now, depth)
         self._turn = OVERTURNED_TURN if self.way == DOWNWARD else 2.0 * TURN if driven else TURN
         return (Action(self.way, why),)
+
+    def _next(self, depth: float | None, overturned: bool) -> int:
+        """The way behind the one that was tried. Upside down none that has led deeper there, and
+        where no depth is known letting go alone: every push may be one."""
+        ways, at = self._ways, self._at
+        led = overturned and self._has_led_deeper(depth)
+        self._downward = (*self._downward, *[self.way] * led) if overturned else ()
+        turns = [(at + i) % len(ways) for i in range(1, len(ways) + 1)]
+        if overturned and Order.STOP in ways:
+            turns = [i for i in turns if ways[i] is Order.STOP or self._may_lift(ways[i], depth)]
+        return turns[0]
+
+    def _may_lift(self, way: Way, depth: float | None) -> bool:
+        return depth is not None and way not in self._downward
 
     def _begin_turn(self, now: float, depth: float | None) -> None:
         self._since = self._looked = now

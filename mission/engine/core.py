@@ -327,9 +327,13 @@ class Core:
         self._to_emergency()
         self.stop_at = self.stopped_at = None
         self.watch.set_sent(None)
-        over = vehicle_state.overturned
         self.ascent = begun or Ascent(
-            self.now, vehicle_state.depth, why, self.ways, overturned=over, sinking=sinking
+            self.now,
+            vehicle_state.moving_depth,
+            why,
+            self.ways,
+            overturned=vehicle_state.overturned,
+            upward=sinking or vehicle_state.depth is None,
         )
         actions = () if begun else self.ascent.first()
         if by is By.OPERATOR and self.ascent.way is not Order.SURFACE:
@@ -365,7 +369,7 @@ class Core:
             self._move("surfaced", SURFACED, why, stop, None)
             self.ascent = None
         elif actions := self.ascent.act(
-            self.now, self.vehicle_state.depth, self.vehicle_state.overturned
+            self.now, self.vehicle_state.moving_depth, self.vehicle_state.overturned
         ):
             self._record(actions)
 

@@ -1,8 +1,9 @@
 """A program that begins again: what was under way comes up, what was at rest is left at rest.
 
     a mission, an ascent     --> emergency/surfacing, at once; what proves the surface is counted
-                                 from 6 s on: of a depth that nobody saw before, it is known only
-                                 after five reports whether it is frozen
+                                 from 6 s on, and by a depth only when that has changed: of one that
+                                 nobody saw before, it is known only after five reports with a
+                                 thruster on whether it is frozen
     stopped, surfaced        --> the same again, everything stopped: the vehicle may be on deck
     the stick alone          --> stopped, idle
     the store cannot tell    --> stopped, and up as soon as two reports in a row say a depth to
@@ -50,6 +51,7 @@ def begin_again(core: Core, before: Restarted) -> None:
         core.deep_reports = 0
     else:
         core.surface("restart", why, By.LIMIT)
+        core.vehicle_state.expect_change()
         if core.ascent is not None:
             core.ascent.began += UNWATCHED
 

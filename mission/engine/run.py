@@ -114,7 +114,14 @@ class Run:
                 return self._stay_up(before, stopped, why)
             self._pilot, self.sent = None, None
             over = vehicle_state.overturned
-            self.ascent = Ascent(now, vehicle_state.depth, why, self._ways, overturned=over)
+            self.ascent = Ascent(
+                now,
+                vehicle_state.moving_depth,
+                why,
+                self._ways,
+                overturned=over,
+                upward=vehicle_state.depth is None,
+            )
             return self.ascent.first()
         self.ascent = None
         view = self._view(vehicle_state)
@@ -294,7 +301,7 @@ class Run:
         if vehicle_state.surfaced(ascent.began):
             self.at_surface = True
             return (Action(Order.STOP, f"{short(self.leaf)}: the surface is reached"),)
-        return ascent.act(vehicle_state.now, vehicle_state.depth, vehicle_state.overturned)
+        return ascent.act(vehicle_state.now, vehicle_state.moving_depth, vehicle_state.overturned)
 
     def reckon(self, vehicle_state: VehicleState) -> None:
         """The path over ground goes on with every new estimate."""

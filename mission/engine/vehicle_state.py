@@ -103,6 +103,8 @@ class VehicleState:
         self.command: Setpoint | None = None  # in force at the vehicle
         self._position_at = -math.inf  # of the vehicle's own positions, the last one used
         self._shallow_since: float | None = -math.inf if grounded else None
+        self._first_depth: float | None = None  # since when a change is expected of it
+        self._may_stand = True  # a depth proves something though it has not changed yet
         self._offset: float | None = None  # compass minus true heading
         self._healths: dict[str, Health] = {}  # asked for at this instant
         self._depth: float | None = None
@@ -126,6 +128,7 @@ class VehicleState:
             self.estimate = self.navigation.estimate(now)
 
     def take_telemetry(self, report: Telemetry) -> None:
+        silent = self.telemetry is not None and report.t - self.telemetry.t > self._stale_after
         self.telemetry = report
         self.attitude = self.attitude.after(report)
         if self.navigation:
@@ -140,12 +143,22 @@ class VehicleState:
         depth = self.depth
         if depth is not None:
             self.believed_depth, self._believed_at = depth, report.t
-        if depth is None or depth >= SURFACE_DEPTH:
+        if depth is None or depth >= SURFACE_DEPTH or not self._has_changed(depth):
             self._shallow_since = None
-        elif self._shallow_since is None:
+        elif self._shallow_since is None or (silent and not self._grounded):
             self._shallow_since = report.t
         if report.heading is not None and self.estimate and self.estimate.heading is not None:
             self._offset = wrap(report.heading - self.estimate.heading)
+
+    def expect_change(self) -> None:
+        """Of a depth that nobody saw before: one that stands still proves no surface."""
+        self._may_stand, self._first_depth = self._grounded, None
+
+    def _has_changed(self, depth: float) -> bool:
+        if self._first_depth is None:
+            self._first_depth = depth
+        self._may_stand = self._may_stand or depth != self._first_depth
+        return self._may_stand
 
     def _with_thrust(self, report: Telemetry) -> Telemetry:
         """Where a vehicle does not say what its thrusters do, they are taken to do what they were
@@ -235,6 +248,13 @@ class VehicleState:
             seen = None if report is None else report.depth
             self._depth = seen if seen is not None and self.health("depth").valid else None
         return self._depth
+
+    @property
+    def moving_depth(self) -> float | None:
+        """What its change can be taken from: the depth, or one whose zero alone is contradicted."""
+        if self.depth is not None or self.telemetry is None or not self.health("depth").moves:
+            return self.depth
+        return self.telemetry.depth
 
     @property
     def overturned(self) -> bool:

@@ -156,11 +156,13 @@ CONTRADICTED = "contradicted"  # how such a reason begins
 
 class Health(NamedTuple):
     """Whether a sensor can be believed, and if not why (missing, stale, frozen, absurd,
-    contradicted). A tuple, because some are made for every report."""
+    contradicted). ``moves``: it is contradicted, but what it changes by can be believed. A tuple,
+    because some are made for every report."""
 
     valid: bool
     reason: str
     age: float  # s since the last report, inf if none
+    moves: bool = False
 
 
 class Vertical(NamedTuple):

@@ -9,14 +9,16 @@ never twice the same. What speaks against it, over the last ``WINDOW`` seconds:
     leaps     it is elsewhere at once, and stays there
     rate      it moves faster than a body does
     offset    fixes come as at the surface, nothing pushes down, and it is 0.8 m or more off 0, and
-              stands, or does not fall though the verticals push up
+              stands, or does not fall though the verticals push up; nor moves as a body does
 
 What explains a depth that stands is no contradiction: fixes that come in at the surface (the dive
 fails), the ground under the vehicle, the surface above it. A depth that was contradicted is
 believed again once it has moved the way the vehicle is moved, or shows the surface for ``AGREES``
-seconds of fixes; after a leap or an offset by the second alone, for these move as they should. A
-depth that stood under a push upward is an offset where fixes come; where none do the vehicle is
-under water, and as heavy as its thrusters can just hold, or the port is clogged: movement tells.
+seconds of fixes. After a leap by the second alone, for it moves as it should: its change can be
+believed again by then, but not where its zero is. After an offset by movement, too, if fixes have
+come all that time: nothing rises by metres at the surface, so it was the receiver. A depth that
+stood under a push upward is an offset where fixes come; where none do the vehicle is under water,
+and as heavy as its thrusters can just hold, or the port is clogged: movement tells.
 Either way it must have moved: of a clogged port 0.1 m is no proof of the surface.
 
 What does not live here: a sensor by itself (health), what follows (engine, limits). What cannot
@@ -64,11 +66,13 @@ class _Sample(NamedTuple):
 
 
 class DepthBelief:
-    """``reason`` is why the depth is contradicted, "" while it is not."""
+    """``reason`` is why the depth is contradicted, "" while it is not. ``follows``: while it is, it
+    has moved as the vehicle does, so that it is off and not clogged."""
 
     def __init__(self) -> None:
-        self.reason = ""
+        self.reason, self.follows = "", False
         self._moves = False  # movement alone may clear it
+        self._by_fixes = False  # it is the fixes that speak against it
         self._samples: tuple[_Sample, ...] = ()
         self._way, self._pushed_at = 0, -math.inf  # of a push that should move it, down positive
         self._calm_at = self._still_at = math.inf  # since when nothing pushes down; drives
@@ -84,7 +88,7 @@ class DepthBelief:
     def leap(self, t: float, by: float) -> None:
         """The sensor has come back elsewhere, by so many metres: what leaps is not clogged."""
         self._contradict(t, f"it leapt by {by:.1f} m", moves=False)
-        self._low, self._moves = -math.inf, False
+        self._low, self._moves, self._by_fixes, self.follows = -math.inf, False, False, False
 
     def take(
         self,
@@ -102,7 +106,7 @@ class DepthBelief:
         if since < _EVERY:
             return
         if since > _GAP:
-            samples, self._pushed_at, self._moved_at = (), t, t
+            samples, self._pushed_at, self._moved_at, self.follows = (), t, t, False
             self._calm_at = self._still_at = math.inf
         kept = [s for s in samples if s.t >= t - WINDOW - 1e-6]
         self._samples = (*kept, _Sample(t, depth, altitude))
@@ -178,8 +182,9 @@ class DepthBelief:
         if abs(moved) > _BODY * 0.5 * WINDOW:
             rate = abs(moved) / (0.5 * WINDOW)
             self._contradict(t, f"{rate:.1f} m/s up or down, which no body has", moves=False)
-        elif self._is_off(t, depth, abs(moved) < STANDS, receiver):
+        elif self._is_off(t, depth, moved, receiver):
             self._contradict(t, f"fixes come and it says {depth:.1f} m", moves=False)
+            self._by_fixes = True
         elif abs(moved) >= STANDS:
             return
         elif self._way and self._pushed_at <= whole:
@@ -192,15 +197,18 @@ class DepthBelief:
             says = f"the ground comes nearer by {by:.1f} m and it stands at {depth:.1f} m"
             self._contradict(t, says, moves=True)
 
-    def _is_off(self, t: float, depth: float, stands: bool, receiver: Receiver) -> bool:
-        """Fixes as at the surface, nothing pushes down, and a depth that is not 0, nor falls."""
-        floats = self._calm_at < math.inf and receiver.settled(t) > 0.0
+    def _is_off(self, t: float, depth: float, moved: float, receiver: Receiver) -> bool:
+        """Fixes as at the surface, nothing pushes down, and a depth that is not 0, nor falls. What
+        goes up or down as a body does is not there, whatever the receiver says."""
+        travels = abs(moved) >= _FOLLOWS and self._evenly()
+        floats = self._calm_at < math.inf and receiver.settled(t) > 0.0 and not travels
         if not floats or depth < self._afloat[1] - STANDS:
             self._afloat, self._lifted = (t, depth if floats else math.inf), 0.0
             return False
         self._lifted += (self._way < 0) * (t - self._samples[-2].t)
         lasts = t - self._afloat[0] >= _OFFSET_TIME
-        return lasts and abs(depth) >= FIX_DEPTH and (stands or self._lifted >= _LIFTED)
+        stands = abs(moved) < STANDS or self._lifted >= _LIFTED
+        return lasts and abs(depth) >= FIX_DEPTH and stands
 
     def _ground(self, t: float) -> float:
         """m by which the ground came nearer (negative: went) between the halves, evenly; 0: not."""
@@ -232,7 +240,8 @@ class DepthBelief:
     def _contradict(self, t: float, why: str, *, moves: bool) -> None:
         if not self.reason:
             self.reason, self._moves, self._doubted_at = f"{CONTRADICTED}: {why}", moves, t
-            self._low, self._high = math.inf, -math.inf
+            self._by_fixes = False
+            self._low, self._high, self.follows = math.inf, -math.inf, False
 
     # --- belief ----------------------------------------------------------------------------------
 
@@ -240,10 +249,14 @@ class DepthBelief:
         if self._samples[0].t < self._doubted_at:
             return
         self._low, self._high = min(self._low, mean), max(self._high, mean)
-        if self._moves and abs(moved) >= _FOLLOWS and self._evenly():
+        if abs(moved) >= _FOLLOWS and self._evenly():
             calm = self._way == 0 and self._calm_at <= self._samples[0].t
-            if moved * self._way > 0.0 or calm:
-                self.reason = ""
+            self.follows = self.follows or moved * self._way > 0.0 or calm
+        elif abs(moved) < STANDS and self._way and self._pushed_at <= t - WINDOW + 1e-6:
+            self.follows = False
+        made_up = self._by_fixes and receiver.settled(t) >= WINDOW  # nothing rises at the surface
+        if self.follows and (self._moves or made_up):
+            self.reason = ""
         shallow = abs(mean) < FIX_DEPTH and self._high - self._low >= _MOVED
         if shallow and receiver.settled(t) >= AGREES:
             self.reason = ""

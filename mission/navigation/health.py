@@ -232,7 +232,7 @@ class SensorHealth:
             if reason:
                 return Health(False, reason, age)
         if sensor == "depth" and self.belief.reason:
-            return Health(False, self.belief.reason, age)
+            return Health(False, self.belief.reason, age, self.belief.follows)
         return Health(True, "", now - self.monitors[names[0]].t)
 
 

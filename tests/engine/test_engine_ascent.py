@@ -74,7 +74,7 @@ def begun(depth: float | None = 20.0, **more: bool) -> Ascent:
     [
         (20.0, {}, Order.SURFACE),
         (None, {}, UPWARD),
-        (20.0, {"sinking": True}, UPWARD),
+        (20.0, {"upward": True}, UPWARD),
         (20.0, {"overturned": True}, Order.STOP),
         (None, {"overturned": True}, Order.STOP),
     ],
@@ -136,6 +136,28 @@ def test_without_a_depth_to_believe_nothing_pushes_down():
     ascent = begun(None, overturned=True)
     said = [a.command for t in range(10, 200, 10) for a in ascent.act(float(t), None, True)]
     assert DOWNWARD not in said
+
+
+def test_upside_down_without_a_depth_to_go_by_it_is_let_go_alone():
+    """Every push may be one to the floor; upright again all ways take their turns."""
+    ascent = begun(None, overturned=True)
+    said = [a.command for t in range(10, 200, 10) for a in ascent.act(float(t), None, True)]
+    assert set(said) == {Order.STOP}
+    rest = [ascent.act(200.0 + 10.0 * i, None, False)[0].command for i in range(3)]
+    assert rest == [*WAYS[:2], Order.STOP]
+
+
+def test_upside_down_a_push_that_has_led_a_metre_deeper_is_not_tried_again():
+    """Afloat, under a sensor that is off: each turn of it was a dive of three metres."""
+    depth, said, ascent = 1.4, [(0.0, Order.STOP)], begun(1.4, overturned=True)
+    for tick in range(2, 1200):
+        pushed = said[-1][1] in (UPWARD, Order.SURFACE)
+        depth = depth + 0.15 if pushed else max(depth - 0.15, 1.4)
+        said += [(tick / 2, a.command) for a in ascent.act(tick / 2, depth, True)]
+    assert [way for _, way in said].count(UPWARD) == 1
+    assert [way for _, way in said].count(Order.SURFACE) == 1
+    ascent.act(600.0, 1.4, False)
+    assert ascent.way is not Order.STOP
 
 
 def test_three_hundredths_of_a_metre_a_second_is_rising_and_less_is_not():

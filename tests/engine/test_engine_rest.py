@@ -328,7 +328,21 @@ def test_after_a_restart_what_proves_the_surface_counts_from_six_seconds_on(duri
     world = World(navigation=False)
     world.depth = 0.2
     world.tell(Restarted(during))
-    world.wait(11.9)
+    world.wait(2.1)
+    world.depth = 0.25
+    world.wait(9.8)
     assert world.state == SURFACING
     world.wait(2.2)
+    assert world.state == SURFACED
+
+
+def test_after_a_restart_a_depth_that_has_not_changed_proves_no_surface():
+    """Frozen is known with a thruster on alone, and letting go is one of the ways."""
+    world = World(navigation=False)
+    world.depth = 0.2
+    world.tell(Restarted(SURFACING))
+    world.wait(300.0)
+    assert world.state == SURFACING
+    world.depth = 0.21
+    world.wait(8.1)
     assert world.state == SURFACED

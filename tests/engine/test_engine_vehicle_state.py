@@ -9,7 +9,7 @@ import pytest
 from engine_world import HOME, NEUTRAL, Frame, Navigation
 
 from mission.engine.vehicle_state import SURFACE_DEPTH, VehicleState
-from mission.model import Local, NavigationMode, Position
+from mission.model import Health, Local, NavigationMode, Position
 from mission.navigation.fixes import FIX_DEPTH, metres
 from protocol.messages import Fix, Setpoint, Telemetry
 
@@ -47,6 +47,38 @@ def told(vehicle_state: VehicleState, t: float, **values: object) -> VehicleStat
     vehicle_state.at(t)
     vehicle_state.take_telemetry(report(t, **values))
     return vehicle_state
+
+
+def test_a_shallow_depth_behind_a_silence_is_no_proof_of_the_surface_yet():
+    """Where it was meanwhile nobody knows: the six seconds begin anew."""
+    vehicle_state = VehicleState()
+    for t in (1.0, 3.0, 5.0, 7.0):
+        told(vehicle_state, t)
+    assert vehicle_state.surfaced(0.0)
+    told(vehicle_state, 12.9)
+    assert vehicle_state.surfaced(0.0)
+    told(vehicle_state, 19.0)
+    assert not vehicle_state.surfaced(0.0)
+    told(vehicle_state, 25.0)
+    assert vehicle_state.surfaced(0.0)
+
+
+def test_a_depth_whose_zero_is_contradicted_still_tells_whether_it_moves():
+    """What is clogged does not."""
+
+    class Doubting(Navigation):
+        moves = False
+
+        def health(self, sensor: str, now: float) -> Health:
+            return Health(False, "contradicted: it leapt by 4.0 m", 0.0, self.moves)
+
+    navigation = Doubting()
+    vehicle_state = told(VehicleState(navigation), 1.0, depth=7.0)
+    assert (vehicle_state.depth, vehicle_state.moving_depth) == (None, None)
+    navigation.moves = True
+    told(vehicle_state, 3.0, depth=7.5)
+    assert (vehicle_state.depth, vehicle_state.moving_depth) == (None, 7.5)
+    assert not vehicle_state.surfaced(0.0)
 
 
 # --- before navigation is there ----------------------------------------------------------------

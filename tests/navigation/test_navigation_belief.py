@@ -277,6 +277,52 @@ def test_what_leapt_is_believed_at_the_surface_alone(fixes):
     assert bool(dive.belief.reason) is not fixes
 
 
+def test_a_depth_that_is_contradicted_and_moves_with_the_vehicle_follows_it():
+    """It is off, not clogged: what it changes by tells whether an ascent rises."""
+    dive = Dive(noise=0.05)
+    dive.go(20.0, HOLD, at(10.0))
+    dive.belief.leap(dive.t, -6.0)
+    assert not dive.belief.follows
+    assert dive.go(24.0, UP, sinking(-0.22, 8.0))
+    assert dive.belief.follows
+    assert dive.go(24.0, UP, at(3.0))
+    assert not dive.belief.follows
+
+
+@pytest.mark.parametrize("push", [UP, REST])
+def test_one_that_is_clogged_follows_nothing(push):
+    dive = contradicted()
+    for _ in range(20):
+        assert dive.go(10.0, push, at(4.2))
+        assert not dive.belief.follows
+
+
+def test_behind_a_silence_it_has_to_show_again_that_it_follows():
+    dive = Dive(noise=0.05)
+    dive.go(20.0, HOLD, at(10.0))
+    dive.belief.leap(dive.t, -6.0)
+    dive.go(24.0, UP, sinking(-0.22, 8.0))
+    dive.t += 10.0
+    dive.go(2.0, REST, at(0.7))
+    assert dive.belief.reason
+    assert not dive.belief.follows
+
+
+def test_fixes_contradict_no_depth_that_goes_as_a_body_does():
+    """Nothing rises or sinks by metres at the surface: the receiver makes its places up."""
+    dive = Dive(noise=0.05)
+    assert dive.go(22.0, REST, sinking(0.3, 10.0), fixes=True) == ""
+    assert dive.go(16.0, UP, sinking(-0.25, 16.6), fixes=True) == ""
+    assert dive.go(22.0, REST, sinking(0.3, 12.6), fixes=True) == ""
+
+
+def test_what_fixes_have_contradicted_is_believed_when_it_moves_under_them():
+    dive = Dive(noise=0.05)
+    hovering = Vertical(-0.4, 14.0)
+    assert dive.go(60.0, hovering, at(14.0), fixes=True).startswith("contradicted: fixes come")
+    assert dive.go(24.0, UP, sinking(-0.25, 14.0), fixes=True) == ""
+
+
 # --- the receiver --------------------------------------------------------------------------------
 
 

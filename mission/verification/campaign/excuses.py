@@ -4,6 +4,8 @@
     lift       N upward by the best word that this board obeys: U12, W where it sticks. Where no
                such word is left, or too little thrust, or it lies upside down, no program brings
                up what does not float
+    unknown    whether the depth sensor says nothing that moves with the vehicle: then an ascent has
+               no way to know what lifts it (R7)
     left       from when to when nothing at rest may turn by itself: node AUTO is closed (R7, R13)
 
 All from the plant, the disturbances and what was acknowledged; never from what was believed.
@@ -26,10 +28,12 @@ from mission.verification.rig.trace import Done, Event, Said
 
 SLIGHT, SPARE = 1.0, 8.0  # N that may lift too slowly; N of lift that make a rise within a turn
 NEVER = 1e5  # s: by then what ends is over
+MOVES = 60.0  # s in which a depth shows that it moves as the vehicle does: two rounds of an ascent
+_MOVES_STILL = ("too_deep", "too_shallow", "late")  # faults of a depth that goes on moving with it
 _ANSWERED = 6.5  # s within which a switch is acknowledged
 _UPWARD = {"documented": frozenset("UW"), "as-built": frozenset("U")}  # as built, W does not stick
 _RESTS = (STOPPED, SURFACED, MANUAL_WAITING)
-_SWITCHED = b"@ACK_NSS$"
+_SWITCHED, _UP = b"@ACK_NSS$", b"@ZAU12$"
 
 
 def value_of(fault: FaultEvent) -> float:
@@ -57,9 +61,18 @@ def lift(settings: Settings, profile: str, t: float) -> float:
     )
     if untamed:
         return net(settings, t) - thrust
+    if names & {"stm32_restart", "stm32_hang"}:  # nobody is there who could obey
+        return net(settings, t)
     if "capsized" in names:  # D12 has 5 s of a minute (R7): that holds nothing up
         return net(settings, t)
     return net(settings, t) + (thrust if _UPWARD[profile] - deaf else 0.0)
+
+
+def obeys_no_stop(settings: Settings, events: Sequence[Event]) -> bool:
+    """A board that dives until it hears U12, which nothing says at the surface."""
+    begins = [f.begin for f in settings.faults if f.name == "dives_until_up"]
+    said = max((e.t for e in events if isinstance(e, Tx) and e.data == _UP), default=-math.inf)
+    return any(said < begin for begin in begins)
 
 
 def helpless(settings: Settings, profile: str, end: float) -> int:
@@ -67,12 +80,24 @@ def helpless(settings: Settings, profile: str, end: float) -> int:
     return sum(lift(settings, profile, float(t)) < SLIGHT for t in range(int(end)))
 
 
+def unknown(settings: Settings, t: float) -> bool:
+    """The depth sensor says nothing at ``t`` from which could be known whether the vehicle rises:
+    while it does not move with it, and for ``MOVES`` s after anything has changed."""
+    for fault in settings.faults:
+        sensor, _, how = fault.name.partition("_")
+        begin, end = fault.begin, fault_ends(fault)
+        shown = begin + MOVES if how in _MOVES_STILL else end
+        if sensor == "depth" and (begin <= t < shown or end <= t < end + MOVES):
+            return True
+    return False
+
+
 def unknown_and_heavy(settings: Settings, end: float) -> int:
-    """s until ``end`` in which it sinks by itself, once its depth sensor was wrong: what is not
-    believed lets go of it for ten seconds of thirty (R7), and at rest altogether."""
-    begins = [f.begin for f in settings.faults if f.name.startswith("depth_")]
-    first = min(begins, default=math.inf)
-    return sum(net(settings, float(t)) < SLIGHT for t in range(int(end)) if t >= first)
+    """s until ``end`` in which it sinks by itself and nobody knows whether it does: the ways that
+    take turns then (R7) lift it for ten seconds of thirty."""
+    return sum(
+        net(settings, float(t)) < SLIGHT and unknown(settings, float(t)) for t in range(int(end))
+    )
 
 
 def auto_closed(events: Sequence[Event]) -> Iterator[tuple[float, float]]:

@@ -23,9 +23,10 @@ physics explain:
                            one is known (five identical samples), 6 s without a depth (design)
                 + all      of what takes the vehicle out of everybody's hands: a board that
                            hangs, is deaf or dives by itself, a pulled cable, a dead program,
-                           each with the 11 s of another ascent; a program that stands still;
+                           each with the 11 s of another ascent, or the 40 s of another round
+                           where the board obeys one of its ways alone; a program that stands still;
                            what no word that its board obeys could lift, and what sinks by itself
-                           with a depth that was not believed (excuses)
+                           while its depth sensor does not move with it (excuses)
                 + beside   what depths read less than the truth, by an offset, a drift, a delay; one
                            that is stuck within half a metre of what is asked for leads down
                            with 0.25 m/s unseen
@@ -61,6 +62,8 @@ from mission.verification.campaign.excuses import (
     left,
     lift,
     net,
+    obeys_no_stop,
+    unknown,
     unknown_and_heavy,
 )
 from mission.verification.campaign.obedience import ignored
@@ -74,7 +77,7 @@ HELD = 3.0  # m of a body that its thrusters hold up
 SANK = 0.6  # m: 1 m by a sensor that may be 0.4 m off (R7, at rest)
 DEPTH_MARGIN, DEPTH_ERROR = 1.0, 0.4  # m
 SAMPLES, UNPROVED, TURNED, BLIND = 4.2, 11.0, 3.0, 18.0  # s
-ROUND = 30.0  # s of an ascent's three ways
+ROUND, WHOLE_ROUND = 30.0, 40.0  # s of an ascent's three ways; letting go may have two turns
 WAY, FIX_ERROR, SHARE = 8.0, 15.0, 0.25  # s, m, of the way
 LATE = 1.0  # s
 NEAR = 0.25  # m/s
@@ -114,7 +117,7 @@ def violations(
     elif trial.truth.depth > _allowed(settings, profile, trial):
         says = f"{trial.truth.depth:.1f} m deep at the end, in {trial.state}"
         found.append(Violation(LOST, trial.truth.t, says))
-    elif trial.turning and trial.state != SURFACING and not _may_be_held(trial, settings):
+    elif trial.turning and trial.state != SURFACING and not _may_turn(trial, settings):
         says = f"its thrusters turn at the end, in {trial.state}"
         found.append(Violation(LOST, trial.truth.t, says))
     found += [Violation(IGNORED, i.t, i.says) for i in ignored(trial.events, profile)]
@@ -127,19 +130,24 @@ def violations(
 
 def _allowed(settings: Settings, profile: str, trial: Trace) -> float:
     """m at the end. Physics: what no word that its board obeys can lift stays down. An order: what
-    sinks while AUTO is closed is not brought up (R7). What is heavy and has a depth that was not
-    believed comes up by a third of the time that its thrusters push: physics does not promise
-    that."""
+    sinks while AUTO is closed is not brought up, nor what sinks at rest with a depth that is not
+    believed (R7). What is heavy, with a sensor from which nobody can know whether it rises, has its
+    thrusters for a third of the time: physics does not promise that it comes up by that."""
     floats, lifted = net(settings, NEVER), lift(settings, profile, NEVER)
     if floats > SLIGHT and lifted >= floats:
         return AFLOAT
-    unknown = any(f.name.startswith("depth_") for f in settings.faults)
+    rests = not trial.state.startswith(AUTONOMOUS) and trial.state != SURFACING
+    doubted = rests and any(f.name.startswith("depth_") for f in settings.faults)
     is_left = any(end == math.inf for _, end in left(trial.events))
-    return math.inf if unknown or is_left or lifted < SPARE else HELD
+    alone = doubted or is_left or unknown(settings, NEVER)
+    return math.inf if alone or lifted < SPARE else HELD
 
 
-def _may_be_held(trial: Trace, settings: Settings) -> bool:
-    """It sank out of surfaced, or so its sensor said: a thruster holds it up (R7, at rest)."""
+def _may_turn(trial: Trace, settings: Settings) -> bool:
+    """It sank out of surfaced, or so its sensor said: a thruster holds it up (R7, at rest). Or its
+    board obeys no stop, and at rest nothing but X is said."""
+    if obeys_no_stop(settings, trial.events):
+        return True
     said = any(f.name.startswith("depth_") for f in settings.faults)
     return trial.state == SURFACED and (said or _sank(trial))
 
@@ -234,9 +242,10 @@ def _dive(settings: Settings, profile: str, trial: Trace) -> float:
     seconds = SAMPLES + TURNED + (UNPROVED if profile == "as-built" else 1.0)
     if any(f.name.startswith(_UNSEEN) for f in settings.faults) or _acts(trial, Act.UNPLUG):
         seconds += BLIND
+    again = WHOLE_ROUND if any(f.name.startswith("dives_") for f in settings.faults) else UNPROVED
     for fault in settings.faults:
         if fault.name in _OUT_OF_HAND:
-            seconds += (fault.duration or 0.0) + UNPROVED
+            seconds += (fault.duration or 0.0) + again
         if fault.name == "capsized":  # until that is known
             seconds += ROUND
     end = trial.truth.t

@@ -21,6 +21,7 @@ from __future__ import annotations
 import functools
 import math
 import re
+from collections import defaultdict
 from collections.abc import Iterator, Mapping
 
 from mission.authoring.compiler.compiler import compile_mission
@@ -45,8 +46,9 @@ from mission.verification.campaign.trial import AUTO_NODE, fault_ends
 from mission.verification.rig.acts import MODEM, TOPSIDE, Act
 from mission.verification.rig.line import crowded
 from mission.verification.rig.program import DEAD
-from mission.verification.rig.trace import Said
-from protocol.messages import Order
+from mission.verification.rig.trace import Done, Said
+from protocol.messages import FrameFault, Order
+from protocol.topside import TopsideCodec
 
 UNSENT = "unsent"
 _CLOCK = 0.6  # s
@@ -65,6 +67,7 @@ _ACCEPTED = re.compile(rb"@ACK_(?:AA|AC|SP|ST|AW|NS)[^N]\$")
 _REFUSED = re.compile(rb"@ACK_Z([A-Z])N\$")
 _NODE = 1.0  # s
 _ORDER = re.compile(rb"@ZA(X0|WF)\$")
+_ENDS_AT_ONCE = (Act.HURRY, Act.DIE_BEFORE, Act.DIE_AFTER)
 
 
 def word_laws(story: Story) -> Iterator[Violation]:
@@ -209,8 +212,8 @@ def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
         ways = stay.ascends or _has_word(story, end.t - 0.1, due)
         if story.tilt(end.t) < 1.0 and not ways:
             yield Violation(UNSENT, due, f"told to end in {stay.state}: no upward word")
-        gone = next((d.t for d in story.done if d.act is Act.KILL and d.t > end.t), math.inf)
-        hurried = any(done.act is Act.HURRY for done in story.done)
+        gone = next((d.t for d in story.done if d.act is Act.LEAVE and d.t > end.t), math.inf)
+        hurried = any(done.act in _ENDS_AT_ONCE for done in story.done)
         taken = any(end.t <= s.begin <= gone and s.state.startswith(MANUAL) for s in story.stays)
         allowed = _LEFT if story.stay_at(gone - SAME).state == STOPPED else _DEEP_ENOUGH
         if gone <= end.t + _STAYS and not (hurried or taken) and story.depth(gone) > allowed:
@@ -266,27 +269,34 @@ def _lets_go(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _one_commands(story: Story) -> Iterator[Violation]:
-    """By what was acknowledged to whom; X and W hand the command over."""
+    """By what was acknowledged to whom; X and W hand the command over. Who says nothing that is a
+    frame is silent."""
     commander, heard = "", -math.inf
+    streams: defaultdict[str, TopsideCodec] = defaultdict(TopsideCodec)
     for event in story.trial.events:
         if isinstance(event, Said):
             if event.link == TOPSIDE and _ORDER.search(event.data):
                 commander = event.address
-            if event.address == commander:
-                heard = event.t
-            elif event.link == MODEM:
+            if event.link == MODEM:
                 commander = ""  # who commands over it is not read here
+            elif _has_frame(streams[event.address], event) and event.address == commander:
+                heard = event.t
         elif isinstance(event, Tx) and event.link == TOPSIDE and _ACCEPTED.search(event.data):
             other = commander and event.address != commander and event.t - heard < _COMMANDS
             if other and not story.hindered(event.t - _COMMANDS, event.t):
                 says = f"{event.data!r} to {event.address!r} while {commander!r} commands"
                 yield Violation(UNLAWFUL, event.t, says)
             commander, heard = event.address, event.t
-        elif not isinstance(event, Said | Tx) and getattr(event, "act", None) in (
-            Act.PART,
-            Act.KILL,
-        ):
+        elif isinstance(event, Done) and event.act in (Act.PART, Act.KILL):
             commander = ""
+
+
+def _has_frame(stream: TopsideCodec, said: Said) -> bool:
+    """What was begun before may be given up now."""
+    due = stream.next_timer()
+    given_up = stream.flush(said.t) if due is not None and due <= said.t else []
+    found = [*given_up, *stream.receive(said.data, said.t)]
+    return not all(isinstance(one, FrameFault) for one in found)
 
 
 def _auto_closed(story: Story) -> Iterator[Violation]:

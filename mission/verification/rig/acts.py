@@ -18,6 +18,7 @@ class Act(enum.Enum):
     PART = "loses its connection"
     KILL = "the program is killed"
     BOOT = "the program begins anew"
+    LEAVE = "the program has ended by itself"
     END = "the program is told to end, and begins anew when it has"
     HURRY = "the program is told to end at once"
     UNPLUG = "the cable to the STM32 is pulled"

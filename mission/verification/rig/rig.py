@@ -58,6 +58,7 @@ class Rig(LockStep):
         self._planned: list[tuple[float, int, Disturbance]] = []
         self._count = 0  # of what was ever planned: of one time, the first goes first
         self._held: list[Disturbance] | None = None  # what came while the program stands still
+        self._unnoticed = False  # the cable is back, and the program has not seen it
         program.listen(self.stepped, self.told)
 
     # --- who is due ------------------------------------------------------------------------------
@@ -82,7 +83,7 @@ class Rig(LockStep):
     def _operate(self) -> None:
         assert self.operator is not None
         for data in self.operator.handle_timer(self.now - self._operator_from):
-            self.send(self.say(TOPSIDE, BOAT, data))
+            self.do(Disturbance(self.now, Act.SAY, data))
 
     def _handle_timer(self) -> None:
         self.send(self.program.handle_timer(self.now))
@@ -92,6 +93,7 @@ class Rig(LockStep):
         self._lived = False
         last = next((e for e in reversed(self.events) if isinstance(e, Done)), None)
         if last is None or last.act is not Act.KILL or last.t != self.now:
+            self.events.append(Done(self.now, Act.LEAVE))
             self.do(Disturbance(self.now, Act.KILL))
             self.begin_anew()
 
@@ -182,7 +184,8 @@ class Rig(LockStep):
             return
         if act is Act.SAY:
             self.send(self.say(disturbance.link, disturbance.address, disturbance.data))
-        elif act is not Act.BOOT or not self.program.lives:  # nobody begins two programs
+        elif act is not (Act.BOOT if self.program.lives else Act.STALL):
+            # nobody begins two programs, and the dead do not stand still
             self.events.append(Done(self.now, act))
             self._carry_out(disturbance)
 
@@ -213,23 +216,28 @@ class Rig(LockStep):
                 self.program.boot(now)
                 self._lived = True
             case Act.UNPLUG | Act.PLUG:
-                self.plugged = act is Act.PLUG
-                if self.plugged:
-                    self.send(self.program.connected(VEHICLE, "", now))
+                self.plugged = self._unnoticed = act is Act.PLUG
+                self._notice_line()
 
     def _cut_power(self) -> None:
         self.sea.advance(self.now)
         if isinstance(self.sea, SimulatedVehicle):
             self.sea.stm32.restart()
 
+    def _notice_line(self) -> None:
+        if self._unnoticed and self._held is None:
+            self._unnoticed = False
+            self.send(self.program.connected(VEHICLE, "", self.now))
+
     def _are_gone(self) -> None:
         """With the program: its connections, its nodes, what it had not read yet."""
         self.joined.clear()
-        self.gps_open, self._held = True, None
+        self.gps_open, self._held, self._unnoticed = True, None, False
 
     def _run_again(self) -> None:
         """What came meanwhile is read in one piece a port; connections in their order."""
         held, self._held = self._held or [], None
+        self._notice_line()
         ports: dict[str, bytes] = {}
         for disturbance in held:
             if disturbance.link in (VEHICLE, GPS):

@@ -18,6 +18,8 @@ from mission.verification.campaign.excuses import (
     left,
     lift,
     net,
+    obeys_no_stop,
+    unknown,
     unknown_and_heavy,
 )
 from mission.verification.campaign.faults import shipped, subjects
@@ -43,6 +45,8 @@ def body(*faults: str) -> Settings:
         ("documented", ("heavy=40", "capsized"), False),
         ("as-built", ("deaf_to_u",), True),
         ("as-built", ("dives_until_up", "deaf_to_u"), False),
+        ("documented", ("heavy=40", "stm32_restart"), False),
+        ("documented", ("stm32_restart",), True),
     ],
 )
 def test_what_no_word_lifts_that_the_board_obeys_is_physics(profile, faults, lifted):
@@ -53,6 +57,30 @@ def test_what_no_word_lifts_that_the_board_obeys_is_physics(profile, faults, lif
 def test_what_is_over_or_has_not_begun_excuses_nothing():
     settings = parse_settings(["fault=heavy=40@10+20", "fault=light=5@50+20"])
     assert [net(settings, t) for t in (5.0, 10.0, 29.9, 30.0, 60.0)] == [15, -25, -25, 15, 20]
+
+
+@pytest.mark.parametrize(
+    ("fault", "spans"),
+    [
+        ("depth_stuck=0.1@20+5", [(20, 85)]),
+        ("depth_drifting=0.1@20+30", [(20, 110)]),
+        ("depth_too_deep=1@20+200", [(20, 80), (220, 280)]),
+        ("altitude_stuck=0.1@20+5", []),
+    ],
+)
+def test_a_depth_says_nothing_while_it_does_not_move_with_the_vehicle(fault, spans):
+    """And for a minute after a change, in which it has to show that it does."""
+    settings = parse_settings([f"fault={fault}"])
+    seconds = [t for t in range(400) if unknown(settings, float(t))]
+    assert seconds == [t for begin, end in spans for t in range(begin, end)]
+
+
+def test_a_board_that_stops_at_an_upward_word_alone_obeys_no_stop_until_it_has_heard_one():
+    up = Tx(30.0, VEHICLE, b"@ZAU12$", "")
+    assert obeys_no_stop(body("dives_until_up"), [])
+    assert not obeys_no_stop(body("dives_until_up"), [up])
+    assert obeys_no_stop(body("dives_until_up"), [replace(up, t=5.0)])
+    assert not obeys_no_stop(body("dives_until_stop"), [])
 
 
 def test_only_behind_a_depth_that_was_wrong_is_what_sinks_left_to_a_third_of_the_thrust():

@@ -19,6 +19,7 @@ from mission.engine.engine import Engine
 from mission.engine.monitor import LimitMonitor
 from mission.model import IDLE_EMPTY, IDLE_READY, SURFACED, SURFACING, Action, Step, Tx
 from mission.model.shipped import load_vehicle
+from mission.onboard.runtime.commander import Commander
 from mission.onboard.runtime.frontseat import Frontseat
 from mission.verification.campaign.disturbances import INCIDENTS
 from mission.verification.campaign.draw import CLUSTER, MOST, OUT_OF_HAND, draw
@@ -26,8 +27,10 @@ from mission.verification.campaign.faults import fly_numbered, fly_plan, shipped
 from mission.verification.campaign.laws import IGNORED, LOST, OVERRUN, RAISED, violations
 from mission.verification.campaign.soak import Soaked, grown, soak
 from mission.verification.campaign.trial import FOREVER, try_out
-from mission.verification.rig.acts import PORT, Act, Disturbance
-from mission.verification.rig.trace import Done, Heard, Trace
+from mission.verification.campaign.whole_flight import throughout
+from mission.verification.campaign.word_laws import UNLAWFUL
+from mission.verification.rig.acts import OTHER_BOAT, PORT, Act, Disturbance
+from mission.verification.rig.trace import Done, Heard, Said, Trace
 from protocol.messages import Order
 
 VEHICLE = load_vehicle("auv")
@@ -263,6 +266,47 @@ def test_a_program_that_stands_still_says_nothing_and_then_reads_everything_at_o
     events = flown([Disturbance(50.0, Act.STALL), Disturbance(54.5, Act.RUN)]).events
     assert not [e for e in events if isinstance(e, Tx | Heard) and 50.0 < e.t < 54.5]
     assert [e for e in events if isinstance(e, Heard) and e.t == 54.5 and len(e.data) > 86]
+
+
+def test_a_program_that_stands_still_is_told_nothing_by_operators_or_a_cable() -> None:
+    """From before the operator starts the mission."""
+    pulled = [Disturbance(4.0, Act.UNPLUG), Disturbance(7.0, Act.PLUG)]
+    events = flown([Disturbance(3.0, Act.STALL), *pulled, Disturbance(9.0, Act.RUN)]).events
+    assert not [e for e in events if isinstance(e, Tx | Heard | Said | Step) and 3.0 < e.t < 9.0]
+    assert [e for e in events if isinstance(e, Said) and e.t == 9.0 and b"@AA$" in e.data]
+
+
+def test_the_dead_do_not_stand_still() -> None:
+    dead = [Disturbance(60.0, Act.KILL), Disturbance(63.0, Act.BOOT), Disturbance(64.0, Act.JOIN)]
+    stalled = [Disturbance(61.0, Act.STALL), Disturbance(69.0, Act.RUN)]
+    trial = flown([*dead, *stalled])
+    assert not any(isinstance(e, Done) and e.act is Act.STALL for e in trial.events)
+    assert any(isinstance(e, Tx) and e.link == PORT and 63.0 <= e.t < 64.0 for e in trial.events)
+
+
+def test_a_program_that_ends_by_itself_is_told_from_one_that_is_killed() -> None:
+    ended = flown([Disturbance(60.0, Act.END)])
+    killed = flown([Disturbance(60.0, Act.KILL), Disturbance(63.0, Act.BOOT)])
+    left = [
+        any(isinstance(e, Done) and e.act is Act.LEAVE for e in t.events) for t in (ended, killed)
+    ]
+    assert left == [True, False]
+
+
+@pytest.mark.parametrize(("says", "lawful"), [(b"\x0f\xc5@MMF\xff$", True), (b"@DU$", False)])
+def test_who_says_nothing_that_is_a_frame_does_not_go_on_commanding(
+    says: bytes, lawful: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whoever commands, another is obeyed here: lawful where the first has long been silent."""
+    monkeypatch.setattr(Commander, "why_not", lambda *_: "")
+    said = [
+        Disturbance(58.0, Act.JOIN, address=OTHER_BOAT),
+        Disturbance(60.0, Act.SAY, says),
+        Disturbance(62.0, Act.SAY, b"@NSOOOCCO$", address=OTHER_BOAT),
+    ]
+    trial = flown(said)
+    found = throughout(trial, FIRST.mission, VEHICLE, "as-built", NO_FAULTS)
+    assert [v.kind for v in found] == ([] if lawful else [UNLAWFUL])
 
 
 def test_a_power_cut_takes_both_boards() -> None:
