@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import keyword
 import signal
 from typing import Any
 
@@ -28,6 +29,7 @@ COMMANDS = {
     "convert": "convert",
     "fmt": "fmt",
     "schema": "schema",
+    "import": "importing",
     "graph": "graph",
     "diff": "diff",
     "serve": "serve",
@@ -69,7 +71,7 @@ class _Lazy(click.Group):
         if name not in COMMANDS or not _exists(COMMANDS[name]):
             return None
         module = importlib.import_module(f"mission.commands.{COMMANDS[name]}")
-        found: click.Command = getattr(module, name.replace("-", "_"))
+        found: click.Command = getattr(module, _function(name))
         return found
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -86,6 +88,12 @@ class _Lazy(click.Group):
         rows = [(name, found.get_short_help_str(limit=200)) for name, found in commands if found]
         with formatter.section("Commands"):
             formatter.write_dl(rows)
+
+
+def _function(command: str) -> str:
+    """``foo-bar`` is foo_bar; a keyword of Python gets an underscore behind it."""
+    name = command.replace("-", "_")
+    return f"{name}_" if keyword.iskeyword(name) else name
 
 
 def _exists(module: str) -> bool:

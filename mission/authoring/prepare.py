@@ -55,9 +55,21 @@ def prepare(
     """``path``: a file or a shipped mission's name. ``vehicle``: likewise; None: the one that the
     mission names. Raises Unreadable."""
     file = mission_file(path)
-    source = str(file)
     try:
         text = read_file(file)
+    except MissionErrors as error:
+        raise Unreadable(error.diagnostics, str(file)) from None
+    return prepare_text(text, str(file), vehicle, parameters)
+
+
+def prepare_text(
+    text: str,
+    source: str,
+    vehicle: str | None = None,
+    parameters: Mapping[str, str] | None = None,
+) -> Prepared:
+    """The same of a text that is at hand; ``source`` is what messages call it."""
+    try:
         read = draft(text, source, parameters or {}, _readings(vehicle))
     except MissionErrors as error:
         raise Unreadable(error.diagnostics, source) from None

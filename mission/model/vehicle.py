@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from mission.model.diagnostics import Diagnosed
+from mission.model.units import GEARS
 
 # What a vehicle can report, and the axes it can follow, at all: the keys of those two tables.
 REPORTS = frozenset(
@@ -205,6 +206,11 @@ class Vehicle:
 
     def output(self, name: str) -> Output | None:
         return next((output for output in self.outputs if output.name == name), None)
+
+    def gear_near(self, speed: float) -> int:
+        """The gear whose speed is nearest to ``speed`` (m/s), the lower of two."""
+        curve = self.speed_by_gear
+        return min(range(GEARS + 1), key=lambda gear: (abs(curve.at(gear) - speed), gear))
 
     @property
     def speaks(

@@ -259,7 +259,7 @@ class Legs:
             hint = f"its fastest is {fastest} m/s with gear {gear}"
             self._problems.add("too-fast", amount.where, message, hint)
             return []
-        gear = min(range(GEARS + 1), key=lambda g: (abs(curve.at(g) - speed), g))
+        gear = vehicle.gear_near(speed)
         if gear == 0 and speed > 0:
             message = f"{number_text(speed)} m/s is nearest to standing still"
             hint = f"gear 1 makes {number_text(curve.at(1))} m/s"

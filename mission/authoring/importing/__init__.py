@@ -1,0 +1,76 @@
+"""Plans of other programs, read into routes: one row per format, one file each.
+
+    bytes --format.read--> Source --writing.mission_of--> Mission --> YAML, which the check judges
+
+A format is known by the file's suffix. What cannot be taken over is refused, or named with its
+line or path among what was left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+
+from mission.authoring.importing import geojson, gpx, kml, moos, neptus, qgc, slocum, wpl
+from mission.authoring.importing.route import Findings, ImportErrors, Route, Source
+from mission.model.extent import BYTES
+
+__all__ = ["FORMATS", "Findings", "Format", "ImportErrors", "chosen", "format_of", "load"]
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    name: str
+    suffixes: tuple[str, ...]
+    what: str
+    read: Callable[[bytes, Findings], Source]
+
+
+_ROWS = (
+    Format("gpx", (".gpx",), "GPX routes", gpx.read),
+    Format("geojson", (".geojson", ".json"), "GeoJSON lines", geojson.read),
+    Format("kml", (".kml", ".kmz"), "Google Earth paths", kml.read),
+    Format("plan", (".plan",), "QGroundControl plans", qgc.read),
+    Format("wpl", (".waypoints", ".wpl", ".txt"), "QGC WPL 110 waypoints", wpl.read),
+    Format("neptus", (".nmis", ".nmisz"), "Neptus missions", neptus.read),
+    Format("slocum", (".ma",), "Slocum goto lists", slocum.read),
+    Format("moos", (".bhv",), "MOOS-IvP waypoint behaviors", moos.read),
+)
+FORMATS: Mapping[str, Format] = MappingProxyType({row.name: row for row in _ROWS})
+
+
+def format_of(path: Path, found: Findings) -> Format:
+    """By the suffix. Raises ImportErrors."""
+    for row in FORMATS.values():
+        if path.suffix.lower() in row.suffixes:
+            return row
+    known = ", ".join(f"{' '.join(row.suffixes)} ({row.what})" for row in FORMATS.values())
+    raise found.refusal("the file", f"its suffix {path.suffix!r} is no format's", f"known: {known}")
+
+
+def load(path: Path, format_: Format, found: Findings) -> Source:
+    """Raises ImportErrors, also for a file that cannot be read."""
+    try:
+        with path.open("rb") as file:
+            data = file.read(BYTES.most + 1)
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise found.refusal("the file", f"cannot be read: {why}") from None
+    if len(data) > BYTES.most:
+        raise found.refusal("the file", f"it has {BYTES.exceeded}, which no plan has")
+    return format_.read(data, found)
+
+
+def chosen(source: Source, name: str | None, found: Findings) -> Route:
+    """The route of that name; without a name the only one. Raises ImportErrors."""
+    fits = [route for route in source.routes if name is None or route.name == name]
+    if len(fits) == 1:
+        return fits[0]
+    known = ", ".join(f"{r.name or 'without a name'} ({r.where})" for r in source.routes[:30])
+    hint = f"choose with --pick: {known}" if known else ""
+    if not source.routes:
+        raise found.refusal("the file", "there is no route in it", "\n    ".join(found.left_out))
+    count = "no" if not fits else str(len(fits))
+    raise found.refusal("the file", f"{count} routes{f' called {name}' if name else ''}", hint)

@@ -1,0 +1,83 @@
+"""GeoJSON (RFC 7946): each LineString is a route. A position is longitude, latitude, and perhaps
+metres upward; WGS 84 is the only datum.
+
+A MultiLineString is a route for each of its lines. Points have no order, and areas are no path.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+from mission.authoring.importing.route import (
+    Findings,
+    Go,
+    Point,
+    Route,
+    Source,
+    Step,
+    below,
+    position,
+)
+from mission.authoring.importing.tree import Value, values
+
+_GEOMETRIES = {
+    "Point": "a Point: points have no order, draw a line",
+    "MultiPoint": "a MultiPoint: points have no order, draw a line",
+    "Polygon": "a Polygon: an area is no path",
+    "MultiPolygon": "a MultiPolygon: an area is no path",
+}
+
+
+def read(data: bytes, found: Findings) -> Source:
+    root = values(data, found)
+    if root.get("crs").raw is not None:
+        found.leave_out("crs", "another datum than WGS 84: RFC 7946 knows no crs")
+    return Source(tuple(_routes(root, "", found)))
+
+
+def _routes(value: Value, name: str, found: Findings) -> Iterator[Route]:
+    kind = value.get("type").text()
+    if kind == "FeatureCollection":
+        for feature in value.get("features").items():
+            yield from _routes(feature, name, found)
+    elif kind == "Feature":
+        said = value.get("properties").get("name").text()
+        if value.get("geometry").raw is not None:
+            yield from _routes(value.get("geometry"), said, found)
+    elif kind == "GeometryCollection":
+        for geometry in value.get("geometries").items():
+            yield from _routes(geometry, name, found)
+    elif kind == "LineString":
+        yield _route(value.get("coordinates"), name, found)
+    elif kind == "MultiLineString":
+        for number, line in enumerate(value.get("coordinates").items(), 1):
+            yield _route(line, f"{name} {number}".strip(), found)
+    elif kind in _GEOMETRIES:
+        found.leave_out(value.path, _GEOMETRIES[kind])
+    else:
+        found.refuse(value.path or "the file", f"{kind[:40]!r} is no type of GeoJSON")
+
+
+def _route(line: Value, name: str, found: Findings) -> Route:
+    return Route(name, line.path, partial(_steps, line, found))
+
+
+def _steps(line: Value, found: Findings) -> tuple[Step, ...]:
+    points = [_point(value, found) for value in line.items()]
+    return tuple(Go(point) for point in points if point is not None)
+
+
+def _point(value: Value, found: Findings) -> Point | None:
+    numbers = [item.number() for item in value.items()]
+    if not 2 <= len(numbers) <= 3 or None in numbers[:2]:
+        found.refuse(value.path, "a position is longitude, latitude and perhaps a height")
+        return None
+    longitude, latitude = numbers[0], numbers[1]
+    assert longitude is not None
+    assert latitude is not None
+    place = position(latitude, longitude, value.path, found)
+    if place is None:
+        return None
+    height = numbers[2] if len(numbers) == 3 else None
+    return Point(place, value.path, depth=below(height, value.path, found))

@@ -1,0 +1,53 @@
+"""QGC WPL 110 (mavlink.io/en/file_formats): a MAVLink item a line, twelve columns apart by tabs.
+
+    index  current  frame  command  p1 p2 p3 p4  latitude longitude height  autocontinue
+
+An absolute waypoint in the first line is the vehicle's home, as ArduPilot's programs write it.
+Items count in the order of the lines, whatever their index says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+from mission.authoring.importing.mavlink import ABSOLUTE, WAYPOINT, Item, Reader, place_of
+from mission.authoring.importing.route import Findings, Route, Source, Step, number, text_of
+
+HEADER = "QGC WPL"
+_COLUMNS = 12
+
+
+def read(data: bytes, found: Findings) -> Source:
+    lines = text_of(data, found).split("\n")
+    if lines[0].split() != ["QGC", "WPL", "110"]:
+        raise found.refusal("line 1", "it is not QGC WPL 110")
+    items = list(_items(lines[1:], found))
+    home = None
+    if items and items[0].command == WAYPOINT and items[0].frame == ABSOLUTE:
+        home = place_of(items.pop(0), found)
+    return Source((Route("", "line 2", partial(_steps, items, found)),), home)
+
+
+def _steps(items: list[Item], found: Findings) -> tuple[Step, ...]:
+    reader = Reader(found)
+    return tuple(step for item in items for step in reader.steps(item))
+
+
+def _items(lines: list[str], found: Findings) -> Iterator[Item]:
+    index = -1
+    for line, text in enumerate(lines, 2):
+        where, columns = f"line {line}", text.split()
+        if not columns:
+            continue
+        if len(columns) != _COLUMNS:
+            found.refuse(where, f"{len(columns)} columns, not {_COLUMNS}")
+            continue
+        numbers = [number(column, "a column", where, found) for column in columns]
+        if None in numbers:
+            continue
+        whole = [int(n or 0.0) for n in numbers[:4]]
+        if whole[0] != index + 1:
+            found.leave_out(where, f"index {whole[0]} out of turn: the order of the lines counts")
+        index = whole[0]
+        yield Item(whole[3], whole[2], numbers[4:11], where)
