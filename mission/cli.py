@@ -31,6 +31,7 @@ COMMANDS = {
     "schema": "schema",
     "import": "importing",
     "graph": "graph",
+    "plan": "plan",
     "diff": "diff",
     "serve": "serve",
     "upload": "operator",

@@ -1,0 +1,1 @@
+"""What a mission means to do, before it is rehearsed: its track in still water, drawn."""

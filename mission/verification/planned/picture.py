@@ -1,0 +1,136 @@
+"""The planned track as a picture: plan view over a grid, and depth over time.
+
+The ellipses about the track hold it with 95 % by its estimate; they grow until the next fix. Legs
+have a colour and a number; turning points a mark, and their time where there is room.
+
+matplotlib is imported when a picture is drawn, with the Agg back end: no display is needed.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from typing import TYPE_CHECKING
+
+from mission.verification.planned.track import Plan, Spot, Stretch
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_PALETTE = ("#3b7ea1", "#c19a2e", "#2f8f7f", "#b8505f", "#7d7d2a", "#8d3f8d", "#4f6fa8", "#256f2f")
+_INK, _BAND = "#2b2b2b", "#c1440e"
+_ELLIPSES = 14
+_ROOM = 0.03  # of the picture's width: nearer than this, two times would hide each other
+
+
+def picture(plan: Plan, format_: str) -> bytes:
+    """``png`` or ``svg``; the same plan makes the same bytes."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    made = io.BytesIO()
+    with mpl.rc_context({"svg.hashsalt": "auvmission"}):
+        figure = Figure(figsize=(9.0, 10.5), layout="constrained")
+        FigureCanvasAgg(figure)
+        above, below = figure.subplots(2, 1, height_ratios=(2.6, 1.0))
+        _plan_view(above, plan)
+        _profile(below, plan)
+        widest = max((s.axes[0] for leg in plan.stretches for s in leg.spots), default=0.0)
+        figure.suptitle(
+            f"{plan.mission}: planned, {minutes(plan.seconds)} min in still water, "
+            f"95 % within {widest:.0f} m at worst",
+            fontsize=11,
+        )
+        metadata = {"Date": None} if format_ == "svg" else None
+        figure.savefig(made, format=format_, dpi=110, metadata=metadata)
+    return made.getvalue()
+
+
+def minutes(seconds: float) -> str:
+    return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
+
+
+def _colour(index: int) -> str:
+    return _PALETTE[index % len(_PALETTE)]
+
+
+def _plan_view(axes: Axes, plan: Plan) -> None:
+    spots = [spot for leg in plan.stretches for spot in leg.spots]
+    for spot in spots[:: max(1, len(spots) // _ELLIPSES)]:
+        _draw_ellipse(axes, spot)
+    for index, leg in enumerate(plan.stretches):
+        if leg.area:
+            outline = [*leg.area, leg.area[0]]
+            axes.fill([e for _, e in outline], [n for n, _ in outline], color=_colour(index),
+                      alpha=0.10, lw=0)  # fmt: skip
+            axes.plot([e for _, e in outline], [n for n, _ in outline], color=_colour(index),
+                      lw=0.8, ls=":")  # fmt: skip
+        axes.plot([s.east for s in leg.spots], [s.north for s in leg.spots], color=_colour(index),
+                  lw=2.2, solid_capstyle="round", label=f"{index + 1}  {leg.name}")  # fmt: skip
+    axes.plot(0.0, 0.0, marker="*", markersize=14, color=_INK, ls="", label="home")
+    axes.plot([], [], color=_BAND, lw=0.8, label="where it may be, 95 %")
+    axes.set_aspect("equal", adjustable="datalim")
+    _draw_radius(axes, plan.radius)
+    _tell_times(axes, plan)
+    axes.set_xlabel("east of home, m")
+    axes.set_ylabel("north of home, m")
+    axes.grid(alpha=0.35)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.08), fontsize=8, ncols=4)
+
+
+def _draw_ellipse(axes: Axes, spot: Spot) -> None:
+    from matplotlib.patches import Ellipse
+
+    axes.add_patch(
+        Ellipse((spot.east, spot.north), 2.0 * spot.axes[0], 2.0 * spot.axes[1],
+                angle=90.0 - math.degrees(spot.bearing), fill=False, ec=_BAND, lw=0.8, alpha=0.6)
+    )  # fmt: skip
+
+
+def _draw_radius(axes: Axes, radius: float) -> None:
+    """The limit, where it is in sight: it must not make the track small."""
+    from matplotlib.patches import Circle
+
+    axes.add_artist(Circle((0.0, 0.0), radius, fill=False, ec=_INK, lw=1.0, ls="--"))
+
+
+def _tell_times(axes: Axes, plan: Plan) -> None:
+    low, high = axes.get_xlim()
+    room, told = _ROOM * (high - low), list[tuple[float, float]]()
+    for spot in _marked(plan):
+        axes.plot(spot.east, spot.north, "o", ms=3.5, color=_INK)
+        here = (spot.north, spot.east)
+        if all(math.dist(here, other) >= room for other in told):
+            told.append(here)
+            axes.annotate(minutes(spot.t), (spot.east, spot.north), xytext=(4, 4),
+                          textcoords="offset points", fontsize=7.5, color=_INK)  # fmt: skip
+
+
+def _marked(plan: Plan) -> list[Spot]:
+    """The beginnings of legs, and the turning points within them."""
+    return [spot for leg in plan.stretches for spot in (*leg.spots[:1], *leg.turns)]
+
+
+def _profile(axes: Axes, plan: Plan) -> None:
+    for index, leg in enumerate(plan.stretches):
+        axes.plot([s.t / 60.0 for s in leg.spots], [s.depth for s in leg.spots],
+                  color=_colour(index), lw=2.0)  # fmt: skip
+    axes.invert_yaxis()
+    axes.set_xlabel("minutes from the start")
+    axes.set_ylabel("depth, m")
+    axes.grid(alpha=0.35)
+    spread = axes.twinx()
+    spots = [spot for leg in plan.stretches for spot in leg.spots]
+    spread.plot(
+        [s.t / 60.0 for s in spots], [s.axes[0] for s in spots], color=_BAND, lw=1.0, ls="--"
+    )
+    spread.set_ylabel("95 % radius of the position, m", color=_BAND)
+    spread.set_ylim(bottom=0.0)
+
+
+def rows(plan: Plan) -> list[tuple[Stretch, float]]:
+    """Each leg with the 95 % radius (m) at its end."""
+    return [(leg, leg.spots[-1].axes[0] if leg.spots else 0.0) for leg in plan.stretches]

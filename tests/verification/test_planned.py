@@ -1,0 +1,128 @@
+"""The planned track: where it leads, what is drawn of it, and what cannot be planned."""
+
+from __future__ import annotations
+
+import json
+import math
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from mission.authoring.prepare import prepare
+from mission.cli import main
+from mission.model import Local, Position
+from mission.navigation.geodesy import LocalFrame
+from mission.verification.planned.formats import FORMATS
+from mission.verification.planned.track import Plan, planned
+
+TEXT = """
+mission small vehicle auv
+home 30.2874595 120.1535765
+safety radius 400 time 20min depth 10
+assume current 0.1
+dive: depth 4 heading 0 gear 6 until depth >= 3.5 timeout 60
+mow: rows 2 bearing 90 length 60 spacing 20 side starboard from north 30 east 10 within 5 gear 6 timeout 8min
+up: surface until fix timeout 3min
+"""
+
+
+@pytest.fixture(scope="module")
+def plan(tmp_path_factory: pytest.TempPathFactory) -> Plan:
+    file = tmp_path_factory.mktemp("plan") / "small.mission"
+    file.write_text(TEXT)
+    ready = prepare(file)
+    return planned(ready.mission, ready.chart, ready.vehicle)
+
+
+def test_the_track_leads_along_the_legs_of_the_mission(plan: Plan) -> None:
+    assert [leg.name for leg in plan.stretches] == ["dive", "mow", "up", "surface"]
+    assert plan.radius == 400.0
+    times = [spot.t for leg in plan.stretches for spot in leg.spots]
+    assert times == sorted(times)
+
+
+def test_turning_points_are_the_corners_of_the_rows_with_their_times(plan: Plan) -> None:
+    mow = plan.stretches[1]
+    wanted = [(30.0, 10.0), (30.0, 70.0), (10.0, 70.0), (10.0, 10.0)]
+    for spot, corner in zip(mow.turns, wanted, strict=True):
+        assert math.dist((spot.north, spot.east), corner) < 8.0
+    times = [spot.t for spot in mow.turns]
+    assert times == sorted(times)
+    assert {tuple(map(round, corner)) for corner in mow.area} == {
+        (30, 10),
+        (30, 70),
+        (10, 70),
+        (10, 10),
+    }
+
+
+def test_the_uncertainty_grows_as_long_as_there_is_no_fix(plan: Plan) -> None:
+    mow = plan.stretches[1]
+    assert mow.spots[-1].axes[0] > 2.0 * mow.spots[0].axes[0]
+
+
+def test_a_mission_says_the_same_plan_each_time(plan: Plan) -> None:
+    assert FORMATS[".svg"].write(plan) == FORMATS[".svg"].write(plan)
+
+
+def test_every_format_is_what_its_suffix_says(plan: Plan) -> None:
+    drawn = {suffix: row.write(plan) for suffix, row in FORMATS.items()}
+    assert drawn[".png"].startswith(b"\x89PNG")
+    assert b"<svg" in drawn[".svg"]
+    assert b"<svg" in drawn[".html"]
+    assert b"<td>mow</td>" in drawn[".html"]
+    assert json.loads(drawn[".geojson"])["type"] == "FeatureCollection"
+
+
+def test_the_map_layer_lies_where_home_is(plan: Plan) -> None:
+    features = json.loads(FORMATS[".geojson"].write(plan))["features"]
+    frame = LocalFrame(Position(30.2874595, 120.1535765))
+    first = next(f for f in features if f["properties"]["is"] == "turn")
+    longitude, latitude, height = first["geometry"]["coordinates"]
+    place = frame.to_local(math.radians(latitude), math.radians(longitude))
+    assert math.dist(place, (30.0, 10.0)) < 8.0
+    assert height == pytest.approx(-4.0, abs=0.5)
+    for feature in features:
+        if feature["geometry"]["type"] == "Polygon":
+            ring = feature["geometry"]["coordinates"][0]
+            assert ring[0] == ring[-1]
+            turned = sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise(ring))
+            assert turned > 0.0  # counterclockwise
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "message"),
+    [
+        (TEXT.replace("home 30.2874595 120.1535765\n", ""), "a.geojson", "names no home"),
+        (TEXT.replace("timeout 60\n", "timeout 60 else up\n").replace("until depth >= 3.5", "until depth >= 9"), "a.svg", ""),
+        (TEXT, "a.pdf", "the suffix says what to write"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_written_is_refused(
+    text: str, name: str, message: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "a.mission"
+    file.write_text(text)
+    result = CliRunner().invoke(main, ["plan", str(file), "-o", str(tmp_path / name)])
+    if message:
+        assert result.exit_code == 2
+        assert message in result.output
+    else:  # left by its timeout: that is a way, too, and is drawn
+        assert result.exit_code == 0
+    assert (tmp_path / name).exists() is not bool(message)
+
+
+def test_places_of_other_kinds_are_where_the_legs_go() -> None:
+    ready = prepare("loiter")
+    plan = planned(ready.mission, ready.chart, ready.vehicle)
+    circles = [leg for leg in plan.stretches if leg.area]
+    assert circles
+    for leg in circles:
+        centre = Local(
+            sum(n for n, _ in leg.area) / len(leg.area), sum(e for _, e in leg.area) / len(leg.area)
+        )
+        last = leg.spots[-1]
+        radius = math.dist(leg.area[0], (centre.north, centre.east))
+        assert math.dist((last.north, last.east), (centre.north, centre.east)) < 1.5 * radius
