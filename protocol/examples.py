@@ -57,6 +57,8 @@ _ROWS: tuple[tuple[str, bytes], ...] = (
     ("auv.AQ", b"@AQ$"),
     ("auv.AR", b"@AR,staging,9,5,3-5.9,0123456789abcdef,line 3: no bound,$"),
     ("auv.AO", b"@AO,lamp,40,$"),
+    ("auv.AE", b"@AE$"),
+    ("auv.AES", b"@AE,1,AU,Y,1,423,38,-120,45,7,860,31,1.9,0,F50%H90S3,row,$"),
     ("auv.ST", b"@ST,2025/01/11 16:56:06,$"),
     ("auv.SP", b"@SP,1000,5,200,10,$"),
     ("auv.DU", b"@DU$"),

@@ -167,6 +167,29 @@ class StoreReport:  # @AR (R4)
 
 
 @dataclass(frozen=True, slots=True)
+class StateQuery:  # @AE (R4)
+    pass
+
+
+@dataclass(frozen=True, slots=True)
+class StateReport:  # @AE,1 (R4); None: not known. Ages are those at the answer.
+    state: str  # region/substate, "autonomous" for every leg
+    commander: str  # nobody, asker, network, modem
+    report_age: float | None  # s
+    fix_age: float | None  # s
+    uncertainty_m: float | None  # 95 % radius
+    north_m: float | None  # of the estimate from the last fix
+    east_m: float | None
+    to_depth_m: float | None  # left to the limit
+    to_radius_m: float | None
+    to_time: float | None  # min
+    to_voltage_v: float | None
+    alarms: int  # a bit each
+    setpoint: str
+    leg: str
+
+
+@dataclass(frozen=True, slots=True)
 class SetTime:  # @ST
     time: str  # YYYY-MM-DDThh:mm:ss, local time of the topside
 
@@ -227,6 +250,7 @@ Command = (
     | ClearMission
     | MissionLine
     | StoreQuery
+    | StateQuery
     | SetTime
     | SetSafety
     | SetOutput

@@ -19,6 +19,9 @@ from protocol.examples import EXAMPLES
 from protocol.fields import BinaryFrame, Const, FaultKind, Field, FrameType, Number, Pad, Raw
 from protocol.motion_frame import EMERGENCY, MotionFrame
 from protocol.reference_channels import channel_tables
+from protocol.state_frame import NAMES as STATE_NAMES
+from protocol.state_frame import NUMBERS as STATE_NUMBERS
+from protocol.state_frame import VERSION, StateFrame
 from protocol.status_frame import TABLE, StatusFrame
 from protocol.text import Digit, Int, Letters, Sep, TextFrame
 from protocol.tolerances import TOLERANCES, Tolerances
@@ -42,6 +45,7 @@ _CELLS: dict[str, tuple[Cell, ...]] = {
     "auv.SP": _commas("@SP", *SafetyFrame.ITEMS),
     "auv.AO": _commas("@AO", "name", "value"),
     "auv.AR": _commas("@AR", "state", "total", "have", "missing", "digest", "refusal"),
+    "auv.AES": _commas("@AE", f"{VERSION}", *STATE_NAMES),
     "auv.ACK": (("0", "@ACK_"), ("5", "class"), ("6", "func"), ("7", "result"), ("8", "$")),
     "auv.MODEM": (
         *(("0", "23 02"), ("2", "length"), ("4", "address"), ("5", "content")),
@@ -193,6 +197,9 @@ def _rows(frame: FrameType) -> Iterator[tuple[str, ...]]:
             yield str(at), *_binary_row(frame, item)
     elif isinstance(frame, StatusFrame):
         for entry in TABLE:
+            yield entry.name, unit(frame.name, entry.name), _range(entry.low, entry.high)
+    elif isinstance(frame, StateFrame):
+        for entry in STATE_NUMBERS:
             yield entry.name, unit(frame.name, entry.name), _range(entry.low, entry.high)
     elif isinstance(frame, MotionFrame):
         yield from _motion_rows(frame)

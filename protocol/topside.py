@@ -1,7 +1,7 @@
 """What topside and the Pi say to each other, as messages (document 000, chapters 1.1, 1.2, 2.1).
 
     TopsideCodec   the Pi's side:        bytes -> Command | FrameFault
-    ConsoleCodec   the topside's side:   bytes -> Ack | StoreReport | Status | FrameFault
+    ConsoleCodec   the topside's side:   bytes -> Answer | FrameFault
     encode         any of these messages -> one frame
 
 R and rudder commands and every M are relayed to the STM32 unchanged (``Relay``, ``Manual`` keep
@@ -40,14 +40,19 @@ from protocol.messages import (
     SetSafety,
     SetTime,
     StartMission,
+    StateQuery,
+    StateReport,
     Status,
     StoreQuery,
     StoreReport,
     Telemetry,
 )
 from protocol.motion_frame import MotionFrame
+from protocol.state_frame import MOST, StateFrame, fitted, values_of
 from protocol.status_frame import NAMES, TABLE, StatusFrame
 from protocol.tolerances import Tolerances
+
+Answer = Ack | StoreReport | StateReport | Status
 
 EMERGENCIES = {Order.STOP: b"@ZAX0$", Order.SURFACE: b"@ZAWF$"}
 IDLE = 0.05  # s; a network hands over whole frames
@@ -63,7 +68,7 @@ def relayed_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
 
 def to_pi_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
     nodes = (tables.NS, tables.NI)
-    mission = (tables.AA, tables.AC, tables.AQ, tables.MissionLineFrame(tolerances))
+    mission = (tables.AA, tables.AC, tables.AQ, tables.AE, tables.MissionLineFrame(tolerances))
     settings = (tables.OutputFrame(), tables.TimeFrame(tolerances), tables.SafetyFrame())
     own = (*nodes, *mission, *settings, tables.DU)
     emergency = MotionFrame(tolerances, codes="XW")
@@ -75,7 +80,7 @@ def to_topside_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
     status: tuple[FrameType, ...] = (StatusFrame(tolerances),)
     if tolerances.on("vs_no_vs"):
         status += (StatusFrame(tolerances, bare=True),)
-    return (acks, tables.StoreFrame(), *status)
+    return (acks, tables.StoreFrame(), StateFrame(), *status)
 
 
 # --- the Pi's side ---
@@ -97,6 +102,7 @@ _COMMANDS: dict[str, Callable[[Values], Command]] = {
     "auv.AA": lambda v: StartMission(),
     "auv.AC": lambda v: ClearMission(),
     "auv.AQ": lambda v: StoreQuery(),
+    "auv.AE": lambda v: StateQuery(),
     "auv.AW": lambda v: MissionLine(v["total"], v["current"], v["payload"]),
     "auv.ST": lambda v: SetTime(v["time"]),
     "auv.SP": _safety,
@@ -141,14 +147,15 @@ def _commands(items: Sequence[Frame | FrameFault]) -> list[Command | FrameFault]
 _LINE = tables.MissionLineFrame(_USUAL)
 _TIME, _SAFETY = tables.TimeFrame(_USUAL), tables.SafetyFrame()
 _OUTPUT = tables.OutputFrame()
-_ACK, _STORE, _STATUS = (
+_ACK, _STORE, _STATE, _STATUS = (
     tables.AckFrame("NASRZ", _USUAL),
     tables.StoreFrame(),
+    StateFrame(),
     StatusFrame(_USUAL),
 )
 
 
-def encode(message: Command | Ack | StoreReport | Status, tolerances: Tolerances = _USUAL) -> bytes:
+def encode(message: Command | Answer, tolerances: Tolerances = _USUAL) -> bytes:
     """One frame under the N readings, ``@VS`` in its ``tolerances``' units. Raises CannotEncode."""
     match message:
         case Relay(frame=frame) | Manual(frame=frame):
@@ -159,6 +166,8 @@ def encode(message: Command | Ack | StoreReport | Status, tolerances: Tolerances
             return encode_ack(message)
         case Status():
             return _STATUS.encode(status_values(message, tolerances))
+        case StateReport():
+            return _encode_state(message)
         case _:
             return _encode_plain(message)
 
@@ -170,6 +179,7 @@ def _encode_plain(
     | ClearMission
     | MissionLine
     | StoreQuery
+    | StateQuery
     | SetTime
     | SetSafety
     | SetOutput
@@ -189,6 +199,8 @@ def _encode_plain(
             return _LINE.encode({"total": total, "current": current, "payload": payload})
         case StoreQuery():
             return tables.AQ.encode({})
+        case StateQuery():
+            return tables.AE.encode({})
         case SetTime(time=time):
             return _TIME.encode({"time": time})
         case SetSafety():
@@ -198,6 +210,12 @@ def _encode_plain(
         case DataQuery():
             return tables.DU.encode({})
     return _STORE.encode(dataclasses.asdict(message))
+
+
+def _encode_state(report: StateReport) -> bytes:
+    """Its texts as long as they fit."""
+    size = len(_STATE.lead) + len(_STATE.format(values_of(report))) + 1
+    return _STATE.encode(values_of(fitted(report, size) if size > MOST else report))
 
 
 def _safety_values(message: SetSafety) -> Values:
@@ -297,8 +315,6 @@ def _yaw(heading: float | None) -> float | None:
 
 # --- the topside's side ---
 
-Answer = Ack | StoreReport | Status
-
 
 def answer_of(frame: Frame, tolerances: Tolerances = _USUAL) -> Answer:
     """The message of a frame of ``to_topside_frames``."""
@@ -307,7 +323,7 @@ def answer_of(frame: Frame, tolerances: Tolerances = _USUAL) -> Answer:
     values = frame.values()
     if frame.type.name == "auv.VS":
         return status_of(values, frame.t, tolerances)
-    return StoreReport(**values)
+    return StateReport(**values) if frame.type.name == "auv.AES" else StoreReport(**values)
 
 
 def ack_of(frame: Frame) -> Ack:

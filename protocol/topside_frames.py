@@ -1,11 +1,11 @@
 """Frame tables of document 000, chapters 1.1, 1.2, 2.1: what topside and the Pi say to each other.
 
-    to the Pi      @NS @NI   @AA @AC @AW @AQ @AO   @ST @SP   @DU
+    to the Pi      @NS @NI   @AA @AC @AW @AQ @AE @AO   @ST @SP   @DU
     relayed        @RS @RI   @MT @MD @MM @MR @MS @MP   @D
     to topside     @ACK_   @VS   @AR
 
 ``@AW`` and ``@ACK_`` carry binary bytes and are delimited by length (G1); the others are pure text.
-@AQ, @AO and @AR use codes that the document reserves (R4). docs/protocol.md has readings and
+@AQ, @AE, @AO and @AR use codes that the document reserves (R4). docs/protocol.md has readings and
 tolerances.
 
 What does not live here: messages (``protocol.topside``), the Z class and ``@SD``
@@ -54,6 +54,7 @@ NI = TextFrame("auv.NI", "000 table 1.1.1", "@NI")
 AA = TextFrame("auv.AA", "000 table 1.1.2", "@AA")
 AC = TextFrame("auv.AC", "000 table 1.1.2", "@AC")
 AQ = TextFrame("auv.AQ", "000 table 1.1.2, a reserved code (R4)", "@AQ")
+AE = TextFrame("auv.AE", "000 table 1.1.2, a reserved code (R4)", "@AE")
 DU = TextFrame("auv.DU", "000 table 1.1.4", "@DU")
 
 

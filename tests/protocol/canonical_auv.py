@@ -14,6 +14,7 @@ AUV = [
     ("auv.AA", "auv.to_pi", b"@AA$"),
     ("auv.AC", "auv.to_pi", b"@AC$"),
     ("auv.AQ", "auv.to_pi", b"@AQ$"),
+    ("auv.AE", "auv.to_pi", b"@AE$"),
     ("auv.DU", "auv.to_pi", b"@DU$"),
     ("auv.RI", "auv.to_stm32", b"@RI$"),
     ("auv.NS", "auv.to_pi", b"@NSCOOCCC$"),
@@ -42,6 +43,7 @@ AUV = [
     ("auv.ACK", "auv.from_stm32", b"@ACK_ZFY$"),
     ("auv.VS", "auv.to_topside", VS),
     ("auv.AR", "auv.to_topside", b"@AR,staging,9,5,3-5.9,0123456789abcdef,line 3: no bound,$"),
+    ("auv.AES", "auv.to_topside", b"@AE,1,AU,Y,1,423,38,-120,45,7,860,31,1.9,0,F50%H90S3,row,$"),
     ("auv.SD", "auv.from_stm32", SD),
     ("auv.MODEM", "auv.modem", bytes.fromhex("23 02 04 00 01 40 44 55 24 14 86")),
     (

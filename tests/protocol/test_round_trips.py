@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from protocol.fields import BinaryFrame, Check, FrameType, Number, Raw, Values
 from protocol.framing import Frame
+from protocol.state_frame import COMMANDERS, NUMBERS, STATES
 from protocol.text import Digit, Int, Letters, TextFrame
 from protocol.topside_frames import MOST_LINES
 from protocol.vehicles import frame_types, link
@@ -23,7 +24,7 @@ TABLED = sorted(
     for name, frame in TYPES.items()
     if type(frame) is BinaryFrame or (type(frame) is TextFrame and frame.items)
 )
-BARE = ("auv.NI", "auv.AA", "auv.AC", "auv.AQ", "auv.DU", "auv.RI")
+BARE = ("auv.NI", "auv.AA", "auv.AC", "auv.AQ", "auv.AE", "auv.DU", "auv.RI")
 
 
 def numbers(item: Number) -> st.SearchStrategy[float]:
@@ -148,6 +149,16 @@ STORES = st.fixed_dictionaries(
         "refusal": PAYLOAD.filter(lambda t: "," not in t) | st.just(""),
     }
 )
+STATE_REPORTS = st.fixed_dictionaries(
+    {
+        "state": st.sampled_from(sorted(STATES.values())),
+        "commander": st.sampled_from(sorted(COMMANDERS.values())),
+        **{n.name: st.none() | st.integers(int(n.low), int(n.high)) for n in NUMBERS},
+        "alarms": st.integers(0, 0xFFFF),
+        "setpoint": st.just(""),
+        "leg": st.just(""),
+    }
+)
 BY_HAND = {
     "auv.AW": mission_lines(),
     "auv.AO": st.fixed_dictionaries(
@@ -160,6 +171,7 @@ BY_HAND = {
     "auv.VS": statuses(),
     "auv.ZA": motions(),
     "auv.AR": STORES,
+    "auv.AES": STATE_REPORTS,
     "auv.ACK": st.sampled_from(
         [
             *({"class": a, "func": b, "ok": ok} for a, b in ("NS", "AA", "AC", "AW", "ST", "SP") for ok in (True, False)),

@@ -27,6 +27,8 @@ from protocol.messages import (
     SetTime,
     StartMission,
     Status,
+    StateQuery,
+    StateReport,
     StoreQuery,
     StoreReport,
     Telemetry,
@@ -40,6 +42,7 @@ COMMANDS = [
     (StartMission(), b"@AA$"),
     (ClearMission(), b"@AC$"),
     (StoreQuery(), b"@AQ$"),
+    (StateQuery(), b"@AE$"),
     (MissionLine(3, 2, "ZAF5 until depth > 3"), b"@AW\x03\x00\x02\x00ZAF5 until depth > 3$"),
     (SetTime("2025-01-11T16:56:06"), b"@ST,2025/01/11 16:56:06,$"),
     (SetSafety(1000, 300.0, 200, 10), b"@SP,1000,5,200,10,$"),
@@ -64,6 +67,8 @@ ANSWERS = [
     (Ack(1.0, "R", "S", ord("S")), b"@ACK_RSS$"),
     (StoreReport("staging", 9, 5, "3-5.9", "0123456789abcdef", ""),
      b"@AR,staging,9,5,3-5.9,0123456789abcdef,,$"),
+    (StateReport("autonomous", "asker", 1, 423, 38, -120, 45, 7, 860, 31, 1.9, 0, "F50%H90S3", "row"),
+     b"@AE,1,AU,Y,1,423,38,-120,45,7,860,31,1.9,0,F50%H90S3,row,$"),
     (StoreReport("empty", 0, 0, "", "", "no bound"), b"@AR,empty,0,0,,,no bound,$"),
 ]  # fmt: skip
 
