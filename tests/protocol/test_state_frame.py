@@ -11,7 +11,15 @@ from hypothesis import strategies as st
 
 from protocol.codec import CannotEncode
 from protocol.messages import FrameFault, Order, Setpoint, StateReport
-from protocol.state_frame import COMMANDERS, CUT, MOST, NUMBERS, STATES, setpoint_text, setpoint_words
+from protocol.state_frame import (
+    COMMANDERS,
+    CUT,
+    MOST,
+    NUMBERS,
+    STATES,
+    setpoint_text,
+    setpoint_words,
+)
 from protocol.topside import ConsoleCodec, encode
 
 PLAIN = StateReport(
