@@ -33,7 +33,7 @@ from mission.analysis.replay.replay import replay
 from mission.authoring.language import digest, script
 from mission.model import STOPPED, SURFACED, SURFACING
 from mission.onboard.blackbox import read_parts
-from mission.onboard.runtime.records import RX
+from mission.onboard.runtime.records import RX, read_rx
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.serve import ports
 from mission.onboard.serve import serve as shell
@@ -222,7 +222,7 @@ def test_what_was_recorded_before_a_stop_is_in_the_file_however_slow_the_disk(
                 time.sleep(0.12)
         assert pi.ready is not None
     records = list(read_parts(Path(pi.ready.black_box)))
-    asks = [r for r in records if r.kind == RX and r.payload.endswith(b"@AQ$")]
+    asks = [r for r in records if r.kind == RX and read_rx(r).data.endswith(b"@AQ$")]
     assert len(asks) == 4
     assert replay(records).identical
 
