@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import json
+import time
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 if TYPE_CHECKING:
+    from mission.authoring.check import Proved
     from mission.authoring.prepare import Prepared
+    from mission.topside.dives import Dives
     from mission.topside.looking import Looked
+    from mission.topside.overdue import Plan
     from mission.topside.upload import Script
     from protocol.messages import Order
 
+ALARM = 4  # exit status: it answers, and an alarm stands
 TO = click.option(
     "--to",
     default="tcp://127.0.0.1:4000",
@@ -48,23 +55,48 @@ def upload(
     except Unreadable as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
-    _refuse_unchecked(prepared, force)
+    proved = _refuse_unchecked(prepared, force)
     lines = script(prepared.mission)
     say(lambda: console.upload(to, lines, prepared.chart.digest, _Progress(lines).show))
+    if proved is not None:
+        _remembered().uploaded(prepared.chart.digest, _plan(prepared, proved))
 
 
-def _refuse_unchecked(prepared: Prepared, force: bool) -> None:
+def _remembered() -> Dives:
+    from mission.topside.dives import Dives, default_folder
+
+    return Dives(default_folder())
+
+
+def _plan(prepared: Prepared, proved: Proved) -> Plan:
+    """What the boat has to know where the vehicle does not come back."""
+    from mission.topside.overdue import Plan
+
+    mission = prepared.mission
+    home = mission.home
+    return Plan(
+        mission.name,
+        proved.worst_time,
+        proved.max_range,
+        mission.current(prepared.vehicle.current),
+        None if home is None else (home.latitude_deg, home.longitude_deg),
+    )
+
+
+def _refuse_unchecked(prepared: Prepared, force: bool) -> Proved | None:
+    """What is proved."""
     from mission.authoring.check.show import as_text
     from mission.authoring.prepare import check_prepared
 
     report = check_prepared(prepared)
     if report.ok:
-        return
+        return report.proved
     click.echo(as_text(prepared.source, report, prepared.chart.digest), err=True)
     if not force:
         click.echo("not uploaded: mend it, or take --force if you know better", err=True)
         raise SystemExit(1)
     click.echo("uploaded in spite of the check (--force)", err=True)
+    return report.proved
 
 
 class _Progress:
@@ -85,9 +117,12 @@ class _Progress:
 @click.option("--wait", default=0, metavar="SECONDS", help="Ask again so long while it refuses.")
 def start(to: str, wait: int) -> None:
     """Start the stored mission, or go on with the interrupted one (@AA)."""
-    from mission.topside.upload import start as talk
+    from mission.topside.upload import start_telling
 
-    _converse(to, talk(wait))
+    began: list[str] = []
+    _converse(to, start_telling(wait, began.append))
+    for digest in began:
+        _remembered().started(to, digest, time.time())
 
 
 @click.command()
@@ -133,37 +168,51 @@ def surface(to: str) -> None:
 @click.option("--local", is_flag=True, help="On the Pi itself: all that serve knows of its health.")
 @click.option("-c", "--config", type=click.Path(path_type=Path), help="As for serve; for --local.")
 def status(to: str, as_json: bool, local: bool, config: Path | None) -> None:
-    """What the vehicle tells of itself (@DU) and of its store (@AQ).
+    """How the vehicle is (@AE), what it reports (@DU) and what it has stored (@AQ).
 
-    Looks again for some seconds: "reports" and "position" say whether what is shown is new.
+    Each value with its age. Exit 0 when nothing is wrong, 4 when an alarm stands; 1 when it does
+    not answer.
     """
-    import json
-
     from mission.topside.looking import look
+    from mission.topside.showing import alarms_in, contact_of
     from mission.topside.underwater import PREFIX
 
     if local:
         _status_here(config, as_json)
         return
-    found: dict[str, Any] = {}
+    found: list[Looked] = []
+    try:
+        _converse(to, look(found.append, under_water=to.startswith(PREFIX), now=time.monotonic))
+    except SystemExit:
+        _show_silence(to, as_json)
+        raise
+    _show(found[0], as_json)
+    _remembered().contact(to, contact_of(found[0], time.time()))
+    if alarms_in(found[0]):
+        raise SystemExit(ALARM)
 
-    def took(looked: Looked) -> None:
-        found.update(_values(looked))
 
-    _converse(to, look(took, under_water=to.startswith(PREFIX)))
+def _show_silence(to: str, as_json: bool) -> None:
+    """What the boat knows of a vehicle that does not answer."""
+    from mission.model.alarms import Condition, standing
+    from mission.topside.overdue import overdue, silent_for
+
+    dive, now = _remembered().of(to), time.time()
+    found = standing(Condition(silent=silent_for(dive, now), overdue=overdue(dive, now)))
     if as_json:
-        click.echo(json.dumps(found))
-        return
-    for name, value in found.items():
-        if value not in (None, ""):
-            click.echo(f"{name:12} {value}")
+        click.echo(json.dumps({"alarms": [asdict(alarm) for alarm in found]}))
+    else:
+        click.echo("\n".join(f"ALARM {alarm}" for alarm in found))
+
+
+def _show(looked: Looked, as_json: bool) -> None:
+    from mission.topside.showing import as_lines, as_object
+
+    click.echo(json.dumps(as_object(looked)) if as_json else "\n".join(as_lines(looked)))
 
 
 def _status_here(config: Path | None, as_json: bool) -> None:
     """Beyond what the frames of the documents carry: margins, links, black box."""
-    import json
-    import time
-
     from mission.onboard.configuration import ConfigurationError, load_configuration
     from mission.onboard.serve import health
 
@@ -183,38 +232,9 @@ def _status_here(config: Path | None, as_json: bool) -> None:
         )
         click.echo(why, err=True)
         raise SystemExit(1)
-    if as_json:
-        click.echo(json.dumps(found))
-        return
-    for row in health.as_lines(found, wall):
-        click.echo(row)
-
-
-def _values(looked: Looked) -> dict[str, Any]:
-    from mission.topside.console import degrees
-
-    told, store = looked.last, looked.store
-    fix, own = told.fix, told.telemetry
-    batteries = own.batteries if own is not None and own.batteries else (None, None)
-    return {
-        "time": told.time,
-        "reports": looked.reports,
-        "position": looked.position,
-        "latitude": degrees(fix.latitude, 7) if fix else None,
-        "longitude": degrees(fix.longitude, 7) if fix else None,
-        "depth_m": own.depth if own else None,
-        "altitude_m": own.altitude if own else None,
-        "heading_deg": degrees(own.heading, 1) if own else None,
-        "pitch_deg": degrees(own.pitch, 1) if own else None,
-        "roll_deg": degrees(own.roll, 1) if own else None,
-        "battery_v": batteries[0],
-        "power_v": batteries[1],
-        "store": store.state if store else None,
-        "lines": f"{store.have} of {store.total}" if store and store.total else None,
-        "missing": store.missing if store else None,
-        "digest": store.digest if store else None,
-        "refusal": store.refusal if store else None,
-    }
+    click.echo(json.dumps(found) if as_json else "\n".join(health.as_lines(found, wall)))
+    if found["alarms"]:
+        raise SystemExit(ALARM)
 
 
 def _order(to: str, which: Order) -> None:

@@ -1,10 +1,10 @@
-"""What `auvmission status` can know of the age of what it shows. Sans-IO.
+"""What `auvmission status` can know of a vehicle by its port, and how old that is. Sans-IO.
 
-``@VS`` keeps the last fix, and the last report where none comes any more, for hours (R9). Neither
-has an age in that frame; so it is asked for again, and what has changed since is new. Under water,
-where each answer takes seconds, it is asked for once.
+``@AE`` tells the state and the ages of the last report and fix, ``@VS`` what these were.
+A vehicle that knows no ``@AE`` (an older program) tells no age: then ``@VS`` is asked for again,
+and what has changed since is new. Under water, where answers take seconds, it is asked for once.
 
-What does not live here: how it is shown (commands.operator).
+What does not live here: how it is shown (showing).
 """
 
 from __future__ import annotations
@@ -13,23 +13,36 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from mission.topside.upload import TRIES, WHAT_LISTENS, Ask, NoAnswer, Script, is_report
-from protocol.messages import DataQuery, Fix, Status, StoreQuery, StoreReport
+from protocol.messages import (
+    DataQuery,
+    Fix,
+    StateQuery,
+    StateReport,
+    Status,
+    StoreQuery,
+    StoreReport,
+)
 from protocol.topside import Answer
 
 LOOKS = 3  # a second apart: the slowest board reports every 2 s
 SURFACE_M = 0.5
 NEW = "new"
 _NO_FIX_FOR = "LAST FIX: none has come for"
+STALE_S = 5.0  # the vehicle's own files say the same, and its alarm counts
+FIX_EVERY_S = 2.0
 
 
 @dataclass(frozen=True, slots=True)
 class Looked:
-    """The first and the last of the reports, ``looks`` seconds apart at least."""
+    """The first and the last of the reports, ``looks`` seconds apart at least. ``waited``: s since
+    ``state`` was told."""
 
     first: Status
     last: Status
     store: StoreReport | None
     looks: int
+    state: StateReport | None = None
+    waited: float = 0.0
 
     @property
     def is_settled(self) -> bool:
@@ -37,9 +50,21 @@ class Looked:
         return self.reports == NEW and not self.position.startswith(_NO_FIX_FOR)
 
     @property
+    def report_age(self) -> float | None:
+        """s, at most; None: not known, or no report ever came."""
+        return _older(self.state.report_age if self.state else None, self.waited)
+
+    @property
+    def fix_age(self) -> float | None:
+        return _older(self.state.fix_age if self.state else None, self.waited)
+
+    @property
     def reports(self) -> str:
         if not _tells(self.last):
             return "none: the vehicle has not been heard"
+        if (age := self.report_age) is not None:
+            told = age - self.waited
+            return NEW if told <= STALE_S else f"OLD: the last one is {age:.0f} s old"
         if self.looks == 0:
             return "of an age that is not known"
         if self.last.time != self.first.time:
@@ -51,8 +76,12 @@ class Looked:
         fix, before, own = self.last.fix, self.first.fix, self.last.telemetry
         if fix is None:
             return "none: no fix so far"
+        ago = "" if self.fix_age is None else f"{self.fix_age:.0f} s ago, "
         if own is not None and own.depth is not None and own.depth >= SURFACE_M:
-            return f"LAST FIX, from before it dived; {own.depth:.1f} m deep"
+            return f"LAST FIX, {ago}from before it dived; {own.depth:.1f} m deep"
+        if self.fix_age is not None:
+            is_new = self.fix_age - self.waited <= FIX_EVERY_S
+            return NEW if is_new else f"{_NO_FIX_FOR} {self.fix_age:.0f} s"
         if self.looks == 0:
             return "last fix, of an age that is not known"
         if before is None or _place(fix) != _place(before):
@@ -60,19 +89,26 @@ class Looked:
         return f"{_NO_FIX_FOR} {self.looks} s"
 
 
-def look(took: Callable[[Looked], None], *, under_water: bool = False) -> Script:
-    """Raises NoAnswer."""
+def look(
+    took: Callable[[Looked], None],
+    *,
+    under_water: bool = False,
+    now: Callable[[], float] = lambda: 0.0,
+) -> Script:
+    """``now``: any clock of this computer, s. Raises NoAnswer."""
+    told = yield Ask("state", StateQuery(), lambda a: isinstance(a, StateReport))
+    state, told_at = (told if isinstance(told, StateReport) else None), now()
     first = yield Ask("status", DataQuery(), _is_status)
     if not isinstance(first, Status):
         raise NoAnswer(f"no answer to @DU after {TRIES} tries; {WHAT_LISTENS}")
     report = yield Ask("store", StoreQuery(), is_report)
     store = report if isinstance(report, StoreReport) else None
-    found, looks = Looked(first, first, store, 0), 0 if under_water else LOOKS
-    for seconds in range(1, looks + 1):
+    found = Looked(first, first, store, 0, state, now() - told_at)
+    for seconds in range(1, (0 if under_water or state else LOOKS) + 1):
         yield Ask("wait", StoreQuery(), lambda _: False, tries=1)
-        told = yield Ask("status", DataQuery(), _is_status)
-        if isinstance(told, Status):
-            found = Looked(first, told, store, seconds)
+        again = yield Ask("status", DataQuery(), _is_status)
+        if isinstance(again, Status):
+            found = Looked(first, again, store, seconds)
         if found.is_settled:
             break
     took(found)
@@ -81,6 +117,10 @@ def look(took: Callable[[Looked], None], *, under_water: bool = False) -> Script
 
 def _is_status(answer: Answer) -> bool:
     return isinstance(answer, Status)
+
+
+def _older(age: float | None, waited: float) -> float | None:
+    return None if age is None else age + waited
 
 
 def _place(fix: Fix) -> tuple[float, float]:

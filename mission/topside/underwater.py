@@ -21,14 +21,16 @@ from mission.topside.upload import NoAnswer, OperatorError, Refused, Script, Scr
 from protocol.arq import TRIES, Acoustics, Answered, Initiator
 from protocol.arq import NoAnswer as Unanswered
 from protocol.batch import BatchUpload, Declined, Silent, Stored
-from protocol.messages import DataQuery, Emergency, FrameFault, Relay, StoreQuery
+from protocol.messages import DataQuery, Emergency, FrameFault, Relay, StateQuery, StoreQuery
 from protocol.modem import BAUD
+from protocol.state_frame import MOST
 from protocol.topside import Answer, ConsoleCodec, encode
 from protocol.topside_frames import LONG
 
 PREFIX = "modem+"
 RANGE_M, BIT_RATE = 1000.0, 300.0  # the slow and far case: a timeout too long only costs time
 _ACK = 9  # bytes
+LONGEST = {DataQuery: LONG, StoreQuery: LONG, Relay: LONG, StateQuery: MOST}
 
 
 class WrongAddress(OperatorError):
@@ -93,7 +95,7 @@ class Submerged(Scripted):
         if ask is None:
             return []
         command = ask.command
-        longest = LONG if isinstance(command, (DataQuery, StoreQuery, Relay)) else _ACK
+        longest = LONGEST.get(type(command), _ACK)
         tries = ask.tries if isinstance(command, Emergency) else min(TRIES, ask.tries)
         self._arq.ask(encode(command), longest, tries=tries, matches=self._fits)
         return self._arq.outgoing(now)

@@ -234,6 +234,15 @@ def start(patience: int = 0) -> Script:
     raise AssertionError
 
 
+def start_telling(patience: int, took: Callable[[str], None]) -> Script:
+    """``start``; ``took`` gets the digest of what was started, if the vehicle tells it."""
+    achieved = yield from start(patience)
+    report = yield Ask("store", StoreQuery(), is_report)
+    if isinstance(report, StoreReport):
+        took(report.digest)
+    return achieved
+
+
 def clear() -> Script:
     answer = yield Ask("clear", ClearMission(), is_ack("A", "C"))
     if answer is None:

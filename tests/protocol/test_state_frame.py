@@ -56,7 +56,11 @@ def test_any_state_fits_into_64_bytes_and_state_ages_and_alarms_are_never_cut(
     raw = encode(report)
     assert len(raw) <= MOST
     told = read(raw)
-    assert (told.state, told.commander, told.alarms) == (report.state, report.commander, report.alarms)
+    assert (told.state, told.commander, told.alarms) == (
+        report.state,
+        report.commander,
+        report.alarms,
+    )
     for item in NUMBERS:
         meant, carried = getattr(report, item.name), getattr(told, item.name)
         if meant is None:
@@ -116,7 +120,11 @@ def test_what_no_vehicle_is_in_is_not_sent(report: StateReport, why: str) -> Non
             "F50%H90S3.5",
             "ahead 50 %, heading 90 deg, depth 3.5 m",
         ),
-        (Setpoint(surge=-0.25, turn=-1.0, heave=1.0), "B25%L100%D100%", "astern 25 %, to port 100 %, down 100 %"),
+        (
+            Setpoint(surge=-0.25, turn=-1.0, heave=1.0),
+            "B25%L100%D100%",
+            "astern 25 %, to port 100 %, down 100 %",
+        ),
         (Setpoint(heave=-1.0), "U100%", "up 100 %"),
         (Setpoint(altitude=2.0, pitch=math.radians(-10)), "P-10E2", "pitch -10 deg, altitude 2 m"),
     ],

@@ -11,7 +11,7 @@ from mission.onboard.runtime.device_switches import DeviceSwitches
 from mission.onboard.runtime.operator_channels import operator_channels
 from mission.onboard.runtime.operator_server import OperatorServer
 from mission.onboard.store import MemoryStore
-from protocol.messages import ClearMission, Command, MissionLine, StartMission, Status
+from protocol.messages import ClearMission, Command, MissionLine, StartMission, StateReport, Status
 from protocol.modem import ModemCodec, Sender, wrap
 from protocol.tolerances import Tolerances
 from protocol.topside import encode
@@ -19,6 +19,7 @@ from protocol.topside import encode
 BOAT, OTHER, WATER = Peer("topside", "boat:1"), Peer("topside", "other:2"), Peer("modem", "")
 LINES = ("mission a vehicle auv", "ZAF6", "wait 10s")
 GOOD, BAD = b"@ACK_%b$", b"@ACK_%bN$"
+STATE = StateReport("autonomous", "asker", 1, 2, 3, 4, 5, 6, 7, 8, 9.5, 0, "X", "row")
 
 
 @dataclass
@@ -78,6 +79,9 @@ class FakeVessel:
 
     def status(self, now: float) -> Status:
         return Status("2025-01-19T23:26:25")
+
+    def state_report(self, asker: Peer, now: float) -> StateReport:
+        return STATE
 
     def set_clock(self, time: str, now: float) -> None:
         self.clock = time

@@ -44,6 +44,9 @@ def feed(runtime: Runtime, record: Record) -> list[Tx]:
         return runtime.disconnected(link, address, now)
     if record.kind == rec.NAVIGATION:
         return runtime.set_navigation(runtime.make_navigation(), now)
+    if record.kind == rec.ALARMS:
+        (names,) = rec.read_texts(record)
+        return runtime.take_alarms(names.split(",") if names else (), now)
     if record.kind == rec.ENDING:
         return runtime.end(now, at_once=rec.read_texts(record) == (rec.AT_ONCE,))
     return []

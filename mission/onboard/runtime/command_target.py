@@ -21,16 +21,15 @@ from protocol.messages import (
     SetSafety,
     SetTime,
     StartMission,
+    StateReport,
     Status,
-    StoreReport,
 )
+from protocol.topside import Answer as Answer
 from protocol.topside import answer
 
 MODEM = "modem"  # the link whose frames travel in envelopes under water
 
 REFUSAL_CHARACTERS = 200
-
-Answer = Ack | Status | StoreReport
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -97,6 +96,8 @@ class CommandTarget(Protocol):
         ...
 
     def status(self, now: float) -> Status: ...
+
+    def state_report(self, asker: Peer, now: float) -> StateReport: ...
 
     def set_clock(self, time: str, now: float) -> None: ...
 

@@ -55,6 +55,7 @@ from protocol.messages import (
     SetSafety,
     SetTime,
     StartMission,
+    StateQuery,
     StoreQuery,
 )
 from protocol.topside import answer
@@ -65,6 +66,8 @@ ORDER_ANSWER_S = 10.0
 TELL_S = 1.0  # between two reports that tell one and the same why nothing is relayed
 
 YES, NO = ord("Y"), ord("N")
+
+Query = DataQuery | StoreQuery | StateQuery | NodeQuery
 
 
 class OperatorServer:
@@ -166,6 +169,11 @@ class OperatorServer:
         for peer in sorted(self._paths):
             self._paths[peer].send(self._target.status(now), now, reason, unasked=True)
 
+    @property
+    def refused(self) -> tuple[str, float]:
+        """What was refused last, "" if nothing stands, and when."""
+        return self._refusals.last
+
     # --- commands -------------------------------------------------------------------------
 
     def _take(self, peer: Peer, heard: list[Heard], now: float) -> None:
@@ -187,10 +195,10 @@ class OperatorServer:
     def _command(self, peer: Peer, command: Command, now: float) -> None:
         if isinstance(command, Emergency):
             self._emergency(peer, command, now)
-        elif isinstance(command, DataQuery | StoreQuery | NodeQuery):
+        elif isinstance(command, Query):
             if isinstance(command, StoreQuery):
                 self.commander.reads_reports(peer)
-            self._send(peer, self._query(command, now), now, "asked")
+            self._send(peer, self._query(peer, command, now), now, "asked")
         elif (verdict := self.copies.judge(peer, command, now)) is not None:
             self._answer_copy(peer, command, verdict, now)
         else:
@@ -206,9 +214,11 @@ class OperatorServer:
         self._hand_over(peer, now)
         self._target.decide(command, now)
 
-    def _query(self, command: DataQuery | StoreQuery | NodeQuery, now: float) -> Answer:
+    def _query(self, peer: Peer, command: Query, now: float) -> Answer:
         if isinstance(command, DataQuery):
             return self._target.status(now)
+        if isinstance(command, StateQuery):
+            return self._target.state_report(peer, now)
         if isinstance(command, NodeQuery):
             return Ack(now, "N", "I", self._nodes.mask)
         refusal = self._refusals.told(now, self._target.doubted_at)

@@ -10,6 +10,7 @@ Every payload is a JSON object; ``docs/reference/black-box.md`` has the fields o
     disconnected   link, address                               input
     navigation     (the filter is there from now on)           input
     ending         "now" where no time is left                 input (the program is to end)
+    alarms         names                                      input (that serve alone sees)
     store          number of the write, what failed            input (writes that failed alone)
     step           the Step                                    output
     estimate       the Estimate                                output, one per telemetry
@@ -44,10 +45,10 @@ from protocol.messages import FrameFault
 
 START, RX, TIMER = "start", "rx", "timer"
 CONNECTED, DISCONNECTED = "connected", "disconnected"
-NAVIGATION, STORE, ENDING = "navigation", "store", "ending"
+NAVIGATION, STORE, ENDING, ALARMS = "navigation", "store", "ending", "alarms"
 STEP, ESTIMATE, TX, FAULT = "step", "estimate", "tx", "fault"
 STANDING, MISSION = "standing", "mission"
-INPUTS = frozenset({RX, TIMER, CONNECTED, DISCONNECTED, NAVIGATION, STORE, ENDING})
+INPUTS = frozenset({RX, TIMER, CONNECTED, DISCONNECTED, NAVIGATION, STORE, ENDING, ALARMS})
 AT_ONCE = "now"  # the text of an ``ending`` that has no more time
 OUTPUTS = frozenset({STEP, ESTIMATE, TX, FAULT, STANDING, MISSION})
 FORM = 2
@@ -58,6 +59,7 @@ _TEXTS: Mapping[str, tuple[str, ...]] = {
     DISCONNECTED: ("link", "address"),
     STORE: ("number", "failed"),
     ENDING: ("time_left",),
+    ALARMS: ("names",),
 }
 _BYTES = "latin-1"
 _quoted = json.encoder.encode_basestring_ascii

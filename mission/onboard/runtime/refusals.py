@@ -34,6 +34,11 @@ class Refusals:
     def end(self) -> None:
         self._code = self._words = ""
 
+    @property
+    def last(self) -> tuple[str, float]:
+        """The words, and when."""
+        return self._words, self._t
+
     def told(self, now: float, doubted_at: float) -> str:
         """``doubted_at``: when a report last contradicted a stop."""
         if now - doubted_at <= DOUBT_S:

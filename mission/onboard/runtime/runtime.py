@@ -25,8 +25,6 @@ from links.base import Rx
 from mission import __version__
 from mission.engine.engine import Engine, Input
 from mission.model import (
-    AUTONOMOUS,
-    SURFACING,
     AutoNode,
     Chart,
     Ending,
@@ -35,10 +33,10 @@ from mission.model import (
     Outcome,
     Record,
     Restarted,
-    Step,
     Tx,
     Verdict,
 )
+from mission.model.alarms import Condition
 from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
 from mission.onboard.runtime import records as rec
@@ -51,6 +49,7 @@ from mission.onboard.runtime.mission_validator import MissionValidator
 from mission.onboard.runtime.operator_channels import operator_channels
 from mission.onboard.runtime.operator_server import OperatorServer
 from mission.onboard.runtime.resume_marker import ResumeMarker
+from mission.onboard.runtime.situation import Situation
 from mission.onboard.runtime.standing import StandingChanges
 from mission.onboard.runtime.wallclock import WallClock
 from mission.onboard.store import Store, StoreError, WatchedStore
@@ -61,6 +60,7 @@ from protocol.messages import (
     Fix,
     FrameFault,
     StartMission,
+    StateReport,
     Status,
     Telemetry,
 )
@@ -73,8 +73,6 @@ if TYPE_CHECKING:
     from mission.navigation import Navigation
 
 VEHICLE, GPS = "vehicle", "gps"
-AT_SURFACE_M = 0.5
-FRESH_FIX_S = 5.0
 MOST_ROUNDS = 10  # of outcomes that lead to commands that lead to outcomes, at one time
 CLOCK = "clock"  # a Tx to it asks the pump to set the system's clock (R10)
 
@@ -118,10 +116,8 @@ class Runtime:
         self.output = self._engine.output
         self._engine.limit_topside_silence(configuration.topside_silence)
         self._chart: Chart | None = None
-        self._telemetry: Telemetry | None = None
-        self._fix: Fix | None = None
+        self.situation = Situation(self._engine, vehicle, links.gps is not None)
         self._marker, self._standing = ResumeMarker(self._store), StandingChanges(recorder)
-        self._owes_report = self._has_news = False  # news since the last look at the surface
         self._refused: list[Outcome] = []  # commands for which the vehicle has no word
         self._out: list[Tx] = []
         self._begin()
@@ -179,6 +175,13 @@ class Runtime:
         self._now = now = max(self._now, now)
         self._record(rec.input_record, now, rec.ENDING, *([rec.AT_ONCE] if at_once else []))
         self._step(now, (Ending(at_once),))
+        return self._leave(now)
+
+    def take_alarms(self, names: Sequence[str], now: float) -> list[Tx]:
+        """Those that serve alone sees, for @AE."""
+        self._now = now = max(self._now, now)
+        self._record(rec.input_record, now, rec.ALARMS, ",".join(names))
+        self.situation.of_serve = tuple(names)
         return self._leave(now)
 
     @property
@@ -241,7 +244,8 @@ class Runtime:
             if isinstance(message, FrameFault):
                 self._record(rec.fault_record, now, VEHICLE, message)
             elif isinstance(message, Telemetry):
-                self._telemetry, heard, self._has_news = message, True, True
+                self.situation.report(message)
+                heard = True
                 inputs.append(message)
             elif message.group == "R":
                 self._topside.relayed_answer(message, now)
@@ -259,16 +263,17 @@ class Runtime:
             if isinstance(message, FrameFault):
                 self._record(rec.fault_record, now, GPS, message)
             else:
-                self._fix, self._has_news = message, True
+                self.situation.take_fix(message)
                 self._step(now, (message,))
 
     def _step(self, now: float, inputs: Sequence[Input]) -> tuple[Verdict, ...]:
         outputs = self._engine.step(now, inputs)
         for step in outputs.steps:
             self._record(rec.step_record, step)
-            self._note(step)
+            self.situation.note(step)
             self._observer.step(step)
         for action in outputs.actions:
+            self.situation.commanded(action)
             refused = self._frontseat.command(action)
             if refused is not None:
                 self._refused.append(refused)
@@ -291,9 +296,8 @@ class Runtime:
             for outcome in outcomes:
                 self._topside.order_outcome(outcome, now)
             self._step(now, outcomes)
-        if self._owes_report and self._has_news:
-            self._has_news = False
-            self._report_at_surface(now)
+        if self.situation.owes_report(now):
+            self._topside.report_unasked(now, "at the surface")
         out = self._topside.outgoing(now)
         if self._out:
             out, self._out = self._out + out, []
@@ -303,21 +307,6 @@ class Runtime:
         for tx in out:
             self._record(rec.tx_record, tx)
         return out
-
-    def _note(self, step: Step) -> None:
-        """Who was under way owes the boat one @VS at the surface (R11)."""
-        self._has_news = True
-        if any(path.startswith((AUTONOMOUS, "emergency")) for path in step.entered):
-            self._owes_report = True
-
-    def _report_at_surface(self, now: float) -> None:
-        if self.state.startswith((AUTONOMOUS, "manual")):
-            return
-        depth = self._telemetry.depth if self._telemetry else None
-        fixed = self._fix is not None and now - self._fix.t <= FRESH_FIX_S
-        if self.state != SURFACING and (fixed or (depth is not None and depth < AT_SURFACE_M)):
-            self._owes_report = False
-            self._topside.report_unasked(now, "at the surface")
 
     # --- what Topside asks (Vessel) ---------------------------------------------------------------
 
@@ -374,8 +363,16 @@ class Runtime:
         self._load(chart, now)
 
     def status(self, now: float) -> Status:
-        newest = self._telemetry.t if self._telemetry else now
-        return Status(self._clock.local(newest), self._fix, self._telemetry)
+        known = self.situation
+        newest = known.telemetry.t if known.telemetry else now
+        return Status(self._clock.local(newest), known.fix, known.telemetry)
+
+    def condition(self, now: float) -> Condition:
+        """What the runtime knows that alarms go by."""
+        return self.situation.condition(*self._topside.refused, now)
+
+    def state_report(self, asker: Peer, now: float) -> StateReport:
+        return self.situation.state_report(self.condition(now), asker, self.commander.peer, now)
 
     def set_clock(self, time: str, now: float) -> None:
         self._clock.set(time, now)

@@ -22,11 +22,13 @@ from mission import __version__
 from mission.engine.limits import LIMITS
 from mission.engine.variables import VARIABLES
 from mission.model import Reading
+from mission.model.alarms import Alarm
 from mission.model.plain import to_plain
 from mission.model.vehicle import Vehicle
 from mission.onboard.blackbox import BlackBox
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.serve.ports import Port
+from protocol.state_frame import setpoint_words
 
 FILE = "status.json"
 EVERY_S = 1.0
@@ -93,6 +95,8 @@ class Health:
     black_box: str
     black_box_failure: str
     black_box_lost: int
+    setpoint: str  # in force, in words
+    alarms: tuple[Alarm, ...]
 
 
 def of_drive(runtime: Runtime, vehicle: Vehicle) -> dict[str, Any]:
@@ -113,6 +117,7 @@ def of_drive(runtime: Runtime, vehicle: Vehicle) -> dict[str, Any]:
         "reason": engine.reason,
         "mission": engine.chart.digest if engine.chart else "",
         "mission_time_s": elapsed,
+        "setpoint": setpoint_words(runtime.situation.setpoint),
         "breached": tuple(row.name for row in engine.breaches),
         "disarmed": {row.name: why for row in LIMITS.values() if (why := row.disarmed(vehicle))},
         "margins": {
@@ -222,8 +227,9 @@ def _serves(pid: int) -> bool:
 
 def as_lines(found: Mapping[str, Any], wall: float) -> Iterator[str]:
     """For people: what concerns the dive first, and how old it is ``wall`` s after 1970 UTC."""
+    yield from (f"ALARM {Alarm(**alarm)}" for alarm in found["alarms"])
     yield f"{'told':16} {max(0.0, wall - found['wall']):.0f} s ago"
-    for name in ("state", "leg", "reason", "mission_time_s", "mission", "commander"):
+    for name in ("state", "leg", "setpoint", "reason", "mission_time_s", "mission", "commander"):
         value = found[name]
         if value not in ("", None):
             yield f"{name:16} {value if isinstance(value, str) else f'{value:.1f}'}"

@@ -51,6 +51,11 @@ class Port:
         """Who is connected, where the link has several peers."""
         return self.link.peers if isinstance(self.link, TcpServer) else ()
 
+    @property
+    def is_away(self) -> bool:
+        """It is wanted, and could not be opened or was lost."""
+        return self.link is None and self._on.is_set() and bool(self._told)
+
     def vouch(self, address: str) -> None:
         """What came from there makes sense."""
         if isinstance(self.link, TcpServer):

@@ -11,6 +11,7 @@ told, and stops nothing. What does not live here: the files' formats (blackbox, 
 from __future__ import annotations
 
 import asyncio
+import shutil
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -37,6 +38,7 @@ class Recording:
         self.sinks.put("the count of faults", self.tally)
         self.box: BlackBox | None = None
         self._failure = ""  # as it was told
+        self.free: int | None = None  # bytes on the disk, None: not known
         self._disk = ThreadPoolExecutor(1, "black box")
 
     @property
@@ -76,6 +78,7 @@ class Recording:
         while True:
             if (how := look()) is not None:
                 await loop.run_in_executor(self._disk, health.write, folder, how)
+                self.free = await loop.run_in_executor(self._disk, _free, folder)
             await asyncio.sleep(health.EVERY_S)
 
     async def keep_working(self, got: Provision, heard: Callable[[], bool]) -> None:
@@ -97,6 +100,13 @@ class Recording:
 
     def end(self) -> None:
         self._disk.shutdown()
+
+
+def _free(folder: Path) -> int | None:
+    try:
+        return shutil.disk_usage(folder).free
+    except OSError:
+        return None
 
 
 def _free_path(folder: Path, wall: float) -> Path:

@@ -31,6 +31,7 @@ from mission.onboard.runtime.device_switches import LINK as NODES
 from mission.onboard.runtime.records import Observer
 from mission.onboard.runtime.runtime import CLOCK, Runtime
 from mission.onboard.serve import health
+from mission.onboard.serve.alarm_watch import AlarmWatch
 from mission.onboard.serve.journal import Journal, Several
 from mission.onboard.serve.leaving import MARGIN_S, USUAL_S, Leaving
 from mission.onboard.serve.listening import listening, open_to_all, reached_at
@@ -82,6 +83,9 @@ class Server:
         self._recording, self.validation = (
             Recording(self._tell, close_parts),
             ValidationQueue(self._hear, self._spawn),
+        )
+        self._alarms = AlarmWatch(
+            self._journal, self._tell_alarms, (*got.faults, *got.damage), speed == 1.0
         )
         self._commander: Peer | None = None
         self._runtime: Runtime | None = None
@@ -156,6 +160,7 @@ class Server:
         except Exception:
             self._fault()
             return
+        self._alarms.begin()
         self._ports[VEHICLE].keep_gaps(self._runtime.gap)
         for name, port in self._ports.items():
             self._peers[name] = frozenset()
@@ -321,6 +326,8 @@ class Server:
             self._part(port)
         if tx.link == VEHICLE:
             self._journal.commanded(tx, sent)
+            if not sent:
+                self._alarms.unsent()
         else:
             self._journal.answered(tx)
 
@@ -344,9 +351,13 @@ class Server:
             links=health.of_ports(self._ports, self.now(), faults, dropped),
             **health.of_drive(self._runtime, self._vehicle),
             **health.of_box(self._recording.box),
-            broken=(*self._got.faults, *self._got.damage),
+            broken=self._alarms.broken,
             ascent_only=self._configuration.ascent_only,
+            alarms=self._alarms.look(self._runtime, self._ports, self._recording, self.now()),
         )
+
+    def _tell_alarms(self, names: tuple[str, ...]) -> None:
+        self._do(lambda runtime: runtime.take_alarms(names, self.now()))
 
     # --- tasks -------------------------------------------------------------------------------
 

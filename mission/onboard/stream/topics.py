@@ -143,6 +143,10 @@ RAW: tuple[Topic, ...] = (
         t=_T, digest=text("SHA-256 of its canonical text, empty if there is none"),
         lines=listed(text("a line of its script"), "its lines"),
     ),
+    _raw(
+        rec.ALARMS, "alarms that serve alone sees: links, disk, clock", INPUT,
+        t=_T, names=text("of those that stand, with commas between"),
+    ),
 )  # fmt: skip
 
 

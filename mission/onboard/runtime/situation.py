@@ -1,0 +1,199 @@
+"""How the vehicle is, as the runtime knows it at one instant: for @VS, @AE, alarms and health.
+
+    Telemetry, Fix, commands that left --> Situation --> Status (@VS) | StateReport (@AE)
+                                                     --> Condition (alarms)
+
+Everything told follows from recorded inputs: of what serve alone knows (links, disk, clock) it has
+the alarms' names as an input of their own. What does not live here: frames (protocol), the rest of
+serve's health (serve.health).
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+from mission.engine.engine import Engine
+from mission.model import AUTONOMOUS, MANUAL_DRIVING, SURFACING, Action, Step
+from mission.model.alarms import Condition, mask_of, standing
+from mission.model.regions import EMERGENCY, MANUAL
+from mission.model.vehicle import Vehicle
+from mission.onboard.runtime.command_target import MODEM, Peer, one_line
+from mission.onboard.runtime.refusals import DOUBT_S
+from protocol.messages import Fix, Order, Setpoint, StateReport, Telemetry
+from protocol.state_frame import STICK, setpoint_text
+
+AT_SURFACE_M = 0.5
+FRESH_FIX_S = 5.0
+TELEMETRY = "telemetry"  # a limit that an alarm of its own tells of, everywhere
+TREND_EVERY_S, TREND_LEAST, TREND_MOST = 10.0, 30, 60  # samples: of 5 to 10 minutes
+
+
+class Situation:
+    """``gps``: there is a receiver."""
+
+    def __init__(self, engine: Engine, vehicle: Vehicle, gps: bool) -> None:
+        self._engine, self._vehicle, self._gps = engine, vehicle, gps
+        self.telemetry: Telemetry | None = None
+        self.fix: Fix | None = None
+        self._said: Setpoint | Order | None = None
+        self._deep_at = 0.0  # when it was not at the surface, or nobody knew
+        self._volts: deque[tuple[float, float]] = deque(maxlen=TREND_MOST)
+        self._owes_report = False
+        self._has_news = False  # a report, a fix or a step since the last look at the surface
+        self.of_serve: tuple[str, ...] = ()  # alarms that serve has told
+
+    def note(self, step: Step) -> None:
+        """Who was under way owes the boat one @VS at the surface (R11)."""
+        self._has_news = True
+        if any(path.startswith((AUTONOMOUS, EMERGENCY)) for path in step.entered):
+            self._owes_report = True
+
+    def owes_report(self, now: float) -> bool:
+        """That one is due, and no more then. Looked at again when there is news."""
+        if not (self._owes_report and self._has_news):
+            return False
+        self._has_news = False
+        is_due = not self._engine.state.startswith((AUTONOMOUS, MANUAL)) and self._afloat(now)
+        self._owes_report = not is_due
+        return is_due
+
+    def take_fix(self, fix: Fix) -> None:
+        self.fix, self._has_news = fix, True
+
+    def report(self, report: Telemetry) -> None:
+        self.telemetry, self._has_news = report, True
+        if report.depth is None or report.depth >= AT_SURFACE_M:
+            self._deep_at = report.t
+        volts = report.batteries[0] if report.batteries else None
+        is_due = not self._volts or report.t >= self._volts[-1][0] + TREND_EVERY_S
+        if volts is not None and is_due and not self._vehicle.constant_batteries:
+            self._volts.append((report.t, volts))
+
+    def commanded(self, action: Action) -> None:
+        self._said = action.command
+
+    @property
+    def setpoint(self) -> str:
+        """In force, as the vehicle was told it last."""
+        return STICK if self._engine.state == MANUAL_DRIVING else setpoint_text(self._said)
+
+    def _afloat(self, now: float) -> bool:
+        """By a report or a fix, and not surfacing any more."""
+        depth = self.telemetry.depth if self.telemetry else None
+        fixed = self.fix is not None and now - self.fix.t <= FRESH_FIX_S
+        return self._engine.state != SURFACING and (
+            fixed or (depth is not None and depth < AT_SURFACE_M)
+        )
+
+    def condition(self, refusal: str, refused_at: float, now: float) -> Condition:
+        engine = self._engine
+        watch, within = engine.core.watch, self._vehicle.stale_after
+        breached = {row.name: row.why(watch) for row in engine.breaches if row.name != TELEMETRY}
+        return Condition(
+            state=engine.state,
+            reason=engine.reason,
+            breached=breached,
+            unobeyed=now - engine.doubted_at <= DOUBT_S,
+            report_age=self.report_age(now) if self.telemetry or now > within else None,
+            reports_within=within,
+            afloat_without_fix=self._without_fix(now),
+            refusal=refusal,
+            refusal_age=now - refused_at if refusal else None,
+            battery_runs_out=self._runs_out(),
+        )
+
+    def state_report(
+        self, condition: Condition, asker: Peer, commander: Peer | None, now: float
+    ) -> StateReport:
+        engine = self._engine
+        north, east = self._drift()
+        left = self._margins(now)
+        names = (*(alarm.name for alarm in standing(condition)), *self.of_serve)
+        state = AUTONOMOUS if engine.state.startswith(AUTONOMOUS) else engine.state
+        return StateReport(
+            state=state,
+            commander=_whose(asker, commander),
+            report_age=_finite(self.report_age(now)),
+            fix_age=self.fix_age(now),
+            uncertainty_m=self.uncertainty,
+            north_m=north,
+            east_m=east,
+            to_depth_m=left["depth"],
+            to_radius_m=left["range"],
+            to_time=left["time"],
+            to_voltage_v=left["battery"],
+            alarms=mask_of(names),
+            setpoint=self.setpoint,
+            leg=one_line(engine.leg),
+        )
+
+    def report_age(self, now: float) -> float:
+        """inf: none ever came."""
+        return now - self.telemetry.t if self.telemetry else math.inf
+
+    def fix_age(self, now: float) -> float | None:
+        """Of the fix that is shown, or of what the vehicle itself knows of its place."""
+        if self.fix is not None:
+            return now - self.fix.t
+        estimate = self._engine.estimate
+        return None if estimate is None else estimate.fix_age
+
+    @property
+    def uncertainty(self) -> float | None:
+        """m, the radius that holds the position to 95 %; None where there is none."""
+        reading = self._engine.readings["uncertainty"]
+        return _finite(reading.value) if reading.valid else None
+
+    def _drift(self) -> tuple[float | None, float | None]:
+        """m, from the last fix to where it is estimated to be."""
+        estimate, navigation = self._engine.estimate, self._engine.core.vehicle_state.navigation
+        frame = navigation.frame if navigation is not None else None
+        if self.fix is None or estimate is None or frame is None or self.uncertainty is None:
+            return None, None
+        north, east = frame.to_local(self.fix.latitude, self.fix.longitude)
+        return estimate.north - north, estimate.east - east
+
+    def _margins(self, now: float) -> dict[str, float | None]:
+        """Left to the limits in force: m, m, min, V."""
+        readings, bounds = self._engine.readings, self._engine.bounds
+        elapsed = self._engine.mission_time
+        depth, far, volts = (
+            readings[name].value if readings[name].valid else None
+            for name in ("depth", "range", "battery")
+        )
+        return {
+            "depth": None if depth is None else bounds.depth - depth,
+            "range": None if far is None else bounds.radius - far,
+            "time": None if elapsed is None else (bounds.time - elapsed) / 60.0,
+            "battery": None if volts is None else volts - bounds.voltage,
+        }
+
+    def _without_fix(self, now: float) -> float | None:
+        if not self._gps or self.telemetry is None:
+            return None
+        return now - max(self._deep_at, self.fix.t if self.fix else 0.0)
+
+    def _runs_out(self) -> float | None:
+        """s until the limit of the voltage, along the line of least squares."""
+        if len(self._volts) < TREND_LEAST:
+            return None
+        t0, v0 = (sum(values) / len(self._volts) for values in zip(*self._volts, strict=True))
+        spread = sum((t - t0) ** 2 for t, _ in self._volts)
+        slope = sum((t - t0) * (v - v0) for t, v in self._volts) / spread
+        if slope >= 0.0:
+            return None
+        left = t0 + (self._engine.bounds.voltage - v0) / slope - self._volts[-1][0]
+        return max(0.0, float(left))
+
+
+def _whose(asker: Peer, commander: Peer | None) -> str:
+    if commander is None:
+        return "nobody"
+    if commander == asker:
+        return "asker"
+    return "modem" if commander.link == MODEM else "network"
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,153 @@
+"""Overdue: a vehicle that should be up by proof, of which nothing was heard, and where it may be.
+
+    Plan (proved worst time, range, current assumed) + start + last contact --now--> words
+
+    under way when last heard   around home: the proved range, and what the sea does from then on
+                                when it is up at the latest; without a home around the contact
+    at the surface or stopped   around the contact: its own uncertainty, and what the sea does since
+
+The sea takes it along with the current that it had estimated, and with as much as was assumed to
+any side. So the area is an ellipse: that of the estimate, moved and grown. Sans-IO; times are of
+the wall clock, s since 1970 UTC.
+
+What does not live here: what is kept between two commands (dives).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from mission.model import AUTONOMOUS, Position
+from mission.model.alarms import ago
+from mission.navigation import distribution
+from mission.navigation.geodesy import LocalFrame
+
+UNSURE_M = 30.0  # 95 % of a fix whose accuracy nobody tells
+SWIMS = (AUTONOMOUS, "manual")
+OVER = ("idle", "emergency/surfaced")  # it is up, and was heard
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What was proved of the mission that was uploaded. ``current``: m/s, assumed at most."""
+
+    name: str
+    worst_s: float
+    range_m: float
+    current: float
+    home: tuple[float, float] | None = None  # degrees
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """When the vehicle answered last, and what it knew. ``covariance``: m^2 of its place (nn, ne,
+    ee); ``current``: m/s north and east, as it had estimated it."""
+
+    wall: float
+    state: str
+    latitude: float | None = None  # degrees
+    longitude: float | None = None
+    covariance: tuple[float, float, float] | None = None
+    current: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Dive:
+    """``started``: None where it was not started from here, or is over."""
+
+    started: float | None = None
+    plan: Plan | None = None
+    contact: Contact | None = None
+
+    @property
+    def due(self) -> float | None:
+        """When it is at the surface at the latest."""
+        return (
+            None if self.started is None or self.plan is None else self.started + self.plan.worst_s
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Area:
+    """An ellipse; ``bearing`` is that of its long axis, degrees from north."""
+
+    latitude: float
+    longitude: float
+    long_m: float  # half axes
+    short_m: float
+    bearing: float
+
+    def __str__(self) -> str:
+        place = f"{self.latitude:.5f} {self.longitude:.5f}"
+        if self.long_m - self.short_m < 1.0:
+            return f"within {self.long_m:.0f} m of {place}"
+        return (
+            f"around {place}: {self.long_m:.0f} m towards {self.bearing:03.0f} and "
+            f"{(self.bearing + 180) % 360:03.0f} deg, {self.short_m:.0f} m across"
+        )
+
+
+def heard(dive: Dive, contact: Contact) -> Dive:
+    """The dive after this contact: over where the vehicle is up."""
+    over = contact.state.startswith(OVER)
+    return Dive(None if over else dive.started, dive.plan, contact)
+
+
+def silent_for(dive: Dive, now: float) -> float:
+    """s since the last contact; inf: there was none."""
+    return math.inf if dive.contact is None else max(0.0, now - dive.contact.wall)
+
+
+def overdue(dive: Dive, now: float) -> str:
+    """In words, "" while it is not, or where nobody knows."""
+    due = dive.due
+    if due is None or now <= due or (dive.contact is not None and dive.contact.wall > due):
+        return ""
+    since = f"it was to be up {ago(now - due)} at the latest, heard {ago(silent_for(dive, now))}"
+    area = search_area(dive, now)
+    return f"{since}; search {area}" if area else f"{since}; nobody knows where"
+
+
+def search_area(dive: Dive, now: float) -> Area | None:
+    """Where it may be at ``now``; None: no place is known."""
+    plan, contact = dive.plan, dive.contact
+    if plan is None:
+        return None
+    swam = contact is None or contact.state.startswith(SWIMS)
+    if swam and plan.home is not None:
+        adrift = max(0.0, now - (dive.due or now))
+        return _moved(plan.home, plan.range_m, None, contact, plan.current * adrift, adrift)
+    if contact is None or contact.latitude is None or contact.longitude is None:
+        return None
+    swims = 2.0 * plan.range_m if swam else 0.0
+    adrift = max(0.0, now - contact.wall)
+    place = (contact.latitude, contact.longitude)
+    return _moved(place, swims, contact.covariance, contact, plan.current * adrift, adrift)
+
+
+def _moved(
+    place: tuple[float, float],
+    radius: float,
+    covariance: tuple[float, float, float] | None,
+    contact: Contact | None,
+    grown: float,
+    adrift: float,
+) -> Area:
+    """``radius`` and ``grown`` are added to both half axes."""
+    north, east = contact.current if contact is not None else (0.0, 0.0)
+    latitude, longitude = LocalFrame(Position(*place)).to_geodetic(north * adrift, east * adrift)
+    great, small, bearing = UNSURE_M, UNSURE_M, 0.0
+    if covariance is not None:
+        great, small, bearing = distribution.principal(covariance)
+        great, small = distribution.PLANE_95 * great, distribution.PLANE_95 * small
+    elif radius:
+        great = small = 0.0
+    more = radius + grown
+    return Area(
+        math.degrees(latitude),
+        math.degrees(longitude),
+        great + more,
+        small + more,
+        math.degrees(bearing) % 180.0,
+    )

@@ -1,0 +1,217 @@
+"""@AE: what the runtime tells of itself is what it is, in every state, with true ages (R4)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from links.base import Rx
+from links.simulated.link import START, SimulatedVehicle
+from mission.analysis.replay.replay import replay
+from mission.authoring.language import parse, script
+from mission.model import Tx
+from mission.model.alarms import ALARMS, alarms_of
+from mission.model.shipped import load_vehicle
+from mission.onboard.configuration import Configuration
+from mission.onboard.runtime.records import ListRecorder
+from mission.onboard.runtime.runtime import Runtime
+from mission.onboard.runtime.situation import TREND_EVERY_S, Situation
+from mission.onboard.store import MemoryStore, Stored
+from protocol.messages import StateReport, Telemetry
+from protocol.state_frame import MOST
+from protocol.topside import ConsoleCodec
+
+TEXT = """\
+mission pool vehicle auv
+safety radius 200 time 5min depth 5
+start without fix
+deep: depth 2 heading 0 gear 4 for 20
+"""
+VEHICLE = replace(load_vehicle("auv"), dialect="documented")
+
+
+class Pi:
+    """A runtime with a simulated vehicle on its line; ``unplugged``: nothing comes from there."""
+
+    def __init__(self, text: str = TEXT, gps: bool = False) -> None:
+        self.sea, self.now, self.unplugged = SimulatedVehicle("documented", 1), 0.0, False
+        self.recorder, store = ListRecorder(), MemoryStore(Stored(tuple(script(parse(text)))))
+        links = replace(Configuration().links, gps="memory:" if gps else None)
+        configuration = replace(Configuration(), links=links)
+        self.runtime = Runtime(configuration, VEHICLE, store, self.recorder, wall=START.timestamp())
+        self.runtime.set_navigation(self.runtime.make_navigation(), 0.0)
+        for link, name in (("topside", "boat"), ("topside", "other"), ("modem", "")):
+            self.runtime.connected(link, name, 0.0)
+
+    def say(self, data: bytes, who: str = "boat") -> list[bytes]:
+        out = self.runtime.receive(Rx(self.now, "topside", data, who))
+        self.leave(out)
+        return [tx.data for tx in out if tx.link == "topside" and tx.address == who]
+
+    def leave(self, out: list[Tx]) -> None:
+        for tx in out:
+            if tx.link == "vehicle" and not self.unplugged:
+                self.sea.vehicle_link.send(tx.data, self.now)
+
+    def until(self, end: float) -> None:
+        link = self.sea.vehicle_link
+        while True:
+            due = min(t for t in (link.next_event(), self.runtime.next_timer()) if t is not None)
+            if due > end:
+                self.now = end
+                return
+            self.now = max(self.now, due)
+            for rx in link.receive(self.now):
+                if not self.unplugged:
+                    self.leave(self.runtime.receive(rx, self.now))
+            self.leave(self.runtime.handle_timer(self.now))
+
+    def told(self, who: str = "boat") -> StateReport:
+        (raw,) = self.say(b"@AE$", who)
+        assert len(raw) <= MOST
+        (report,) = ConsoleCodec().receive(raw, 0.0)
+        assert isinstance(report, StateReport)
+        return report
+
+    def alarms(self) -> set[str]:
+        return {alarm.name for alarm in alarms_of(self.told().alarms)}
+
+
+STATES = [
+    ([], "idle/ready", ""),
+    ([b"@AC$"], "idle/empty", ""),
+    ([b"@AA$"], "autonomous", "F33%H0S2"),
+    ([b"@MMF5$"], "manual/driving", "M"),
+    ([b"@ZAX0$"], "emergency/stopped", "X"),
+    ([b"@AA$", b"@ZAX0$"], "emergency/stopped", "X"),
+    ([b"@ZAWF$"], "emergency/surfacing", "W"),
+]
+
+
+@pytest.mark.parametrize(("words", "state", "setpoint"), STATES)
+def test_in_every_state_the_boat_is_told_the_pis_own(
+    words: list[bytes], state: str, setpoint: str
+) -> None:
+    pi = Pi()
+    pi.until(4.0)
+    for word in words:
+        pi.say(word)
+    told = pi.told()
+    assert pi.runtime.state.startswith(state)
+    assert told.state == state
+    assert told.setpoint == setpoint
+    assert told.leg == ("deep" if state == "autonomous" else "")
+    assert ("emergency" in pi.alarms()) == state.startswith("emergency")
+
+
+def test_a_stick_that_was_let_go_and_an_ascent_that_is_over_are_told_too() -> None:
+    pi = Pi()
+    pi.until(4.0)
+    pi.say(b"@MMF5$")
+    pi.until(7.0)
+    assert (pi.told().state, pi.told().setpoint) == ("manual/waiting", "X")
+    pi.say(b"@ZAWF$")
+    pi.until(30.0)
+    assert (pi.told().state, pi.told().setpoint) == ("emergency/surfaced", "X")
+
+
+def test_an_age_grows_while_nothing_comes_and_is_told_as_an_alarm() -> None:
+    pi = Pi()
+    assert pi.told().report_age is None
+    assert pi.alarms() == set(), "nothing is due yet"
+    pi.until(4.0)
+    assert pi.told().report_age == pytest.approx(0.0, abs=1.0)
+    pi.unplugged = True
+    pi.until(40.0)
+    assert pi.told().report_age == pytest.approx(37.0, abs=1.5)
+    assert "old report" in pi.alarms()
+
+
+def test_a_board_that_was_never_heard_is_an_alarm() -> None:
+    pi = Pi()
+    pi.unplugged = True
+    pi.until(20.0)
+    assert pi.told().report_age is None
+    assert pi.alarms() == {"old report"}
+
+
+def test_who_commands_is_told_as_the_asker_sees_it() -> None:
+    pi = Pi()
+    pi.until(4.0)
+    assert pi.told().commander == "nobody"
+    pi.say(b"@AA$")
+    assert pi.told().commander == "asker"
+    assert pi.told("other").commander == "network"
+
+
+def test_what_is_left_to_the_limits_is_told() -> None:
+    pi = Pi()
+    pi.until(4.0)
+    assert pi.told().to_time is None
+    pi.say(b"@AA$")
+    pi.until(20.0)
+    told, depth = pi.told(), pi.runtime.engine.depth
+    assert depth is not None
+    assert told.to_depth_m == pytest.approx(5.0 - depth, abs=0.5)
+    assert told.to_time == pytest.approx(5.0 - 16.0 / 60.0, abs=0.5)
+
+
+def test_a_refusal_is_an_alarm_for_two_minutes() -> None:
+    pi = Pi()
+    pi.until(4.0)
+    pi.say(b"@AC$")
+    pi.say(b"@AA$")
+    assert pi.alarms() == {"refused"}
+    pi.until(130.0)
+    assert pi.alarms() == set()
+
+
+def test_an_operator_who_only_asks_takes_nothing_and_moves_nothing() -> None:
+    pi = Pi()
+    pi.until(4.0)
+    pi.say(b"@AA$", "other")
+    before = pi.runtime.state
+    for _ in range(5):
+        pi.told()
+    assert pi.runtime.commander.peer is not None
+    assert pi.runtime.commander.peer.address == "other"
+    assert pi.runtime.state == before
+
+
+def test_at_the_surface_without_a_fix_for_a_minute_is_an_alarm_where_there_is_a_receiver() -> None:
+    for gps, wanted in ((True, {"no fix"}), (False, set())):
+        pi = Pi(gps=gps)
+        pi.until(58.0)
+        assert pi.alarms() == set()
+        pi.until(70.0)
+        assert pi.alarms() == wanted
+
+
+def test_a_battery_that_falls_to_its_limit_is_an_alarm_in_time() -> None:
+    pi = Pi()
+    vehicle = replace(VEHICLE, constant_batteries=False)
+    bound = pi.runtime.engine.bounds.voltage
+    for fall, alarmed in ((0.002, True), (0.0001, False), (-0.01, False)):
+        situation = Situation(pi.runtime.engine, vehicle, False)
+        for step in range(60):
+            t = step * TREND_EVERY_S
+            situation.report(Telemetry(t, depth=0.0, batteries=(bound + 2.0 - fall * t, 48.0)))
+        left = situation.condition("", 0.0, 600.0).battery_runs_out
+        words = ALARMS["battery"].judge(situation.condition("", 0.0, 600.0))
+        assert bool(words) == alarmed
+        if fall > 0:
+            assert left == pytest.approx(2.0 / fall - 590.0, rel=0.01)
+
+
+def test_what_serve_alone_sees_is_told_and_replayed_to_the_bit() -> None:
+    pi = Pi()
+    pi.until(4.0)
+    pi.leave(pi.runtime.take_alarms(("disk", "link away"), pi.now))
+    assert pi.alarms() == {"disk", "link away"}
+    pi.leave(pi.runtime.take_alarms((), pi.now))
+    assert pi.alarms() == set()
+    pi.say(b"@AA$")
+    pi.until(10.0)
+    pi.told()
+    assert replay(pi.recorder.records).identical
