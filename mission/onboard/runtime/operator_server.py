@@ -66,7 +66,6 @@ ORDER_ANSWER_S = 10.0
 TELL_S = 1.0  # between two reports that tell one and the same why nothing is relayed
 
 YES, NO = ord("Y"), ord("N")
-
 Query = DataQuery | StoreQuery | StateQuery | NodeQuery
 
 
@@ -88,7 +87,7 @@ class OperatorServer:
         self.copies = Copies(self._in_force)
         self._pending = PendingAnswers()
         self._switching: tuple[list[Peer], NodeSwitch] | None = None
-        self._refusals = Refusals()
+        self.refusals = Refusals()
         self._told = -math.inf  # when a refused relay was
         self._out: list[Tx] = []
         self._faults: list[tuple[Peer, FrameFault]] = []
@@ -157,7 +156,7 @@ class OperatorServer:
         if not isinstance(outcome.command, Order):
             if outcome.result is Result.REFUSED:
                 why = refused_set(outcome.frame, self._target.meaning_of_no(outcome.frame))
-                self._refusals.note("ZA", why, now)
+                self.refusals.note("ZA", why, now)
                 self._target.notice(why)
             return
         letter = "X" if outcome.command is Order.STOP else "W"
@@ -168,11 +167,6 @@ class OperatorServer:
         """One @VS on every path (R11)."""
         for peer in sorted(self._paths):
             self._paths[peer].send(self._target.status(now), now, reason, unasked=True)
-
-    @property
-    def refused(self) -> tuple[str, float]:
-        """What was refused last, "" if nothing stands, and when."""
-        return self._refusals.last
 
     # --- commands -------------------------------------------------------------------------
 
@@ -188,7 +182,7 @@ class OperatorServer:
 
     def _refuse_unfit(self, peer: Peer, unfit: Unfit, now: float) -> None:
         self._faults.append((peer, unfit.fault))
-        self._refusals.note(unfit.code, unfit.fault.kind, now)
+        self.refusals.note(unfit.code, unfit.fault.kind, now)
         if self._answer_no:
             self._send(peer, answer(unfit.code, False, now), now, unfit.fault.kind)
 
@@ -221,7 +215,7 @@ class OperatorServer:
             return self._target.state_report(peer, now)
         if isinstance(command, NodeQuery):
             return Ack(now, "N", "I", self._nodes.mask)
-        refusal = self._refusals.told(now, self._target.doubted_at)
+        refusal = self.refusals.told(now, self._target.doubted_at)
         return self._uploads.report(refusal, now)
 
     def _execute(self, peer: Peer, command: Command, now: float) -> Verdict | None:
@@ -231,7 +225,7 @@ class OperatorServer:
         if isinstance(command, MissionLine):
             verdict, stored = self._uploads.take(command, now)
             if stored:
-                self._refusals.end()
+                self.refusals.end()
             return verdict
         if isinstance(command, SetTime):
             return self._set_time(peer, command, now)
@@ -259,9 +253,9 @@ class OperatorServer:
 
     def _answer(self, peer: Peer, command: Command, verdict: Verdict, now: float) -> None:
         if verdict.accepted:
-            self._refusals.accepted(name_of(command))
+            self.refusals.accepted(name_of(command))
         else:
-            self._refusals.note(name_of(command), verdict.why, now)
+            self.refusals.note(name_of(command), verdict.why, now)
         ack = acknowledge(command, verdict.accepted, now)
         if ack is not None and (verdict.accepted or self._answer_no):
             self._send(peer, ack, now, verdict.why or "accepted")

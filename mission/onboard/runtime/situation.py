@@ -71,7 +71,8 @@ class Situation:
             self._volts.append((report.t, volts))
 
     def commanded(self, action: Action) -> None:
-        self._said = action.command
+        if isinstance(action.command, Setpoint | Order):
+            self._said = action.command
 
     @property
     def setpoint(self) -> str:

@@ -85,7 +85,10 @@ class Server:
             ValidationQueue(self._hear, self._spawn),
         )
         self._alarms = AlarmWatch(
-            self._journal, self._tell_alarms, (*got.faults, *got.damage), speed == 1.0
+            self._journal,
+            lambda names: self._do(lambda r: r.take_alarms(names, self.now())),
+            (*got.faults, *got.damage),
+            in_real_time=speed == 1.0,
         )
         self._commander: Peer | None = None
         self._runtime: Runtime | None = None
@@ -355,9 +358,6 @@ class Server:
             ascent_only=self._configuration.ascent_only,
             alarms=self._alarms.look(self._runtime, self._ports, self._recording, self.now()),
         )
-
-    def _tell_alarms(self, names: tuple[str, ...]) -> None:
-        self._do(lambda runtime: runtime.take_alarms(names, self.now()))
 
     # --- tasks -------------------------------------------------------------------------------
 
