@@ -74,7 +74,7 @@ class LinkRow:
     options: tuple[str, ...] = ()
 
 
-_ADMISSION = ("allow", "connections", "each", "idle")  # links.admission
+_ADMISSION = ("allow", "connections", "each", "idle", "handshake", "viewers")  # links.admission
 
 LINKS: dict[str, LinkRow] = {
     "serial": LinkRow("links.serial", "serial:///dev/ttyUSB0?baud=9600", ("baud",)),

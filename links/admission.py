@@ -3,6 +3,8 @@
     allow=192.168.1.0/24,10.0.0.5   nobody else; not given: everybody who can reach the port
     connections=32  each=8          at once: in total, from one address
     idle=600                        s without a byte, then a connection is dropped
+    handshake=5                     s that a peer has to show its certificate
+    viewers=yes                     who may only look is let in, too (a role of its certificate)
     (fixed)                         50 connections at once from one address, then 10 a second;
                                     with TLS as many as come, and 256 handshakes at a time
 
@@ -31,6 +33,7 @@ from links import Address, LinkAddressError
 GIVES_WAY = 10.0  # s
 PROVES = 1.0  # s
 AT_ONCE, PER_SECOND = 50.0, 10.0  # new connections from one address
+HANDSHAKE = 5.0  # s
 LOBBY = 256  # handshakes at a time: half a second of 500 a second, for an answer by a slow radio
 _REMEMBERED = 1024  # addresses; beyond, those that have been quiet are forgotten
 
@@ -43,6 +46,8 @@ class Admission:
     connections: int = 32
     each: int = 8
     idle: float = 600.0  # s
+    handshake: float = HANDSHAKE  # s that a peer has to prove who it is
+    viewers: bool = False  # certificates of viewers are let in, too
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,4 +159,6 @@ def admission_of(address: Address) -> Admission:
         int(address.number("connections", usual.connections, 1, 1000)),
         int(address.number("each", usual.each, 1, 1000)),
         address.number("idle", usual.idle, 1.0, 1e6),
+        address.number("handshake", usual.handshake, 1.0, 120.0),
+        address.options.get("viewers") == "yes",
     )

@@ -13,6 +13,7 @@ import socket
 import ssl
 
 BACKLOG = 1 << 18  # bytes waiting for one peer
+ROLE, VIEWER = "organizationalUnitName", "viewer"  # in the subject of a certificate
 READ = 8192  # bytes at a time
 GIVEN_UP = 20_000  # ms that sent bytes may stay without an acknowledgement
 KEEPALIVE = (10, 5, 3)  # s idle, s between probes, probes
@@ -96,6 +97,13 @@ class Stream:
             self._end(error)
             return
         self.established = self.proved = True
+
+    @property
+    def is_viewer(self) -> bool:
+        """By its certificate it may look, and command nothing."""
+        shown = self.socket.getpeercert() if isinstance(self.socket, ssl.SSLSocket) else None
+        named = (shown or {}).get("subject", ())
+        return any((ROLE, VIEWER) in row for row in named)
 
     def read(self) -> bytes:
         """Sets ``ended`` when the other side is gone."""

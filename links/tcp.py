@@ -27,11 +27,11 @@ from links.stream import BACKLOG, Stream, in_words, tune
 __all__ = ["BACKLOG", "TcpClient", "TcpServer", "host_and_port"]
 
 CONNECT_TIMEOUT = 5.0  # s
-HANDSHAKE = 5.0  # s that a peer has to prove who it is
 STEPS = 4  # of handshakes at a time, the first who came first: they compute, and others wait
 ACCEPTS = 4  # connections taken at a time: those who left already make room before the next
 RECEIVE_BUFFER = 1 << 16  # bytes in the system, per peer: what an order may stand behind
 _UNWELCOME = "it admits nobody from here, or wants tls://; its journal says which"
+_VIEWER = "its certificate is a viewer's: it may look at the monitor's port alone"
 _REFUSALS = 64  # kinds of them that are told apart
 
 
@@ -252,7 +252,8 @@ class TcpServer:
     def _enter(self, stream: Stream, now: float) -> None:
         """From the lobby."""
         stream.established = False
-        stream.why = self._make_room(stream.host, now)
+        may = self._admission.viewers or not stream.is_viewer
+        stream.why = self._make_room(stream.host, now) if may else _VIEWER
         stream.established, stream.ended = True, bool(stream.why)
 
     def _make_room(self, host: str, now: float) -> str:
@@ -284,7 +285,9 @@ class TcpServer:
             self.selector.modify(stream.socket, selectors.EVENT_READ | write, stream)
 
     def _deadline(self, stream: Stream) -> float:
-        return stream.heard + (self._admission.idle if stream.established else HANDSHAKE)
+        return stream.heard + (
+            self._admission.idle if stream.established else self._admission.handshake
+        )
 
     def _let_go(self, now: float) -> None:
         for stream in [s for s in self.streams.values() if self._deadline(s) <= now]:

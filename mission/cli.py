@@ -48,6 +48,7 @@ COMMANDS = {
     "output": "words",
     "send": "send",
     "stick": "stick",
+    "monitor": "monitor",
     "replay": "replay",
     "decode": "decode",
     "encode": "encode",

@@ -11,7 +11,9 @@ import click
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--boat", "boats", multiple=True, default=("boat",), metavar="NAME",
               help="A boat that may command the vehicle; repeatable.  [default: boat]")  # fmt: skip
-def keys(folder: Path, boats: tuple[str, ...]) -> None:
+@click.option("--viewer", "viewers", multiple=True, metavar="NAME",
+              help="Who may look at the monitor and command nothing; repeatable.")  # fmt: skip
+def keys(folder: Path, boats: tuple[str, ...], viewers: tuple[str, ...]) -> None:
     """Make a small certificate authority in FOLDER, with an end for the vehicle and for each boat.
 
     Called again, it adds what is missing and changes nothing.
@@ -20,7 +22,7 @@ def keys(folder: Path, boats: tuple[str, ...]) -> None:
 
     made: list[Path] = []
     try:
-        make_keys(folder, boats, made.append)
+        make_keys(folder, boats, made.append, viewers)
     except KeysError as error:
         click.echo(str(error), err=True)
         raise SystemExit(1) from None

@@ -46,12 +46,13 @@ def serve(
     import time
 
     from mission.onboard.serve.closing import close_in_background
+    from mission.onboard.serve.foreground import run
     from mission.onboard.serve.instance_lock import AnotherServe, only_one
     from mission.onboard.serve.journal import printed
     from mission.onboard.serve.leaving import time_to_leave
     from mission.onboard.serve.printer import Printer
     from mission.onboard.serve.provision import Unusable, provide
-    from mission.onboard.serve.serve import Server, run
+    from mission.onboard.serve.serve import Server
 
     def tell(line: str) -> None:
         click.echo(printed(line.rstrip(), time.time()), err=True)

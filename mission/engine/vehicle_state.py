@@ -51,6 +51,8 @@ class Frame(Protocol):
 
     def to_local(self, latitude: float, longitude: float) -> tuple[float, float]: ...
 
+    def to_geodetic(self, north: float, east: float) -> tuple[float, float]: ...
+
 
 class Navigator(Protocol):
     """What the engine asks of mission.navigation.Navigation."""

@@ -9,6 +9,7 @@
       topside: tcp-listen://127.0.0.1:4000  # listens; loopback unless told otherwise, e.g.
                  # tls-listen://0.0.0.0:4000?keys=/etc/auvmission/keys&allow=192.168.1.0/24
       modem: null
+      monitor: tcp-listen://127.0.0.1:4001  # for viewers, who command nothing; null: none
     folder: ~/.local/state/auvmission    # store/ and log/ below it
     time_zone: "+08:00"                  # of the topside's local time (E-V1)
     answer_no: true                      # R2; false for a topside that cannot bear N
@@ -54,6 +55,7 @@ class LinkUrls:
     gps: str | None = "serial:///dev/ttyUSB0"
     topside: str = "tcp-listen://127.0.0.1:4000"
     modem: str | None = None
+    monitor: str | None = "tcp-listen://127.0.0.1:4001"
 
 
 _NO_TOLERANCES: Mapping[str, str] = {}

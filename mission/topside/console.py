@@ -15,6 +15,7 @@ from typing import Protocol
 
 from links import open_link
 from links.base import Link, LinkError, Rx
+from mission.topside.monitor import Frame, Watched
 from mission.topside.underwater import BatchTalk, Submerged, modem_address
 from mission.topside.upload import Conversation, OperatorError, Script
 from mission.topside.upload import upload as upload_script
@@ -121,6 +122,25 @@ def speak(url: str, data: bytes, repeat: tuple[float, float], answers: float) ->
 
 def _heard(link: Link, now: float) -> Iterator[Rx]:
     yield from (rx._replace(link="") for rx in link.receive(now) or [Rx(now, "", b"")])
+
+
+def observe(url: str, wish: bytes, watched: Watched) -> Iterator[Frame | None]:
+    """The frames of a monitor, for ever, each answered; None every ``LOOK_S`` in which none comes.
+    Raises LinkError, NoMonitor."""
+    link = open_link("monitor", url)
+    try:
+        link.send(wish, time.monotonic())
+        while True:
+            select.select([link.fileno()], [], [], LOOK_S)
+            now, frames = time.monotonic(), list[Frame | None]()
+            for rx in link.receive(now):
+                came, answers = watched.receive(rx.data, now)
+                frames += came
+                if answers:
+                    link.send(answers, now)
+            yield from frames or [None]
+    finally:
+        link.close()
 
 
 def degrees(angle: float | None, places: int) -> float | None:

@@ -49,6 +49,11 @@ class Frame:
         east = (longitude - math.radians(self.origin.longitude_deg)) / _METRE
         return north, east * math.cos(latitude)
 
+    def to_geodetic(self, north: float, east: float) -> tuple[float, float]:
+        latitude = north * _METRE + math.radians(self.origin.latitude_deg)
+        longitude = east * _METRE / math.cos(latitude) + math.radians(self.origin.longitude_deg)
+        return latitude, longitude
+
 
 class Navigation:
     """``at`` moves the vehicle; ``doubt[sensor]`` is why it is not to be believed."""

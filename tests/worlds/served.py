@@ -77,11 +77,12 @@ class Running:
         store: Store | None = None,
         speed: float = 1.0,
         topside: str = "tcp://127.0.0.1:0",
+        monitor: str | None = None,
         wait: bool = True,
         leave_within: float = 0.0,
         **more: object,
     ) -> None:
-        links = LinkUrls(vehicle=vehicle, gps=gps, topside=topside)
+        links = LinkUrls(vehicle=vehicle, gps=gps, topside=topside, monitor=monitor)
         configuration = replace(Configuration(), links=links, folder=folder, **more)  # type: ignore[arg-type]
         self.told: list[str] = []
         self.ready: Ready | None = None

@@ -109,7 +109,7 @@ class Situation:
     ) -> StateReport:
         engine = self._engine
         north, east = self._drift()
-        left = self._margins(now)
+        left = self.margins()
         names = (*(alarm.name for alarm in standing(condition)), *self.of_serve)
         state = AUTONOMOUS if engine.state.startswith(AUTONOMOUS) else engine.state
         return StateReport(
@@ -121,9 +121,9 @@ class Situation:
             north_m=north,
             east_m=east,
             to_depth_m=left["depth"],
-            to_radius_m=left["range"],
+            to_radius_m=left["radius"],
             to_time=left["time"],
-            to_voltage_v=left["battery"],
+            to_voltage_v=left["voltage"],
             alarms=mask_of(names),
             setpoint=self.setpoint,
             leg=one_line(engine.leg),
@@ -155,7 +155,7 @@ class Situation:
         north, east = frame.to_local(self.fix.latitude, self.fix.longitude)
         return estimate.north - north, estimate.east - east
 
-    def _margins(self, now: float) -> dict[str, float | None]:
+    def margins(self) -> dict[str, float | None]:
         """Left to the limits in force: m, m, min, V."""
         readings, bounds = self._engine.readings, self._engine.bounds
         elapsed = self._engine.mission_time
@@ -165,9 +165,9 @@ class Situation:
         )
         return {
             "depth": None if depth is None else bounds.depth - depth,
-            "range": None if far is None else bounds.radius - far,
+            "radius": None if far is None else bounds.radius - far,
             "time": None if elapsed is None else (bounds.time - elapsed) / 60.0,
-            "battery": None if volts is None else volts - bounds.voltage,
+            "voltage": None if volts is None else volts - bounds.voltage,
         }
 
     def _without_fix(self, now: float) -> float | None:

@@ -46,6 +46,11 @@ class AlarmWatch:
         """A command could not leave."""
         self._unsent = time.monotonic()
 
+    @property
+    def standing(self) -> tuple[Alarm, ...]:
+        """As of the last look."""
+        return tuple(self._standing.values())
+
     def begin(self) -> None:
         """Another runtime, which has been told nothing so far."""
         self._of_serve = ()
@@ -70,7 +75,7 @@ class AlarmWatch:
         if names != self._of_serve:
             self._of_serve = names
             self._tell_runtime(names)
-        return tuple(self._standing.values())
+        return self.standing
 
     def _clock_off(self, fix: Fix | None, now: float) -> float | None:
         return clock_off(fix, now, time.time()) if self._in_real_time else None

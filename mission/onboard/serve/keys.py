@@ -23,7 +23,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 AUTHORITY = "authority"
-VEHICLE, BOAT = "vehicle", "boat"
+VEHICLE, BOAT, VIEWER = "vehicle", "boat", "viewer"
 SECONDS = 60  # that openssl may take
 
 _CONFIGURATION = """\
@@ -41,11 +41,13 @@ default_startdate = 20200101000000Z
 default_enddate = 20500101000000Z
 [any]
 commonName = supplied
+organizationalUnitName = optional
 [req]
 distinguished_name = dn
 prompt = no
 [dn]
 CN = {name}
+{unit}
 [authority]
 basicConstraints = critical,CA:TRUE,pathlen:0
 keyUsage = critical,keyCertSign
@@ -54,6 +56,12 @@ subjectKeyIdentifier = hash
 basicConstraints = critical,CA:FALSE
 keyUsage = critical,digitalSignature
 extendedKeyUsage = serverAuth
+subjectKeyIdentifier = hash
+authorityKeyIdentifier = keyid
+[viewer]
+basicConstraints = critical,CA:FALSE
+keyUsage = critical,digitalSignature
+extendedKeyUsage = clientAuth
 subjectKeyIdentifier = hash
 authorityKeyIdentifier = keyid
 [boat]
@@ -69,8 +77,10 @@ class KeysError(OSError):
     pass
 
 
-def make_keys(folder: Path, boats: Sequence[str], made: Callable[[Path], None]) -> None:
-    """The authority, the vehicle's end and one for each boat, as far as they are not there yet.
+def make_keys(
+    folder: Path, boats: Sequence[str], made: Callable[[Path], None], viewers: Sequence[str] = ()
+) -> None:
+    """The authority, the vehicle's end and one for each boat and viewer that is not there yet.
 
     ``made`` is told of each. Raises KeysError.
     """
@@ -78,7 +88,7 @@ def make_keys(folder: Path, boats: Sequence[str], made: Callable[[Path], None]) 
     if openssl is None:
         raise KeysError("the program openssl is not installed: apt install openssl, or make the "
                         "keys on another computer and copy the folders")  # fmt: skip
-    for boat in boats:
+    for boat in (*boats, *viewers):
         if not boat.replace("-", "").isalnum() or boat in (AUTHORITY, VEHICLE):
             raise KeysError(f"{boat!r} is no name for a boat: letters, digits and hyphens")
     try:
@@ -87,9 +97,10 @@ def make_keys(folder: Path, boats: Sequence[str], made: Callable[[Path], None]) 
         if not authority.exists():
             _make(openssl, authority, AUTHORITY, "authority", None)
             made(authority)
-        for end in (VEHICLE, *boats):
+        roles = {VEHICLE: VEHICLE, **dict.fromkeys(boats, BOAT), **dict.fromkeys(viewers, VIEWER)}
+        for end, role in roles.items():
             if not (folder / end).exists():
-                _make(openssl, folder / end, end, VEHICLE if end == VEHICLE else BOAT, authority)
+                _make(openssl, folder / end, end, role, authority)
                 made(folder / end)
     except OSError as error:
         if isinstance(error, KeysError):
@@ -104,8 +115,9 @@ def _make(openssl: str, end: Path, name: str, role: str, authority: Path | None)
         out.mkdir(mode=0o700)
         certificate, key = ("ca.pem", "ca.key") if authority is None else ("cert.pem", "key.pem")
         configuration = work / "openssl.cnf"
+        unit = f"OU = {VIEWER}" if role == VIEWER else ""
         configuration.write_text(
-            _CONFIGURATION.format(work=work, name=f"auvmission {name}"), encoding="ascii"
+            _CONFIGURATION.format(work=work, name=f"auvmission {name}", unit=unit), encoding="ascii"
         )
         (work / "index").touch()
         request = work / "request.pem"

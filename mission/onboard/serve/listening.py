@@ -15,6 +15,15 @@ def listening(url: str) -> str:
     return re.sub(r"^(tcp|tls)://", r"\1-listen://", url)
 
 
+def listening_to_viewers(url: str) -> str:
+    """The monitor's URL: viewers are let in, with time for a handshake over a thin radio."""
+    url = listening(url)
+    for option in ("handshake=60", "viewers=yes"):
+        if f"{option.partition('=')[0]}=" not in url.partition("?")[2]:
+            url += f"{'&' if '?' in url else '?'}{option}"
+    return url
+
+
 def reached_at(url: str) -> str:
     """What an operator says to ``--to``."""
     return url.replace("-listen://", "://", 1).partition("?")[0]

@@ -61,6 +61,11 @@ class Port:
         if isinstance(self.link, TcpServer):
             self.link.vouch(address)
 
+    def drop_peer(self, address: str) -> None:
+        """Close one peer's connection, where the link has several."""
+        if isinstance(self.link, TcpServer):
+            self.link.drop(address)
+
     def refusals(self) -> Counter[Refusal]:
         """Who was turned away or dropped, and how often, since the last call."""
         return self.link.refusals() if isinstance(self.link, TcpServer) else Counter()

@@ -16,8 +16,6 @@ after a restart (what was under way surfaces), on the same ports, with a black b
 from __future__ import annotations
 
 import asyncio
-import signal
-import sys
 import time
 import traceback
 from collections.abc import Callable, Coroutine
@@ -34,7 +32,7 @@ from mission.onboard.serve import health
 from mission.onboard.serve.alarm_watch import AlarmWatch
 from mission.onboard.serve.journal import Journal, Several
 from mission.onboard.serve.leaving import MARGIN_S, USUAL_S, Leaving
-from mission.onboard.serve.listening import listening, open_to_all, reached_at
+from mission.onboard.serve.listening import listening, listening_to_viewers, open_to_all, reached_at
 from mission.onboard.serve.ports import Port
 from mission.onboard.serve.preload import prepare
 from mission.onboard.serve.processes import Processes
@@ -43,13 +41,14 @@ from mission.onboard.serve.rate_limiter import RateLimiter, host_of
 from mission.onboard.serve.recording import ClosesParts, Recording, leave_parts
 from mission.onboard.serve.systemclock import set_system_clock
 from mission.onboard.serve.validation_queue import ValidationQueue
+from mission.onboard.serve.view import view
+from mission.onboard.serve.viewing import Seen, Viewing
 from mission.onboard.serve.watchdog import Watchdog
 
 VEHICLE, GPS, TOPSIDE, MODEM = "vehicle", "gps", "topside", "modem"
 NODE_OF = {VEHICLE: "STM32", GPS: "BDGPS", MODEM: "UACM"}
 FIRST_S = 1.0  # real time, that the first W of a restart waits for its port
 REBIRTH_S = 1.0  # real time, between a fault of the program and the next runtime
-SWITCH_S = 0.0005  # the disk's and the judge's threads give way to the loop so soon, not in 5 ms
 EARLY_S = 0.002  # a timer that fires so much too early counts as in time
 
 
@@ -76,7 +75,9 @@ class Server:
     ) -> None:
         self._got = got
         self._configuration, self._vehicle, self._store = got.configuration, got.vehicle, got.store
-        self._journal = Journal(tell, time.monotonic)
+        viewers = got.configuration.links.monitor
+        self.viewing = Viewing(listening_to_viewers(viewers), self._see, tell) if viewers else None
+        self._journal = Journal(self.viewing.told(tell) if self.viewing else tell, time.monotonic)
         self._tell, self._ready, self._speed = self._journal.warning, ready, speed
         self._observer = Several(self._journal, *([observer] if observer else []))
         self._limiter, self._began = RateLimiter(time.monotonic()), time.monotonic()
@@ -123,6 +124,8 @@ class Server:
         for name, port in self._ports.items():
             if name != VEHICLE:
                 self._spawn(port.keep_open())
+        if self.viewing is not None:
+            self._spawn(self.viewing.keep())
         self._spawn(self._recording.keep_box())
         self._spawn(self._recording.keep_status(self._configuration.folder, self._health))
         self._spawn(self._recording.keep_working(self._got, self._is_heard))
@@ -359,6 +362,13 @@ class Server:
             alarms=self._alarms.look(self._runtime, self._ports, self._recording, self.now()),
         )
 
+    def _see(self) -> Seen | None:
+        """For viewers."""
+        if self._runtime is None:
+            return None
+        state = view(self._runtime, self._alarms.standing)
+        return self.now(), state, self._store.content.lines
+
     # --- tasks -------------------------------------------------------------------------------
 
     def _spawn(self, work: Coroutine[Any, Any, None]) -> None:
@@ -387,18 +397,3 @@ class Server:
         await self._processes.end()
         await self._recording.shut()
         self._recording.end()
-
-
-def run(server: Server) -> None:
-    """In the foreground, until SIGINT or SIGTERM."""
-
-    async def main() -> None:
-        loop = asyncio.get_running_loop()
-        for number in (signal.SIGINT, signal.SIGTERM):
-            loop.add_signal_handler(number, server.stop)
-        if hasattr(signal, "SIGHUP"):  # the terminal may be at the other end of a radio
-            loop.add_signal_handler(signal.SIGHUP, server.hang_up)
-        await server.run()
-
-    sys.setswitchinterval(SWITCH_S)
-    asyncio.run(main())

@@ -1,0 +1,53 @@
+"""``auvmission monitor``: what a running serve shows to viewers, a JSON object a line."""
+
+from __future__ import annotations
+
+import json
+import time
+
+import click
+
+MONITOR = "tcp://127.0.0.1:4001"
+
+
+@click.command()
+@click.argument("url", default=MONITOR)
+@click.option(
+    "--rate", default=5.0, show_default=True, metavar="HZ", help="Frames a second, at most."
+)
+@click.option("--bytes", "most", default=16_000, show_default=True, help="Of one frame, at most.")
+@click.option("--value", "values", multiple=True, metavar="NAME",
+              help="Of the state only this; repeatable. For a thin radio.")  # fmt: skip
+@click.option("--track/--no-track", default=True, help="The track so far, and on.")
+@click.option("--plan/--no-plan", default=True, help="The mission in the store.")
+@click.option("--for", "seconds", default=0.0, metavar="SECONDS", help="End after so long.")
+def monitor(
+    url: str,
+    rate: float,
+    most: int,
+    values: tuple[str, ...],
+    track: bool,
+    plan: bool,
+    seconds: float,
+) -> None:
+    """What serve shows to viewers at URL, as it comes: changes of state, events, plan, track.
+
+    Nothing that is said here commands the vehicle. Times are the engine's, in s.
+
+    Exit 0 when the time is over, 1 when there is no monitor, or it goes away.
+    """
+    from links.base import LinkError
+    from mission.topside.console import observe
+    from mission.topside.monitor import NoMonitor, Watched, wish
+
+    asked = wish(rate, most, values, track=track, plan=plan)
+    end = time.monotonic() + seconds if seconds else float("inf")
+    try:
+        for frame in observe(url, asked, Watched()):
+            if frame is not None:
+                click.echo(json.dumps(frame))
+            if time.monotonic() >= end:
+                return
+    except (LinkError, NoMonitor) as error:
+        click.echo(str(error), err=True)
+        raise SystemExit(1) from None

@@ -1,0 +1,99 @@
+"""What a viewer may see of a running serve: one flat table of values, made for whoever looks.
+
+Times are the engine's, s; the age of a value is the frame's time less its own, so that what waits
+anywhere grows old. Angles in degrees, lengths in m. None: not known.
+
+What does not live here: who is sent what (monitor); the health on disk (health).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import asdict
+from typing import Any
+
+from mission.model.alarms import Alarm
+from mission.navigation import distribution
+from mission.onboard.runtime.runtime import Runtime
+from protocol.state_frame import setpoint_words
+
+_READINGS = ("depth", "altitude", "heading", "pitch", "roll", "speed", "battery")
+_ANGLES = frozenset({"heading", "pitch", "roll"})
+
+
+def view(runtime: Runtime, alarms: Iterable[Alarm]) -> dict[str, Any]:
+    """The rows that matter most stand first: a thin radio gets them first."""
+    engine, known = runtime.engine, runtime.situation
+    return {
+        "state": engine.state,
+        "alarms": [asdict(alarm) for alarm in alarms],
+        "leg": engine.leg,
+        "depth": _reading(runtime, "depth"),
+        **_place(runtime),
+        "report_at": _rounded(known.telemetry.t) if known.telemetry else None,
+        "fix_at": _rounded(known.fix.t) if known.fix else None,
+        "setpoint": setpoint_words(known.setpoint),
+        "commander": str(runtime.commander.peer or ""),
+        **_margins(runtime),
+        "reason": engine.reason,
+        "mission": engine.chart.digest[:16] if engine.chart else "",
+        "mission_began": _rounded(engine.core.run.started) if engine.core.run else None,
+        **_leg(runtime),
+        **{name: _reading(runtime, name) for name in _READINGS if name != "depth"},
+    }
+
+
+def _place(runtime: Runtime) -> dict[str, Any]:
+    """The estimate, its 95 % ellipse (half axes, bearing of the long one) and the current."""
+    engine, known = runtime.engine, runtime.situation
+    estimate, navigation = engine.estimate, engine.core.vehicle_state.navigation
+    frame = navigation.frame if navigation is not None else None
+    if estimate is None or frame is None or known.uncertainty is None:
+        return {"latitude": None, "longitude": None, "ellipse": None, "current": None}
+    latitude, longitude = frame.to_geodetic(estimate.north, estimate.east)
+    great, small, bearing = distribution.principal(estimate.covariance)
+    axes = [round(distribution.PLANE_95 * sigma, 1) for sigma in (great, small)]
+    return {
+        "latitude": round(math.degrees(latitude), 7),
+        "longitude": round(math.degrees(longitude), 7),
+        "ellipse": [*axes, round(math.degrees(bearing) % 180.0)],
+        "current": [round(estimate.current_north, 2), round(estimate.current_east, 2)],
+    }
+
+
+def _margins(runtime: Runtime) -> dict[str, Any]:
+    """What is left to each limit, with the limit."""
+    bounds = runtime.engine.bounds
+    left = runtime.situation.margins()
+    limits = {"depth": bounds.depth, "radius": bounds.radius, "time": bounds.time / 60.0,
+              "voltage": bounds.voltage}  # fmt: skip
+    return {
+        f"to_{name}": [_rounded(left[name], 1), round(limit, 1)] for name, limit in limits.items()
+    }
+
+
+def _leg(runtime: Runtime) -> dict[str, Any]:
+    """When the leg began, how long it may last, and what ends it."""
+    run, chart = runtime.engine.core.run, runtime.engine.chart
+    if run is None or chart is None:
+        return {"leg_began": None, "leg_timeout": None, "leg_ends": None}
+    edges = [edge.trigger for edge in chart.edges if edge.source == run.leaf]
+    leg = next((state.leg for state in chart.states if state.path == run.leaf), None)
+    return {
+        "leg_began": _rounded(run.entered),
+        "leg_timeout": leg.timeout if leg is not None else None,
+        "leg_ends": edges,
+    }
+
+
+def _reading(runtime: Runtime, name: str) -> float | None:
+    """None where it is not to be believed now."""
+    reading = runtime.engine.readings[name]
+    if not reading.valid or not math.isfinite(reading.value):
+        return None
+    return _rounded(math.degrees(reading.value) if name in _ANGLES else reading.value)
+
+
+def _rounded(value: float | None, places: int = 2) -> float | None:
+    return None if value is None else round(value, places)

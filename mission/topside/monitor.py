@@ -1,0 +1,86 @@
+"""The client of a vehicle's read-only monitor: a wish, then frames, each answered. Sans-IO.
+
+    bytes --receive--> frames (tables)          out: bytes that leave
+    ``state`` holds what is known so far; ``age`` how long ago the vehicle measured a value
+
+What does not live here: sockets (console), how it is shown (watch).
+"""
+
+from __future__ import annotations
+
+import json
+from collections import deque
+from collections.abc import Mapping
+from typing import Any
+
+MOST = 1 << 20  # bytes of one frame
+EVENTS, TRACK = 1000, 10_000  # that are kept
+
+
+Frame = Mapping[str, Any]
+
+
+class NoMonitor(ValueError):
+    """What answers there is no monitor."""
+
+
+def wish(
+    rate: float = 5.0, most: int = 16_000, values: tuple[str, ...] = (), **more: bool
+) -> bytes:
+    """What a viewer says first; ``more``: ``track``, ``plan``."""
+    said = {"rate": rate, "bytes": most, "values": list(values), **more}
+    return json.dumps({"wish": said}).encode() + b"\n"
+
+
+class Watched:
+    """All that a viewer knows of a vehicle. ``at``: the engine's time of the newest frame, and this
+    computer's at which it came."""
+
+    def __init__(self) -> None:
+        self.state: dict[str, Any] = {}
+        self.events: deque[str] = deque(maxlen=EVENTS)
+        self.track: list[list[float]] = []
+        self.plan: tuple[str, ...] = ()
+        self.gap = 0
+        self.at: tuple[float, float] | None = None
+        self._heard = b""
+
+    def receive(self, data: bytes, now: float) -> tuple[list[Frame], bytes]:
+        """The frames that are whole, and the answers that leave. Raises NoMonitor."""
+        *lines, self._heard = (self._heard + data).split(b"\n")
+        if len(self._heard) > MOST:
+            raise NoMonitor("no monitor: a line without end")
+        frames = [_frame(line) for line in lines]
+        for frame in frames:
+            self.take(frame, now)
+        return frames, b"".join(b'{"ack":%d}\n' % frame["n"] for frame in frames)
+
+    def take(self, frame: Mapping[str, Any], now: float) -> None:
+        self.at = (frame["t"], now)
+        self.state.update(frame.get("state", {}))
+        self.events += frame.get("events", ())
+        self.gap += frame.get("gap", 0)
+        self.track = (self.track + frame.get("track", []))[-TRACK:]
+        for line in frame.get("plan", ()):  # "" begins another
+            self.plan = (*self.plan, line) if line else ()
+
+    def silence(self, now: float) -> float | None:
+        """s since the last frame; None: none came."""
+        return None if self.at is None else max(0.0, now - self.at[1])
+
+    def age(self, name: str, now: float) -> float | None:
+        """s since the vehicle measured it; ``name``: report_at, fix_at, leg_began, ..."""
+        measured = self.state.get(name)
+        if self.at is None or measured is None:
+            return None
+        return max(0.0, self.at[0] - float(measured)) + max(0.0, now - self.at[1])
+
+
+def _frame(line: bytes) -> Frame:
+    try:
+        said = json.loads(line)
+        if isinstance(said["n"], int) and isinstance(said["t"], int | float):
+            return dict(said)
+    except (ValueError, TypeError, KeyError, RecursionError):
+        pass
+    raise NoMonitor("no monitor answers there: is it the operator's port?")
