@@ -20,6 +20,7 @@ from sphinx.util.typing import ExtensionMetadata
 from from_code.commands import command_part
 from from_code.layers import layers_picture, rooms_table
 from from_code.tables import (
+    alarms,
     diagnostic_codes,
     link_schemes,
     simulation_settings,
@@ -36,6 +37,7 @@ PARTS: Mapping[str, Callable[[str], str]] = MappingProxyType(
         "rooms": lambda _: rooms_table(),
         "order": order_picture,
         "diagnostic-codes": lambda _: diagnostic_codes(),
+        "alarms": lambda _: alarms(),
         "link-schemes": lambda _: link_schemes(),
         "topics": lambda _: topic_tables(),
         "simulation-settings": lambda _: simulation_settings(),

@@ -8,6 +8,7 @@ from from_code.commands import escaped
 from links import LINKS
 from links.simulated.faults import FAULTS
 from links.simulated.settings import SETTINGS
+from mission.model.alarms import ALARMS
 from mission.model.codes import CODES
 from mission.model.units import number_text
 from mission.model.vehicle_ranges import RANGES, TOGETHER, Range
@@ -41,6 +42,12 @@ def vehicle_pairs() -> str:
         for p in TOGETHER
     ]
     return _table(("this", "must be", "this", "else"), rows)
+
+
+def alarms() -> str:
+    """Every alarm with its level and what to do."""
+    rows = [(row.name, row.level, escaped(row.do)) for row in ALARMS.values()]
+    return _table(("alarm", "level", "what to do"), rows)
 
 
 def link_schemes() -> str:

@@ -93,7 +93,7 @@ def _made(
     loaded = load_vehicle(name)
     if profile is not None and loaded.codec == "auv":
         loaded = replace(loaded, dialect=profile)
-    return simulated(loaded, seed, parse_settings(texts), position=place)
+    return simulated(loaded, seed, parse_settings(texts), position=place, start=datetime.now(UTC))
 
 
 def _room(folder: Path) -> Path:

@@ -16,9 +16,9 @@ import pytest
 from patience import LONG, until
 
 from links import open_link
-from links.admission import LOBBY
+from links.admission import HANDSHAKE, LOBBY
 from links.base import Link, LinkAbsent, LinkClosed
-from links.tcp import HANDSHAKE, TcpClient, TcpServer
+from links.tcp import TcpClient, TcpServer
 from links.tls import context
 from mission.onboard.serve.keys import make_keys
 

@@ -6,9 +6,10 @@ What does not live here: what it is made of (links.simulated).
 from __future__ import annotations
 
 import math
+from datetime import datetime
 
 from links.simulated.boards import BOARDS, SimulatedBoard
-from links.simulated.link import HOME, SimulatedVehicle
+from links.simulated.link import HOME, START, SimulatedVehicle
 from links.simulated.settings import Settings
 from mission.model import Mission
 from mission.model.vehicle import Vehicle
@@ -23,11 +24,14 @@ def simulated(
     *,
     position: tuple[float, float] = HOME,
     heading: float = 0.0,
+    start: datetime = START,
 ) -> Simulated:
-    """``position``: latitude and longitude, rad. Raises SettingError for a fault that it cannot
-    have, ValueError for a codec without a simulated board."""
+    """``position``: latitude and longitude, rad; ``start``: the receiver's time. Raises
+    SettingError for a fault that it cannot have, ValueError for a codec without a simulated board."""
     if vehicle.codec == "auv":
-        return SimulatedVehicle(vehicle.dialect, seed, settings, position=position, heading=heading)
+        return SimulatedVehicle(
+            vehicle.dialect, seed, settings, position=position, heading=heading, start=start
+        )
     if vehicle.codec not in BOARDS:
         raise ValueError(f"{vehicle.name}: there is no simulated board for {vehicle.codec}")
     return SimulatedBoard(
