@@ -27,7 +27,7 @@ def simulated(
     start: datetime = START,
 ) -> Simulated:
     """``position``: latitude and longitude, rad; ``start``: the receiver's time. Raises
-    SettingError for a fault that it cannot have, ValueError for a codec without a simulated board."""
+    SettingError for a fault that it cannot have, ValueError for a codec that has no board."""
     if vehicle.codec == "auv":
         return SimulatedVehicle(
             vehicle.dialect, seed, settings, position=position, heading=heading, start=start
