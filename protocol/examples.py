@@ -7,6 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from protocol.operator_words import WORDS
+from protocol.tables import derived
+
 _ANGLES = "A8 02 93 C1 81 24 6E 41 DC 0D 18 C2"
 _PLACE = "AD 6C 1F F2 96 49 3E 40 C9 3B 87 32 D4 09 5E 40"
 _PHASES = "00 7D FF 83 00 01 FF FF 07 07 F8 F8"
@@ -48,20 +51,8 @@ class Example:
 
 
 _ROWS: tuple[tuple[str, bytes], ...] = (
-    ("auv.NS", b"@NSCOOCCC$"),
-    ("auv.NI", b"@NI$"),
-    ("auv.AA", b"@AA$"),
-    ("auv.AC", b"@AC$"),
-    ("auv.AW", b"@AW\x01\x00\x01\x00ZAF5$"),
-    ("auv.AW", b"@AW0802ZAF6$"),
-    ("auv.AQ", b"@AQ$"),
     ("auv.AR", b"@AR,staging,9,5,3-5.9,0123456789abcdef,line 3: no bound,$"),
-    ("auv.AO", b"@AO,lamp,40,$"),
-    ("auv.AE", b"@AE$"),
     ("auv.AES", b"@AE,1,AU,Y,1,423,38,-120,45,7,860,31,1.9,0,F50%H90S3,row,$"),
-    ("auv.ST", b"@ST,2025/01/11 16:56:06,$"),
-    ("auv.SP", b"@SP,1000,5,200,10,$"),
-    ("auv.DU", b"@DU$"),
     ("auv.RS", b"@RSCOOCCCO$"),
     ("auv.RI", b"@RI$"),
     ("auv.MT", b"@MT1,-10$"),
@@ -92,4 +83,9 @@ _ROWS: tuple[tuple[str, bytes], ...] = (
     ("robot.DOWN", bytes.fromhex("AA 04 00 00 00 00 00 00 00 00 AE DD")),
     ("robot.UP", bytes.fromhex("AA 00 00 00 00 AA DD")),
 )
-EXAMPLES = tuple(Example(*row) for row in _ROWS)
+
+
+@derived(WORDS)
+def examples() -> tuple[Example, ...]:
+    words = (Example(word.name, raw) for word in WORDS.values() for raw in word.examples)
+    return (*words, *(Example(*row) for row in _ROWS))

@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from protocol.drawing import WIDTH, Cell, drawing, table
 from protocol.errata import ERRATA, errata_of
-from protocol.examples import EXAMPLES
+from protocol.examples import examples
 from protocol.fields import BinaryFrame, Const, FaultKind, Field, FrameType, Number, Pad, Raw
 from protocol.motion_frame import EMERGENCY, MotionFrame
 from protocol.reference_channels import channel_tables
@@ -290,7 +290,7 @@ def _robot_commands() -> Iterator[str]:
 
 
 def _examples(frame: FrameType) -> Iterator[str]:
-    for example in EXAMPLES:
+    for example in examples():
         if example.type != frame.name:
             continue
         values = {k: v for k, v in frame.decode(example.raw).items() if v != []}

@@ -16,40 +16,32 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from protocol import topside_frames as tables
+from protocol.ack_frame import AckFrame
 from protocol.codec import CannotEncode
 from protocol.fields import FrameType, Values
 from protocol.framing import Frame, Framer
 from protocol.messages import (
     Ack,
-    ClearMission,
     Command,
-    DataQuery,
     Emergency,
     Fix,
     FrameFault,
     Manual,
-    MissionLine,
-    NodeQuery,
-    NodeSwitch,
     Order,
     Relay,
-    SetOutput,
-    SetSafety,
-    SetTime,
-    StartMission,
-    StateQuery,
     StateReport,
     Status,
-    StoreQuery,
     StoreReport,
     Telemetry,
 )
 from protocol.motion_frame import MotionFrame
+from protocol.operator_words import WORDS, OperatorWord
 from protocol.state_frame import MOST, StateFrame, fitted, values_of
 from protocol.status_frame import NAMES, TABLE, StatusFrame
+from protocol.tables import derived
 from protocol.tolerances import Tolerances
 
 Answer = Ack | StoreReport | StateReport | Status
@@ -67,16 +59,13 @@ def relayed_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
 
 
 def to_pi_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
-    nodes = (tables.NS, tables.NI)
-    mission = (tables.AA, tables.AC, tables.AQ, tables.AE, tables.MissionLineFrame(tolerances))
-    settings = (tables.OutputFrame(), tables.TimeFrame(tolerances), tables.SafetyFrame())
-    own = (*nodes, *mission, *settings, tables.DU)
+    own = tuple(word.frame(tolerances) for word in WORDS.values())
     emergency = MotionFrame(tolerances, codes="XW")
     return (*own, *relayed_frames(tolerances), emergency)
 
 
 def to_topside_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
-    acks = tables.AckFrame("NASRZ", tolerances, "XW")  # what became of X and W (R7)
+    acks = AckFrame("NASRZ", tolerances, "XW")  # what became of X and W (R7)
     status: tuple[FrameType, ...] = (StatusFrame(tolerances),)
     if tolerances.on("vs_no_vs"):
         status += (StatusFrame(tolerances, bare=True),)
@@ -86,38 +75,42 @@ def to_topside_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
 # --- the Pi's side ---
 
 
-def _safety(values: Values) -> Command:
-    minutes = values["minutes"]
-    return SetSafety(
-        radius=values["radius_m"],
-        time=None if minutes is None else minutes * 60.0,
-        depth=values["depth_m"],
-        voltage=values["low_voltage_v"],
-    )
-
-
-_COMMANDS: dict[str, Callable[[Values], Command]] = {
-    "auv.NS": lambda v: NodeSwitch(v["switches"]),
-    "auv.NI": lambda v: NodeQuery(),
-    "auv.AA": lambda v: StartMission(),
-    "auv.AC": lambda v: ClearMission(),
-    "auv.AQ": lambda v: StoreQuery(),
-    "auv.AE": lambda v: StateQuery(),
-    "auv.AW": lambda v: MissionLine(v["total"], v["current"], v["payload"]),
-    "auv.ST": lambda v: SetTime(v["time"]),
-    "auv.SP": _safety,
-    "auv.AO": lambda v: SetOutput(v["name"], v["value"]),
-    "auv.DU": lambda v: DataQuery(),
-    "auv.ZA": lambda v: Emergency(Order.STOP if v["code"] == "X" else Order.SURFACE),
-}
 _RELAYED = frozenset(("RS", "RI", "D"))
+
+
+@derived(WORDS)
+def _words_by_frame() -> dict[str, OperatorWord]:
+    return {word.name: word for word in WORDS.values()}
+
+
+@derived(WORDS)
+def _words_by_code() -> dict[str, OperatorWord]:
+    return {word.code: word for word in WORDS.values()}
+
+
+def _letter(code: str) -> str:
+    """That says yes; of RS, which the STM32 answers, too."""
+    return "S" if code == "RS" else _words_by_code()[code].letter
+
+
+@derived(WORDS)
+def _usual_frames() -> dict[type, FrameType]:
+    """Under the N readings."""
+    return {word.message: word.frame(_USUAL) for word in WORDS.values()}
+
+
+@derived(WORDS)
+def _acks() -> AckFrame:
+    return AckFrame("NASRZ", _USUAL)
 
 
 def command_of(frame: Frame) -> Command:
     """The message of a frame of ``to_pi_frames``."""
-    make = _COMMANDS.get(frame.type.name)
-    if make is not None:
-        return make(frame.values())
+    if (word := _words_by_frame().get(frame.type.name)) is not None:
+        read: Command = word.read(frame.values())
+        return read
+    if frame.type.name == "auv.ZA":
+        return Emergency(Order.STOP if frame.values()["code"] == "X" else Order.SURFACE)
     kind = frame.type.name.removeprefix("auv.")
     return (Relay if kind in _RELAYED else Manual)(kind, frame.raw)
 
@@ -144,15 +137,7 @@ def _commands(items: Sequence[Frame | FrameFault]) -> list[Command | FrameFault]
 
 # --- encoding: every message that crosses this link ---
 
-_LINE = tables.MissionLineFrame(_USUAL)
-_TIME, _SAFETY = tables.TimeFrame(_USUAL), tables.SafetyFrame()
-_OUTPUT = tables.OutputFrame()
-_ACK, _STORE, _STATE, _STATUS = (
-    tables.AckFrame("NASRZ", _USUAL),
-    tables.StoreFrame(),
-    StateFrame(),
-    StatusFrame(_USUAL),
-)
+_STORE, _STATE, _STATUS = tables.StoreFrame(), StateFrame(), StatusFrame(_USUAL)
 
 
 def encode(message: Command | Answer, tolerances: Tolerances = _USUAL) -> bytes:
@@ -168,48 +153,11 @@ def encode(message: Command | Answer, tolerances: Tolerances = _USUAL) -> bytes:
             return _STATUS.encode(status_values(message, tolerances))
         case StateReport():
             return _encode_state(message)
+        case StoreReport():
+            return _STORE.encode(dataclasses.asdict(message))
         case _:
-            return _encode_plain(message)
-
-
-def _encode_plain(
-    message: NodeSwitch
-    | NodeQuery
-    | StartMission
-    | ClearMission
-    | MissionLine
-    | StoreQuery
-    | StateQuery
-    | SetTime
-    | SetSafety
-    | SetOutput
-    | DataQuery
-    | StoreReport,
-) -> bytes:
-    match message:
-        case NodeSwitch(switches=switches):
-            return tables.NS.encode({"switches": switches})
-        case NodeQuery():
-            return tables.NI.encode({})
-        case StartMission():
-            return tables.AA.encode({})
-        case ClearMission():
-            return tables.AC.encode({})
-        case MissionLine(total=total, current=current, payload=payload):
-            return _LINE.encode({"total": total, "current": current, "payload": payload})
-        case StoreQuery():
-            return tables.AQ.encode({})
-        case StateQuery():
-            return tables.AE.encode({})
-        case SetTime(time=time):
-            return _TIME.encode({"time": time})
-        case SetSafety():
-            return _SAFETY.encode(_safety_values(message))
-        case SetOutput(name=name, value=value):
-            return _OUTPUT.encode({"name": name, "value": value})
-        case DataQuery():
-            return tables.DU.encode({})
-    return _STORE.encode(dataclasses.asdict(message))
+            kind = type(message)
+            return _usual_frames()[kind].encode(WORDS[kind].write(message))
 
 
 def _encode_state(report: StateReport) -> bytes:
@@ -218,31 +166,17 @@ def _encode_state(report: StateReport) -> bytes:
     return _STATE.encode(values_of(fitted(report, size) if size > MOST else report))
 
 
-def _safety_values(message: SetSafety) -> Values:
-    minutes = None if message.time is None else round(message.time / 60.0, 6)
-    return {
-        "radius_m": message.radius,
-        "minutes": minutes,
-        "depth_m": message.depth,
-        "low_voltage_v": message.voltage,
-    }
-
-
 def encode_ack(ack: Ack) -> bytes:
     """The nine bytes, whatever the result byte is: masks are raw. Raises CannotEncode."""
     raw = b"@ACK_%b%b%c$" % (ack.group.encode(), ack.function.encode(), ack.result)
-    if _ACK.check(raw) is not None:
+    if _acks().check(raw) is not None:
         raise CannotEncode(f"no acknowledgement reads {ack}")
     return raw
 
 
-_POSITIVE = {"NS": "S", "AA": "A", "AC": "C", "AW": "W", "AO": "O"}
-_POSITIVE |= {"ST": "T", "SP": "P", "RS": "S"}
-
-
 def answer(code: str, ok: bool, now: float) -> Ack:
-    """The Ack to NS, AA, AC, AW, AO, ST or SP; refused ones carry N (R2)."""
-    return Ack(now, code[0], code[1], ord(_POSITIVE[code] if ok else "N"))
+    """The Ack to the word of this code; refused ones carry N (R2)."""
+    return Ack(now, code[0], code[1], ord(_letter(code) if ok else "N"))
 
 
 # per m/s and per T, and the decimals that are written (E-V16, E-V18)
@@ -381,7 +315,7 @@ class ConsoleCodec:
 
     def __init__(self, tolerances: Tolerances | None = None) -> None:
         self._tolerances = chosen = tolerances or Tolerances()
-        acks = tables.AckFrame("NASRZ", chosen)  # Z: the STM32's own answer to X and W (R7)
+        acks = AckFrame("NASRZ", chosen)  # Z: the STM32's own answer to X and W (R7)
         self.framer = Framer((acks, *to_topside_frames(chosen)[1:]), idle=IDLE)
 
     def receive(self, data: bytes, now: float) -> list[Answer | FrameFault]:

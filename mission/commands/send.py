@@ -80,10 +80,10 @@ def _word(name: str) -> str:
 
 def _list() -> None:
     from mission.topside.words import frame_types
-    from protocol.examples import EXAMPLES
+    from protocol.examples import examples
 
     types = frame_types()
-    for example in EXAMPLES:
+    for example in examples():
         name = example.type.removeprefix("auv.")
         is_word = example.type.startswith("auv.") and name in types
         if is_word and types[name].check(example.raw) is None:

@@ -24,7 +24,7 @@ from mission.engine.bounds import Bounds
 from mission.engine.core import Core
 from mission.engine.limits import Limit, Response
 from mission.engine.machine import Machine
-from mission.engine.orders import ORDERS, STICK_QUIET, why_not_clear
+from mission.engine.orders import STICK_QUIET, obey, why_not_clear
 from mission.engine.restart import begin_again, doubt, under_way
 from mission.engine.variables import VARIABLES, Scope, reading_of
 from mission.engine.vehicle_state import Navigator
@@ -173,7 +173,7 @@ class Engine:
         given: dict[int, Verdict] = {}
         for i, one in enumerate(inputs):
             if isinstance(one, Emergency):
-                given[i] = ORDERS[Emergency](core, one)
+                given[i] = obey(core, one)
         for i, one in enumerate(inputs):
             if isinstance(one, Loaded):
                 if core.run is None:
@@ -187,9 +187,7 @@ class Engine:
             elif isinstance(one, Ending):
                 ending.begin(core, one)
             elif i not in given and not isinstance(one, Telemetry | Fix | Outcome):
-                order = ORDERS.get(type(one))
-                refusal = Verdict(False, f"{type(one).__name__} is not for the engine")
-                given[i] = order(core, one) if order else refusal
+                given[i] = obey(core, one)
         return [given[i] for i in sorted(given)]
 
     def _switch_auto(self, node: AutoNode) -> None:

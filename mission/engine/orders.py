@@ -13,9 +13,9 @@ What does not live here: who is the commander, and by which channel (onboard.run
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import replace
-from types import MappingProxyType
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from typing import Any
 
 from mission.engine.auxiliary import set_output
@@ -39,6 +39,7 @@ from mission.model import (
 )
 from mission.model.buoyancy import heavy
 from mission.model.regions import EMERGENCY, IDLE, MANUAL
+from mission.model.tables import Table
 from mission.navigation.fixes import metres
 from protocol.messages import (
     ClearMission,
@@ -49,6 +50,7 @@ from protocol.messages import (
     SetSafety,
     StartMission,
 )
+from protocol.operator_words import WORDS, OperatorWord
 
 STICK_QUIET = 2.0  # s (R6)
 START_DEPTH = 2.0  # m: without fixes a mission starts above it (R7)
@@ -223,13 +225,61 @@ def _from(home: Position, core: Core) -> float:
     return metres(latitude, longitude, fix.latitude, fix.longitude)
 
 
-ORDERS: Mapping[type, Callable[[Core, Any], Verdict]] = MappingProxyType(
-    {
-        Emergency: emergency,
-        SetSafety: set_safety,
-        SetOutput: set_output,
-        Manual: manual,
-        ClearMission: clear,
-        StartMission: start,
-    }
+@dataclass(frozen=True, slots=True)
+class OrderRow:
+    """One command of the operator: its ``word`` (frame, acknowledgement) and what it does.
+
+    ``regions`` in which it is allowed, all unless said; ``by_modem``: whether it may come under
+    water. ``does`` runs within the engine's step: no clock, no IO, everything from the core.
+    """
+
+    word: OperatorWord
+    does: Callable[[Core, Any], Verdict]
+    regions: frozenset[str] = frozenset()
+    by_modem: bool = True
+
+    def obey(self, core: Core, command: object) -> Verdict:
+        if self.regions and core.region not in self.regions:
+            where = " or ".join(sorted(self.regions))
+            return Verdict(False, f"@{self.word.code} is for {where}, not for {core.region}")
+        return self.does(core, command)
+
+
+ORDERS: Table[type, OrderRow] = Table(
+    lambda row: row.word.message,
+    (
+        OrderRow(WORDS[SetSafety], set_safety),
+        OrderRow(WORDS[SetOutput], set_output),
+        OrderRow(WORDS[ClearMission], clear),
+        OrderRow(WORDS[StartMission], start),
+    ),
 )
+
+
+@contextmanager
+def registered(row: OrderRow) -> Iterator[OrderRow]:
+    """The command is there, frame and all, until the block is left."""
+    with WORDS.registered(row.word), ORDERS.registered(row):
+        yield row
+
+
+def register(row: OrderRow) -> None:
+    """For good. Raises ValueError for a code that is taken."""
+    WORDS.register(row.word)
+    ORDERS.register(row)
+
+
+def obey(core: Core, command: object) -> Verdict:
+    if isinstance(command, Emergency):
+        return emergency(core, command)
+    if isinstance(command, Manual):
+        return manual(core, command)
+    row = ORDERS.get(type(command))
+    if row is None:
+        return Verdict(False, f"{type(command).__name__} is not for the engine")
+    return row.obey(core, command)
+
+
+def may_come_by_modem(command: object) -> bool:
+    row = ORDERS.get(type(command))
+    return row is None or row.by_modem

@@ -11,27 +11,20 @@ from types import MappingProxyType
 
 from mission.model import AutoNode, Ending, LineOpened, Loaded, Outcome, Restarted
 from protocol.messages import (
-    ClearMission,
     Emergency,
     Fix,
     Manual,
     Order,
     Outputs,
-    SetOutput,
     Setpoint,
-    SetSafety,
-    StartMission,
     Telemetry,
 )
+from protocol.operator_words import WORDS
 
 _EVENTS: Mapping[type, str] = MappingProxyType(
     {
         Telemetry: "telemetry",
         Fix: "fix",
-        StartMission: "operator @AA",
-        ClearMission: "operator @AC",
-        SetSafety: "operator @SP",
-        SetOutput: "operator @AO",
         Manual: "operator M",
         Loaded: "store",
         AutoNode: "node AUTO",
@@ -53,6 +46,8 @@ def _event(one: object) -> str:
     known = _EVENTS.get(type(one))
     if known is not None:
         return known
+    if (word := WORDS.get(type(one))) is not None:
+        return f"operator @{word.code}"
     if isinstance(one, Emergency):
         return "operator X" if one.order is Order.STOP else "operator W"
     if isinstance(one, Outcome):

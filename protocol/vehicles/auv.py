@@ -27,6 +27,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from protocol.ack_frame import AckFrame
 from protocol.checksum import SD_DEFAULT, sd_profile
 from protocol.codec import CannotEncode, Granularity, Received
 from protocol.fields import F32LE, U16LE, BinaryFrame, Check, Const, FrameType
@@ -43,7 +44,6 @@ from protocol.topside import (
     to_pi_frames,
     to_topside_frames,
 )
-from protocol.topside_frames import AckFrame
 from protocol.vehicles.auv_outputs import CHANNELS, frames_of
 from protocol.vehicles.channels import at_rest
 from protocol.vehicles.keys import Keys, Wire, baud

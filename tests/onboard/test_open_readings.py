@@ -12,7 +12,7 @@ from test_other_vehicles import TEXTS
 from mission.authoring.language import parse
 from mission.model.shipped import load_vehicle
 from mission.verification.simulation.flight import fly
-from protocol.examples import EXAMPLES, MAIN_TO_PC, PC_TO_MAIN, ROV_UP, SENSOR_TO_MAIN
+from protocol.examples import MAIN_TO_PC, PC_TO_MAIN, ROV_UP, SENSOR_TO_MAIN, examples
 from protocol.framing import Frame
 from protocol.messages import Fix, Order, Setpoint, Status, Telemetry
 from protocol.tolerances import Tolerances
@@ -94,7 +94,7 @@ CORE = [n for n in frame_types() if n.startswith("coreboard.") and "CAN" not in 
 def test_either_tail_is_heard_where_it_is_allowed_and_the_tables_is_sent(name: str) -> None:
     either = frame_types(Tolerances.parse({"tail002": "either"}))[name]
     usual = frame_types()[name]
-    raw = next(example.raw for example in EXAMPLES if example.type == name)
+    raw = next(example.raw for example in examples() if example.type == name)
     own = raw[-2:]
     other = raw[:-2] + (b"\xfd\xdf" if own == b"\xfa\xaf" else b"\xfa\xaf")
     assert usual.check(other) == "bad_tail"

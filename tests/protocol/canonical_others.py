@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from protocol.examples import EXAMPLES
+from protocol.examples import examples
 from protocol.vehicles.motorcan import from_line
 
 _LINKS = {
@@ -18,7 +18,7 @@ _LINKS = {
 
 # type, the link that carries it, the frame
 OTHERS = [
-    *((e.type, _LINKS[e.type], e.raw) for e in EXAMPLES if e.type in _LINKS),
+    *((e.type, _LINKS[e.type], e.raw) for e in examples() if e.type in _LINKS),
     ("coreboard.CAN_FORCE", "coreboard.can", from_line("001#FF001000200030")),
     ("coreboard.CAN_TORQUE", "coreboard.can", from_line("002#FE001000200030")),
 ]

@@ -95,9 +95,9 @@ def test_a_report_is_read_by_the_names_of_its_sources() -> None:
 
 
 def frame_of(name: str) -> bytes:
-    from protocol.examples import EXAMPLES
+    from protocol.examples import examples
 
-    return next(example.raw for example in EXAMPLES if example.type == name)
+    return next(example.raw for example in examples() if example.type == name)
 
 
 def test_a_field_that_is_doubtful_is_no_reading() -> None:

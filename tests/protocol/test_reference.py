@@ -10,7 +10,7 @@ from canonical_auv import AUV
 
 from protocol.drawing import WIDTH
 from protocol.errata import ERRATA, errata_of
-from protocol.examples import EXAMPLES
+from protocol.examples import examples
 from protocol.reference import reference
 from protocol.tolerances import TOLERANCES
 from protocol.units import unit
@@ -41,9 +41,9 @@ def test_every_type_is_drawn_and_has_an_example_and_every_name_is_explained(name
     assert text.count("```text") >= 2
     assert "+--" in text
     frame = frame_types()[name]
-    examples = [example.raw for example in EXAMPLES if example.type == name]
-    assert examples
-    for raw in examples:
+    raws = [example.raw for example in examples() if example.type == name]
+    assert raws
+    for raw in raws:
         assert frame.check(raw) is None
         for value in frame.decode(raw):
             assert value == "flags" or value in text
@@ -66,7 +66,7 @@ def test_the_offset_of_every_field_stands_above_its_box(name: str) -> None:
 
 def test_examples_of_the_auv_are_its_canonical_frames() -> None:
     canonical = {(name, raw) for name, _, raw in AUV}
-    extra = {(e.type, e.raw) for e in EXAMPLES if e.type.startswith("auv")} - canonical
+    extra = {(e.type, e.raw) for e in examples() if e.type.startswith("auv")} - canonical
     assert extra == {("auv.AW", b"@AW0802ZAF6$"), ("auv.AO", b"@AO,lamp,40,$")}
 
 

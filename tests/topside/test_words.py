@@ -22,7 +22,7 @@ from mission.topside.upload import Ask, NoAnswer, Refused, Script
 from mission.topside.words import UNACKNOWLEDGED, command, frame_types, say
 from protocol.arq import Acoustics
 from protocol.codec import CannotEncode
-from protocol.examples import EXAMPLES
+from protocol.examples import examples
 from protocol.messages import (
     Ack,
     Manual,
@@ -37,7 +37,7 @@ from protocol.vehicles import frame_types as all_types
 from protocol.vehicles.motorcan import CanFrame, record
 
 WORDS = {
-    e.type.removeprefix("auv."): e.raw for e in reversed(EXAMPLES) if e.type.startswith("auv.")
+    e.type.removeprefix("auv."): e.raw for e in reversed(examples()) if e.type.startswith("auv.")
 }
 QUIET = StoreReport("empty", 0, 0, "", "", "")
 
@@ -294,10 +294,10 @@ def test_what_a_board_answers_is_shown() -> None:
     assert json.loads(ran.stdout)["values"]["mask"] == 0x11
 
 
-@pytest.mark.parametrize("name", [e.type for e in EXAMPLES if not e.type.startswith("auv.")])
+@pytest.mark.parametrize("name", [e.type for e in examples() if not e.type.startswith("auv.")])
 def test_every_frame_of_the_other_documents_is_sent_by_name(name: str) -> None:
     frame = all_types()[name]
-    raw = next(e.raw for e in EXAMPLES if e.type == name)
+    raw = next(e.raw for e in examples() if e.type == name)
     given = [f"{k}={json.dumps(v)}" for k, v in frame.decode(raw).items() if k != "flags"]
     if isinstance(frame, CanFrame):
         pytest.importorskip("can", reason="python-can is not installed")

@@ -11,19 +11,13 @@ from typing import Protocol
 from mission.model import Verdict
 from protocol.messages import (
     Ack,
-    ClearMission,
     Command,
     Manual,
-    MissionLine,
-    NodeSwitch,
     Relay,
-    SetOutput,
-    SetSafety,
-    SetTime,
-    StartMission,
     StateReport,
     Status,
 )
+from protocol.operator_words import WORDS
 from protocol.topside import Answer as Answer
 from protocol.topside import answer
 
@@ -112,22 +106,11 @@ def one_line(text: str) -> str:
     return " ".join("".join(kept).split())[:REFUSAL_CHARACTERS]
 
 
-_NAMES: dict[type, str] = {
-    NodeSwitch: "NS",
-    StartMission: "AA",
-    ClearMission: "AC",
-    MissionLine: "AW",
-    SetTime: "ST",
-    SetSafety: "SP",
-    SetOutput: "AO",
-    Relay: "relay",
-    Manual: "manual",
-}
-
-
 def name_of(command: Command) -> str:
     """As a refusal has it."""
-    return _NAMES[type(command)]
+    if isinstance(command, Relay):
+        return "relay"
+    return "manual" if isinstance(command, Manual) else WORDS[type(command)].code
 
 
 def acknowledge(command: Command, accepted: bool, now: float) -> Ack | None:

@@ -19,6 +19,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
+from mission.engine.orders import may_come_by_modem
 from mission.model import AUTONOMOUS, Outcome, Result, Tx, Verdict
 from mission.onboard.runtime.command_target import (
     MODEM,
@@ -239,6 +240,8 @@ class OperatorServer:
             return Verdict(
                 False, f"the upload is incomplete: lines {self._uploads.missing} missing"
             )
+        if peer.link == MODEM and not may_come_by_modem(command):
+            return Verdict(False, f"@{name_of(command)} is not taken over the modem")
         verdict = self._target.decide(command, now)
         if isinstance(command, ClearMission) and verdict.accepted:
             self._uploads.clear()
