@@ -263,12 +263,6 @@ def registered(row: OrderRow) -> Iterator[OrderRow]:
         yield row
 
 
-def register(row: OrderRow) -> None:
-    """For good. Raises ValueError for a code that is taken."""
-    WORDS.register(row.word)
-    ORDERS.register(row)
-
-
 def obey(core: Core, command: object) -> Verdict:
     if isinstance(command, Emergency):
         return emergency(core, command)
