@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 
 _ON_DECK = "@ZAX0$ ends manual and stops everything. Is the vehicle on deck?"
+_IN_WATER = "It will dive and turn. Is it in the water on a rope, a metre from ground and walls?"
 _MEND = "mend the file; docs/operation.md lists every key"
 
 
@@ -28,9 +29,18 @@ _MEND = "mend the file; docs/operation.md lists every key"
     help="Send the AUV's board one stop (@ZAX0$): its answer tells which dialect it speaks. Only "
     "without a serve, with the vehicle on deck.",
 )
+@click.option(
+    "--signs",
+    is_flag=True,
+    help="Let a vehicle whose loops the Pi closes dive for 4 s and turn for 3 s, and tell whether "
+    "axes and signs are as its file says. Only without a serve, in the water, on a rope.",
+)
+@click.option("--in-water", is_flag=True, help="The vehicle is in the water; do not ask me.")
 @click.option("--on-deck", is_flag=True, help="The vehicle is on deck; do not ask me.")
 @AS_JSON
-def doctor(config: Path | None, ask: bool, on_deck: bool, as_json: bool) -> None:
+def doctor(
+    config: Path | None, ask: bool, signs: bool, in_water: bool, on_deck: bool, as_json: bool
+) -> None:
     """Examine this Pi, its ports, and the vehicle behind them; say what to do about each fault.
 
     Listens for some seconds and asks one harmless query (@RI). The ports of a serve that runs are
@@ -42,6 +52,8 @@ def doctor(config: Path | None, ask: bool, on_deck: bool, as_json: bool) -> None
 
     if ask and not on_deck:
         click.confirm(_ON_DECK, abort=True, err=True)
+    if signs and not in_water:
+        click.confirm(_IN_WATER, abort=True, err=True)
     found: list[Finding] = []
 
     def take(finding: Finding) -> None:
@@ -49,7 +61,7 @@ def doctor(config: Path | None, ask: bool, on_deck: bool, as_json: bool) -> None
         if not as_json:
             _show(finding)
 
-    for finding in _examined(config, ask):
+    for finding in _examined(config, ask, signs):
         take(finding)
     faults = sum(one.condition is Condition.FAULT for one in found)
     warnings = sum(one.condition is Condition.WARNING for one in found)
@@ -60,7 +72,7 @@ def doctor(config: Path | None, ask: bool, on_deck: bool, as_json: bool) -> None
     raise SystemExit(1 if faults else 0)
 
 
-def _examined(config: Path | None, ask: bool) -> Iterator[Finding]:
+def _examined(config: Path | None, ask: bool, move: bool) -> Iterator[Finding]:
     """What cannot be read is a fault, and the rest is as serve would begin with."""
     from mission.model.diagnostics import Diagnosed
     from mission.model.shipped import load_vehicle
@@ -81,7 +93,7 @@ def _examined(config: Path | None, ask: bool) -> Iterator[Finding]:
         except Unusable:
             return
         configuration, vehicle = got.configuration, got.vehicle
-    yield from examine(rated(configuration, vehicle), vehicle, ask=ask)
+    yield from examine(rated(configuration, vehicle), vehicle, ask=ask, move=move)
 
 
 def _show(finding: Finding) -> None:

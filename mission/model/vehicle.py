@@ -173,6 +173,32 @@ class Output:
 
 
 @dataclass(frozen=True, slots=True)
+class AxisLoop:
+    """A loop that the Pi closes: effort (a share of the full one) by error, rate and what has added
+    up; ``trim`` holds it where nothing else does. Of a depth by m and m/s, of a heading by rad."""
+
+    gain: float
+    rate: float
+    integral: float
+    integral_most: float
+    trim: float
+    most: float
+
+
+CLOSED = ("depth", "heading")  # the axes of an outer loop
+
+
+@dataclass(frozen=True, slots=True)
+class OuterLoop:
+    """For a board that takes efforts alone. ``confirmed``: the day (YYYY-MM-DD) on which somebody
+    saw that axes and signs are as we read them; "": nobody has, and nothing is held."""
+
+    depth: AxisLoop
+    heading: AxisLoop
+    confirmed: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Vehicle:
     name: str
     codec: str
@@ -201,6 +227,7 @@ class Vehicle:
     glides: bool = False  # no thruster: moves forward by sinking and rising
     drives: bool = False  # on the ground: it is at the surface wherever it is
     wire: Mapping[str, str] = field(default_factory=dict)  # what its document leaves open
+    outer_loop: OuterLoop | None = None  # what holds depth and heading, where the board does not
     outputs: tuple[Output, ...] = ()
     readings: Mapping[str, str] = field(default_factory=dict)  # guards' names -> sources
 

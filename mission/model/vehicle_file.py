@@ -12,7 +12,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping
-from dataclasses import fields, replace
+from dataclasses import astuple, fields, replace
 from datetime import date
 from types import MappingProxyType
 from typing import Any
@@ -24,14 +24,17 @@ from mission.model.likeness import suggestion
 from mission.model.texts import NOWHERE, Where
 from mission.model.units import UnitError, quantity
 from mission.model.vehicle import (
+    CLOSED,
     FOLLOWS,
     REPORTS,
     STALE_AFTER,
+    AxisLoop,
     Battery,
     Calibration,
     Curve,
     Deviation,
     HardLimits,
+    OuterLoop,
     Sensors,
     Vehicle,
     VehicleError,
@@ -46,7 +49,7 @@ _BOOL = {"true": True, "yes": True, "on": True, "false": False, "no": False, "of
 
 
 _FLAGS = ("constant_batteries", "one_speed", "glides", "drives")
-_TEXTS = ("vehicle", "codec", "dialect", "ascent_measured")
+_TEXTS = ("vehicle", "codec", "dialect", "ascent_measured", "outer_loop.confirmed")
 _GEARS = ("speed_by_gear", "thruster_power")  # tables of a figure by gear
 _FREE = ("tolerances", "wire", "outputs", "readings", *_GEARS)  # tables of any keys
 
@@ -71,6 +74,7 @@ _MAY_LACK = (
     "glides",
     "drives",
     "wire",
+    "outer_loop",
     "outputs",
     "readings",
     "calibration",
@@ -307,11 +311,22 @@ def _vehicle(file: _File) -> Vehicle:
         glides=file.flag("glides"),
         drives=file.flag("drives"),
         wire=file.texts("wire"),
+        outer_loop=_outer_loop(file),
     )
 
 
 def _all(file: _File, table: str, kind: type[Any]) -> dict[str, float]:
     return {f.name: file.number(f"{table}.{f.name}") for f in fields(kind)}
+
+
+def _outer_loop(file: _File) -> OuterLoop | None:
+    if not file.names("outer_loop"):
+        return None
+    axes = {name: AxisLoop(**_all(file, f"outer_loop.{name}", AxisLoop)) for name in CLOSED}
+    for name, axis in axes.items():
+        if any(math.isnan(figure) for figure in astuple(axis)):
+            file.refuse("outer_loop", f"{name} is not whole", "write all keys of both axes")
+    return OuterLoop(axes["depth"], axes["heading"], file.day("outer_loop.confirmed"))
 
 
 def _calibration(file: _File) -> Calibration:

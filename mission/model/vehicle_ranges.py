@@ -90,6 +90,18 @@ RANGES: Mapping[str, Range] = MappingProxyType(
         "calibration.deviation.cos1": _HARMONIC,
         "calibration.deviation.sin2": _HARMONIC,
         "calibration.deviation.cos2": _HARMONIC,
+        **{
+            f"outer_loop.{axis}.{key}": Range("", low, high)
+            for axis in ("depth", "heading")
+            for key, low, high in (
+                ("gain", 0, 20),
+                ("rate", 0, 20),
+                ("integral", 0, 5),
+                ("integral_most", 0, 1),
+                ("trim", -1, 1),
+                ("most", 0.01, 1),
+            )
+        },
         "calibration.current.north": _DRIFT,
         "calibration.current.east": _DRIFT,
     }

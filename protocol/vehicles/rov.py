@@ -51,13 +51,19 @@ from protocol.vehicles.adapter import (
     refuse,
 )
 from protocol.vehicles.channels import Channel, of_board, told
-from protocol.vehicles.keys import Keys, Wire, baud, read_wire
+from protocol.vehicles.keys import Key, Keys, UnknownKey, Wire, baud, read_wire
 from protocol.vehicles.stick import stick_keys
 
 PERIOD = 0.05  # s (R17)
 SILENCE = 0.5
 
-KEYS: Keys = (baud(115_200), *stick_keys("surge", "turn", "heave"))
+KEYS: Keys = (
+    baud(115_200),
+    *stick_keys("surge", "turn", "heave"),
+    Key("x_sign", 1, -1, 1, "1: X pushes ahead; -1: astern (E-R8)"),
+    Key("z_sign", 1, -1, 1, "1: Z turns to starboard; -1: to port (E-R8)"),
+    Key("f_sign", 1, -1, 1, "1: F pushes up; -1: down (E-R8)"),
+)
 
 _DATE_LEN_AT, _COMMAND_AT = 3, 4
 _FULL_SPEED = 1000.0  # r/min
@@ -239,6 +245,9 @@ class RovCodec(SilentBoard):
         super().__init__(LINKS[1].framer(chosen), _telemetry, wire or read_wire(KEYS, {}))
         self._frame, self._full = down(chosen), full_effort(chosen)
         self._legacy = chosen["layout003"] == "legacy"
+        self._signs = {name: self._wire[f"{name}_sign"] for name in ("x", "z", "f")}
+        if 0 in self._signs.values():
+            raise UnknownKey("x_sign, z_sign and f_sign are 1 or -1")
 
     def take_outputs(self, levels: Mapping[str, float]) -> dict[str, bytes]:
         absent = [name for name in LATER if self._legacy and levels.get(name)]
@@ -249,7 +258,8 @@ class RovCodec(SilentBoard):
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
         free = (row.name for row in CHANNELS if not fights(row, setpoint))
         values = command(setpoint) | {name: int(self.levels[name]) for name in free}
-        return [self._frame.encode(values | {n: self._full * values[n] for n in ("x", "z", "f")})]
+        efforts = {name: self._full * sign * values[name] for name, sign in self._signs.items()}
+        return [self._frame.encode(values | efforts)]
 
 
 def _telemetry(frame: Frame) -> Received:

@@ -164,7 +164,7 @@ AUV = Path("missions/vehicles/auv.yaml").read_text(encoding="utf-8") + (
 
 def auv_line() -> Frontseat:
     vehicle = read_vehicle(AUV, "auv.yaml")
-    line = line_to(codec(*vehicle.speaks), "vehicle", "serial:///x", 9600, vehicle.outputs)
+    line = line_to(codec(*vehicle.speaks), "vehicle", "serial:///x", vehicle)
     assert isinstance(line, Frontseat)
     return line
 

@@ -21,7 +21,7 @@ from mission.model import Axis, Expression, Leg, Where
 from mission.model.diagnostics import Diagnostic
 from mission.model.tables import derived
 from mission.model.units import GEARS
-from mission.model.vehicle import Vehicle
+from mission.model.vehicle import CLOSED, Vehicle
 from protocol.codec import CannotEncode, VehicleCodec
 from protocol.messages import Setpoint
 from protocol.vehicles import codec
@@ -61,8 +61,16 @@ def _follows(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnos
     needs = LEGS[type(leg.kind)].needs
     wanted["heading"] |= "heading" in needs
     wanted["depth"] |= "depth" in needs
+    loop = vehicle.outer_loop
     for axis, asked in wanted.items():
-        if asked and axis not in vehicle.follows:
+        if asked and axis in CLOSED and loop is not None and not loop.confirmed:
+            yield refused(
+                "signs-unconfirmed",
+                axis_where(leg, axis),
+                f"{vehicle.name} holds no {axis}: nobody has confirmed its axes and signs",
+                "auvmission doctor --signs, then write `confirmed:` under outer_loop",
+            )
+        elif asked and axis not in vehicle.follows:
             word = "pitch" if axis == "attitude" else axis
             yield refused(
                 "vehicle-cannot-follow",
@@ -106,7 +114,10 @@ def _encodes(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnos
     if Axis.HEADING in row.steers and not row.ascends:
         setpoint = replace(setpoint, heading=0.0)
     for depth in row.depths(leg.kind) or (setpoint.depth,):
-        fault = _cannot_say(vehicle.codec, vehicle.dialect, replace(setpoint, depth=depth))
+        wanted = replace(setpoint, depth=depth)
+        if vehicle.outer_loop is not None:
+            wanted = replace(wanted, depth=None, heading=None)
+        fault = _cannot_say(vehicle.codec, vehicle.dialect, wanted)
         if fault:
             yield refused(
                 "vehicle-has-no-word",

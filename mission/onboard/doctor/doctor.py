@@ -27,7 +27,7 @@ from mission.engine.limits import LIMITS
 from mission.model.compiled import build
 from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
-from mission.onboard.doctor import asking, port_probe
+from mission.onboard.doctor import asking, port_probe, signs
 from mission.onboard.doctor.boards import board
 from mission.onboard.doctor.buoyant import buoyant
 from mission.onboard.doctor.findings import Condition, Finding, fault, ok, warning
@@ -43,22 +43,24 @@ SILENT_S = 5.0
 @dataclass(frozen=True, slots=True)
 class CheckContext:
     """``running``: the health of a serve that runs now, as it wrote it. ``mute``: the process of
-    one that runs, but tells nothing of itself. ``ask``: the board may be sent an X."""
+    one that runs, but tells nothing of itself. ``ask``: the board may be sent an X; ``move``: it
+    may be told to move, in the water."""
 
     configuration: Configuration
     vehicle: Vehicle
     running: Mapping[str, Any] | None
     mute: int | None = None
     ask: bool = False
+    move: bool = False
 
 
 def examine(
-    configuration: Configuration, vehicle: Vehicle, *, ask: bool = False
+    configuration: Configuration, vehicle: Vehicle, *, ask: bool = False, move: bool = False
 ) -> Iterator[Finding]:
     """In the order of ROWS, as they are found."""
     folder, now = configuration.folder, time.time()
     running, mute = health.read(folder, now), health.mute(folder, now)
-    context = CheckContext(configuration, vehicle, running, mute, ask)
+    context = CheckContext(configuration, vehicle, running, mute, ask, move)
     for check in ROWS:
         yield from check(context)
 
@@ -227,9 +229,11 @@ def _keys(folder: Path) -> Finding:
 
 def _ports(context: CheckContext) -> Iterator[Finding]:
     links = context.configuration.links
-    if context.ask and (context.running is not None or context.mute is not None):
+    if context.running is not None or context.mute is not None:
         todo = "stop serve (systemctl stop auvmission), then ask again"
-        yield fault("dialect", "not asked: a serve has the vehicle's port", todo)
+        for asked, what in ((context.ask, asking.WHAT), (context.move, signs.WHAT)):
+            if asked:
+                yield fault(what, "not asked: a serve has the vehicle's port", todo)
     if context.running is not None:
         yield from _of_running(context, context.running)
         return
@@ -238,6 +242,8 @@ def _ports(context: CheckContext) -> Iterator[Finding]:
     yield from port_probe.vehicle_findings(links.vehicle, context.vehicle)
     if context.ask:
         yield asking.dialect_finding(links.vehicle, context.vehicle)
+    if context.move:
+        yield from signs.sign_findings(links.vehicle, context.vehicle)
     if links.gps is None:
         yield _without_gps(context.vehicle)
     else:

@@ -33,7 +33,7 @@ from mission.model import Action, Outcome, Result, Tx
 from mission.onboard.runtime.relays import Relays
 from mission.onboard.runtime.restated import Restated, TakeOutputs, no_outputs
 from protocol.codec import CannotEncode
-from protocol.messages import Ack, Order, Outputs, Setpoint
+from protocol.messages import Ack, Order, Outputs, Setpoint, Telemetry
 from protocol.vehicles.auv import change
 
 ANSWER_S = 0.3
@@ -149,6 +149,9 @@ class Frontseat:
             self._give_up()
             self._held = self._becoming = self._set = self._late_at = None
         return self._relays.add(data, reason, manual)
+
+    def report(self, report: Telemetry) -> None:
+        """This board holds by itself."""
 
     def answer(self, ack: Ack, now: float) -> Outcome | None:
         """What an ACK of group Z decides; None if it answers nothing that is outstanding."""

@@ -20,9 +20,10 @@ import math
 from collections.abc import Callable
 
 from mission.model import Action, Outcome, Result, Tx
+from mission.onboard.runtime.outer_loop import LoopCloser
 from mission.onboard.runtime.restated import Restated, TakeOutputs, no_outputs
 from protocol.codec import CannotEncode
-from protocol.messages import Ack, Order, Outputs, Setpoint
+from protocol.messages import Ack, Order, Outputs, Setpoint, Telemetry
 
 BITS_PER_BYTE = 10  # 8N1
 BITS_PER_S = 115200
@@ -48,10 +49,13 @@ class Repeater:
         kept_awake: str = "",
         stick: Callable[[Setpoint, bytes], Setpoint] = _no_stick,
         take_outputs: TakeOutputs = no_outputs,
+        closer: LoopCloser | None = None,
     ) -> None:
         """``kept_awake``: why the board is told to stop before anything is asked of it, and goes on
         being told; "": it is not. ``stick``: what an M asks for, upon what the stick held.
-        ``take_outputs``: what is in no frame of its own is in every later one of ``encode``."""
+        ``take_outputs``: what is in no frame of its own is in every later one of ``encode``.
+        ``closer``: holds what the board does not."""
+        self._closer, self._given_up = closer, False
         self._encode, self._period, self._link = encode, period, link
         self._steer = stick
         self._take_outputs, self._outputs = take_outputs, Restated()
@@ -80,12 +84,16 @@ class Repeater:
         """What holds is said at once with them; where nothing holds yet, neutral, by nobody."""
         held = self._action or Action(Order.STOP, f"neutral, with {reason}")
         assert not isinstance(held.command, Outputs)
-        before = self._frames or self._encode(held.command)
+        before = self._frames or self._said(held.command)
         self._outputs.add(self._take_outputs(outputs), reason)
-        frames = self._encode(held.command)
+        frames = self._said(held.command)
         if frames != before:
             self._action, self._frames, self._due = held, frames, 0.0
             self._news = "" if self._is_new else reason
+
+    def _said(self, command: Setpoint | Order) -> list[bytes]:
+        """Without what the Pi holds, until that is due."""
+        return self._encode(command if self._closer is None else self._closer.open(command))
 
     def cannot_relay(self, frame: bytes) -> str:
         """Why the board has nothing for it, "" if it has."""
@@ -102,6 +110,10 @@ class Repeater:
         self._take(Action(setpoint, reason), setpoint)
         return ""
 
+    def report(self, report: Telemetry) -> None:
+        if self._closer is not None:
+            self._closer.report(report)
+
     def answer(self, ack: Ack, now: float) -> Outcome | None:
         return None
 
@@ -111,10 +123,10 @@ class Repeater:
         action = self._action
         if action is None or now < self._free or not (self._is_new or now >= self._due):
             return self._own_word(now), []
-        outcomes = []
+        outcomes = self._closed(action, now)
         if self._is_new and self._stick is None:
             assert not isinstance(action.command, Outputs)
-            outcomes = [Outcome(Result.ACCEPTED, d, action.command) for d in self._frames]
+            outcomes += [Outcome(Result.ACCEPTED, d, action.command) for d in self._frames]
         if self._is_new and self._stick is not None and action is not _LET_GO:
             self._lets_go = now + STICK_S
         reason = action.reason if self._is_new else f"{action.reason} (held)"
@@ -122,6 +134,17 @@ class Repeater:
         self._is_new, self._due = False, now + self._period
         self._free = now + sum(map(len, self._frames)) * self._seconds_per_byte
         return [Tx(now, self._link, data, reason) for data in self._frames], outcomes
+
+    def _closed(self, action: Action, now: float) -> list[Outcome]:
+        """The frames of this instant, where the Pi holds something; refused when it gives up."""
+        closer = self._closer
+        if closer is None or self._stick is not None or not isinstance(action.command, Setpoint):
+            return []
+        self._frames = self._encode(closer.closed(action.command, now))
+        if not closer.fault or self._given_up:
+            return []
+        self._given_up = True
+        return [Outcome(Result.REFUSED, closer.fault.encode(), action.command)]
 
     def _own_word(self, now: float) -> list[Tx]:
         """Of an output, between what is repeated."""
@@ -142,6 +165,9 @@ class Repeater:
     def _take(self, action: Action, stick: Setpoint | None) -> None:
         """Raises CannotEncode, and then what held goes on."""
         assert not isinstance(action.command, Outputs)
-        self._frames = self._encode(action.command)
+        self._frames = self._said(action.command)
+        if self._closer is not None:
+            self._closer.hold(action.command)
+        self._given_up = False
         self._action, self._is_new, self._news = action, True, ""
         self._stick, self._lets_go = stick, math.inf

@@ -67,7 +67,6 @@ from protocol.messages import (
 from protocol.nmea import NmeaDecoder
 from protocol.tolerances import Tolerances
 from protocol.vehicles import codec as vehicle_codec
-from protocol.vehicles import line_rate
 
 if TYPE_CHECKING:
     from mission.navigation import Navigation
@@ -102,8 +101,7 @@ class Runtime:
         self.meaning_of_no = self._codec.meaning_of_no
         self._gps, self._now = NmeaDecoder(), 0.0
         links = configuration.links
-        rate = line_rate(vehicle.codec, vehicle.wire)
-        self._frontseat = line_to(self._codec, VEHICLE, links.vehicle, rate, vehicle.outputs)
+        self._frontseat = line_to(self._codec, VEHICLE, links.vehicle, vehicle)
         self.gap, self.cannot_relay = self._frontseat.gap, self._frontseat.cannot_relay
         self._topside = OperatorServer(
             self,
@@ -246,6 +244,7 @@ class Runtime:
             elif isinstance(message, Telemetry):
                 self.situation.report(message)
                 heard = True
+                self._frontseat.report(message)
                 inputs.append(message)
             elif message.group == "R":
                 self._topside.relayed_answer(message, now)

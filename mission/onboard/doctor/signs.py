@@ -1,0 +1,113 @@
+"""Whether the efforts move the vehicle as its file says: down by F, to starboard by Z (E-R8).
+
+    rest 1 s --> down 4 s --> rest --> to starboard 3 s --> neutral      what changed is told
+
+In the water, on a rope, with a person who looks: the reports say that depth and heading follow the
+efforts, and only the person sees that the bow went to starboard. Only where no serve has the port.
+
+What does not live here: the loop that is then closed (onboard.runtime.outer_loop).
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from links import open_link
+from links.base import Link, LinkError
+from mission.model.vehicle import OuterLoop, Vehicle
+from mission.onboard.doctor.findings import Finding, fault, ok, warning
+from mission.onboard.doctor.port_probe import listened, not_open
+from protocol.messages import Setpoint, Telemetry
+from protocol.vehicles import codec
+from protocol.vehicles.adapter import SilentBoard
+
+WHAT = "axes and signs"
+REST_S = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Probe:
+    """``effort`` for ``seconds`` has to make ``reading`` grow by ``least``."""
+
+    reading: str
+    effort: Setpoint
+    seconds: float
+    least: float
+    key: str  # of ``wire``, that turns the sign round
+
+    def told(self, grown: float) -> str:
+        shown = f"{math.degrees(grown):.0f} deg" if self.reading == "heading" else f"{grown:.2f} m"
+        return f"the {self.reading} changed by {shown}"
+
+
+def _probes(loop: OuterLoop) -> tuple[_Probe, ...]:
+    return (
+        _Probe("depth", Setpoint(heave=loop.depth.most), 4.0, 0.1, "f_sign"),
+        _Probe("heading", Setpoint(turn=loop.heading.most), 3.0, math.radians(5.0), "z_sign"),
+    )
+
+
+def sign_findings(url: str, vehicle: Vehicle) -> Iterator[Finding]:
+    board = codec(*vehicle.speaks)
+    if vehicle.outer_loop is None or not isinstance(board, SilentBoard):
+        yield ok(WHAT, "not tried: the Pi closes no loop for this vehicle")
+        return
+    try:
+        link = open_link("vehicle", url)
+    except LinkError as error:
+        yield not_open(WHAT, url, error)
+        return
+    try:
+        found = [_found(probe, link, board) for probe in _probes(vehicle.outer_loop)]
+        _say(link, board, Setpoint(), REST_S)
+        yield from found
+    except LinkError as error:
+        yield fault(WHAT, str(error), "check cable and plug, then run doctor again")
+    finally:
+        link.close()
+
+
+def _found(probe: _Probe, link: Link, board: SilentBoard) -> Finding:
+    before = _mean(_say(link, board, Setpoint(), REST_S), probe.reading)
+    after = _mean(_say(link, board, probe.effort, probe.seconds)[-5:], probe.reading)
+    if before is None or after is None:
+        return fault(
+            WHAT, f"no {probe.reading} in the reports", "look at the board's sensors first"
+        )
+    circular = probe.reading == "heading"
+    grown = math.remainder(after - before, math.tau) if circular else after - before
+    if grown >= probe.least:
+        todo = "if you saw it so, down and the bow to starboard, write today's date as `confirmed:`"
+        return ok(WHAT, probe.told(grown), f"{todo} under outer_loop")
+    if grown <= -probe.least:
+        todo = f"write `wire: {{{probe.key}: -1}}` into the vehicle file, and try again"
+        return fault(WHAT, f"{probe.told(grown)}: the wrong way", todo)
+    todo = "put it into water, free of ground and walls, and try again"
+    return warning(WHAT, f"{probe.told(grown)}: too little to tell", todo)
+
+
+def _say(link: Link, board: SilentBoard, effort: Setpoint, seconds: float) -> list[Telemetry]:
+    """The frames every period; what was reported meanwhile."""
+    heard: list[Telemetry] = []
+    begun = time.monotonic()
+    while (now := time.monotonic()) < begun + seconds:
+        link.send(b"".join(board.encode(effort)), now)
+        due = now + board.period
+        for data, t in listened(link, lambda due=due: time.monotonic() >= due):  # type: ignore[misc]
+            heard += [one for one in board.receive(data, t) if isinstance(one, Telemetry)]
+    return heard
+
+
+def _mean(reports: list[Telemetry], reading: str) -> float | None:
+    """Of the newest ones; headings about the first of them."""
+    values = [value for r in reports[-5:] if (value := getattr(r, reading)) is not None]
+    if not values:
+        return None
+    off = (
+        math.remainder(v - values[0], math.tau) if reading == "heading" else v - values[0]
+        for v in values
+    )
+    return float(values[0] + sum(off) / len(values))

@@ -1,0 +1,137 @@
+"""Depth and heading closed on the Pi, for a board that takes efforts alone (R17).
+
+    report --> filter --> error --> gain, rate, integral, trim --> effort, within its bound
+
+A report older than 0.5 s is neutral. Where the error has grown by 0.5 m, or 30 degrees, within 5 s
+of the same set, something is not as the vehicle file says it: neutral, and the set is refused. What
+it says follows from the recorded reports and their times alone.
+
+What does not live here: the gains (vehicle file), who confirms axes and signs (doctor).
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import replace
+
+from mission.model.vehicle import AxisLoop, OuterLoop
+from protocol.messages import Order, Setpoint, Telemetry
+
+STALE_S = 0.5
+GROWS_S = 5.0
+GROWN = {"depth": 0.5, "heading": math.radians(30.0)}  # m, rad
+_SMOOTH_S = 0.3  # time constant of the filter
+_GAP_S = 1.0  # a longer one begins the filter anew
+_EFFORTS = {"depth": "heave", "heading": "turn"}
+
+
+class _Axis:
+    """One axis: an alpha-beta filter (Kalata 1984: beta = alpha^2 / (2 - alpha)) and a PID loop."""
+
+    def __init__(self, name: str, gains: AxisLoop) -> None:
+        self.name, self._gains, self._circular = name, gains, name == "heading"
+        self._t = -math.inf
+        self._value = self._rate = self._sum = 0.0
+        self._wanted: float | None = None
+        self._errors: deque[tuple[float, float]] = deque()
+        self.effort = 0.0
+
+    def hold(self, wanted: float | None) -> None:
+        if wanted != self._wanted:
+            self._wanted, self._sum = wanted, 0.0
+            self._errors.clear()
+
+    def report(self, t: float, value: float) -> str:
+        """Why it is not held any longer, "" if it is."""
+        dt = t - self._t
+        if dt <= 0.0:
+            return ""
+        self._filter(dt, value)
+        self._t = t
+        if self._wanted is None:
+            return ""
+        error = self._apart(self._wanted, self._value)
+        self._control(error, min(dt, _GAP_S))
+        return self._grown(t, abs(error))
+
+    def _filter(self, dt: float, value: float) -> None:
+        if dt > _GAP_S:
+            self._value, self._rate = value, 0.0
+            return
+        alpha = 1.0 - math.exp(-dt / _SMOOTH_S)
+        ahead = self._value + self._rate * dt
+        off = self._apart(value, ahead)
+        self._value = ahead + alpha * off
+        self._rate += alpha * alpha / (2.0 - alpha) * off / dt
+
+    def _control(self, error: float, dt: float) -> None:
+        g = self._gains
+        swift = g.trim + g.gain * error - g.rate * self._rate
+        if abs(swift + self._sum) < g.most:  # at its bound nothing adds up
+            added = self._sum + g.integral * error * dt
+            self._sum = max(-g.integral_most, min(g.integral_most, added))
+        self.effort = max(-g.most, min(g.most, swift + self._sum))
+
+    def _grown(self, t: float, error: float) -> str:
+        errors = self._errors
+        errors.append((t, error))
+        while errors[0][0] < t - GROWS_S:
+            errors.popleft()
+        grown = error - min(e for _, e in errors)
+        if grown < GROWN[self.name]:
+            return ""
+        told = f"{math.degrees(grown):.0f} deg" if self._circular else f"{grown:.1f} m"
+        return f"{self.name} is not held: {told} farther off within {GROWS_S:g} s"
+
+    def _apart(self, one: float, other: float) -> float:
+        return math.remainder(one - other, math.tau) if self._circular else one - other
+
+
+class LoopCloser:
+    """Of one board. Positive efforts are down, and to starboard."""
+
+    def __init__(self, loop: OuterLoop) -> None:
+        self._axes = {
+            "depth": _Axis("depth", loop.depth),
+            "heading": _Axis("heading", loop.heading),
+        }
+        self._set: Setpoint | None = None
+        self._heard = -math.inf
+        self.fault = ""  # why the set is given up
+
+    def open(self, command: Setpoint | Order) -> Setpoint | Order:
+        """Without the axes that are closed here."""
+        if not isinstance(command, Setpoint):
+            return command
+        return replace(command, depth=None, heading=None)
+
+    def hold(self, command: Setpoint | Order) -> None:
+        """From now on, until the next."""
+        self._set, self.fault = (command if isinstance(command, Setpoint) else None), ""
+        for name, axis in self._axes.items():
+            axis.hold(None if self._set is None else getattr(self._set, name))
+
+    def report(self, report: Telemetry) -> None:
+        values = {name: getattr(report, name) for name in self._axes}
+        held = self._held()
+        if all(values[name] is not None for name in held):
+            self._heard = report.t
+        for name, axis in self._axes.items():
+            if values[name] is not None and (why := axis.report(report.t, values[name])):
+                self.fault = self.fault or why
+
+    def closed(self, command: Setpoint | Order, now: float) -> Setpoint | Order:
+        """The same for a board that has efforts alone."""
+        held = self._held()
+        if not isinstance(command, Setpoint) or not held:
+            return command
+        if self.fault or now - self._heard > STALE_S:
+            return Setpoint()
+        efforts = {_EFFORTS[name]: self._axes[name].effort for name in held}
+        heave, turn = efforts.get("heave", command.heave), efforts.get("turn", command.turn)
+        return replace(command, depth=None, heading=None, heave=heave, turn=turn)
+
+    def _held(self) -> list[str]:
+        s = self._set
+        return [] if s is None else [n for n in self._axes if getattr(s, n) is not None]

@@ -1,0 +1,192 @@
+"""Depth and heading closed on the Pi for the ROV, over its own bytes; and that nothing is held until
+somebody has seen its axes and signs (R17, E-R8)."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from test_doctor_boards import simulated_board
+
+from mission.authoring.prepare import Prepared, Unreadable, prepare
+from mission.commands.doctor import doctor
+from mission.model import Action, Result
+from mission.model.shipped import load_vehicle
+from mission.model.vehicle import OuterLoop
+from mission.onboard.runtime.outer_loop import GROWS_S, STALE_S, LoopCloser
+from mission.onboard.runtime.repeater import Repeater
+from mission.verification.simulation.flight import fly
+from protocol.codec import CannotEncode
+from protocol.messages import Order, Setpoint, Telemetry
+from protocol.vehicles import codec
+
+SHIPPED = Path("missions/vehicles/rov.yaml").read_text(encoding="utf-8")
+CONFIRMED = SHIPPED.replace("# confirmed:", "confirmed:")
+HOLD = """mission rov-hold vehicle rov
+safety time 20min depth 20
+assume current 0
+start without fix
+dive: depth 3 heading 90 until depth >= 2.8 held 3s timeout 60s
+out: gear 4 for 20s
+turn: depth 5 heading 200 gear 3 for 40s
+up: surface timeout 3min
+"""
+
+
+def ready(folder: Path, vehicle: str = CONFIRMED) -> Prepared:
+    (folder / "rov.yaml").write_text(vehicle, encoding="utf-8")
+    (folder / "hold.mission").write_text(HOLD, encoding="utf-8")
+    return prepare(folder / "hold.mission", str(folder / "rov.yaml"))
+
+
+def loop() -> OuterLoop:
+    found = load_vehicle("rov").outer_loop
+    assert found is not None
+    return found
+
+
+def test_the_rov_holds_depth_and_heading_and_comes_up(tmp_path: Path) -> None:
+    made = ready(tmp_path)
+    flight = fly(made.mission, made.vehicle, seed=3)
+    assert flight.outcome == "completed", flight.reason
+    assert [leg.by for leg in flight.legs] == ["until", "for", "for", "end", "end"]
+    begun = next(p.t for p in flight.track if p.depth > 0.25)
+    east = [p for p in flight.track if begun + 14 < p.t < begun + 28]
+    assert all(abs(p.depth - 3.0) < 0.35 for p in east)
+    assert east[-1].east > east[0].east + 4.0
+    assert abs(east[-1].north - east[0].north) < 0.5
+    deep = [p for p in flight.track if begun + 50 < p.t < begun + 65]
+    assert all(abs(p.depth - 5.0) < 0.35 for p in deep)
+    course = math.atan2(deep[-1].east - deep[0].east, deep[-1].north - deep[0].north)
+    assert math.degrees(course) % 360 == pytest.approx(200, abs=6)
+    assert flight.at_surface
+
+
+def test_nothing_is_held_until_the_vehicle_file_confirms_axes_and_signs(tmp_path: Path) -> None:
+    with pytest.raises(Unreadable) as caught:
+        ready(tmp_path, SHIPPED)
+    assert {d.code for d in caught.value.diagnostics} == {"signs-unconfirmed"}
+    assert "doctor --signs" in str(caught.value)
+    board = codec(*load_vehicle("rov").speaks)
+    with pytest.raises(CannotEncode):
+        board.encode(Setpoint(depth=3.0))
+
+
+# --- the loop alone ------------------------------------------------------------------------------
+
+
+def told(closer: LoopCloser, until: float, depth: float, rate: float = 0.0) -> Setpoint:
+    """Reports at 20 Hz from 0 on; what is asked of the board behind the last."""
+    wanted = Setpoint(surge=0.3, depth=3.0)
+    closer.hold(wanted)
+    for i in range(round(20 * until) + 1):
+        closer.report(Telemetry(i / 20, depth=depth + rate * i / 20))
+    efforts = closer.closed(wanted, until)
+    assert isinstance(efforts, Setpoint)
+    assert efforts.depth is None
+    return efforts
+
+
+def test_the_effort_is_down_above_the_depth_up_below_it_and_within_its_bound() -> None:
+    most = loop().depth.most
+    assert told(LoopCloser(loop()), 1.0, 0.0).heave == most
+    assert told(LoopCloser(loop()), 1.0, 9.0).heave == -most
+    near = told(LoopCloser(loop()), 1.0, 3.0)
+    assert near.heave == pytest.approx(loop().depth.trim)
+    assert near.surge == 0.3
+
+
+def test_a_report_that_is_older_than_half_a_second_is_neutral() -> None:
+    closer = LoopCloser(loop())
+    told(closer, 1.0, 2.0)
+    wanted = Setpoint(surge=0.3, depth=3.0)
+    assert closer.closed(wanted, 1.0 + STALE_S) != Setpoint()
+    assert closer.closed(wanted, 1.001 + STALE_S) == Setpoint()
+    closer.report(Telemetry(2.0, depth=2.0))
+    assert closer.closed(wanted, 2.0) != Setpoint()
+
+
+def test_a_report_without_the_reading_does_not_count() -> None:
+    closer = LoopCloser(loop())
+    told(closer, 1.0, 2.0)
+    for i in range(20):
+        closer.report(Telemetry(1.05 + i / 20, heading=1.0))
+    assert closer.closed(Setpoint(depth=3.0), 2.0) == Setpoint()
+
+
+@pytest.mark.parametrize(("rate", "given_up"), [(-0.09, False), (-0.11, True), (0.1, False)])
+def test_an_error_that_grows_by_half_a_metre_in_5_s_ends_the_holding(
+    rate: float, given_up: bool
+) -> None:
+    closer = LoopCloser(loop())
+    efforts = told(closer, 2 * GROWS_S, 2.0, rate)
+    assert (efforts == Setpoint()) is given_up
+    assert bool(closer.fault) is given_up
+    closer.hold(Setpoint(depth=1.0))
+    assert closer.fault == ""
+
+
+def test_a_heading_is_held_the_short_way_round() -> None:
+    closer = LoopCloser(loop())
+    wanted = Setpoint(heading=math.radians(10))
+    closer.hold(wanted)
+    for i in range(40):
+        closer.report(Telemetry(i / 20, heading=math.radians(350)))
+    efforts = closer.closed(wanted, 1.95)
+    assert isinstance(efforts, Setpoint)
+    assert 0.0 < efforts.turn <= loop().heading.most
+    assert efforts.heave is None
+
+
+def test_orders_and_sets_that_hold_nothing_go_through_as_they_are() -> None:
+    closer = LoopCloser(loop())
+    for command in (Order.STOP, Order.SURFACE, Setpoint(surge=0.5, heave=0.2)):
+        closer.hold(command)
+        assert closer.closed(command, 9.0) == command
+
+
+def test_a_set_that_is_given_up_is_refused_once_and_the_board_told_neutral() -> None:
+    board = codec("rov", "documented", {})
+    line = Repeater(board.encode, board.period, closer=LoopCloser(loop()))  # type: ignore[attr-defined]
+    line.command(Action(Setpoint(depth=3.0), "a leg"))
+    results, sent, now = [], [b""], 0.0
+    while now < 12.0:
+        now = round(now + 0.05, 6)
+        line.report(Telemetry(now, depth=2.0 - 0.2 * now))
+        out, outcomes = line.poll(now)
+        results += [o for o in outcomes if o.result is Result.REFUSED]
+        sent += [tx.data for tx in out]
+    assert [o.frame.decode()[:17] for o in results] == ["depth is not held"]
+    assert sent[-1] == board.encode(Setpoint())[0]
+
+
+# --- the guided check ----------------------------------------------------------------------------
+
+
+def signs_of(folder: Path, wire: str = "") -> list[dict[str, str]]:
+    vehicle = folder / "rov.yaml"
+    vehicle.write_text(SHIPPED + wire, encoding="utf-8")
+    with simulated_board("rov") as device:
+        config = folder / "serve.yaml"
+        links = {"vehicle": f"serial://{device}", "gps": None, "topside": "tcp://127.0.0.1:0"}
+        config.write_text(
+            f"vehicle: {vehicle}\nfolder: {folder / 'pi'}\nlinks: {json.dumps(links)}\n"
+        )
+        words = ["-c", str(config), "--signs", "--in-water", "--json"]
+        found = json.loads(CliRunner().invoke(doctor, words).stdout)["findings"]
+    return [one for one in found if one["what"] == "axes and signs"]
+
+
+def test_doctor_moves_the_vehicle_and_tells_that_its_signs_are_as_read(tmp_path: Path) -> None:
+    depth, heading = signs_of(tmp_path)
+    assert (depth["state"], heading["state"]) == ("ok", "ok")
+    assert "confirmed" in depth["todo"]
+
+
+def test_doctor_tells_a_sign_that_is_the_other_way_and_what_to_write(tmp_path: Path) -> None:
+    _, heading = signs_of(tmp_path, "wire: {z_sign: -1}\n")
+    assert heading["state"] == "fault"
+    assert "z_sign: -1" in heading["todo"]
