@@ -9,8 +9,8 @@ What a mission held is safe when the mission is over. The stick takes over what 
 be overruled by hand. An irreversible output is the operator's; where the vehicle file arms it, an
 ascent that has gained less than 1 m in 120 s sets it once, also where the depth is not known (R7).
 
-Only what has changed is said. After a start, or behind a line that was away, nobody knows what an
-output is: it is said with the next emergency, mission or @AO that has it.
+Only what has changed is said. Behind a line that was away, and after a restart in the midst of
+something, nobody knows what an output is: it is said with the next emergency, mission or @AO.
 
 What does not live here: the engine's state (auxiliary), frames (protocol.vehicles), how often a
 word is said (onboard.runtime).
@@ -48,7 +48,7 @@ class OutputKeeper:
     def __init__(self, outputs: tuple[Output, ...]) -> None:
         self.outputs = {output.name: output for output in outputs}
         self._by_hand: Levels = {output.name: output.safe for output in outputs}
-        self.said: Levels = {}  # what is not in it is not known
+        self.said: Levels = dict(self._by_hand)  # what is not in it is not known
         self._region = IDLE
         self._emergency_at: float | None = None
         self._touched: tuple[str, ...] = ()  # by hand, since the last look

@@ -41,6 +41,7 @@ def under_way(core: Core) -> str:
 def begin_again(core: Core, before: Restarted) -> None:
     if not before.during or core.region != IDLE:
         return
+    core.outputs.doubt()
     why = f"the program restarted during {before.during}"
     if before.during == STICK:
         core.stop_quietly(why)

@@ -20,6 +20,7 @@ AUV = [
     ("auv.NS", "auv.to_pi", b"@NSCOOCCC$"),
     ("auv.RS", "auv.to_stm32", b"@RSCOOCCCO$"),
     ("auv.AW", "auv.to_pi", bytes.fromhex("40 41 57 01 00 01 00 5A 41 46 35 24")),
+    ("auv.AO", "auv.to_pi", b"@AO,lamp,40,$"),
     ("auv.ST", "auv.to_pi", b"@ST,2025/01/11 16:56:06,$"),
     ("auv.SP", "auv.to_pi", b"@SP,1000,5,200,10,$"),
     ("auv.MT", "auv.to_stm32", b"@MT1,-10$"),

@@ -168,13 +168,16 @@ BY_HAND = {
     "auv.SP": st.fixed_dictionaries(
         {n: st.none() | DECIMAL for n in ("radius_m", "minutes", "depth_m", "low_voltage_v")}
     ),
+    "auv.AO": st.fixed_dictionaries(
+        {"name": st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,23}", fullmatch=True), "value": DECIMAL}
+    ),
     "auv.VS": statuses(),
     "auv.ZA": motions(),
     "auv.AR": STORES,
     "auv.AES": STATE_REPORTS,
     "auv.ACK": st.sampled_from(
         [
-            *({"class": a, "func": b, "ok": ok} for a, b in ("NS", "AA", "AC", "AW", "ST", "SP") for ok in (True, False)),
+            *({"class": a, "func": b, "ok": ok} for a, b in ("NS", "AA", "AC", "AW", "AO", "ST", "SP") for ok in (True, False)),
             *({"class": "Z", "func": code, "ok": ok} for code in "FBLRUDSEHAVXW" for ok in (True, False)),
             *({"class": c, "func": "I", "mask": m} for c in "NR" for m in range(256)),
             {"class": "R", "func": "S", "ok": True},
