@@ -4,33 +4,39 @@
 
 Time is what the caller says, as in link.py, and the same members are there for who asks a
 simulated vehicle; there is no receiver of its own (what a core board knows of its place it
-reports), and no faults to be switched on.
+reports). Batteries fall as they are used.
 
-What does not live here: frames and what a board does with them (firmware/boards.py).
+What does not live here: frames and what a board does with them (firmware/boards.py), what can go
+wrong (board_faults.py).
 """
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import atan2, cos, hypot, inf, pi, sin
 from random import Random
+from typing import cast
 
 from links.base import LinkClosed, Rx
+from links.simulated.board_faults import OF_BOARDS
+from links.simulated.faults import Parts
 from links.simulated.firmware.boards import CoreBoard, RobotBoard, RovBoard, WaterBoard
 from links.simulated.firmware.uart import Chunk
 from links.simulated.geodesy import moved
 from links.simulated.ground import Ground
 from links.simulated.link import HOME, Truth
 from links.simulated.plant import STEP, TICK_STEPS, Plant
-from links.simulated.settings import SettingError, Settings
+from links.simulated.schedule import Edge, edges
+from links.simulated.settings import Settings
 from protocol.tolerances import Tolerances
 from protocol.vehicles import vehicle_row
 from protocol.vehicles.keys import read_wire
 
 BYTE_TIME = 10 / 115200  # s
 SECOND_STEPS = 20
+HOTEL_W, W_PER_N, WHEELS_W = 30.0, 4.0, 150.0  # W, W/N of a thruster, W at 1 m/s
 DOCUMENTED: Mapping[str, str] = {}
 BOARDS: dict[str, type[WaterBoard] | type[RobotBoard]] = {
     "coreboard": CoreBoard,
@@ -63,8 +69,9 @@ class BoardLink:
 
     def send(self, data: bytes, now: float, address: str = "") -> None:
         self._reach(now)
-        self.vehicle.board.receive(data, now)
-        self.vehicle.answer(now)
+        if not self.vehicle.board.troubles.deaf:
+            self.vehicle.board.receive(data, now)
+            self.vehicle.answer(now)
 
     def next_event(self) -> float | None:
         queue = self.vehicle.queue
@@ -106,27 +113,30 @@ class SimulatedBoard:
         settings: Settings | None = None,
         *,
         position: tuple[float, float] = HOME,
+        heading: float = 0.0,
         tolerances: Mapping[str, str] = DOCUMENTED,
         wire: Mapping[str, str] = DOCUMENTED,
     ) -> None:
         """``name`` is that of the codec, ``position`` latitude and longitude in rad; ``tolerances``
         and ``wire``: how the board was built, as in a vehicle file. Raises SettingError for a
-        fault: these boards have none to be switched on."""
+        fault that this board cannot have."""
         chosen = settings or Settings()
-        if chosen.faults:
-            raise SettingError(f"fault={chosen.faults[0].name}: only the AUV's board has faults")
         self.name, self.seed, self.position = name, seed, position
         built = read_wire(vehicle_row(name).keys, wire)
         self.board = BOARDS[name](Random(seed), Tolerances.parse(tolerances), built)
         self.plant: Plant | Ground = Ground()
         if isinstance(self.board, WaterBoard):
             speed, direction = chosen.sea.current
-            self.plant = Plant(chosen.body, floor=chosen.sea.floor)
+            body = replace(self.board.body, buoyancy=chosen.body.buoyancy)
+            self.plant = Plant(body, floor=chosen.sea.floor)
+            self.plant.yaw = heading
             self.plant.current_north = speed * cos(direction)
             self.plant.current_east = speed * sin(direction)
         self.queue: deque[Chunk] = deque()
         self.track: list[Truth] = []
         self.vehicle_link, self.gps_link = BoardLink(self), NoReceiver()
+        self._edges = edges(chosen.faults, OF_BOARDS[name], STEP, name)
+        self._faults = Random(f"faults {seed}")  # of their own, so that a sound board says the same
         self._free = 0.0
         self._step, self._report_steps = 0, round(self.board.period / STEP)
         self._anchor = (*position, 0.0, 0.0)
@@ -146,10 +156,13 @@ class SimulatedBoard:
         while self._step < last:
             self.plant.run(1)
             self._step += 1
+            while self._edges and self._edges[-1].tick <= self._step:
+                self._switch(self._edges.pop())
             self._control()
             if self._step % self._report_steps == 0:
                 self._say(self._report())
             if self._step % SECOND_STEPS == 0:
+                self.board.used += self._power()
                 self._anchor = (*self.place(), self.plant.north, self.plant.east)
                 self.track.append(self.truth())
 
@@ -183,6 +196,19 @@ class SimulatedBoard:
             plant.aground,
         )
 
+    def _switch(self, edge: Edge) -> None:
+        row = OF_BOARDS[self.name][edge.name]
+        (row.begin if edge.begins else row.end)(
+            cast("Parts", self), edge.value
+        )  # what its rows need
+
+    def _power(self) -> float:
+        """W, hotel and thrusters; of the robot, the wheels."""
+        plant = self.plant
+        if isinstance(plant, Ground):
+            return HOTEL_W + WHEELS_W * abs(plant.u)
+        return HOTEL_W + W_PER_N * sum(abs(newtons) for newtons in plant.thrust)
+
     def _control(self) -> None:
         board, plant = self.board, self.plant
         if isinstance(board, RobotBoard):
@@ -201,6 +227,12 @@ class SimulatedBoard:
         return board.report(plant, self.place(), self.now)
 
     def _say(self, data: bytes, now: float = -inf) -> None:
+        troubles = self.board.troubles
+        if troubles.silent:
+            return
+        if self._faults.random() < troubles.corrupt:
+            at = self._faults.randrange(len(data))
+            data = data[:at] + bytes([data[at] ^ (1 << self._faults.randrange(8))]) + data[at + 1 :]
         start = max(self.now, now, self._free)
         self._free = start + len(data) * BYTE_TIME
         self.queue.append(Chunk(start, self._free, data))

@@ -14,7 +14,7 @@ What does not live here: real time (pty.py).
 from __future__ import annotations
 
 from datetime import UTC, datetime
-from math import atan2, ceil, cos, hypot, inf, pi, radians, sin
+from math import atan2, cos, hypot, inf, pi, radians, sin
 from random import Random
 from typing import NamedTuple
 
@@ -27,6 +27,7 @@ from links.simulated.firmware.stm32 import Stm32
 from links.simulated.firmware.uart import BYTE_TIME, Chunk
 from links.simulated.geodesy import local, moved
 from links.simulated.plant import TICK, TICK_STEPS, Plant
+from links.simulated.schedule import edges
 from links.simulated.sensors import Sensors
 from links.simulated.settings import Settings
 
@@ -115,8 +116,8 @@ class SimulatedVehicle:
         self._next_report, self._next_second = FIRST_REPORT, SECOND_TICKS
         self._foretell()
         self._anchor = (*position, 0.0, 0.0)  # latitude, longitude at plant north, east
-        self.edges = self._schedule()
-        self._next_edge = self.edges[-1][0] if self.edges else _NEVER
+        self.edges = edges(self.settings.faults, FAULTS, TICK, "the AUV")
+        self._next_edge = self.edges[-1].tick if self.edges else _NEVER
         self._flow()
         self.track.append(self.truth())
 
@@ -185,24 +186,12 @@ class SimulatedVehicle:
 
     # --- faults ----------------------------------------------------------------------------
 
-    def _schedule(self) -> list[tuple[int, bool, str, float]]:
-        """Edges (tick, begins, fault, value), the next one last."""
-        edges = []
-        for event in self.settings.faults:
-            row = FAULTS[event.name]
-            value = row.value if event.value is None else event.value
-            duration = row.duration if event.duration is None else event.duration
-            begin = max(ceil(event.begin / TICK - 1e-6), 1)
-            end = max(ceil((event.begin + duration) / TICK - 1e-6), begin + 1)
-            edges += [(begin, True, event.name, value), (end, False, event.name, value)]
-        return sorted(edges, reverse=True)
-
     def _switch_faults(self, tick: int) -> None:
-        while self.edges and self.edges[-1][0] <= tick:
+        while self.edges and self.edges[-1].tick <= tick:
             _, begins, name, value = self.edges.pop()
             row = FAULTS[name]
             (row.begin if begins else row.end)(self, value)
-        self._next_edge = self.edges[-1][0] if self.edges else _NEVER
+        self._next_edge = self.edges[-1].tick if self.edges else _NEVER
         self._flow()
 
     # --- truth -----------------------------------------------------------------------------

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from math import inf, isfinite, radians
 
+from links.simulated.board_faults import OF_BOARDS
 from links.simulated.faults import FAULTS
 from links.simulated.plant import Body
 from links.simulated.sea import Sea
@@ -101,8 +102,9 @@ def parse_fault(text: str) -> FaultEvent:
     name, equals, value = what.partition("=")
     if not at:
         raise SettingError(f"write name@begin+duration, e.g. depth_frozen@120+60, not {text!r}")
-    if name not in FAULTS:
-        raise SettingError(f"no fault {name!r}; known: {', '.join(FAULTS)}")
+    known = dict.fromkeys(name for rows in (FAULTS, *OF_BOARDS.values()) for name in rows)
+    if name not in known:
+        raise SettingError(f"no fault {name!r}; known: {', '.join(known)}")
     begin, plus, duration = when.partition("+")
     return FaultEvent(
         name,

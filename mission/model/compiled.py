@@ -29,6 +29,7 @@ MODULES = (
     "links.simulated.ground",
     "links.simulated.link",
     "links.simulated.plant",
+    "links.simulated.schedule",
     "links.simulated.sensors",
     "links.simulated.settings",
     "links.simulated.wrong",

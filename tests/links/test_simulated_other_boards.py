@@ -10,6 +10,7 @@ from links.base import LinkClosed
 from links.simulated.boards import BOARDS, SimulatedBoard
 from links.simulated.firmware.boards import ALIGNS, RobotBoard
 from links.simulated.ground import Ground
+from links.simulated.link import SimulatedVehicle
 from links.simulated.settings import SettingError, Settings, parse_settings
 from protocol.messages import Setpoint, Telemetry
 from protocol.tolerances import Tolerances
@@ -168,10 +169,105 @@ def test_the_same_seed_gives_the_same_bytes_however_time_is_cut(name: str) -> No
     assert once == often
 
 
-def test_what_these_boards_do_not_have_is_refused_with_its_name() -> None:
-    settings = parse_settings(["fault=depth_frozen@10+5"])
-    with pytest.raises(SettingError, match="depth_frozen"):
-        SimulatedBoard("rov", settings=settings)
+def flown(name: str, fault: str, until: float = 30.0) -> list[Telemetry]:
+    return run(SimulatedBoard(name, seed=1, settings=parse_settings([fault])), until)
+
+
+@pytest.mark.parametrize(
+    ("name", "fault"),
+    [("rov", "leak"), ("rov", "battery_low"), ("robot", "heavy"), ("coreboard", "stm32_hang")],
+)
+def test_a_fault_that_a_board_cannot_have_is_refused_with_those_that_it_can(
+    name: str, fault: str
+) -> None:
+    with pytest.raises(SettingError, match=f"fault={fault}: not of {name}; it has stm32_silent, "):
+        flown(name, f"fault={fault}@10+5")
+
+
+def test_the_auv_has_no_fault_of_another_board() -> None:
+    with pytest.raises(SettingError, match="fault=leak: not of the AUV"):
+        SimulatedVehicle(settings=parse_settings(["fault=leak@10+5"]))
+
+
+def test_water_inside_is_reported_for_as_long_as_it_is_there() -> None:
+    wet = [t.t for t in flown("coreboard", "fault=leak@10+5") if t.leak]
+    assert wet
+    assert 9.9 < wet[0] < wet[-1] < 15.3
+    assert not any(t.leak for t in flown("coreboard", "floor=30"))
+
+
+@pytest.mark.parametrize("name", BOARDS)
+def test_a_board_that_falls_silent_is_heard_again_when_that_is_over(name: str) -> None:
+    heard = [t.t for t in flown(name, "fault=stm32_silent@10+5")]
+    assert not [t for t in heard if 10.1 < t < 14.9]
+    assert [t for t in heard if t > 15.1]
+
+
+@pytest.mark.parametrize("name", BOARDS)
+def test_a_frame_with_a_bit_turned_over_is_a_fault_and_never_a_reading(name: str) -> None:
+    vehicle = SimulatedBoard(name, 1, parse_settings(["fault=bytes_corrupted=1@10+5"]))
+    wire = codec(vehicle.name, "documented", {})
+    heard = [
+        (rx.t, m) for rx in vehicle.vehicle_link.receive(30.0) for m in wire.receive(rx.data, rx.t)
+    ]
+    good = [t for t, message in heard if isinstance(message, Telemetry)]
+    assert not [t for t in good if 10.1 < t < 14.9]
+    assert [t for t in good if t < 10.0]
+    assert [t for t in good if t > 15.5]
+
+
+@pytest.mark.parametrize("name", ["coreboard", "rov"])
+def test_a_frozen_depth_repeats_to_the_bit(name: str) -> None:
+    heard = [t for t in flown(name, "fault=depth_frozen@10+5") if 10.2 < t.t < 14.8]
+    assert len({t.depth for t in heard}) == 1
+    assert len({t.heading for t in heard}) > 10
+
+
+@pytest.mark.parametrize("name", ["coreboard", "robot"])
+def test_a_battery_falls_as_it_is_used_and_when_it_is_told_to(name: str) -> None:
+    vehicle = SimulatedBoard(name, seed=1)
+    begin = run(vehicle, 5.0)[-1]
+    end = run(vehicle, 600.0)[-1]
+    assert begin.batteries is not None
+    assert end.batteries is not None
+    assert end.batteries[0] < begin.batteries[0] - 0.03
+    low = [t.batteries for t in flown(name, "fault=battery_low=9@10+5") if 10.2 < t.t < 14.8]
+    assert all(volts is not None and volts[0] == pytest.approx(9.0, abs=0.2) for volts in low)
+
+
+@pytest.mark.parametrize("name", BOARDS)
+def test_a_board_that_is_deaf_does_not_move(name: str) -> None:
+    vehicle = SimulatedBoard(name, 1, parse_settings(["fault=command_lost@0+20"]))
+    say(vehicle, Setpoint(surge=0.5), 1.0, 10.0)
+    assert vehicle.plant.u == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_weak_thruster_of_the_rov_turns_it() -> None:
+    sound, weak = (
+        SimulatedBoard("rov", 1),
+        SimulatedBoard("rov", 1, parse_settings(["fault=left_main_weak=0.2@1+60"])),
+    )
+    for vehicle in (sound, weak):
+        say(vehicle, Setpoint(surge=0.5), 1.0, 11.0)
+    assert abs(sound.plant.yaw) < 0.01
+    assert weak.plant.yaw < -0.3  # the right one pushes it to the left
+
+
+def test_the_rov_is_no_torpedo() -> None:
+    """Its planning figures (rov.yaml), and no way of its own once nothing pushes."""
+    vehicle = SimulatedBoard("rov", 1)
+    say(vehicle, Setpoint(surge=1.0), 0.0, 20.0)
+    assert vehicle.plant.u == pytest.approx(0.8, abs=0.1)
+    say(vehicle, Setpoint(), 20.0, 23.0)
+    assert vehicle.plant.u < 0.2
+    say(vehicle, Setpoint(turn=1.0), 23.0, 33.0)
+    assert degrees(vehicle.plant.r) == pytest.approx(35.0, abs=8.0)
+    assert abs(vehicle.plant.pitch) < radians(1.0)
+    say(vehicle, Setpoint(heave=1.0), 33.0, 50.0)
+    assert vehicle.plant.depth_rate == pytest.approx(0.3, abs=0.08)
+
+
+def test_a_link_that_was_closed_says_so() -> None:
     vehicle = SimulatedBoard("rov", settings=Settings())
     vehicle.vehicle_link.close()
     with pytest.raises(LinkClosed):

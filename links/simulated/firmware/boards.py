@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import dataclass
 from math import cos, degrees, inf, pi, radians, sin
 from random import Random
 from typing import Any
@@ -22,7 +23,7 @@ from typing import Any
 from links.simulated.firmware.controllers import dive_gear, turn_gear
 from links.simulated.firmware.stm32 import GEAR_MAX, level_pwm
 from links.simulated.ground import Ground
-from links.simulated.plant import NEUTRAL, NEUTRAL_PWM, Plant
+from links.simulated.plant import NEUTRAL, NEUTRAL_PWM, REAR, Body, Plant
 from protocol.framing import Frame, LinkRow
 from protocol.tolerances import Tolerances
 from protocol.vehicles import coreboard, robot, robot_outputs, rov
@@ -31,10 +32,48 @@ from protocol.vehicles.keys import Wire
 ANTENNA = 0.3  # m: deeper, and the INS has no GPS to be aligned by
 ALIGNS = 3.0  # s after it was switched on (assumed)
 _DEPTH, _ANGLE, _HEADING, _PLACE = 0.03, radians(0.3), radians(0.5), 2.0  # one sigma, m and rad
-_MAIN_V, _POWER_V = 24.0, 48.0
+CONTROL_V, _POWER_V = 24.0, 48.0
 _FULL_RPM = 1000.0
 
+FULL_J, FLAT = 1.0e6, 0.8  # what its battery holds, and the share of its voltage when it is empty
 Place = tuple[float, float]  # latitude and longitude, rad
+
+
+@dataclass(slots=True)
+class Troubles:
+    """What is wrong with a board (board_faults); 0: nothing."""
+
+    silent: float = 0.0  # it says nothing
+    deaf: float = 0.0  # it hears nothing
+    corrupt: float = 0.0  # share of its frames with a bit turned over
+    depth_frozen: float = 0.0
+    volts: float = 0.0  # of its control battery, whatever that has
+    leak: float = 0.0  # water inside
+
+
+# An open frame of 25 kg: as wide as it is long, nothing that steers, slow and stiff.
+ROV = Body(
+    mass_u=45.0,
+    mass_v=60.0,
+    mass_w=70.0,
+    inertia_p=3.0,
+    inertia_q=3.5,
+    inertia_r=4.0,
+    linear=(4.0, 12.0, 14.0, 3.0, 4.0, 4.0),
+    quadratic=(73.0, 140.0, 209.0, 4.0, 8.0, 21.0),
+    fin_pitch=0.0,
+    fin_yaw=0.0,
+    fin_damping=0.0,
+    righting=40.0,
+    waterplane=800.0,
+    surface_damping=150.0,
+    main_thrust=25.0,
+    vertical_thrust=22.3,
+    arm_main=0.2,
+    arm_front=0.0,
+    rudder_pitch=0.0,
+    rudder_roll=0.0,
+)
 
 
 class Board(ABC):
@@ -48,6 +87,8 @@ class Board(ABC):
         """``tolerances`` and ``wire``: how this board was built, as a vehicle file says it."""
         self.rng, self.tolerances, self.wire = rng, tolerances, wire
         self.heard = -inf
+        self.troubles = Troubles()
+        self.used = 0.0  # J
         self._framer = self.hears.framer(tolerances)
 
     def receive(self, data: bytes, now: float) -> None:
@@ -61,13 +102,24 @@ class Board(ABC):
     def awake(self, now: float) -> bool:
         return now - self.heard <= self.silence
 
+    def volts(self, full: float) -> float:
+        """Of a battery that has ``full`` V when it is, and falls as it is used."""
+        left = max(1.0 - self.used / FULL_J, 0.0)
+        return full * (FLAT + (1.0 - FLAT) * left)
+
+    def control_volts(self) -> float:
+        return self.troubles.volts or self.volts(CONTROL_V)
+
     @abstractmethod
     def take(self, values: Mapping[str, Any]) -> None:
         """A good frame."""
 
 
 class WaterBoard(Board):
-    """A board whose thrusters are those of the plant."""
+    """A board whose thrusters are those of the plant, in a ``body`` of its own."""
+
+    body = Body()
+    _depth: float | None = None  # that it told last
 
     @abstractmethod
     def control(self, plant: Plant, now: float) -> tuple[int, ...]:
@@ -79,12 +131,14 @@ class WaterBoard(Board):
     def _pose(self, plant: Plant) -> tuple[float, float, float, float]:
         """Roll, pitch, yaw in deg and depth in m, as its sensors have them."""
         gauss = self.rng.gauss
+        if self._depth is None or not self.troubles.depth_frozen:
+            self._depth = plant.depth + gauss(0.0, _DEPTH)
         yaw = degrees((plant.yaw + gauss(0.0, _HEADING) + pi) % (2.0 * pi) - pi)
         return (
             degrees(plant.roll + gauss(0.0, _ANGLE)),
             degrees(plant.pitch + gauss(0.0, _ANGLE)),
             yaw,
-            plant.depth + gauss(0.0, _DEPTH),
+            self._depth,
         )
 
 
@@ -139,19 +193,26 @@ class CoreBoard(WaterBoard):
             "reserved50": "00" * 12,
             "mode": 0,
             "temperature_c": 18.0,
-            "control_v": _MAIN_V,
-            "power_v": _POWER_V,
-            "leak": 1 - int(self.tolerances["leak002"]),
+            "control_v": self.control_volts(),
+            "power_v": self.volts(_POWER_V),
+            "leak": self._leak(),
             **{f"usbl{n}": 0.0 for n in range(1, 7)},
             "ins_aligned": int(aligned),
             "reserved83": "00" * 4,
         }
         return self._report.encode(values)
 
+    def _leak(self) -> int:
+        """As it was built: which digit means dry."""
+        wet = int(self.tolerances["leak002"])
+        return wet if self.troubles.leak else 1 - wet
+
 
 class RovBoard(WaterBoard):
-    """The flags hold the heading and the depth of the moment at which they are set."""
+    """The flags hold the heading and the depth of the moment at which they are set. Four thrusters:
+    the third vertical of the plant stands still."""
 
+    body = ROV
     hears = rov.LINKS[0]
     period = rov.PERIOD
     silence = rov.SILENCE
@@ -178,7 +239,8 @@ class RovBoard(WaterBoard):
             turn = turn_gear(self.held["hold_heading"], plant.yaw, plant.r)
         if "hold_depth" in self.held:
             up = -dive_gear(self.held["hold_depth"] - plant.depth, plant.depth_rate)
-        self.pwm = _pwms(surge, turn, up)
+        ahead = _pwms(surge, turn, up)
+        self.pwm = (*ahead[:REAR], NEUTRAL_PWM, *ahead[REAR + 1 :])
         return self.pwm
 
     def report(self, plant: Plant, place: Place, now: float) -> bytes:
@@ -237,7 +299,7 @@ class RobotBoard(Board):
         return ahead, spin / ground.lever
 
     def report(self, ground: Ground) -> bytes:
-        volts = 24.0 + self.rng.gauss(0.0, 0.02)
+        volts = self.control_volts() + self.rng.gauss(0.0, 0.02)
         speed = 1000.0 * ground.u / self.wire["speed_step"]
         return self._report.encode(
             {"speed_mm_s": round(speed), "voltage_mv": round(1000.0 * volts)}

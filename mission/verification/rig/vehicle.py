@@ -39,6 +39,7 @@ def simulated(
         seed,
         settings,
         position=position,
+        heading=heading,
         tolerances=vehicle.tolerances,
         wire=vehicle.wire,
     )

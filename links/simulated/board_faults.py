@@ -1,0 +1,58 @@
+"""What can go wrong with the boards of documents 002 to 004: rows as in faults.
+
+Those of the body are the AUV's own rows; a row of a board has the name of its like there.
+
+What does not live here: when (schedule).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from links.simulated.faults import FAULTS, Fault
+
+_BODY = (
+    "left_main_weak",
+    "right_main_weak",
+    "verticals_weak",
+    "mains_dead",
+    "verticals_dead",
+    "heavy",
+    "light",
+)
+
+
+def _switch(part: str, says: str, duration: float = 60.0) -> Fault:
+    return _set(part, says, 1.0, 0.0, duration=duration)
+
+
+def _set(
+    part: str, says: str, value: float, usual: float, unit: str = "", duration: float = 60.0
+) -> Fault:
+    """``part`` of the board's troubles."""
+
+    def begin(vehicle: Any, value: float) -> None:
+        setattr(vehicle.board.troubles, part, value)
+
+    def end(vehicle: Any, _: float) -> None:
+        setattr(vehicle.board.troubles, part, usual)
+
+    return Fault(says, begin, end, value, unit, duration)
+
+
+LINE = {
+    "stm32_silent": _switch("silent", "the board is heard no more, and goes on", 10.0),
+    "command_lost": _switch("deaf", "commands do not arrive", 5.0),
+    "bytes_corrupted": _set("corrupt", "a bit turned over in a frame", 0.3, 0.0, "share of frames"),
+}
+IN_WATER = {
+    **{name: FAULTS[name] for name in _BODY},
+    "depth_frozen": _switch("depth_frozen", "depth is frozen"),
+}
+BATTERY = {"battery_low": _set("volts", "low control battery", 9.0, 0.0, "V")}
+LEAK = {"leak": _switch("leak", "water inside")}
+OF_BOARDS = {
+    "coreboard": LINE | IN_WATER | BATTERY | LEAK,
+    "rov": LINE | IN_WATER,
+    "robot": LINE | BATTERY,
+}
