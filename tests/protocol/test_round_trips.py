@@ -162,14 +162,11 @@ STATE_REPORTS = st.fixed_dictionaries(
 BY_HAND = {
     "auv.AW": mission_lines(),
     "auv.AO": st.fixed_dictionaries(
-        {"name": st.from_regex(r"[a-z][a-z0-9_]{0,11}", fullmatch=True), "value": DECIMAL}
+        {"name": st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,23}", fullmatch=True), "value": DECIMAL}
     ),
     "auv.ST": st.fixed_dictionaries({"time": CLOCK}),
     "auv.SP": st.fixed_dictionaries(
         {n: st.none() | DECIMAL for n in ("radius_m", "minutes", "depth_m", "low_voltage_v")}
-    ),
-    "auv.AO": st.fixed_dictionaries(
-        {"name": st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,23}", fullmatch=True), "value": DECIMAL}
     ),
     "auv.VS": statuses(),
     "auv.ZA": motions(),
