@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from links.simulated.sea import Sea
+from links.simulated.sensors import SensorErrors
 from links.simulated.settings import Settings
 from mission.legs import Follow, Loiter, Rows
 from mission.legs.base import Point
@@ -27,6 +28,9 @@ from mission.verification.simulation.flight import fly
 from mission.verification.simulation.flightlog import Flight, Sample
 
 _CIRCLE = 36  # corners of a circle that is drawn
+_TRUE = SensorErrors(  # noise alone, without which a sensor counts as frozen
+    compass_bias=0.0, compass_slow=0.0, deviation=0.0, depth_bias=0.0
+)
 
 
 class Unplanned(ValueError):
@@ -71,7 +75,7 @@ def planned(mission: Mission, chart: Chart, vehicle: Vehicle) -> Plan:
     """Raises Unplanned."""
     floor = dict(mission.assume).get("floor")
     sea = Sea() if floor is None else Sea(floor=floor)
-    flight = fly(mission, vehicle, settings=Settings(sea=sea))
+    flight = fly(mission, vehicle, settings=Settings(sea=sea, errors=_TRUE))
     if flight.outcome != "completed":
         raise Unplanned(f"in still water it is not completed: {flight.reason}")
     frame = LocalFrame(mission.home) if mission.home is not None else None
