@@ -8,7 +8,7 @@ By the true depth and the words on the wire, from R7 alone:
     held       what sank out of surfaced and is brought up does not sink out of it again
     upward     whatever begins an ascent, an upward word leaves within 3 s
     ways       while the depth does not fall all ways are tried: W, X0 and U12, X0 alone
-    down       upside down, D12 is among them
+    down       upside down, D12 is among them, and W and U12, which push down there, need not be
     up         a vehicle that its thrusters (or its buoyancy) could lift comes up
 
 What excuses: physics (``_liftable``), a program that is dead or stands still, a closed node AUTO,
@@ -132,13 +132,13 @@ def _tries_all(story: Story, stay: Stay) -> Iterator[Violation]:
 def _missing(story: Story, begin: float, end: float) -> list[str]:
     words = story.words_in(begin, end)
     sent = {word.data for word in words}
-    missing = [word.decode() for word in UPWARD_WORDS if word not in sent]
-    if not any(_lets_go(story, word.t) for word in words if word.data == STOP_WORD):
-        missing.append("letting go")
     seconds = int(end - begin)
     over = sum(story.tilt(begin + i) > _OVERTURNED for i in range(seconds)) > _MOSTLY * seconds
-    known = not story.faulty(("attitude_", "roll_"), begin, end)
-    if over and known and seconds > _OVERTURNED_ROUND and DOWN_WORD not in sent:
+    over = over and not story.faulty(("attitude_", "roll_"), begin, end)
+    missing = [word.decode() for word in UPWARD_WORDS if word not in sent and not over]
+    if not any(_lets_go(story, word.t) for word in words if word.data == STOP_WORD):
+        missing.append("letting go")
+    if over and seconds > _OVERTURNED_ROUND and DOWN_WORD not in sent:
         missing.append(DOWN_WORD.decode())
     return missing
 
