@@ -13,6 +13,8 @@ from mission.verification.simulation.flight import fly
 
 MISSIONS = sorted((Path(__file__).resolve().parents[2] / "missions").glob("*.yaml"))
 
+OTHERS = {"coreboard": "coreboard-dive", "rov": "rov-dive", "robot": "robot-drive"}
+
 
 def test_there_are_eight_missions_each_with_a_comment_on_top() -> None:
     assert len(MISSIONS) >= 8
@@ -69,3 +71,47 @@ def test_a_name_that_is_neither_says_which_missions_there_are(
         prepare("first-dve")
     with pytest.raises(Unreadable, match=r"first-dive\.yaml: cannot be read: No such file"):
         prepare("first-dive.yaml")
+
+
+@pytest.mark.parametrize(("vehicle", "name"), OTHERS.items())
+def test_each_of_the_other_vehicles_has_a_shipped_mission_that_comes_home(
+    vehicle: str, name: str
+) -> None:
+    prepared = prepare(name)
+    assert prepared.vehicle.name == vehicle
+    assert prepared.text.startswith("# ")
+    proved = check_prepared(prepared).proved
+    assert proved is not None
+    flight = fly(prepared.mission, prepared.vehicle, seed=3)
+    assert flight.outcome == "completed", flight.reason
+    assert flight.at_surface
+    assert {leg.by for leg in flight.legs} <= {"until", "for", "end"}
+    assert flight.mission_time <= proved.worst_time
+    assert flight.max_depth <= proved.max_depth
+
+
+@pytest.mark.parametrize("name", ["first-dive", "lawnmower", "loiter"])
+def test_what_the_core_board_can_fly_is_not_refused(name: str) -> None:
+    assert check_prepared(prepare(name, "coreboard")).ok
+
+
+@pytest.mark.parametrize(
+    ("vehicle", "name", "reason"),
+    [
+        ("coreboard", "bottom-following", "coreboard cannot follow altitude"),
+        ("coreboard", "float-test", "the board holds heading and depth together, or neither"),
+        ("robot", "first-dive", "robot cannot follow depth"),
+        ("robot", "rov-dive", "robot cannot follow heave"),
+    ],
+)
+def test_a_mission_that_cannot_fly_on_a_vehicle_is_refused_for_the_one_reason_that_matters(
+    vehicle: str, name: str, reason: str
+) -> None:
+    """With what instead, and once, however many legs it is true of."""
+    with pytest.raises(Unreadable) as refused:
+        prepare(name, vehicle)
+    (found,) = refused.value.diagnostics
+    assert f"not for {vehicle}: " in found.message
+    assert reason in found.message
+    assert found.where.line > 0
+    assert found.hint
