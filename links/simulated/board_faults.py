@@ -55,4 +55,5 @@ OF_BOARDS = {
     "coreboard": LINE | IN_WATER | BATTERY | LEAK,
     "rov": LINE | IN_WATER,
     "robot": LINE | BATTERY,
+    "motorcan": {name: IN_WATER[name] for name in _BODY},
 }

@@ -23,6 +23,7 @@ from links.base import LinkClosed, Rx
 from links.simulated.board_faults import OF_BOARDS
 from links.simulated.faults import Parts
 from links.simulated.firmware.boards import CoreBoard, RobotBoard, RovBoard, WaterBoard
+from links.simulated.firmware.motors import MotorBoards
 from links.simulated.firmware.uart import Chunk
 from links.simulated.geodesy import moved
 from links.simulated.ground import Ground
@@ -43,6 +44,7 @@ BOARDS: dict[str, type[WaterBoard] | type[RobotBoard]] = {
     "rov": RovBoard,
     "robot": RobotBoard,
 }
+ON_BUS: dict[str, type[WaterBoard]] = {"motorcan": MotorBoards}
 
 
 @dataclass(slots=True)
@@ -123,7 +125,7 @@ class SimulatedBoard:
         chosen = settings or Settings()
         self.name, self.seed, self.position = name, seed, position
         built = read_wire(vehicle_row(name).keys, wire)
-        self.board = BOARDS[name](Random(seed), Tolerances.parse(tolerances), built)
+        self.board = {**BOARDS, **ON_BUS}[name](Random(seed), Tolerances.parse(tolerances), built)
         self.plant: Plant | Ground = Ground()
         if isinstance(self.board, WaterBoard):
             speed, direction = chosen.sea.current
@@ -228,7 +230,7 @@ class SimulatedBoard:
 
     def _say(self, data: bytes, now: float = -inf) -> None:
         troubles = self.board.troubles
-        if troubles.silent:
+        if troubles.silent or not data:
             return
         if self._faults.random() < troubles.corrupt:
             at = self._faults.randrange(len(data))

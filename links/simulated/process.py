@@ -10,6 +10,8 @@ import signal
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from links.simulated.boards import SimulatedBoard
+from links.simulated.bus import run_on_bus
 from links.simulated.link import HOME, Truth
 from links.simulated.pty import Simulated, run_on_ptys
 
@@ -21,6 +23,21 @@ def serve(
     where it truly was, once a second: t, latitude, longitude (deg), depth (m)."""
     told = told_to_end()
     run_on_ptys(vehicle, speed, ready=ready, stop=lambda: bool(told))
+    if track is not None:
+        track.write_text(_text(vehicle.track), encoding="ascii")
+    return told[0]
+
+
+def serve_on_bus(
+    vehicle: SimulatedBoard,
+    url: str,
+    speed: float,
+    ready: Callable[[], None],
+    track: Path | None = None,
+) -> int:
+    """The same on a CAN bus. Raises LinkError."""
+    told = told_to_end()
+    run_on_bus(vehicle, url, speed, ready=ready, stop=lambda: bool(told))
     if track is not None:
         track.write_text(_text(vehicle.track), encoding="ascii")
     return told[0]

@@ -25,7 +25,13 @@ from mission.model.diagnostics import Diagnosed, Diagnostic, MissionErrors, orde
 from mission.model.shipped import load_vehicle, shipped_missions
 from mission.model.vehicle import Vehicle, VehicleError
 
-_LACKS = ("vehicle-cannot-follow", "vehicle-has-no-word", "vehicle-cannot-know", "never-known")
+_LACKS = (
+    "unheard",
+    "vehicle-cannot-follow",
+    "vehicle-has-no-word",
+    "vehicle-cannot-know",
+    "never-known",
+)
 
 
 class Unreadable(Diagnosed):

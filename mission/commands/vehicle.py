@@ -15,6 +15,7 @@ from mission.commands.options import AS_JSON, PROFILE, SEED, SETTINGS
 if TYPE_CHECKING:
     from links.simulated.pty import Simulated
 
+BUS = "can://239.74.163.2?interface=udp_multicast"
 MARK = "# Written by auvmission vehicle"
 
 
@@ -30,6 +31,7 @@ MARK = "# Written by auvmission vehicle"
 @click.option("--port", type=click.IntRange(0, 65535), default=4000, show_default=True,
               help="Where its serve listens for the boat; 0: anywhere free.")  # fmt: skip
 @click.option("--modem", metavar="URL", help="Of its acoustic modem, e.g. one end of `water`.")
+@click.option("--bus", metavar="URL", help="The CAN bus of motorboards.")
 @click.option("--folder", type=click.Path(path_type=Path, file_okay=False),
               help="For serve.yaml, the ports, serve; default: out/VEHICLE.")  # fmt: skip
 @click.option("--track", type=click.Path(path_type=Path, dir_okay=False),
@@ -44,17 +46,21 @@ def vehicle(
     place: str | None,
     port: int,
     modem: str | None,
+    bus: str | None,
     folder: Path | None,
     track: Path | None,
     as_json: bool,
 ) -> None:
-    """Simulate a vehicle (auv, coreboard, rov, robot) behind ports of this computer.
+    """Simulate a vehicle (auv, coreboard, rov, robot, motorboards) on ports of this computer.
 
     Its board, and the AUV's GPS receiver, are at FOLDER/vehicle and FOLDER/gps, as if plugged in;
     FOLDER/serve.yaml is a configuration for them. Then, in other terminals: serve, and the commands
-    of the boat. Ctrl-C ends it.
+    of the boat. Ctrl-C ends it. The motor boards are on a CAN bus: by default one by UDP
+    multicast, which needs neither hardware nor root.
     """
-    from links.simulated.process import position, serve
+    from links.base import LinkError
+    from links.simulated.boards import ON_BUS, SimulatedBoard
+    from links.simulated.process import position, serve, serve_on_bus
     from links.simulated.settings import SettingError
 
     try:
@@ -66,13 +72,19 @@ def vehicle(
     config = _room(where)
 
     def ready(*paths: str) -> None:
-        ports = _plugged(where, paths)
+        ports = _plugged(where, paths) if paths else {"vehicle": bus or BUS}
         urls = {"gps": None, **ports, "topside": f"tcp://127.0.0.1:{port}", "modem": modem}
         config.write_text(_configuration(name, where, urls), encoding="utf-8")
         _tell(name, config, ports, port, speed, as_json)
 
     try:
-        told = serve(made, speed, ready, track)
+        if isinstance(made, SimulatedBoard) and made.name in ON_BUS:
+            told = serve_on_bus(made, bus or BUS, speed, ready, track)
+        else:
+            told = serve(made, speed, ready, track)
+    except LinkError as error:
+        click.echo(str(error), err=True)
+        raise SystemExit(1) from None
     finally:
         for label in ("vehicle", "gps"):
             (where / label).unlink(missing_ok=True)

@@ -94,6 +94,7 @@ CODES: Mapping[str, str] = MappingProxyType(
         "two-times": "one leg has two times",
         "unclosed": "a group is not closed",
         "unfinished": "something is missing at the end of a line",
+        "unheard": "a vehicle that reports nothing",
         "unit": "a unit of another kind",
         "unknowable": "a guard that nothing this vehicle reports can decide",
         "unknown-parameter": "a name that is no parameter",

@@ -115,3 +115,9 @@ def test_a_mission_that_cannot_fly_on_a_vehicle_is_refused_for_the_one_reason_th
     assert reason in found.message
     assert found.where.line > 0
     assert found.hint
+
+
+def test_boards_that_report_nothing_fly_no_mission() -> None:
+    (found,) = check_prepared(prepare("robot-drive", "motorboards")).refusals
+    assert found.code == "unheard"
+    assert "motorboards reports nothing" in found.message

@@ -18,7 +18,8 @@ from mission.model.shipped import missions_folder
 from mission.onboard.rates import rated
 from mission.onboard.serve.provision import provide
 
-VEHICLES = sorted(path.stem for path in (missions_folder() / "vehicles").glob("*.yaml"))
+SHIPPED = sorted(path.stem for path in (missions_folder() / "vehicles").glob("*.yaml"))
+VEHICLES = [name for name in SHIPPED if name != "motorboards"]  # they are on a bus, not on a line
 ROLES = ("vehicle", "gps", "modem")
 SPEEDS = {getattr(termios, f"B{n}"): n for n in (4800, 9600, 19200, 57600, 115200)}
 NOTHING = dict.fromkeys(("vehicle", "gps", "topside", "modem"))

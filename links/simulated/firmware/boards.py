@@ -142,7 +142,7 @@ class WaterBoard(Board):
         )
 
 
-def _pwms(surge: float, turn: float, up: float) -> tuple[int, ...]:
+def pwms(surge: float, turn: float, up: float) -> tuple[int, ...]:
     """Gears, turn to starboard positive; the rudders in the middle."""
     return level_pwm(surge + turn, surge - turn, up, (NEUTRAL_PWM, NEUTRAL_PWM))
 
@@ -173,7 +173,7 @@ class CoreBoard(WaterBoard):
         if v["closed_loop"]:
             turn = turn_gear(radians(v["heading_deg"]), plant.yaw, plant.r)
             down = dive_gear(v["depth_m"] - plant.depth, plant.depth_rate)
-        return _pwms(surge, turn, -down)
+        return pwms(surge, turn, -down)
 
     def report(self, plant: Plant, place: Place, now: float) -> bytes:
         roll, pitch, yaw, depth = self._pose(plant)
@@ -239,7 +239,7 @@ class RovBoard(WaterBoard):
             turn = turn_gear(self.held["hold_heading"], plant.yaw, plant.r)
         if "hold_depth" in self.held:
             up = -dive_gear(self.held["hold_depth"] - plant.depth, plant.depth_rate)
-        ahead = _pwms(surge, turn, up)
+        ahead = pwms(surge, turn, up)
         self.pwm = (*ahead[:REAR], NEUTRAL_PWM, *ahead[REAR + 1 :])
         return self.pwm
 

@@ -87,7 +87,7 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     mission = chart.mission
     limits = envelope.in_force(vehicle, mission.safety, SetSafety())
     assume = Assumptions.of(mission, vehicle, limits.depth)
-    early = [*_heavy(mission, vehicle), *_no_bound(chart), *no_home(mission)]
+    early = [*before_the_proof(mission, vehicle), *_no_bound(chart)]
     unbounded = bool(early)
     early += _unknowable(chart, vehicle)
     if unbounded:
@@ -108,6 +108,7 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
 def before_the_proof(mission: Mission, vehicle: Vehicle) -> Iterator[Diagnostic]:
     """What refuses it whatever its legs set and wherever they lead."""
     yield from _heavy(mission, vehicle)
+    yield from _unheard(mission, vehicle)
     yield from no_home(mission)
 
 
@@ -161,6 +162,13 @@ def _heavy(mission: Mission, vehicle: Vehicle) -> Iterator[Diagnostic]:
     if why := buoyancy.heavy(vehicle):
         message, _, hint = why.partition("; ")
         yield _refused("heavy", mission.where, message, hint)
+
+
+def _unheard(mission: Mission, vehicle: Vehicle) -> Iterator[Diagnostic]:
+    if not vehicle.reports:
+        message = f"{vehicle.name} reports nothing: without a report a mission ends in 5 s (R8)"
+        hint = "move it by the stick or by hand, or fly a vehicle that reports"
+        yield _refused("unheard", mission.where, message, hint)
 
 
 def _no_bound(chart: Chart) -> Iterator[Diagnostic]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from datetime import datetime
 
-from links.simulated.boards import BOARDS, SimulatedBoard
+from links.simulated.boards import BOARDS, ON_BUS, SimulatedBoard
 from links.simulated.link import HOME, START, SimulatedVehicle
 from links.simulated.settings import Settings
 from mission.model import Mission
@@ -32,7 +32,7 @@ def simulated(
         return SimulatedVehicle(
             vehicle.dialect, seed, settings, position=position, heading=heading, start=start
         )
-    if vehicle.codec not in BOARDS:
+    if vehicle.codec not in (*BOARDS, *ON_BUS):
         raise ValueError(f"{vehicle.name}: there is no simulated board for {vehicle.codec}")
     return SimulatedBoard(
         vehicle.codec,

@@ -1,0 +1,103 @@
+"""The motor boards of document 002 on their bus: what they obey, when they stop, a bus of two processes."""
+
+from __future__ import annotations
+
+import json
+import signal
+import socket
+import time
+from pathlib import Path
+
+import pytest
+from programs import process
+from served import PATIENCE
+
+from links import open_link
+from links.simulated.boards import SimulatedBoard
+from links.simulated.settings import SettingError, parse_settings
+from mission.commands.vehicle import BUS
+from mission.model.shipped import load_vehicle
+from mission.verification.rig.vehicle import simulated
+from protocol.messages import Order, Setpoint
+from protocol.vehicles import codec
+
+WIRE = codec("motorcan", "documented", {})
+EVERY = 0.05  # s (R16)
+
+
+def boards() -> SimulatedBoard:
+    made = simulated(load_vehicle("motorboards"))
+    assert isinstance(made, SimulatedBoard)
+    return made
+
+
+def say(vehicle: SimulatedBoard, setpoint: Setpoint | Order, begin: float, end: float) -> None:
+    for i in range(round((end - begin) / EVERY)):
+        for record in WIRE.encode(setpoint):
+            vehicle.vehicle_link.send(record, begin + EVERY * i)
+    vehicle.advance(end)
+
+
+def test_force_ahead_and_down_and_torque_move_the_body_as_they_say() -> None:
+    vehicle = boards()
+    say(vehicle, Setpoint(surge=0.5), 0.0, 10.0)
+    assert vehicle.plant.u > 0.3
+    assert abs(vehicle.plant.yaw) < 0.01
+    say(vehicle, Setpoint(turn=0.5), 10.0, 15.0)
+    assert vehicle.plant.r > 0.05
+    say(vehicle, Setpoint(heave=1.0), 15.0, 30.0)
+    assert vehicle.plant.depth > 2.0
+    say(vehicle, Order.SURFACE, 30.0, 60.0)
+    assert vehicle.plant.depth < 0.5
+
+
+def test_without_a_frame_for_200_ms_the_motors_stop() -> None:
+    vehicle = boards()
+    say(vehicle, Setpoint(surge=1.0), 0.0, 5.0)
+    assert vehicle.plant.thrust[0] > 30.0
+    vehicle.advance(5.1)
+    assert vehicle.plant.thrust[0] > 30.0
+    vehicle.advance(7.0)
+    assert vehicle.plant.thrust[0] == pytest.approx(0.0, abs=0.1)
+
+
+def test_they_say_nothing_and_have_no_sensor_to_fail() -> None:
+    vehicle = boards()
+    assert vehicle.vehicle_link.receive(10.0) == []
+    with pytest.raises(SettingError, match="not of motorcan"):
+        SimulatedBoard("motorcan", settings=parse_settings(["fault=depth_frozen@1+2"]))
+
+
+def multicast() -> bool:
+    """Whether this computer lets a program join a group."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.sendto(b"", ("239.74.163.2", 43113))
+        except OSError:
+            return False
+    return True
+
+
+@pytest.mark.skipif(not multicast(), reason="no UDP multicast here")
+def test_two_programs_meet_on_a_bus_by_udp_multicast(tmp_path: Path) -> None:
+    bus, track = "can://239.74.163.7?interface=udp_multicast", tmp_path / "track.csv"
+    words = ("--bus", bus, "--folder", str(tmp_path / "it"), "--track", str(track), "--json")
+    with process("vehicle", "motorboards", *words) as sea:
+        assert sea.stdout is not None
+        assert json.loads(sea.stdout.readline())["vehicle"] == bus
+        link = open_link("vehicle", bus)
+        try:
+            for _ in range(80):
+                for record in WIRE.encode(Setpoint(surge=1.0)):
+                    link.send(record, 0.0)
+                time.sleep(EVERY)
+        finally:
+            link.close()
+        sea.send_signal(signal.SIGINT)
+        assert sea.wait(PATIENCE) == 130
+    rows = [row.split(",") for row in track.read_text().splitlines()[1:]]
+    assert float(rows[-1][1]) > float(rows[0][1]) + 1e-6, "it went north"
+
+
+def test_the_bus_that_the_command_takes_needs_neither_hardware_nor_root() -> None:
+    assert "udp_multicast" in BUS
