@@ -19,6 +19,7 @@ from sphinx.util.typing import ExtensionMetadata
 
 from from_code.commands import command_part
 from from_code.layers import layers_picture, rooms_table
+from from_code.rows import rows_table
 from from_code.tables import (
     alarms,
     diagnostic_codes,
@@ -38,6 +39,7 @@ PARTS: Mapping[str, Callable[[str], str]] = MappingProxyType(
         "order": order_picture,
         "diagnostic-codes": lambda _: diagnostic_codes(),
         "alarms": lambda _: alarms(),
+        "rows": rows_table,
         "link-schemes": lambda _: link_schemes(),
         "topics": lambda _: topic_tables(),
         "simulation-settings": lambda _: simulation_settings(),

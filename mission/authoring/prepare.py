@@ -31,6 +31,7 @@ _LACKS = (
     "vehicle-has-no-word",
     "vehicle-cannot-know",
     "never-known",
+    "signs-unconfirmed",
 )
 
 

@@ -78,6 +78,7 @@ CODES: Mapping[str, str] = MappingProxyType(
         "run-together": "gear and seconds of the wire run together",
         "same-place": "the same place twice in a row",
         "separator": "a comma or semicolon parts nothing",
+        "signs-unconfirmed": "the Pi would close a loop whose axes and signs nobody has confirmed",
         "steered": "a leg sets what it steers itself",
         "sum": "the sum of an uploaded script does not fit its lines",
         "sure": "`sure` needs a share between 0 and 100 %",

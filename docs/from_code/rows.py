@@ -1,0 +1,329 @@
+"""For each row of each document: where it is read, written, flown and tested; found by trying.
+
+    read      the field is changed in a good frame: what of the message that the codec makes changes
+    written   each axis, order, output and key is changed: which changes the field
+    flown     the simulated board says or hears the frame; of what it says, whether it varies
+    tested    the test files that name the field, else those that name its frame
+
+Nothing is kept by hand but why a row has no reader or writer here (``BETWEEN_BOARDS``, ``NOBODY``).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from links.simulated.boards import BOARDS, SimulatedBoard
+from protocol.codec import CannotEncode
+from protocol.examples import EXAMPLES
+from protocol.fields import BinaryFrame, FrameType, Number, Raw
+from protocol.framing import Frame
+from protocol.messages import FrameFault, Order, Setpoint, Telemetry
+from protocol.motion_frame import MotionFrame
+from protocol.tolerances import Tolerances
+from protocol.topside import ConsoleCodec, TopsideCodec
+from protocol.vehicles import VEHICLES, VehicleRow, codec, frame_types, link
+from protocol.vehicles.channels import Channel
+from protocol.vehicles.keys import Key, Octets
+from protocol.vehicles.motorcan import CanFrame
+from protocol.vehicles.robot import COMMANDS
+
+ROOT = Path(__file__).parents[2]
+DOCUMENTS = {"000": "auv", "002": "coreboard", "003": "rov", "004": "robot"}
+UP = {
+    "auv.SD": "auv",
+    "coreboard.MAIN_TO_PC": "coreboard",
+    "rov.UP": "rov",
+    "robot.UP": "robot",
+}
+DOWN = {"coreboard.PC_TO_MAIN": "coreboard", "rov.DOWN": "rov", "robot.DOWN": "robot"}
+DOWN |= {"coreboard.CAN_FORCE": "motorcan", "coreboard.CAN_TORQUE": "motorcan", "auv.ZA": "auv"}
+TOOLS = "`decode`, `listen`"
+BY_HAND = "`encode`, `send --port`"
+BETWEEN_BOARDS = ("coreboard.MAIN_TO_SENSOR", "coreboard.SENSOR_TO_MAIN")
+NOBODY = {  # fields that nothing of ours asks for or sets, and why
+    "coreboard.MAIN_TO_PC": {"reserved50": "kept as it comes", "reserved83": "kept as it comes"},
+    "coreboard.PC_TO_MAIN": {
+        "lat_deg": "a target of the board's own navigation: the Pi steers",
+        "lon_deg": "a target of the board's own navigation: the Pi steers",
+        "x_m": "a target of the board's own navigation: the Pi steers",
+        "y_m": "a target of the board's own navigation: the Pi steers",
+        "ty": "no set has a sideways force",
+        "mx": "no set has this torque",
+        "my": "no set has this torque",
+        "mode": "ROV, in which the six forces act",
+    },
+    "coreboard.CAN_FORCE": {"fy_g": "no set has a sideways force"},
+    "coreboard.CAN_TORQUE": {"mx_nm": "no set has this torque", "my_nm": "no set has this torque"},
+    "rov.DOWN": {"reserved": "sent as 0"},
+}
+_SETS: tuple[tuple[str, Setpoint | Order], ...] = (
+    ("surge", Setpoint(surge=0.5)),
+    ("surge", Setpoint(surge=-0.5)),
+    ("turn", Setpoint(turn=0.5)),
+    ("turn", Setpoint(turn=-0.5)),
+    ("heave", Setpoint(heave=0.5)),
+    ("heave", Setpoint(heave=-0.5)),
+    ("heading and depth", Setpoint(heading=1.0, depth=3.0)),
+    ("heading", Setpoint(heading=1.0)),
+    ("depth", Setpoint(depth=3.0)),
+    ("altitude", Setpoint(altitude=3.0)),
+    ("attitude", Setpoint(pitch=0.1, roll=0.1)),
+    ("X", Order.STOP),
+    ("W", Order.SURFACE),
+)
+Row = tuple[str, str, str, str, str, str]  # frame, field, read, written, flown, tested
+
+
+def rows_table(document: str) -> str:
+    """Markdown: all rows of one document."""
+    head = ("frame", "field", "read", "written", "flown", "tested")
+    lines = [head, ("---",) * len(head), *rows(document)]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def rows(document: str) -> Iterator[Row]:
+    for name, frame in frame_types().items():
+        if frame.title.startswith(document):
+            for field, says in _fields(frame):
+                tested = ", ".join(f"`{file}`" for file in _tests(name, field))
+                reads, writes = _read(name, field), _written(name, field)
+                yield f"`{name}`", says, reads, writes, _flown(name, field), tested
+
+
+def _fields(frame: FrameType) -> Iterator[tuple[str, str]]:
+    """The name of each row, and as it is shown; what has none is a row as a whole."""
+    if frame.name == "robot.DOWN":
+        for row in COMMANDS:
+            yield f"{row.address}:{row.command}", f"{row.address}, {row.command:02X} {row.name}"
+        return
+    if isinstance(frame, MotionFrame):
+        yield from ((code, f"`{code}`") for code in frame.words)
+        return
+    table = frame.table if isinstance(frame, CanFrame) else frame
+    values = table.decode(_raw(frame.name))
+    names = [name for name in values if name not in ("flags", "effective", "valid_bits", "at")]
+    yield from ((name, f"`{name}`") for name in names) if names else [("", "(none)")]
+
+
+def _raw(name: str) -> bytes:
+    return next(example.raw for example in EXAMPLES if example.type == name)
+
+
+# --- read ----------------------------------------------------------------------------------------
+
+
+def _read(name: str, field: str) -> str:
+    if why := NOBODY.get(name, {}).get(field):
+        return why
+    if name in UP:
+        return _telemetry_of(name, field) or TOOLS
+    if (message := _message(name)) is not None:
+        return f"`{type(message).__name__}`"
+    return TOOLS
+
+
+def _telemetry_of(name: str, field: str) -> str:
+    """What of a Telemetry changes with the field."""
+    frame = frame_types()[name]
+    assert isinstance(frame, BinaryFrame)
+    item = next(f for f in frame.fields if isinstance(f, Number | Raw) and f.name == field)
+    values = dict(frame.decode(_raw(name)))
+    other = values | {field: _another(item, values[field])}
+    before, after = (_telemetry(name, frame.encode(v)) for v in (values, other))
+    for one in dataclasses.fields(Telemetry):
+        if getattr(before, one.name) != getattr(after, one.name):
+            return f"`Telemetry.{one.name}`"
+    return ""
+
+
+def _another(item: Number | Raw, value: Any) -> Any:
+    if isinstance(item, Raw):
+        return "01" + str(value)[2:]
+    if item.choices:
+        return next(choice for choice in item.choices if choice != value)
+    return value - 1 if item.high is not None and value + 1 > item.high else value + 1
+
+
+def _telemetry(name: str, raw: bytes) -> Telemetry:
+    """The last of six: a leak is confirmed by three."""
+    row = _row(UP[name])
+    board = codec(row.name, row.dialects[0], {})
+    found = [one for t in range(6) for one in board.receive(raw, float(t))]
+    last = found[-1]
+    assert isinstance(last, Telemetry)
+    return dataclasses.replace(last, t=0.0)
+
+
+def _message(name: str) -> object | None:
+    """What the Pi or the boat makes of the frame."""
+    for reader in (TopsideCodec, ConsoleCodec):
+        found = reader().receive(_raw(name), 0.0)
+        if found and not isinstance(found[0], FrameFault):
+            return found[0]
+    return None
+
+
+# --- written -------------------------------------------------------------------------------------
+
+
+def _written(name: str, field: str) -> str:
+    if why := NOBODY.get(name, {}).get(field):
+        return why
+    if name in DOWN:
+        return ", ".join(_causes(name, field)) or BY_HAND
+    if name in UP:
+        return "the board"
+    return BY_HAND if name in BETWEEN_BOARDS else "`protocol.topside.encode`"
+
+
+def _causes(name: str, field: str) -> Iterator[str]:
+    """Axes and orders, outputs, keys of ``wire``; of words of their own all that say them."""
+    own = name in ("robot.DOWN", "auv.ZA")
+    changed = dict.fromkeys(
+        cause
+        for cause, said, usual in _tried(DOWN[name])
+        if (now := _of(said, name, field)) and (own or now != _of(usual, name, field))
+    )
+    yield from (f"`{cause}`" for cause in list(changed)[:4])
+    if len(changed) > 4:
+        yield "..."
+
+
+Said = tuple[tuple[str, Mapping[str, Any]], ...]  # frames that leave, with their values
+
+
+@functools.cache
+def _tried(board: str) -> tuple[tuple[str, Said, Said], ...]:
+    """What may change a frame, what is said then, and what otherwise; what there is no word for is
+    left out."""
+    row, found = _row(board), list[tuple[str, Said, Said]]()
+    usual = _said(row, Setpoint()) or ()
+    for axis, wanted in _SETS:
+        if (said := _said(row, wanted)) is not None:
+            found.append((axis, said, usual))
+    for channel in row.channels:
+        for level in _levels(channel):
+            beside = {"side": 7.0} if channel.name.startswith("side_") else {}
+            said = _said(row, Setpoint(), levels={**beside, channel.name: level})
+            if said is not None and said != usual:
+                found.append((f"output {channel.name}", said, usual))
+    for key in row.keys:
+        for _, wanted in _SETS:
+            before, said = _said(row, wanted), _said(row, wanted, wire={key.name: _other(key)})
+            if before is not None and said is not None and said != before:
+                found.append((f"key {key.name}", said, before))
+    return tuple(found)
+
+
+def _levels(channel: Channel) -> tuple[float, ...]:
+    """All of a few, the ends of many, and what it is at rest."""
+    if channel.whole and channel.high - channel.low <= 8:
+        few = tuple(range(int(channel.low), int(channel.high) + 1))
+        return channel.choices or few
+    ends = channel.low, channel.high
+    return ends if math.isnan(channel.rest) else (*ends, channel.rest)
+
+
+def _other(key: Key | Octets) -> str:
+    if isinstance(key, Octets):
+        return "01" * (len(key.default) // 2)
+    return str(key.high if key.high != key.default else key.low)
+
+
+def _said(
+    row: VehicleRow,
+    wanted: Setpoint | Order,
+    levels: Mapping[str, float] | None = None,
+    wire: Mapping[str, str] | None = None,
+) -> Said | None:
+    try:
+        board = codec(row.name, row.dialects[0], {}, wire=wire or {})
+        frames = [*board.take_outputs(levels or {}).values(), *board.encode(wanted)]
+    except (CannotEncode, ValueError):
+        return None
+    framer = link(_LINKS[row.name]).framer(Tolerances())
+    read = (item for raw in frames for item in framer.receive(raw, 0.0))
+    return tuple((item.type.name, item.values()) for item in read if isinstance(item, Frame))
+
+
+def _of(said: Said, name: str, field: str) -> list[object]:
+    return [one for frame, values in said if frame == name for one in _field(name, field, values)]
+
+
+def _field(name: str, field: str, values: Mapping[str, Any]) -> Iterator[object]:
+    if name == "robot.DOWN":
+        address, _, command = field.partition(":")
+        if (values["address"], values["command"]) == (int(address), int(command)):
+            yield values["user"]
+    elif name == "auv.ZA":
+        if values["code"] == field:
+            yield values
+    else:
+        yield values[field]
+
+
+_LINKS = {
+    "auv": "auv.to_stm32",
+    "coreboard": "coreboard.pc_to_main",
+    "motorcan": "coreboard.can",
+    "rov": "rov.down",
+    "robot": "robot.down",
+}
+
+
+# --- flown, tested -------------------------------------------------------------------------------
+
+
+def _flown(name: str, field: str) -> str:
+    if name in BETWEEN_BOARDS:
+        return "no: between the boards themselves"
+    board = UP.get(name) or DOWN.get(name)
+    if board == "motorcan":
+        return "no simulated board"
+    if name in UP and board in BOARDS:
+        seen = {repr(values[field]) for values in _said_by(name)}
+        return "varies" if len(seen) > 1 else "constant"
+    return "simulated board" if board else "simulated boat and Pi"
+
+
+@functools.cache
+def _said_by(name: str) -> tuple[Mapping[str, Any], ...]:
+    """What a simulated board reports within 20 s under way."""
+    row, frame = _row(UP[name]), frame_types()[name]
+    vehicle, board = SimulatedBoard(row.name, 1), codec(row.name, row.dialects[0], {})
+    found: list[Mapping[str, Any]] = []
+    wanted = Setpoint(surge=0.5) if row.name == "robot" else Setpoint(surge=0.5, heave=0.6)
+    for tick in range(200):
+        now = tick / 10
+        for raw in board.encode(wanted):
+            vehicle.vehicle_link.send(raw, now)
+        found += [dict(frame.decode(rx.data)) for rx in vehicle.vehicle_link.receive(now)]
+    return tuple(found)
+
+
+def _tests(name: str, field: str) -> list[str]:
+    """At most two, those of the protocol first."""
+    words = [rf"\b{re.escape(field)}\b"] if field and not re.fullmatch(r"\d:\d+|.", field) else []
+    for word in (*words, re.escape(name)):
+        found = [file for file, text in _texts().items() if re.search(word, text)]
+        if found:
+            return found[:2]
+    return []
+
+
+@functools.cache
+def _texts() -> Mapping[str, str]:
+    paths = sorted(
+        (ROOT / "tests").rglob("test_*.py"), key=lambda p: (p.parent.name != "protocol", p)
+    )
+    return {path.stem: path.read_text(encoding="utf-8") for path in paths}
+
+
+def _row(name: str) -> VehicleRow:
+    return next(row for row in VEHICLES if row.name == name)

@@ -1,0 +1,59 @@
+"""The table of rows has every field of every frame of the documents, and leaves no cell empty."""
+
+from __future__ import annotations
+
+import pytest
+from from_code.rows import BETWEEN_BOARDS, BY_HAND, DOCUMENTS, NOBODY, TOOLS, UP, rows
+
+from protocol.examples import EXAMPLES
+from protocol.vehicles import frame_types
+from protocol.vehicles.robot import COMMANDS
+
+
+@pytest.fixture(scope="module")
+def table() -> list[tuple[str, ...]]:
+    return [row for document in DOCUMENTS for row in rows(document)]
+
+
+def test_every_frame_and_every_field_of_it_is_a_row(table: list[tuple[str, ...]]) -> None:
+    shown = {(frame.strip("`"), field.strip("`")) for frame, field, *_ in table}
+    assert {frame for frame, _ in shown} == set(frame_types())
+    for example in EXAMPLES:
+        if example.type in ("auv.ZA", "robot.DOWN"):
+            continue
+        values = frame_types()[example.type].decode(example.raw)
+        derived = {"flags", "effective", "valid_bits"}
+        if example.type != "auv.ACK":  # its masks have other names
+            assert {(example.type, name) for name in values if name not in derived} <= shown
+    robot = [field for frame, field in shown if frame == "robot.DOWN"]
+    assert len(robot) == len(COMMANDS)
+
+
+def test_no_cell_is_empty(table: list[tuple[str, ...]]) -> None:
+    assert not [row for row in table if not all(row)]
+
+
+def test_what_a_board_reports_is_read_into_telemetry_or_told_why_not(
+    table: list[tuple[str, ...]],
+) -> None:
+    for frame, field, read, *_ in table:
+        name = frame.strip("`")
+        if name in UP and field.strip("`") not in NOBODY.get(name, {}):
+            assert read.startswith("`Telemetry."), (frame, field, read)
+
+
+def test_what_a_board_hears_is_written_by_something_or_told_why_not(
+    table: list[tuple[str, ...]],
+) -> None:
+    alone = [
+        row[:2] for row in table if row[3] == BY_HAND and row[0].strip("`") not in BETWEEN_BOARDS
+    ]
+    assert alone == [("`auv.ZA`", "`V`")]  # which the STM32 refuses by its document
+
+
+def test_nothing_is_excused_that_is_there(table: list[tuple[str, ...]]) -> None:
+    """An excuse for a field that does something would hide it."""
+    told = {(row[0].strip("`"), row[1].strip("`")): row[2] for row in table}
+    for name, fields in NOBODY.items():
+        for field, why in fields.items():
+            assert told[name, field] == why != TOOLS
