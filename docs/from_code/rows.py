@@ -20,7 +20,7 @@ from typing import Any
 
 from links.simulated.boards import BOARDS, SimulatedBoard
 from protocol.codec import CannotEncode
-from protocol.examples import EXAMPLES
+from protocol.examples import examples
 from protocol.fields import BinaryFrame, FrameType, Number, Raw
 from protocol.framing import Frame
 from protocol.messages import FrameFault, Order, Setpoint, Telemetry
@@ -112,7 +112,7 @@ def _fields(frame: FrameType) -> Iterator[tuple[str, str]]:
 
 
 def _raw(name: str) -> bytes:
-    return next(example.raw for example in EXAMPLES if example.type == name)
+    return next(example.raw for example in examples() if example.type == name)
 
 
 # --- read ----------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from from_code.rows import BETWEEN_BOARDS, BY_HAND, DOCUMENTS, NOBODY, TOOLS, UP, rows
 
-from protocol.examples import EXAMPLES
+from protocol.examples import examples
 from protocol.vehicles import frame_types
 from protocol.vehicles.robot import COMMANDS
 
@@ -18,7 +18,7 @@ def table() -> list[tuple[str, ...]]:
 def test_every_frame_and_every_field_of_it_is_a_row(table: list[tuple[str, ...]]) -> None:
     shown = {(frame.strip("`"), field.strip("`")) for frame, field, *_ in table}
     assert {frame for frame, _ in shown} == set(frame_types())
-    for example in EXAMPLES:
+    for example in examples():
         if example.type in ("auv.ZA", "robot.DOWN"):
             continue
         values = frame_types()[example.type].decode(example.raw)
