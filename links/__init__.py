@@ -72,12 +72,13 @@ class LinkRow:
     module: str
     example: str
     options: tuple[str, ...] = ()
+    rate: str = ""  # the option that tells the rate of its line; "" where it has none
 
 
 _ADMISSION = ("allow", "connections", "each", "idle", "handshake", "viewers")  # links.admission
 
 LINKS: dict[str, LinkRow] = {
-    "serial": LinkRow("links.serial", "serial:///dev/ttyUSB0?baud=9600", ("baud",)),
+    "serial": LinkRow("links.serial", "serial:///dev/ttyUSB0?baud=9600", ("baud",), "baud"),
     "tcp": LinkRow("links.tcp", "tcp://192.168.1.10:9000"),
     "tcp-listen": LinkRow("links.tcp", "tcp-listen://127.0.0.1:9000", _ADMISSION),
     "tls": LinkRow("links.tls", "tls://192.168.1.10:9000?keys=keys/boat", ("keys",)),
@@ -90,7 +91,7 @@ LINKS: dict[str, LinkRow] = {
         "acoustic://bay?range=1000&rate=1000&loss=0.1",
         ("range", "rate", "loss", "errors", "seed"),
     ),
-    "can": LinkRow("links.can", "can://can0?bitrate=500000", ("interface", "bitrate")),
+    "can": LinkRow("links.can", "can://can0?bitrate=500000", ("interface", "bitrate"), "bitrate"),
 }
 
 
@@ -121,14 +122,11 @@ def baud_of(url: str, otherwise: float) -> float:
         return otherwise
 
 
-_RATES = {"serial": "baud", "can": "bitrate"}
-
-
 def at_rate(url: str, bits_per_s: int) -> str:
     """The URL with this rate, if it is one of a line that needs a rate and tells none."""
     scheme, _, rest = url.partition("://")
-    option = _RATES.get(scheme)
-    if option is None or f"{option}=" in rest.partition("?")[2]:
+    option = LINKS[scheme].rate if scheme in LINKS else ""
+    if not option or f"{option}=" in rest.partition("?")[2]:
         return url
     return f"{url}{'&' if '?' in rest else '?'}{option}={bits_per_s}"
 

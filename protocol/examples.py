@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from protocol.operator_words import WORDS
 from protocol.tables import derived
+from protocol.vehicles import VEHICLES
 
 _ANGLES = "A8 02 93 C1 81 24 6E 41 DC 0D 18 C2"
 _PLACE = "AD 6C 1F F2 96 49 3E 40 C9 3B 87 32 D4 09 5E 40"
@@ -85,7 +86,8 @@ _ROWS: tuple[tuple[str, bytes], ...] = (
 )
 
 
-@derived(WORDS)
+@derived(WORDS, VEHICLES)
 def examples() -> tuple[Example, ...]:
     words = (Example(word.name, raw) for word in WORDS.values() for raw in word.examples)
-    return (*words, *(Example(*row) for row in _ROWS))
+    boards = (row for vehicle in VEHICLES.values() for row in vehicle.examples)
+    return (*words, *(Example(*row) for row in (*_ROWS, *boards)))

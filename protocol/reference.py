@@ -27,7 +27,7 @@ from protocol.text import Digit, Int, Letters, Sep, TextFrame
 from protocol.tolerances import TOLERANCES, Tolerances
 from protocol.topside_frames import SafetyFrame
 from protocol.units import unit
-from protocol.vehicles import LINKS, READ_ONLY, VEHICLES, frame_types
+from protocol.vehicles import READ_ONLY, VEHICLES, frame_types, links
 from protocol.vehicles.keys import Key, Octets
 from protocol.vehicles.motorcan import CanFrame
 from protocol.vehicles.robot import COMMANDS, DownFrame
@@ -102,7 +102,7 @@ def _links() -> Iterator[str]:
     yield "time."
     yield ""
     rows = []
-    for row in (*LINKS, *READ_ONLY):
+    for row in (*links(), *READ_ONLY):
         names = dict.fromkeys(f.name.partition(".")[2] for f in row.frames(Tolerances()))
         rows.append((row.name, ", ".join(names), f"{row.idle * 1000:g} ms"))
     yield from table(("link", "frames", "idle"), rows)
@@ -346,7 +346,7 @@ def _keys() -> Iterator[str]:
     yield ""
     rows = [
         (row.name, f"`{key.name}`", _default(key), key.allowed, key.meaning)
-        for row in VEHICLES
+        for row in VEHICLES.values()
         for key in row.keys
     ]
     yield from table(("codec", "key", "default", "allowed", "means"), rows)

@@ -17,7 +17,7 @@ def channel_tables() -> Iterator[str]:
     yield ""
     rows = [
         (row.name, f"`{channel.name}`", channel.unit, _values(channel), _meaning(channel))
-        for row in VEHICLES
+        for row in VEHICLES.values()
         for channel in row.channels
     ]
     yield from table(("codec", "channel", "unit", "values", "means"), rows)
@@ -26,7 +26,7 @@ def channel_tables() -> Iterator[str]:
     yield ""
     sources = [
         (row.name, f"`{source.name}`", source.unit, source.meaning)
-        for row in VEHICLES
+        for row in VEHICLES.values()
         for source in row.sources
     ]
     yield from table(("codec", "source", "unit", "means"), sources)

@@ -112,7 +112,7 @@ def with_baud(url: str, link: str) -> str:
     if link == "auv.modem":
         return at_rate(url, MODEM)
     vehicle = link.partition(".")[0]
-    known = any(row.name == vehicle for row in VEHICLES)
+    known = vehicle in VEHICLES
     return at_rate(url, line_rate(vehicle) if known else _RECEIVER)
 
 

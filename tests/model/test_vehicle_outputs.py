@@ -71,7 +71,7 @@ def test_safe_is_what_the_file_sends_where_nothing_is_said_unless_it_says_otherw
     assert output.safe == 1
 
 
-@pytest.mark.parametrize("row", VEHICLES, ids=lambda row: row.name)
+@pytest.mark.parametrize("row", list(VEHICLES.values()), ids=lambda row: row.name)
 def test_every_channel_is_at_rest_within_its_bounds(row) -> None:
     for channel in row.channels:
         assert channel.rest != channel.rest or channel.fault(channel.rest) == ""

@@ -19,7 +19,7 @@ DOWN = {
     "rov": "rov.down",
     "robot": "robot.down",
 }
-ROWS = [row for row in VEHICLES if row.channels]
+ROWS = [row for row in VEHICLES.values() if row.channels]
 CASES = [(row, channel) for row in ROWS for channel in row.channels]
 
 
@@ -101,7 +101,7 @@ def frame_of(name: str) -> bytes:
 
 
 def test_a_field_that_is_doubtful_is_no_reading() -> None:
-    row = next(row for row in VEHICLES if row.name == "rov")
+    row = next(row for row in VEHICLES.values() if row.name == "rov")
     raw = bytearray(frame_of("rov.UP"))
     raw[67] = 200  # metal, beyond 100 %
     raw[68] = sum(raw[4:68]) % 256

@@ -73,7 +73,7 @@ def test_examples_of_the_auv_are_its_canonical_frames() -> None:
 def test_errata_name_types_and_tolerances_that_exist_and_each_is_named_once() -> None:
     types = set(frame_types()) | {name.partition(".")[0] for name in frame_types()}
     tolerances = {row.name for row in TOLERANCES}
-    tolerances |= {key.name for row in VEHICLES for key in row.keys}
+    tolerances |= {key.name for row in VEHICLES.values() for key in row.keys}
     assert len({row.name for row in ERRATA}) == len(ERRATA)
     for row in ERRATA:
         assert set(row.frames) <= types, row.name

@@ -61,4 +61,7 @@ BOARDS = {
 
 
 def board(vehicle: Vehicle) -> Board:
-    return BOARDS[vehicle.codec]
+    """Of a board without words of its own, what holds of any."""
+    own = BOARDS.get(vehicle.codec)
+    name = f"the board of {vehicle.name}"
+    return own or Board(name, "", "look it up in its document", None, "a rope or a drop weight")
