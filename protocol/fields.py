@@ -249,6 +249,15 @@ class BinaryFrame(FrameType):
         self.offsets = self._offsets()
         self._consts, self._checks = self._constants(), self._checksums()
 
+    @property
+    def layout(self) -> struct.Struct:
+        """The whole frame as one struct, little end first, checksums as bytes."""
+        sized = (
+            f"{struct.calcsize(f.code)}s" if isinstance(f, Check) else _struct_code(f)
+            for f in self.fields
+        )
+        return struct.Struct("<" + "".join(sized))
+
     def _offsets(self) -> tuple[int, ...]:
         sizes = [struct.calcsize("<" + _struct_code(f)) for f in self.fields]
         return tuple(sum(sizes[:i]) for i in range(len(sizes)))

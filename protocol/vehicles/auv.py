@@ -154,7 +154,7 @@ def shortcut(tolerances: Tolerances, battery_scale: BatteryScale) -> Shortcut:
             return telemetry(frame.raw, frame.t, battery_scale)
         return ack_of(frame)
 
-    read = sd_reader(*battery_scale) if usual else no_stretch
+    read = sd_reader(SD.layout, *battery_scale) if usual else no_stretch
     return Shortcut(SD.lead, SD.length, read, message)
 
 

@@ -34,10 +34,11 @@ class _Draft:
 
 
 def sd_reader(
-    control_scale: float, power_scale: float
+    layout: struct.Struct, control_scale: float, power_scale: float
 ) -> Callable[[bytes, int, int, int, float], Stretch]:
-    """A ``Shortcut.read``; the scales are volts per count of the batteries."""
-    unpack, agrees = struct.Struct("<3s15f9H4sc").unpack_from, stm32_checker(80)
+    """A ``Shortcut.read``; ``layout`` is that of the frame's table, the scales are volts per count
+    of the batteries."""
+    unpack, agrees = layout.unpack_from, stm32_checker(80)
     draft_of, telemetry_class, fractions = _Draft, Telemetry, _FRACTIONS
     turn, degree = _TURN, _DEGREE
 

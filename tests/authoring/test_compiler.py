@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.authoring.compiler.compiler import MissionErrors
-from mission.legs import LEGS, Goto, Hold, Surface, Wait, Yoyo
+from mission.legs import Goto, Hold, Surface, Wait, Yoyo
 from mission.model import (
     AUTONOMOUS,
     IDLE_READY,
@@ -434,16 +434,3 @@ def test_four_times_the_legs_are_compiled_with_four_times_the_calls():
     small, large = _long(250), _long(1000)
     compiled(small)
     assert _calls(lambda: compiled(large)) < 5.0 * _calls(lambda: compiled(small))  # n^2: 16
-
-
-def test_every_leg_type_has_a_row():
-    assert {row.name for row in LEGS.values()} == {
-        "hold",
-        "wait",
-        "goto",
-        "follow",
-        "rows",
-        "yoyo",
-        "loiter",
-        "surface",
-    }

@@ -24,7 +24,6 @@ from __future__ import annotations
 
 import math
 import re
-import struct
 from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -48,7 +47,7 @@ from mission.verification.rig.trace import Done, Event, Heard, Said
 from protocol.messages import UPWARD, Manual, Order, Setpoint
 from protocol.modem import Sender, wrap
 from protocol.topside import TopsideCodec
-from protocol.vehicles.auv import AuvCodec
+from protocol.vehicles.auv import ACTUATORS, SD, AuvCodec
 
 TRIES = 3  # R1
 ANSWER = 0.3  # s after which a frame is answered no more (R1)
@@ -66,7 +65,8 @@ _X, _W, _AA = re.compile(rb"@ZAX0\$"), re.compile(rb"@ZAWF\$"), re.compile(rb"@A
 _ENVELOPES = frozenset({wrap(b"@AA$", Sender.TOPSIDE)})
 _STOPPED_ACK = re.compile(rb"@ACK_Z[XA]Y\$")
 _LONGEST = 64
-_REPORT, _THRUSTERS, _NEUTRAL = 86, struct.Struct("<5H"), 10  # @SD; us
+_THRUSTERS = tuple(f"pwm_{name}" for name in ACTUATORS[:5])
+_NEUTRAL = 10  # us
 _ORDERS = {"everything stopped": Order.STOP, "emergency surfacing": Order.SURFACE}
 _ANGLES = ("heading", "pitch", "roll")
 
@@ -319,10 +319,11 @@ class _Auditor:
 
 def _turns(data: bytes) -> bool:
     """A report in which one of the five thrusters is on."""
-    at = data.find(b"@SD")
-    if at < 0 or len(data) < at + _REPORT:
+    at = data.find(SD.lead)
+    if at < 0 or len(data) < at + SD.length:
         return False
-    return any(abs(pwm - 1500) > _NEUTRAL for pwm in _THRUSTERS.unpack_from(data, at + 63))
+    values = SD.decode(data[at : at + SD.length])
+    return any(abs(values[name] - 1500) > _NEUTRAL for name in _THRUSTERS)
 
 
 def moves(frame: bytes) -> bool:

@@ -16,7 +16,6 @@ from __future__ import annotations
 import bisect
 import math
 import re
-import struct
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -41,7 +40,7 @@ from mission.verification.campaign.trial import fault_ends
 from mission.verification.rig.acts import Act
 from mission.verification.rig.program import DEAD
 from mission.verification.rig.trace import Done, Heard, Said, Told, Trace
-from protocol.checksum import crc32_stm32
+from protocol.vehicles.auv import ACTUATORS, SD
 
 SAME = 1e-3  # s
 TRACES = 30.0  # s for which a fault that is over may still be felt
@@ -54,8 +53,9 @@ UPWARD_WORDS = (b"@ZAWF$", b"@ZAU12$")
 STOP_WORD, DOWN_WORD = b"@ZAX0$", b"@ZAD12$"
 _RESTS = (STOPPED, SURFACED, MANUAL_WAITING)
 _ASCENDS = ("emergency surfacing", "surge 0 heave -1")
-_REPORT = re.compile(rb"@SD(.{82})\$", re.DOTALL)
-_DATA = struct.Struct("<15f7H2HI")
+_REPORT = re.compile(rb"@SD.{82}\$", re.DOTALL)
+_ANGLES = ("roll_deg", "pitch_deg", "yaw_deg")
+_THRUSTERS = tuple(f"pwm_{name}" for name in ACTUATORS[:5])
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,12 +153,14 @@ class Story:
         """Those that came in one piece, and as they were sent."""
         for heard in self.heard:
             for found in _REPORT.finditer(heard.data):
-                values = _DATA.unpack(found[1])
-                if crc32_stm32(found[1][:-4]) != values[-1]:
+                if SD.check(found[0]) is not None:
                     continue
-                if all(map(math.isfinite, values[:3])):
-                    roll, pitch, yaw, _, depth = values[:5]
-                    yield Report(heard.t, roll, pitch, yaw, depth, values[15:20])
+                values = SD.decode(found[0])
+                roll, pitch, yaw = (values[name] for name in _ANGLES)
+                if None not in (roll, pitch, yaw):
+                    depth = math.nan if values["depth_m"] is None else values["depth_m"]
+                    widths = tuple(values[name] for name in _THRUSTERS)
+                    yield Report(heard.t, roll, pitch, yaw, depth, widths)
 
     def _hindrances(self) -> Iterator[tuple[float, float]]:
         pairs = {

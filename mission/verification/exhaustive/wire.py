@@ -6,17 +6,17 @@ What does not live here: when they say it (world), how it is read (protocol).
 from __future__ import annotations
 
 import math
-import struct
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 
 from mission.model import Position
 from protocol.checksum import SD_DEFAULT, sd_profile
 from protocol.nmea import encode_gga, encode_rmc
+from protocol.vehicles.auv import MAGNETOMETERS, SD
 
-_SD = struct.Struct("<3s15f9H")  # auv.SD up to its checksum; NaN: nothing is told
+_LAYOUT = SD.layout  # NaN: nothing is told
 _SUM = sd_profile(SD_DEFAULT)
-_MAGNETIC = 9 * (20.0,)  # uT
+_MAGNETIC = len(MAGNETOMETERS) * (20.0,)  # uT
 _METRE = 1.0 / 6371008.8  # rad
 _BEGIN = datetime(2026, 3, 1, 4, 0, tzinfo=UTC)
 _NEUTRAL, _AHEAD, _DOWN = 1500, 1700, 1083  # us
@@ -68,8 +68,9 @@ class Sea:
         ahead = _AHEAD if on else _NEUTRAL
         vertical = _DOWN if on and self.dives else ahead
         widths = (ahead, ahead, vertical, vertical, vertical, ahead, ahead)
-        raw = _SD.pack(b"@SD", *told, *_MAGNETIC, *widths, self.control_v, 48)
-        return raw + _SUM.compute(raw[_SUM.first :]).to_bytes(4, "little") + b"$"
+        rest = (*_MAGNETIC, *widths, self.control_v, 48)
+        raw = _LAYOUT.pack(SD.lead, *told, *rest, bytes(4), b"$")
+        return raw[:-5] + _SUM.compute(raw[_SUM.first : -5]).to_bytes(4, "little") + b"$"
 
     def sentences(self, home: Position, now: float) -> bytes:
         """GGA and RMC of one epoch."""
