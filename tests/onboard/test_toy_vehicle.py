@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
+from links.simulated.board_faults import LINE, OF_BOARDS
 from links.simulated.boards import BOARDS
 from links.simulated.firmware.boards import Place, WaterBoard
 from links.simulated.firmware.stm32 import level_pwm
@@ -124,6 +125,7 @@ MISSION = (
 @pytest.fixture(autouse=True)
 def known(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setitem(BOARDS, "sled", SledBoard)
+    monkeypatch.setitem(OF_BOARDS, "sled", LINE)
     with VEHICLES.registered(ROW):
         yield
 
@@ -132,6 +134,10 @@ def known(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 def sled(tmp_path: Path) -> Path:
     begin, _, rest = ROV.partition("outputs:")
     text = begin + "limits:" + rest.partition("limits:")[2]
+    begin, _, rest = text.partition("outer_loop:")
+    text = begin + "speed_by_gear:" + rest.partition("speed_by_gear:")[2]
+    text = text.replace("  heading: true              # by", "  heading: false  # not by")
+    text = text.replace("  depth: true                # by", "  depth: false  # not by")
     for old, new in (("rov\n", "sled\n"), ("attitude: true", "attitude: false")):
         text = text.replace(old, new)
     text = text.replace("temperature: true", "temperature: false")
