@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test proofs check lint bench compiled score campaign faults exhaustive sea docs clean
+.PHONY: demo test proofs check lint bench compiled score campaign faults exhaustive sea docs links clean
 
 DATA ?= ../shared/data/trajectories
 SEED ?= 0
@@ -55,6 +55,9 @@ docs: $(READY)          ## the documentation as a site in build/docs; warnings a
 	$(BIN)/python -m mission.authoring.language.manual docs/mission-language.md
 	$(BIN)/sphinx-build -q -E -W --keep-going -b html docs build/docs
 	@echo "open build/docs/index.html"
+
+links: $(READY)         ## the docs' links to other hosts, by hand only: it asks them
+	$(BIN)/sphinx-build -q -E -b linkcheck docs build/links
 
 clean:
 	rm -rf .venv out build dist
