@@ -5,11 +5,13 @@ from __future__ import annotations
 import fcntl
 import os
 import select
+import shutil
 import socket
 import subprocess
 import sys
 import tty
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -22,6 +24,7 @@ from links.base import Link, LinkAbsent, LinkBusy, LinkClosed, LinkError
 from links.memory import EXCHANGE, memory_pair
 from links.serial import BACKLOG, SerialLink
 from links.tcp import TcpClient, TcpServer
+from mission.onboard.serve.keys import make_keys
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 VHANGUP = 0x5437  # Linux: as if the cable were pulled
@@ -47,7 +50,7 @@ def read(link: Link, wanted: int) -> bytes:
 class Pair:
     """A link and its far end, however that has to be made."""
 
-    def __init__(self, scheme: str, stack: ExitStack) -> None:
+    def __init__(self, scheme: str, stack: ExitStack, keys: Path | None = None) -> None:
         self.far: Link
         self.near: Link
         if scheme == "memory":
@@ -60,14 +63,24 @@ class Pair:
             self.near = open_link("near", f"serial://{os.ttyname(slave)}?baud=9600")
             self.far = _Fd(master)
         else:
-            server = open_link("server", "tcp-listen://127.0.0.1:0")
+            kind = scheme.removesuffix("-listen")
+            ours, theirs = (f"?keys={keys}/{who}" if keys else "" for who in ("vehicle", "boat"))
+            server = open_link("server", f"{kind}-listen://127.0.0.1:0{ours}")
             assert isinstance(server, TcpServer)
-            client = open_link("client", f"tcp://127.0.0.1:{server.port}")
-            assert isinstance(client, TcpClient)
+            client = _opened(server, f"{kind}://127.0.0.1:{server.port}{theirs}")
             until(lambda: bool(server.receive(0.0)) or bool(server.peers))
-            self.near, self.far = (server, client) if scheme == "tcp-listen" else (client, server)
+            listens = scheme.endswith("-listen")
+            self.near, self.far = (server, client) if listens else (client, server)
         stack.callback(self.far.close)
         stack.callback(self.near.close)
+
+
+def _opened(server: TcpServer, url: str) -> Link:
+    """A client's end; a handshake needs the server to be turned meanwhile."""
+    with ThreadPoolExecutor(1) as pool:
+        opening = pool.submit(open_link, "client", url)
+        until(lambda: bool(server.receive(0.0)) or opening.done())
+        return opening.result()
 
 
 class _Fd:
@@ -100,10 +113,24 @@ class _Fd:
         self._fd = -1
 
 
-@pytest.fixture(params=["serial", "tcp", "tcp-listen", "memory"])
+# In virtual time, or not of bytes alone: test_acoustic.py and test_can.py have their laws.
+OTHERS = {"acoustic", "can"}
+
+
+@pytest.fixture(scope="module")
+def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    if shutil.which("openssl") is None:
+        pytest.skip("openssl makes the keys")
+    folder = tmp_path_factory.mktemp("keys")
+    make_keys(folder, ["boat"], lambda _: None)
+    return folder
+
+
+@pytest.fixture(params=[scheme for scheme in LINKS if scheme not in OTHERS])
 def pair(request: pytest.FixtureRequest) -> Iterator[Pair]:
+    keys = request.getfixturevalue("keys") if request.param.startswith("tls") else None
     with ExitStack() as stack:
-        yield Pair(request.param, stack)
+        yield Pair(request.param, stack, keys)
 
 
 def test_bytes_of_every_value_pass_both_ways(pair: Pair) -> None:
