@@ -69,3 +69,18 @@ def test_no_change_is_told_where_none_is_enough() -> None:
     hint = refused(text(time="1min"))["time"].hint
     assert "enough would be" not in hint
     assert "laps/lap" in hint
+
+
+def test_a_change_that_leaves_another_way_too_long_is_not_told() -> None:
+    lines = (
+        "mission m vehicle auv\nsafety time {time}s\nstart without fix\n"
+        "s: depth 3 heading 0 gear 1 until depth > 2 -> c timeout 20 else b\n"
+        "c: until depth > 9 -> surface timeout 950\n"
+        "b: for 1000\n"
+    )
+    mission = parse(lines.format(time=3000))
+    proved = check_mission(compile_mission(mission, AUV, digest(mission)), AUV).proved
+    assert proved is not None
+    hint = refused(lines.format(time=round(proved.worst_time - 100)))["time"].hint
+    assert hint.startswith("of it: b 16.7 min")
+    assert "in b (now" not in hint
