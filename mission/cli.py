@@ -49,6 +49,7 @@ COMMANDS = {
     "send": "send",
     "stick": "stick",
     "monitor": "monitor",
+    "log": "log",
     "replay": "replay",
     "decode": "decode",
     "encode": "encode",

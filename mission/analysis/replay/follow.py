@@ -6,41 +6,16 @@ It disturbs nobody: serve alone has the port. What does not live here: where the
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from links.base import Rx
 from mission.model import Record
-from mission.onboard.blackbox import FLUSH_S, Tail, first_part, part_path
-from mission.onboard.runtime.records import RX, START, TX, read_rx, read_tx
+from mission.onboard.blackbox import FLUSH_S, GrowingBox, first_part
+from mission.onboard.runtime.records import RX, TX, read_rx, read_tx
 
 IN, OUT = "in", "out"  # of the vehicle's computer
 LOOK_S = 1.0  # between two looks for another black box
-
-
-class _Box:
-    """One black box in its parts, with the wall time at the engine's time 0."""
-
-    def __init__(self, path: Path) -> None:
-        self.path, self._part, self.wall = path, 1, 0.0
-        self._tail = Tail(path)
-
-    def read(self) -> Iterator[Record]:
-        while True:
-            for record in self._tail.read():
-                if record.kind == START:
-                    self.wall = json.loads(record.payload)["wall"]
-                yield record
-            further = part_path(self.path, self._part + 1)
-            if not further.exists():
-                return
-            self._part, before = self._part + 1, self._tail
-            self._tail = Tail(further, before.expected)
-            before.close()
-
-    def close(self) -> None:
-        self._tail.close()
 
 
 def follow(
@@ -54,7 +29,7 @@ def follow(
     new has come. ``t`` is in s since 1970 UTC, the link IN or OUT; it goes on with the records, for
     what is not written yet may belong to what was. Raises BlackBoxError."""
     path, looked, newest = box(), wall(), 0.0
-    opened: _Box | None = None
+    opened: GrowingBox | None = None
     try:
         while path is not None:
             if opened is None or opened.path != first_part(path):
@@ -71,9 +46,9 @@ def follow(
             opened.close()
 
 
-def _next(before: _Box | None, path: Path) -> _Box:
+def _next(before: GrowingBox | None, path: Path) -> GrowingBox:
     """The first one is read from where it ends now, another from its beginning."""
-    opened = _Box(path)
+    opened = GrowingBox(path)
     if before is not None:
         before.close()
         return opened

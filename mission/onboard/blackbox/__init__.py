@@ -20,7 +20,7 @@ from mission.onboard.blackbox.reading import (
     read_records,
     recording,
 )
-from mission.onboard.blackbox.tail import Tail
+from mission.onboard.blackbox.tail import GrowingBox, Tail
 
 __all__ = [
     "FLUSH_S",
@@ -30,6 +30,7 @@ __all__ = [
     "BlackBox",
     "BlackBoxError",
     "Gap",
+    "GrowingBox",
     "Tail",
     "close_folder",
     "close_part",

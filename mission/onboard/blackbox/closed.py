@@ -19,14 +19,13 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import BinaryIO
 
-from mcap.opcode import Opcode
 from mcap.writer import CompressionType, IndexType, Writer
 
 from mission import __version__
 from mission.authoring.language import MissionErrors, parse_script, to_yaml
 from mission.model import Record
 from mission.model.plain import to_plain
-from mission.onboard.blackbox.form import HEAD, MAGIC, NS, PROFILE, schema_text
+from mission.onboard.blackbox.form import HEAD, MAGIC, NS, OP_METADATA, PROFILE, schema_text
 from mission.onboard.blackbox.parts import part_number, parts_of
 from mission.onboard.blackbox.reading import content, read_records
 from mission.onboard.blackbox.scan import Found, Scan, is_first_form
@@ -97,7 +96,7 @@ def is_closed(data: bytes) -> bool:
     """By its beginning: its metadata stand behind the header."""
     length = HEAD.unpack_from(data, len(MAGIC))[1] if len(data) > len(MAGIC) + HEAD.size else 0
     behind = len(MAGIC) + HEAD.size + int(length)
-    return data[behind : behind + 1] == bytes([Opcode.METADATA])
+    return data[behind : behind + 1] == bytes([OP_METADATA])
 
 
 def _part(path: Path) -> _Part | None:

@@ -5,11 +5,11 @@
 
 Topics are the kinds of records, data their payloads, publish time the engine's time and log time
 the wall's, in ns. ``check`` stands where the format has a free sequence number: the CRC-32 of the
-data, begun with channel and time, plus the record's number. So blocks that a power cut garbled are
-known, and so is what was lost between two records that are whole. In the first form (profile
-``auvmission``) every number was 0 and payloads were others (first_form). Any MCAP tool reads the
-file (the footer names no summary, so readers scan). The library writes head and foot; messages are
-packed here, because that is most of the cost.
+data, begun with channel and time, plus the record's number times a constant. So blocks that a power
+cut garbled are known, and so is what was lost between two records that are whole. In the first form
+(profile ``auvmission``) every number was 0 and payloads were others (first_form). Any MCAP tool
+reads the file (the footer names no summary, so readers scan). The library writes head and foot;
+messages are packed here, because that is most of the cost.
 
     BlackBoxError      (the operator must act: no such folder, not a black box)
 
@@ -38,10 +38,13 @@ PROFILE, FIRST_PROFILE = "auvmission-2", "auvmission"
 
 HEAD, FIELDS = struct.Struct("<BQ"), struct.Struct("<HIQQ")
 _MESSAGE = struct.Struct("<BQHIQQ")
-OP_HEADER, OP_MESSAGE, OP_CHUNK, OP_DATA_END = 1, 5, 6, 15
+OP_HEADER, OP_SCHEMA, OP_CHANNEL, OP_MESSAGE, OP_CHUNK = 1, 3, 4, 5, 6
+OP_ATTACHMENT, OP_METADATA, OP_DATA_END = 9, 12, 15
 OPCODES = range(1, 16)
 NS = 1e9
 _NUMBERS = 1 << 32
+_SPREAD = 0x85EBCA6B  # so that a wrong byte of the check makes no number that is near
+_GATHER = pow(_SPREAD, -1, _NUMBERS)
 
 
 class BlackBoxError(OSError):
@@ -51,7 +54,7 @@ class BlackBoxError(OSError):
 def pack(kind: str, payload: bytes, number: int, wall: int, t: int) -> bytes:
     """A record as a message: ``wall`` at the engine's time 0, and ``t``, in ns."""
     channel = CHANNELS[kind]
-    check = (crc(payload, channel, t) + number) % _NUMBERS
+    check = (crc(payload, channel, t) + number * _SPREAD) % _NUMBERS
     head = _MESSAGE.pack(OP_MESSAGE, FIELDS.size + len(payload), channel, check, wall + t, t)
     return head + payload
 
@@ -62,7 +65,7 @@ def crc(payload: bytes | memoryview, channel: int, t: int) -> int:
 
 def number_of(check: int, payload: bytes | memoryview, channel: int, t: int) -> int:
     """Of the record, if it is whole; any number otherwise."""
-    return (check - crc(payload, channel, t)) % _NUMBERS
+    return (check - crc(payload, channel, t)) * _GATHER % _NUMBERS
 
 
 def schema_text(topic: Topic) -> bytes:

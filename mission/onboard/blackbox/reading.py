@@ -132,4 +132,6 @@ def content(path: Path) -> bytes:
 
 def _holds_records(data: bytes) -> bool:
     """Though its first bytes are damaged."""
-    return any(isinstance(found, Found) for found in Scan(is_first_form(data)).read(data))
+    scan = Scan(is_first_form(data))
+    scan.at = len(MAGIC)
+    return any(isinstance(found, Found) for found in scan.read(data))

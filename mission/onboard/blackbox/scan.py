@@ -26,9 +26,14 @@ from mission.onboard.blackbox.form import (
     KINDS,
     MAGIC,
     NS,
+    OP_ATTACHMENT,
+    OP_CHANNEL,
     OP_CHUNK,
     OP_DATA_END,
+    OP_HEADER,
     OP_MESSAGE,
+    OP_METADATA,
+    OP_SCHEMA,
     OPCODES,
     PROFILE,
     number_of,
@@ -41,9 +46,9 @@ _LARGEST = 1 << 24  # bytes of a record that is looked for
 _NEAR = 1 << 12  # records that may be missing before the last one: a garbled one has any number
 _LIKELY = re.compile(rb"(?:[\x05\x06]...|\x0f\x04\x00\x00)\x00{5}", re.DOTALL)
 _CHUNK_FIXED = 8 + 8 + 8 + 4
+_BEFORE = frozenset({OP_HEADER, OP_SCHEMA, OP_CHANNEL, OP_METADATA})
 _CHECKED = frozenset({OP_MESSAGE, OP_CHUNK, OP_DATA_END})
 _START = CHANNELS[START]
-_SCHEMA = b"\x03"
 _FOOTER = b"\x02\x14" + bytes(7)
 _TELLING = 1 << 12
 _TODAY = (PROFILE.encode(), b"jsonschema", b"closed_by")
@@ -83,6 +88,7 @@ class Scan:
     def __init__(self, first_form: bool, expected: int | None = 0) -> None:
         self.first_form, self.expected = first_form, expected
         self.at = 0  # up to here everything is found or given up
+        self._begun = False
         self.rest = 0  # bytes behind the last that was whole which are part of nothing
 
     def read(self, data: bytes) -> Iterator[Found | End]:
@@ -95,13 +101,13 @@ class Scan:
                 found = self._checked(data, at, at + size, broken is not None)
                 if found is not None:
                     at += size
-                    self.at, floor, broken = at, at, None
+                    self.at, floor, broken, self._begun = at, at, None, True
                     yield from found
                     if found and isinstance(found[-1], End):
                         self.rest = 0
                         return
                     continue
-            elif size is not None:  # it has no check of its own
+            elif size is not None and self._passes(data, at, at + size):
                 at += size
                 continue
             broken = at if broken is None else broken
@@ -110,6 +116,13 @@ class Scan:
                 break
             at, floor = candidate, candidate + 1
         self.rest = 0 if broken is None else len(data) - broken
+
+    def _passes(self, data: bytes, at: int, end: int) -> bool:
+        """It holds no records: what a file begins with, and attachments."""
+        if data[at] == OP_ATTACHMENT:
+            body, check = data[at + HEAD.size : end - 4], data[end - 4 : end]
+            return zlib.crc32(body) == int.from_bytes(check, "little")
+        return data[at] in _BEFORE and not self._begun
 
     def _checked(self, data: bytes, at: int, end: int, damaged: bool) -> list[Found | End] | None:
         """What the record at this place gives, None where it is not whole."""
@@ -186,9 +199,7 @@ def _length(data: bytes, at: int) -> int | None:
 
 def _is_summary(data: bytes, at: int) -> bool:
     """What stands behind the records: the footer at once, or schemas first."""
-    return data.startswith(_FOOTER, at) or (
-        data[at : at + 1] == _SCHEMA and _length(data, at) is not None
-    )
+    return data.startswith(_FOOTER, at) or (_length(data, at) is not None and data[at] == OP_SCHEMA)
 
 
 def _channel(data: bytes, at: int) -> int:
@@ -223,6 +234,8 @@ def _unpacked(body: bytes) -> bytes | None:
     if body[32 : 32 + name] != b"zstd" or size > _LARGEST:
         return None
     try:
+        if zstandard.frame_content_size(data) != size:
+            return None
         unpacked = zstandard.ZstdDecompressor().decompress(data, max_output_size=size)
     except zstandard.ZstdError:
         return None

@@ -5,12 +5,15 @@ What does not live here: which file is next (analysis.replay.follow).
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 
 from mission.model import Record
 from mission.onboard.blackbox.form import MAGIC, BlackBoxError
+from mission.onboard.blackbox.parts import part_path
 from mission.onboard.blackbox.scan import Found, Scan, is_first_form
+from mission.onboard.runtime.records import START
 
 _HEAD = 256  # bytes that tell the form
 
@@ -46,3 +49,28 @@ class Tail:
 
     def close(self) -> None:
         self._file.close()
+
+
+class GrowingBox:
+    """A recording in its parts, read as it grows; ``wall`` is the wall time at the engine's time
+    0, once its start was read. Raises BlackBoxError."""
+
+    def __init__(self, path: Path) -> None:
+        self.path, self._part, self.wall = path, 1, 0.0
+        self._tail = Tail(path)
+
+    def read(self) -> Iterator[Record]:
+        while True:
+            for record in self._tail.read():
+                if record.kind == START:
+                    self.wall = json.loads(record.payload)["wall"]
+                yield record
+            further = part_path(self.path, self._part + 1)
+            if not further.exists():
+                return
+            self._part, before = self._part + 1, self._tail
+            self._tail = Tail(further, before.expected)
+            before.close()
+
+    def close(self) -> None:
+        self._tail.close()

@@ -1,0 +1,149 @@
+"""Black boxes as lines: what happened, or any topic, in the order of the wall's time.
+
+    paths --recordings, sorted by their start--> Lines, with a line for each gap and restart
+
+What does not live here: topics (stream), the dive as a whole (story).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from mission.model import Record
+from mission.onboard.blackbox import FLUSH_S, Gap, GrowingBox, first_part, recording
+from mission.onboard.runtime import records as rec
+from mission.onboard.stream.derived import Derivation
+from mission.onboard.stream.topics import DERIVED, JOURNAL, TOPICS
+from mission.onboard.stream.wellknown import ERROR, WARNING
+
+LEVELS = {WARNING: "warning", ERROR: "fault"}
+_DERIVED = frozenset(topic.name for topic in DERIVED)
+_ALL: frozenset[str] = frozenset({JOURNAL})
+
+
+class UnknownTopic(ValueError):
+    """Says which there are."""
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """``wall`` in s since 1970 UTC; ``value`` as the topic's schema says."""
+
+    t: float
+    wall: float
+    topic: str
+    value: Mapping[str, Any]
+
+    def __str__(self) -> str:
+        clock = datetime.fromtimestamp(self.wall, UTC).strftime("%Y-%m-%d %H:%M:%S.%f")[:-3]
+        head = f"{clock} {self.t:10.3f}"
+        if self.topic != JOURNAL:
+            return f"{head}  {self.topic}  {json.dumps(self.value)}"
+        level = LEVELS.get(self.value["level"], "")
+        return f"{head}  {level:7} {self.value['name']}: {self.value['message']}"
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """Which lines: of ``topics``, in ``since`` to ``until`` (the engine's time, s), with ``text``
+    somewhere in it, whatever its case. Raises UnknownTopic."""
+
+    topics: frozenset[str] = _ALL
+    since: float = 0.0
+    until: float = float("inf")
+    text: str = ""
+
+    def __post_init__(self) -> None:
+        for name in self.topics - TOPICS.keys():
+            raise UnknownTopic(f"no topic {name!r}; there are {', '.join(TOPICS)}")
+
+    def takes(self, line: Line) -> bool:
+        within = line.topic in self.topics and self.since <= line.t <= self.until
+        return within and self.text.lower() in str(line).lower()
+
+
+def recordings(paths: Sequence[Path]) -> list[list[Record | Gap]]:
+    """Each once, by their starts' wall times. Raises BlackBoxError."""
+    read = [list(recording(path)) for path in dict.fromkeys(map(first_part, paths))]
+    return sorted(read, key=_began)
+
+
+def _began(items: Sequence[Record | Gap]) -> float:
+    start = start_of(items)
+    return rec.read_start(start).wall if start else 0.0
+
+
+def start_of(items: Sequence[Record | Gap]) -> Record | None:
+    first = next((item for item in items if isinstance(item, Record)), None)
+    return first if first is not None and first.kind == rec.START else None
+
+
+def lines(items: Iterable[Record | Gap], wanted: Wanted) -> Iterator[Line]:
+    """Of one recording."""
+    reading = Lines(wanted)
+    for item in items:
+        yield from reading.receive(item)
+
+
+class Lines:
+    """Of one recording, item by item."""
+
+    def __init__(self, wanted: Wanted) -> None:
+        self._wanted = wanted
+        self._derivation: Derivation | None = None
+        self._t = 0.0
+
+    def receive(self, item: Record | Gap) -> list[Line]:
+        made = self._of_gap(item) if isinstance(item, Gap) else list(self._of_record(item))
+        return [line for line in made if self._wanted.takes(line)]
+
+    def _of_gap(self, gap: Gap) -> list[Line]:
+        level = WARNING if gap.whole else ERROR
+        value = {"level": level, "name": "black box", "message": str(gap)}
+        return [Line(self._t, self._wall(self._t), JOURNAL, value)]
+
+    def _of_record(self, record: Record) -> Iterator[Line]:
+        self._t = record.t
+        if record.kind == rec.START and self._derivation is None:
+            self._derivation = Derivation(record)
+        if record.kind in self._wanted.topics:
+            yield Line(record.t, self._wall(record.t), record.kind, json.loads(record.payload))
+        if self._derivation is not None and self._wanted.topics & _DERIVED:
+            for message in self._derivation.receive(record):
+                yield Line(message.t, self._wall(message.t), message.topic, message.value)
+
+    def _wall(self, t: float) -> float:
+        return self._derivation.wall(t) if self._derivation else t
+
+
+def restart(before: Sequence[Record | Gap], after: Sequence[Record | Gap]) -> str:
+    """Between two recordings, in words."""
+    start, earlier = start_of(after), start_of(before)
+    if start is None or earlier is None:
+        return "another recording, without its start"
+    last = max((item.t for item in before if isinstance(item, Record)), default=0.0)
+    began = rec.read_start(start)
+    away = began.wall - rec.read_start(earlier).wall - last
+    kept = began.store.under_way
+    what = f"under way was {kept}" if kept else "nothing was under way"
+    return f"--- the program began again {away:.1f} s later: {what} ---"
+
+
+def follow(path: Path, wanted: Wanted, sleep: Callable[[float], None]) -> Iterator[Line]:
+    """What a file that is being written gets from now on, without end; the rest is read silently.
+    Raises BlackBoxError."""
+    box, reading = GrowingBox(first_part(path)), Lines(wanted)
+    try:
+        for record in box.read():
+            reading.receive(record)
+        while True:
+            for record in box.read():
+                yield from reading.receive(record)
+            sleep(FLUSH_S)
+    finally:
+        box.close()
