@@ -50,6 +50,7 @@ COMMANDS = {
     "stick": "stick",
     "monitor": "monitor",
     "log": "log",
+    "story": "story",
     "replay": "replay",
     "decode": "decode",
     "encode": "encode",

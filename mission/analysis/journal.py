@@ -14,6 +14,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from mission.analysis.replay.rerun import drive_from, failed_writes, feed
 from mission.model import Record
 from mission.onboard.blackbox import FLUSH_S, Gap, GrowingBox, first_part, recording
 from mission.onboard.runtime import records as rec
@@ -68,9 +69,23 @@ class Wanted:
 
 
 def recordings(paths: Sequence[Path]) -> list[list[Record | Gap]]:
-    """Each once, by their starts' wall times. Raises BlackBoxError."""
+    """Each once, by their starts' wall times; of the first form, with what was not on record then.
+    Raises BlackBoxError."""
     read = [list(recording(path)) for path in dict.fromkeys(map(first_part, paths))]
-    return sorted(read, key=_began)
+    return sorted((_with_standing(items) for items in read), key=_began)
+
+
+def _with_standing(items: list[Record | Gap]) -> list[Record | Gap]:
+    """By flying its inputs again; where inputs are missing it stays as it is."""
+    start, records = start_of(items), [item for item in items if isinstance(item, Record)]
+    damaged = any(isinstance(item, Gap) and not item.cut for item in items)
+    if start is None or damaged or rec.read_start(start).form >= rec.FORM:
+        return items
+    again = rec.ListRecorder()
+    runtime = drive_from(rec.read_start(start), failed_writes(records), again)
+    for record in records:
+        feed(runtime, record)
+    return [*again.records, *(item for item in items if isinstance(item, Gap))]
 
 
 def _began(items: Sequence[Record | Gap]) -> float:

@@ -92,6 +92,15 @@ class Derivation:
         elif record.kind == rec.ESTIMATE:
             yield from self._estimate(rec.estimate_of(record.payload))
 
+    @property
+    def chart(self) -> Chart | None:
+        """The mission in the store, where this version can read it."""
+        return self._chart
+
+    @property
+    def standing(self) -> rec.Standing | None:
+        return self._standing
+
     def wall(self, t: float) -> float:
         return self.start.wall + t
 

@@ -5,13 +5,9 @@ What does not live here: the figures themselves (flightlog), pictures (plot).
 
 from __future__ import annotations
 
-from mission.authoring.graph import words
-from mission.engine.variables import VARIABLES
+from mission.analysis.ended import ended_by
 from mission.model import Chart
-from mission.model.units import UNITS
 from mission.verification.simulation.flightlog import Flight, LegFlown
-
-_SIGNS = str.maketrans({"\u2264": "<=", "\u2265": ">=", "\u00b0": " deg"})  # for any terminal
 
 
 def table(flight: Flight, chart: Chart) -> str:
@@ -45,20 +41,5 @@ def _figures(flight: Flight) -> list[str]:
 
 
 def _because(leg: LegFlown, chart: Chart) -> str:
-    """The guard as the mission has it and what it saw; what else ended the leg, in its words."""
-    edge = next((e for e in chart.edges if leg.trigger and e.trigger == leg.trigger), None)
-    if edge is None:
-        return leg.why
-    states = {state.path: state for state in chart.states}
-    source = states.get(edge.source)
-    text = words.edge(edge, source.leg if source else None)
-    told = [(name, value) for name, value in leg.seen if edge.guard or value is None]
-    seen = ", ".join(_value(name, value) for name, value in told)
-    return (f"{text} ({seen})" if seen else text).translate(_SIGNS)
-
-
-def _value(name: str, value: float | None) -> str:
-    if value is None:
-        return f"{name} unknown"
-    unit = VARIABLES[name].unit if name in VARIABLES else ""
-    return f"{name} {value / UNITS[unit].factor if unit in UNITS else value:.4g} {unit}".rstrip()
+    """What ended it besides an edge of the mission is told in its own words."""
+    return ended_by(chart, leg.trigger, leg.seen) or leg.why

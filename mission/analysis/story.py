@@ -1,0 +1,249 @@
+"""A dive as a person would tell it: what was flown, why it went on, and how near the limits were.
+
+    recordings --Teller--> Chapter (paragraphs and tables) --text | markdown | HTML (tell)
+
+Every sentence follows from the records. What is missing in a damaged file is told as missing. What
+does not live here: single lines (journal), pictures (report), how it is printed (tell).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from typing import Any
+
+from mission.analysis.ended import ended_by
+from mission.analysis.journal import restart
+from mission.model import AUTONOMOUS, Record, Step
+from mission.model.regions import EMERGENCY
+from mission.model.shown import duration
+from mission.onboard.blackbox import Gap
+from mission.onboard.runtime import records as rec
+from mission.onboard.runtime.runtime import VEHICLE
+from mission.onboard.stream.derived import MARGINS, Derivation
+from mission.onboard.stream.events import frame_text
+from mission.onboard.stream.topics import JOURNAL, STATE
+from mission.onboard.stream.wellknown import INFO
+
+_UNITS = {"depth": "m", "radius": "m", "time": "s", "voltage": "V"}
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Chapter:
+    title: str
+    says: tuple[str, ...] = ()
+    tables: tuple[Table, ...] = ()
+
+
+@dataclass(slots=True)
+class _Leg:
+    path: str
+    entered: float
+    left: float | None = None
+    because: str = "it was flown when the recording ended"
+
+
+@dataclass(slots=True)
+class _Least:
+    """The smallest margin to a limit, m, s or V, and when."""
+
+    left: float
+    t: float
+    bound: float
+
+
+@dataclass(slots=True)
+class _Told:
+    """What one run of the program did, as it is gathered."""
+
+    legs: list[_Leg] = field(default_factory=list)
+    commands: list[tuple[str, ...]] = field(default_factory=list)
+    refusals: list[tuple[str, ...]] = field(default_factory=list)
+    alarms: list[tuple[str, ...]] = field(default_factory=list)
+    least: dict[str, _Least] = field(default_factory=dict)
+    says: list[str] = field(default_factory=list)
+    commanders: dict[str, None] = field(default_factory=dict)
+    deepest: float = 0.0
+    farthest: float = 0.0
+
+
+def story(recordings: Sequence[Sequence[Record | Gap]]) -> list[Chapter]:
+    """Of recordings in the order of their starts. Raises ValueError, KeyError or TypeError for a
+    start record of no version that can be read."""
+    chapters: list[Chapter] = []
+    for number, items in enumerate(recordings):
+        if number:
+            between = restart(recordings[number - 1], items).strip("- ")
+            chapters.append(Chapter("Between two recordings", (f"{between}.",)))
+        chapters += Teller(items).chapters()
+    return chapters
+
+
+class Teller:
+    """Of one recording."""
+
+    def __init__(self, items: Iterable[Record | Gap]) -> None:
+        self._told = _Told()
+        self._derivation: Derivation | None = None
+        self._end = 0.0
+        self._state = ""
+        for item in items:
+            if isinstance(item, Gap):
+                self._gap(item)
+            else:
+                self._take(item)
+
+    # --- what is gathered ------------------------------------------------------------------------
+
+    def _gap(self, gap: Gap) -> None:
+        if not gap.whole:
+            self._told.says.append(f"Not everything is on record: {gap}.")
+
+    def _take(self, record: Record) -> None:
+        self._end = max(self._end, record.t)
+        if self._derivation is None:
+            if record.kind != rec.START:
+                return
+            self._derivation = Derivation(record)
+            self._begin(self._derivation.start)
+        if record.kind == rec.STEP:
+            self._step(rec.step_of(record.payload), self._derivation)
+        elif record.kind == rec.TX:
+            self._sent(record)
+        for message in self._derivation.receive(record):
+            if message.topic == STATE:
+                self._look(message.t, message.value)
+            elif message.topic == JOURNAL and message.value["level"] > INFO:
+                self._alarm(message.t, message.value)
+        standing = self._derivation.standing
+        if record.kind == rec.STANDING and standing is not None and standing.commander:
+            self._told.commanders[standing.commander] = None
+
+    def _begin(self, start: rec.Start) -> None:
+        when = datetime.fromtimestamp(start.wall, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
+        says = f"The program (version {start.version}, vehicle {start.vehicle.name}) began {when}."
+        self._told.says.append(says)
+        if start.store.under_way:
+            before = f"Before, it had been interrupted: {start.store.under_way} was under way."
+            self._told.says.append(before)
+
+    def _step(self, step: Step, derivation: Derivation) -> None:
+        if not step.entered:
+            return
+        path, told, chart = step.entered[-1], self._told, derivation.chart
+        seen = [pair for evaluation in step.evaluations for pair in evaluation.values]
+        words = ended_by(chart, step.trigger, seen) if chart else None
+        because = words or _plain_reason(step)
+        if told.legs and told.legs[-1].left is None:
+            told.legs[-1].left, told.legs[-1].because = step.t, because
+        self._tell_state(step, path, derivation, because)
+        if path.startswith(f"{AUTONOMOUS}/"):
+            told.legs.append(_Leg(path, step.t))
+        self._state = path
+
+    def _tell_state(self, step: Step, path: str, derivation: Derivation, because: str) -> None:
+        told, chart = self._told, derivation.chart
+        was_flying, flies = (p.startswith(f"{AUTONOMOUS}/") for p in (self._state, path))
+        at = _clock(step.t)
+        if flies and not was_flying and chart is not None:
+            verb = "went on" if self._state.startswith("manual") else "was started"
+            name = f"{chart.mission.name} ({chart.digest[:8]})"
+            told.says.append(f"{at}: the mission {name} {verb} by {step.event}.")
+        elif path.startswith(EMERGENCY):
+            told.says.append(f"{at}: emergency, now {path}: {because}.")
+        elif was_flying and not flies:
+            told.says.append(f"{at}: the mission ended, now {path}: {because}.")
+        elif path.startswith("manual") or self._state.startswith(("manual", EMERGENCY)):
+            told.says.append(f"{at}: now {path}: {because}.")
+
+    def _sent(self, record: Record) -> None:
+        tx = rec.read_tx(record)
+        row = (_clock(tx.t), frame_text(tx.data), tx.reason)
+        if tx.link == VEHICLE:
+            self._told.commands.append(row)
+        elif tx.data.startswith(b"@ACK_") and tx.data.endswith(b"N$"):
+            self._told.refusals.append((*row, f"{tx.link} {tx.address}".rstrip()))
+
+    def _alarm(self, t: float, said: Mapping[str, Any]) -> None:
+        if not said["message"].startswith("refused"):  # these have their own table
+            self._told.alarms.append((_clock(t), said["name"], said["message"]))
+
+    def _look(self, t: float, state: Mapping[str, Any]) -> None:
+        told, standing = self._told, self._derivation.standing if self._derivation else None
+        if state["mission_time_s"] is None or standing is None:
+            return
+        told.deepest = max(told.deepest, state["depth_m"] or 0.0)
+        if state["north_m"] is not None:
+            far = float((state["north_m"] ** 2 + state["east_m"] ** 2) ** 0.5)
+            told.farthest = max(told.farthest, far)
+        for name in MARGINS:
+            limit, left = name.removeprefix("to_").rpartition("_")[0], state[name]
+            least = told.least.get(limit)
+            if left is not None and (least is None or left < least.left):
+                told.least[limit] = _Least(left, t, getattr(standing, limit))
+
+    # --- what is told ----------------------------------------------------------------------------
+
+    def chapters(self) -> Iterator[Chapter]:
+        told = self._told
+        if self._derivation is None:
+            says = "There is no whole start record, so nothing says what vehicle it is."
+            yield Chapter("A recording", (*told.says, says))
+            return
+        if told.commanders:
+            told.says.append(f"Who commanded: {', '.join(told.commanders)}.")
+        if told.legs:
+            told.says.append(
+                f"It was {told.deepest:.1f} m deep at most, and by its own estimate "
+                f"{told.farthest:.0f} m from home."
+            )
+        told.says.append(f"The recording ends {_clock(self._end)}, in {self._state or 'no state'}.")
+        yield Chapter("What happened", tuple(told.says))
+        yield from self._tables()
+
+    def _tables(self) -> Iterator[Chapter]:
+        told = self._told
+        legs = [
+            (
+                leg.path.partition("/")[2],
+                _clock(leg.entered),
+                duration(round((self._end if leg.left is None else leg.left) - leg.entered, 1)),
+                leg.because,
+            )
+            for leg in told.legs
+        ]
+        limits = [
+            (name, f"{one.bound:g} {_UNITS[name]}", f"{one.left:.1f} {_UNITS[name]}", _clock(one.t))
+            for name, one in told.least.items()
+        ]
+        parts: tuple[tuple[str, tuple[str, ...], Sequence[tuple[str, ...]], str], ...] = (
+            ("Legs", ("leg", "from", "for", "ended by"), legs, "No leg was flown."),
+            ("Limits", ("limit", "in force", "least left", "at"), limits, "None was in question."),
+            ("Alarms", ("at", "of", "what"), told.alarms, "There was none."),
+            ("Refusals", ("at", "answer", "why", "to"), told.refusals, "Nothing was refused."),
+            ("Commands to the vehicle", ("at", "frame", "why"), told.commands, "None was sent."),
+        )
+        for title, head, rows, none in parts:
+            yield (
+                Chapter(title, (), (Table(head, tuple(rows)),)) if rows else Chapter(title, (none,))
+            )
+
+
+def _plain_reason(step: Step) -> str:
+    """Of what is no edge of the mission: the reason that its command has, or what came in."""
+    if step.actions:
+        return step.actions[0].partition(": ")[2]
+    return step.event if step.trigger in ("", "load", "clear") else f"{step.trigger}, {step.event}"
+
+
+def _clock(t: float) -> str:
+    """Since the program began."""
+    minutes, seconds = divmod(round(t, 1), 60.0)
+    return f"{int(minutes)}:{seconds:04.1f}"

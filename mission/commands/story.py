@@ -1,0 +1,45 @@
+"""``auvmission story``: a dive as a person would tell it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command()
+@click.argument("files", nargs=-1, required=True, metavar="FILE...",
+                type=click.Path(path_type=Path, dir_okay=False))  # fmt: skip
+@click.option("--form", type=click.Choice(["text", "markdown", "html"]), default="text",
+              show_default=True, help="As what it is told.")  # fmt: skip
+@click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False),
+              help="File to write; default: standard output.")  # fmt: skip
+def story(files: tuple[Path, ...], form: str, output: Path | None) -> None:
+    """Tell the dive that the black boxes FILE... recorded: what was flown, and why.
+
+    The mission, its legs with the guard that ended each, limits with the least that was left,
+    alarms, refusals, and every command to the vehicle with its reason. Several files are told in
+    the order of their starts, with the restart between two. Exit 2 where a file cannot be used.
+    """
+    from mission.analysis.journal import recordings
+    from mission.analysis.story import story as told
+    from mission.analysis.tell import FORMS
+    from mission.onboard.blackbox import BlackBoxError
+
+    try:
+        chapters = told(recordings(files))
+    except BlackBoxError as error:
+        click.echo(str(error), err=True)
+        raise SystemExit(2) from None
+    except (ValueError, KeyError, TypeError) as error:
+        click.echo(f"a start record is not one of this version: {error}", err=True)
+        raise SystemExit(2) from None
+    text = FORMS[form](", ".join(path.name for path in files), chapters)
+    if output is None:
+        click.echo(text, nl=False)
+        return
+    try:
+        output.write_text(text, encoding="utf-8")
+    except OSError as error:
+        click.echo(f"{output}: cannot be written: {error.strerror or error}", err=True)
+        raise SystemExit(2) from None

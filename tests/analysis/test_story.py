@@ -1,0 +1,183 @@
+"""Laws of log and story: who was not there is told what happened, whole and in order."""
+
+from __future__ import annotations
+
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from mission.analysis.journal import Wanted, follow, recordings
+from mission.analysis.story import Chapter, Table, story
+from mission.analysis.tell import as_html, as_markdown, as_text
+from mission.commands.log import log
+from mission.commands.story import story as story_command
+from mission.model import Record, Tx
+from mission.onboard.blackbox import BlackBox
+from mission.onboard.runtime.records import tx_record
+
+RECORDED = Path(__file__).parent / "recorded"
+SHORT, HEAVY, AGAIN = (
+    RECORDED / f"{name}.mcap" for name in ("short-time", "heavy-then-ended", "begun-again")
+)
+
+
+def logged(*words: str | Path) -> Result:
+    return CliRunner().invoke(log, list(map(str, words)))
+
+
+def told(*paths: Path) -> str:
+    return as_text("dive", story(recordings(paths)))
+
+
+def chapter(chapters: list[Chapter], title: str) -> Table:
+    (found,) = [one for one in chapters if one.title == title]
+    return found.tables[0]
+
+
+def test_every_command_that_left_stands_in_the_story_with_its_reason() -> None:
+    (items,) = recordings([SHORT])
+    sent = [
+        one
+        for one in items
+        if isinstance(one, Record) and one.kind == "tx" and b'"vehicle"' in one.payload
+    ]
+    rows = chapter(story([items]), "Commands to the vehicle").rows
+    assert len(rows) == len(sent) > 5
+    for row, record in zip(rows, sent, strict=True):
+        said = json.loads(record.payload)
+        assert row[1:] == (said["data"], said["reason"])
+        assert row[2]
+
+
+def test_every_leg_has_the_guard_that_ended_it_and_what_it_saw() -> None:
+    chapters = story(recordings([SHORT]))
+    legs = chapter(chapters, "Legs").rows
+    assert len(legs) > 1
+    assert all(because for *_, because in legs)
+    assert any(re.search(r"[<>]=? .*\(\w+ [\d.]+", because) for *_, because in legs), legs
+
+
+def test_an_emergency_is_told_with_the_limit_that_began_it() -> None:
+    text = told(SHORT)
+    assert re.search(r"emergency, now emergency/surfacing: limit time", text), text
+    assert "Alarms\n------\nat " in text
+
+
+def test_two_runs_of_the_program_are_told_in_their_order_with_what_was_under_way() -> None:
+    chapters = story(recordings([AGAIN, HEAVY]))
+    titles = [one.title for one in chapters]
+    assert titles.count("What happened") == 2
+    between = chapters[titles.index("Between two recordings")]
+    assert re.search(r"the program began again -?[\d.]+ s later: ", between.says[0])
+    assert "was under way" in between.says[0] or "under way was" in between.says[0]
+    first = [says for one in chapters[:1] for says in one.says]
+    assert first[0].startswith("The program (version")
+
+
+def test_what_is_missing_is_told_by_log_and_story(tmp_path: Path) -> None:
+    path = tmp_path / "cut.mcap"
+    data = bytearray(SHORT.read_bytes())
+    data[len(data) // 2] ^= 1
+    path.write_bytes(data[:-500])
+    assert "Not everything is on record" in told(path)
+    lines = logged(path).stdout
+    assert "are missing between" in lines
+    assert "is cut behind" in lines
+
+
+def test_a_log_can_be_asked_by_topic_time_and_text() -> None:
+    everything = logged(SHORT).stdout.splitlines()
+    assert len(everything) > 20
+    times = [float(line.split()[2]) for line in everything]
+    assert times == sorted(times)
+    some = logged(SHORT, "--from", "10", "--to", "60").stdout.splitlines()
+    assert some == [one for one, t in zip(everything, times, strict=True) if 10 <= t <= 60]
+    sent = logged(SHORT, "--text", "SENT @za").stdout.splitlines()
+    assert sent == [line for line in everything if "sent @ZA" in line]
+    decoded = logged(SHORT, "--topic", "telemetry", "--json").stdout.splitlines()
+    depths = [json.loads(line)["value"]["depth_m"] for line in decoded]
+    assert max(depths) > 1.0
+    assert logged(SHORT, "--topic", "nothing").exit_code == 2
+
+
+def test_a_frame_that_somebody_sent_writes_nothing_of_its_own_into_a_terminal(
+    tmp_path: Path,
+) -> None:
+    (items,) = recordings([SHORT])
+    box = BlackBox(tmp_path / "b.mcap")
+    assert isinstance(items[0], Record)
+    box.record(items[0])
+    box.record(tx_record(Tx(1.0, "vehicle", b"@ZAX0$", "because \x1b[2J of <b>it</b>")))
+    box.close()
+    assert "\x1b" not in logged(box.path).stdout
+    chapters = story(recordings([box.path]))
+    for form in (as_text, as_markdown, as_html):
+        text = form("dive", chapters)
+        assert "\x1b" not in text
+    assert "<b>" not in as_html("dive", chapters)
+    assert r"\<b\>" in as_markdown("dive", chapters)
+
+
+def test_follow_shows_what_comes_from_now_on(tmp_path: Path) -> None:
+    (items,) = recordings([SHORT])
+    records = [item for item in items if isinstance(item, Record)]
+    box = BlackBox(tmp_path / "b.mcap", shell=True)
+
+    def write(some: list[Record]) -> None:
+        for record in some:
+            box.record(record)
+        box.store(box.take())
+
+    write(records[:40])
+    rest = iter([records[40:80], records[80:120]])
+
+    class EnoughError(Exception):
+        pass
+
+    def sleep(_: float) -> None:
+        some = next(rest, None)
+        if some is None:
+            raise EnoughError
+        write(some)
+
+    seen: list[float] = []
+    lines = follow(box.path, Wanted(frozenset({"rx"})), sleep)
+    with pytest.raises(EnoughError):
+        seen.extend(line.t for line in lines)
+    wanted = [record.t for record in records[40:120] if record.kind == "rx"]
+    assert seen == pytest.approx(wanted)
+
+
+class Loads(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.loads: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.loads += [value or "" for name, value in attrs if name in ("src", "href")]
+
+
+def test_the_page_asks_no_other_host_and_has_every_row(tmp_path: Path) -> None:
+    page = tmp_path / "story.html"
+    ran = CliRunner().invoke(story_command, [str(SHORT), "--form", "html", "-o", str(page)])
+    assert ran.exit_code == 0, ran.output
+    seen = Loads()
+    seen.feed(page.read_text(encoding="utf-8"))
+    assert seen.loads == []
+    tables = [table for one in story(recordings([SHORT])) for table in one.tables]
+    assert seen.tags.count("tr") == sum(len(table.rows) + 1 for table in tables)
+
+
+def test_what_is_no_black_box_is_refused_with_its_name(tmp_path: Path) -> None:
+    path = tmp_path / "notes.txt"
+    path.write_text("no black box")
+    for command in (log, story_command):
+        ran = CliRunner().invoke(command, [str(path)])
+        assert ran.exit_code == 2
+        assert "notes.txt" in ran.output
