@@ -50,6 +50,7 @@ def simulate(
     from links.simulated.settings import SettingError, parse_settings
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
     from mission.onboard.blackbox import close_recording
+    from mission.verification.simulation.coverage import as_json_of, coverage_of
     from mission.verification.simulation.flight import fly
     from mission.verification.simulation.legtable import table
 
@@ -73,7 +74,8 @@ def simulate(
     except OSError as error:
         click.echo(f"the report cannot be written: {error}", err=True)
         sys.exit(UNREADABLE)
-    click.echo(json.dumps(flight.as_json()) if as_json else table(flight, prepared.chart))
+    flown = flight.as_json() | {"coverage": as_json_of(coverage_of(flight, prepared.mission))}
+    click.echo(json.dumps(flown) if as_json else table(flight, prepared.chart))
     sys.exit(0 if flight.outcome == "completed" else 1)
 
 

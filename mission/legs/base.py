@@ -20,7 +20,7 @@ from random import Random
 from typing import Any, Protocol, Self
 
 from mission.legs.words import NO_HEAD, Head, LegClause, Misfit
-from mission.model import Axis, Estimate, LegKind, Place
+from mission.model import Axis, Estimate, Leg, LegKind, Place
 from protocol.messages import Setpoint
 
 Point = tuple[float, float]  # m north and east of home
@@ -104,6 +104,9 @@ class LegType:
 
     On pictures, ``shown`` is what it does beside holding its set and ``done`` how it ended.
 
+    ``parts`` are the legs that one of it consists of, in turn (none: it is one itself); they stand
+    in a group of its name. ``parts_fault`` says what keeps a leg from being parted.
+
     ``draws`` make random ones, each as often as it stands there; ``trials`` are bodies of missions
     for the campaign to fly with what they wait for withheld.
     """
@@ -132,6 +135,8 @@ class LegType:
     ends_at_last: bool = False
     shown: Callable[[Any], str] = lambda kind: ""
     done: Callable[[Any], str] = lambda kind: "done"
+    parts: Callable[[Leg], tuple[Leg, ...]] = lambda leg: ()
+    parts_fault: Callable[[Leg], str] = lambda leg: ""
     draws: tuple[Callable[[Author], str], ...] = ()
     trials: tuple[str, ...] = ()
 

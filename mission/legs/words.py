@@ -42,7 +42,8 @@ class Measure:
     """A size, ``low``..``high`` in ``unit``, for the field of the same name, in SI.
 
     ``usual`` is what it is where the author says nothing; None: it must be said, for instance as
-    ``example``. ``circular``: a direction, written as a compass says it.
+    ``example``. ``circular``: a direction, written as a compass says it. ``silent``: texts do not
+    write it where it is as usual.
     """
 
     word: str
@@ -53,6 +54,7 @@ class Measure:
     usual: float | None = None
     example: str = "100"
     circular: bool = False
+    silent: bool = False
 
     @property
     def field(self) -> str:

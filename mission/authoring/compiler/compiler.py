@@ -36,6 +36,7 @@ from mission.authoring.compiler.outputs import (
     outputs_of,
     sources_of,
 )
+from mission.authoring.compiler.parts import parted, parts_fault
 from mission.authoring.compiler.refusing import refused
 from mission.engine.guards import comparisons
 from mission.legs import LEGS, Surface
@@ -122,7 +123,7 @@ class _Compiler:
         self._mission, self._vehicle = mission, vehicle
         self._problems: list[Diagnostic] = []
         self._states: list[State] = []
-        self._bodies: dict[str, tuple[Node, ...]] = {AUTONOMOUS: mission.body}
+        self._bodies: dict[str, tuple[Node, ...]] = {AUTONOMOUS: parted(mission.body)}
         self._repeat: dict[str, int] = {AUTONOMOUS: 1}
         self._slots: dict[str, _Slot] = {}  # path -> its place
         self._named: dict[str, list[str]] = {}  # name -> paths
@@ -135,6 +136,9 @@ class _Compiler:
 
     def compiled(self, digest: str) -> Compiled:
         self._index()
+        for leg in legs_of(self._mission.body):
+            if why := parts_fault(leg):
+                self._refuse("parts", leg.where, f"{leg.name}: {why}")
         start = self._ways_from(_Slot(AUTONOMOUS, 0))[0]
         if start.target == IMPLICIT_SURFACE:
             self._refuse("no-leg", self._mission.where, "the mission has no leg that lasts")
@@ -157,7 +161,7 @@ class _Compiler:
     # --- names and places ----------------------------------------------------------------
 
     def _index(self) -> None:
-        stack = [(AUTONOMOUS, i, node) for i, node in enumerate(self._mission.body)][::-1]
+        stack = [(AUTONOMOUS, i, node) for i, node in enumerate(self._bodies[AUTONOMOUS])][::-1]
         while stack:
             parent, i, node = stack.pop()
             path = f"{parent}/{node.name}"

@@ -178,6 +178,8 @@ def _head(leg: Leg, row: LegType, units: bool) -> str:
 def _clause(clause: LegClause, value: Any, units: bool) -> str:
     """Empty where nothing is to be said."""
     match clause:
+        case Measure(silent=True) if value == clause.unsaid:
+            return ""
         case Measure():
             circular = clause.circular
             return degrees_text(value) if circular else quantity_text(value, clause.unit, units)

@@ -18,6 +18,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
+from mission.authoring.compiler.parts import parted
 from mission.model import (
     AUTONOMOUS,
     IDLE_EMPTY,
@@ -246,7 +247,7 @@ class FlightLog:
 
 def leg_paths(mission: Mission) -> frozenset[str]:
     """Every leg's path in the chart, the implicit one included."""
-    return frozenset(_leg_paths(mission.body, AUTONOMOUS)) | {IMPLICIT_SURFACE}
+    return frozenset(_leg_paths(parted(mission.body), AUTONOMOUS)) | {IMPLICIT_SURFACE}
 
 
 def _leg_paths(body: Iterable[Node], parent: str) -> Iterator[str]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from mission.analysis.ended import ended_by
 from mission.model import Chart
+from mission.verification.simulation.coverage import coverage_of, told
 from mission.verification.simulation.flightlog import Flight, LegFlown
 
 
@@ -18,7 +19,7 @@ def table(flight: Flight, chart: Chart) -> str:
         cells = "  ".join(f"{t:7.1f} s" for t in times)
         because = _because(leg, chart)
         rows.append(f"{leg.name:{width}}  {cells}  {leg.by or '(active)':8}  {because}".rstrip())
-    return "\n".join([*rows, "", *_figures(flight)])
+    return "\n".join([*rows, "", *_figures(flight), *told(coverage_of(flight, chart.mission))])
 
 
 def _figures(flight: Flight) -> list[str]:
