@@ -23,6 +23,7 @@ INTERRUPTED = 128 + signal.SIGINT  # exit code, as a shell has it
 COMMANDS = {
     "demo": "demo",
     "simulate": "simulate",
+    "rehearse": "rehearse",
     "vehicle": "vehicle",
     "water": "water",
     "check": "check",

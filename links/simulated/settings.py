@@ -92,6 +92,11 @@ def _buoyancy(settings: Settings, text: str) -> Settings:
     return replace(settings, body=replace(settings.body, buoyancy=_number(text, -50.0, 100.0)))
 
 
+def _thrust(settings: Settings, text: str) -> Settings:
+    main = settings.body.main_thrust * _number(text, 0.0, 4.0)
+    return replace(settings, body=replace(settings.body, main_thrust=main))
+
+
 def _splice(settings: Settings, text: str) -> Settings:
     return replace(settings, splice=_number(text, 0.0, 1.0))
 
@@ -138,6 +143,7 @@ SETTINGS: dict[str, Setting] = {
     "fix_noise": Setting("M", "one sigma per axis", _errors("fix_noise", 1.0)),
     "first_fix": Setting("S", "after power-on", _errors("first_fix", 1.0)),
     "buoyancy": Setting("N", "net, upward", _buoyancy),
+    "thrust": Setting("SHARE", "of what the main thrusters have", _thrust),
     "splice": Setting("CHANCE", "of an answer inside an @SD", _splice),
     "fault": Setting("NAME[=VALUE]@BEGIN[+DURATION]", "s; may be given again", _fault),
 }

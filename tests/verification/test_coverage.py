@@ -64,7 +64,7 @@ def test_a_row_that_is_not_flown_is_missed() -> None:
 
 
 def test_turns_see_nothing() -> None:
-    turn = [SimpleNamespace(north=START[0] + n, east=START[1] - 0.1 * n) for n in range(30)]
+    turn = [SimpleNamespace(north=START[0] + n, east=START[1] + 1.0 + 0.1 * n) for n in range(30)]
     across = replace(AREA, bearing=math.pi / 2)
     assert share(across, turn) == 0.0
 

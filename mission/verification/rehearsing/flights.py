@@ -1,0 +1,130 @@
+"""One rehearsed flight as a row of figures, and the same for many, on all cores."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from links.simulated.settings import parse_settings
+from mission.authoring.check.assumptions import Assumptions
+from mission.authoring.check.bounds import LegBounds
+from mission.authoring.prepare import Prepared, prepare_text
+from mission.model import Chart
+from mission.model.vehicle import Vehicle
+from mission.verification.rehearsing.sea import drawn
+from mission.verification.simulation.coverage import Coverage, coverage_of
+from mission.verification.simulation.flight import fly
+from mission.verification.simulation.flightlog import Flight
+from mission.verification.workers import results
+from mission.verification.workers.kept import Kept
+from mission.verification.workers.outcome import Lost
+from mission.verification.workers.places import Place
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """Picklable: what a worker needs to fly one."""
+
+    text: str
+    source: str
+    vehicle: str | None
+    parameters: tuple[tuple[str, str], ...]
+    seed: int
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class Flown:
+    """SI; ``surfaced`` is the true place at the end, m from home, where it is at the surface.
+
+    ``near``: of each limit, the greatest share of it that was used.
+    """
+
+    number: int
+    settings: tuple[str, ...]
+    outcome: str
+    reason: str
+    time: float
+    energy: float
+    error: float  # m, of the position, the greatest while it was flown
+    coverage: tuple[Coverage, ...]
+    surfaced: tuple[float, float] | None
+    near: tuple[tuple[str, float], ...]
+
+    @property
+    def covered(self) -> float:
+        """The least share of an area that was truly seen; 1 where nothing says a swath."""
+        return min((c.true for c in self.coverage), default=1.0)
+
+
+def rehearsed(
+    prepared: Prepared,
+    vehicle: str | None,
+    parameters: dict[str, str],
+    seed: int,
+    flights: int,
+    at: Place,
+    kept: Kept[Flown] | None = None,
+) -> Iterator[Flown | Lost]:
+    """In the order of their numbers, whatever works on them."""
+    given = tuple(sorted(parameters.items()))
+    jobs = [
+        Job(prepared.text, prepared.source, vehicle, given, seed, number)
+        for number in range(flights)
+    ]
+    return results(_one, jobs, at, lambda job: f"flight {job.number}", kept)
+
+
+def _one(job: Job) -> Flown:
+    prepared = _prepared(job.text, job.source, job.vehicle, job.parameters)
+    mission, vehicle = prepared.mission, prepared.vehicle
+    settings = drawn(mission, vehicle, job.seed, job.number)
+    sea = parse_settings(settings)
+    flight = fly(mission, vehicle, seed=job.seed + job.number, settings=sea)
+    last = flight.track[-1] if flight.track and flight.at_surface else None
+    return Flown(
+        number=job.number,
+        settings=settings,
+        outcome=flight.outcome,
+        reason=flight.reason,
+        time=flight.mission_time,
+        energy=energy_of(flight, prepared.chart, vehicle),
+        error=max((sample.error for sample in flight.samples), default=0.0),
+        coverage=coverage_of(flight, mission),
+        surfaced=(last.north, last.east) if last is not None else None,
+        near=_near(flight, prepared),
+    )
+
+
+@functools.lru_cache(maxsize=1)
+def _prepared(
+    text: str, source: str, vehicle: str | None, parameters: tuple[tuple[str, str], ...]
+) -> Prepared:
+    return prepare_text(text, source, vehicle, dict(parameters))
+
+
+def energy_of(flight: Flight, chart: Chart, vehicle: Vehicle) -> float:
+    """J by the vehicle file's powers: each leg's, for as long as it lasted."""
+    assume = Assumptions.of(chart.mission, vehicle, vehicle.limits.depth)
+    power = {
+        state.path.partition("/")[2]: LegBounds(state, vehicle, assume, None).power
+        for state in chart.states
+        if state.leg is not None
+    }
+    hotel = vehicle.battery.hotel
+    return sum(
+        (leg.left - leg.entered) * power.get(leg.name.partition("#")[0], hotel)
+        for leg in flight.legs
+    )
+
+
+def _near(flight: Flight, prepared: Prepared) -> tuple[tuple[str, float], ...]:
+    safety, hard = prepared.mission.safety, prepared.vehicle.limits
+    used = {
+        "time": flight.mission_time / min(hard.time, safety.time or math.inf),
+        "radius": flight.max_range / min(hard.radius, safety.radius or math.inf),
+        "depth": flight.max_depth / min(hard.depth, safety.depth or math.inf),
+    }
+    return tuple(used.items())

@@ -1,0 +1,201 @@
+"""What many flights say together: shares, spreads, limits that came near, and the worst ten."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from mission.verification.rehearsing.flights import Flown
+
+SHARES = (0.5, 0.9, 0.99)
+WORST = 10
+_Z = 1.96  # of a normal distribution: 95 %
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """5 %, half and 95 % of the flights are below these."""
+
+    low: float
+    middle: float
+    high: float
+
+    @staticmethod
+    def of(values: Sequence[float]) -> Spread:
+        ranked = sorted(values)
+        return Spread(*(quantile(ranked, share) for share in (0.05, 0.5, 0.95)))
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """The ellipse about where flights came up that holds ``share`` of them; m and rad."""
+
+    share: float
+    north: float
+    east: float
+    axes: tuple[float, float]  # half axes
+    bearing: float  # of the longer one
+
+
+@dataclass(frozen=True, slots=True)
+class Rehearsal:
+    flights: int
+    outcomes: dict[str, int]
+    chance: tuple[float, float]  # 95 % interval of the probability of completion
+    time: Spread
+    energy: Spread
+    error: Spread
+    coverage: dict[str, tuple[Spread, Spread]]  # by leg: true, by the estimate
+    regions: tuple[Region, ...]
+    near: dict[str, float]  # of each limit, the greatest share that any flight used
+    worst: tuple[Flown, ...]
+
+
+def report_of(flown: Sequence[Flown]) -> Rehearsal:
+    """Of at least one flight."""
+    completed = sum(f.outcome == "completed" for f in flown)
+    return Rehearsal(
+        flights=len(flown),
+        outcomes=dict(Counter(f.outcome for f in flown)),
+        chance=wilson(completed, len(flown)),
+        time=Spread.of([f.time for f in flown]),
+        energy=Spread.of([f.energy for f in flown]),
+        error=Spread.of([f.error for f in flown]),
+        coverage=_coverage(flown),
+        regions=regions([f.surfaced for f in flown if f.surfaced is not None]),
+        near={name: max(dict(f.near)[name] for f in flown) for name, _ in flown[0].near},
+        worst=tuple(sorted(flown, key=_goodness)[:WORST]),
+    )
+
+
+def _goodness(flown: Flown) -> tuple[bool, float, float]:
+    return flown.outcome == "completed", flown.covered, -flown.error
+
+
+def _coverage(flown: Sequence[Flown]) -> dict[str, tuple[Spread, Spread]]:
+    legs = [c.leg for c in flown[0].coverage]
+    return {
+        leg: (
+            Spread.of([f.coverage[i].true for f in flown]),
+            Spread.of([f.coverage[i].estimated for f in flown]),
+        )
+        for i, leg in enumerate(legs)
+    }
+
+
+def quantile(ranked: Sequence[float], share: float) -> float:
+    """The smallest value that at least ``share`` of them do not exceed."""
+    return ranked[max(0, math.ceil(share * len(ranked)) - 1)]
+
+
+def wilson(hits: int, of: int) -> tuple[float, float]:
+    """The 95 % interval of a probability (Wilson 1927, score interval)."""
+    share, z2 = hits / of, _Z * _Z
+    middle = (share + z2 / (2 * of)) / (1 + z2 / of)
+    half = _Z / (1 + z2 / of) * math.sqrt(share * (1 - share) / of + z2 / (4 * of * of))
+    return max(0.0, middle - half), min(1.0, middle + half)
+
+
+def regions(places: Sequence[tuple[float, float]]) -> tuple[Region, ...]:
+    """Ellipses of the places' covariance, each as large as it must be to hold its share."""
+    if len(places) < 3:
+        return ()
+    import numpy as np
+
+    points = np.array(places)
+    centre = points.mean(axis=0)
+    covariance = np.cov((points - centre).T) + 1e-6 * np.eye(2)
+    values, vectors = np.linalg.eigh(covariance)
+    turned = (points - centre) @ vectors
+    reach = sorted(np.sqrt((turned**2 / values).sum(axis=1)).tolist())
+    bearing = math.atan2(float(vectors[1, 1]), float(vectors[0, 1]))
+    sigma = math.sqrt(float(values[1])), math.sqrt(float(values[0]))
+    return tuple(
+        Region(share, float(centre[0]), float(centre[1]), (sigma[0] * k, sigma[1] * k), bearing)
+        for share in SHARES
+        for k in (quantile(reach, share),)
+    )
+
+
+def again(flown: Flown, source: str, seed: int) -> str:
+    """The command that flies it once more."""
+    said = " ".join(f"--set {text}" for text in flown.settings)
+    return f"auvmission simulate {source} --seed {seed + flown.number} {said}"
+
+
+# --- told -----------------------------------------------------------------------------------------
+
+
+def as_text(made: Rehearsal, source: str, seed: int) -> str:
+    done = made.outcomes.get("completed", 0)
+    low, high = made.chance
+    rows = [
+        f"completed         {done} of {made.flights}: {low:.1%} to {high:.1%} (95 %)",
+        *(f"  {name:15} {count}" for name, count in sorted(made.outcomes.items())),
+        f"{'':18}{'5 %':>9}{'half':>9}{'95 %':>9}",
+        _row("time, min", made.time, 60.0),
+        _row("energy, Wh", made.energy, 3600.0),
+        _row("error, m", made.error, 1.0),
+    ]
+    for leg, (true, estimated) in made.coverage.items():
+        rows.append(_row("coverage, %", true, 0.01) + f"  {leg}")
+        rows.append(_row("  by estimate, %", estimated, 0.01) + f"  {leg}")
+    for r in made.regions:
+        axes = f"{r.axes[0]:.0f} by {r.axes[1]:.0f} m about"
+        rows.append(f"surfaced, {r.share:.0%}     {axes} north {r.north:.0f} east {r.east:.0f} m")
+    used = ", ".join(f"{name} {share:.0%}" for name, share in made.near.items())
+    rows += [f"limits, at most   {used}", "the worst, and how to fly them again"]
+    for f in made.worst:
+        figures = f"coverage {f.covered:.0%}, error {f.error:.0f} m"
+        rows += [f"  {f.number}: {f.outcome}, {figures}", f"    {again(f, source, seed)}"]
+    return "\n".join(rows)
+
+
+def _row(name: str, spread: Spread, unit: float) -> str:
+    figures = (spread.low, spread.middle, spread.high)
+    return f"{name:18}" + "".join(f"{value / unit:9.1f}" for value in figures)
+
+
+def as_object(made: Rehearsal, source: str, seed: int) -> dict[str, Any]:
+    return {
+        "flights": made.flights,
+        "seed": seed,
+        "outcomes": made.outcomes,
+        "completion_95": [round(p, 4) for p in made.chance],
+        "time_s": _spread(made.time),
+        "energy_wh": _spread(made.energy, 3600.0),
+        "error_m": _spread(made.error),
+        "coverage": {
+            leg: {"true": _spread(true), "estimated": _spread(estimated)}
+            for leg, (true, estimated) in made.coverage.items()
+        },
+        "surfaced": [
+            {
+                "share": r.share,
+                "north_m": round(r.north, 1),
+                "east_m": round(r.east, 1),
+                "half_axes_m": [round(a, 1) for a in r.axes],
+                "bearing_deg": round(math.degrees(r.bearing) % 180.0, 1),
+            }
+            for r in made.regions
+        ],
+        "limits_used": {name: round(share, 3) for name, share in made.near.items()},
+        "worst": [
+            {
+                "flight": f.number,
+                "outcome": f.outcome,
+                "reason": f.reason,
+                "coverage": round(f.covered, 4),
+                "error_m": round(f.error, 1),
+                "again": again(f, source, seed),
+            }
+            for f in made.worst
+        ],
+    }
+
+
+def _spread(spread: Spread, unit: float = 1.0) -> list[float]:
+    return [round(value / unit, 4) for value in (spread.low, spread.middle, spread.high)]

@@ -1,0 +1,39 @@
+"""The sea of one rehearsed flight, drawn from what the mission assumes and the vehicle file says.
+
+    current        anywhere in the disc that `assume current` is the radius of, alike over its area
+    compass bias   normal, one sigma as in the vehicle file, about the bias that it knows
+    speed          normal, one sigma half of what the check allows (thrust ~ speed squared)
+    buoyancy       normal, a tenth of what the simulated vehicle has
+    floor          that of `assume floor`, else the simulator's own
+
+Everything else (noise, slow errors, when the receiver finds its first fix) follows from the seed.
+What is drawn is said in the texts of ``simulate --set``, so that any flight can be flown again.
+"""
+
+from __future__ import annotations
+
+import math
+from random import Random
+
+from links.simulated.plant import Body
+from mission.authoring.check.assumptions import SPEED_SHARE, TWO_SIGMA
+from mission.model import Mission
+from mission.model.vehicle import Vehicle
+
+
+def drawn(mission: Mission, vehicle: Vehicle, seed: int, number: int) -> tuple[str, ...]:
+    """Settings of flight ``number``, as texts; the same for the same arguments."""
+    rng = Random(f"{seed}/{number}")
+    speed = mission.current(vehicle.current) * math.sqrt(rng.random())
+    towards = rng.uniform(0.0, 360.0)
+    bias = math.degrees(rng.gauss(vehicle.compass_bias, vehicle.sensors.heading_bias))
+    thrust = (1.0 + max(-0.5, rng.gauss(0.0, SPEED_SHARE / TWO_SIGMA))) ** 2
+    buoyancy = max(0.3, rng.gauss(1.0, 0.1)) * Body().buoyancy
+    texts = [
+        f"current={speed:.3f}@{towards:.0f}",
+        f"compass_bias={bias:.1f}",
+        f"thrust={thrust:.3f}",
+        f"buoyancy={buoyancy:.1f}",
+    ]
+    floor = dict(mission.assume).get("floor")
+    return (*texts, f"floor={floor:g}") if floor is not None else tuple(texts)

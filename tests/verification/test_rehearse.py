@@ -1,0 +1,156 @@
+"""Rehearsals: what is drawn, what many flights say together, and that each can be flown again."""
+
+from __future__ import annotations
+
+import json
+import math
+import shlex
+from pathlib import Path
+from random import Random
+
+import pytest
+from click.testing import CliRunner
+
+from links.simulated.settings import parse_settings
+from mission.authoring.prepare import prepare
+from mission.cli import main
+from mission.verification.rehearsing.flights import Flown, energy_of
+from mission.verification.rehearsing.report import quantile, regions, report_of, wilson
+from mission.verification.rehearsing.sea import drawn
+from mission.verification.simulation.coverage import Coverage
+from mission.verification.simulation.flight import fly
+
+DIVE = prepare("first-dive")
+FLIGHTS = 4
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, object], Path]:
+    picture = tmp_path_factory.mktemp("rehearsal") / "a.png"
+    command = ["rehearse", "first-dive", "--flights", str(FLIGHTS), "--seed", "5", "--workers", "1"]
+    run = CliRunner().invoke(main, [*command, "--json", "-o", str(picture)])
+    assert run.exit_code == 0, run.output
+    return json.loads(run.stdout), picture
+
+
+def flown(number: int, true: float = 1.0, outcome: str = "completed", error: float = 1.0) -> Flown:
+    return Flown(number, ("current=0.1@0",), outcome, "", 60.0 + number, 3600.0, error,
+                 (Coverage("mow", true, 1.0),), (float(number), 0.0),
+                 (("time", 0.1 * number),))  # fmt: skip
+
+
+def test_the_sea_is_within_what_the_mission_assumes_and_fills_it() -> None:
+    seas = [parse_settings(drawn(DIVE.mission, DIVE.vehicle, 0, n)) for n in range(400)]
+    speeds = sorted(s.sea.current[0] for s in seas)
+    most = DIVE.mission.current(DIVE.vehicle.current)
+    assert speeds[-1] <= most + 5e-4
+    # alike over the disc: half of the flights beyond 1 / sqrt(2) of its radius
+    assert quantile(speeds, 0.5) == pytest.approx(most / math.sqrt(2.0), rel=0.08)
+    directions = [s.sea.current[1] for s in seas]
+    assert max(directions) - min(directions) > math.radians(350.0)
+
+
+def test_the_vehicle_errs_as_its_file_says() -> None:
+    seas = [parse_settings(drawn(DIVE.mission, DIVE.vehicle, 0, n)) for n in range(400)]
+    biases = [s.errors.compass_bias for s in seas if s.errors.compass_bias is not None]
+    sigma = math.sqrt(sum(b * b for b in biases) / len(biases))
+    assert sigma == pytest.approx(DIVE.vehicle.sensors.heading_bias, rel=0.15)
+    assert len({s.body.main_thrust for s in seas}) > 100
+
+
+def test_a_seed_draws_the_same_sea_and_another_seed_another() -> None:
+    assert drawn(DIVE.mission, DIVE.vehicle, 1, 7) == drawn(DIVE.mission, DIVE.vehicle, 1, 7)
+    assert drawn(DIVE.mission, DIVE.vehicle, 1, 7) != drawn(DIVE.mission, DIVE.vehicle, 2, 7)
+
+
+def test_every_figure_of_a_rehearsal_is_told(told: tuple[dict[str, object], Path]) -> None:
+    report, picture = told
+    assert report["flights"] == FLIGHTS
+    assert report["outcomes"] == {"completed": FLIGHTS}
+    for key in ("time_s", "energy_wh", "error_m"):
+        spread = report[key]
+        assert isinstance(spread, list)
+        assert 0.0 < spread[0] <= spread[1] <= spread[2]
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_worst_flights_come_with_the_command_that_flies_them_again(
+    told: tuple[dict[str, object], Path],
+) -> None:
+    worst = told[0]["worst"]
+    assert isinstance(worst, list)
+    assert len(worst) == FLIGHTS
+    first = worst[0]
+    run = CliRunner().invoke(main, [*shlex.split(first["again"])[1:], "--json"])
+    assert json.loads(run.stdout)["outcome"] == first["outcome"]
+    settings = parse_settings(drawn(DIVE.mission, DIVE.vehicle, 5, first["flight"]))
+    flight = fly(DIVE.mission, DIVE.vehicle, seed=5 + first["flight"], settings=settings)
+    assert round(max(s.error for s in flight.samples), 1) == first["error_m"]
+
+
+def test_a_rehearsal_says_the_same_whatever_works_on_it(
+    told: tuple[dict[str, object], Path],
+) -> None:
+    command = ["rehearse", "first-dive", "--flights", str(FLIGHTS), "--seed", "5", "--workers", "2"]
+    run = CliRunner().invoke(main, [*command, "--json"])
+    assert json.loads(run.stdout) == told[0]
+
+
+def test_the_energy_of_a_flight_is_power_times_time() -> None:
+    flight = fly(DIVE.mission, DIVE.vehicle)
+    energy = energy_of(flight, DIVE.chart, DIVE.vehicle)
+    battery = DIVE.vehicle.battery
+    least = battery.hotel * flight.mission_time
+    most = (battery.hotel + battery.vertical + max(DIVE.vehicle.thruster_power.y)) * (
+        flight.mission_time
+    )
+    assert least < energy < most
+
+
+def test_the_worst_are_those_that_fail_then_those_that_see_least_then_those_that_err_most() -> None:
+    rows = [flown(0), flown(1, error=9.0), flown(2, true=0.5), flown(3, outcome="emergency")]
+    made = report_of(rows)
+    assert [f.number for f in made.worst] == [3, 2, 1, 0]
+    assert made.near == {"time": pytest.approx(0.3)}
+    assert made.outcomes == {"completed": 3, "emergency": 1}
+    assert made.coverage["mow"][0].low == 0.5
+
+
+def test_regions_hold_the_share_of_the_places_that_they_say() -> None:
+    rng = Random(1)
+    places = [(rng.gauss(5.0, 30.0), rng.gauss(-3.0, 10.0)) for _ in range(500)]
+    found = regions(places)
+    assert [r.share for r in found] == [0.5, 0.9, 0.99]
+    for r in found:
+        c, s = math.cos(r.bearing), math.sin(r.bearing)
+        inside = 0
+        for north, east in places:
+            along = (north - r.north) * c + (east - r.east) * s
+            across = (east - r.east) * c - (north - r.north) * s
+            inside += math.hypot(along / r.axes[0], across / r.axes[1]) <= 1.0 + 1e-9
+        assert inside == math.ceil(r.share * len(places))
+    assert abs(math.sin(found[0].bearing)) < 0.2  # north and south
+
+
+def test_two_places_make_no_region() -> None:
+    assert regions([(0.0, 0.0), (1.0, 1.0)]) == ()
+
+
+@pytest.mark.parametrize(("hits", "of"), [(0, 10), (10, 10), (90, 100)])
+def test_the_chance_of_completion_has_an_interval_that_is_never_sure(hits: int, of: int) -> None:
+    low, high = wilson(hits, of)
+    assert 0.0 <= low <= hits / of <= high <= 1.0
+    assert high - low > 0.05
+    if (hits, of) == (90, 100):  # Newcombe 1998, table I has such figures
+        assert (low, high) == (pytest.approx(0.8256, abs=1e-3), pytest.approx(0.9448, abs=1e-3))
+
+
+def test_thrust_is_a_share_of_what_the_main_thrusters_have() -> None:
+    whole, half = parse_settings([]), parse_settings(["thrust=0.5"])
+    assert half.body.main_thrust == 0.5 * whole.body.main_thrust
+
+
+def test_what_cannot_be_rehearsed_is_said(tmp_path: Path) -> None:
+    runner = CliRunner()
+    assert runner.invoke(main, ["rehearse", "no-such"]).exit_code == 2
+    assert runner.invoke(main, ["rehearse", "first-dive", "-o", "a.pdf"]).exit_code == 2
