@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 @click.option(
     "--soak", metavar="DAYS", type=click.FloatRange(0.0), help="Missions in a row instead."
 )
+@click.option("--soaks", type=click.IntRange(1),
+              help="With --soak: so many at once, of this seed and those behind it.")  # fmt: skip
 @click.option(
     "--broken", "rule", metavar="NAME|all", help="Break this safety rule, and see who notices."
 )
@@ -46,6 +48,7 @@ def faults(
     search: bool,
     report: Path | None,
     soak: float | None,
+    soaks: int | None,
     rule: str | None,
     calm: bool,
     as_json: bool,
@@ -75,6 +78,10 @@ def faults(
     known = tuple(subjects(shipped()))
     if rule is not None:
         sys.exit(_break(rule, seed, flights, where, known, as_json, search))
+    if soaks is not None:
+        if soak is None:
+            raise click.UsageError("--soaks needs --soak DAYS")
+        sys.exit(_soak_many(soak, range(seed, seed + soaks), where, known, as_json))
     if soak is not None:
         sys.exit(_soak(soak, seed, known, as_json))
     totals = Totals()
@@ -271,33 +278,44 @@ def _soak(days: float, seed: int, known: Sequence[Subject], as_json: bool) -> in
     from mission.verification.campaign import soak
 
     def told(soaked: soak.Soaked, result: FlightResult) -> None:
-        if result.violations:
-            found = [f"  {v.kind} at {v.t:.1f} s: {v.says}" for v in result.violations]
-            story = "\n".join([f"mission {result.number}: {result.words}", *found])
-            click.echo(
-                f"{story}\n  again: auvmission faults --seed {seed} --soak {soaked.days:.2f}"
-            )
+        for line in soak.story(soaked, result, seed):
+            click.echo(line)
         if soaked.missions % 20 == 0:
             words = f"{soaked.days:.2f} of {days:g} days, {soaked.missions} missions"
             click.echo(f"{words}, growth {soaked.growth}", err=True)
 
     with tempfile.TemporaryDirectory(prefix="soak-") as folder:
         soaked = soak.soak(days, seed, known, load_vehicle("auv"), Path(folder), told)
-    found = soaked.totals.as_json() | {
-        "days": round(soaked.days, 2),
-        "missions": soaked.missions,
-        "growth": soaked.growth,
-        "resident_mb": round(soaked.resident[-1], 1) if soaked.resident else None,
-        "black_box": {
-            "parts": soaked.parts,
-            "broken": soaked.broken_parts,
-            "mb": round(soaked.megabytes, 1),
-        },
-    }
-    click.echo(json.dumps(found))
+    click.echo(json.dumps(soaked.as_json()))
     if soaked.interrupted:
         raise KeyboardInterrupt
-    return 0 if soaked.totals.clean and soaked.flat and not soaked.broken_parts else 1
+    return 0 if soaked.held else 1
+
+
+def _soak_many(
+    days: float, seeds: range, where: Where, known: Sequence[Subject], as_json: bool
+) -> int:
+    """The exit code. Each in a process of its own, which looks at its memory."""
+    import functools
+    import json
+
+    from mission.model.shipped import load_vehicle
+    from mission.verification.campaign.soak import Summary, soak_alone
+    from mission.verification.workers import results
+    from mission.verification.workers.outcome import Lost
+
+    work = functools.partial(soak_alone, days, known, load_vehicle("auv"))
+    place = where.lasting(1.0 + days).place
+    found: dict[int, Any] = {}
+    held = True
+    with where.keeping({"flights": "soaked", "days": days}, Summary) as kept:
+        for seed, one in zip(seeds, results(work, seeds, place, kept=kept), strict=True):
+            held = held and not isinstance(one, Lost) and one.held
+            found[seed] = None if isinstance(one, Lost) else one.found
+            for line in [f"seed {one}"] if isinstance(one, Lost) else one.stories:
+                click.echo(line, err=as_json)
+    click.echo(json.dumps({"soaks": found}))
+    return 0 if held else 1
 
 
 @contextmanager

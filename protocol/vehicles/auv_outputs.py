@@ -25,7 +25,7 @@ _NEEDED = {
     "radio": "it is the operator's way to the vehicle",
 }
 POWER = tuple(f"power_{name.lower()}" for name in SENSORS)
-CHANNELS = (
+CHANNELS: tuple[Channel, ...] = (
     *(Channel(name, "deg", _DOWN, _UP, "rudder, up positive") for name in _RUDDERS),
     *(
         Channel(name, "", 0, 1, f"power of the {device}", 1, needed=_NEEDED.get(device, ""))
@@ -55,7 +55,7 @@ def _magnetic(index: int) -> Callable[[Telemetry], float | None]:
     return read
 
 
-SOURCES = (
+SOURCES: tuple[Source, ...] = (
     *(
         Source(f"mag_{place}_{axis}", "uT", f"magnetometer, {place}, {axis}", _magnetic(3 * i + j))
         for i, place in enumerate(("front", "left", "right"))

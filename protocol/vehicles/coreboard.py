@@ -45,7 +45,7 @@ from protocol.framing import Frame, LinkRow
 from protocol.messages import Order, Setpoint, Telemetry
 from protocol.tolerances import Tolerances
 from protocol.vehicles.adapter import SilentBoard, fraction, heading_of, radians_of, refuse
-from protocol.vehicles.channels import Channel, of_board, told
+from protocol.vehicles.channels import Channel, Source, of_board, told
 from protocol.vehicles.keys import Key, Keys, Octets, Wire, baud, read_wire
 from protocol.vehicles.stick import stick_keys
 
@@ -201,7 +201,7 @@ LINKS: tuple[LinkRow, ...] = (
 
 # --- Telemetry in --------------------------------------------------------------------------------
 
-SOURCES = (
+SOURCES: tuple[Source, ...] = (
     of_board("avoid_m", "m", "distance to what is ahead"),
     *(of_board(f"usbl{n}", "deg", f"phase difference {n} of the USBL") for n in range(1, 7)),
     of_board("temperature_c", "C", "of the board"),
@@ -252,7 +252,7 @@ KEYS: Keys = (baud(115_200), *stick_keys("surge", "turn", "heave"), *AUXILIARY)
 
 _POSITION = "the position, and with it the limit of radius, comes from it"
 PASSED_ON = tuple(f"passthrough{n}" for n in range(1, 12))
-CHANNELS = (
+CHANNELS: tuple[Channel, ...] = (
     Channel("usbl_on", "", 0, 1, "power of the USBL"),
     Channel("usbl_khz", "kHz", 0, 255, "frequency of the USBL (E-B10)"),
     Channel("ins_on", "", 0, 1, "power of the INS", needed=_POSITION),

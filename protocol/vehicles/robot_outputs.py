@@ -28,7 +28,7 @@ def _alarm(name: str, unit: str, most: float, what: str) -> Channel:
     return Channel(name, unit, 0, most, f"alarm of the power module: {what}", _STATED, False)
 
 
-CHANNELS = (
+CHANNELS: tuple[Channel, ...] = (
     Channel("side", "", 0, 8, "3 right up, 4 left up, 5 right down, 6 left down, 7 right, 8 left",
             excludes=_DRIVES, choices=SIDES),
     Channel("side_speed_mm_s", "mm/s", 0, 32_767, "speed of a side move", excludes=_DRIVES),
@@ -63,7 +63,9 @@ def _speed(report: Telemetry) -> float | None:
     return None if report.velocity is None else round(1000.0 * report.velocity[0], 6)
 
 
-SOURCES = (Source("speed_mm_s", "mm/s", "its own speed, ahead positive", _speed),)
+SOURCES: tuple[Source, ...] = (
+    Source("speed_mm_s", "mm/s", "its own speed, ahead positive", _speed),
+)
 
 
 def commands(given: Iterable[str], levels: Mapping[str, float]) -> Iterator[Mapping[str, Any]]:

@@ -50,7 +50,7 @@ from protocol.vehicles.adapter import (
     radians_of,
     refuse,
 )
-from protocol.vehicles.channels import Channel, of_board, told
+from protocol.vehicles.channels import Channel, Source, of_board, told
 from protocol.vehicles.keys import Key, Keys, UnknownKey, Wire, baud, read_wire
 from protocol.vehicles.stick import stick_keys
 
@@ -161,7 +161,7 @@ LINKS: tuple[LinkRow, ...] = (LinkRow("rov.down", _down), LinkRow("rov.up", _up)
 
 # --- Telemetry in, Setpoint out ------------------------------------------------------------------
 
-CHANNELS = (
+CHANNELS: tuple[Channel, ...] = (
     Channel("led_pct", "%", 0, 100, "brightness of the LED"),
     Channel("servo_deg", "deg", -30, 30, "angle of the servo"),
     Channel("hold_heading", "", 0, 1, "1: the board holds the heading it has",
@@ -170,7 +170,7 @@ CHANNELS = (
             excludes=("heave", "depth", "altitude")),
 )  # fmt: skip
 LATER = ("led_pct", "servo_deg")  # which the older layout does not have
-SOURCES = (
+SOURCES: tuple[Source, ...] = (
     of_board("metal_pct", "%", "metal detector"),
     of_board("temperature_c", "C", "of the board"),
     *(of_board(f"a{axis}_g", "g", f"acceleration {axis}") for axis in "xyz"),

@@ -121,7 +121,7 @@ def cluster() -> Iterator[Place]:
 
 def _address(file: Path) -> str:
     until = time.monotonic() + 60.0
-    while not file.exists() and time.monotonic() < until:
+    while not (file.exists() and file.stat().st_size) and time.monotonic() < until:
         time.sleep(0.1)
     return str(json.loads(file.read_text())["address"]).partition("://")[2]
 

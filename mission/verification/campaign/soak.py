@@ -14,10 +14,12 @@ from __future__ import annotations
 import gc
 import resource
 import sys
-from collections.abc import Callable, Sequence
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from random import Random
+from typing import Any
 
 from links.simulated.link import START
 from mission.model import Step
@@ -67,6 +69,23 @@ class Soaked:
         alive = max(growth["objects"], growth["blocks"])
         return alive < FLAT and growth["resident"] < FLAT_RESIDENT
 
+    @property
+    def held(self) -> bool:
+        return self.totals.clean and self.flat and not self.broken_parts
+
+    def as_json(self) -> dict[str, Any]:
+        return self.totals.as_json() | {
+            "days": round(self.days, 2),
+            "missions": self.missions,
+            "growth": self.growth,
+            "resident_mb": round(self.resident[-1], 1) if self.resident else None,
+            "black_box": {
+                "parts": self.parts,
+                "broken": self.broken_parts,
+                "mb": round(self.megabytes, 1),
+            },
+        }
+
     def look_at_memory(self) -> None:
         gc.collect()
         self.objects.append(float(len(gc.get_objects())))
@@ -74,6 +93,15 @@ class Soaked:
         if _STATM.exists():
             pages = int(_STATM.read_text().split()[1])
             self.resident.append(pages * resource.getpagesize() / _MEGABYTE)
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """A soak in another process: the object of it, what it found in words, whether all held."""
+
+    found: Mapping[str, Any]
+    stories: tuple[str, ...]
+    held: bool
 
 
 def grown(values: Sequence[float]) -> float:
@@ -102,6 +130,29 @@ def soak(
         soaked.interrupted = True
     box.close()
     return soaked
+
+
+def soak_alone(days: float, subjects: Sequence[Subject], vehicle: Vehicle, seed: int) -> Summary:
+    """One of several, wherever it is done."""
+    stories: list[str] = []
+
+    def told(soaked: Soaked, result: FlightResult) -> None:
+        stories.extend(story(soaked, result, seed))
+
+    with tempfile.TemporaryDirectory(prefix="soak-") as folder:
+        soaked = soak(days, seed, subjects, vehicle, Path(folder), told)
+    if soaked.interrupted:
+        raise KeyboardInterrupt
+    return Summary(soaked.as_json(), tuple(stories), soaked.held)
+
+
+def story(soaked: Soaked, result: FlightResult, seed: int) -> Iterator[str]:
+    """Of a mission that broke a law."""
+    if result.violations:
+        yield f"mission {result.number}: {result.words}"
+        for v in result.violations:
+            yield f"  {v.kind} at {v.t:.1f} s: {v.says}"
+        yield f"  again: auvmission faults --seed {seed} --soak {soaked.days:.2f}"
 
 
 def _fly_on(

@@ -329,6 +329,28 @@ def test_one_program_lives_through_missions_in_a_row(tmp_path: Path) -> None:
     assert not soaked.broken_parts
 
 
+@pytest.mark.proof
+def test_soaks_of_several_seeds_say_what_each_says_alone_and_are_kept(tmp_path: Path) -> None:
+    file = tmp_path / "soaks.jsonl"
+    call = ["--soak", "0.001", "--seed", "3", "--soaks", "2", "--resume", str(file)]
+    done = CliRunner().invoke(faults, [*call, "--on", "processes", "--workers", "2"])
+    assert done.exit_code == 0, done.output
+    found = json.loads(done.stdout.splitlines()[-1])["soaks"]
+    for seed in (3, 4):
+        (folder := tmp_path / str(seed)).mkdir()
+        alone = soak(0.001, seed, KNOWN, VEHICLE, folder)
+        assert found[str(seed)]["digest"] == alone.totals.digest
+        assert found[str(seed)]["missions"] == alone.missions
+    assert found["3"]["digest"] != found["4"]["digest"]
+    again = CliRunner().invoke(faults, [*call, "--on", "local"])
+    assert json.loads(again.stdout.splitlines()[-1]) == {"soaks": found}
+
+
+def test_several_soaks_are_soaks() -> None:
+    done = CliRunner().invoke(faults, ["--soaks", "2"])
+    assert (done.exit_code, "--soaks needs --soak" in done.stderr) == (2, True)
+
+
 def test_a_leak_is_growth_and_one_large_mission_is_not() -> None:
     flat = [100.0 + (i % 3) for i in range(60)]
     assert grown(flat) <= 0.0
