@@ -22,7 +22,7 @@ def test_a_greater_probability_would_have_failed_more_often(
     so_few = math.fsum(
         math.comb(trials, k) * p**k * (1.0 - p) ** (trials - k) for k in range(failures + 1)
     )
-    assert so_few == pytest.approx(1.0 - confidence, rel=0.01)
+    assert so_few == pytest.approx(1.0 - confidence, rel=0.03)  # four digits of p
 
 
 def test_without_a_trial_or_a_success_nothing_is_bounded() -> None:
