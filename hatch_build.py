@@ -8,14 +8,16 @@ machine makes one extension of them all. Without the variable nothing of this ha
 
 Other packages are not looked at: what is built follows from this tree alone, whatever is installed.
 Classes are marked as such that interpreted ones may inherit from; with that they can be copied,
-too (others can only if their constructor takes nothing). That is done in the copy that is compiled,
-and undone there: no source needs mypyc.
+too (others can only if their constructor takes nothing). Dataclasses are told the types of their
+fields again, which mypyc forgets. That is done in the copy that is compiled, and undone there: no
+source needs mypyc.
 Contraction is off: a multiplication and an addition that become one instruction round once instead
 of twice, and aarch64 would then differ from x86-64 in the last bit.
 """
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 import runpy
@@ -83,11 +85,31 @@ def marked(sources: list[Path]) -> Iterator[list[Path]]:
     before = {source: source.read_text() for source in sources}
     try:
         for source, text in before.items():
-            source.write_text(_CLASS.sub(_MARK, _FUTURE.sub(r"\1" + _IMPORT, text, count=1)))
+            copied = _CLASS.sub(_MARK, _FUTURE.sub(r"\1" + _IMPORT, text, count=1))
+            source.write_text(copied + field_types(text))
         yield sources
     finally:
         for source, text in before.items():
             source.write_text(text)
+
+
+def field_types(text: str) -> str:
+    """Lines that tell the dataclasses of a module the types of their fields again. mypyc keeps
+    ``tuple`` of a ``tuple[float, ...]``, and records are read back by these types."""
+    lines = []
+    for node in ast.parse(text).body:
+        if isinstance(node, ast.ClassDef) and "dataclass" in map(_called, node.decorator_list):
+            fields = {
+                ast.unparse(line.target): ast.unparse(line.annotation)
+                for line in node.body
+                if isinstance(line, ast.AnnAssign)
+            }
+            lines.append(f'vars({node.name})["__annotations__"].update({fields!r})\n')
+    return "".join(lines)
+
+
+def _called(decorator: ast.expr) -> str:
+    return ast.unparse(decorator.func if isinstance(decorator, ast.Call) else decorator)
 
 
 class CustomBuildHook(BuildHookInterface):  # type: ignore[misc, valid-type]

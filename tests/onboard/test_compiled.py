@@ -7,10 +7,12 @@ import hashlib
 import importlib.machinery
 import importlib.util
 import os
+import runpy
 import subprocess
 import sys
+import typing
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import pytest
 from click.testing import CliRunner
@@ -113,6 +115,26 @@ Native.__mypyc_attrs__ = ("depth", "never_set")  # type: ignore[attr-defined]
 
 def test_a_copy_has_what_a_compiled_class_holds() -> None:
     assert Fork(Native(3.0)).copy().depth == 3.0
+
+
+SOURCE = """from __future__ import annotations
+from dataclasses import dataclass
+@dataclass(frozen=True, slots=True)
+class Curve:
+    at: tuple[float, ...]
+    named: dict[str, int] | None = None
+class Plain:
+    at: int
+"""
+
+
+def test_the_types_of_fields_that_mypyc_forgets_are_told_again() -> None:
+    names: dict[str, Any] = {"__name__": __name__}
+    exec(SOURCE, names)
+    whole = typing.get_type_hints(names["Curve"], names)
+    names["Curve"].__annotations__.update(at=tuple, named=type)  # as mypyc leaves them
+    exec(runpy.run_path(str(ROOT / "hatch_build.py"))["field_types"](SOURCE), names)
+    assert typing.get_type_hints(names["Curve"], names) == whole
 
 
 def test_the_doctor_says_which_build_it_is() -> None:
