@@ -52,6 +52,7 @@ COMMANDS = {
     "monitor": "monitor",
     "log": "log",
     "story": "story",
+    "watch": "watch",
     "replay": "replay",
     "decode": "decode",
     "encode": "encode",

@@ -41,7 +41,7 @@ class Watched:
         self.events: deque[str] = deque(maxlen=EVENTS)
         self.track: list[list[float]] = []
         self.plan: tuple[str, ...] = ()
-        self.gap = 0
+        self.gap = self.told = 0  # events that are missing, and that came
         self.at: tuple[float, float] | None = None
         self._heard = b""
 
@@ -58,7 +58,9 @@ class Watched:
     def take(self, frame: Mapping[str, Any], now: float) -> None:
         self.at = (frame["t"], now)
         self.state.update(frame.get("state", {}))
-        self.events += frame.get("events", ())
+        events = frame.get("events", ())
+        self.events += events
+        self.told += len(events)
         self.gap += frame.get("gap", 0)
         self.track = (self.track + frame.get("track", []))[-TRACK:]
         for line in frame.get("plan", ()):  # "" begins another

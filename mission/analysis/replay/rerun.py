@@ -22,11 +22,15 @@ def failed_writes(records: Iterable[Record]) -> dict[int, str]:
 
 
 def drive_from(
-    start: rec.Start, failures: Mapping[int, str], recorder: rec.Recorder | None = None
+    start: rec.Start,
+    failures: Mapping[int, str],
+    recorder: rec.Recorder | None = None,
+    observer: rec.Observer | None = None,
 ) -> Runtime:
     """Raises ValueError where this version does not know the vehicle's codec or dialect."""
     store = MemoryStore(start.store, failures)
-    return Runtime(start.configuration, start.vehicle, store, recorder, wall=start.wall)
+    kept = start.configuration, start.vehicle, store, recorder
+    return Runtime(*kept, wall=start.wall, observer=observer)
 
 
 def feed(runtime: Runtime, record: Record) -> list[Tx]:

@@ -13,13 +13,16 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from typing import Any
 
+from mission.authoring.language.render import guard_text
+from mission.engine.guards import comparisons
+from mission.engine.variables import VARIABLES
+from mission.model import Guard
 from mission.model.alarms import Alarm
 from mission.navigation import distribution
 from mission.onboard.runtime.runtime import Runtime
 from protocol.state_frame import setpoint_words
 
 _READINGS = ("depth", "altitude", "heading", "pitch", "roll", "speed", "battery")
-_ANGLES = frozenset({"heading", "pitch", "roll"})
 
 
 def view(runtime: Runtime, alarms: Iterable[Alarm]) -> dict[str, Any]:
@@ -29,7 +32,7 @@ def view(runtime: Runtime, alarms: Iterable[Alarm]) -> dict[str, Any]:
         "state": engine.state,
         "alarms": [asdict(alarm) for alarm in alarms],
         "leg": engine.leg,
-        "depth": _reading(runtime, "depth"),
+        "depth": _bare(runtime, "depth"),
         **_place(runtime),
         "report_at": _rounded(known.telemetry.t) if known.telemetry else None,
         "fix_at": _rounded(known.fix.t) if known.fix else None,
@@ -40,7 +43,7 @@ def view(runtime: Runtime, alarms: Iterable[Alarm]) -> dict[str, Any]:
         "mission": engine.chart.digest[:16] if engine.chart else "",
         "mission_began": _rounded(engine.core.run.started) if engine.core.run else None,
         **_leg(runtime),
-        **{name: _reading(runtime, name) for name in _READINGS if name != "depth"},
+        **{name: _bare(runtime, name) for name in _READINGS if name != "depth"},
     }
 
 
@@ -78,21 +81,28 @@ def _leg(runtime: Runtime) -> dict[str, Any]:
     run, chart = runtime.engine.core.run, runtime.engine.chart
     if run is None or chart is None:
         return {"leg_began": None, "leg_timeout": None, "leg_ends": None}
-    edges = [edge.trigger for edge in chart.edges if edge.source == run.leaf]
+    guards = [e.guard for e in chart.edges if e.source == run.leaf and e.guard is not None]
     leg = next((state.leg for state in chart.states if state.path == run.leaf), None)
     return {
         "leg_began": _rounded(run.entered),
         "leg_timeout": leg.timeout if leg is not None else None,
-        "leg_ends": edges,
+        "leg_ends": [_guard(runtime, guard) for guard in dict.fromkeys(guards)],
     }
 
 
-def _reading(runtime: Runtime, name: str) -> float | None:
+def _guard(runtime: Runtime, guard: Guard) -> list[Any]:
+    """As the mission has it, and what it looks at as that is now, in the unit of a bare number."""
+    names = dict.fromkeys(comparison.variable for comparison in comparisons(guard.expression))
+    return [guard_text(guard, True), {name: _bare(runtime, name) for name in names}]
+
+
+def _bare(runtime: Runtime, name: str) -> float | None:
     """None where it is not to be believed now."""
     reading = runtime.engine.readings[name]
     if not reading.valid or not math.isfinite(reading.value):
         return None
-    return _rounded(math.degrees(reading.value) if name in _ANGLES else reading.value)
+    is_angle = VARIABLES[name].unit == "deg"
+    return _rounded(math.degrees(reading.value) if is_angle else reading.value)
 
 
 def _rounded(value: float | None, places: int = 2) -> float | None:

@@ -1,0 +1,80 @@
+"""``auvmission watch``: a vehicle under way, a dive of before or a simulated one, full screen."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mission.commands.monitor import MONITOR
+from mission.commands.operator import TO
+from mission.commands.options import SEED, SETTINGS
+
+if TYPE_CHECKING:
+    from mission.model import Record
+    from mission.topside.sources import Source
+
+
+@click.command()
+@click.argument("source", default=MONITOR)
+@TO
+@click.option("--frames", is_flag=True, help="Ask the port of --to, where there is no monitor.")
+@click.option("--speed", default=1.0, show_default=True, help="Of a dive of before, or simulated.")
+@SEED
+@SETTINGS
+def watch(
+    source: str, to: str, frames: bool, speed: float, seed: int, settings: tuple[str, ...]
+) -> None:
+    """Watch a vehicle: alarms, state, leg, place, depth, margins and journal on one screen.
+
+    SOURCE is a monitor's URL, a black box (then as fast as --speed), or a mission, which is
+    simulated. X and W take one press, start and clear a second one; commands go to --to.
+
+    Exit 0 when you ended it, 2 when SOURCE is none of these.
+    """
+    try:
+        from mission.topside.dives import default_folder
+        from mission.topside.watch import WatchApp
+    except ImportError as error:
+        click.echo(f"watch needs Textual: pip install 'auvmission[watch]' ({error})", err=True)
+        raise SystemExit(2) from None
+    found = _frames(to) if frames else _source(source, speed, seed, settings)
+    WatchApp(found, to if found.live else "", default_folder()).run()
+
+
+def _frames(to: str) -> Source:
+    from mission.topside.sources import from_frames
+
+    return from_frames(to)
+
+
+def _source(text: str, speed: float, seed: int, settings: tuple[str, ...]) -> Source:
+    from mission.analysis.replay.playback import Playback
+    from mission.onboard.blackbox import BlackBoxError
+    from mission.topside.sources import from_monitor, from_recording
+
+    if "://" in text:
+        return from_monitor(text)
+    try:
+        if Path(text).suffix == ".mcap":
+            from mission.onboard.blackbox import read_parts
+
+            records = list(read_parts(Path(text)))
+        else:
+            records = _simulated(text, seed, settings)
+        return from_recording(Playback(records), speed)
+    except (ValueError, OSError, BlackBoxError) as error:
+        click.echo(f"{text}: {error}", err=True)
+        raise SystemExit(2) from None
+
+
+def _simulated(name: str, seed: int, settings: tuple[str, ...]) -> list[Record]:
+    from links.simulated.settings import parse_settings
+    from mission.authoring.prepare import prepare
+    from mission.onboard.runtime.records import ListRecorder
+    from mission.verification.simulation.flight import fly
+
+    prepared, recorder = prepare(Path(name)), ListRecorder()
+    fly(prepared.mission, prepared.vehicle, "", seed, parse_settings(settings), recorder)
+    return recorder.records

@@ -1,0 +1,138 @@
+"""What `auvmission watch` shows, as lines of text with a style each, from what a viewer knows.
+
+Every value stands with its age; what is older than its period says OLD, what is not known says so.
+
+What does not live here: terminals and keys (watch), where the values come from (sources).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from mission.model.alarms import DANGER, Alarm, ago
+from mission.topside.monitor import Watched
+
+PLAIN, GOOD, CAREFUL, BAD, DIM = "plain", "good", "careful", "bad", "dim"
+DEEP = "deep"  # shown with ink and paper exchanged: blocks stand for the water below
+SILENT_S = 5.0  # without a frame: nothing shown is of now
+REPORT_S, FIX_S = 6.0, 5.0  # older reports, older fixes are OLD
+BAR, STRIP, ROWS = 20, 100, 4  # characters
+LOW, LOWER = 0.25, 0.1  # of a margin
+_BLOCKS = " ▁▂▃▄▅▆▇█"
+_UNITS = {"to_depth": "m", "to_radius": "m", "to_time": "min", "to_voltage": "V"}
+_VOLTAGE = 0.2  # of the limit: what a full bar has above it
+
+
+class Line(NamedTuple):
+    text: str
+    style: str = PLAIN
+
+
+def banner(watched: Watched, now: float, mine: Sequence[Alarm] = ()) -> Iterator[Line]:
+    """Alarms, worst first; ``mine`` are those of the boat. One line where nothing is wrong."""
+    silence = watched.silence(now)
+    if silence is None:
+        yield Line("nothing has been heard of the vehicle so far", CAREFUL)
+    elif silence > SILENT_S:
+        yield Line(f"NOTHING NEW for {silence:.0f} s: all below is of that time", BAD)
+    alarms = [*mine, *(Alarm(**plain) for plain in watched.state.get("alarms") or ())]
+    for alarm in sorted(alarms, key=lambda a: a.level != DANGER):
+        yield Line(f"ALARM {alarm}", BAD if alarm.level == DANGER else CAREFUL)
+    if silence is not None and silence <= SILENT_S and not alarms:
+        yield Line("no alarm", GOOD)
+
+
+def state(watched: Watched, now: float) -> Iterator[Line]:
+    known = watched.state
+    path = known.get("state") or "not known"
+    yield Line(path, BAD if path.startswith("emergency") else PLAIN)
+    for name in ("reason", "setpoint", "commander", "mission"):
+        if known.get(name):
+            yield Line(f"{name:10} {known[name]}")
+    if (begun := watched.age("mission_began", now)) is not None:
+        yield Line(f"{'started':10} {ago(begun)}")
+    lasts, most = watched.age("leg_began", now), known.get("leg_timeout")
+    if known.get("leg") and lasts is not None:
+        shown = (
+            f"{lasts:.0f} s" if most is None else f"{bar(lasts / most)} {lasts:.0f} of {most:g} s"
+        )
+        yield Line(f"{'leg':10} {known['leg']}  {shown}")
+    for text, values in known.get("leg_ends") or ():
+        looked = ", ".join(f"{name} {_number(value)}" for name, value in values.items())
+        yield Line(f"{'until':10} {text}   now {looked}")
+
+
+def place(watched: Watched, now: float) -> Iterator[Line]:
+    known = watched.state
+    if known.get("latitude") is None:
+        yield Line("position   not known", CAREFUL)
+    else:
+        yield Line(f"{'estimate':10} {known['latitude']:.6f} {known['longitude']:.6f}")
+        if (ellipse := known.get("ellipse")) is not None:
+            great, small, bearing = ellipse
+            yield Line(
+                f"{'95 % in':10} {great:g} m towards {bearing:03.0f} deg, {small:g} m across"
+            )
+    yield _aged("fix", watched.age("fix_at", now), FIX_S)
+    yield _aged("report", watched.age("report_at", now), REPORT_S)
+    old = (watched.age("report_at", now) or 0.0) > REPORT_S
+    for name, unit in (("depth", "m"), ("altitude", "m"), ("heading", "deg"), ("speed", "m/s"),
+                       ("battery", "V")):  # fmt: skip
+        if name not in known:
+            continue
+        value = known[name]
+        text = f"{name:10} {_number(value)}{f' {unit}' if value is not None else ''}"
+        dim = old or value is None
+        yield Line(f"{text}{'   OLD' if old else ''}", DIM if dim else PLAIN)
+
+
+def _aged(name: str, age: float | None, within: float) -> Line:
+    if age is None:
+        return Line(f"{name:10} none so far", CAREFUL)
+    is_old = age > within
+    return Line(f"{name:10} {ago(age)}{'   OLD' if is_old else ''}", CAREFUL if is_old else PLAIN)
+
+
+def margins(watched: Watched) -> Iterator[Line]:
+    for name, unit in _UNITS.items():
+        left, limit = watched.state.get(name) or (None, None)
+        what = f"{name.removeprefix('to_'):8}"
+        if left is None:
+            yield Line(f"{what} not known", DIM)
+            continue
+        if limit is None:  # by @AE, which tells no limit
+            yield Line(f"{what} {left:g} {unit} left", BAD if left <= 0.0 else PLAIN)
+            continue
+        share = left / (limit * (_VOLTAGE if unit == "V" else 1.0)) if limit else 0.0
+        style = BAD if share <= LOWER else CAREFUL if share <= LOW else GOOD
+        yield Line(f"{what} {bar(share)} {left:g} {unit} left of {limit:g}", style)
+
+
+def strip(watched: Watched, width: int = STRIP) -> Iterator[Line]:
+    """The depth of the newest points, a column each, the surface at the top."""
+    points = [(point[0], point[3]) for point in watched.track[-width:]]
+    depths = [depth for _, depth in points if depth is not None]
+    if not depths:
+        yield Line("depth: not known", DIM)
+        return
+    deepest = max(*depths, 1.0)
+    for row in range(ROWS):
+        shares = (None if d is None else d / deepest * ROWS - row for _, d in points)
+        yield Line("".join("?" if s is None else _block(1.0 - s) for s in shares), DEEP)
+    yield Line(f"depth 0 to {deepest:.1f} m, the last {points[-1][0] - points[0][0]:.0f} s", DIM)
+
+
+def _block(share: float) -> str:
+    return _BLOCKS[min(max(round(share * (len(_BLOCKS) - 1)), 0), len(_BLOCKS) - 1)]
+
+
+def bar(share: float) -> str:
+    filled = round(min(max(share, 0.0), 1.0) * BAR)
+    return "█" * filled + "░" * (BAR - filled)
+
+
+def _number(value: Any) -> str:
+    return (
+        "not known" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
+    )
