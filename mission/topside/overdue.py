@@ -16,7 +16,9 @@ What does not live here: what is kept between two commands (dives).
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from mission.model import AUTONOMOUS, Position
 from mission.model.alarms import ago
@@ -86,6 +88,19 @@ class Area:
             f"around {place}: {self.long_m:.0f} m towards {self.bearing:03.0f} and "
             f"{(self.bearing + 180) % 360:03.0f} deg, {self.short_m:.0f} m across"
         )
+
+
+def contact_with(state: Mapping[str, Any], wall: float) -> Contact:
+    """What a monitor's state says, at ``wall``."""
+    covariance = None
+    if (ellipse := state.get("ellipse")) is not None:
+        great, small = (float(axis) / distribution.PLANE_95 for axis in ellipse[:2])
+        c, s = math.cos(math.radians(ellipse[2])), math.sin(math.radians(ellipse[2]))
+        nn, ee = (great * c) ** 2 + (small * s) ** 2, (great * s) ** 2 + (small * c) ** 2
+        covariance = (nn, (great**2 - small**2) * c * s, ee)
+    north, east = state.get("current") or (0.0, 0.0)
+    place = state.get("latitude"), state.get("longitude")
+    return Contact(wall, str(state.get("state") or AUTONOMOUS), *place, covariance, (north, east))
 
 
 def heard(dive: Dive, contact: Contact) -> Dive:

@@ -28,7 +28,7 @@ from mission.topside import panels
 from mission.topside.console import converse
 from mission.topside.dives import Dives
 from mission.topside.orders import order
-from mission.topside.overdue import overdue
+from mission.topside.overdue import contact_with, overdue
 from mission.topside.panels import Line
 from mission.topside.sources import Source
 from mission.topside.underwater import PREFIX
@@ -37,6 +37,7 @@ from protocol.messages import Order
 
 REFRESH_S = 0.25
 CONFIRM_S = 5.0
+KEEP_S = 10.0  # between two contacts that are kept
 STYLES = {"plain": "", "good": "green", "careful": "bold yellow", "bad": "bold white on red",
           "dim": "dim", "deep": "reverse"}  # fmt: skip
 
@@ -46,7 +47,6 @@ class WatchApp(App[None]):
 
     CSS = """
     #banner { height: auto; max-height: 8; }
-    #strip { height: auto; }
     .panel { border: round $primary; height: auto; padding: 0 1; }
     Horizontal { height: auto; }
     Horizontal > Vertical { width: 3fr; height: auto; }
@@ -69,6 +69,7 @@ class WatchApp(App[None]):
         self._known: frozenset[str] = frozenset()  # alarms that the bell has rung for
         self._shown = 0  # events
         self._asked: tuple[str, float] | None = None
+        self._kept = -KEEP_S
         self.said = ""  # what became of the last command
 
     def compose(self) -> ComposeResult:
@@ -78,13 +79,13 @@ class WatchApp(App[None]):
                 yield Static(id="state", classes="panel")
                 yield Static(id="margins", classes="panel")
             yield Static(id="place", classes="panel")
-        yield Static(id="strip", classes="panel")
+        yield Static(id="depth", classes="panel")
         yield RichLog(id="journal", wrap=True, markup=False)
         yield Static(id="said")
         yield Footer()
 
     def on_mount(self) -> None:
-        for name in ("state", "margins", "place", "strip", "journal"):
+        for name in ("state", "margins", "place", "depth", "journal"):
             self.query_one(f"#{name}").border_title = name
         self.title = "auvmission watch"
         threading.Thread(target=self.source.run, daemon=True).start()
@@ -101,6 +102,7 @@ class WatchApp(App[None]):
         if not self.query("#banner"):  # it is ending
             return
         watched, now = self.source.watched, time.monotonic()
+        self._remember(now)
         mine = self._mine(now)
         banner = list(panels.banner(watched, now, mine))
         if self.source.problem:
@@ -109,10 +111,19 @@ class WatchApp(App[None]):
         self._put("state", panels.state(watched, now))
         self._put("margins", panels.margins(watched))
         self._put("place", panels.place(watched, now))
-        self._put("strip", panels.strip(watched))
+        self._put("depth", panels.strip(watched))
         self._ring([*mine, *(Alarm(**plain) for plain in watched.state.get("alarms") or ())])
         self._tell_events()
         self.query_one("#said", Static).update(Text(self._line()))
+
+    def _remember(self, now: float) -> None:
+        """The contact, for whoever has to search; now and then."""
+        watched = self.source.watched
+        if watched.at is None or not self._to or now < self._kept + KEEP_S:
+            return
+        self._kept = now
+        wall = time.time() - (now - watched.at[1])
+        self._dives.contact(self._to, contact_with(watched.state, wall))
 
     def _mine(self, now: float) -> tuple[Alarm, ...]:
         """What the boat alone knows: silence, overdue."""

@@ -11,7 +11,16 @@ import pytest
 from mission.model import Position
 from mission.navigation.geodesy import LocalFrame
 from mission.topside.dives import FILE, KEPT, Dives
-from mission.topside.overdue import UNSURE_M, Area, Contact, Dive, Plan, overdue, search_area
+from mission.topside.overdue import (
+    UNSURE_M,
+    Area,
+    Contact,
+    Dive,
+    Plan,
+    contact_with,
+    overdue,
+    search_area,
+)
 
 HOME = (30.0, 120.0)
 PLAN = Plan("survey", worst_s=600.0, range_m=200.0, current=0.5, home=HOME)
@@ -81,6 +90,19 @@ def test_a_fix_of_unknown_accuracy_counts_as_unsure() -> None:
     area = search_area(replace(DIVE, contact=replace(UNDER_WAY, state="emergency/stopped")), 1100.0)
     assert area is not None
     assert area.long_m == UNSURE_M
+
+
+def test_what_a_monitor_tells_is_kept_with_its_ellipse_and_current() -> None:
+    state = {"state": "emergency/stopped", "latitude": HOME[0], "longitude": HOME[1],
+             "ellipse": [24.48, 12.24, 30], "current": [0.1, 0.2]}  # fmt: skip
+    area = search_area(replace(DIVE, contact=contact_with(state, 1100.0)), 1100.0)
+    assert area is not None
+    assert (area.long_m, area.short_m, area.bearing) == pytest.approx(
+        (24.48, 12.24, 30.0), abs=0.01
+    )
+    assert contact_with(state, 1100.0).current == (0.1, 0.2)
+    bare = contact_with({}, 5.0)
+    assert (bare.state, bare.latitude, bare.covariance) == ("autonomous", None, None)
 
 
 def test_where_no_place_was_ever_known_that_is_said() -> None:

@@ -26,7 +26,7 @@ from mission.authoring.prepare import prepare
 from mission.model.alarms import Alarm
 from mission.onboard.runtime.records import ListRecorder
 from mission.onboard.serve.viewing import Viewing
-from mission.topside import panels
+from mission.topside import panels, watch
 from mission.topside.monitor import Watched
 from mission.topside.panels import BAD, CAREFUL, DIM, GOOD
 from mission.topside.sources import Source, from_frames, from_monitor, from_recording
@@ -142,7 +142,10 @@ def driven(
     asyncio.run(main())
 
 
-def test_a_live_vehicle_is_watched_and_stopped_with_one_key(tmp_path: Path) -> None:
+def test_a_live_vehicle_is_watched_and_stopped_with_one_key(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(watch, "CONFIRM_S", PATIENCE)  # whatever else the machine has to do
     with (
         silent_board() as (_, board),
         running(tmp_path, f"serial://{board}", monitor="tcp://127.0.0.1:0") as pi,
