@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import json
 import os
+import time
 from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from served import running, silent_board, soon
+from served import running, silent_board, simulated, soon
 
 from mission.commands import operator
 from mission.onboard.serve import alarm_watch, health
 from mission.onboard.serve.alarm_watch import clock_off
-from mission.topside.dives import FILE
+from mission.topside.dives import FILE, Dives, default_folder
 from protocol.messages import Fix
 
 
@@ -76,6 +77,29 @@ def test_a_boat_says_when_a_vehicle_is_overdue_and_where_to_search(tmp_path: Pat
         assert names == ["no contact", "OVERDUE"]
     finally:
         (folder / FILE).unlink()
+
+
+def test_the_boat_knows_from_the_start_on_when_a_vehicle_is_due(tmp_path: Path) -> None:
+    with simulated(4.0) as sea:
+        stm32, gps = (f"serial://{path}" for path in sea.paths)
+        with running(tmp_path, stm32, gps=gps, speed=4.0) as pi:
+            url, dives = pi.url, Dives(default_folder())
+            ran = CliRunner().invoke(operator.upload, ["float-test", "--to", url])
+            assert ran.exit_code == 0, ran.output
+            assert dives.of(url).due is None
+            before = time.time()
+            ran = CliRunner().invoke(operator.start, ["--to", url, "--wait", "60"])
+            assert ran.exit_code == 0, ran.output
+            dive = dives.of(url)
+            assert dive.plan is not None
+            assert dive.plan.name == "float-test"
+            assert dive.due is not None
+            assert dive.due >= before + dive.plan.worst_s
+            told(url)
+            assert dives.of(url).contact is not None
+            CliRunner().invoke(operator.stop, ["--to", url])
+        assert "ALARM no contact" in told(url)[1]
+        assert "OVERDUE" not in told(url)[1], "not before its time"
 
 
 def test_the_pis_clock_is_compared_with_a_fresh_fix_alone() -> None:

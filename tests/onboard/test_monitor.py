@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import socket
 import time
@@ -151,6 +152,7 @@ def test_a_long_track_is_thinned_and_every_viewer_has_it_to_its_end() -> None:
     times = [point[0] for point in show.watched.track]
     assert times == sorted(times)
     assert times[-1] == show.monitor.track.points[-1][0]
+    assert max(later - sooner for sooner, later in itertools.pairwise(times)) <= 4.0, "no hole"
 
 
 def test_who_does_not_read_for_20_s_is_sent_away_and_who_reads_stays() -> None:
