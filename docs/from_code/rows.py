@@ -326,4 +326,4 @@ def _texts() -> Mapping[str, str]:
 
 
 def _row(name: str) -> VehicleRow:
-    return next(row for row in VEHICLES if row.name == name)
+    return VEHICLES[name]
