@@ -71,6 +71,7 @@ CODES: Mapping[str, str] = MappingProxyType(
         "output-range": "an output beyond its bounds in the vehicle file",
         "parameter-value": "a parameter from outside has no value that fits",
         "parenthesis": "a parenthesis is not closed",
+        "parts": "a leg that is flown in several parts cannot be parted as it is written",
         "place": "this is no place",
         "position": "this is no latitude or longitude",
         "radius": "the worst case leaves the radius that is allowed",
