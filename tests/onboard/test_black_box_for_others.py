@@ -190,13 +190,18 @@ def test_the_map_of_the_plan_goes_from_corner_to_corner_of_the_rows() -> None:
     features = plan_geojson(chart, chart.mission.home)["features"]
     named = {one["properties"]["name"]: one["geometry"]["coordinates"] for one in features}
     assert list(named)[:2] == ["home", "radius"]
-    (kind,) = [s.leg.kind for s in chart.states if s.leg and isinstance(s.leg.kind, Rows)]
-    (area,) = [points for points in named.values() if 2 * kind.count <= len(points) < 70]
     frame = LocalFrame(chart.mission.home)
-    flat = [frame.to_local(math.radians(n), math.radians(e)) for e, n in area]
-    sides = [math.dist(a, b) for a, b in itertools.pairwise(flat[-2 * kind.count :])]
-    assert sides[0::2] == pytest.approx([kind.length] * kind.count, abs=0.01)
-    assert sides[1::2] == pytest.approx([kind.spacing] * (kind.count - 1), abs=0.01)
+    steered = [s for s in chart.states if s.leg and isinstance(s.leg.kind, Rows)]
+    assert steered
+    for state in steered:
+        assert state.leg is not None
+        kind = state.leg.kind
+        assert isinstance(kind, Rows)
+        area = named[state.path.partition("/")[2]]
+        flat = [frame.to_local(math.radians(n), math.radians(e)) for e, n in area]
+        sides = [math.dist(a, b) for a, b in itertools.pairwise(flat[-2 * kind.count :])]
+        assert sides[0::2] == pytest.approx([kind.length] * kind.count, abs=0.01)
+        assert sides[1::2] == pytest.approx([kind.spacing] * (kind.count - 1), abs=0.01)
 
 
 # --- the closing itself --------------------------------------------------------------------------
@@ -280,7 +285,7 @@ def test_a_further_part_knows_what_the_first_one_said(growing: Path, tmp_path: P
 
 
 def test_numbers_of_channels_are_places_in_the_table_and_stay_what_they_are() -> None:
-    assert blackbox.KINDS == (
+    assert blackbox.KINDS[:14] == (
         "start", "rx", "timer", "connected", "disconnected", "navigation", "store", "step",
         "estimate", "tx", "fault", "ending", "standing", "mission",
     )  # fmt: skip
