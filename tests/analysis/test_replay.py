@@ -67,10 +67,10 @@ def test_a_cut_file_is_replayed_to_its_last_whole_record(
 
 
 def changed(recorded: list[Record], kind: str, at: int = 20) -> tuple[int, list[Record]]:
-    """One record of that kind with another last byte."""
+    """One record of that kind with another byte near its end: within what it says."""
     number = [n for n, r in enumerate(recorded) if r.kind == kind][at]
     old = recorded[number]
-    payload = old.payload[:-2] + bytes([old.payload[-2] ^ 1]) + old.payload[-1:]
+    payload = old.payload[:-3] + bytes([old.payload[-3] ^ 1]) + old.payload[-2:]
     new = Record(old.t, old.kind, payload)
     return number, [*recorded[:number], new, *recorded[number + 1 :]]
 
