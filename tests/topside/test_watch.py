@@ -196,7 +196,7 @@ def flown() -> list:  # type: ignore[type-arg]
 
 def test_a_recording_is_shown_as_it_was_and_commands_nobody(tmp_path: Path) -> None:
     async def play(screen: Screen, do: Callable[..., object]) -> None:
-        await do(lambda: "rises/let_go" in screen.text("state"))  # type: ignore[misc]
+        await do(lambda: "rises/let_go" in screen.journal)  # type: ignore[misc]
         await do(lambda: "m left of 300" in screen.text("margins"))  # type: ignore[misc]
         await do("x")  # type: ignore[misc]
         assert "not a live vehicle" in screen.app.said
