@@ -11,8 +11,8 @@ SEED ?= 0
 demo: $(READY)          ## a mission from a YAML file to the vehicle and home, over real bytes
 	$(BIN)/auvmission demo
 
-test: $(READY)          ## every test but the long proofs
-	$(BIN)/pytest -n 2 --dist worksteal --cov --cov-report=term:skip-covered
+test: $(READY)          ## every test but the long proofs; more workers than cores, since many wait for bytes
+	$(BIN)/pytest -n 4 --dist worksteal --cov --cov-report=term:skip-covered
 
 proofs: $(READY)        ## the long proofs: flights, states crossed with events, broken rules, recordings
 	$(BIN)/pytest -m proof -n 2 --dist worksteal --ignore tests/sea

@@ -33,7 +33,7 @@ def log(
     follow: bool,
     as_json: bool,
 ) -> None:
-    """Show what happened, from the black boxes FILE...: states, commands and why, refusals.
+    """Show what happened, from the black boxes FILES: states, commands and why, refusals.
 
     A line each, with wall time (UTC) and the engine's time; values are decoded, by topic. Several
     files are told in the order of their starts, with the restart between two. What is missing in a

@@ -15,7 +15,7 @@ import click
 @click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False),
               help="File to write; default: standard output.")  # fmt: skip
 def story(files: tuple[Path, ...], form: str, output: Path | None) -> None:
-    """Tell the dive that the black boxes FILE... recorded: what was flown, and why.
+    """Tell a dive from its black boxes FILES: what was flown, and why.
 
     The mission, its legs with the guard that ended each, limits with the least that was left,
     alarms, refusals, and every command to the vehicle with its reason. Several files are told in

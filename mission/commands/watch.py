@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 def watch(
     source: str, to: str, frames: bool, speed: float, seed: int, settings: tuple[str, ...]
 ) -> None:
-    """Watch a vehicle: alarms, state, leg, place, depth, margins and journal on one screen.
+    """Watch a vehicle on one screen: alarms, state, leg, place, margins, journal.
 
     SOURCE is a monitor's URL, a black box (then as fast as --speed), or a mission, which is
     simulated. X and W take one press, start and clear a second one; commands go to --to.

@@ -22,7 +22,7 @@ from mission.commands.report import report as report_command
 from mission.model.shipped import load_vehicle, missions_folder
 from mission.model.vehicle import Vehicle
 from mission.navigation import LocalFrame, Navigation
-from mission.onboard.serve.heard import Heard
+from mission.onboard.stream.senses import Sensed
 from protocol.messages import Fix, Telemetry
 
 VEHICLE = load_vehicle("auv")
@@ -81,7 +81,7 @@ def test_what_is_smoothed_is_what_navigation_estimated(track: Track, flown: Flow
 
 
 def test_a_refused_fix_and_a_dead_sensor_are_on_the_record(flown: Flown) -> None:
-    items: list[Heard] = []
+    items: list[Sensed] = []
     for item in flown.items:
         if isinstance(item, Telemetry) and 300.0 < item.t < 360.0:
             item = replace(item, depth=4.25)

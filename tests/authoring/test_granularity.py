@@ -119,7 +119,7 @@ def test_the_nearest_is_what_the_codec_sends(depth: float, heading: float):
         assert south(made.encode(wanted)) == south(made.encode(told))
 
 
-@pytest.mark.parametrize("row", VEHICLES, ids=lambda r: r.name)
+@pytest.mark.parametrize("row", list(VEHICLES.values()), ids=lambda r: r.name)
 @pytest.mark.parametrize("axis", ["depth", "altitude", "heading"])
 def test_every_vehicle_tells_apart_what_it_says_it_does(row, axis):
     """Half a step and more is heard; where no step is named, a centimetre and a milliradian are."""

@@ -122,7 +122,7 @@ def test_the_true_track_is_kept_where_it_is_asked_for(tmp_path: Path) -> None:
     "words",
     [
         ("submarine",),
-        ("rov", "--set", "fault=depth_frozen@10"),
+        ("rov", "--set", "fault=heading_mirrored@10"),
         ("auv", "--position", "91,0"),
         ("auv", "--position", "here"),
     ],

@@ -55,7 +55,7 @@ def of(found: list[dict[str, Any]], what: str) -> dict[str, Any]:
 
 
 def test_every_vehicle_of_the_registry_has_a_board_that_doctor_knows() -> None:
-    assert set(BOARDS) == {row.name for row in VEHICLES}
+    assert set(BOARDS) == {row.name for row in VEHICLES.values()}
 
 
 @pytest.mark.parametrize("name", sorted(SIMULATED))

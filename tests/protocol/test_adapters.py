@@ -109,9 +109,9 @@ def test_the_vehicles_file_says_what_telemetry_tells(name: str, raw: bytes) -> N
     assert load_vehicle(name).reports == {key for key, value in known.items() if value is not None}
 
 
-@pytest.mark.parametrize("name", [row.name for row in VEHICLES])
+@pytest.mark.parametrize("name", [row.name for row in VEHICLES.values()])
 def test_every_vehicle_takes_the_two_safety_orders(name: str) -> None:
-    row = next(row for row in VEHICLES if row.name == name)
+    row = next(row for row in VEHICLES.values() if row.name == name)
     for order in Order:
         assert row.make(row.dialects[0], Tolerances(), (1.0, 1.0)).encode(order)
 

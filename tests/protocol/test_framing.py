@@ -17,7 +17,7 @@ from protocol.fields import U8, BinaryFrame, Const, FaultKind
 from protocol.framing import Frame, Framer, Shortcut, Splice
 from protocol.messages import FrameFault
 from protocol.tolerances import Tolerances
-from protocol.vehicles import LINKS, link
+from protocol.vehicles import link, links
 
 Item = tuple[object, ...]
 
@@ -190,7 +190,7 @@ STREAM = b"".join(raw for _, _, raw in AUV) + SD[:20] + b"@ACK_ZBN$" + SD[20:] +
 
 @settings(max_examples=40, deadline=None)
 @given(
-    st.lists(st.integers(1, 60), min_size=1, max_size=400), st.sampled_from([r.name for r in LINKS])
+    st.lists(st.integers(1, 60), min_size=1, max_size=400), st.sampled_from([r.name for r in links()])
 )
 def test_any_chunking_gives_the_same_frames(sizes: list[int], name: str) -> None:
     chunks, at = [], 0
@@ -500,7 +500,7 @@ HOSTILE = [
 ]
 
 
-@pytest.mark.parametrize("name", [row.name for row in LINKS])
+@pytest.mark.parametrize("name", [row.name for row in links()])
 def test_random_and_hostile_bytes_are_faults_and_nothing_else(name: str) -> None:
     rng = random.Random(name)
     row = link(name)
@@ -521,7 +521,7 @@ def test_random_and_hostile_bytes_are_faults_and_nothing_else(name: str) -> None
         assert len(framer.buffer) == 0
 
 
-@pytest.mark.parametrize("name", [row.name for row in LINKS])
+@pytest.mark.parametrize("name", [row.name for row in links()])
 def test_a_million_hostile_bytes_cost_no_more_than_one_look_at_each(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -10,7 +10,7 @@ from protocol.messages import Setpoint
 from protocol.vehicles import VEHICLES, codec, link
 from protocol.vehicles.adapter import SilentBoard
 
-SILENT = [row.name for row in VEHICLES if row.name != "auv"]
+SILENT = [row.name for row in VEHICLES.values() if row.name != "auv"]
 DOWN = {
     "coreboard": "coreboard.pc_to_main",
     "motorcan": "coreboard.can",

@@ -8,7 +8,7 @@ from protocol.messages import Order, Setpoint
 from protocol.vehicles import VEHICLES, VehicleRow, codec, link
 from protocol.vehicles.keys import Key, UnknownKey, read_wire
 
-KEYS = [(row, key) for row in VEHICLES for key in row.keys]
+KEYS = [(row, key) for row in VEHICLES.values() for key in row.keys]
 NUMBERS = [(row, key) for row, key in KEYS if isinstance(key, Key)]
 WHOLE = [(row, key) for row, key in NUMBERS if key.whole]
 ids = {"ids": lambda value: value.name}
@@ -20,7 +20,7 @@ def values(wire: dict[str, str]) -> dict[str, object]:
     return frame.values()  # type: ignore[union-attr]
 
 
-@pytest.mark.parametrize("row", VEHICLES, ids=lambda row: row.name)
+@pytest.mark.parametrize("row", list(VEHICLES.values()), ids=lambda row: row.name)
 def test_every_vehicle_says_the_rate_of_its_line_as_its_document_does(row: VehicleRow) -> None:
     documented = {"auv": 9600, "motorcan": 500_000}
     assert read_wire(row.keys, {})["baud"] == documented.get(row.name, 115_200)

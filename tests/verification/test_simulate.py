@@ -76,6 +76,7 @@ KEYS = [
     "max_depth_m",
     "max_range_m",
     "navigation_error_m",
+    "coverage",
 ]
 
 
