@@ -52,6 +52,7 @@ def simulate(
     from mission.onboard.blackbox import close_recording
     from mission.verification.simulation.coverage import as_json_of, coverage_of
     from mission.verification.simulation.flight import fly
+    from mission.verification.simulation.flown import Flown
     from mission.verification.simulation.legtable import table
 
     try:
@@ -74,8 +75,22 @@ def simulate(
     except OSError as error:
         click.echo(f"the report cannot be written: {error}", err=True)
         sys.exit(UNREADABLE)
-    flown = flight.as_json() | {"coverage": as_json_of(coverage_of(flight, prepared.mission))}
-    click.echo(json.dumps(flown) if as_json else table(flight, prepared.chart))
+    auv = prepared.vehicle.codec == "auv"
+    flown = Flown(
+        prepared.mission.name,
+        prepared.vehicle.name,
+        (profile or prepared.vehicle.dialect) if auv else "",
+        seed,
+        settings,
+        sea.sea,
+        flight.compass_bias,
+    )
+    if as_json:
+        coverage = as_json_of(coverage_of(flight, prepared.mission))
+        told = flight.as_json() | {"coverage": coverage, "flown": flown.as_object()}
+        click.echo(json.dumps(told))
+    else:
+        click.echo("\n".join([table(flight, prepared.chart), *flown.as_lines()]))
     sys.exit(0 if flight.outcome == "completed" else 1)
 
 

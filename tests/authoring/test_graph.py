@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from html.parser import HTMLParser
 from typing import Any
 
@@ -48,6 +49,16 @@ def test_every_leg_guard_and_target_stands_on_the_picture() -> None:
     )
     assert any(text == "in any leg: battery < 11 V for 10 s" for text in drawn)
     assert drawn.count("2 times \u00b7 2-4") == 1
+
+
+def test_every_assumption_on_the_picture_has_its_own_unit() -> None:
+    prepared = prepare("bottom-following", parameters={})
+    assumed = {"current": 0.2, "floor": 15.0, "start": 40.0}
+    mission = replace(prepared.mission, assume=tuple(sorted(assumed.items())))
+    whole = " ".join(texts(svg(outline(replace(prepared.chart, mission=mission)))))
+    plain = " ".join(whole.split())
+    for words in ("assumed current 0.2 m/s", "assumed floor 15 m", "assumed start 40 m"):
+        assert re.search(rf"{words}(?!/)", plain), words
 
 
 def test_forty_legs_in_ten_groups_stay_readable_on_one_a4_page() -> None:

@@ -17,6 +17,7 @@ from click.testing import CliRunner, Result
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from links.simulated.link import SimulatedVehicle
 from links.simulated.settings import parse_settings
 from mission.analysis.replay.replay import replay
 from mission.analysis.replay.rerun import drive_from, failed_writes, feed
@@ -36,6 +37,7 @@ from mission.onboard.runtime.records import (
     read_tx,
 )
 from mission.verification.rig.rehearsal import Cue
+from mission.verification.rig.vehicle import simulated
 from mission.verification.simulation import plot
 from mission.verification.simulation.flight import fly
 from mission.verification.simulation.flightlog import Flight, LegFlown
@@ -77,6 +79,7 @@ KEYS = [
     "max_range_m",
     "navigation_error_m",
     "coverage",
+    "flown",
 ]
 
 
@@ -268,6 +271,41 @@ def test_people_get_a_table(short: Path) -> None:
     assert result.exit_code == 0
     assert "there/out#2" in result.stdout
     assert "completed: the mission's end was reached" in result.stdout
+
+
+SEA = ("--seed", "4", "--set", "current=0.2@45", "--set", "compass_bias=-3.5")
+
+
+def test_what_was_flown_is_told_as_data(short: Path) -> None:
+    told = json.loads(run(short, "--json", "--profile", "documented", *SEA).stdout)["flown"]
+    current = {"speed_m_s": 0.2, "towards_deg": 45.0}
+    assert told == {
+        "mission": "short",
+        "vehicle": "auv",
+        "profile": "documented",
+        "seed": 4,
+        "settings": ["current=0.2@45", "compass_bias=-3.5"],
+        "sea": {"current": current, "deep_current": current, "floor_m": 30.0},
+        "compass_bias_deg": -3.5,
+    }
+
+
+def test_what_was_flown_is_told_in_words(short: Path) -> None:
+    rows = run(short, *SEA).stdout.splitlines()
+    assert rows[-5:] == [
+        "simulated         short on auv, as-built",
+        "sea               current 0.2 m/s towards 45 deg, floor at 30 m",
+        "set               current=0.2@45 compass_bias=-3.5",
+        "seed              4",
+        "compass bias      -3.5 deg (true)",
+    ]
+
+
+def test_a_compass_bias_that_the_seed_drew_is_the_one_that_is_told(short: Path) -> None:
+    told = json.loads(run(short, "--json", "--seed", "4").stdout)["flown"]
+    vehicle = simulated(load_vehicle("auv"), 4)
+    assert isinstance(vehicle, SimulatedVehicle)
+    assert told["compass_bias_deg"] == round(math.degrees(vehicle.sensors.compass_bias), 3) != 0.0
 
 
 def test_an_emergency_is_exit_1(short: Path) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from mission.authoring.language.words import ASSUMPTIONS
 from mission.engine.variables import VARIABLES
 from mission.legs import LEGS
 from mission.model import (
@@ -121,6 +122,10 @@ def edge(value: Edge, leg: Leg | None) -> str:
 
 def _end(leg: Leg | None) -> str:
     return LEGS[type(leg.kind)].done(leg.kind) if leg is not None else "done"
+
+
+def assumption(name: str, value: float) -> str:
+    return f"{name} {number(value)} {ASSUMPTIONS[name].unit}"
 
 
 def safety(mission: Mission) -> str:

@@ -14,7 +14,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from links.simulated.geodesy import local
-from links.simulated.link import START
+from links.simulated.link import START, SimulatedVehicle
 from links.simulated.settings import Settings
 from mission.authoring.language import digest, script
 from mission.model import STOPPED, Estimate, Mission, Step, Tx
@@ -98,6 +98,7 @@ class _Flight(Rig):
             _places(self._frame_home(), track),
             tuple(itertools.chain.from_iterable(_places(*part) for part in self._seen)),
             self._is_at_surface(),
+            self.sea.sensors.compass_bias if isinstance(self.sea, SimulatedVehicle) else None,
         )
         self.log.sent = [event for event in self.events if isinstance(event, Tx)]
         return self.log.flight(self.operator.failure, end)

@@ -92,6 +92,7 @@ class Flight:
     steps: tuple[Step, ...]
     sent: tuple[Tx, ...]
     at_surface: bool  # truly, at the end
+    compass_bias: float | None = None  # rad, true; None: no compass that has one, or not known
 
     @property
     def error_end(self) -> float | None:
@@ -141,6 +142,7 @@ class FlightEnd:
     track: tuple[TruePlace, ...]
     beside: tuple[TruePlace, ...]  # where it truly was at each of the log's estimates
     at_surface: bool
+    compass_bias: float | None = None  # rad
 
 
 class FlightLog:
@@ -201,6 +203,7 @@ class FlightLog:
             steps=tuple(self.steps),
             sent=tuple(self.sent),
             at_surface=report.at_surface,
+            compass_bias=report.compass_bias,
         )
 
     def _outcome(self, operator_failure: str, report: FlightEnd) -> tuple[str, str]:

@@ -1,0 +1,75 @@
+"""What was flown in a simulation: mission, vehicle, sea, seed, and what the seed drew.
+
+What does not live here: what came of it (flightlog, legtable).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from links.simulated.sea import Sea
+
+Current = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Flown:
+    """``profile``: "" for a board that has only one. ``compass_bias``: rad, as it truly was; None
+    for a board whose compass has none."""
+
+    mission: str
+    vehicle: str
+    profile: str
+    seed: int
+    settings: Sequence[str]  # of --set, as they were given
+    sea: Sea
+    compass_bias: float | None
+
+    def as_object(self) -> dict[str, Any]:
+        bias = self.compass_bias
+        return {
+            "mission": self.mission,
+            "vehicle": self.vehicle,
+            "profile": self.profile,
+            "seed": self.seed,
+            "settings": list(self.settings),
+            "sea": {
+                "current": _current_object(self.sea.current),
+                "deep_current": _current_object(self.sea.deep_current or self.sea.current),
+                "floor_m": self.sea.floor,
+            },
+            "compass_bias_deg": None if bias is None else round(math.degrees(bias), 3),
+        }
+
+    def as_lines(self) -> list[str]:
+        """Rows like those of the figures."""
+        bias = self.compass_bias
+        compass = "none" if bias is None else f"{math.degrees(bias):+.1f} deg (true)"
+        profile = f", {self.profile}" if self.profile else ""
+        return [
+            f"simulated         {self.mission} on {self.vehicle}{profile}",
+            f"sea               {_sea(self.sea)}",
+            f"set               {' '.join(self.settings) or 'nothing'}",
+            f"seed              {self.seed}",
+            f"compass bias      {compass}",
+        ]
+
+
+def _current_object(current: Current) -> dict[str, float]:
+    speed, towards = current
+    return {"speed_m_s": speed, "towards_deg": round(math.degrees(towards), 3)}
+
+
+def _sea(sea: Sea) -> str:
+    deep = "" if sea.deep_current is None else f" ({_current(sea.deep_current)} at the floor)"
+    return f"{_current(sea.current)}{deep}, floor at {sea.floor:g} m"
+
+
+def _current(current: Current) -> str:
+    speed, towards = current
+    return (
+        f"current {speed:g} m/s towards {math.degrees(towards):.0f} deg" if speed else "no current"
+    )
