@@ -1,7 +1,7 @@
 """The command line: names and help only; each command's module is imported when it is called.
 
-A new command is one file in ``mission.commands`` and one row here: ``foo-bar`` is the click command
-``foo_bar`` of its module.
+A new command is one file in ``mission.commands``, one row here, and one in ``examples``: ``foo-bar`` is
+the click command ``foo_bar`` of its module.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Any
 import click
 
 from mission import __version__
+from mission.commands.examples import epilog
 from mission.model.compiled import build
 
 INTERRUPTED = 128 + signal.SIGINT  # exit code, as a shell has it
@@ -78,6 +79,7 @@ class _Lazy(click.Group):
             return None
         module = importlib.import_module(f"mission.commands.{COMMANDS[name]}")
         found: click.Command = getattr(module, _function(name))
+        found.epilog = epilog(name)
         return found
 
     def invoke(self, ctx: click.Context) -> Any:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import shlex
+from pathlib import Path
+
+import click
 import pytest
 from click.testing import CliRunner
 
@@ -27,3 +31,22 @@ def test_every_option_of_every_command_says_what_it_is_for(name: str) -> None:
         if option.param_type_name == "option" and not getattr(option, "help", None)
     ]
     assert not silent
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_help_ends_with_an_example_that_the_command_takes(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    page = CliRunner().invoke(main, [name, "--help"]).stdout
+    shown = page.rpartition("Example:\n")[2].strip()
+    program, word, *arguments = shlex.split(shown.partition(" > ")[0])
+    assert (program, word) == ("auvmission", name)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "recordings").mkdir()
+    for file in ("capture.bin", "missions/first-dive.yaml"):
+        (tmp_path / file).parent.mkdir(exist_ok=True)
+        (tmp_path / file).touch()
+    command = main.get_command(click.Context(main), name)
+    assert command is not None
+    with command.make_context(name, arguments):
+        pass

@@ -17,6 +17,7 @@ from from_code.layers import rooms
 from from_code.way import order_picture
 
 from mission.cli import COMMANDS
+from mission.commands.examples import EXAMPLES
 from mission.onboard.stream.topics import TOPICS
 
 LOADS = {"link": "href", "script": "src", "img": "src", "iframe": "src", "source": "src"}
@@ -142,6 +143,7 @@ def test_every_command_has_a_section_with_an_example() -> None:
     for name, section in sections.items():
         assert f"```{{from-code}} command {name}\n" in section, name
         assert re.search(rf"```(?:sh|console)\n(?:.*\n)*?.*auvmission {name}\b", section), name
+        assert f"auvmission {EXAMPLES[name]}" in section, name  # which is run, or looked up
 
 
 def test_every_topic_of_the_black_box_has_its_fields_with_their_meaning() -> None:
