@@ -1,7 +1,7 @@
 """The command line: names and help only; each command's module is imported when it is called.
 
-A new command is one file in ``mission.commands``, one row here, and one in ``examples``: ``foo-bar`` is
-the click command ``foo_bar`` of its module.
+A new command is one file in ``mission.commands``, one row here, and one in ``examples``:
+``foo-bar`` is the click command ``foo_bar`` of its module.
 """
 
 from __future__ import annotations

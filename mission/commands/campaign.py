@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mission.commands.jobs import Where, job_options
-from mission.commands.options import SEED
+from mission.commands.options import MISSION, SEED
 
 if TYPE_CHECKING:
     from mission.verification.campaign.proofs import Claim, Shown
@@ -19,7 +19,7 @@ Job = tuple["Claim", int, int]  # claim, seed, flight
 
 
 @click.command()
-@click.argument("files", metavar="[MISSION]...", nargs=-1, type=click.Path(path_type=Path))
+@click.argument("files", metavar="[MISSION]...", nargs=-1, type=MISSION)
 @click.option(
     "--missions",
     type=click.IntRange(0),

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 
-from mission.commands.options import AS_JSON, PARAMETERS, VEHICLE
+from mission.commands.options import AS_JSON, MISSION, PARAMETERS, VEHICLE
 
 
 @click.command()
-@click.argument("mission", type=click.Path(dir_okay=False))
+@click.argument("mission", type=MISSION)
 @VEHICLE
 @PARAMETERS
 @AS_JSON
-def check(mission: str, vehicle: str | None, parameters: tuple[str, ...], as_json: bool) -> None:
+def check(mission: Path, vehicle: str | None, parameters: tuple[str, ...], as_json: bool) -> None:
     """Prove what MISSION can do at most, and refuse it if it could lose the vehicle.
 
     Bounds hold for time, energy, range and depth on every way through it. A refusal says where in

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import click
 
-from mission.commands.options import PARAMETERS
+from mission.commands.options import MISSION, PARAMETERS
 
 _BY_SUFFIX = {".yaml": "yaml", ".yml": "yaml", ".mission": "lines", ".txt": "lines"}
 
 
 @click.command()
-@click.argument("mission", type=click.Path(path_type=Path))
+@click.argument("mission", type=MISSION)
 @click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False),
               help="File to write; without it, standard output.")  # fmt: skip
 @click.option("--to", "form", type=click.Choice(["yaml", "lines"]),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mission.commands.options import PROFILE, SEED, SETTINGS, VEHICLE
+from mission.commands.options import MISSION, PROFILE, SEED, SETTINGS, VEHICLE
 
 if TYPE_CHECKING:
     from mission.verification.simulation.demo import Progress
@@ -18,7 +18,7 @@ OWN = {"coreboard": "coreboard-dive", "rov": "rov-dive", "robot": "robot-drive"}
 
 
 @click.command()
-@click.argument("mission", type=click.Path(path_type=Path), required=False)
+@click.argument("mission", type=MISSION, required=False)
 @click.option("--speed", type=click.FloatRange(0.1, 20.0), default=8.0, show_default=True,
               help="Times real time; beyond about 10 answers miss their 300 ms.")  # fmt: skip
 @PROFILE

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 
-from mission.commands.options import AS_JSON, PARAMETERS, VEHICLE
+from mission.commands.options import AS_JSON, MISSION, PARAMETERS, VEHICLE
 
 
 @click.command()
-@click.argument("before", type=click.Path(dir_okay=False))
-@click.argument("after", type=click.Path(dir_okay=False))
+@click.argument("before", type=MISSION)
+@click.argument("after", type=MISSION)
 @VEHICLE
 @PARAMETERS
 @click.option("--markdown", is_flag=True, help="Tables for a pull request.")
 @AS_JSON
 def diff(
-    before: str,
-    after: str,
+    before: Path,
+    after: Path,
     vehicle: str | None,
     parameters: tuple[str, ...],
     markdown: bool,

@@ -1,4 +1,7 @@
-"""An example of every command, for the end of its ``--help``; docs/reference/commands.md has each too."""
+"""An example of every command, for the end of its ``--help``.
+
+docs/reference/commands.md shows each, where the tests run it, or look up its options.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ _BOAT = "--to tcp://vehicle:4000"
 EXAMPLES: Mapping[str, str] = MappingProxyType(
     {
         "demo": "demo lawnmower --speed 8",
-        "simulate": "simulate first-dive --set current=0.3@45 --set fault=ack_lost@40+5 --report out",
+        "simulate": "simulate first-dive --set current=0.3@45 --report out",
         "rehearse": "rehearse first-dive --flights 4 --workers 1 -o rehearsal.png",
         "vehicle": "vehicle rov",
         "water": "water --range 500 --loss 0.1",

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import click
 
-from mission.commands.options import PARAMETERS, VEHICLE
+from mission.commands.options import MISSION, PARAMETERS, VEHICLE
 
 
 @click.command()
-@click.argument("mission", type=click.Path(path_type=Path))
+@click.argument("mission", type=MISSION)
 @click.option("-o", "--output", required=True, type=click.Path(path_type=Path, dir_okay=False),
               help="File to write; its suffix says what: "
               ".svg .png .html .mmd .dot .scxml .json")  # fmt: skip

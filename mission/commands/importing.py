@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mission.commands.options import VEHICLE_NAME
+
 if TYPE_CHECKING:
     from mission.authoring.importing.writing import Answers
     from mission.model import Position
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
 @click.option("--gear", type=click.IntRange(1, 12), help="Instead of --speed.")
 @click.option("--within", metavar="RADIUS", default="10 m", show_default=True,
               help="How near to a point counts as there, where the file does not say.")  # fmt: skip
-@click.option("--vehicle", default="auv", show_default=True, metavar="FILE|NAME",
+@click.option("--vehicle", type=VEHICLE_NAME, default="auv", show_default=True, metavar="FILE|NAME",
               help="The vehicle that the mission is for.")  # fmt: skip
 @click.option("--pick", metavar="NAME", help="The route of that name, where there are several.")
 @click.option("--swap", is_flag=True, help="The file has latitude and longitude exchanged.")

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mission.commands.options import MISSION, PARAMETERS, VEHICLE
+
 if TYPE_CHECKING:
     from mission.authoring.check import Proved
     from mission.authoring.prepare import Prepared
@@ -31,11 +33,11 @@ TO = click.option(
 
 
 @click.command()
-@click.argument("mission", type=click.Path(path_type=Path))
+@click.argument("mission", type=MISSION)
 @TO
 @click.option("--force", is_flag=True, help="Although the check refuses it (the Pi decides).")
-@click.option("--param", "parameters", multiple=True, metavar="NAME=VALUE", help="Set a parameter.")
-@click.option("--vehicle", help="Vehicle file or name; default: the one the mission names.")
+@PARAMETERS
+@VEHICLE
 def upload(
     mission: Path, to: str, force: bool, parameters: tuple[str, ...], vehicle: str | None
 ) -> None:

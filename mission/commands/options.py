@@ -2,7 +2,46 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
 import click
+from click.shell_completion import CompletionItem
+
+
+class ShippedOrFile(click.Path):
+    """A path, which the shell also completes with the names of what is shipped, and with what lies
+    here by its suffix. Where none of these fits, the shell completes files as it always does."""
+
+    def __init__(
+        self, names: Callable[[], Iterable[str]], suffixes: Iterable[str], **how: Any
+    ) -> None:
+        super().__init__(**how)
+        self._names, self._suffixes = names, tuple(suffixes)
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        here = (path.name for path in Path().iterdir() if path.suffix in self._suffixes)
+        fits = [name for name in (*self._names(), *sorted(here)) if name.startswith(incomplete)]
+        return [*map(CompletionItem, fits)] or super().shell_complete(ctx, param, incomplete)
+
+
+def _missions() -> Iterable[str]:
+    from mission.model.shipped import shipped_missions
+
+    return shipped_missions()
+
+
+def _vehicles() -> Iterable[str]:
+    from mission.model.shipped import shipped_vehicles
+
+    return shipped_vehicles()
+
+
+MISSION = ShippedOrFile(_missions, (".yaml", ".yml", ".mission"), path_type=Path)
+VEHICLE_NAME = ShippedOrFile(_vehicles, (".yaml", ".yml"))
 
 PARAMETERS = click.option(
     "--param",
@@ -13,11 +52,13 @@ PARAMETERS = click.option(
 )
 VEHICLE = click.option(
     "--vehicle",
+    type=VEHICLE_NAME,
     metavar="FILE|NAME",
     help="Vehicle file, or a shipped vehicle's name; default: the vehicle the mission names.",
 )
 LOGGED_VEHICLE = click.option(
     "--vehicle",
+    type=VEHICLE_NAME,
     metavar="FILE|NAME",
     help="Vehicle file, or a shipped vehicle's name; default: the vehicle in the black box.",
 )

@@ -7,11 +7,11 @@ from pathlib import Path
 import click
 
 from mission.commands.jobs import Where, job_options
-from mission.commands.options import AS_JSON, PARAMETERS, SEED, VEHICLE
+from mission.commands.options import AS_JSON, MISSION, PARAMETERS, SEED, VEHICLE
 
 
 @click.command()
-@click.argument("mission", type=click.Path(path_type=Path))
+@click.argument("mission", type=MISSION)
 @click.option("--flights", type=click.IntRange(min=1), default=100, show_default=True,
               help="How many to fly.")  # fmt: skip
 @SEED

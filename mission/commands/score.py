@@ -6,10 +6,12 @@ from pathlib import Path
 
 import click
 
+from mission.commands.options import VEHICLE_NAME
+
 
 @click.command()
 @click.argument("folder", type=click.Path(exists=True, file_okay=False, path_type=Path))
-@click.option("--vehicle", default="auv", show_default=True,
+@click.option("--vehicle", type=VEHICLE_NAME, default="auv", show_default=True,
               help="Vehicle file or name whose compass the runs are given.")  # fmt: skip
 @click.option("--without", multiple=True, metavar="STATE",
               help="Take a state away, to see what it earns; may be given again.")  # fmt: skip

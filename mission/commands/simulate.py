@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mission.commands.options import AS_JSON, PARAMETERS, PROFILE, SEED, SETTINGS, VEHICLE
+from mission.commands.options import AS_JSON, MISSION, PARAMETERS, PROFILE, SEED, SETTINGS, VEHICLE
 
 if TYPE_CHECKING:
     from mission.onboard.blackbox import BlackBox
@@ -18,7 +18,7 @@ BLACK_BOX = "flight.mcap"
 
 
 @click.command()
-@click.argument("mission", type=click.Path(path_type=Path))
+@click.argument("mission", type=MISSION)
 @PROFILE
 @SEED
 @SETTINGS

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mission.commands.options import AS_JSON, PROFILE, SEED, SETTINGS
+from mission.commands.options import AS_JSON, PROFILE, SEED, SETTINGS, VEHICLE_NAME
 
 if TYPE_CHECKING:
     from links.simulated.pty import Simulated
@@ -20,7 +20,7 @@ MARK = "# Written by auvmission vehicle"
 
 
 @click.command()
-@click.argument("name", metavar="[VEHICLE]", default="auv")
+@click.argument("name", type=VEHICLE_NAME, metavar="[VEHICLE]", default="auv")
 @PROFILE
 @SEED
 @SETTINGS

@@ -23,6 +23,10 @@ def shipped_missions() -> dict[str, Path]:
     return {path.stem: path for path in sorted(found, key=lambda path: path.stem)}
 
 
+def shipped_vehicles() -> list[str]:
+    return sorted(path.stem for path in (missions_folder() / "vehicles").glob("*.yaml"))
+
+
 def vehicle_file(name: str | Path) -> Path:
     """That of a shipped vehicle's name; a path as it stands."""
     path = Path(name)
@@ -38,7 +42,7 @@ def load_vehicle(name: str | Path) -> Vehicle:
         with path.open(encoding="utf-8") as file:
             text = file.read(LONGEST + 1)
     except FileNotFoundError:
-        known = ", ".join(sorted(p.stem for p in (missions_folder() / "vehicles").glob("*.yaml")))
+        known = ", ".join(shipped_vehicles())
         raise _unreadable(f"no vehicle file {path}", f"shipped ones: {known}") from None
     except (OSError, UnicodeDecodeError) as error:
         raise _unreadable(f"{path}: cannot be read: {error}", "give a vehicle file") from error
