@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from mission.commands.options import AS_JSON, MISSION, PARAMETERS, VEHICLE
+from mission.commands.unreadable import tell_unreadable
 
 
 @click.command()
@@ -24,7 +25,7 @@ def check(mission: Path, vehicle: str | None, parameters: tuple[str, ...], as_js
     import sys
     from datetime import UTC, datetime
 
-    from mission.authoring.check.show import as_object, as_text, unreadable_object
+    from mission.authoring.check.show import as_object, as_text
     from mission.authoring.prepare import Unreadable, check_prepared, parameters_of, prepare
     from mission.model.buoyancy import doubt
 
@@ -32,9 +33,7 @@ def check(mission: Path, vehicle: str | None, parameters: tuple[str, ...], as_js
         prepared = prepare(mission, vehicle, parameters_of(parameters))
         report = check_prepared(prepared)
     except Unreadable as error:
-        click.echo(str(error), err=True)
-        if as_json:
-            click.echo(json.dumps(unreadable_object(error.diagnostics)))
+        tell_unreadable(error, as_json)
         sys.exit(2)
     today = datetime.now(UTC).date()
     if prepared.vehicle.ascent_measured and (why := doubt(prepared.vehicle, today)):

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from mission.commands.options import AS_JSON, MISSION, PARAMETERS, VEHICLE
+from mission.commands.unreadable import tell_unreadable
 
 
 @click.command()
@@ -43,7 +44,7 @@ def diff(
         given = parameters_of(parameters)
         found = compare(prepare(before, vehicle, given), prepare(after, vehicle, given))
     except Unreadable as error:
-        click.echo(str(error), err=True)
+        tell_unreadable(error, as_json)
         sys.exit(2)
     if as_json:
         click.echo(json.dumps(as_object(found)))

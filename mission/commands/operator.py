@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from mission.commands.options import MISSION, PARAMETERS, VEHICLE
+from mission.commands.options import AS_JSON, MISSION, PARAMETERS, VEHICLE
+from mission.commands.unreadable import tell_unreadable
 
 if TYPE_CHECKING:
     from mission.authoring.check import Proved
@@ -38,8 +39,14 @@ TO = click.option(
 @click.option("--force", is_flag=True, help="Although the check refuses it (the Pi decides).")
 @PARAMETERS
 @VEHICLE
+@AS_JSON
 def upload(
-    mission: Path, to: str, force: bool, parameters: tuple[str, ...], vehicle: str | None
+    mission: Path,
+    to: str,
+    force: bool,
+    parameters: tuple[str, ...],
+    vehicle: str | None,
+    as_json: bool,
 ) -> None:
     """Check MISSION and store it in the vehicle, line by line; an upload that was cut goes on.
 
@@ -55,11 +62,11 @@ def upload(
     try:
         prepared = prepare(mission, vehicle, parameters_of(parameters))
     except Unreadable as error:
-        click.echo(str(error), err=True)
+        tell_unreadable(error, as_json)
         raise SystemExit(2) from None
-    proved = _refuse_unchecked(prepared, force)
+    proved = _refuse_unchecked(prepared, force, as_json)
     lines = script(prepared.mission)
-    say(lambda: console.upload(to, lines, prepared.chart.digest, _Progress(lines).show))
+    say(lambda: console.upload(to, lines, prepared.chart.digest, _Progress(lines).show), as_json)
     if proved is not None:
         _remembered().uploaded(prepared.chart.digest, _plan(prepared, proved))
 
@@ -85,9 +92,9 @@ def _plan(prepared: Prepared, proved: Proved) -> Plan:
     )
 
 
-def _refuse_unchecked(prepared: Prepared, force: bool) -> Proved | None:
+def _refuse_unchecked(prepared: Prepared, force: bool, as_json: bool) -> Proved | None:
     """What is proved."""
-    from mission.authoring.check.show import as_text
+    from mission.authoring.check.show import as_object, as_text
     from mission.authoring.prepare import check_prepared
 
     report = check_prepared(prepared)
@@ -96,6 +103,8 @@ def _refuse_unchecked(prepared: Prepared, force: bool) -> Proved | None:
     click.echo(as_text(prepared.source, report, prepared.chart.digest), err=True)
     if not force:
         click.echo("not uploaded: mend it, or take --force if you know better", err=True)
+        if as_json:
+            click.echo(json.dumps(as_object(report)))
         raise SystemExit(1)
     click.echo("uploaded in spite of the check (--force)", err=True)
     return report.proved
@@ -117,28 +126,31 @@ class _Progress:
 @click.command()
 @TO
 @click.option("--wait", default=0, metavar="SECONDS", help="Ask again so long while it refuses.")
-def start(to: str, wait: int) -> None:
+@AS_JSON
+def start(to: str, wait: int, as_json: bool) -> None:
     """Start the stored mission, or go on with the interrupted one (@AA)."""
     from mission.topside.upload import start_telling
 
     began: list[str] = []
-    _converse(to, start_telling(wait, began.append))
+    _converse(to, start_telling(wait, began.append), as_json)
     for digest in began:
         _remembered().started(to, digest, time.time())
 
 
 @click.command()
 @TO
-def clear(to: str) -> None:
+@AS_JSON
+def clear(to: str, as_json: bool) -> None:
     """Clear the stored mission, and a latched emergency at the surface (@AC)."""
     from mission.topside.upload import clear as talk
 
-    _converse(to, talk())
+    _converse(to, talk(), as_json)
 
 
 @click.command()
 @TO
-def stop(to: str) -> None:
+@AS_JSON
+def stop(to: str, as_json: bool) -> None:
     """Stop all thrusters, at once and from any state (@ZAX0).
 
     Then some seconds of reports are looked at. Exit 0 when one shows every thruster off; 3 when it
@@ -147,12 +159,13 @@ def stop(to: str) -> None:
     """
     from protocol.messages import Order
 
-    _order(to, Order.STOP)
+    _order(to, Order.STOP, as_json)
 
 
 @click.command()
 @TO
-def surface(to: str) -> None:
+@AS_JSON
+def surface(to: str, as_json: bool) -> None:
     """Surface, at once and from any state (@ZAWF).
 
     Then reports are looked at for up to a minute. Exit 0 when one shows the surface, or a depth
@@ -161,7 +174,7 @@ def surface(to: str) -> None:
     """
     from protocol.messages import Order
 
-    _order(to, Order.SURFACE)
+    _order(to, Order.SURFACE, as_json)
 
 
 @click.command()
@@ -239,36 +252,43 @@ def _status_here(config: Path | None, as_json: bool) -> None:
         raise SystemExit(ALARM)
 
 
-def _order(to: str, which: Order) -> None:
+def _order(to: str, which: Order, as_json: bool) -> None:
     import functools
 
     from mission.topside.orders import order
     from mission.topside.underwater import PREFIX
 
     tell = functools.partial(click.echo, err=True)
-    _converse(to, order(which, tell, under_water=to.startswith(PREFIX)))
+    _converse(to, order(which, tell, under_water=to.startswith(PREFIX)), as_json)
 
 
-def _converse(to: str, script: Script) -> None:
+def _converse(to: str, script: Script, as_json: bool = False) -> None:
     from mission.topside.console import converse
 
-    say(lambda: converse(to, script))
+    say(lambda: converse(to, script), as_json)
 
 
-def say(talk: Callable[[], str]) -> None:
+def say(
+    talk: Callable[[], str], as_json: bool = False, values: Mapping[str, Any] | None = None
+) -> None:
     """What a conversation achieved; what failed goes to stderr with exit 1, or 3 where nothing is
-    known to have failed."""
+    known to have failed. ``as_json``: one object says either, with the ``values`` of an answer that
+    ``talk`` has put there."""
     from mission.topside.orders import Unconfirmed
     from mission.topside.upload import OperatorError, Refused
 
+    code, prefix = 0, ""
     try:
-        achieved = talk()
+        says = talk()
     except OperatorError as error:
         prefix = "refused: " if isinstance(error, Refused) else ""
-        click.echo(f"{prefix}{error}", err=True)
-        raise SystemExit(3 if isinstance(error, Unconfirmed) else 1) from None
+        code, says = 3 if isinstance(error, Unconfirmed) else 1, str(error)
     except KeyboardInterrupt:
         click.echo("what was asked last may or may not have been done", err=True)
         raise
-    if achieved:
-        click.echo(achieved)
+    if as_json:
+        click.echo(json.dumps({"ok": code == 0, "says": says} | dict(values or {})))
+    elif says:
+        click.echo(f"{prefix}{says}", err=code != 0)
+    if code:
+        raise SystemExit(code)

@@ -8,6 +8,7 @@ import click
 
 from mission.commands.jobs import Where, job_options
 from mission.commands.options import AS_JSON, MISSION, PARAMETERS, SEED, VEHICLE
+from mission.commands.unreadable import tell_unreadable
 
 
 @click.command()
@@ -54,7 +55,7 @@ def rehearse(
         given = parameters_of(parameters)
         prepared = prepare(mission, vehicle, given)
     except Unreadable as error:
-        click.echo(str(error), err=True)
+        tell_unreadable(error, as_json)
         raise SystemExit(2) from None
     tell = functools.partial(click.echo, err=True)
     told_of = {"rehearsed": prepared.chart.digest, "seed": seed}

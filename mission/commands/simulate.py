@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mission.commands.options import AS_JSON, MISSION, PARAMETERS, PROFILE, SEED, SETTINGS, VEHICLE
+from mission.commands.unreadable import tell_unreadable
 
 if TYPE_CHECKING:
     from mission.onboard.blackbox import BlackBox
@@ -58,7 +59,10 @@ def simulate(
     try:
         prepared = prepare(mission, vehicle, parameters_of(parameters))
         sea = parse_settings(settings)
-    except (Unreadable, SettingError) as error:
+    except Unreadable as error:
+        tell_unreadable(error, as_json)
+        sys.exit(UNREADABLE)
+    except SettingError as error:
         click.echo(str(error), err=True)
         sys.exit(UNREADABLE)
     try:

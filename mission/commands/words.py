@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mission.commands.operator import TO
+from mission.commands.operator import TO, say
 from mission.commands.options import AS_JSON
 
 if TYPE_CHECKING:
@@ -189,25 +189,11 @@ def say_script(
 ) -> None:
     """With ``as_json``: whether it is done, what is said of it, and under ``name`` the values of an
     answer that has any. Exit codes as of the other commands of the boat."""
-    import json
-
-    from mission.commands.operator import say
     from mission.topside.console import converse
-    from mission.topside.orders import Unconfirmed
-    from mission.topside.upload import OperatorError
 
     told: dict[str, Any] = {}
 
     def took(values: Mapping[str, Any]) -> None:
         told[name] = dict(values)
 
-    if not as_json:
-        say(lambda: converse(to, script(took)))
-        return
-    code = 0
-    try:
-        says = converse(to, script(took))
-    except OperatorError as error:
-        code, says = 3 if isinstance(error, Unconfirmed) else 1, str(error)
-    click.echo(json.dumps({"ok": code == 0, "says": says} | told))
-    raise SystemExit(code)
+    say(lambda: converse(to, script(took)), as_json, told)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 from pathlib import Path
 
@@ -31,6 +32,45 @@ def test_every_option_of_every_command_says_what_it_is_for(name: str) -> None:
         if option.param_type_name == "option" and not getattr(option, "help", None)
     ]
     assert not silent
+
+
+WITHOUT_JSON = {
+    **dict.fromkeys(("convert", "fmt", "import", "encode"), "what it writes is its result"),
+    **dict.fromkeys(("schema", "campaign", "score", "monitor"), "it prints JSON in any case"),
+    **dict.fromkeys(("graph", "plan"), "-o FILE.json or FILE.geojson is data"),
+    **dict.fromkeys(("story", "calibrate", "keys"), "it writes files for people or the program"),
+    **dict.fromkeys(("serve", "stick", "watch", "demo"), "it runs before somebody's eyes"),
+}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_command_answers_in_json_or_there_is_a_reason_why_not(name: str) -> None:
+    command = main.get_command(click.Context(main), name)
+    assert command is not None
+    options = {option for one in command.params for option in one.opts}
+    assert ("--json" in options) != (name in WITHOUT_JSON)
+
+
+@pytest.mark.parametrize("name", ["start", "clear", "stop", "surface", "status"])
+def test_what_a_vehicle_that_is_not_there_answers_is_one_object(name: str) -> None:
+    nobody = ["--to", "tcp://127.0.0.1:1", "--json"]
+    ran = CliRunner().invoke(main, [name, *nobody])
+    assert ran.exit_code == 1
+    assert isinstance(json.loads(ran.stdout), dict)
+
+
+@pytest.mark.parametrize("command", [["simulate"], ["diff"], ["rehearse"], ["upload"], ["check"]])
+def test_a_mission_that_cannot_be_read_is_told_as_data_with_its_hints(
+    command: list[str], tmp_path: Path
+) -> None:
+    bad = tmp_path / "bad.mission"
+    bad.write_text("mission bad vehicle auv\nout: heading 90 gear 6\n", encoding="utf-8")
+    files = [str(bad)] * (2 if command == ["diff"] else 1)
+    ran = CliRunner().invoke(main, [*command, *files, "--json"])
+    assert ran.exit_code == 2
+    (found,) = json.loads(ran.stdout)["refusals"]
+    assert (found["code"], found["line"], found["file"]) == ("no-time-bound", 2, str(bad))
+    assert found["hint"] == "add timeout (or for)"
 
 
 @pytest.mark.parametrize("name", COMMANDS)

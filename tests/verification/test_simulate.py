@@ -341,7 +341,11 @@ def test_a_mission_with_errors_is_told_with_lines_and_not_flown(tmp_path: Path) 
     assert result.exit_code == 2
     assert f"{path}:4:" in result.stderr
     assert f"{path}:6:" in result.stderr
-    assert result.stdout == ""
+    told = json.loads(result.stdout)
+    assert not told["ok"]
+    assert [row["line"] for row in told["refusals"]] == [4, 6]
+    assert all(row["code"] and row["message"] for row in told["refusals"])
+    assert any(row["hint"] for row in told["refusals"])
 
 
 def test_the_report_holds_the_track_and_a_black_box_that_replays(

@@ -1,0 +1,21 @@
+"""What is wrong with a mission, on stderr for people, and with ``--json`` on stdout as data."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from mission.model.diagnostics import Diagnosed
+
+
+def tell_unreadable(error: Diagnosed, as_json: bool) -> None:
+    """The object is that of ``check --json``: each with its place, its code and its hint."""
+    import json
+
+    from mission.authoring.check.show import unreadable_object
+
+    click.echo(str(error), err=True)
+    if as_json:
+        click.echo(json.dumps(unreadable_object(error.diagnostics)))
