@@ -190,7 +190,8 @@ STREAM = b"".join(raw for _, _, raw in AUV) + SD[:20] + b"@ACK_ZBN$" + SD[20:] +
 
 @settings(max_examples=40, deadline=None)
 @given(
-    st.lists(st.integers(1, 60), min_size=1, max_size=400), st.sampled_from([r.name for r in links()])
+    st.lists(st.integers(1, 60), min_size=1, max_size=400),
+    st.sampled_from([r.name for r in links()]),
 )
 def test_any_chunking_gives_the_same_frames(sizes: list[int], name: str) -> None:
     chunks, at = [], 0
