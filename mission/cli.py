@@ -53,6 +53,7 @@ COMMANDS = {
     "monitor": "monitor",
     "log": "log",
     "story": "story",
+    "export": "export",
     "watch": "watch",
     "replay": "replay",
     "decode": "decode",

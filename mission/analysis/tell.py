@@ -22,7 +22,7 @@ def as_text(title: str, chapters: Sequence[Chapter]) -> str:
         parts += ["", chapter.title, "-" * len(chapter.title), *chapter.says]
         for table in chapter.tables:
             parts += _columns(table)
-    return "\n".join(map(_printable, parts)) + "\n"
+    return "\n".join(map(printable, parts)) + "\n"
 
 
 def _columns(table: Table) -> list[str]:
@@ -32,7 +32,8 @@ def _columns(table: Table) -> list[str]:
     return ["  ".join(row).rstrip() for row in padded]
 
 
-def _printable(line: str) -> str:
+def printable(line: str) -> str:
+    """As it is, or with every odd character written out: nothing steers what shows it."""
     return line if line.isprintable() else line.encode("unicode_escape").decode()
 
 
@@ -49,7 +50,7 @@ def as_markdown(title: str, chapters: Sequence[Chapter]) -> str:
 
 
 def _marked(text: str) -> str:
-    return re.sub(r"([\\`*_<>|\[\]{}$#])", r"\\\1", _printable(text))
+    return re.sub(r"([\\`*_<>|\[\]{}$#])", r"\\\1", printable(text))
 
 
 def as_html(title: str, chapters: Sequence[Chapter]) -> str:
@@ -72,7 +73,7 @@ def html_body(chapters: Sequence[Chapter]) -> str:
 
 
 def _escaped(text: str) -> str:
-    return html.escape(_printable(text))
+    return html.escape(printable(text))
 
 
 FORMS: Mapping[str, Callable[[str, Sequence[Chapter]], str]] = MappingProxyType(

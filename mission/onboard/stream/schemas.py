@@ -2,7 +2,8 @@
 
     table(t=number("s", "the engine's time"), depth_m=number("m", "as reported", known=False))
 
-``known`` False: null where it is not known. A table has all its fields, and no others.
+``known`` False: null where it is not known. A table has all its fields, and no others. The unit is
+a key of its own, too, which validators pass over.
 """
 
 from __future__ import annotations
@@ -26,8 +27,10 @@ def table(says: str = "", optional: Sequence[str] = (), /, **fields: Schema) -> 
 
 
 def number(unit: str, says: str = "", *, known: bool = True) -> Schema:
-    kind = "number" if known else ["number", "null"]
-    return _said({"type": kind}, ": ".join(filter(None, (unit, says))))
+    schema: dict[str, Any] = {"type": "number" if known else ["number", "null"]}
+    if unit:
+        schema["unit"] = unit
+    return _said(schema, ": ".join(filter(None, (unit, says))))
 
 
 def count(says: str) -> Schema:

@@ -1,0 +1,78 @@
+"""``auvmission export``: what black boxes hold, as files for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+@click.command()
+@click.argument("files", nargs=-1, required=True, metavar="FILE...",
+                type=click.Path(path_type=Path, dir_okay=False))  # fmt: skip
+@click.option("-o", "--output", required=True, type=click.Path(path_type=Path, file_okay=False),
+              help="Folder to write into, a folder in it for each FILE.")  # fmt: skip
+@click.option("--as", "forms", multiple=True, required=True,
+              type=click.Choice(["csv", "parquet", "gpx", "kml", "geojson"]),
+              help="csv, parquet: every topic. gpx, kml, geojson: track, fixes and plan. "
+              "Repeatable.")  # fmt: skip
+@click.option("--force", is_flag=True, help="Write over what is there.")
+def export(files: tuple[Path, ...], output: Path, forms: tuple[str, ...], force: bool) -> None:
+    """Write black boxes as CSV, Parquet, GPX, KML or GeoJSON.
+
+    Each FILE goes into a folder of its own in --output, by its name. Units are in columns.csv, in
+    Parquet with each field. Files that are there are not written over unless --force says so. Exit
+    2 where a file cannot be used or written.
+    """
+    from mission.analysis.export import ExportError, folders
+    from mission.onboard.blackbox import BlackBoxError, first_part
+
+    logs = list(dict.fromkeys(map(first_part, files)))
+    try:
+        into = folders(output, logs)
+        if not force:
+            _refuse_what_is_there(into, forms)
+        for log, folder in zip(logs, into, strict=True):
+            _write(log, folder, forms)
+    except (BlackBoxError, ExportError) as error:
+        raise _failed(str(error)) from None
+    except OSError as error:
+        raise _failed(f"{error.filename}: cannot be written: {error.strerror or error}") from None
+
+
+def _refuse_what_is_there(into: Sequence[Path], forms: Sequence[str]) -> None:
+    from mission.analysis.export import ExportError
+
+    there = [path for folder in into for form in forms for path in folder.glob(f"*.{form}")]
+    if there:
+        raise ExportError(f"{min(there)} is there: --force writes over it, or name another folder")
+
+
+def _write(log: Path, folder: Path, forms: Sequence[str]) -> None:
+    from mission.analysis.export import FORMS, ExportError
+    from mission.analysis.journal import recordings
+    from mission.onboard.blackbox import Gap
+
+    try:
+        (items,) = recordings([log])
+        made = [file for form in dict.fromkeys(forms) for file in FORMS[form](items)]
+    except ExportError as error:
+        raise ExportError(f"{log}: {error}") from None
+    except (ValueError, KeyError, TypeError) as error:
+        why = f"{log}: its start record is not one of this version: {error}"
+        raise ExportError(why) from None
+    for gap in (item for item in items if isinstance(item, Gap) and not item.whole):
+        click.echo(str(gap), err=True)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in made:
+        (folder / name).write_bytes(content)
+        click.echo(folder / name)
+
+
+def _failed(why: str) -> SystemExit:
+    click.echo(why, err=True)
+    return SystemExit(2)
