@@ -43,16 +43,22 @@ def draw_track(track: Track, path: Path, title: str) -> None:
     """Writes a PNG."""
     figure, (plan, nis, residual, sensors) = _figure(4, (3.2, 1.0, 1.0, 0.9), (9.0, 13.0))
     _plan(plan, track)
+    draw_quality((nis, residual, sensors), track)
+    figure.suptitle(title, fontsize=12)
+    figure.savefig(path, dpi=110)
+
+
+def draw_quality(axes: Sequence[Axes], track: Track) -> None:
+    """Innovations and residuals of the fixes, and when which sensor could not be believed."""
+    nis, residual, sensors = axes
     _innovations(nis, track)
     _residuals(residual, track)
     _spells(sensors, track)
-    for axes in (nis, residual, sensors):
+    for one in (nis, residual, sensors):
         begin, end = float(track.t[0]), float(track.t[-1])
         margin = max(0.01 * (end - begin), 1.0)  # fixes come first and last, as a rule
-        axes.set_xlim(begin - margin, end + margin)
+        one.set_xlim(begin - margin, end + margin)
     sensors.set_xlabel("s since the black box began")
-    figure.suptitle(title, fontsize=12)
-    figure.savefig(path, dpi=110)
 
 
 def _plan(axes: Axes, track: Track) -> None:

@@ -13,6 +13,7 @@ _STYLE = (
     "body{font:15px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem}"
     "table{border-collapse:collapse;margin:.5rem 0}td,th{text-align:left;vertical-align:top;"
     "padding:.15rem .8rem .15rem 0;border-bottom:1px solid #ddd}h2{margin-top:2rem}"
+    "figure{margin:1rem 0}figure svg{max-width:100%;height:auto}"
 )
 
 
@@ -54,9 +55,13 @@ def _marked(text: str) -> str:
 
 
 def as_html(title: str, chapters: Sequence[Chapter]) -> str:
-    """A whole page that asks no other host for anything."""
+    return page(title, html_body(chapters))
+
+
+def page(title: str, inner: str) -> str:
+    """A whole page, around HTML; it asks no other host for anything."""
     head = f'<meta charset="utf-8"><title>{_escaped(title)}</title><style>{_STYLE}</style>'
-    body = f"<h1>{_escaped(title)}</h1>\n{html_body(chapters)}"
+    body = f"<h1>{_escaped(title)}</h1>\n{inner}"
     return f"<!doctype html>\n<html><head>{head}</head>\n<body>{body}</body></html>\n"
 
 

@@ -1,7 +1,8 @@
-"""``auvmission report``: a dive that is over, smoothed, with what its sensors were like."""
+"""``auvmission report``: dives that are over on one page, smoothed, with what the sensors said."""
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,45 +11,100 @@ import click
 from mission.commands.options import AS_JSON, LOGGED_VEHICLE
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from mission.analysis.report.dive import Dive
     from mission.analysis.smoothing import Track
+    from mission.model import Record
+    from mission.onboard.blackbox import Gap
 
 
 @click.command()
-@click.argument("log", type=click.Path(path_type=Path, dir_okay=False))
+@click.argument("files", nargs=-1, required=True, metavar="FILE...",
+                type=click.Path(path_type=Path, dir_okay=False))  # fmt: skip
 @click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False),
-              help="PNG to write; default: LOG with the suffix .png.")  # fmt: skip
+              help="Page to write; default: the first FILE with the suffix .html. With the suffix "
+              ".png the smoothed track of one FILE alone, as a picture.")  # fmt: skip
+@click.option("--map", "map_", type=click.Path(path_type=Path, dir_okay=False),
+              help="The map of one FILE as well, as a PNG, PDF or SVG, by its suffix.")  # fmt: skip
 @LOGGED_VEHICLE
 @AS_JSON
-def report(log: Path, output: Path | None, vehicle: str | None, as_json: bool) -> None:
-    """Smooth the track of the black box LOG between its fixes, and draw it.
+def report(
+    files: tuple[Path, ...],
+    output: Path | None,
+    map_: Path | None,
+    vehicle: str | None,
+    as_json: bool,
+) -> None:
+    """Make a page of dives: map, depth, sensors, limits, fixes, story, and the smoothed track.
 
-    Raw, filtered and smoothed track with 95 % ellipses, innovations of the fixes, residuals, and
-    when which sensor could not be believed. Exit 2 where LOG cannot be used.
+    One HTML file of the black boxes FILE..., in the order of their starts, that needs nothing else.
+    The smoothed track uses the fixes of after the dive, too; with it come innovations, residuals,
+    and when which sensor could not be believed. Exit 2 where a FILE cannot be used.
     """
-    import json
-
-    from mission.analysis.drawing import draw_track
-    from mission.analysis.smoothing import smooth
+    from mission.analysis.journal import recordings
+    from mission.analysis.report.dive import Dive
     from mission.model.shipped import load_vehicle
     from mission.model.vehicle import VehicleError
     from mission.onboard.blackbox import BlackBoxError
-    from mission.onboard.serve.heard import LogError, read_log
 
+    page = output or files[0].with_suffix(".html")
+    _check_one(files, page, map_)
     try:
-        heard = read_log(log)
-        known = load_vehicle(vehicle) if vehicle else heard.vehicle
-        track = smooth(heard.inputs, known)
-    except (BlackBoxError, LogError, VehicleError, ValueError) as error:
-        named = isinstance(error, (BlackBoxError, LogError, VehicleError))
-        click.echo(str(error) if named else f"{log}: {error}", err=True)
-        raise SystemExit(2) from None
-    picture = output or log.with_suffix(".png")
+        known = load_vehicle(vehicle) if vehicle else None
+        read = recordings(files)
+        dives = [Dive.of(items, known) for items in read]
+        if page.suffix == ".png" and dives[0].smoothed is None:
+            raise ValueError("there is no fix: a track has no place")
+    except (BlackBoxError, VehicleError) as error:
+        raise _failed(str(error)) from None
+    except (ValueError, KeyError, TypeError) as error:
+        raise _failed(f"{', '.join(map(str, files))}: {error}") from None
+    _write(read, dives, page, map_, ", ".join(path.name for path in files))
+    told = [figures(dive.smoothed) if dive.smoothed else None for dive in dives]
+    if as_json:
+        click.echo(json.dumps(told[0] if len(told) == 1 else told))
+        return
+    for dive in dives:
+        click.echo(text(dive.smoothed))
+    click.echo(f"{'picture' if page.suffix == '.png' else 'page':10} {page}")
+
+
+def _check_one(files: tuple[Path, ...], page: Path, map_: Path | None) -> None:
+    if len(files) > 1 and (map_ is not None or page.suffix == ".png"):
+        raise click.UsageError("a picture or a map is of one FILE")
+    if map_ is not None and map_.suffix not in (".png", ".pdf", ".svg"):
+        raise click.UsageError(f"--map {map_}: a map is a .png, .pdf or .svg")
+
+
+def _write(
+    read: Sequence[Sequence[Record | Gap]],
+    dives: Sequence[Dive],
+    page: Path,
+    map_: Path | None,
+    title: str,
+) -> None:
+    from mission.analysis.drawing import draw_track
+    from mission.analysis.report.figures import save_map
+    from mission.analysis.report.page import report_page
+
+    path = page
     try:
-        draw_track(track, picture, log.name)
+        if page.suffix == ".png" and (track := dives[0].smoothed) is not None:
+            draw_track(track, page, title)
+        else:
+            words = [(dive, text(dive.smoothed)) for dive in dives]
+            page.write_text(report_page(title, read, words), encoding="utf-8")
+        if map_ is not None:
+            path = map_
+            save_map(dives[0], map_, title)
     except OSError as error:
-        click.echo(f"{picture}: cannot be written: {error.strerror or error}", err=True)
-        raise SystemExit(2) from None
-    click.echo(json.dumps(figures(track)) if as_json else text(track, picture))
+        raise _failed(f"{path}: cannot be written: {error.strerror or error}") from None
+
+
+def _failed(why: str) -> SystemExit:
+    click.echo(why, err=True)
+    return SystemExit(2)
 
 
 def figures(track: Track) -> dict[str, object]:
@@ -77,7 +133,9 @@ def figures(track: Track) -> dict[str, object]:
     }
 
 
-def text(track: Track, picture: Path) -> str:
+def text(track: Track | None) -> str:
+    if track is None:
+        return "track      there is no fix: it has no place"
     f = figures(track)
     apart, radius = f["filtered_from_smoothed_m"], f["smoothed_radius_95_m"]
     assert isinstance(apart, dict)
@@ -88,6 +146,5 @@ def text(track: Track, picture: Path) -> str:
         f"smoothed   95 % radius {radius['mean']:.1f} m in the mean, {radius['max']:.1f} m at most",
         f"filtered   off the smoothed by {apart['mean']:.1f} m, {apart['max']:.1f} m at most",
         *(f"{s.sensor:10} {s.reason} from {s.begin:.0f} to {s.end:.0f} s" for s in track.spells),
-        f"picture    {picture}",
     ]
     return "\n".join(rows)

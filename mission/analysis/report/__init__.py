@@ -1,0 +1,6 @@
+"""A dive as one page for whoever was not there: pictures, figures and the story, in one file.
+
+dive      what is shown of a recording    figures   depth, attitude, sensors, margins over time
+map       plan, track and ellipses        page      all of it as HTML
+What does not live here: the story (story), the smoothed track (smoothing).
+"""

@@ -1,0 +1,103 @@
+"""What a page shows of one recording: series of values, legs by time, the plan, the fixes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from mission.analysis.journal import start_of
+from mission.analysis.smoothing import Track, smooth
+from mission.model import Position, Record
+from mission.model.vehicle import Vehicle
+from mission.navigation.filter import Array
+from mission.navigation.geodesy import LocalFrame
+from mission.onboard.blackbox import Gap
+from mission.onboard.runtime import records as rec
+from mission.onboard.stream.derived import Derivation, Message
+from mission.onboard.stream.senses import Senses
+from mission.onboard.stream.topics import FIX, PLAN, POSITION, STATE, TELEMETRY
+
+Point = tuple[float, float]  # east, north of the origin, m
+
+
+@dataclass(frozen=True, slots=True)
+class Stay:
+    """In a leg, s."""
+
+    leg: str
+    begin: float
+    end: float
+
+
+@dataclass(slots=True)
+class Dive:
+    """Values as their topics say; ``smoothed`` is None where no fix gives the track a place."""
+
+    vehicle: Vehicle
+    origin: Position | None = None
+    states: list[Mapping[str, Any]] = field(default_factory=list)
+    telemetry: list[Mapping[str, Any]] = field(default_factory=list)
+    fixes: list[Mapping[str, Any]] = field(default_factory=list)
+    covariances: list[tuple[float, Array]] = field(default_factory=list)  # of north and east, m^2
+    standing: list[rec.Standing] = field(default_factory=list)
+    plan: list[dict[str, Any]] = field(default_factory=list)
+    smoothed: Track | None = None
+
+    def series(self, values: Sequence[Mapping[str, Any]], name: str) -> tuple[Array, Array]:
+        """Times and values, NaN where nothing is known."""
+        told = [np.nan if one[name] is None else one[name] for one in values]
+        return np.array([one["t"] for one in values]), np.array(told, dtype=float)
+
+    def stays(self) -> list[Stay]:
+        found: list[Stay] = []
+        for one in self.states:
+            if found and found[-1].leg == one["leg"]:
+                found[-1] = Stay(one["leg"], found[-1].begin, one["t"])
+            else:
+                if found:
+                    found[-1] = Stay(found[-1].leg, found[-1].begin, one["t"])
+                found.append(Stay(one["leg"], one["t"], one["t"]))
+        return [stay for stay in found if stay.leg]
+
+    def local(self, latitude_deg: float, longitude_deg: float) -> Point:
+        assert self.origin is not None
+        angles = np.radians(latitude_deg), np.radians(longitude_deg)
+        north, east = LocalFrame(self.origin).to_local(float(angles[0]), float(angles[1]))
+        return east, north
+
+    def _take(self, message: Message, derivation: Derivation) -> None:
+        kept = {STATE: self.states, TELEMETRY: self.telemetry, FIX: self.fixes}
+        if message.topic in kept:
+            kept[message.topic].append(message.value)
+        elif message.topic == POSITION:
+            ee, ne, _, _, nn = message.value["position_covariance"][:5]
+            self.covariances.append((message.t, np.array([[nn, ne], [ne, ee]])))
+        elif message.topic == PLAN:
+            self.plan = json.loads(message.value["geojson"])["features"]
+        standing = derivation.standing
+        if standing is not None and standing.origin is not None:
+            self.origin = standing.origin
+
+    @classmethod
+    def of(cls, items: Sequence[Record | Gap], vehicle: Vehicle | None) -> Dive:
+        """``vehicle`` instead of the one on record, for smoothing. Raises ValueError, KeyError or
+        TypeError for a start record of no version that can be read."""
+        start = start_of(items)
+        if start is None:
+            raise ValueError("there is no whole start record, so nothing says what vehicle it is")
+        derivation = Derivation(start)
+        dive, senses = cls(derivation.start.vehicle), Senses(derivation.start.vehicle)
+        sensed = []
+        for record in (item for item in items if isinstance(item, Record)):
+            sensed += senses.hear(record)
+            for message in derivation.receive(record):
+                dive._take(message, derivation)
+            if record.kind == rec.STANDING:
+                dive.standing.append(rec.read_standing(record))
+        if dive.fixes:
+            dive.smoothed = smooth(sensed, vehicle or dive.vehicle, dive.origin)
+        return dive

@@ -1,0 +1,129 @@
+"""Pictures of a dive as SVG to stand in a page, and the map as a file of its own.
+
+matplotlib is imported when a picture is drawn, with the Agg back end: no display is needed.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mission.analysis.drawing import draw_quality
+from mission.analysis.report.dive import Dive
+from mission.analysis.report.map import draw_map, marks_of, plain
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Rows = Sequence[tuple[str, str]]  # a field of a topic; its name, or its unit
+
+_ATTITUDE: Rows = (("heading_deg", "heading"), ("pitch_deg", "pitch"), ("roll_deg", "roll"))
+_BATTERIES: Rows = (("control_v", "control"), ("power_v", "power"))
+_SENSORS: Rows = (("altitude_m", "altitude, m"), ("temperature_c", "temperature, \u00b0C"))
+_MARGINS = (("to_depth_m", "m"), ("to_radius_m", "m"), ("to_time_s", "s"), ("to_voltage_v", "V"))
+
+
+def pictures(dive: Dive) -> Iterator[tuple[str, str]]:
+    """Caption and SVG of each that the dive has something for."""
+    if any(state["north_m"] is not None for state in dive.states):
+        caption = "Map: plan, estimated track by legs, fixes. Large 95 % ellipses are left out."
+        yield caption, _svg(1, (8.5, 6.5), lambda axes: draw_map(axes[0], dive))
+    if dive.states:
+        yield "Depth, with the legs.", _svg(1, (9, 3), lambda axes: _depth(axes[0], dive))
+    known = [(n, u) for n, u in _MARGINS if any(s[n] is not None for s in dive.states)]
+    if known:
+        size = 9.0, 1.3 * len(known)
+        drawn = _svg(len(known), size, lambda axes: _margins(axes, dive, known))
+        yield "What was left to each limit.", drawn
+    for caption, rows, unit in (
+        ("Attitude.", _ATTITUDE, "deg"), ("Batteries.", _BATTERIES, "V"), ("Sensors.", _SENSORS, "")
+    ):  # fmt: skip
+        count = len(rows)
+        yield (
+            caption,
+            _svg(
+                count,
+                (9, 1.4 * count),
+                lambda a, r=rows, u=unit: _values(a, dive, r, u),  # type: ignore[misc]
+            ),
+        )
+    track = dive.smoothed
+    if track is not None:
+        caption = "Fixes: innovations, residuals, and when which sensor could not be believed."
+        yield caption, _svg(3, (9, 6), lambda axes: draw_quality(axes, track))
+
+
+def save_map(dive: Dive, path: Path, title: str) -> None:
+    """As its suffix says: PNG, PDF or SVG."""
+    figure, axes = _figure(1, (8.5, 6.5))
+    draw_map(axes[0], dive)
+    figure.suptitle(plain(title), fontsize=10)
+    figure.savefig(path, dpi=200)
+
+
+def _figure(rows: int, size: tuple[float, float]) -> tuple[Any, Any]:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=size, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure, figure.subplots(rows, 1, squeeze=False)[:, 0]
+
+
+def _svg(rows: int, size: tuple[float, float], draw: Callable[[Any], None]) -> str:
+    """Without prolog, metadata and name spaces, which a page of HTML does not need."""
+    import matplotlib as mpl
+
+    figure, axes = _figure(rows, size)
+    draw(axes)
+    text = io.StringIO()
+    with mpl.rc_context({"svg.hashsalt": "auvmission"}):
+        figure.savefig(text, format="svg", metadata={"Date": None})
+    inner = text.getvalue()[text.getvalue().index("<svg") :]
+    inner = re.sub(r"<metadata>.*?</metadata>", "", inner, count=1, flags=re.DOTALL)
+    return re.sub(r' xmlns(:\w+)?="[^"]*"', "", inner)
+
+
+def _depth(axes: Axes, dive: Dive) -> None:
+    stays = dive.stays()
+    marks = marks_of(stays)
+    for stay in stays:
+        axes.axvspan(stay.begin, stay.end, color=marks[stay.leg].colour, alpha=0.35, lw=0)
+        axes.text((stay.begin + stay.end) / 2.0, 1.02, str(marks[stay.leg].number), fontsize=7,
+                  ha="center", transform=axes.get_xaxis_transform())  # fmt: skip
+    t, depth = dive.series(dive.states, "depth_m")
+    axes.plot(t, depth, color="#222222", lw=1.0)
+    for mark in marks.values():
+        axes.plot([], [], color=mark.colour, lw=5, label=mark.label)
+    axes.invert_yaxis()
+    axes.set_ylabel("depth, m")
+    axes.set_xlabel("s since the black box began")
+    if marks:
+        axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+    axes.grid(alpha=0.3)
+
+
+def _margins(axes: Sequence[Axes], dive: Dive, known: Rows) -> None:
+    for one, (name, unit) in zip(axes, known, strict=True):
+        one.plot(*dive.series(dive.states, name), color="#2b5c8a", lw=1.0)
+        one.axhline(0.0, color="#cc3311", lw=0.8)
+        _dress(one, f"{name.removeprefix('to_').rpartition('_')[0]}, {unit}")
+    axes[-1].set_xlabel("s since the black box began")
+
+
+def _values(axes: Sequence[Axes], dive: Dive, rows: Rows, unit: str) -> None:
+    for one, (name, says) in zip(axes, rows, strict=True):
+        t, values = dive.series(dive.telemetry, name)
+        one.plot(t, values, ".", ms=2, color="#2b5c8a")
+        _dress(one, f"{says}, {unit}".removesuffix(", "))
+    axes[-1].set_xlabel("s since the black box began")
+
+
+def _dress(axes: Axes, label: str) -> None:
+    axes.set_ylabel(label, fontsize=8)
+    axes.tick_params(labelsize=7)
+    axes.ticklabel_format(useOffset=False)
+    axes.grid(alpha=0.3)

@@ -1,0 +1,171 @@
+"""The map of a dive: plan, track by legs, fixes, some 95 % ellipses, scale, graticule, north.
+
+The track and the plan's lines fill the frame. An ellipse that is larger than a quarter of it would
+bury them, and is left out; its size is in the page's figures.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mission.analysis.report.dive import Dive, Point, Stay
+from mission.navigation.distribution import PLANE_95
+from mission.navigation.filter import Array
+from mission.navigation.geodesy import LocalFrame
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_PALETTE = ("#88ccee", "#ddcc77", "#44aa99", "#cc6677", "#999933", "#aa4499", "#6699cc", "#117733")
+_PLAN, _SMOOTHED, _FIX = "#888888", "#222222", "#117733"
+_DISC = {"boxstyle": "circle,pad=0.15", "fc": "w", "lw": 0.5}
+_ELLIPSES = 10
+_MARGIN = 0.08  # of the frame
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """How a leg is found: there are more legs than colours that can be told apart."""
+
+    number: int
+    colour: str
+    label: str
+
+
+def marks_of(stays: Sequence[Stay]) -> Mapping[str, Mark]:
+    names = dict.fromkeys(stay.leg for stay in stays)
+    return {
+        name: Mark(i, _PALETTE[(i - 1) % len(_PALETTE)], f"{i} {plain(name)}")
+        for i, name in enumerate(names, 1)
+    }
+
+
+def draw_map(axes: Axes, dive: Dive) -> None:
+    """Metres from home on the axes, degrees on the lines of the graticule."""
+    t, north = dive.series(dive.states, "north_m")
+    _, east = dive.series(dive.states, "east_m")
+    lines = _plan(axes, dive)
+    _track(axes, dive, t, np.column_stack([east, north]))
+    if dive.origin is not None:
+        fixes = [dive.local(f["latitude_deg"], f["longitude_deg"]) for f in dive.fixes]
+        axes.plot(*_columns(fixes), ".", color=_FIX, ms=4, label="fixes", zorder=4)
+    known = np.isfinite(east)
+    shown = [*zip(east[known], north[known], strict=True), *(p for line in lines for p in line)]
+    width = _frame(axes, shown or [(0.0, 0.0)])
+    _ellipses(axes, dive, t, np.column_stack([east, north]), width / 4.0)
+    axes.plot(0.0, 0.0, "*", color="k", ms=9, mfc="w", label="home", zorder=5)
+    if dive.origin is not None:
+        _graticule(axes, LocalFrame(dive.origin), width)
+    _scale(axes, width)
+    axes.annotate("N", (0.96, 0.97), (0.96, 0.87), xycoords="axes fraction", ha="center",
+                  va="center", arrowprops={"arrowstyle": "->", "lw": 1.2})  # fmt: skip
+    axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+
+
+def _plan(axes: Axes, dive: Dive) -> list[list[Point]]:
+    drawn: list[list[Point]] = []
+    for feature in dive.plan:
+        form, said = feature["geometry"], feature["properties"]
+        if dive.origin is None or form["type"] != "LineString" or said["name"] == "radius":
+            continue
+        line = [dive.local(latitude, longitude) for longitude, latitude in form["coordinates"]]
+        label = "" if drawn else "plan"
+        axes.plot(*_columns(line), "--", color=_PLAN, lw=0.9, label=label, zorder=1)
+        drawn.append(line)
+    return drawn
+
+
+def _track(axes: Axes, dive: Dive, t: Array, places: Array) -> None:
+    stays = dive.stays()
+    marks, named = marks_of(stays), set[str]()
+    axes.plot(places[:, 0], places[:, 1], color=_PLAN, lw=1.0, label="estimated", zorder=1.5)
+    for stay in stays:
+        within = (t >= stay.begin) & (t <= stay.end) & np.isfinite(places[:, 0])
+        mark, line = marks[stay.leg], places[within]
+        axes.plot(line[:, 0], line[:, 1], color=mark.colour, lw=3.0, solid_capstyle="round",
+                  label="" if stay.leg in named else mark.label, zorder=2)  # fmt: skip
+        if len(line) and stay.leg not in named:
+            axes.annotate(str(mark.number), line[len(line) // 2], fontsize=8, zorder=7,
+                          ha="center", va="center", bbox=_DISC)  # fmt: skip
+        named.add(stay.leg)
+    if dive.smoothed is not None:
+        north, east = dive.smoothed.smoothed.T
+        axes.plot(east, north, color=_SMOOTHED, lw=0.8, label="smoothed", zorder=3)
+
+
+def _ellipses(axes: Axes, dive: Dive, t: Array, places: Array, largest: float) -> None:
+    from matplotlib.patches import Ellipse
+
+    if not dive.covariances:
+        return
+    times = np.array([time for time, _ in dive.covariances])
+    flown = [stay for stay in dive.stays() if stay.end > times[0]]
+    if not flown:
+        return
+    label = "95 % ellipses"
+    for at in np.linspace(flown[0].begin, flown[-1].end, _ELLIPSES):
+        i = int(np.argmin(np.abs(times - at)))
+        place = places[int(np.argmin(np.abs(t - times[i])))]
+        values, vectors = np.linalg.eigh(dive.covariances[i][1])
+        long_, short = (2.0 * PLANE_95 * math.sqrt(max(v, 0.0)) for v in values[::-1])
+        if long_ <= largest and np.isfinite(place).all():
+            angle = math.degrees(math.atan2(vectors[0, 1], vectors[1, 1]))
+            axes.add_patch(Ellipse((place[0], place[1]), long_, short, angle=angle, fill=False,
+                                   ec="#555555", lw=0.5, label=label, zorder=2.5))  # fmt: skip
+            label = ""
+
+
+def _frame(axes: Axes, shown: Sequence[Point]) -> float:
+    """Square, around what is shown; returns its width, m."""
+    low, high = np.min(shown, axis=0), np.max(shown, axis=0)
+    middle, width = (low + high) / 2.0, max(float(np.max(high - low)), 10.0) * (1 + 2 * _MARGIN)
+    axes.set_xlim(middle[0] - width / 2.0, middle[0] + width / 2.0)
+    axes.set_ylim(middle[1] - width / 2.0, middle[1] + width / 2.0)
+    axes.set_aspect("equal")
+    return width
+
+
+def _graticule(axes: Axes, frame: LocalFrame, width: float) -> None:
+    """Whole steps of latitude and longitude, about four of each."""
+    (west, east), (south, north) = axes.get_xlim(), axes.get_ylim()
+    corners = np.degrees([frame.to_geodetic(south, west), frame.to_geodetic(north, east)])
+    for axis, (low, high) in enumerate(corners.T):
+        step = _step(float(high - low) / 4.0)
+        digits = max(0, -math.floor(math.log10(step)))
+        ticks, labels = [], []
+        for value in np.arange(math.ceil(low / step) * step, high, step):
+            place = np.radians([value, corners[0, 1]] if axis == 0 else [corners[0, 0], value])
+            ticks.append(frame.to_local(float(place[0]), float(place[1]))[axis])
+            side = ("NS", "EW")[axis][int(value < 0.0)]
+            labels.append(f"{abs(value):.{digits}f}\u00b0 {side}")
+        drawn = axes.yaxis if axis == 0 else axes.xaxis
+        drawn.set_ticks(ticks, labels, fontsize=7)
+    axes.grid(color="#bbbbbb", lw=0.5, zorder=0)
+
+
+def _scale(axes: Axes, width: float) -> None:
+    length = _step(width / 5.0)
+    (left, _), (bottom, _) = axes.get_xlim(), axes.get_ylim()
+    x, y = left + 0.04 * width, bottom + 0.04 * width
+    axes.plot([x, x + length], [y, y], color="k", lw=3, solid_capstyle="butt", zorder=6)
+    axes.text(x + length / 2.0, y + 0.015 * width, f"{length:g} m", ha="center", fontsize=8)
+
+
+def _step(about: float) -> float:
+    """1, 2 or 5 times a power of ten, not more than ``about``."""
+    power = 10.0 ** math.floor(math.log10(about))
+    return float(next(m for m in (5.0, 2.0, 1.0) if m * power <= about * (1 + 1e-9)) * power)
+
+
+def plain(text: str) -> str:
+    """Nothing that matplotlib takes for mathematics."""
+    return text.replace("$", r"\$")
+
+
+def _columns(points: Sequence[Point]) -> tuple[list[float], list[float]]:
+    return [x for x, _ in points], [y for _, y in points]
