@@ -100,7 +100,8 @@ class LegType:
     while it is steered, m from home, of the named ones in m (none are named: none are asked for;
     ``straight``: those themselves; none: it may go anywhere, as fast as it goes);
     ``room`` the m that it takes about where it was entered; ``within`` its arrival radius, m.
-    ``ends_at_last``: it is done at the last of its corners, not at any.
+    ``ends_at_last``: it is done at the last of its corners, not at any. ``surveys``: it is flown
+    for what is seen along it, and may say what it is to ``achieve``.
 
     On pictures, ``shown`` is what it does beside holding its set and ``done`` how it ended.
 
@@ -133,6 +134,7 @@ class LegType:
     room: Callable[[Any], float] = lambda kind: 0.0
     within: Callable[[Any], float] = lambda kind: 0.0
     ends_at_last: bool = False
+    surveys: bool = False
     shown: Callable[[Any], str] = lambda kind: ""
     done: Callable[[Any], str] = lambda kind: "done"
     parts: Callable[[Leg], tuple[Leg, ...]] = lambda leg: ()

@@ -232,6 +232,7 @@ TYPE: LegType = LegType(
     gives=GIVES,
     ends=True,
     makes_way=True,
+    surveys=True,
     fault=_fault,
     places=lambda kind: (kind.start,) if kind.start is not None else (),
     corners=_area,

@@ -49,6 +49,7 @@ from mission.model.texts import (
     HOME,
     NOWHERE,
     SURFACE,
+    Aims,
     And,
     Axis,
     Comparison,
@@ -71,6 +72,7 @@ from mission.model.texts import (
     Set,
     Setting,
     Where,
+    aims_of,
     legs_of,
 )
 
@@ -90,6 +92,7 @@ __all__ = [
     "SURFACING",
     "UNKNOWN",
     "Action",
+    "Aims",
     "And",
     "AutoNode",
     "Axis",
@@ -134,5 +137,6 @@ __all__ = [
     "Verdict",
     "Vertical",
     "Where",
+    "aims_of",
     "legs_of",
 ]

@@ -140,6 +140,10 @@ class Handler:
     where: Where = field(default=NOWHERE, compare=False)
 
 
+# What rows are flown for: coverage (share), position (m); sorted by name.
+Aims = tuple[tuple[str, float], ...]
+
+
 class LegKind:
     """What a leg does beside holding its settings: a frozen dataclass in its leg type's own file
     (mission.legs)."""
@@ -164,6 +168,7 @@ class Leg:
     otherwise: str | None = None
     where: Where = field(default=NOWHERE, compare=False)
     outputs: tuple[OutputSetting, ...] = ()
+    achieve: Aims = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,6 +190,7 @@ class Group:
     body: tuple[Node, ...]
     handlers: tuple[Handler, ...] = ()
     where: Where = field(default=NOWHERE, compare=False)
+    achieve: Aims = ()
 
 
 Node = Leg | Set | Group
@@ -197,6 +203,19 @@ def legs_of(body: Iterable[Node]) -> Iterator[Leg]:
             yield node
         elif isinstance(node, Group):
             yield from legs_of(node.body)
+
+
+def aims_of(
+    body: Iterable[Node], above: Aims, path: str = ""
+) -> Iterator[tuple[str, Leg, dict[str, float]]]:
+    """Each leg with its path and what it is to achieve: what it says itself, else the groups
+    around it, the innermost first, else ``above``."""
+    for node in body:
+        if isinstance(node, Leg):
+            yield path + node.name, node, dict(above) | dict(node.achieve)
+        elif isinstance(node, Group):
+            inner = tuple((dict(above) | dict(node.achieve)).items())
+            yield from aims_of(node.body, inner, f"{path}{node.name}/")
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,6 +246,7 @@ class Mission:
     on_timeout: str = SURFACE
     start_without_fix: bool = False
     where: Where = field(default=NOWHERE, compare=False)
+    achieve: Aims = ()
 
     def start_within(self, sigma: float) -> float:
         """m from home: where it is started at most, as the check assumes and the start demands; no

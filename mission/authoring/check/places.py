@@ -21,11 +21,12 @@ def places_named(kind: LegKind) -> tuple[Place, ...]:
 def places_of(kind: LegKind, frame: LocalFrame | None) -> tuple[Point, ...]:
     """Corners of what is steered along; none for a leg that is not steered to places, or that
     begins wherever it is entered. ``frame`` None: no home is named, and no latitude."""
-    named = tuple(_local(place, frame) for place in places_named(kind))
+    named = tuple(local_of(place, frame) for place in places_named(kind))
     return LEGS[type(kind)].corners(kind, named) if named else ()
 
 
-def _local(place: Place, frame: LocalFrame | None) -> Point:
+def local_of(place: Place, frame: LocalFrame | None) -> Point:
+    """m from home."""
     if isinstance(place, Local):
         return place.north, place.east
     if isinstance(place, Position) and frame is not None:

@@ -136,6 +136,7 @@ class _Comparison:
         )
         yield from self._limits(one, two)
         yield from self._assumptions(one, two)
+        yield from self._mission("to achieve", *map(wording.achieve, (one, two)))
         uncertain = self.ways.mapped(self.before, ":uncertain", AUTONOMOUS)
         if uncertain != self.ways.plain(self.after, ":uncertain", AUTONOMOUS):
             yield from self._mission("on uncertain", one.on_uncertain, two.on_uncertain)
@@ -197,6 +198,9 @@ class _Comparison:
         if old.group.repeat != new.group.repeat:
             a, b = str(old.group.repeat), str(new.group.repeat)
             yield Change(Kind.CHANGED, (place,), "rounds", a, b, lines)
+        one, two = wording.achieve(old.group), wording.achieve(new.group)
+        if one != two:
+            yield Change(Kind.CHANGED, (place,), "to achieve", one, two, lines)
         yield from self._handlers(old.path, new.path, old.group, new.group, place)
 
     def _handlers(
@@ -240,6 +244,8 @@ class _Comparison:
             if one_time != two_time:
                 told = wording.apart(one_time, two_time, wording.time, wording.exact_time)
                 yield row(what, *told)
+        if a.achieve != b.achieve:
+            yield row("to achieve", wording.achieve(a), wording.achieve(b))
         yield from self._otherwise(old, new, row)
 
         def same_way(i: int, j: int) -> bool:

@@ -62,6 +62,10 @@ def time(seconds: float | None) -> str:
     return "none" if seconds is None else shown.duration(seconds)
 
 
+def achieve(scope: Leg | Group | Mission) -> str:
+    return words.achieve(scope.achieve) or "not stated"
+
+
 def group(which: Group) -> str:
     rounds = f"{which.repeat} rounds" if which.repeat > 1 else ""
     return ", ".join([*([rounds] if rounds else []), *(f"on {way(h)}" for h in which.handlers)])
@@ -98,7 +102,8 @@ def exact_set(setpoint: Setpoint) -> str:
 
 
 def exact_kind(leg: Leg) -> str:
-    bare = replace(leg, settings=(), exits=(), duration=None, timeout=None, otherwise=None)
+    bare = replace(leg, settings=(), exits=(), duration=None, timeout=None, otherwise=None,
+                   achieve=())  # fmt: skip
     return " ".join(" ".join(pair).strip() for pair in node_pairs(bare, True))
 
 

@@ -196,7 +196,8 @@ def _lines(state: State) -> tuple[str, ...]:
     if state.path == IMPLICIT_SURFACE:
         return ("ascend, proved by the depth; then idle",)
     does, holds = words.kind(state.leg), words.setpoint(state.setpoint)
-    told = tuple(filter(None, (words.outputs(state),)))
+    aims = f"to achieve {words.achieve(state.leg.achieve)}" if state.leg.achieve else ""
+    told = tuple(filter(None, (words.outputs(state), aims)))
     if LEGS[type(state.leg.kind)].ascends:  # what is held while it ascends is all at rest
         return (does, *told)
     whole = " \u00b7 ".join(part for part in (does, holds, *told) if part)

@@ -75,6 +75,7 @@ def _head(outline: Outline, page: float) -> tuple[list[str], float]:
     home = shown.place(mission.home) if mission.home is not None else "where it starts"
     conditions = [f"home {home}", f"safety: {words.safety(mission)}"]
     conditions += [f"assumed {words.assumption(name, v)}" for name, v in mission.assume]
+    conditions += [f"to achieve {words.achieve(mission.achieve)}"] if mission.achieve else []
     note = Style(9.5, MUTED)
     conditions += [f"vehicle {mission.vehicle}", f"{legs} legs", f"digest {chart.digest[:16]}"]
     whole = [part.replace(" ", NO_BREAK) for part in conditions]

@@ -25,6 +25,7 @@ def tables(chart: Chart) -> str:
         "initial": chart.initial,
         "safety": to_plain(mission.safety),
         "home": to_plain(mission.home),
+        "achieve": dict(mission.achieve),
         "states": [_state(state) for state in chart.states],
         "edges": [
             _edge(edge) | {"text": words.edge(edge, legs.get(edge.source))} for edge in chart.edges
@@ -40,7 +41,8 @@ def tables(chart: Chart) -> str:
 def _state(state: State) -> dict[str, Any]:
     row: dict[str, Any] = {"path": state.path, "parent": state.parent}
     if state.group is not None:
-        return row | {"kind": "group", "repeat": state.group.repeat}
+        group = state.group
+        return row | {"kind": "group", "repeat": group.repeat, "achieve": dict(group.achieve)}
     if state.leg is None:
         return row | {"kind": "region"}
     leg = state.leg
@@ -51,6 +53,7 @@ def _state(state: State) -> dict[str, Any]:
         "outputs": dict(state.outputs),
         "duration": leg.duration,
         "timeout": leg.timeout,
+        "achieve": dict(leg.achieve),
         "line": leg.where.line or None,
         "text": " \u00b7 ".join(
             part

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import math
 
-from mission.authoring.language.words import ASSUMPTIONS
+from mission.authoring.language.words import AIMS, ASSUMPTIONS
 from mission.engine.variables import VARIABLES
 from mission.legs import LEGS
 from mission.model import (
+    Aims,
     And,
     By,
     Comparison,
@@ -126,6 +127,13 @@ def _end(leg: Leg | None) -> str:
 
 def assumption(name: str, value: float) -> str:
     return f"{name} {number(value)} {ASSUMPTIONS[name].unit}"
+
+
+def achieve(aims: Aims) -> str:
+    return ", ".join(
+        f"{name} {number(value)} m" if AIMS[name].unit else f"{name} {number(100 * value)} %"
+        for name, value in aims
+    )
 
 
 def safety(mission: Mission) -> str:

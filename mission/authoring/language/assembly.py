@@ -12,7 +12,7 @@ reachability (mission.authoring.check).
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from mission.authoring.language.clauses import (
@@ -31,10 +31,11 @@ from mission.authoring.language.clauses import (
 from mission.authoring.language.legs import Legs
 from mission.authoring.language.parameters import read_parameters
 from mission.authoring.language.values import Values
-from mission.authoring.language.words import ASSUMPTIONS, GENERATED, LIMITS
+from mission.authoring.language.words import AIMS, ASSUMPTIONS, GENERATED, LIMITS
 from mission.model import (
     NOWHERE,
     SURFACE,
+    Aims,
     Group,
     Handler,
     Mission,
@@ -64,6 +65,7 @@ class _Scope:
     body: list[Node] = field(default_factory=list)
     handlers: list[Handler] = field(default_factory=list)
     names: dict[str, Where] = field(default_factory=dict)
+    achieve: Aims = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +139,7 @@ class Assembly:
             on_timeout=head.on_timeout,
             start_without_fix=head.without_fix,
             where=head.where,
+            achieve=top.achieve,
         )
 
     # --- first: what everything else needs ---------------------------------------------------
@@ -164,10 +167,11 @@ class Assembly:
                     self._head.home = self._values.position(place)
             case Named("safety", _, where):
                 if self._header("safety", where):
-                    self._head.safety = Safety(**dict(self._named(statement)))
+                    self._head.safety = Safety(**dict(self._values.named(statement, LIMITS)))
             case Named(_, _, where):
                 if self._header("assume", where):
-                    self._head.assume = tuple(sorted(self._named(statement)))
+                    assumed = self._values.named(statement, ASSUMPTIONS)
+                    self._head.assume = tuple(sorted(assumed))
             case Parameter(_, _, where):
                 self._top("param", where)
             case WithoutFix(where):
@@ -209,23 +213,6 @@ class Assembly:
         self._seen[word] = where
         return True
 
-    def _named(self, statement: Named) -> Iterator[tuple[str, float]]:
-        rows = LIMITS if statement.word == "safety" else ASSUMPTIONS
-        seen: set[str] = set()
-        for name, amount in statement.items:
-            row = rows.get(name.text)
-            if row is None:
-                hint = suggestion(name.text, list(rows), statement.word)
-                message = f"{statement.word} has no {name.text!r}"
-                self._problems.add("unknown-word", name.where, message, hint)
-            elif name.text in seen:
-                message = f"{name.text} appears twice"
-                self._problems.add("twice", name.where, message, "keep one of them")
-            else:
-                seen.add(name.text)
-                value = self._values.number(amount, row.unit, row.low, row.high, row.above)
-                yield row.name, value
-
     def _open(self, opening: Opening) -> None:
         if len(self._scopes) > DEEPEST_GROUP.most:
             message = f"groups are nested too deep: {DEEPEST_GROUP.exceeded}"
@@ -247,7 +234,12 @@ class Assembly:
         if not self._problems.within(opening.where.line, where.line):
             self._check_body(scope, opening.name)
         group = Group(
-            opening.name.text, scope.repeat, tuple(scope.body), tuple(scope.handlers), opening.where
+            opening.name.text,
+            scope.repeat,
+            tuple(scope.body),
+            tuple(scope.handlers),
+            opening.where,
+            scope.achieve,
         )
         self._scopes[-1].body.append(group)
 
@@ -284,7 +276,17 @@ class Assembly:
             else:
                 self._head.on_timeout = on.target.text
 
+    def _achieve(self, aims: Named) -> None:
+        scope = self._scopes[-1]
+        if scope.achieve:
+            self._problems.add("twice", aims.where, "achieve appears twice", "keep one of them")
+        scope.achieve = tuple(sorted(self._values.named(aims, AIMS)))
+
     def _leg(self, text: LegText) -> None:
+        match text:
+            case LegText(None, (Named() as aims,)):
+                self._achieve(aims)
+                return
         if text.name is not None:
             self._declare(text.name)
         node = self._legs.build(text)

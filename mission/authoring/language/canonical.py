@@ -63,7 +63,7 @@ def _numbered(body: tuple[Node, ...], line: int) -> tuple[tuple[Node, ...], int]
     nodes: list[Node] = []
     for node in body:
         if isinstance(node, Group):
-            line += len(_broken(_opening(node)))
+            line += sum(1 for _ in _begin(node))
             inner, line = _numbered(node.body, line)
             line += sum(1 for _ in _group_end(node))
             nodes.append(replace(node, body=inner) if inner != node.body else node)
@@ -97,6 +97,12 @@ def _header(mission: Mission) -> Iterator[str]:
         yield f"assume {_joined((n, number_text(v)) for n, v in mission.assume)}"
     if mission.start_without_fix:
         yield "start without fix"
+    yield from _achieve(mission)
+
+
+def _achieve(scope: Group | Mission) -> Iterator[str]:
+    if scope.achieve:
+        yield f"achieve {_joined(render.aim_pairs(scope.achieve, False))}"
 
 
 def _joined(pairs: Iterator[render.Pair]) -> str:
@@ -106,7 +112,7 @@ def _joined(pairs: Iterator[render.Pair]) -> str:
 def _body(body: tuple[Node, ...]) -> Iterator[str]:
     for node in body:
         if isinstance(node, Group):
-            yield from _broken(_opening(node))
+            yield from _begin(node)
             yield from _body(node.body)
             yield from _group_end(node)
         else:
@@ -115,6 +121,11 @@ def _body(body: tuple[Node, ...]) -> Iterator[str]:
 
 def _opening(group: Group) -> str:
     return f"repeat {group.repeat} {group.name}:" if group.repeat > 1 else f"group {group.name}:"
+
+
+def _begin(group: Group) -> Iterator[str]:
+    yield from _broken(_opening(group))
+    yield from _achieve(group)
 
 
 def _group_end(group: Group) -> Iterator[str]:

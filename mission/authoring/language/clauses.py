@@ -147,7 +147,16 @@ class OutputText:
     amount: Amount
 
 
-Clause = Wire | Value | Places | Chosen | Until | Else | OutputText
+@dataclass(frozen=True, slots=True)
+class Named:
+    """safety, assume, achieve: names with amounts."""
+
+    word: str
+    items: tuple[tuple[Name, Amount], ...]
+    where: Where
+
+
+Clause = Wire | Value | Places | Chosen | Until | Else | OutputText | Named
 
 # --- the other statements -------------------------------------------------------------------
 
@@ -163,15 +172,6 @@ class MissionHead:
 @dataclass(frozen=True, slots=True)
 class HomeAt:
     place: Coordinates
-    where: Where
-
-
-@dataclass(frozen=True, slots=True)
-class Named:
-    """safety, assume: names with amounts."""
-
-    word: str
-    items: tuple[tuple[Name, Amount], ...]
     where: Where
 
 

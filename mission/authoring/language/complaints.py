@@ -12,6 +12,7 @@ from lark import Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
 from mission.authoring.language import elsewhere
 from mission.authoring.language.words import (
+    AIMS,
     ASSUMPTIONS,
     LIMITS,
     SETTINGS,
@@ -48,6 +49,7 @@ _EXPECTED = {
     "_ARROW": "-> and a target",
     "LIMIT": "one of " + ", ".join(LIMITS),
     "ASSUMED": "one of " + ", ".join(ASSUMPTIONS),
+    "AIM": "one of " + ", ".join(AIMS),
     "SETTING": "a setting",
     "UNTIL": "a clause (until, for, timeout, else ...)",
     "RPAR": "a closing parenthesis",
@@ -70,7 +72,7 @@ _KEYWORDS = {
     "_AND": "and", "_NOT": "not", "_FIX": "fix", "FIX": "fix", "_WITHOUT": "without",
     "AT_HOME": "home", "HERE": "here", "_NORTH": "north", "_EAST": "east",
     "UNCERTAIN": "uncertain", "UNTIL": "until", "FOR": "for", "TIMEOUT": "timeout", "ELSE": "else",
-    "OUTPUT": "output",
+    "OUTPUT": "output", "_ACHIEVE": "achieve",
 }  # fmt: skip
 
 _PART = re.compile(r"->|[<>=!]=?|[^\s<>=!(),:]+|\S")
@@ -110,6 +112,7 @@ class _Misfit:
         words += leg_words() if "SETTING" in self.expected else []
         words += _chosen() if "CHOSEN" in self.expected else []
         words += LIMITS if "LIMIT" in self.expected else []
+        words += AIMS if "AIM" in self.expected else []
         return words + (list(ASSUMPTIONS) if "ASSUMED" in self.expected else [])
 
 

@@ -18,6 +18,7 @@ from mission.authoring.language.clauses import (
     Here,
     LegText,
     Name,
+    Named,
     OutputText,
     Places,
     Until,
@@ -27,6 +28,7 @@ from mission.authoring.language.clauses import (
 from mission.authoring.language.values import Values, whole_place
 from mission.authoring.language.wire import wire_complaint
 from mission.authoring.language.words import (
+    AIMS,
     ATTITUDE,
     FIELD_ORDER,
     HOLD,
@@ -45,6 +47,7 @@ from mission.legs import LegType
 from mission.legs.words import LegClause, Measure, Shape
 from mission.model import (
     HOME,
+    Aims,
     Exit,
     Leg,
     LegKind,
@@ -76,6 +79,7 @@ class _Parts:
     times: dict[str, float] = field(default_factory=dict)
     otherwise: str | None = None
     seen: dict[str, Where] = field(default_factory=dict)
+    achieve: Aims = ()
 
 
 class Legs:
@@ -110,6 +114,7 @@ class Legs:
             parts.otherwise,
             text.where,
             outputs,
+            parts.achieve,
         )
 
     # --- clauses ----------------------------------------------------------------------------
@@ -131,6 +136,9 @@ class Legs:
                     parts.otherwise = target.text
             case OutputText():
                 self._output(parts, clause)
+            case Named(word, _, where):
+                if self._once(parts, Name(word, where)):
+                    parts.achieve = tuple(sorted(self._values.named(clause, AIMS)))
 
     def _once(self, parts: _Parts, word: Name) -> bool:
         if word.text in parts.seen:
@@ -325,6 +333,11 @@ class Legs:
         for word in (*measures(), *spots(), *choices()):
             if word in parts.seen and word not in own:
                 self._foreign(parts, row, word)
+        if "achieve" in parts.seen and not row.surveys:
+            users = ", ".join(k.name for k in kinds().values() if k.surveys)
+            hint = f"it belongs to {users}, to a group of them or to the mission"
+            message = f"{row.name} has nothing to achieve"
+            self._problems.add("foreign-word", parts.seen["achieve"], message, hint)
         for clause in row.clauses:
             if clause.needed and clause.word not in parts.seen:
                 place = parts.kind.where if parts.kind else where

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from mission.authoring.language.syntax import grammar
 from mission.authoring.language.words import (
+    AIMS,
     ASSUMPTIONS,
     CLAUSES,
     LIMITS,
@@ -119,7 +120,7 @@ def _clauses() -> str:
 
 
 def _named(rows: Mapping[str, NamedValue]) -> str:
-    cells = [(f"`{r.name}`", r.unit, r.description) for r in rows.values()]
+    cells = [(f"`{r.name}`", r.unit or "share", r.description) for r in rows.values()]
     return _table(("name", "bare number", "what"), cells)
 
 
@@ -150,6 +151,7 @@ PARTS: Mapping[str, Callable[[], str]] = {
     "clauses": _clauses,
     "limits": lambda: _named(LIMITS),
     "assumptions": lambda: _named(ASSUMPTIONS),
+    "aims": lambda: _named(AIMS),
     "variables": _variables,
     "units": _units,
     "extents": _extents,

@@ -11,11 +11,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from mission.authoring.language.words import GENERATED, HOLD, LIMITS, SETTINGS
+from mission.authoring.language.words import AIMS, GENERATED, HOLD, LIMITS, SETTINGS
 from mission.engine.variables import VARIABLES
 from mission.legs import LEGS, LegType
 from mission.legs.words import Choice, LegClause, Measure, Shape
 from mission.model import (
+    Aims,
     And,
     Comparison,
     Exit,
@@ -82,7 +83,7 @@ def expression_text(expression: Expression, units: bool) -> str:
         case Comparison(variable, operator, bound, sure):
             unit = VARIABLES[variable].unit if variable in VARIABLES else ""
             text = f"{variable} {operator} {quantity_text(bound, unit, units)}"
-            return text if sure is None else f"{text} sure {_share(sure, units)}"
+            return text if sure is None else f"{text} sure {share_text(sure, units)}"
         case Not(operand):
             inner = expression_text(operand, units)
             return f"not ({inner})" if isinstance(operand, And | Or) else f"not {inner}"
@@ -97,7 +98,7 @@ def _within(operand: Expression, units: bool, weaker: type[Or]) -> str:
     return f"({text})" if isinstance(operand, weaker) else text
 
 
-def _share(share: float, units: bool) -> str:
+def share_text(share: float, units: bool) -> str:
     percent = number_text(round(share * 100, 9))
     return f"{percent}%" if units and float(percent) / 100 == share else number_text(share)
 
@@ -139,6 +140,8 @@ def node_pairs(node: Leg | Set, units: bool) -> Iterator[Pair]:
             yield "timeout", quantity_text(node.timeout, "s", units)
         if node.otherwise is not None:
             yield "else", node.otherwise
+        if node.achieve:
+            yield "achieve", " ".join(f"{n} {v}" for n, v in aim_pairs(node.achieve, units))
 
 
 def _kind_pairs(leg: Leg, units: bool) -> Iterator[Pair]:
@@ -197,6 +200,12 @@ def safety_pairs(safety: Safety, units: bool) -> Iterator[Pair]:
         value = getattr(safety, row.name)
         if value is not None:
             yield row.name, quantity_text(value, row.unit, units)
+
+
+def aim_pairs(aims: Aims, units: bool) -> Iterator[Pair]:
+    for name, value in aims:
+        unit = AIMS[name].unit
+        yield name, quantity_text(value, unit, units) if unit else share_text(value, units)
 
 
 def handlers_of(mission: Mission) -> Iterator[Pair]:

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from mission.authoring.language.words import (
+    AIMS,
     ASSUMPTIONS,
     CLAUSES,
     LIMITS,
@@ -119,6 +120,7 @@ def _top() -> dict[str, Schema]:
             "additionalProperties": False,
         },
         "start": {"const": "without fix", "description": "home is where it starts (a pool)"},
+        "achieve": _table(AIMS, "what the mission's rows are flown for"),
         "legs": _ref("body", "what the vehicle does, in this order"),
         "on": _ref("handlers", "what ends any leg of the mission"),
     }
@@ -219,6 +221,7 @@ def _leg() -> Schema:
         "patternProperties": {_NAME: _quantity("", "a bare number, in the vehicle file's unit")},
         "additionalProperties": False,
     }
+    properties["achieve"] = _table(AIMS, CLAUSES["achieve"])
     leg = _object(properties, "a leg: what it holds, and what ends it")
     needs = {name: [c.word for c in row.clauses if c.needed] for name, row in kinds().items()}
     needs = {name: words for name, words in needs.items() if words}
@@ -228,6 +231,7 @@ def _leg() -> Schema:
 def _group() -> Schema:
     properties = {
         "repeat": _quantity("", "rounds of the group; once unless said"),
+        "achieve": _table(AIMS, "what the group's rows are flown for"),
         "legs": _ref("body", "the group's legs, in this order"),
         "on": _ref("handlers", "what ends any leg of the group; stronger than outer ones"),
     }

@@ -53,6 +53,7 @@ from mission.authoring.language.clauses import (
     WithoutFix,
 )
 from mission.authoring.language.words import (
+    AIMS,
     ASSUMPTIONS,
     LIMITS,
     SETTINGS,
@@ -112,6 +113,7 @@ def grammar() -> str:
         "CHOSEN": dict.fromkeys(value for row in choices().values() for value in row.values),
         "LIMIT": LIMITS,
         "ASSUMED": ASSUMPTIONS,
+        "AIM": AIMS,
     }
     rows = [f"{name}.3: {_any_of(words)}" for name, words in terminals.items()]
     return "\n".join([text, *rows, f"UNIT.3: {_any_of(UNITS)}", ""])
@@ -240,6 +242,9 @@ class _Clauses:
 
     def assume(self, *items: Any) -> Named:
         return self._named("assume", items)
+
+    def achieve(self, *items: Any) -> Named:
+        return self._named("achieve", items)
 
     def _named(self, word: str, items: tuple[Any, ...]) -> Named:
         names = [self._name(token) for token in items[::2]]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 from mission.authoring.language.clauses import (
     Amount,
@@ -18,11 +18,13 @@ from mission.authoring.language.clauses import (
     GuardText,
     Here,
     Name,
+    Named,
     Negation,
     Offset,
     PlaceText,
     Several,
 )
+from mission.authoring.language.words import NamedValue
 from mission.engine.variables import VARIABLES, Variable
 from mission.model import (
     HOME,
@@ -42,6 +44,8 @@ from mission.model.likeness import suggestion
 from mission.model.shipped import load_vehicle
 from mission.model.units import UNITS, UnitError, quantity, range_text
 from mission.model.vehicle import Vehicle, VehicleError
+
+NamedPair = tuple[str, float]
 
 _SHORTEST = 0.1  # s that a leg lasts; no clock of the vehicle is finer
 _FAR = 20_000.0  # m: no mission of this vehicle goes farther from home
@@ -93,6 +97,22 @@ class Values:
             self.problems.add("range", amount.where, message, hint)
             return math.nan
         return value
+
+    def named(self, statement: Named, rows: Mapping[str, NamedValue]) -> Iterator[NamedPair]:
+        """Each name once, and one of the rows."""
+        seen: set[str] = set()
+        for name, amount in statement.items:
+            row = rows.get(name.text)
+            if row is None:
+                hint = suggestion(name.text, list(rows), statement.word)
+                message = f"{statement.word} has no {name.text!r}"
+                self.problems.add("unknown-word", name.where, message, hint)
+            elif name.text in seen:
+                message = f"{name.text} appears twice"
+                self.problems.add("twice", name.where, message, "keep one of them")
+            else:
+                seen.add(name.text)
+                yield row.name, self.number(amount, row.unit, row.low, row.high, row.above)
 
     def whole(self, amount: Amount, low: int, high: int, what: str) -> int:
         """A whole number without a unit; ``low`` where there is none."""

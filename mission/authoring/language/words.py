@@ -4,7 +4,7 @@
     ZA          the wire's own words        ZAS10         (line script, and bare lines)
     kinds()     what a leg does             goto home     {goto: home}
     measures(), spots(), choices()          within 15     {within: 15 m}
-    LIMITS, ASSUMPTIONS   safety and assume, name and value in turn
+    LIMITS, ASSUMPTIONS, AIMS   safety, assume and achieve, name and value in turn
 
 A word of the line script and the key of the YAML form are the same.
 What does not live here: how clauses stand together (grammar.lark), what they make (legs.py).
@@ -183,6 +183,12 @@ _ASSUMPTIONS = (
 )
 ASSUMPTIONS: Mapping[str, NamedValue] = MappingProxyType({row.name: row for row in _ASSUMPTIONS})
 
+_AIMS = (
+    NamedValue("coverage", "", 0, 1, "share of the rows' area that is seen, as in `90%`"),
+    NamedValue("position", "m", 0, 20000, "95 % of the position error along the rows"),
+)
+AIMS: Mapping[str, NamedValue] = MappingProxyType({row.name: row for row in _AIMS})
+
 # Words that hold a leg's clauses together, with what they say.
 CLAUSES: Mapping[str, str] = MappingProxyType(
     {
@@ -190,6 +196,8 @@ CLAUSES: Mapping[str, str] = MappingProxyType(
         "for": "the leg ends after this time",
         "timeout": "the leg is given up after this time",
         "else": "where to go then, and when the vehicle cannot follow; unless said as `on timeout`",
+        "achieve": "what rows are flown for, of themselves, a group's or the mission's: the check "
+        "refuses rows that are not expected to",
         "output": "an output of the vehicle file and its value there: `output lamp 80`",
     }
 )

@@ -38,9 +38,11 @@ from mission.authoring.language.clauses import (
 )
 from mission.authoring.language.syntax import Syntax
 from mission.authoring.language.words import (
+    AIMS,
     ASSUMPTIONS,
     LIMITS,
     STOP,
+    NamedValue,
     choices,
     kinds,
     leg_words,
@@ -52,8 +54,10 @@ from mission.model import Where
 from mission.model.diagnostics import Diagnostics
 from mission.model.yaml_tree import where_of
 
-TOP_KEYS = ("mission", "vehicle", "home", "safety", "assume", "param", "start", "legs", "on")
-GROUP_KEYS = ("repeat", "legs", "on")
+TOP_KEYS = (
+    "mission", "vehicle", "home", "safety", "assume", "param", "start", "achieve", "legs", "on",
+)  # fmt: skip
+GROUP_KEYS = ("repeat", "achieve", "legs", "on")
 HANDLER_KEYS = ("when", "held", "do")
 WITHOUT_FIX = "without fix"
 
@@ -91,11 +95,7 @@ class _Form:
                 self._problems.add("position", where_of(node), "home is a position", hint)
         for word, rows in (("safety", LIMITS), ("assume", ASSUMPTIONS)):
             if word in keys:
-                name, node = keys[word]
-                pairs = self._nodes.items(node, tuple(rows), word)
-                amounts = [(key, self._nodes.amount(value)) for key, value in pairs]
-                given = tuple((key, amount) for key, amount in amounts if amount)
-                yield Named(word, given, name.where)
+                yield self._named(*keys[word], rows)
         if "param" in keys:
             for key, value in self._nodes.items(keys["param"][1], None, "param"):
                 amount = self._nodes.number(value) or Amount("1", "", key.where)
@@ -103,6 +103,12 @@ class _Form:
         if "start" in keys:
             yield from self._start(*keys["start"])
         yield from self._body(keys)
+
+    def _named(self, name: Name, node: Node, rows: Mapping[str, NamedValue]) -> Named:
+        pairs = self._nodes.items(node, tuple(rows), name.text)
+        amounts = [(key, self._nodes.amount(value)) for key, value in pairs]
+        given = tuple((key, amount) for key, amount in amounts if amount)
+        return Named(name.text, given, name.where)
 
     def _head(self, keys: dict[str, Item], root: Node) -> Iterator[Statement]:
         name = self._nodes.name(keys["mission"][1]) if "mission" in keys else None
@@ -129,6 +135,9 @@ class _Form:
             self._problems.add("unknown-word", text.where, f"start has no {text.text!r}", hint)
 
     def _body(self, keys: dict[str, Item]) -> Iterator[Statement]:
+        if "achieve" in keys:
+            aims = self._named(*keys["achieve"], AIMS)
+            yield LegText(None, (aims,), aims.where)
         if "legs" in keys:
             for node in self._nodes.entries(keys["legs"][1], "legs"):
                 yield from self._node(node)
@@ -221,8 +230,8 @@ class _Form:
             target = self._nodes.name(node)
             if target is not None:
                 yield Else(word, target)
-        elif word.text == "output":
-            yield from self._outputs(word, node)
+        elif word.text in ("achieve", "output"):
+            yield from self._tabled(word, node)
         elif shape is Shape.TIME and isinstance(node, ScalarNode) and node.value in _YES:
             yield Value(word)
         else:
@@ -230,7 +239,10 @@ class _Form:
             if amount is not None:
                 yield Value(word, amount)
 
-    def _outputs(self, word: Name, node: Node) -> Iterator[Clause]:
+    def _tabled(self, word: Name, node: Node) -> Iterator[Clause]:
+        if word.text == "achieve":
+            yield self._named(word, node, AIMS)
+            return
         for name, value in self._nodes.items(node, None, "output"):
             amount = self._nodes.amount(value)
             if amount is not None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from mission.authoring.language import render
 from mission.authoring.language.words import ASSUMPTIONS, kinds
 from mission.legs.words import Shape
-from mission.model import Group, Handler, Leg, Mission, Node, Set
+from mission.model import Aims, Group, Handler, Leg, Mission, Node, Set
 from mission.model.units import number_text
 
 # Names that other YAML readers would take for something else than a text.
@@ -33,10 +33,20 @@ def _lines(mission: Mission) -> Iterator[str]:
         yield "assume: " + _table([f"{n}: {number_text(v)} {units[n]}" for n, v in mission.assume])
     if mission.start_without_fix:
         yield "start: without fix"
+    yield from _achieve(mission, "")
     yield "legs:"
     yield from _body(mission.body, "  ")
     general = [f"when: {word}, do: {_name(to)}" for word, to in render.handlers_of(mission)]
     yield from _handlers(general, mission.handlers, "")
+
+
+def _achieve(scope: Group | Mission, indent: str) -> Iterator[str]:
+    if scope.achieve:
+        yield f"{indent}achieve: {_aims(scope.achieve)}"
+
+
+def _aims(aims: Aims) -> str:
+    return _table([f"{name}: {value}" for name, value in render.aim_pairs(aims, True)])
 
 
 def _body(body: tuple[Node, ...], indent: str) -> Iterator[str]:
@@ -46,6 +56,7 @@ def _body(body: tuple[Node, ...], indent: str) -> Iterator[str]:
             inner = f"{indent}    "
             if node.repeat > 1:
                 yield f"{inner}repeat: {node.repeat}"
+            yield from _achieve(node, inner)
             yield f"{inner}legs:"
             yield from _body(node.body, f"{inner}  ")
             yield from _handlers([], node.handlers, inner)
@@ -64,6 +75,8 @@ def _keys(node: Leg | Set) -> Iterator[str]:
     for word, value in render.node_pairs(node, True):
         if word == "output":
             continue
+        if word == "achieve" and isinstance(node, Leg):
+            value = _aims(node.achieve)
         if word == "until":
             exits.append(value)
             continue

@@ -1,0 +1,279 @@
+"""What the rows of a mission are expected to bring home: a covariance carried along the way meant.
+
+    x = north, east | current north, east | speed scale | compass error: lasting, over the heading
+        (sin, cos), wandering                      each with the sigma that the estimate believes
+
+    leg       d(north, east) = t current + scale w + (error) w turned by 90 deg, w through the water
+    fix       both places are observed, and with them what made the error since the last fix
+
+The mission is flown in its order, each leg as it is meant to end: to its places at its speed, else
+for as long as its clock says. The current is taken to be anywhere in the disc that is assumed, so
+its sigma is half of that on each axis. Kalman's covariance needs no readings, only the way (Gelb,
+Applied Optimal Estimation, 1974, ch. 4.2); the figures are those of mission/navigation/model.py.
+
+What does not live here: what is demanded, refused and advised (purpose.py).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from mission.authoring.check.bounds import ascent_time
+from mission.authoring.check.places import local_of, places_of
+from mission.legs import LEGS, Rows, Surface
+from mission.legs.base import Point
+from mission.legs.rows import corners
+from mission.model import Group, Leg, Mission, Node, Set
+from mission.model.units import GEARS
+from mission.model.vehicle import Vehicle
+from mission.navigation.distribution import PLANE_95, along, below, principal
+from mission.navigation.geodesy import LocalFrame
+from mission.navigation.model import figures
+
+_N, _E, _CN, _CE, _SCALE, _BIAS, _SIN, _COS, _WANDER = range(9)
+_STATES = 9
+_PIECES = 6  # of a row
+_ACROSS = 9  # places looked at across the spacing
+MOST = 1000  # rows looked at, rounds included
+_SLOWEST = 0.2  # share of its speed that is counted on against the current
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One row as expected: ``across`` are sigmas of the place across it, in its pieces from the
+    beginning of the area on; ``ends`` the m that are missed of its length; ``error`` the radius
+    that 95 % of dives stay within at its end, m."""
+
+    across: tuple[float, ...]
+    ends: float
+    error: float
+
+
+@dataclass(slots=True)
+class Expected:
+    """The rows of one leg; of rounds, one after another. ``kind`` is as its author wrote it."""
+
+    kind: Rows
+    rows: list[Row] = field(default_factory=list)
+
+    @property
+    def errors(self) -> tuple[float, ...]:
+        """By row, m: the worst of the rounds."""
+        count = self.kind.count
+        return tuple(max(row.error for row in self.rows[k::count]) for k in range(count))
+
+    @property
+    def coverage(self) -> float:
+        """The share of the area (coverage.py) that is seen on average: the least of the rounds."""
+        count = self.kind.count
+        rounds = range(0, len(self.rows), count)
+        return min(_covered(self.kind, self.rows[at : at + count]) for at in rounds)
+
+
+class TooManyError(Exception):
+    """More rows than are looked at."""
+
+
+def expected(mission: Mission, vehicle: Vehicle) -> dict[str, Expected]:
+    """For each leg of rows, by its path. Raises TooManyError."""
+    course = _Course(mission, vehicle)
+    course.body(mission.body, "")
+    return course.found
+
+
+class Drift:
+    """The covariance, carried along."""
+
+    def __init__(self, vehicle: Vehicle, current: float) -> None:
+        """``current``: m/s, the greatest that is assumed."""
+        self._of = known = figures(vehicle)
+        self._fix = vehicle.sensors.fix
+        c = current / 2.0
+        sigmas = (
+            self._fix, self._fix, c, c, known.scale, known.compass.sigma, known.harmonic,
+            known.harmonic, known.wander.sigma,
+        )  # fmt: skip
+        self._p = np.diag(np.square(sigmas))
+
+    def go(self, bearing: float, speed: float, time: float) -> None:
+        """Straight ahead; rad, m/s through the water, s."""
+        known, way = self._of, speed * time
+        c, s = math.cos(bearing), math.sin(bearing)
+        f = np.eye(_STATES)
+        f[_N, _CN] = f[_E, _CE] = time
+        f[_N, _SCALE], f[_E, _SCALE] = way * c, way * s
+        for state, share in ((_BIAS, 1.0), (_SIN, s), (_COS, c), (_WANDER, 1.0)):
+            f[_N, state], f[_E, state] = -way * s * share, way * c * share
+        f[_WANDER, _WANDER] = stays = known.wander.decay(time)
+        q = np.zeros((_STATES, _STATES))
+        sway = 2.0 * (known.sway.sigma * speed) ** 2 * known.sway.time * time
+        ahead = 2.0 * known.deviation.sigma**2 * known.deviation.time * time if speed else 0.0
+        aside = sway + (speed * known.heading) ** 2 * known.period * time
+        q[_N, _N], q[_E, _E] = ahead * c * c + aside * s * s, ahead * s * s + aside * c * c
+        q[_N, _E] = q[_E, _N] = (ahead - aside) * c * s
+        q[_WANDER, _WANDER] = known.wander.sigma**2 * (1.0 - stays**2)
+        self._p = f @ self._p @ f.T + q
+
+    def afloat(self, time: float) -> None:
+        """At the surface, where wind and waves carry it, too."""
+        self.go(0.0, 0.0, time)
+        drift = self._of.drift.sigma * time
+        self._p[_N, _N] += drift**2
+        self._p[_E, _E] += drift**2
+
+    def fix(self) -> None:
+        seen = self._p[:2, :2] + self._fix**2 * np.eye(2)
+        gain = np.linalg.solve(seen, self._p[:2]).T
+        self._p = self._p - gain @ self._p[:2]
+        self._p = (self._p + self._p.T) / 2.0
+
+    @property
+    def place(self) -> tuple[float, float, float]:
+        """Covariance nn, ne, ee in m^2."""
+        return float(self._p[_N, _N]), float(self._p[_N, _E]), float(self._p[_E, _E])
+
+    @property
+    def radius(self) -> float:
+        """m, as `uncertainty` says it."""
+        return PLANE_95 * principal(self.place)[0]
+
+
+class _Course:
+    """The mission in its order, as it is meant to go."""
+
+    def __init__(self, mission: Mission, vehicle: Vehicle) -> None:
+        self._vehicle, self._current = vehicle, mission.current(vehicle.current)
+        self._frame = LocalFrame(mission.home) if mission.home else None
+        self._drift = Drift(vehicle, self._current)
+        self._at: Point = (0.0, 0.0)
+        self._holds = {"surge": 0.0, "depth": 0.0}
+        self._rows = 0
+        self.found: dict[str, Expected] = {}
+
+    def body(self, body: Iterable[Node], path: str) -> None:
+        for node in body:
+            if isinstance(node, Group):
+                for _ in range(node.repeat):
+                    self.body(node.body, f"{path}{node.name}/")
+            else:
+                self._node(node, path + node.name)
+
+    def _node(self, node: Leg | Set, path: str) -> None:
+        self._holds |= {setting.word: setting.value for setting in node.settings}
+        if not isinstance(node, Leg):
+            return
+        if isinstance(node.kind, Rows):
+            self.found.setdefault(path, Expected(node.kind))
+        parts = LEGS[type(node.kind)].parts(node) or (node,)
+        for part in self._flown(parts):
+            self._holds |= {setting.word: setting.value for setting in part.settings}
+            self._leg(part, path)
+
+    def _flown(self, parts: tuple[Leg, ...]) -> Iterator[Leg]:
+        """Those of the parts that a look at the uncertainty does not pass over."""
+        passed = False
+        for part in parts:
+            if not (passed and isinstance(part.kind, Surface)):
+                yield part
+            bounds = [way.guard.expression for way in part.exits if way.target is not None]
+            passed = any(
+                getattr(bound, "variable", "") == "uncertainty"
+                and self._drift.radius <= getattr(bound, "bound", 0.0)
+                for bound in bounds
+            ) and len(parts) > 1
+
+    def _leg(self, leg: Leg, path: str) -> None:
+        row, kind = LEGS[type(leg.kind)], leg.kind
+        if isinstance(kind, Rows):
+            self._survey(kind, path)
+        elif row.ascends:
+            self._ascend(fixed=row.awaits_fix(kind))
+        elif row.ends_at_last or row.places(kind):
+            for point in places_of(kind, self._frame):
+                self._to(point)
+        else:
+            time, speed = leg.duration or leg.timeout or 0.0, self._speed
+            bearing = self._holds.get("heading", 0.0)
+            self._drift.go(bearing, speed, time)
+            north, east = self._at
+            way = speed * time if "heading" in self._holds else 0.0
+            self._at = (north + way * math.cos(bearing), east + way * math.sin(bearing))
+
+    @property
+    def _speed(self) -> float:
+        return self._vehicle.speed_by_gear.at(GEARS * abs(self._holds["surge"]))
+
+    def _ascend(self, *, fixed: bool) -> None:
+        self._drift.afloat(ascent_time(self._holds["depth"], self._vehicle))
+        if fixed:
+            self._drift.fix()
+        self._holds = {"surge": 0.0, "depth": 0.0}
+
+    def _to(self, point: Point) -> None:
+        """Straight there; across the current it takes longer."""
+        north, east = point[0] - self._at[0], point[1] - self._at[1]
+        speed, way = self._speed, math.hypot(north, east)
+        if speed > 0.0 and way > 0.0:
+            made = max(_SLOWEST * speed, math.sqrt(max(speed**2 - self._current**2, 0.0)))
+            self._drift.go(math.atan2(east, north), speed, way / made)
+        self._at = point
+
+    def _survey(self, kind: Rows, path: str) -> None:
+        start = self._at if kind.start is None else local_of(kind.start, self._frame)
+        points = corners(kind, start)
+        self._rows += kind.count
+        if self._rows > MOST:
+            raise TooManyError
+        for begin, end in zip(points[::2], points[1::2], strict=True):
+            self._to(begin)
+            self.found[path].rows.append(self._row(kind, begin, end))
+
+    def _row(self, kind: Rows, begin: Point, end: Point) -> Row:
+        across, bearing = [], kind.bearing
+        ends = [along(self._drift.place, bearing)]
+        for piece in range(1, _PIECES + 1):
+            share = piece / _PIECES
+            before = along(self._drift.place, bearing + math.pi / 2.0)
+            self._to(tuple(a + share * (b - a) for a, b in zip(begin, end, strict=True)))  # type: ignore[arg-type]
+            after = along(self._drift.place, bearing + math.pi / 2.0)
+            across.append((before + after) / 2.0)
+        ends.append(along(self._drift.place, bearing))
+        missed = sum(ends) / math.sqrt(2.0 * math.pi) + kind.within
+        forth = (end[0] - begin[0]) * math.cos(bearing) + (end[1] - begin[1]) * math.sin(bearing)
+        pieces = tuple(across if forth > 0.0 else reversed(across))
+        return Row(pieces, min(missed, kind.length), self._drift.radius)
+
+
+def _covered(kind: Rows, rows: list[Row]) -> float:
+    """On average over the area; the errors of neighbouring rows are taken to be independent."""
+    edge = min(kind.swath, kind.spacing) if kind.count > 1 else kind.swath
+    seen = wide = 0.0
+    for at, row in enumerate(rows):
+        near = [(k - at, rows[k]) for k in (at - 1, at, at + 1) if 0 <= k < len(rows)]
+        low = -(kind.spacing if at else edge) / 2.0
+        high = (kind.spacing if at + 1 < len(rows) else edge) / 2.0
+        wide += high - low
+        mean = _seen_about(kind, near, low, high)
+        seen += mean * (high - low) * (1.0 - row.ends / kind.length)
+    return seen / wide
+
+
+def _seen_about(kind: Rows, near: list[tuple[int, Row]], low: float, high: float) -> float:
+    """The share seen of the strip between ``low`` and ``high``, m across from a row; ``near`` are
+    it and its neighbours, by how many spacings they lie aside."""
+    total = 0.0
+    for step in range(_ACROSS):
+        y = low + (high - low) * (step + 0.5) / _ACROSS
+        for piece in range(_PIECES):
+            missed = 1.0
+            for aside, row in near:
+                off = y - aside * kind.spacing
+                sigma = row.across[piece]
+                half = kind.swath / 2.0
+                missed *= 1.0 - below(half, off, sigma) + below(-half, off, sigma)
+            total += 1.0 - missed
+    return total / (_ACROSS * _PIECES)
