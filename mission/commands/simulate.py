@@ -51,6 +51,7 @@ def simulate(
     from links.simulated.settings import SettingError, parse_settings
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
     from mission.onboard.blackbox import close_recording
+    from mission.verification.simulation import reaching
     from mission.verification.simulation.coverage import as_json_of, coverage_of
     from mission.verification.simulation.flight import fly
     from mission.verification.simulation.flown import Flown
@@ -90,8 +91,11 @@ def simulate(
         flight.compass_bias,
     )
     if as_json:
-        coverage = as_json_of(coverage_of(flight, prepared.mission))
-        told = flight.as_json() | {"coverage": coverage, "flown": flown.as_object()}
+        told = flight.as_json() | {
+            "coverage": as_json_of(coverage_of(flight, prepared.mission)),
+            "purpose": reaching.as_json_of(reaching.achieved_by(flight, prepared.mission)),
+            "flown": flown.as_object(),
+        }
         click.echo(json.dumps(told))
     else:
         click.echo("\n".join([table(flight, prepared.chart), *flown.as_lines()]))

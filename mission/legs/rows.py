@@ -212,11 +212,12 @@ def _draw(author: Author) -> str:
 def _draw_fixes(author: Author) -> str:
     rng = author.rng
     rule = rng.choice([f"resurface {rng.randint(1, 2)}", f"unsure {rng.randint(5, 40)}"])
+    aims = rng.choice(["", " achieve coverage 30%", " achieve coverage 20% position 300"])
     area = f"rows {rng.randint(2, 4)} bearing {rng.randrange(0, 360, 15)}"
     return (
         f"{area} length {rng.randint(30, 80)} "
         f"spacing {rng.randint(10, 30)} from {author.place()} within 8 swath 20 {rule} "
-        f"gear 8 depth {author.depth()} {author.timeout(900)}"
+        f"gear 8 depth {author.depth()} {author.timeout(900)}{aims}"
     )
 
 

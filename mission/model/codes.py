@@ -74,6 +74,7 @@ CODES: Mapping[str, str] = MappingProxyType(
         "parts": "a leg that is flown in several parts cannot be parted as it is written",
         "place": "this is no place",
         "position": "this is no latitude or longitude",
+        "purpose": "rows are not expected to achieve what the mission says",
         "radius": "the worst case leaves the radius that is allowed",
         "range": "a number is out of its range",
         "repeat": "a group has at least one round",

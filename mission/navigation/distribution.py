@@ -35,6 +35,13 @@ def principal(covariance: Covariance) -> tuple[float, float, float]:
     )
 
 
+def radius_95(covariance: Covariance) -> float:
+    """m about the mean that hold 95 %: a cubic in the ratio of the axes, to 0.2 %."""
+    great, small, _ = principal(covariance)
+    q = small / great if great > 0.0 else 0.0
+    return great * (1.9608 + q * (0.0041 + q * (0.1143 + q * 0.3716)))
+
+
 def along(covariance: Covariance, bearing: float) -> float:
     """Sigma in one direction."""
     nn, ne, ee = covariance

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
-from mission.model import Mission
+from mission.authoring.compiler.granularity import rounded
+from mission.model import IMPLICIT_SURFACE, Chart, Mission, buoyancy
 from mission.model.vehicle import Vehicle
 from mission.navigation.declination import declination
 
@@ -54,3 +56,34 @@ def _declination(mission: Mission, vehicle: Vehicle) -> float:
         return vehicle.declination or 0.0
     home = mission.home
     return declination(math.radians(home.latitude_deg), math.radians(home.longitude_deg))
+
+
+def told(chart: Chart, vehicle: Vehicle, assume: Assumptions, floor: bool) -> Iterator[str]:
+    """A line each, for the report; ``floor``: a bound rests on the floor that is assumed."""
+    given = dict(chart.mission.assume)
+    source = "the mission" if "current" in given else "the vehicle file"
+    yield f"current at most {assume.current:g} m/s ({source})"
+    yield f"started within {assume.start:g} m of home"
+    yield f"speed by gear as in the vehicle file, within {SPEED_SHARE:.0%} (two sigma)"
+    yield f"heading within {math.degrees(assume.heading):.0f} deg (two sigma of sensor and bias)"
+    yield f"ascent by buoyancy alone at {buoyancy.told(vehicle)}"
+    yield f"battery {vehicle.battery.usable / 3600:.0f} Wh usable, powers as in the vehicle file"
+    yield from _stated_rounding(chart, vehicle)
+    if floor:
+        why = "" if "floor" in given else ", the depth allowed; state assume floor where it is"
+        yield f"sea floor nowhere deeper than {assume.floor:g} m{why}"
+    if vehicle.constant_batteries:
+        yield "the battery is watched from outside: this vehicle reports constants"
+    yield "a dead Pi, or an STM32 that hangs with its thrusters on, does not happen"
+
+
+def _stated_rounding(chart: Chart, vehicle: Vehicle) -> Iterator[str]:
+    """What is held between the vehicle's steps, and is lost in its sensor's noise."""
+    legs = (
+        (s.leg, s.setpoint)
+        for s in chart.states
+        if s.leg and s.setpoint and s.path != IMPLICIT_SURFACE
+    )
+    found = (r for leg, held in legs for r in rounded(leg, held, vehicle))
+    for text in dict.fromkeys(f"{r} is sent as {r.nearest:g} {r.unit}" for r in found):
+        yield f"{text}, the nearest that {vehicle.name} can be told"

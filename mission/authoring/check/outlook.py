@@ -4,7 +4,8 @@
         (sin, cos), wandering                      each with the sigma that the estimate believes
 
     leg       d(north, east) = t current + scale w + (error) w turned by 90 deg, w through the water
-    fix       both places are observed, and with them what made the error since the last fix
+    fix       place and speed over ground are observed, and with them what made the error since the
+              last fix
 
 The mission is flown in its order, each leg as it is meant to end: to its places at its speed, else
 for as long as its clock says. The current is taken to be anywhere in the disc that is assumed, so
@@ -30,7 +31,7 @@ from mission.legs.rows import corners
 from mission.model import Group, Leg, Mission, Node, Set
 from mission.model.units import GEARS
 from mission.model.vehicle import Vehicle
-from mission.navigation.distribution import PLANE_95, along, below, principal
+from mission.navigation.distribution import PLANE_95, along, below, principal, radius_95
 from mission.navigation.geodesy import LocalFrame
 from mission.navigation.model import figures
 
@@ -92,12 +93,14 @@ class Drift:
         """``current``: m/s, the greatest that is assumed."""
         self._of = known = figures(vehicle)
         self._fix = vehicle.sensors.fix
+        self._adrift = math.hypot(known.ground_velocity, known.drift.sigma)
         c = current / 2.0
         sigmas = (
             self._fix, self._fix, c, c, known.scale, known.compass.sigma, known.harmonic,
             known.harmonic, known.wander.sigma,
         )  # fmt: skip
         self._p = np.diag(np.square(sigmas))
+        self._observe(slice(_CN, _CE + 1), self._adrift)  # it waits for its start afloat
 
     def go(self, bearing: float, speed: float, time: float) -> None:
         """Straight ahead; rad, m/s through the water, s."""
@@ -126,9 +129,14 @@ class Drift:
         self._p[_E, _E] += drift**2
 
     def fix(self) -> None:
-        seen = self._p[:2, :2] + self._fix**2 * np.eye(2)
-        gain = np.linalg.solve(seen, self._p[:2]).T
-        self._p = self._p - gain @ self._p[:2]
+        """A place, and the speed over ground with it."""
+        self._observe(slice(_N, _E + 1), self._fix)
+        self._observe(slice(_CN, _CE + 1), self._adrift)
+
+    def _observe(self, pair: slice, sigma: float) -> None:
+        seen = self._p[pair, pair] + sigma**2 * np.eye(2)
+        gain = np.linalg.solve(seen, self._p[pair]).T
+        self._p = self._p - gain @ self._p[pair]
         self._p = (self._p + self._p.T) / 2.0
 
     @property
@@ -180,11 +188,14 @@ class _Course:
             if not (passed and isinstance(part.kind, Surface)):
                 yield part
             bounds = [way.guard.expression for way in part.exits if way.target is not None]
-            passed = any(
-                getattr(bound, "variable", "") == "uncertainty"
-                and self._drift.radius <= getattr(bound, "bound", 0.0)
-                for bound in bounds
-            ) and len(parts) > 1
+            passed = (
+                any(
+                    getattr(bound, "variable", "") == "uncertainty"
+                    and self._drift.radius <= getattr(bound, "bound", 0.0)
+                    for bound in bounds
+                )
+                and len(parts) > 1
+            )
 
     def _leg(self, leg: Leg, path: str) -> None:
         row, kind = LEGS[type(leg.kind)], leg.kind
@@ -242,10 +253,10 @@ class _Course:
             after = along(self._drift.place, bearing + math.pi / 2.0)
             across.append((before + after) / 2.0)
         ends.append(along(self._drift.place, bearing))
-        missed = sum(ends) / math.sqrt(2.0 * math.pi) + kind.within
+        missed = sum(ends) / math.sqrt(2.0 * math.pi) + kind.within / 2.0
         forth = (end[0] - begin[0]) * math.cos(bearing) + (end[1] - begin[1]) * math.sin(bearing)
         pieces = tuple(across if forth > 0.0 else reversed(across))
-        return Row(pieces, min(missed, kind.length), self._drift.radius)
+        return Row(pieces, min(missed, kind.length), radius_95(self._drift.place))
 
 
 def _covered(kind: Rows, rows: list[Row]) -> float:

@@ -12,6 +12,7 @@
     energy         the worst case exceeds the battery
     heavy          the vehicle does not rise by itself, and X rests on that
     too-long       more rounds than can be walked
+    purpose        rows that are not expected to achieve what the mission says (purpose.py)
 
 What does not live here: the bounds (bounds.py) and the walk (flow.py).
 """
@@ -23,11 +24,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from mission.authoring.check import remedy
-from mission.authoring.check.assumptions import SPEED_SHARE, Assumptions
+from mission.authoring.check.assumptions import Assumptions, told
 from mission.authoring.check.bounds import Bounds, LegBounds, Trail
 from mission.authoring.check.flow import Flow, Proof, TooLongError, trail
 from mission.authoring.check.places import places_named
-from mission.authoring.compiler.granularity import rounded
+from mission.authoring.check.purpose import Outlook, judged
 from mission.engine import bounds as envelope
 from mission.engine.limits import DEPTH_MARGIN
 from mission.engine.variables import CLOCK, VARIABLES
@@ -76,6 +77,7 @@ class Report:
     refusals: tuple[Diagnostic, ...]
     proved: Proved | None
     assumed: tuple[str, ...]
+    outlook: tuple[Outlook, ...] = ()  # of its rows, where a purpose is stated
 
     @property
     def ok(self) -> bool:
@@ -91,18 +93,20 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     unbounded = bool(early)
     early += _unknowable(chart, vehicle)
     if unbounded:
-        return Report(tuple(early), None, tuple(_assumed(chart, vehicle, assume, False)))
+        return Report(tuple(early), None, tuple(told(chart, vehicle, assume, False)))
     flow = _flow(chart, vehicle, assume, limits)
     try:
         proof = flow.walk(_start(vehicle, assume))
     except TooLongError:
         message = f"more than {flow.proof.walked - 1} legs are flown in the worst case"
         refusals = (*early, _refused("too-long", mission.where, message, "repeat less"))
-        return Report(refusals, None, tuple(_assumed(chart, vehicle, assume, False)))
+        return Report(refusals, None, tuple(told(chart, vehicle, assume, False)))
+    purpose = judged(mission, vehicle)
     found = [*early, *_ways(chart, proof), *_bounds(chart, vehicle, proof, limits, assume)]
+    found += purpose.refusals
     floor = any(leg.leans_on_floor for leg in flow.legs.values())
-    assumed = tuple(_assumed(chart, vehicle, assume, floor))
-    return Report(tuple(found), _proved(proof, chart, vehicle), assumed)
+    assumed = tuple(told(chart, vehicle, assume, floor))
+    return Report(tuple(found), _proved(proof, chart, vehicle), assumed, purpose.outlook)
 
 
 def before_the_proof(mission: Mission, vehicle: Vehicle) -> Iterator[Diagnostic]:
@@ -375,29 +379,3 @@ def _proved(proof: Proof, chart: Chart, vehicle: Vehicle) -> Proved | None:
         uncertainty=proof.end.error,
         path=_path(worst.trail),
     )
-
-
-def _assumed(chart: Chart, vehicle: Vehicle, assume: Assumptions, floor: bool) -> Iterator[str]:
-    given = dict(chart.mission.assume)
-    source = "the mission" if "current" in given else "the vehicle file"
-    yield f"current at most {assume.current:g} m/s ({source})"
-    yield f"started within {assume.start:g} m of home"
-    yield f"speed by gear as in the vehicle file, within {SPEED_SHARE:.0%} (two sigma)"
-    yield f"heading within {math.degrees(assume.heading):.0f} deg (two sigma of sensor and bias)"
-    yield f"ascent by buoyancy alone at {buoyancy.told(vehicle)}"
-    yield f"battery {vehicle.battery.usable / 3600:.0f} Wh usable, powers as in the vehicle file"
-    yield from _stated_rounding(chart, vehicle)
-    if floor:
-        why = "" if "floor" in given else ", the depth allowed; state assume floor where it is"
-        yield f"sea floor nowhere deeper than {assume.floor:g} m{why}"
-    if vehicle.constant_batteries:
-        yield "the battery is watched from outside: this vehicle reports constants"
-    yield "a dead Pi, or an STM32 that hangs with its thrusters on, does not happen"
-
-
-def _stated_rounding(chart: Chart, vehicle: Vehicle) -> Iterator[str]:
-    """What is held between the vehicle's steps, and is lost in its sensor's noise."""
-    legs = ((s.leg, s.setpoint) for s in _legs(chart) if s.leg and s.setpoint)
-    found = (r for leg, held in legs for r in rounded(leg, held, vehicle))
-    for text in dict.fromkeys(f"{r} is sent as {r.nearest:g} {r.unit}" for r in found):
-        yield f"{text}, the nearest that {vehicle.name} can be told"

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from mission.authoring.check.purpose import Outlook
 from mission.authoring.check.rules import Report
 from mission.model.diagnostics import Diagnostic
+
+_ROWS = 12  # of an outlook, that are told to people
 
 
 def as_object(report: Report) -> dict[str, Any]:
@@ -29,6 +32,16 @@ def as_object(report: Report) -> dict[str, Any]:
             "worst_path": list(proved.path),
         },
         "assumed": list(report.assumed),
+        "expected": [_outlook(one) for one in report.outlook],
+    }
+
+
+def _outlook(one: Outlook) -> dict[str, Any]:
+    return {
+        "leg": one.leg,
+        "achieve": dict(one.aims),
+        "coverage": None if one.coverage is None else round(one.coverage, 3),
+        "error_m": [round(error, 1) for error in one.errors],
     }
 
 
@@ -39,6 +52,7 @@ def unreadable_object(found: Iterable[Diagnostic]) -> dict[str, Any]:
         "refusals": [d.as_object() for d in found],
         "proved": None,
         "assumed": [],
+        "expected": [],
     }
 
 
@@ -63,6 +77,14 @@ def as_text(source: str, report: Report, digest: str) -> str:
             "worst-case path",
             *(f"  {step}" for step in proved.path),
         ]
+    rows += [f"expected of {one.leg}  {_expected(one)}" for one in report.outlook]
     rows += ["assumed", *(f"  {line}" for line in report.assumed)]
     rows.append(f"{source}: {'ok' if report.ok else 'refused'}, digest {digest[:16]}")
     return "\n".join(rows)
+
+
+def _expected(one: Outlook) -> str:
+    coverage = "" if one.coverage is None else f"coverage {one.coverage:.0%}, "
+    rows = ", ".join(f"{error:.0f}" for error in one.errors[:_ROWS])
+    more = " ..." if len(one.errors) > _ROWS else ""
+    return f"{coverage}position within {rows}{more} m at the end of each row (95 % of dives)"

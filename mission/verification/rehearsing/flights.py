@@ -17,6 +17,7 @@ from mission.verification.rehearsing.sea import drawn
 from mission.verification.simulation.coverage import Coverage, coverage_of
 from mission.verification.simulation.flight import fly
 from mission.verification.simulation.flightlog import Flight
+from mission.verification.simulation.reaching import Achieved, achieved_by
 from mission.verification.workers import results
 from mission.verification.workers.kept import Kept
 from mission.verification.workers.outcome import Lost
@@ -52,6 +53,7 @@ class Flown:
     coverage: tuple[Coverage, ...]
     surfaced: tuple[float, float] | None
     near: tuple[tuple[str, float], ...]
+    achieved: tuple[Achieved, ...] = ()
 
     @property
     def covered(self) -> float:
@@ -95,6 +97,7 @@ def _one(job: Job) -> Flown:
         coverage=coverage_of(flight, mission),
         surfaced=(last.north, last.east) if last is not None else None,
         near=_near(flight, prepared),
+        achieved=achieved_by(flight, mission),
     )
 
 

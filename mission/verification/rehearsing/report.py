@@ -49,6 +49,7 @@ class Rehearsal:
     energy: Spread
     error: Spread
     coverage: dict[str, tuple[Spread, Spread]]  # by leg: true, by the estimate
+    reached: dict[str, tuple[int, float, float]]  # by leg: flights, 95 % interval of the share
     regions: tuple[Region, ...]
     near: dict[str, float]  # of each limit, the greatest share that any flight used
     worst: tuple[Flown, ...]
@@ -65,6 +66,7 @@ def report_of(flown: Sequence[Flown]) -> Rehearsal:
         energy=Spread.of([f.energy for f in flown]),
         error=Spread.of([f.error for f in flown]),
         coverage=_coverage(flown),
+        reached=_reached(flown),
         regions=regions([f.surfaced for f in flown if f.surfaced is not None]),
         near={name: max(dict(f.near)[name] for f in flown) for name, _ in flown[0].near},
         worst=tuple(sorted(flown, key=_goodness)[:WORST]),
@@ -84,6 +86,14 @@ def _coverage(flown: Sequence[Flown]) -> dict[str, tuple[Spread, Spread]]:
         )
         for i, leg in enumerate(legs)
     }
+
+
+def _reached(flown: Sequence[Flown]) -> dict[str, tuple[int, float, float]]:
+    found = {}
+    for i, one in enumerate(flown[0].achieved):
+        hits = sum(f.achieved[i].reached for f in flown)
+        found[one.leg] = (hits, *wilson(hits, len(flown)))
+    return found
 
 
 def quantile(ranked: Sequence[float], share: float) -> float:
@@ -143,6 +153,9 @@ def as_text(made: Rehearsal, source: str, seed: int) -> str:
     for leg, (true, estimated) in made.coverage.items():
         rows.append(_row("coverage, %", true, 0.01) + f"  {leg}")
         rows.append(_row("  by estimate, %", estimated, 0.01) + f"  {leg}")
+    for leg, (hits, least, most) in made.reached.items():
+        share = f"{least:.1%} to {most:.1%} (95 %)"
+        rows.append(f"purpose reached   {hits} of {made.flights}: {share}  {leg}")
     for r in made.regions:
         axes = f"{r.axes[0]:.0f} by {r.axes[1]:.0f} m about"
         rows.append(f"surfaced, {r.share:.0%}     {axes} north {r.north:.0f} east {r.east:.0f} m")
@@ -171,6 +184,10 @@ def as_object(made: Rehearsal, source: str, seed: int) -> dict[str, Any]:
         "coverage": {
             leg: {"true": _spread(true), "estimated": _spread(estimated)}
             for leg, (true, estimated) in made.coverage.items()
+        },
+        "purpose": {
+            leg: {"reached": hits, "share_95": [round(low, 4), round(high, 4)]}
+            for leg, (hits, low, high) in made.reached.items()
         },
         "surfaced": [
             {

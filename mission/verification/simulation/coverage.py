@@ -16,7 +16,7 @@ from itertools import pairwise
 
 from mission.legs import Rows
 from mission.legs.base import Point
-from mission.model import Group, Leg, Local, Mission, Node, Position
+from mission.model import Local, Mission, Position, aims_of
 from mission.navigation.geodesy import LocalFrame
 from mission.verification.simulation.flightlog import Flight, Sample
 
@@ -37,13 +37,13 @@ def coverage_of(flight: Flight, mission: Mission) -> tuple[Coverage, ...]:
     """For each leg of rows that says a swath, in the mission's order."""
     frame = LocalFrame(mission.home) if mission.home is not None else None
     found = []
-    for path, kind in _surveys(mission.body, ""):
-        begun = next((leg for leg in flight.legs if _is_of(leg.name, path)), None)
+    for path, kind in _surveys(mission):
+        begun = next((leg for leg in flight.legs if is_of(leg.name, path)), None)
         start = _start(kind, frame, flight, begun.entered if begun else math.inf)
         runs = [
             [s for s in flight.samples if leg.entered <= s.t <= leg.left]
             for leg in flight.legs
-            if _is_of(leg.name, path)
+            if is_of(leg.name, path)
         ]
         true, estimated = (seen(kind, start, runs, place) for place in (_truth, _belief))
         found.append(Coverage(path, true, estimated))
@@ -83,15 +83,13 @@ def _in_rows(kind: Rows, start: Point, here: Point) -> Point:
     return north * c + east * s, kind.side * (east * c - north * s)
 
 
-def _surveys(body: Iterable[Node], above: str) -> Iterator[tuple[str, Rows]]:
-    for node in body:
-        if isinstance(node, Group):
-            yield from _surveys(node.body, f"{above}{node.name}/")
-        elif isinstance(node, Leg) and isinstance(node.kind, Rows) and node.kind.swath > 0.0:
-            yield f"{above}{node.name}", node.kind
+def _surveys(mission: Mission) -> Iterator[tuple[str, Rows]]:
+    for path, leg, _ in aims_of(mission.body, ()):
+        if isinstance(leg.kind, Rows) and leg.kind.swath > 0.0:
+            yield path, leg.kind
 
 
-def _is_of(name: str, path: str) -> bool:
+def is_of(name: str, path: str) -> bool:
     """Whether it is that leg, or one of its parts, in whatever round."""
     plain = name.partition("#")[0]
     return plain == path or plain.startswith(f"{path}/row")

@@ -6,7 +6,8 @@ What does not live here: the figures themselves (flightlog), pictures (plot).
 from __future__ import annotations
 
 from mission.analysis.ended import ended_by
-from mission.model import Chart
+from mission.model import Chart, Mission
+from mission.verification.simulation import reaching
 from mission.verification.simulation.coverage import coverage_of, told
 from mission.verification.simulation.flightlog import Flight, LegFlown
 
@@ -19,7 +20,12 @@ def table(flight: Flight, chart: Chart) -> str:
         cells = "  ".join(f"{t:7.1f} s" for t in times)
         because = _because(leg, chart)
         rows.append(f"{leg.name:{width}}  {cells}  {leg.by or '(active)':8}  {because}".rstrip())
-    return "\n".join([*rows, "", *_figures(flight), *told(coverage_of(flight, chart.mission))])
+    return "\n".join([*rows, "", *_figures(flight), *_brought(flight, chart.mission)])
+
+
+def _brought(flight: Flight, mission: Mission) -> list[str]:
+    seen = told(coverage_of(flight, mission))
+    return [*seen, *reaching.told(reaching.achieved_by(flight, mission))]
 
 
 def _figures(flight: Flight) -> list[str]:

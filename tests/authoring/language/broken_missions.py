@@ -292,7 +292,7 @@ BROKEN = (
            'mission: m\nlegs:\n  - go: {goto: {north: 5 m}, timeout: 60 s}'),
     Broken('position', 2, 7, 'home is a position', 'write {latitude: 30.28, longitude: 120.15}',
            'mission: m\nhome: {north: 5 m, east: 3 m}\nlegs:\n  - wait 5 s'),
-    Broken('unknown-word', 3, 20, "a group has no key 'depth'", 'keys: repeat, legs, on',
+    Broken('unknown-word', 3, 20, "a group has no key 'depth'", 'keys: repeat, achieve, legs, on',
            'mission: m\nlegs:\n  - r: {repeat: 2, depth: 5 m, legs: [wait 5 s]}'),
     Broken('missing-word', 3, 5, 'group r has no legs', 'write legs: and a list of legs',
            'mission: m\nlegs:\n  - r: {repeat: 2}\n  - wait 5 s'),

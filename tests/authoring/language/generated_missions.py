@@ -12,6 +12,7 @@ from mission.authoring.language.words import FIELD_ORDER, LIMITS
 from mission.engine.variables import VARIABLES
 from mission.legs import Follow, Goto, Hold, Loiter, Rows, Surface, Wait, Yoyo
 from mission.model import (
+    Aims,
     And,
     Comparison,
     Exit,
@@ -61,6 +62,12 @@ def numbers(low: float, high: float) -> st.SearchStrategy[float]:
 
 seconds = st.one_of(st.integers(1, 7200).map(float), st.floats(0.1, 1e5))
 headings = st.one_of(st.integers(0, 359), st.floats(0, 359.99)).map(compass)
+aims: st.SearchStrategy[Aims] = st.builds(
+    lambda found: tuple(sorted(found.items())),
+    st.fixed_dictionaries(
+        {}, optional={"coverage": numbers(1e-6, 1.0), "position": numbers(1e-6, 20000)}
+    ),
+)
 positions = st.builds(Position, numbers(-90, 90), numbers(-180, 180))
 locals_ = st.builds(Local, numbers(-20000, 20000), numbers(-20000, 20000))
 places: st.SearchStrategy[Place] = st.one_of(st.just("home"), positions, locals_)
@@ -163,6 +170,7 @@ def legs(draw: st.DrawFn, name: str, targets: tuple[str, ...]) -> Node:
         draw(seconds) if isinstance(kind, Wait) or draw(st.booleans()) else None,
         draw(st.one_of(st.none(), seconds)),
         draw(target),
+        achieve=draw(aims) if isinstance(kind, Rows) else (),
     )
 
 
@@ -177,7 +185,8 @@ def bodies(draw: st.DrawFn, depth: int, outer: tuple[str, ...]) -> tuple[Node, .
             handlers = draw(
                 st.lists(st.builds(Handler, guards, st.sampled_from(targets)), max_size=1)
             )
-            nodes.append(Group(name, draw(st.sampled_from([1, 2, 9999])), body, tuple(handlers)))
+            nodes.append(Group(name, draw(st.sampled_from([1, 2, 9999])), body, tuple(handlers),
+                               achieve=draw(aims)))  # fmt: skip
         else:
             nodes.append(draw(legs(name, targets)))
         if draw(st.booleans()):
@@ -202,5 +211,6 @@ def missions(draw: st.DrawFn) -> Mission:
         on_uncertain=draw(target),
         on_timeout=draw(target),
         start_without_fix=draw(st.booleans()),
+        achieve=draw(aims),
     )
     return numbered(mission)

@@ -1,0 +1,193 @@
+"""What a mission says it is to achieve, against what its rows are expected to.
+
+    coverage    the mean share of the area that is seen
+    position    m that 95 % of dives stay within at the end of each row
+
+Rows that are not expected to are refused, one by one, with changes that would do: each
+is tried by the same outlook before it is told.
+
+What does not live here: what is expected (outlook.py), what a flight has reached (coverage.py).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from mission.authoring.check.outlook import MOST, Expected, TooManyError, expected
+from mission.legs import LEGS, Rows
+from mission.model import Aims, Group, Leg, Mission, Node, aims_of
+from mission.model.diagnostics import Diagnostic, Stage
+from mission.model.units import number_text
+from mission.model.vehicle import Vehicle
+
+_TRIED = 100  # rows in the outlook, up to which changes are tried
+_SHARES = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
+
+
+@dataclass(frozen=True, slots=True)
+class Outlook:
+    """Of one leg of rows: shares, and m by row."""
+
+    leg: str
+    coverage: float | None  # None: it says no swath
+    errors: tuple[float, ...]
+    aims: Aims
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    outlook: tuple[Outlook, ...] = ()
+    refusals: tuple[Diagnostic, ...] = ()
+
+
+def judged(mission: Mission, vehicle: Vehicle) -> Judged:
+    """Empty for a mission that states no purpose."""
+    if not any(_stated(mission.body, mission.achieve)):
+        return Judged()
+    try:
+        found = expected(mission, vehicle)
+    except TooManyError:
+        message = f"a purpose is stated, and more than {MOST} rows are flown"
+        return Judged(refusals=(_refusal(mission, message, "make two missions of it"),))
+    told, refusals = [], list(_idle(mission))
+    for path, leg, aims in aims_of(mission.body, mission.achieve):
+        if path in found:
+            outlook = _outlook(path, found[path], aims)
+            told.append(outlook)
+            refusals += _refused(mission, vehicle, leg, outlook)
+    return Judged(tuple(told), tuple(refusals))
+
+
+def _stated(body: tuple[Node, ...], above: Aims) -> Iterator[Aims]:
+    yield from filter(None, [above])
+    for node in body:
+        if isinstance(node, Group):
+            yield from _stated(node.body, node.achieve)
+        elif isinstance(node, Leg) and node.achieve:
+            yield node.achieve
+
+
+def _idle(mission: Mission) -> Iterator[Diagnostic]:
+    """What is stated where there are no rows to achieve it."""
+    scopes: list[Mission | Group] = [mission, *_groups(mission.body)]
+    for scope in scopes:
+        legs = [leg for _, leg, _ in aims_of(scope.body, ())]
+        if scope.achieve and not any(isinstance(leg.kind, Rows) for leg in legs):
+            message = f"{scope.name} has no rows that could achieve anything"
+            yield _refusal(scope, message, "leave achieve out, or add rows")
+
+
+def _groups(body: tuple[Node, ...]) -> Iterator[Group]:
+    for node in body:
+        if isinstance(node, Group):
+            yield node
+            yield from _groups(node.body)
+
+
+def _outlook(path: str, one: Expected, aims: dict[str, float]) -> Outlook:
+    coverage = one.coverage if one.kind.swath else None
+    return Outlook(path, coverage, one.errors, tuple(sorted(aims.items())))
+
+
+def _refused(
+    mission: Mission, vehicle: Vehicle, leg: Leg, outlook: Outlook
+) -> Iterator[Diagnostic]:
+    aims = dict(outlook.aims)
+    if "coverage" in aims and outlook.coverage is None:
+        message = f"{outlook.leg} is to cover a share of its area, but says no swath"
+        yield _refusal(leg, message, "add swath, the m that are seen along each row")
+    elif missed := tuple(_missed(outlook)):
+        hint = " or ".join(_cures(mission, vehicle, leg, outlook.leg))
+        hint = f"enough would be: {hint}" if hint else "ask for less, or fly a nearer, smaller area"
+        for message in missed:
+            yield _refusal(leg, message, hint)
+
+
+def _missed(outlook: Outlook) -> Iterator[str]:
+    """In words, and by row."""
+    aims = dict(outlook.aims)
+    wanted = aims.get("coverage", 0.0)
+    if outlook.coverage is not None and outlook.coverage < wanted:
+        yield (
+            f"{outlook.leg} is expected to cover {outlook.coverage:.0%} of its area, "
+            f"not {wanted:.0%}; {_by_row(outlook.errors)}"
+        )
+    allowed = aims.get("position", math.inf)
+    beyond = {row: e for row, e in enumerate(outlook.errors, 1) if e > allowed}
+    if beyond:
+        rows = ", ".join(map(str, list(beyond)[:_TOLD])) + (" ..." if len(beyond) > _TOLD else "")
+        yield (
+            f"row{'s' if len(beyond) > 1 else ''} {rows} of {outlook.leg} may end "
+            f"{max(beyond.values()):.0f} m from where they are believed to (95 % of dives), "
+            f"not {number_text(allowed)} m"
+        )
+
+
+_TOLD = 8  # rows that are named
+
+
+def _by_row(errors: tuple[float, ...]) -> str:
+    worst = max(range(len(errors)), key=errors.__getitem__)
+    return f"its row {worst + 1} may end {errors[worst]:.0f} m aside (95 % of dives)"
+
+
+# --- changes ------------------------------------------------------------------------------
+
+
+def _cures(mission: Mission, vehicle: Vehicle, leg: Leg, path: str) -> Iterator[str]:
+    """Of each kind of change the least that is enough."""
+    kind = leg.kind
+    assert isinstance(kind, Rows)
+    if sum(len(one.rows) for one in expected(mission, vehicle).values()) > _TRIED:
+        return
+    for changes in (_fixes(kind), _nearer(kind), _shorter(kind)):
+        for told, changed in changes:
+            if _does(mission, vehicle, path, replace(leg, kind=changed)):
+                yield told
+                break
+
+
+def _fixes(kind: Rows) -> Iterator[tuple[str, Rows]]:
+    most = int(kind.resurface) or kind.count
+    for rows in range(min(most, kind.count) - 1, 0, -1):
+        yield f"resurface {rows}", replace(kind, resurface=float(rows), unsure=0.0)
+
+
+def _nearer(kind: Rows) -> Iterator[tuple[str, Rows]]:
+    for share in _SHARES:
+        spacing = max(0.5, round(kind.spacing * share, 1))
+        yield f"spacing {number_text(spacing)} m", replace(kind, spacing=spacing)
+
+
+def _shorter(kind: Rows) -> Iterator[tuple[str, Rows]]:
+    for share in _SHARES:
+        length = max(1.0, float(round(kind.length * share)))
+        yield f"length {number_text(length)} m", replace(kind, length=length)
+
+
+def _does(mission: Mission, vehicle: Vehicle, path: str, changed: Leg) -> bool:
+    row = LEGS[type(changed.kind)]
+    if row.parts(changed) and row.parts_fault(changed):
+        return False
+    tried = replace(mission, body=_with(mission.body, path, changed))
+    found = expected(tried, vehicle)
+    aims = next(aims for at, _, aims in aims_of(tried.body, tried.achieve) if at == path)
+    return not any(_missed(_outlook(path, found[path], aims)))
+
+
+def _with(body: tuple[Node, ...], path: str, changed: Leg) -> tuple[Node, ...]:
+    head, _, rest = path.partition("/")
+    return tuple(
+        node
+        if node.name != head
+        else replace(node, body=_with(node.body, rest, changed))
+        if isinstance(node, Group)
+        else changed
+        for node in body
+    )
+
+
+def _refusal(place: Leg | Group | Mission, message: str, hint: str) -> Diagnostic:
+    return Diagnostic(Stage.CHECK, "purpose", place.where, message, hint)

@@ -1,0 +1,144 @@
+"""What rows are expected to bring home: refused by row, with what would do, and as flights do."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from links.simulated.settings import parse_settings
+from mission.authoring.check import Report
+from mission.authoring.check.outlook import MOST, Drift, expected
+from mission.authoring.check.show import as_object
+from mission.authoring.prepare import check_prepared, prepare, prepare_text
+from mission.model.shipped import load_vehicle
+from mission.navigation.distribution import radius_95, within
+from mission.verification.rehearsing.sea import drawn
+from mission.verification.simulation.coverage import coverage_of, is_of
+from mission.verification.simulation.flight import fly
+
+AUV = load_vehicle("auv")
+TEXT = """mission m vehicle auv
+home 30.2874595 120.1535765
+safety radius 1500 time 100min depth 12 voltage 10
+assume current 0.2
+dive: depth 6 heading 0 gear 4 until depth >= 5.5 timeout 90s
+learn: surface until fix timeout 5min
+mow: rows 4 bearing 90 length 150 spacing 20 from north 60 east 0 within 3 swath 35 gear 8 depth 6
++ {more} timeout 25min
+up: surface until fix timeout 3min
+"""
+FLIGHTS = 6
+
+
+def report(more: str, text: str = TEXT) -> Report:
+    return check_prepared(prepare_text(text.format(more=more), "m"))
+
+
+def test_a_mission_without_a_purpose_is_judged_as_before() -> None:
+    plain = report("")
+    assert plain.ok
+    assert plain.outlook == ()
+    assert as_object(plain)["expected"] == []
+
+
+def test_rows_that_drift_too_far_are_refused_by_row_with_changes_that_do() -> None:
+    (found,) = report("achieve position 45").refusals
+    assert found.code == "purpose"
+    assert found.where.line == 7
+    assert found.message.startswith("rows 3, 4 of mow may end")
+    assert "resurface 2 " in found.hint
+    assert "spacing" not in found.hint  # which is no cure for that
+    assert report("resurface 2 achieve position 45").ok
+    assert not report("resurface 3 achieve position 45").ok
+    length = found.hint.partition("length ")[2].split()[0]
+    shorter = TEXT.replace("length 150", f"length {length}")
+    assert report("achieve position 45", shorter).ok
+
+
+def test_rows_that_leave_strips_unseen_are_refused_with_a_spacing_that_does() -> None:
+    wide = TEXT.replace("spacing 20", "spacing 40")
+    (found,) = report("resurface 1 achieve coverage 85%", wide).refusals
+    assert "expected to cover" in found.message
+    spacing = found.hint.partition("spacing ")[2].split()[0]
+    nearer = TEXT.replace("spacing 20", f"spacing {spacing}")
+    assert report("resurface 1 achieve coverage 85%", nearer).ok
+
+
+def test_what_no_change_cures_is_said_to() -> None:
+    (found,) = report("resurface 1 achieve position 1").refusals
+    assert "ask for less" in found.hint
+
+
+def test_a_share_of_an_area_needs_a_swath() -> None:
+    (found,) = report("achieve coverage 80%", TEXT.replace("swath 35 ", "")).refusals
+    assert "says no swath" in found.message
+
+
+def test_a_purpose_that_nothing_could_achieve_is_refused() -> None:
+    text = "\n".join(line for line in TEXT.splitlines() if line[0] not in "m+")
+    (found,) = report("", f"achieve position 20\n{text}\n").refusals
+    assert found.code == "purpose"
+    assert "no rows" in found.message
+
+
+def test_more_rows_than_can_be_looked_at_are_not_believed() -> None:
+    many = TEXT.replace("rows 4", f"rows {MOST + 1}").replace("spacing 20", "spacing 0.5")
+    found = report("achieve coverage 10%", many).refusals
+    assert any(f.code == "purpose" and str(MOST) in f.message for f in found)
+
+
+def test_rows_of_every_round_count() -> None:
+    rounds = TEXT.replace("mow: ", "repeat 3 g:\nmow: ").replace("up: ", "end\nup: ")
+    once = prepare_text(TEXT.format(more="achieve position 900"), "m")
+    thrice = prepare_text(rounds.format(more="achieve position 900"), "m")
+    alone = expected(once.mission, AUV)["mow"]
+    found = expected(thrice.mission, AUV)["g/mow"]
+    assert len(found.rows) == 12
+    assert found.errors[-1] > 2.0 * alone.errors[-1]  # no fix between the rounds
+
+
+def test_a_look_at_the_uncertainty_comes_up_only_where_it_is_too_much() -> None:
+    def errors(more: str) -> tuple[float, ...]:
+        ready = prepare_text(TEXT.format(more=f"{more} achieve position 900"), "m")
+        return expected(ready.mission, AUV)["mow"].errors
+
+    assert errors("unsure 1") == pytest.approx(errors("resurface 1"), rel=0.05)
+    assert errors("unsure 10000") == errors("")
+    assert errors("resurface 1")[-1] < errors("unsure 40")[-1] < errors("")[-1]
+
+
+def test_the_current_is_learned_from_two_fixes() -> None:
+    drift = Drift(AUV, 0.2)
+    grown = []
+    for _ in range(3):
+        drift.go(0.0, 0.5, 200.0)
+        grown.append(drift.radius)
+        drift.fix()
+    assert grown[1] < 0.5 * grown[0]
+    assert drift.radius < 1.1 * 2.45 * AUV.sensors.fix
+
+
+@pytest.mark.parametrize("ratio", [0.01, 0.2, 0.5, 0.8, 1.0])
+def test_the_radius_of_an_ellipse_holds_95_of_100(ratio: float) -> None:
+    c = (1.0, 0.0, ratio**2)
+    assert within(radius_95(c), 0.0, 0.0, c) == pytest.approx(0.95, abs=6e-4)
+
+
+@pytest.mark.parametrize("parameters", [{}, {"row_length": "200", "row_spacing": "25"}])
+def test_flights_bring_home_what_the_check_expects(parameters: dict[str, str]) -> None:
+    """Truth in seas of the mission's own assumptions: no worse, and not better by far."""
+    ready = prepare("lawnmower", None, parameters)
+    one = expected(ready.mission, ready.vehicle)["mow/rows"]
+    inside, covered, shares = 0, [], []
+    for number in range(FLIGHTS):
+        sea = parse_settings(drawn(ready.mission, ready.vehicle, 0, number))
+        flight = fly(ready.mission, ready.vehicle, seed=number, settings=sea)
+        covered.append(coverage_of(flight, ready.mission)[0].true)
+        runs = [leg for leg in flight.legs if is_of(leg.name, "mow/rows")]
+        ends = [next(s.error for s in reversed(flight.samples) if s.t <= r.left) for r in runs]
+        inside += sum(end <= bound for end, bound in zip(ends, one.errors, strict=True))
+        shares += [end / bound for end, bound in zip(ends, one.errors, strict=True)]
+    assert inside >= 0.9 * len(shares)
+    assert math.sqrt(sum(s * s for s in shares) / len(shares)) > 0.25
+    assert one.coverage - 0.02 < sum(covered) / FLIGHTS < one.coverage + 0.08
