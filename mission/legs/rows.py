@@ -157,7 +157,7 @@ def _parts(leg: Leg) -> tuple[Leg, ...]:
         run = replace(kind, count=count, skip=kind.skip + row, resurface=0.0, unsure=0.0)
         share = count / kind.count
         timeout = None if leg.timeout is None else leg.timeout * share
-        parts.append(replace(leg, name=_run(row), kind=run, timeout=timeout))
+        parts.append(replace(leg, name=_run(row), kind=run, timeout=timeout, achieve=()))
     return tuple(parts)
 
 

@@ -28,5 +28,5 @@ def _node(node: Node) -> Node:
     if isinstance(node, Group):
         return replace(node, body=parted(node.body))
     if isinstance(node, Leg) and (parts := LEGS[type(node.kind)].parts(node)):
-        return Group(node.name, 1, parts, where=node.where)
+        return Group(node.name, 1, parts, where=node.where, achieve=node.achieve)
     return node

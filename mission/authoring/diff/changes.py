@@ -92,6 +92,10 @@ def _together(rows: Iterator[Change]) -> Iterator[Change]:
     yield from merged.values()
 
 
+def _told(group: Group) -> bool:
+    return matters(group) or bool(group.achieve)
+
+
 class _Comparison:
     def __init__(self, before: Chart, after: Chart, vehicles: tuple[Vehicle, Vehicle]) -> None:
         self.before, self.after, self.vehicles = before, after, vehicles
@@ -176,7 +180,7 @@ class _Comparison:
     def _groups(self) -> Iterator[Change]:
         partner = {b: a for a, b in self.match.groups.items()}
         for state in self.before.states:
-            if state.group and matters(state.group) and state.path not in self.match.groups:
+            if state.group and _told(state.group) and state.path not in self.match.groups:
                 place, lines = wording.name(state.path), ((state.group.where.line, 0),)
                 told = wording.group(state.group)
                 yield Change(Kind.REMOVED, (place,), "group", told, "", lines)
@@ -185,7 +189,7 @@ class _Comparison:
                 continue
             if state.path in partner:
                 yield from self._group(self.before.state(partner[state.path]), state)
-            elif matters(state.group):
+            elif _told(state.group):
                 place, lines = wording.name(state.path), ((0, state.group.where.line),)
                 told = wording.group(state.group)
                 yield Change(Kind.ADDED, (place,), "group", "", told, lines)

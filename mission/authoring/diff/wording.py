@@ -68,7 +68,8 @@ def achieve(scope: Leg | Group | Mission) -> str:
 
 def group(which: Group) -> str:
     rounds = f"{which.repeat} rounds" if which.repeat > 1 else ""
-    return ", ".join([*([rounds] if rounds else []), *(f"on {way(h)}" for h in which.handlers)])
+    aims = f"to achieve {achieve(which)}" if which.achieve else ""
+    return ", ".join(filter(None, [rounds, aims, *(f"on {way(h)}" for h in which.handlers)]))
 
 
 def level(state: State, name: str, vehicle: Vehicle) -> str:

@@ -67,7 +67,9 @@ class _Drawing:
         pad = "  " * level
         times = f", {node.repeat} times" if node.repeat > 1 else ""
         title = f"{node.number} {node.name}{times}"
-        if not node.children:
+        if node.children:
+            title = "; ".join([title, *node.lines])
+        else:
             fill = ', fillcolor="#ecfdf5"' if node.path == IMPLICIT_SURFACE else ""
             label = quoted("\n".join([title, *node.lines])).replace("\\\\n", "\\n")
             return [f"{pad}{quoted(node.path)} [label={label}{fill}];"]

@@ -17,7 +17,7 @@ from itertools import groupby
 
 from mission.authoring.graph import words
 from mission.legs import LEGS
-from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, State
+from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, Aims, By, Chart, Edge, State
 from mission.model.extent import PICTURE
 
 ONE_LINE = 44  # characters of a leg's details that stand together
@@ -37,7 +37,8 @@ class Way:
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """``numbers`` are the first and last leg number in it; a leaf may be a collapsed group."""
+    """``numbers`` are the first and last leg number in it; a leaf may be a collapsed group. An open
+    group's ``lines`` say what it is to achieve."""
 
     path: str
     name: str
@@ -140,7 +141,10 @@ class _Reader:
         if self.depth is not None and level >= self.depth:
             return self._collapsed(state, name, numbers, repeat)
         inner = tuple(self.node(child, level + 1) for child in self.children(state.path))
-        return Node(state.path, name, numbers, (), self.ways(state.path, state.path), inner, repeat)
+        aims = _aims(state.group.achieve)
+        return Node(
+            state.path, name, numbers, aims, self.ways(state.path, state.path), inner, repeat
+        )
 
     def _collapsed(self, state: State, name: str, numbers: tuple[int, int], repeat: int) -> Node:
         ways: dict[tuple[str, str], Way] = {}
@@ -190,14 +194,17 @@ def _ancestors(path: str) -> Iterator[str]:
         yield path
 
 
+def _aims(aims: Aims) -> tuple[str, ...]:
+    return (f"to achieve {words.achieve(aims)}",) if aims else ()
+
+
 def _lines(state: State) -> tuple[str, ...]:
     if state.leg is None:
         return ()
     if state.path == IMPLICIT_SURFACE:
         return ("ascend, proved by the depth; then idle",)
     does, holds = words.kind(state.leg), words.setpoint(state.setpoint)
-    aims = f"to achieve {words.achieve(state.leg.achieve)}" if state.leg.achieve else ""
-    told = tuple(filter(None, (words.outputs(state), aims)))
+    told = (*filter(None, (words.outputs(state),)), *_aims(state.leg.achieve))
     if LEGS[type(state.leg.kind)].ascends:  # what is held while it ascends is all at rest
         return (does, *told)
     whole = " \u00b7 ".join(part for part in (does, holds, *told) if part)

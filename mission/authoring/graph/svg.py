@@ -147,7 +147,8 @@ def _frame(group: Placed, piece: list[Placed], x: float) -> str:
 
 def _group_head(group: Placed) -> list[str]:
     node, x = group.row.node, group.x
-    rounds = f"{node.repeat} times \u00b7 " if node.repeat > 1 else ""
+    rounds = "".join(f"{line} \u00b7 " for line in node.lines)
+    rounds += f"{node.repeat} times \u00b7 " if node.repeat > 1 else ""
     parts = [
         text(x + 11, group.y + 16, node.name, NAME),
         text(x + group.w - 8, group.y + 16, f"{rounds}{node.number}", ROUNDS),

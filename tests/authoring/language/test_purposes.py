@@ -6,6 +6,8 @@ import pytest
 
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.diff.changes import changes
+from mission.authoring.graph.dot import dot
+from mission.authoring.graph.mermaid import mermaid
 from mission.authoring.graph.outline import outline
 from mission.authoring.graph.svg import svg
 from mission.authoring.graph.tables import tables
@@ -91,6 +93,9 @@ def test_pictures_tell_the_purpose() -> None:
     drawn = svg(outline(chart(parse(TEXT))), False).replace("\u00a0", " ")
     assert "to achieve coverage 50 %, position 40 m" in drawn
     assert "to achieve coverage 70 %" in drawn
+    assert "to achieve position 30 m" in drawn
+    for text in (dot, mermaid):
+        assert "to achieve position 30 m" in text(outline(chart(parse(TEXT))), False)
     assert '"coverage": 0.7' in tables(chart(parse(TEXT)))
 
 
@@ -104,3 +109,18 @@ def test_a_difference_tells_a_purpose_that_changed() -> None:
         (("g/b",), "not stated", "coverage 70 %"),
     }
     assert not changes(after, after, (AUV, AUV)).rows
+
+
+def test_a_group_that_went_with_its_purpose_is_told() -> None:
+    flat = "".join(
+        line + "\n"
+        for line in TEXT.splitlines()
+        if line not in ("group g:", "achieve position 30", "end")
+    )
+    rows = changes(chart(parse(TEXT)), chart(parse(flat)), (AUV, AUV)).rows
+    assert [row.before for row in rows] == ["to achieve position 30 m"]
+
+
+def test_a_leg_that_is_parted_keeps_its_purpose() -> None:
+    parted = chart(parse(TEXT.replace("swath 20 gear", "swath 20 resurface 1 gear")))
+    assert parted.state("autonomous/g/b").group.achieve == (("coverage", 0.7),)  # type: ignore[union-attr]
