@@ -79,6 +79,7 @@ KEYS = [
     "max_range_m",
     "navigation_error_m",
     "coverage",
+    "purpose",
     "flown",
 ]
 
