@@ -22,7 +22,8 @@ from mission.model.diagnostics import Diagnostic, Stage
 from mission.model.units import number_text
 from mission.model.vehicle import Vehicle
 
-_TRIED = 100  # rows in the outlook, up to which changes are tried
+_TRIED = 40  # rows in the outlook, up to which changes are tried: the Pi has a second for it
+_FIXES = 8  # rows between two fixes that are tried, at most
 _SHARES = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
 
 
@@ -151,7 +152,7 @@ def _cures(mission: Mission, vehicle: Vehicle, leg: Leg, path: str) -> Iterator[
 
 def _fixes(kind: Rows) -> Iterator[tuple[str, Rows]]:
     most = int(kind.resurface) or kind.count
-    for rows in range(min(most, kind.count) - 1, 0, -1):
+    for rows in range(min(most - 1, kind.count - 1, _FIXES), 0, -1):
         yield f"resurface {rows}", replace(kind, resurface=float(rows), unsure=0.0)
 
 
