@@ -15,7 +15,7 @@ test: $(READY)          ## every test but the long proofs; more workers than cor
 	$(BIN)/pytest -n 4 --dist worksteal --cov --cov-report=term:skip-covered
 
 proofs: $(READY)        ## the long proofs: flights, states crossed with events, broken rules, recordings
-	$(BIN)/pytest -m proof -n 2 --dist worksteal --ignore tests/sea
+	$(BIN)/pytest -m proof -n 4 --dist worksteal --ignore tests/sea
 
 check: lint test proofs ## what must be green before anything lands
 

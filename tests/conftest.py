@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Generator
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,26 @@ ROOT = Path(__file__).resolve().parent.parent
 # how fast this machine is, and how busy, is no law
 settings.register_profile("laws", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("laws")
+
+
+# These fly whole missions or run the program as a user does: tracing them takes minutes, and lines
+# that a flight passes by are not yet lines that a test looks at.
+UNCOUNTED = ("docs", "sea", "verification")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
+    """Coverage, where it is asked for, is that of the tests of single rooms."""
+    plugin = item.config.pluginmanager.get_plugin("_cov")
+    controller = getattr(plugin, "cov_controller", None)
+    room = item.path.relative_to(ROOT / "tests").parts[0]
+    if controller is None or room not in UNCOUNTED:
+        return (yield)
+    controller.pause()
+    try:
+        return (yield)
+    finally:
+        controller.resume()
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,7 @@
 """Every code block of every page is carried out; what a page names is followed by test_documents.
 
-The lessons and the guides fly missions and change copies of the tree: they are among the long
-proofs.
+The lessons and the guides fly missions and change copies of the tree, and the page of commands runs
+each of them: they are among the long proofs.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import pytest
 from _pytest.mark import ParameterSet
 from blocks import ROOT, Page
 
-LONG = frozenset({"tutorial", "how-to"})
+LONG = frozenset({"tutorial", "how-to", "commands.md"})
 PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md")),
     *sorted((ROOT / "docs").rglob("*.md")),
@@ -21,7 +21,7 @@ PAGES = [
 
 
 def row(page: Path) -> ParameterSet:
-    marks = [pytest.mark.proof] if page.parent.name in LONG else []
+    marks = [pytest.mark.proof] if LONG & {page.parent.name, page.name} else []
     return pytest.param(page, marks=marks, id=str(page.relative_to(ROOT)))
 
 

@@ -237,7 +237,7 @@ def test_of_a_closed_file_nothing_is_missing_and_a_cut_one_says_where_it_ends(
     path = written(tmp_path)
     assert missing(path) == ()
     whole = path.read_bytes()
-    for cut in range(len(blackbox.MAGIC), len(whole) - 40):
+    for cut in range(len(blackbox.MAGIC), len(whole) - 40, 7):  # 7 meets every place in a record
         path.write_bytes(whole[:cut])
         (gap,) = missing(path)
         assert gap.cut
