@@ -50,6 +50,7 @@ EXAMPLES: Mapping[str, str] = MappingProxyType(
         "listen": "listen serial:///dev/ttyUSB0 --link auv.from_stm32",
         "find-crc": "find-crc capture.bin",
         "report": "report 20250111T085611Z.mcap",
+        "export": "export out/flight.mcap -o out/files --as csv --as gpx",
         "calibrate": "calibrate one.mcap two.mcap -o section.yaml",
         "score": "score recordings/",
         "exhaustive": "exhaustive missions/first-dive.yaml",

@@ -56,6 +56,7 @@ def draw_map(axes: Axes, dive: Dive) -> None:
         axes.plot(*_columns(fixes), ".", color=_FIX, ms=4, label="fixes", zorder=4)
     known = np.isfinite(east)
     shown = [*zip(east[known], north[known], strict=True), *(p for line in lines for p in line)]
+    shown += [(e, n) for n, e in dive.smoothed.smoothed] if dive.smoothed is not None else []
     width = _frame(axes, shown or [(0.0, 0.0)])
     _ellipses(axes, dive, t, np.column_stack([east, north]), width / 4.0)
     axes.plot(0.0, 0.0, "*", color="k", ms=9, mfc="w", label="home", zorder=5)
