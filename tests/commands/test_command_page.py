@@ -35,7 +35,9 @@ def test_every_option_of_every_command_says_what_it_is_for(name: str) -> None:
 
 
 WITHOUT_JSON = {
-    **dict.fromkeys(("convert", "fmt", "import", "encode", "export"), "what it writes is its result"),
+    **dict.fromkeys(
+        ("convert", "fmt", "import", "encode", "export"), "what it writes is its result"
+    ),
     **dict.fromkeys(("schema", "campaign", "score", "monitor"), "it prints JSON in any case"),
     **dict.fromkeys(("graph", "plan"), "-o FILE.json or FILE.geojson is data"),
     **dict.fromkeys(("story", "calibrate", "keys"), "it writes files for people or the program"),
