@@ -59,6 +59,7 @@ REFUSED: Mapping[str, str] = {
     "pitch": "a: pitch 5 for 20",
     "roll": "a: roll 5 for 20",
     "leak": f"a: {WAY} until leak > 0 timeout 20",
+    "output": f"a: {WAY} output lamp 80 for 20",
 }
 CLAUSES: Mapping[str, tuple[str, ...]] = {
     "until": (
@@ -70,6 +71,10 @@ CLAUSES: Mapping[str, tuple[str, ...]] = {
         f"a: {WAY} until altitude < 1 timeout 40 else b\nb: heading 180 for 20",
         "a: altitude 3 gear 4 heading 0 until range > 900 timeout 60 else b\n"
         "b: depth 2 gear 4 heading 0 for 15",
+    ),
+    "achieve": (
+        "a: rows 2 bearing 90 length 20 spacing 10 within 5 swath 20 gear 6 depth 4 "
+        "achieve coverage 1% timeout 60",
     ),
 }
 ASSUMPTIONS: Mapping[str, tuple[str, ...]] = {
