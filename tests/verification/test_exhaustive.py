@@ -110,23 +110,23 @@ Break = Callable[[pytest.MonkeyPatch], None]
 
 
 def _refuse_x(patch: pytest.MonkeyPatch) -> None:
-    table = dict(orders.ORDERS)
-    emergency = orders.ORDERS[orders.Emergency]
+    def deaf(c: core.Core, command: object) -> Verdict:
+        if isinstance(command, orders.Emergency) and c.active == "emergency/surfacing":
+            return Verdict(False, "no")
+        return orders.obey(c, command)
 
-    def deaf(c: core.Core, command: orders.Emergency) -> Verdict:
-        return emergency(c, command) if c.active != "emergency/surfacing" else Verdict(False, "no")
-
-    table[orders.Emergency] = deaf
-    patch.setattr("mission.engine.engine.ORDERS", table)
+    patch.setattr("mission.engine.engine.obey", deaf)
 
 
 def _clear_while_surfacing(patch: pytest.MonkeyPatch) -> None:
     def clear(c: core.Core, command: object) -> Verdict:
+        if not isinstance(command, orders.ClearMission):
+            return orders.obey(c, command)
         c.machine.restore(STOPPED)
         c.clear()
         return Verdict(True)
 
-    patch.setattr("mission.engine.engine.ORDERS", {**orders.ORDERS, orders.ClearMission: clear})
+    patch.setattr("mission.engine.engine.obey", clear)
 
 
 def _no_reason(patch: pytest.MonkeyPatch) -> None:
