@@ -47,6 +47,15 @@ def group_of(process: subprocess.Popen[str]) -> list[int]:
     return found
 
 
+def hears_interrupts(pid: int) -> bool:
+    """Whether Ctrl-C reaches a process: it is neither blocked nor ignored."""
+    status = dict(
+        line.split(":\t", 1) for line in Path(f"/proc/{pid}/status").read_text().splitlines()
+    )
+    kept_out = int(status["SigBlk"], 16) | int(status["SigIgn"], 16)
+    return not kept_out >> (signal.SIGINT - 1) & 1
+
+
 def interrupted(process: subprocess.Popen[str]) -> tuple[int, str]:
     """Exit code, and what was said to stderr after Ctrl-C."""
     os.killpg(process.pid, signal.SIGINT)
@@ -119,6 +128,8 @@ def test_jobs_that_never_end_do_not_outlive_who_wanted_them(after: int) -> None:
         for _ in range(after):
             process.stdout.readline()
         soon(lambda: bool(after) or len(group_of(process)) >= 2, "it begins")
+        if after:
+            assert [pid for pid in group_of(process) if hears_interrupts(pid)] == [process.pid]
         ended, said = interrupted(process)
     finally:
         if group_of(process):

@@ -26,6 +26,12 @@ REPORTS = {
     "rov": "rov.UP",
     "robot": "robot.UP",
 }
+REPORTED_ON = {
+    "auv": "auv.from_stm32",
+    "coreboard": "coreboard.main_to_pc",
+    "rov": "rov.up",
+    "robot": "robot.up",
+}
 
 
 def line(started: subprocess.Popen[str]) -> str:
@@ -50,12 +56,9 @@ def test_each_vehicle_is_served_watched_and_stopped_as_it_would_be_at_sea(
             soon(lambda: "new" in run("status", "--to", to).stdout, "its reports")
             stopped = run("stop", "--to", to)
             assert stopped.exit_code == (0 if name in ("auv", "rov") else 3)
-            heard = run(
-                "listen", said["vehicle"], "-c", said["config"], "--json", "--for", "3",
-                "--link", {"auv": "auv.from_stm32", "coreboard": "coreboard.main_to_pc"}.get(name, f"{name}.up"),
-            )  # fmt: skip
-            types = {json.loads(one).get("type") for one in heard.stdout.splitlines()}
-            assert REPORTS[name] in types
+            words = (said["vehicle"], "-c", said["config"], "--json", "--for", str(PATIENCE))
+            with process("listen", *words, "--link", REPORTED_ON[name]) as listening:
+                soon(lambda: json.loads(line(listening)).get("type") == REPORTS[name], "a report")
         sea.send_signal(signal.SIGINT)
         assert sea.wait(PATIENCE) == 130
     assert {path.name for path in folder.iterdir()} <= {"serve.yaml", "pi"}
