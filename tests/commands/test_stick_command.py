@@ -245,7 +245,12 @@ class Person:
 
     def hold(self, key: bytes, seconds: float) -> None:
         end = time.monotonic() + seconds
-        while time.monotonic() < end:
+        self.hold_until(key, lambda: time.monotonic() >= end)
+
+    def hold_until(self, key: bytes, holds: Callable[[], bool]) -> None:
+        end = time.monotonic() + PATIENCE
+        while not holds():
+            assert time.monotonic() < end, "held for long enough"
             self.type(key)
             time.sleep(0.03)
             self.look()
@@ -286,9 +291,10 @@ def stops_in_time(wire: Wire) -> None:
 
 def test_a_key_that_is_held_moves_the_vehicle_and_one_let_go_stops_it(tmp_path: Path) -> None:
     with steering(tmp_path) as (person, wire, _):
-        person.hold(UP, 1.6)
+        person.hold_until(UP, lambda: wire.bytes.count(b"@MMF3$") >= 6)
         soon(lambda: wire.bytes.count(NEUTRAL) == 2, "neutral twice")
-        assert 6 <= wire.bytes.count(b"@MMF3$") <= 12
+        held = wire.last(b"@MMF3$") - wire.first(b"@MMF3$", 0.0)
+        assert wire.bytes.count(b"@MMF3$") <= 2 + held / PERIOD_S
         person.look()
         assert b"@MMF3$" in person.seen
         stops_in_time(wire)
@@ -413,8 +419,7 @@ def test_a_link_that_is_lost_ends_the_stick_and_what_waited_never_arrives(tmp_pa
         wire, radio = Wire(master), Radio(pi.url)
         person = Person("--to", radio.url)
         try:
-            person.hold(UP, 0.8)
-            soon(lambda: b"@MMF3$" in wire.bytes, "the push")
+            person.hold_until(UP, lambda: b"@MMF3$" in wire.bytes)
             radio.cut.set()
             cut = time.monotonic()
             person.hold(UP, 1.0)

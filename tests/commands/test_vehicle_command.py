@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import signal
 import subprocess
-import time
 from pathlib import Path
 
 import pytest
 from programs import process, run
 from served import PATIENCE, soon
 
+from links import parse_address
 from links.serial import SerialLink
 from links.simulated.boards import BOARDS, SimulatedBoard
 from links.simulated.pty import PtyVehicle
@@ -110,10 +110,11 @@ def test_a_configuration_of_somebody_else_is_left_alone(tmp_path: Path) -> None:
 
 def test_the_true_track_is_kept_where_it_is_asked_for(tmp_path: Path) -> None:
     track = tmp_path / "track.csv"
-    words = ("--folder", str(tmp_path), "--track", str(track), "--position", "30.5,120.5")
+    words = ("--folder", str(tmp_path), "--track", str(track), "--position", "30.5,120.5", "--json")
     with process("vehicle", *words, "--speed", "10") as sea:
-        line(sea)
-        time.sleep(0.5)
+        port = SerialLink("vehicle", parse_address(json.loads(line(sea))["vehicle"]).path)
+        soon(lambda: any(b"@SD" in rx.data for rx in port.receive(0.0)), "a report")
+        port.close()
         sea.send_signal(signal.SIGTERM)
         assert sea.wait(PATIENCE) == 0
     rows = track.read_text().splitlines()
