@@ -1,25 +1,23 @@
-"""What the engine has in its hands, and its verbs: go to a state, stop, surface, fly a leg.
+"""What the engine can do: go to a state, stop, surface, fly a leg.
 
 Every verb leaves a Step; every command that leaves stands in a Step, with its reason.
 
-What does not live here: when a verb is due (engine), which operator may ask for it (orders).
+What does not live here: the state that verbs change (state), when a verb is due (engine), which
+operator may ask for it (orders).
 """
 
 from __future__ import annotations
 
 import math
-from typing import Self
 
 from mission.engine.ascent import Ascent
 from mission.engine.bounds import admit, in_force
 from mission.engine.limits import Limit
 from mission.engine.machine import Machine
-from mission.engine.monitor import LimitMonitor
-from mission.engine.outputs import OutputKeeper
-from mission.engine.rest import DEEP, DEEP_AGAIN, Rest
+from mission.engine.rest import DEEP, DEEP_AGAIN
 from mission.engine.run import Run
-from mission.engine.vehicle_state import SURFACE_DEPTH, Navigator, VehicleState
-from mission.engine.words import in_words
+from mission.engine.state import EngineState, Moved
+from mission.engine.vehicle_state import SURFACE_DEPTH
 from mission.model import (
     AUTONOMOUS,
     IDLE_EMPTY,
@@ -37,121 +35,14 @@ from mission.model import (
     Evaluation,
     Outcome,
     Result,
-    Step,
 )
-from mission.model.copies import copied
 from mission.model.regions import IDLE, MANUAL
-from mission.model.vehicle import Vehicle
-from protocol.messages import Order, Setpoint, SetSafety
-from protocol.vehicles import vehicle_row
+from protocol.messages import Order, Setpoint
 
 REPEAT_STOP = 0.5  # s (R7)
 
-Moved = tuple[tuple[str, ...], tuple[str, ...]]
 
-
-class Core:
-    def __init__(self, vehicle: Vehicle, navigation: Navigator | None) -> None:
-        self.vehicle = vehicle
-        self.vehicle_state = VehicleState(
-            navigation,
-            grounded=vehicle.drives,
-            stale_after=vehicle.stale_after,
-            rise=vehicle.ascent_buoyancy,
-        )
-        self.ways = vehicle_row(vehicle.codec).ways
-        self.machine = Machine()
-        self.chart: Chart | None = None
-        self.operator = SetSafety()
-        self.watch = LimitMonitor(
-            vehicle, self.vehicle_state, in_force(vehicle, None, self.operator)
-        )
-        self.run: Run | None = None  # also while it is interrupted by the stick
-        self.ascent: Ascent | None = None  # the emergency's, in emergency/surfacing alone
-        self.stop_at: float | None = None  # X0 goes out again then, unless it was acknowledged
-        self.stopped_at: float | None = None  # when a stop was acknowledged, and nothing since
-        self.doubted_at = -math.inf  # when a report last contradicted a stop, since the last X
-        self.stick = -math.inf  # the last M that was obeyed
-        self.any_stick = -math.inf  # the last M of anybody, obeyed or not (R6)
-        self.clear_refused = -math.inf  # the last @AC that was
-        self.outputs = OutputKeeper(vehicle.outputs)
-        self.rest = Rest(vehicle.limits.descent_rate)
-        self._rested = ""  # the kind of rest that it watches
-        self._sank = False  # out of surfaced: let go, it would sink again
-        self.auto = True  # node AUTO
-        self.emergency_since_idle = False
-        self.emergency_at = -math.inf  # when the last one began
-        self.ending = False  # the program is to end
-        self.deep_reports: int | None = None  # in a row, while nobody knows what was under way
-        self.uncertain = False  # answered; again only after it was certain in between
-        self.reason = ""  # of the state that is active
-        self.event = ""
-        self.actions: list[Action] = []
-        self.steps: list[Step] = []
-
-    def clone(self) -> Self:
-        """For snapshots: without the machine and the navigation, which have their own."""
-        state = self.vehicle_state.clone()
-        return copied(
-            self,
-            machine=self.machine,
-            vehicle_state=state,
-            watch=self.watch.clone(state),
-            actions=[],
-            steps=[],
-        )
-
-    @property
-    def now(self) -> float:
-        return self.vehicle_state.now
-
-    @property
-    def region(self) -> str:
-        return self.machine.region
-
-    @property
-    def active(self) -> str:
-        return self.machine.active
-
-    @property
-    def flying(self) -> Run | None:
-        """The run, while it is not interrupted."""
-        return self.run if self.machine.region == AUTONOMOUS else None
-
-    # --- records -------------------------------------------------------------------------------
-
-    def _record(
-        self,
-        actions: tuple[Action, ...],
-        moved: Moved = ((), ()),
-        *,
-        trigger: str = "",
-        by: By | None = None,
-        evaluations: tuple[Evaluation, ...] = (),
-    ) -> None:
-        words = tuple(f"{in_words(a.command)}: {a.reason}" for a in actions)
-        self.steps.append(
-            Step(self.now, self.event, evaluations, moved[0], moved[1], words, trigger, by)
-        )
-        self.actions += actions
-
-    def _move(
-        self,
-        name: str,
-        target: str,
-        why: str,
-        actions: tuple[Action, ...],
-        by: By | None,
-        evaluations: tuple[Evaluation, ...] = (),
-    ) -> None:
-        was_flying = self.region == AUTONOMOUS
-        moved = self.machine.move(name, target)
-        self.reason = why
-        left = by if was_flying else None
-        self._record(actions, moved, trigger=name, by=left, evaluations=evaluations)
-
-    # --- verbs ---------------------------------------------------------------------------------
-
+class Core(EngineState):
     def load(self, chart: Chart | None) -> None:
         """The store's mission; machine and bounds follow. Not while a mission runs."""
         active, self.chart = self.active, chart

@@ -46,6 +46,7 @@ MODULES = (
     "mission.engine.rest",
     "mission.engine.restart",
     "mission.engine.run",
+    "mission.engine.state",
     "mission.engine.variables",
     "mission.engine.vehicle_state",
     "mission.engine.watch",

@@ -1,0 +1,127 @@
+"""The engine's state, and the two ways to change it: a Step on record, and a move with one.
+
+What does not live here: what the engine can do with it (core), when that is due (engine).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Self
+
+from mission.engine.ascent import Ascent
+from mission.engine.bounds import in_force
+from mission.engine.machine import Machine
+from mission.engine.monitor import LimitMonitor
+from mission.engine.outputs import OutputKeeper
+from mission.engine.rest import Rest
+from mission.engine.run import Run
+from mission.engine.vehicle_state import Navigator, VehicleState
+from mission.engine.words import in_words
+from mission.model import AUTONOMOUS, Action, By, Chart, Evaluation, Step
+from mission.model.copies import copied
+from mission.model.vehicle import Vehicle
+from protocol.messages import SetSafety
+from protocol.vehicles import vehicle_row
+
+Moved = tuple[tuple[str, ...], tuple[str, ...]]  # states left, states entered
+
+
+class EngineState:
+    def __init__(self, vehicle: Vehicle, navigation: Navigator | None) -> None:
+        self.vehicle = vehicle
+        self.vehicle_state = VehicleState(
+            navigation,
+            grounded=vehicle.drives,
+            stale_after=vehicle.stale_after,
+            rise=vehicle.ascent_buoyancy,
+        )
+        self.ways = vehicle_row(vehicle.codec).ways
+        self.machine = Machine()
+        self.chart: Chart | None = None
+        self.operator = SetSafety()
+        self.watch = LimitMonitor(
+            vehicle, self.vehicle_state, in_force(vehicle, None, self.operator)
+        )
+        self.run: Run | None = None  # also while it is interrupted by the stick
+        self.ascent: Ascent | None = None  # the emergency's, in emergency/surfacing alone
+        self.stop_at: float | None = None  # X0 goes out again then, unless it was acknowledged
+        self.stopped_at: float | None = None  # when a stop was acknowledged, and nothing since
+        self.doubted_at = -math.inf  # when a report last contradicted a stop, since the last X
+        self.stick = -math.inf  # the last M that was obeyed
+        self.any_stick = -math.inf  # the last M of anybody, obeyed or not (R6)
+        self.clear_refused = -math.inf  # the last @AC that was
+        self.outputs = OutputKeeper(vehicle.outputs)
+        self.rest = Rest(vehicle.limits.descent_rate)
+        self._rested = ""  # the kind of rest that it watches
+        self._sank = False  # out of surfaced: let go, it would sink again
+        self.auto = True  # node AUTO
+        self.emergency_since_idle = False
+        self.emergency_at = -math.inf  # when the last one began
+        self.ending = False  # the program is to end
+        self.deep_reports: int | None = None  # in a row, while nobody knows what was under way
+        self.uncertain = False  # answered; again only after it was certain in between
+        self.reason = ""  # of the state that is active
+        self.event = ""
+        self.actions: list[Action] = []
+        self.steps: list[Step] = []
+
+    def clone(self) -> Self:
+        """For snapshots: without the machine and the navigation, which have their own."""
+        state = self.vehicle_state.clone()
+        return copied(
+            self,
+            machine=self.machine,
+            vehicle_state=state,
+            watch=self.watch.clone(state),
+            actions=[],
+            steps=[],
+        )
+
+    @property
+    def now(self) -> float:
+        return self.vehicle_state.now
+
+    @property
+    def region(self) -> str:
+        return self.machine.region
+
+    @property
+    def active(self) -> str:
+        return self.machine.active
+
+    @property
+    def flying(self) -> Run | None:
+        """The run, while it is not interrupted."""
+        return self.run if self.machine.region == AUTONOMOUS else None
+
+    # --- records -------------------------------------------------------------------------------
+
+    def _record(
+        self,
+        actions: tuple[Action, ...],
+        moved: Moved = ((), ()),
+        *,
+        trigger: str = "",
+        by: By | None = None,
+        evaluations: tuple[Evaluation, ...] = (),
+    ) -> None:
+        words = tuple(f"{in_words(a.command)}: {a.reason}" for a in actions)
+        self.steps.append(
+            Step(self.now, self.event, evaluations, moved[0], moved[1], words, trigger, by)
+        )
+        self.actions += actions
+
+    def _move(
+        self,
+        name: str,
+        target: str,
+        why: str,
+        actions: tuple[Action, ...],
+        by: By | None,
+        evaluations: tuple[Evaluation, ...] = (),
+    ) -> None:
+        was_flying = self.region == AUTONOMOUS
+        moved = self.machine.move(name, target)
+        self.reason = why
+        left = by if was_flying else None
+        self._record(actions, moved, trigger=name, by=left, evaluations=evaluations)
