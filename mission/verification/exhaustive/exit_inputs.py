@@ -74,3 +74,14 @@ def come_true(world: World, configuration: Configuration, chart: Chart) -> None:
     for c in comparisons(guard.expression):
         _BRING[c.variable](world, c.bound + (BEYOND if c.operator[0] == ">" else -BEYOND))
     world.wait(WAIT + guard.held)
+
+
+def end_leg(world: World, configuration: Configuration, chart: Chart) -> None:
+    """The active leg's time is up in a moment."""
+    if configuration.region != "autonomous":
+        return
+    leg = chart.state(configuration.leaf).leg
+    assert leg is not None
+    times = [t for t in (leg.duration, leg.timeout) if t is not None]
+    if times:
+        world.engine.place(configuration.leaf, dict(configuration.rounds), min(times) - 0.05)

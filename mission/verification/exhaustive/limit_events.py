@@ -1,0 +1,162 @@
+"""Events, the rows of limits: what each limit of the table watches for comes to pass.
+
+What does not live here: readings, answers and time (events), what must follow (laws).
+"""
+
+from __future__ import annotations
+
+import math
+
+from mission.model import Chart
+from mission.verification.exhaustive.cell import Configuration, Event
+from mission.verification.exhaustive.commands import Play, script
+from mission.verification.exhaustive.configurations import DEEP, SHALLOW, doubt
+from mission.verification.exhaustive.exit_inputs import end_leg
+from mission.verification.exhaustive.world import World
+from protocol.messages import SetSafety
+from protocol.topside import encode
+
+
+def _tightens(limits: SetSafety, seconds: float = 4.5) -> Play:
+    def play(world: World) -> None:
+        world.say(encode(limits))
+        world.wait(seconds)
+
+    return script(play)
+
+
+def _too_deep(world: World) -> None:
+    world.sea.depth = DEEP
+    world.wait(4.0)
+    world.say(encode(SetSafety(depth=1.5)))
+    world.wait(4.5)
+
+
+def _hard_depth(world: World) -> None:
+    world.come_to(103.0)
+    world.wait(12.5)
+
+
+def _pushes_in_vain(world: World) -> None:
+    world.sea.dives = True
+    world.wait(18.5)
+
+
+def _sinks(world: World) -> None:
+    world.wait(2.0)
+    for _ in range(3):
+        world.sea.depth += 3.0
+        world.wait(2.0)
+    world.wait(0.1)
+
+
+def _overturned(world: World) -> None:
+    for roll_deg in (170.0, 172.0, -178.0, 171.0, 169.0):
+        world.sea.roll_deg = roll_deg
+        world.wait(2.0)
+
+
+def _blinded(world: World) -> None:
+    world.sea.unknown.add("depth")
+    world.wait(8.5)
+
+
+def _silent(world: World) -> None:
+    world.reports = False
+    world.wait(7.5)
+
+
+def _spoilt(world: World) -> None:
+    world.spoils = True
+    world.wait(7.5)
+
+
+def _own_depth(world: World, configuration: Configuration, chart: Chart) -> None:
+    """The mission's, though @SP allows more."""
+    world.say(encode(SetSafety(depth=60000.0)))
+    own, hard = chart.mission.safety, world.vehicle.limits
+    bound = hard.depth if own is None or own.depth is None else min(own.depth, hard.depth)
+    world.come_to(bound + 1.2)
+    world.wait(12.5)
+
+
+def _stuck(world: World) -> None:
+    world.wait(124.5)
+
+
+def _topside_silent(world: World) -> None:
+    world.engine.limit_topside_silence(3.0)
+    world.wait(4.5)
+
+
+def _rolls(world: World) -> None:
+    world.sea.roll_deg = 75.0
+    world.wait(4.5)
+
+
+def _low(world: World) -> None:
+    world.sea.control_v = 9
+    world.wait(14.5)
+
+
+def _turns_away(world: World, configuration: Configuration, chart: Chart) -> None:
+    """From the heading that the leg holds, if it does."""
+    state = chart.state(configuration.leaf) if configuration.leaf else None
+    held = state.setpoint.heading if state is not None and state.setpoint is not None else None
+    for number in range(10):
+        world.sea.heading_deg = math.degrees(held or 0.0) + 15.0 * (number + 1)
+        world.wait(2.0)
+
+
+def _goes_elsewhere(world: World) -> None:
+    world.sea.depth = SHALLOW
+    world.wait(2.0)
+    world.sea.course_deg = world.sea.heading_deg + 120.0
+    for _ in range(24):
+        world.fix()
+        world.wait(1.0)
+
+
+def _loses_power(world: World) -> None:
+    world.wait(2.5)
+    world.sea.powered = False
+    world.wait(9.0)
+
+
+def _doubts(world: World) -> None:
+    here = world.engine.estimate
+    if here is None:
+        return
+    doubt(world)
+
+
+def _nobody_answers(world: World, configuration: Configuration, chart: Chart) -> None:
+    world.answers = ""
+    end_leg(world, configuration, chart)
+    world.wait(24.0)
+
+
+LIMITS = (
+    Event("limit radius", _tightens(SetSafety(radius=1.0)), "SP", limit="radius"),
+    Event("limit time", _tightens(SetSafety(time=0.6), 1.0), "SP", limit="time"),
+    Event("limit depth", script(_too_deep), "SP", limit="depth"),
+    Event("limit hard depth", script(_hard_depth), limit="hard depth"),
+    Event("limit unexplained descent", script(_sinks), limit="unexplained descent"),
+    Event("limit no progress", script(_stuck), limit="no progress", also=frozenset({"minute"})),
+    Event("limit depth contradicted", script(_pushes_in_vain), limit="depth contradicted"),
+    Event(
+        "limit depth unknown", script(_blinded), limit="depth unknown", sensor="depth", after=6.0
+    ),
+    Event("limit telemetry", script(_silent), limit="telemetry"),
+    Event("limit telemetry, spoilt reports", script(_spoilt), limit="telemetry"),
+    Event("limit depth, the operator's wider", _own_depth, "SP", limit="depth"),
+    Event("limit topside", script(_topside_silent), limit="topside"),
+    Event("limit no answer", _nobody_answers, limit="no answer"),
+    Event("limit roll-over", script(_rolls), limit="roll-over"),
+    Event("limit roll-over, upside down", script(_overturned), limit="roll-over"),
+    Event("limit voltage", script(_low), limit="voltage"),
+    Event("limit heading does not follow", _turns_away, limit="heading does not follow"),
+    Event("limit course against heading", script(_goes_elsewhere), limit="course against heading"),
+    Event("limit brown-out", script(_loses_power), limit="brown-out"),
+    Event("limit uncertain", script(_doubts), "SP", limit="uncertain"),
+)
