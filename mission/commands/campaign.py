@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +14,9 @@ from mission.commands.options import MISSION, SEED
 
 if TYPE_CHECKING:
     from mission.verification.campaign.proofs import Claim, Shown
+    from mission.verification.workers.kept import Kept
     from mission.verification.workers.outcome import Lost
+    from mission.verification.workers.places import Place
 
 Job = tuple["Claim", int, int]  # claim, seed, flight
 
@@ -60,7 +63,6 @@ def campaign(
     last line of stdout is one JSON object; its `at_most` bounds the probability that a flight drawn
     like these gets past what was proved (exact binomial, 95 %).
     """
-    import functools
     import json
     import sys
 
@@ -70,9 +72,6 @@ def campaign(
     from mission.verification.campaign.generated import generate
     from mission.verification.campaign.proofs import Shown
     from mission.verification.campaign.withheld import claims as withheld
-    from mission.verification.workers import results
-    from mission.verification.workers.outcome import Lost, had
-    from mission.verification.workers.progress import with_progress
 
     if generated is not None and show:
         click.echo(generate(seed, generated, load_vehicle("auv")).text, nl=False)
@@ -80,7 +79,6 @@ def campaign(
     only = generated is not None or words or word is not None
     named = () if only else tuple(dict.fromkeys(files)) or tuple(shipped())
     count = 1 if generated is not None else len(named) if missions is None or only else missions
-    tell = functools.partial(click.echo, err=True)
     try:
         claims = [_claim(path) for path in named[:count]]
     except (Unreadable, ValueError) as error:
@@ -88,24 +86,47 @@ def campaign(
         sys.exit(2)
     first = generated or 0
     numbers = range(first, first + count - len(claims))
-    tally = _Tally()
     with where.keeping({"flights": "within what was proved", "seed": seed}, Shown) as kept:
-        made = results(functools.partial(_generated, seed), numbers, where.place)
-        claims += map(had, with_progress(made, len(numbers), "missions generated", tell))
+        claims += _generate(seed, numbers, where.place)
         if words or word is not None:
             said = list(withheld(load_vehicle("auv")))
             claims += said if word is None else said[word : word + 1]
-        tally.missions = len(claims)
         flown = range(flights) if flight is None else [flight]
         jobs: list[Job] = [(claim, seed, number) for claim in claims for number in flown]
-        found = results(_show, jobs, where.place, _name, kept)
-        ended = with_progress(found, len(jobs), "flights", tell, kept.count)
-        for (claim, _, number), shown in zip(jobs, ended, strict=True):
-            tally.take(shown)
-            if isinstance(shown, Lost) or shown.violations or flight is not None:
-                click.echo(_story(claim, shown, seed, number))
+        tally = _fly(jobs, where.place, kept, with_stories=flight is not None)
+    tally.missions = len(claims)
     click.echo(json.dumps(tally.as_json()))
     sys.exit(0 if tally.clean else 1)
+
+
+def _generate(seed: int, numbers: range, place: Place) -> Iterator[Claim]:
+    import functools
+
+    from mission.verification.workers import results
+    from mission.verification.workers.outcome import had
+    from mission.verification.workers.progress import with_progress
+
+    tell = functools.partial(click.echo, err=True)
+    made = results(functools.partial(_generated, seed), numbers, place)
+    return map(had, with_progress(made, len(numbers), "missions generated", tell))
+
+
+def _fly(jobs: Sequence[Job], place: Place, kept: Kept[Shown], *, with_stories: bool) -> _Tally:
+    """Prints the story of each flight that broke something or was lost, or of all."""
+    import functools
+
+    from mission.verification.workers import results
+    from mission.verification.workers.outcome import Lost
+    from mission.verification.workers.progress import with_progress
+
+    tally, tell = _Tally(), functools.partial(click.echo, err=True)
+    found = results(_show, jobs, place, _name, kept)
+    ended = with_progress(found, len(jobs), "flights", tell, kept.count)
+    for (claim, seed, number), shown in zip(jobs, ended, strict=True):
+        tally.take(shown)
+        if isinstance(shown, Lost) or shown.violations or with_stories:
+            click.echo(_story(claim, shown, seed, number))
+    return tally
 
 
 @dataclass(slots=True)

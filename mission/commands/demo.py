@@ -12,7 +12,9 @@ import click
 from mission.commands.options import MISSION, PROFILE, SEED, SETTINGS, VEHICLE
 
 if TYPE_CHECKING:
-    from mission.verification.simulation.demo import Progress
+    from mission.authoring.prepare import Prepared
+    from mission.verification.simulation.demo import Demo, Progress
+    from mission.verification.simulation.flightlog import Flight
 
 OWN = {"coreboard": "coreboard-dive", "rov": "rov-dive", "robot": "robot-drive"}
 
@@ -45,16 +47,29 @@ def demo(
     """
     from dataclasses import replace
 
-    from links.simulated.settings import SettingError, parse_settings
-    from mission.authoring.graph.outline import outline
-    from mission.authoring.graph.svg import svg
-    from mission.authoring.prepare import Unreadable, check_prepared, prepare
-    from mission.topside.upload import OperatorError
-    from mission.verification.simulation.demo import LEFT, Demo, DemoError, not_as_planned
-    from mission.verification.simulation.legtable import table
-    from mission.verification.simulation.plot import draw_flight
+    from mission.verification.rig.vehicle import in_dialect
+    from mission.verification.simulation.demo import LEFT, Demo, not_as_planned
 
     path = mission or Path(OWN.get(vehicle or "", "first-dive"))
+    prepared, worst = _proved(path, vehicle, settings)
+    _clear(out, LEFT)
+    click.echo(f"{path}: at most {worst / 60:.1f} min of mission, {speed:g} times real time")
+    shown, prepared = Shown(), replace(prepared, vehicle=in_dialect(prepared.vehicle, profile))
+    named = vehicle or prepared.mission.vehicle
+    demonstration = Demo(prepared, out, speed, named, seed, settings, worst, click.echo, shown.show)
+    flight = _flown(demonstration, shown, out)
+    _leave(flight, prepared, out)
+    amiss = not_as_planned(flight)
+    if amiss:
+        click.echo(f"not as planned: {'; '.join(amiss)}", err=True)
+    raise SystemExit(1 if amiss else 0)
+
+
+def _proved(path: Path, vehicle: str | None, settings: tuple[str, ...]) -> tuple[Prepared, float]:
+    """The mission, and the longest it can take in s. Exit 2 if it cannot be read, 1 if refused."""
+    from links.simulated.settings import SettingError, parse_settings
+    from mission.authoring.prepare import Unreadable, check_prepared, prepare
+
     try:
         prepared = prepare(path, vehicle)
         parse_settings(settings)
@@ -65,34 +80,37 @@ def demo(
     if not report.ok or report.proved is None:
         click.echo(f"{path}: refused by the check; see auvmission check {path}", err=True)
         raise SystemExit(1)
-    _clear(out, LEFT)
-    worst = report.proved.worst_time
-    click.echo(f"{path}: at most {worst / 60:.1f} min of mission, {speed:g} times real time")
-    shown = Shown()
-    if profile is not None and prepared.vehicle.codec == "auv":
-        prepared = replace(prepared, vehicle=replace(prepared.vehicle, dialect=profile))
-    named = vehicle or prepared.mission.vehicle
-    flown = Demo(prepared, out, speed, named, seed, settings, worst, click.echo, shown.show)
+    return prepared, report.proved.worst_time
+
+
+def _flown(demonstration: Demo, shown: Shown, out: Path) -> Flight:
+    from mission.topside.upload import OperatorError
+    from mission.verification.simulation.demo import DemoError
+
     try:
-        flight = flown.fly()
+        return demonstration.fly()
     except (DemoError, OperatorError) as error:
-        shown.end()
-        click.echo(str(error), err=True)
-        raise SystemExit(1) from None
+        why = str(error)
     except OSError as error:
+        why = f"{error.filename or out}: {error.strerror or error}"
+    finally:
         shown.end()
-        click.echo(f"{error.filename or out}: {error.strerror or error}", err=True)
-        raise SystemExit(1) from None
-    shown.end()
+    click.echo(why, err=True)
+    raise SystemExit(1)
+
+
+def _leave(flight: Flight, prepared: Prepared, out: Path) -> None:
+    """The pictures, and what came of each leg."""
+    from mission.authoring.graph.outline import outline
+    from mission.authoring.graph.svg import svg
+    from mission.verification.simulation.legtable import table
+    from mission.verification.simulation.plot import draw_flight
+
     draw_flight(flight, out / "track.png", prepared.mission.name)
     (out / "graph.svg").write_text(svg(outline(prepared.chart, None), False))
     click.echo(table(flight, prepared.chart))
     box = max((out / "pi" / "log").glob("*.mcap"))
     click.echo(f"pictures in {out}, black box {box}")
-    amiss = not_as_planned(flight)
-    if amiss:
-        click.echo(f"not as planned: {'; '.join(amiss)}", err=True)
-    raise SystemExit(1 if amiss else 0)
 
 
 def _clear(out: Path, left: frozenset[str]) -> None:

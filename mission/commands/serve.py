@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ import click
 if TYPE_CHECKING:
     from mission.model import Estimate, Step
     from mission.onboard.serve.printer import Printer
+    from mission.onboard.serve.provision import Provision
     from mission.onboard.serve.serve import Ready
 
 
@@ -51,11 +53,7 @@ def serve(
     from mission.onboard.serve.journal import printed
     from mission.onboard.serve.leaving import time_to_leave
     from mission.onboard.serve.printer import Printer
-    from mission.onboard.serve.provision import Unusable, provide
     from mission.onboard.serve.serve import Server
-
-    def tell(line: str) -> None:
-        click.echo(printed(line.rstrip(), time.time()), err=True)
 
     def ready(what: Ready) -> None:
         said = json.dumps({"topside": what.topside, "black_box": what.black_box})
@@ -66,18 +64,7 @@ def serve(
             except OSError as error:  # a disk that is full is no reason to be deaf
                 err.print(printed(f"warning: {ready_file}: {error.strerror}", time.time()))
 
-    given = {"vehicle": vehicle, "gps": gps, "topside": topside}
-    try:
-        got = provide(config, given, folder)
-    except Unusable as error:
-        tell(f"fault: {error}")
-        raise SystemExit(2) from None
-    for broken in got.faults:
-        tell(f"fault: {broken}")
-    if got.configuration.ascent_only:
-        tell(f"warning: {got.configuration.ascent_only}")
-    for damage in got.damage:
-        tell(f"warning: {damage}")
+    got = _provided(config, {"vehicle": vehicle, "gps": gps, "topside": topside}, folder)
     out, err = Printer(1, waiting=100_000), Printer(2)
     observer = _Events(out) if events else None
     server = Server(
@@ -99,8 +86,37 @@ def serve(
         out.close()
         err.close()
     if refusal:
-        tell(f"fault: {refusal}")
+        _tell(f"fault: {refusal}")
         raise SystemExit(2)
+
+
+def _provided(
+    config: Path | None, given: Mapping[str, str | None], folder: Path | None
+) -> Provision:
+    """What serve runs with; tells what is wrong with it. Exit 2 where nothing can be run."""
+    from mission.onboard.serve.provision import Unusable, provide
+
+    try:
+        got = provide(config, given, folder)
+    except Unusable as error:
+        _tell(f"fault: {error}")
+        raise SystemExit(2) from None
+    for broken in got.faults:
+        _tell(f"fault: {broken}")
+    if got.configuration.ascent_only:
+        _tell(f"warning: {got.configuration.ascent_only}")
+    for damage in got.damage:
+        _tell(f"warning: {damage}")
+    return got
+
+
+def _tell(line: str) -> None:
+    """Before the printer runs, and after it has ended."""
+    import time
+
+    from mission.onboard.serve.journal import printed
+
+    click.echo(printed(line.rstrip(), time.time()), err=True)
 
 
 def _write_whole(path: Path, text: str) -> None:

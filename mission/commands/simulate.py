@@ -11,8 +11,11 @@ from mission.commands.options import AS_JSON, MISSION, PARAMETERS, PROFILE, SEED
 from mission.commands.unreadable import tell_unreadable
 
 if TYPE_CHECKING:
+    from links.simulated.settings import Settings
+    from mission.authoring.prepare import Prepared
     from mission.onboard.blackbox import BlackBox
     from mission.verification.simulation.flightlog import Flight
+    from mission.verification.simulation.flown import Flown
 
 UNREADABLE = 2
 BLACK_BOX = "flight.mcap"
@@ -45,40 +48,21 @@ def simulate(
 
     Exit 0 if the mission was completed, 1 if not, 2 if it cannot be read.
     """
-    import json
     import sys
 
     from links.simulated.settings import SettingError, parse_settings
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
-    from mission.onboard.blackbox import close_recording
-    from mission.verification.simulation import reaching
-    from mission.verification.simulation.coverage import as_json_of, coverage_of
-    from mission.verification.simulation.flight import fly
     from mission.verification.simulation.flown import Flown
-    from mission.verification.simulation.legtable import table
 
     try:
         prepared = prepare(mission, vehicle, parameters_of(parameters))
         sea = parse_settings(settings)
+        flight = _flown(prepared, profile or "", seed, sea, settings, report)
     except Unreadable as error:
         tell_unreadable(error, as_json)
         sys.exit(UNREADABLE)
     except SettingError as error:
         click.echo(str(error), err=True)
-        sys.exit(UNREADABLE)
-    try:
-        box = None if report is None else _black_box(report)
-        flight = fly(prepared.mission, prepared.vehicle, profile or "", seed, sea, box)
-        if box is not None and report is not None:
-            box.close()
-            notes = {"seed": str(seed), "sea": " ".join(settings), "mission": prepared.mission.name}
-            close_recording(box.path, notes | {"simulated": profile or prepared.vehicle.dialect})
-            _draw(flight, report, prepared.mission.name)
-    except SettingError as error:
-        click.echo(str(error), err=True)
-        sys.exit(UNREADABLE)
-    except OSError as error:
-        click.echo(f"the report cannot be written: {error}", err=True)
         sys.exit(UNREADABLE)
     auv = prepared.vehicle.codec == "auv"
     flown = Flown(
@@ -90,16 +74,54 @@ def simulate(
         sea.sea,
         flight.compass_bias,
     )
-    if as_json:
-        told = flight.as_json() | {
-            "coverage": as_json_of(coverage_of(flight, prepared.mission)),
-            "purpose": reaching.as_json_of(reaching.achieved_by(flight, prepared.mission)),
-            "flown": flown.as_object(),
-        }
-        click.echo(json.dumps(told))
-    else:
-        click.echo("\n".join([table(flight, prepared.chart), *flown.as_lines()]))
+    _tell(flight, prepared, flown, as_json)
     sys.exit(0 if flight.outcome == "completed" else 1)
+
+
+def _flown(
+    prepared: Prepared,
+    profile: str,
+    seed: int,
+    sea: Settings,
+    settings: tuple[str, ...],
+    report: Path | None,
+) -> Flight:
+    """With black box and picture in ``report``; exit 2 if they cannot be written there. Raises
+    SettingError."""
+    from mission.onboard.blackbox import close_recording
+    from mission.verification.simulation.flight import fly
+
+    name = prepared.mission.name
+    try:
+        box = None if report is None else _black_box(report)
+        flight = fly(prepared.mission, prepared.vehicle, profile, seed, sea, box)
+        if box is not None and report is not None:
+            box.close()
+            notes = {"seed": str(seed), "sea": " ".join(settings), "mission": name}
+            close_recording(box.path, notes | {"simulated": profile or prepared.vehicle.dialect})
+            _draw(flight, report, name)
+    except OSError as error:
+        click.echo(f"the report cannot be written: {error}", err=True)
+        raise SystemExit(UNREADABLE) from None
+    return flight
+
+
+def _tell(flight: Flight, prepared: Prepared, flown: Flown, as_json: bool) -> None:
+    import json
+
+    from mission.verification.simulation import reaching
+    from mission.verification.simulation.coverage import as_json_of, coverage_of
+    from mission.verification.simulation.legtable import table
+
+    if not as_json:
+        click.echo("\n".join([table(flight, prepared.chart), *flown.as_lines()]))
+        return
+    told = flight.as_json() | {
+        "coverage": as_json_of(coverage_of(flight, prepared.mission)),
+        "purpose": reaching.as_json_of(reaching.achieved_by(flight, prepared.mission)),
+        "flown": flown.as_object(),
+    }
+    click.echo(json.dumps(told))
 
 
 def _black_box(folder: Path) -> BlackBox:

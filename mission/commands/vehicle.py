@@ -96,15 +96,11 @@ def _made(
     name: str, profile: str | None, seed: int, texts: tuple[str, ...], place: tuple[float, float]
 ) -> Simulated:
     """Raises ValueError."""
-    from dataclasses import replace
-
     from links.simulated.settings import parse_settings
     from mission.model.shipped import load_vehicle
-    from mission.verification.rig.vehicle import simulated
+    from mission.verification.rig.vehicle import in_dialect, simulated
 
-    loaded = load_vehicle(name)
-    if profile is not None and loaded.codec == "auv":
-        loaded = replace(loaded, dialect=profile)
+    loaded = in_dialect(load_vehicle(name), profile)
     return simulated(loaded, seed, parse_settings(texts), position=place, start=datetime.now(UTC))
 
 

@@ -6,6 +6,7 @@ What does not live here: what it is made of (links.simulated).
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from datetime import datetime
 
 from links.simulated.boards import BOARDS, ON_BUS, SimulatedBoard
@@ -43,6 +44,11 @@ def simulated(
         tolerances=vehicle.tolerances,
         wire=vehicle.wire,
     )
+
+
+def in_dialect(vehicle: Vehicle, profile: str | None) -> Vehicle:
+    """As ``profile`` says; "" or None: as its file does. Only the AUV's board has profiles."""
+    return replace(vehicle, dialect=profile) if profile and vehicle.codec == "auv" else vehicle
 
 
 def home_of(mission: Mission) -> tuple[float, float]:

@@ -10,7 +10,6 @@ import itertools
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from links.simulated.geodesy import local
@@ -23,7 +22,7 @@ from mission.onboard.uncollected import uncollected
 from mission.verification.rig.program import FillableStore, Program
 from mission.verification.rig.rehearsal import Cue, Operator
 from mission.verification.rig.rig import Rig
-from mission.verification.rig.vehicle import Simulated, home_of, simulated
+from mission.verification.rig.vehicle import Simulated, home_of, in_dialect, simulated
 from mission.verification.simulation.flightlog import Flight, FlightEnd, FlightLog, TruePlace
 
 if TYPE_CHECKING:
@@ -51,7 +50,7 @@ def fly(
     """``profile`` picks the dialect and the firmware together; "": the vehicle file does.
     ``settings`` are the sea and its faults; ``said`` is what the operator sends beside upload and
     start; ``lines`` go up instead of the mission's own script."""
-    flown = replace(vehicle, dialect=profile) if profile and vehicle.codec == "auv" else vehicle
+    flown = in_dialect(vehicle, profile)
     sea = simulated(flown, seed, settings, position=home_of(mission))
     program = Program(flown, FillableStore(stored), START.timestamp(), lambda: recorder)
     operator = Operator(lines or script(mission), digest(mission), said)
