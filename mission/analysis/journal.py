@@ -64,8 +64,9 @@ class Wanted:
             raise UnknownTopic(f"no topic {name!r}; there are {', '.join(TOPICS)}")
 
     def takes(self, line: Line) -> bool:
-        within = line.topic in self.topics and self.since <= line.t <= self.until
-        return within and self.text.lower() in str(line).lower()
+        if line.topic not in self.topics or not self.since <= line.t <= self.until:
+            return False
+        return not self.text or self.text.lower() in str(line).lower()
 
 
 def recordings(paths: Sequence[Path]) -> list[list[Record | Gap]]:

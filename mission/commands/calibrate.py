@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from mission.commands.options import LOGGED_VEHICLE
+from mission.commands.output import write, writing
 
 
 @click.command()
@@ -59,16 +60,9 @@ def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
     text = rise(done) + section(done.vehicle, kept(done))
     if why := heavy(done.vehicle):
         click.echo(why, err=True)
-    if output is None:
-        click.echo(text, nl=False)
-    try:
-        if output is not None:
-            output.write_text(text, encoding="utf-8")
-        if plot is not None:
-            from mission.analysis.drawing import draw_calibration
+    write(output, text)
+    if plot is not None:
+        from mission.analysis.drawing import draw_calibration
 
+        with writing(plot):
             draw_calibration(done, plot)
-    except OSError as error:
-        name = error.filename or output or plot
-        click.echo(f"{name}: cannot be written: {error.strerror or error}", err=True)
-        raise SystemExit(2) from None

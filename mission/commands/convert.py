@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from mission.commands.options import MISSION, PARAMETERS
+from mission.commands.output import write
 
 _BY_SUFFIX = {".yaml": "yaml", ".yml": "yaml", ".mission": "lines", ".txt": "lines"}
 
@@ -38,12 +39,4 @@ def convert(
     if form is None:
         other = "lines" if is_yaml(mission.read_text(encoding="utf-8"), str(mission)) else "yaml"
         form = _BY_SUFFIX.get(output.suffix, other) if output else other
-    text = to_yaml(model) if form == "yaml" else to_lines(model)
-    if output is None:
-        click.echo(text, nl=False)
-        return
-    try:
-        output.write_bytes(text.encode("utf-8"))
-    except OSError as error:
-        click.echo(f"{output}: cannot be written: {error.strerror or error}", err=True)
-        raise SystemExit(2) from None
+    write(output, to_yaml(model) if form == "yaml" else to_lines(model))

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mission.commands.output import writing
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -37,11 +39,10 @@ def export(files: tuple[Path, ...], output: Path, forms: tuple[str, ...], force:
         if not force:
             _refuse_what_is_there(into, forms)
         for log, folder in zip(logs, into, strict=True):
-            _write(log, folder, forms)
+            with writing(folder):
+                _write(log, folder, forms)
     except (BlackBoxError, ExportError) as error:
         raise _failed(str(error)) from None
-    except OSError as error:
-        raise _failed(f"{error.filename}: cannot be written: {error.strerror or error}") from None
 
 
 def _refuse_what_is_there(into: Sequence[Path], forms: Sequence[str]) -> None:

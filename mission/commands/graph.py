@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from mission.commands.options import MISSION, PARAMETERS, VEHICLE
+from mission.commands.output import by_suffix, write
 
 
 @click.command()
@@ -40,18 +41,11 @@ def graph(
     from mission.authoring.graph.raster import NoFont
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
 
-    row = FORMATS.get(output.suffix.lower())
-    if row is None:
-        known = ", ".join(f"{r.suffix} ({r.what})" for r in FORMATS.values())
-        raise click.UsageError(f"{output}: the suffix says what to write; there are {known}")
+    row = by_suffix(output, FORMATS)
     try:
         prepared = prepare(mission, vehicle, parameters_of(parameters))
         drawn = row.draw(outline(prepared.chart, depth), safety)
     except (Unreadable, NoFont, TooLarge) as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
-    try:
-        output.write_bytes(drawn)
-    except OSError as error:
-        click.echo(f"{output}: cannot be written: {error.strerror or error}", err=True)
-        raise SystemExit(2) from None
+    write(output, drawn)

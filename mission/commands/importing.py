@@ -2,30 +2,70 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
 from mission.commands.options import VEHICLE_NAME
+from mission.commands.output import write
 
 if TYPE_CHECKING:
-    from mission.authoring.importing.writing import Answers
     from mission.model import Position
-    from mission.model.vehicle import Vehicle
+
+
+def _size(unit: str) -> Callable[[click.Context, click.Parameter, str | None], float | None]:
+    """Reads an option that is a quantity of that unit."""
+
+    def read(context: click.Context, option: click.Parameter, text: str | None) -> float | None:
+        from mission.model.units import UnitError, quantity
+
+        if text is None:
+            return None
+        try:
+            value = quantity(text, unit)
+        except UnitError as error:
+            raise click.UsageError(f"{option.opts[0]}: {error}") from None
+        if value <= 0.0:
+            raise click.UsageError(f"{option.opts[0]}: {text} is not more than 0")
+        return value
+
+    return read
+
+
+def _home(
+    context: click.Context, option: click.Parameter, text: str | None
+) -> Position | Literal["first"] | None:
+    from mission.authoring.importing.route import Findings, number, position
+
+    if text is None or text == "first":
+        return "first" if text else None
+    found = Findings("--home")
+    parts = text.replace(",", " ").split()
+    numbers = [number(part, "a coordinate", text, found) for part in parts]
+    place = None
+    if len(numbers) == 2 and None not in numbers:
+        place = position(numbers[0] or 0.0, numbers[1] or 0.0, text, found)
+    if place is None:
+        raise click.UsageError(f"--home {text!r}: write LATITUDE,LONGITUDE in degrees, or first")
+    return place
 
 
 @click.command("import")
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
 @click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False),
               help="Mission file to write; without it, standard output.")  # fmt: skip
-@click.option("--home", metavar="LAT,LON|first",
+@click.option("--home", metavar="LAT,LON|first", callback=_home,
               help="Where the vehicle starts, in degrees; first: at the first point.")  # fmt: skip
-@click.option("--depth", metavar="DEPTH", help="For points that have none, e.g. 5m.")
-@click.option("--altitude", metavar="HEIGHT", help="Instead of --depth: above the bottom.")
-@click.option("--speed", metavar="SPEED", help="For points that have none, e.g. 1m/s.")
+@click.option("--depth", metavar="DEPTH", callback=_size("m"),
+              help="For points that have none, e.g. 5m.")  # fmt: skip
+@click.option("--altitude", metavar="HEIGHT", callback=_size("m"),
+              help="Instead of --depth: above the bottom.")  # fmt: skip
+@click.option("--speed", metavar="SPEED", callback=_size("m/s"),
+              help="For points that have none, e.g. 1m/s.")  # fmt: skip
 @click.option("--gear", type=click.IntRange(1, 12), help="Instead of --speed.")
-@click.option("--within", metavar="RADIUS", default="10 m", show_default=True,
+@click.option("--within", metavar="RADIUS", default="10 m", show_default=True, callback=_size("m"),
               help="How near to a point counts as there, where the file does not say.")  # fmt: skip
 @click.option("--vehicle", type=VEHICLE_NAME, default="auv", show_default=True, metavar="FILE|NAME",
               help="The vehicle that the mission is for.")  # fmt: skip
@@ -34,12 +74,12 @@ if TYPE_CHECKING:
 def import_(
     file: Path,
     output: Path | None,
-    home: str | None,
-    depth: str | None,
-    altitude: str | None,
-    speed: str | None,
+    home: Position | Literal["first"] | None,
+    depth: float | None,
+    altitude: float | None,
+    speed: float | None,
     gear: int | None,
-    within: str,
+    within: float,
     vehicle: str,
     pick: str | None,
     swap: bool,
@@ -52,7 +92,7 @@ def import_(
     is written all the same), 2 if FILE cannot be taken over.
     """
     from mission.authoring.importing import Findings, ImportErrors, chosen, format_of, load
-    from mission.authoring.importing.writing import mission_of
+    from mission.authoring.importing.writing import Answers, mission_of
     from mission.authoring.language import to_yaml
     from mission.model.shipped import load_vehicle
     from mission.model.vehicle import VehicleError
@@ -60,7 +100,9 @@ def import_(
     found = Findings(str(file))
     try:
         boat = load_vehicle(vehicle)
-        answers = _answers(home, depth, altitude, speed, gear, within, swap, boat)
+        gear = boat.gear_near(speed) if speed is not None else gear
+        place = None if home == "first" else home
+        answers = Answers(place, home == "first", swap, depth, altitude, gear, within)
         source = load(file, format_of(file, found), found)
         route = chosen(source, pick, found)
         steps = route.steps()
@@ -70,78 +112,16 @@ def import_(
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
     text = "".join(f"# {line}\n" for line in _comment(file, route.name, found.left_out))
-    _write(output, text + to_yaml(mission))
+    write(output, text + to_yaml(mission))
     for line in found.left_out:
         click.echo(f"{file}: left out: {line}", err=True)
     raise SystemExit(_judged(text + to_yaml(mission), str(output or "the mission"), vehicle))
-
-
-def _answers(
-    home: str | None,
-    depth: str | None,
-    altitude: str | None,
-    speed: str | None,
-    gear: int | None,
-    within: str,
-    swap: bool,
-    vehicle: Vehicle,
-) -> Answers:
-    from mission.authoring.importing.writing import Answers
-
-    if speed is not None:
-        gear = vehicle.gear_near(_size("--speed", speed, "m/s"))
-    return Answers(
-        home=None if home in (None, "first") else _home(str(home)),
-        home_first=home == "first",
-        swap=swap,
-        depth=None if depth is None else _size("--depth", depth, "m"),
-        altitude=None if altitude is None else _size("--altitude", altitude, "m"),
-        gear=gear,
-        within=_size("--within", within, "m"),
-    )
-
-
-def _size(option: str, text: str, unit: str) -> float:
-    from mission.model.units import UnitError, quantity
-
-    try:
-        value = quantity(text, unit)
-    except UnitError as error:
-        raise click.UsageError(f"{option}: {error}") from None
-    if value <= 0.0:
-        raise click.UsageError(f"{option}: {text} is not more than 0")
-    return value
-
-
-def _home(text: str) -> Position:
-    from mission.authoring.importing.route import Findings, number, position
-
-    found = Findings("--home")
-    parts = text.replace(",", " ").split()
-    numbers = [number(part, "a coordinate", text, found) for part in parts]
-    place = None
-    if len(numbers) == 2 and None not in numbers:
-        place = position(numbers[0] or 0.0, numbers[1] or 0.0, text, found)
-    if place is None:
-        raise click.UsageError(f"--home {text!r}: write LATITUDE,LONGITUDE in degrees, or first")
-    return place
 
 
 def _comment(file: Path, route: str, left_out: tuple[str, ...]) -> list[str]:
     named = f", route {route}" if route else ""
     printable = [f"Imported from {file.name}{named}.", *(f"Left out: {line}" for line in left_out)]
     return ["".join(c if c.isprintable() else "?" for c in line) for line in printable]
-
-
-def _write(output: Path | None, text: str) -> None:
-    if output is None:
-        click.echo(text, nl=False)
-        return
-    try:
-        output.write_text(text, encoding="utf-8")
-    except OSError as error:
-        click.echo(f"{output}: cannot be written: {error.strerror or error}", err=True)
-        raise SystemExit(2) from None
 
 
 def _judged(text: str, source: str, vehicle: str) -> int:

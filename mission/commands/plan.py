@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from mission.commands.options import MISSION, PARAMETERS, VEHICLE
+from mission.commands.output import by_suffix, write
 
 
 @click.command()
@@ -26,18 +27,11 @@ def plan(mission: Path, output: Path, parameters: tuple[str, ...], vehicle: str 
     from mission.verification.planned.formats import FORMATS
     from mission.verification.planned.track import Unplanned, planned
 
-    row = FORMATS.get(output.suffix.lower())
-    if row is None:
-        known = ", ".join(f"{r.suffix} ({r.what})" for r in FORMATS.values())
-        raise click.UsageError(f"{output}: the suffix says what to write; there are {known}")
+    row = by_suffix(output, FORMATS)
     try:
         prepared = prepare(mission, vehicle, parameters_of(parameters))
         drawn = row.write(planned(prepared.mission, prepared.chart, prepared.vehicle))
     except (Unreadable, Unplanned) as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
-    try:
-        output.write_bytes(drawn)
-    except OSError as error:
-        click.echo(f"{output}: cannot be written: {error.strerror or error}", err=True)
-        raise SystemExit(2) from None
+    write(output, drawn)

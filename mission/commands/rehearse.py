@@ -8,6 +8,7 @@ import click
 
 from mission.commands.jobs import Where, job_options
 from mission.commands.options import AS_JSON, MISSION, PARAMETERS, SEED, VEHICLE
+from mission.commands.output import writing
 from mission.commands.unreadable import tell_unreadable
 
 
@@ -73,9 +74,6 @@ def rehearse(
     told = as_object(report, source, seed)
     click.echo(json.dumps(told) if as_json else as_text(report, source, seed))
     if output is not None:
-        try:
+        with writing(output):
             draw_rehearsal(report, flown, output, prepared.mission.name)
-        except OSError as error:
-            click.echo(f"{output}: cannot be written: {error.strerror or error}", err=True)
-            raise SystemExit(2) from None
     raise SystemExit(0 if report.outcomes.get("completed", 0) == flights else 1)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mission.commands.options import AS_JSON, LOGGED_VEHICLE
+from mission.commands.output import writing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -88,18 +89,15 @@ def _write(
     from mission.analysis.report.figures import save_map
     from mission.analysis.report.page import report_page
 
-    path = page
-    try:
+    with writing(page):
         if page.suffix == ".png" and (track := dives[0].smoothed) is not None:
             draw_track(track, page, title)
         else:
             words = [(dive, text(dive.smoothed)) for dive in dives]
             page.write_text(report_page(title, read, words), encoding="utf-8")
-        if map_ is not None:
-            path = map_
+    if map_ is not None:
+        with writing(map_):
             save_map(dives[0], map_, title)
-    except OSError as error:
-        raise _failed(f"{path}: cannot be written: {error.strerror or error}") from None
 
 
 def _failed(why: str) -> SystemExit:

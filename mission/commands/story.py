@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from mission.commands.output import write
+
 
 @click.command()
 @click.argument("files", nargs=-1, required=True, metavar="FILE...",
@@ -34,12 +36,4 @@ def story(files: tuple[Path, ...], form: str, output: Path | None) -> None:
     except (ValueError, KeyError, TypeError) as error:
         click.echo(f"a start record is not one of this version: {error}", err=True)
         raise SystemExit(2) from None
-    text = FORMS[form](", ".join(path.name for path in files), chapters)
-    if output is None:
-        click.echo(text, nl=False)
-        return
-    try:
-        output.write_text(text, encoding="utf-8")
-    except OSError as error:
-        click.echo(f"{output}: cannot be written: {error.strerror or error}", err=True)
-        raise SystemExit(2) from None
+    write(output, FORMS[form](", ".join(path.name for path in files), chapters))

@@ -18,21 +18,18 @@ from click.testing import CliRunner, Result
 from fastkml import features, gx
 from fastkml.utils import find_all
 from pyarrow import parquet
+from recorded_flight import recorded
 from shapely.geometry import shape
 
-from links.simulated.settings import parse_settings
 from mission.analysis.export import FORMS
 from mission.analysis.export.columns import ExportError, sheets
 from mission.analysis.journal import Line, Wanted, lines, recordings
 from mission.authoring.importing import Findings, format_of, load
-from mission.authoring.prepare import prepare
 from mission.commands.export import export
 from mission.model import Record, Tx
-from mission.model.shipped import missions_folder
 from mission.onboard.blackbox import BlackBox
 from mission.onboard.runtime.records import tx_record
 from mission.onboard.stream.topics import TOPICS
-from mission.verification.simulation.flight import fly
 
 SHORT = Path(__file__).parent / "recorded" / "short-time.mcap"
 HOSTILE = (
@@ -47,13 +44,7 @@ def exported(*words: str | Path) -> Result:
 
 @pytest.fixture(scope="module")
 def box(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("export") / "survey.mcap"
-    prepared = prepare(missions_folder() / "lawnmower.yaml")
-    recorder = BlackBox(path, wall=1.75e9)
-    fly(prepared.mission, prepared.vehicle, seed=5,
-        settings=parse_settings(["current=0.2@70"]), recorder=recorder)  # fmt: skip
-    recorder.close()
-    return path
+    return recorded(tmp_path_factory.mktemp("export") / "survey.mcap", "lawnmower.yaml")
 
 
 @pytest.fixture(scope="module")

@@ -13,8 +13,8 @@ import pytest
 from jsonschema import Draft202012Validator
 from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader
+from recorded_flight import NOTES, recorded
 
-from links.simulated.settings import parse_settings
 from mission.authoring.prepare import prepare
 from mission.legs.rows import Rows
 from mission.model import Record
@@ -35,21 +35,13 @@ from mission.onboard.runtime import records as rec
 from mission.onboard.stream.derived import Derivation
 from mission.onboard.stream.plan import plan_geojson
 from mission.onboard.stream.topics import DERIVED, RAW, TOPICS
-from mission.verification.simulation.flight import fly
 
 FIRST_FORM = Path(__file__).parents[1] / "analysis" / "recorded" / "begun-again.mcap"
-NOTES = {"seed": "5", "sea": "current=0.2@70"}
 
 
 @pytest.fixture(scope="module")
 def growing(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("others") / "growing.mcap"
-    prepared = prepare(missions_folder() / "harbour-survey.yaml")
-    box = BlackBox(path, wall=1.75e9)
-    fly(prepared.mission, prepared.vehicle, seed=5,
-        settings=parse_settings(["current=0.2@70"]), recorder=box)  # fmt: skip
-    box.close()
-    return path
+    return recorded(tmp_path_factory.mktemp("others") / "growing.mcap", "harbour-survey.yaml")
 
 
 @pytest.fixture(scope="module")

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
+from pool_mission import DIGEST, LINES
 
 from links.acoustic import AcousticLink, Water, acoustic_pair
 from links.base import Rx
-from mission.authoring.language import digest, parse, script
 from mission.model import Tx
 from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration
@@ -28,19 +28,6 @@ from protocol.arq import TRIES, Acoustics
 from protocol.messages import Order, Status, StoreReport
 from protocol.modem import Sender, wrap
 
-TEXT = """mission pool vehicle auv
-home 30.2874595 120.1535765
-safety radius 400 time 20min depth 10 voltage 10
-assume current 0.1
-dive: depth 3 heading 0 gear 4 until depth >= 2.5 timeout 90
-repeat 2 rows:
-out: heading 90 gear 6 for 20s
-back: heading 270 gear 6 for 20s
-end
-up: surface timeout 3min
-"""
-MISSION = parse(TEXT)
-LINES, DIGEST = script(MISSION), digest(MISSION)
 NEAR = Water(range_m=300.0, bit_rate=1000.0)
 
 

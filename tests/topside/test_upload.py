@@ -6,6 +6,7 @@ import random
 from collections.abc import Callable
 
 import pytest
+from pool_mission import DIGEST, LINES, TEXT
 
 from links.base import Rx
 from mission.authoring.language import digest, parse, script
@@ -27,20 +28,6 @@ from mission.topside.upload import (
 )
 from protocol.messages import Ack, MissionLine, Order, Status, StoreReport
 from protocol.topside import encode
-
-TEXT = """mission pool vehicle auv
-home 30.2874595 120.1535765
-safety radius 400 time 20min depth 10 voltage 10
-assume current 0.1
-dive: depth 3 heading 0 gear 4 until depth >= 2.5 timeout 90
-repeat 2 rows:
-out: heading 90 gear 6 for 20s
-back: heading 270 gear 6 for 20s
-end
-up: surface timeout 3min
-"""
-MISSION = parse(TEXT)
-LINES, DIGEST = script(MISSION), digest(MISSION)
 
 
 class Wire:

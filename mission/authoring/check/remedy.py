@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
-from mission.authoring.check.bounds import Trail
+from mission.authoring.check.bounds import Bounds, Trail
 from mission.authoring.check.flow import ROUNDS, Proof, trail
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, Chart, Leg, State
 
@@ -25,13 +25,18 @@ _SHORTEST = 1.0  # s of a clock
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """What is bounded: ``of`` a step, ``worst`` of a walk, ``allowed``; ``shown`` in its unit."""
+    """What is bounded: ``of`` a step, ``worst`` of a walk, ``allowed``; ``shown`` in its unit.
+    ``last`` is the last step of the worst way."""
 
     of: Callable[[Trail], float]
-    worst: Callable[[Proof], float]
-    last: Callable[[Proof], Trail | None]
+    worst: Callable[[Bounds], float]
+    last: Callable[[Bounds], Trail | None]
     allowed: float
     shown: Callable[[float], str]
+
+    def excess(self, proof: Proof) -> float:
+        """Beyond what is allowed; infinite where nothing is proved."""
+        return self.worst(proof.worst) - self.allowed if proof.worst else math.inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +73,7 @@ def _told(figure: Figure, share: _Share, total: float) -> str:
 def _shares(figure: Figure, proof: Proof) -> dict[str, _Share]:
     """By leg, on the way that is the worst."""
     found: dict[str, _Share] = {}
-    for step in trail(figure.last(proof)):
+    for step in trail(figure.last(proof.worst) if proof.worst else None):
         before = found.get(step.leg, _Share(0.0, 0, 0.0))
         found[step.leg] = _Share(
             before.amount + figure.of(step), before.times + 1, before.time + step.time
@@ -94,11 +99,11 @@ def _clock(
     tried = proof
     for _ in range(_TRIES):
         per_second = share.amount / share.time * share.times
-        clock = math.floor(clock - (figure.worst(tried) - figure.allowed) / per_second)
+        clock = math.floor(clock - figure.excess(tried) / per_second)
         if clock < _SHORTEST:
             return
         tried = walk(_with(chart, path, _clocked(chart.state(path), clock)))
-        if figure.worst(tried) <= figure.allowed:
+        if figure.excess(tried) <= 0.0:
             yield f"{word} {clock:g} s in {_name(path)} (now {now:g} s)"
             return
 
@@ -122,11 +127,11 @@ def _rounds(
     for _ in range(_TRIES):
         if not amount:
             return
-        rounds -= math.ceil((figure.worst(tried) - figure.allowed) / (amount / now))
+        rounds -= math.ceil(figure.excess(tried) / (amount / now))
         if rounds < 1:
             return
         tried = walk(_with(chart, state.path, _repeated(state, rounds)))
-        if figure.worst(tried) <= figure.allowed:
+        if figure.excess(tried) <= 0.0:
             yield f"repeat {rounds} {_name(state.path)} (now {now})"
             return
 

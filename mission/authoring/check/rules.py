@@ -308,8 +308,8 @@ def _bounds(
 def _time(allowed: float) -> remedy.Figure:
     return remedy.Figure(
         of=lambda step: step.time,
-        worst=lambda proof: proof.worst.time if proof.worst else math.inf,
-        last=lambda proof: proof.worst.trail if proof.worst else None,
+        worst=lambda worst: worst.time,
+        last=lambda worst: worst.trail,
         allowed=allowed,
         shown=_minutes,
     )
@@ -318,8 +318,8 @@ def _time(allowed: float) -> remedy.Figure:
 def _energy(allowed: float) -> remedy.Figure:
     return remedy.Figure(
         of=lambda step: step.energy,
-        worst=lambda proof: proof.worst.energy if proof.worst else math.inf,
-        last=lambda proof: proof.worst.spent if proof.worst else None,
+        worst=lambda worst: worst.energy,
+        last=lambda worst: worst.spent,
         allowed=allowed,
         shown=lambda joules: f"{joules / 3600:.0f} Wh",
     )

@@ -11,11 +11,11 @@ from functools import partial
 
 from mission.authoring.importing.route import (
     Findings,
-    Go,
     Point,
     Route,
     Source,
     Step,
+    along,
     below,
     position,
 )
@@ -64,8 +64,7 @@ def _route(line: Value, name: str, found: Findings) -> Route:
 
 
 def _steps(line: Value, found: Findings) -> tuple[Step, ...]:
-    points = [_point(value, found) for value in line.items()]
-    return tuple(Go(point) for point in points if point is not None)
+    return along(_point(value, found) for value in line.items())
 
 
 def _point(value: Value, found: Findings) -> Point | None:

@@ -10,11 +10,11 @@ from functools import partial
 
 from mission.authoring.importing.route import (
     Findings,
-    Go,
     Point,
     Route,
     Source,
     Step,
+    along,
     below,
     number,
     position,
@@ -35,8 +35,7 @@ def read(data: bytes, found: Findings) -> Source:
 
 
 def _steps(rte: Element, found: Findings) -> tuple[Step, ...]:
-    points = [_point(element, found) for element in rte.all("rtept")]
-    return tuple(Go(point) for point in points if point is not None)
+    return along(_point(element, found) for element in rte.all("rtept"))
 
 
 def _point(element: Element, found: Findings) -> Point | None:

@@ -11,11 +11,11 @@ from functools import partial
 from mission.authoring.importing.archive import is_archive, member
 from mission.authoring.importing.route import (
     Findings,
-    Go,
     Point,
     Route,
     Source,
     Step,
+    along,
     below,
     number,
     position,
@@ -51,11 +51,13 @@ def read(data: bytes, found: Findings) -> Source:
 def _steps(line: Element, found: Findings) -> tuple[Step, ...]:
     mode = line.said("altitudeMode")
     places = line.one("coordinates")
-    points = []
-    for row, text in enumerate(places.text.split("\n") if places is not None else ()):
-        where = f"line {places.line + row}" if places is not None else line.where
-        points += [_point(one, mode, where, found) for one in text.split()]
-    return tuple(Go(point) for point in points if point is not None)
+    if places is None:
+        return ()
+    return along(
+        _point(one, mode, f"line {places.line + row}", found)
+        for row, text in enumerate(places.text.split("\n"))
+        for one in text.split()
+    )
 
 
 def _point(text: str, mode: str, where: str, found: Findings) -> Point | None:

@@ -19,11 +19,11 @@ from functools import partial
 
 from mission.authoring.importing.route import (
     Findings,
-    Go,
     Point,
     Route,
     Source,
     Step,
+    along,
     number,
     text_of,
 )
@@ -82,8 +82,7 @@ def _steps(behavior: _Behavior, found: Findings) -> tuple[Step, ...]:
     speed = _amount(behavior, found, "speed")
     within = _amount(behavior, found, "capture_radius", "radius")
     text, where = behavior.get(*_POINTS)
-    points = [_point(pair, where, speed, within, found) for pair in _pairs(text, where, found)]
-    return tuple(Go(point) for point in points if point is not None)
+    return along(_point(pair, where, speed, within, found) for pair in _pairs(text, where, found))
 
 
 def _amount(behavior: _Behavior, found: Findings, *keys: str) -> float | None:

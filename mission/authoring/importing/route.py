@@ -9,7 +9,7 @@ What a file does not say is None here, and asked for by an option there.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from mission.model import Local, Position
@@ -145,6 +145,11 @@ class Source:
     routes: tuple[Route, ...]
     home: Position | None = None
     local: bool = False
+
+
+def along(points: Iterable[Point | None]) -> tuple[Step, ...]:
+    """Through them in turn; None stands for one that was complained of."""
+    return tuple(Go(point) for point in points if point is not None)
 
 
 def position(latitude: float, longitude: float, where: str, found: Findings) -> Position | None:

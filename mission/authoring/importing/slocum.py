@@ -14,11 +14,11 @@ from functools import partial
 
 from mission.authoring.importing.route import (
     Findings,
-    Go,
     Point,
     Route,
     Source,
     Step,
+    along,
     number,
     position,
     text_of,
@@ -40,10 +40,9 @@ def _steps(lines: list[str], found: Findings) -> tuple[Step, ...]:
         raise found.refusal("the file", f"no {_START} ... {_END}")
     first, last = plain.index(_START) + 1, plain.index(_END)
     within = _arguments(plain[:first], last - first, found)
-    points = [
+    return along(
         _point(line, row, within, found) for row, line in enumerate(plain[:last], 1) if row > first
-    ]
-    return tuple(Go(point) for point in points if point is not None)
+    )
 
 
 def _arguments(lines: list[str], most: int, found: Findings) -> float | None:

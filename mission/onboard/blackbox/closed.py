@@ -29,6 +29,7 @@ from mission.onboard.blackbox.form import HEAD, MAGIC, NS, OP_METADATA, PROFILE,
 from mission.onboard.blackbox.parts import part_number, parts_of
 from mission.onboard.blackbox.reading import content, read_records
 from mission.onboard.blackbox.scan import Found, Scan, is_first_form
+from mission.onboard.kept import sync_folder
 from mission.onboard.runtime import records as rec
 from mission.onboard.stream.derived import Derivation
 from mission.onboard.stream.topics import DERIVED, RAW
@@ -67,7 +68,7 @@ def close_part(path: Path, notes: Mapping[str, str] = _NOTHING) -> bool:
         if _says(new) != _says(path):
             return False
         new.replace(path)
-        _sync_folder(path.parent)
+        sync_folder(path.parent)
     finally:
         new.unlink(missing_ok=True)
     return True
@@ -114,14 +115,6 @@ def _part(path: Path) -> _Part | None:
 
 def _says(path: Path) -> list[tuple[int, str, bytes]]:
     return [(round(r.t * NS), r.kind, r.payload) for r in read_records(path)]
-
-
-def _sync_folder(folder: Path) -> None:
-    fd = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(fd)
-    finally:
-        os.close(fd)
 
 
 # --- what it is made of --------------------------------------------------------------------------

@@ -52,25 +52,16 @@ CN = {name}
 basicConstraints = critical,CA:TRUE,pathlen:0
 keyUsage = critical,keyCertSign
 subjectKeyIdentifier = hash
-[vehicle]
+"""
+_END = """\
+[{role}]
 basicConstraints = critical,CA:FALSE
 keyUsage = critical,digitalSignature
-extendedKeyUsage = serverAuth
-subjectKeyIdentifier = hash
-authorityKeyIdentifier = keyid
-[viewer]
-basicConstraints = critical,CA:FALSE
-keyUsage = critical,digitalSignature
-extendedKeyUsage = clientAuth
-subjectKeyIdentifier = hash
-authorityKeyIdentifier = keyid
-[boat]
-basicConstraints = critical,CA:FALSE
-keyUsage = critical,digitalSignature
-extendedKeyUsage = clientAuth
+extendedKeyUsage = {use}
 subjectKeyIdentifier = hash
 authorityKeyIdentifier = keyid
 """
+_USES = {VEHICLE: "serverAuth", BOAT: "clientAuth", VIEWER: "clientAuth"}
 
 
 class KeysError(OSError):
@@ -116,9 +107,9 @@ def _make(openssl: str, end: Path, name: str, role: str, authority: Path | None)
         certificate, key = ("ca.pem", "ca.key") if authority is None else ("cert.pem", "key.pem")
         configuration = work / "openssl.cnf"
         unit = f"OU = {VIEWER}" if role == VIEWER else ""
-        configuration.write_text(
-            _CONFIGURATION.format(work=work, name=f"auvmission {name}", unit=unit), encoding="ascii"
-        )
+        said = _CONFIGURATION.format(work=work, name=f"auvmission {name}", unit=unit)
+        ends = "".join(_END.format(role=end_role, use=use) for end_role, use in _USES.items())
+        configuration.write_text(said + ends, encoding="ascii")
         (work / "index").touch()
         request = work / "request.pem"
         run = [openssl]

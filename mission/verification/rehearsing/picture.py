@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 
 from mission.verification.rehearsing.flights import Flown
 from mission.verification.rehearsing.report import Rehearsal
+from mission.verification.simulation.plot import as_map
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_GOOD, _BAD, _REGION, _INK = "#3b7ea1", "#c1440e", "#256f2f", "#2b2b2b"
+_GOOD, _BAD, _REGION = "#3b7ea1", "#c1440e", "#256f2f"
 
 
 def draw_rehearsal(made: Rehearsal, flown: Sequence[Flown], path: Path, title: str) -> None:
@@ -59,9 +60,4 @@ def _map(axes: Axes, made: Rehearsal, flown: Sequence[Flown]) -> None:
                                lw=1.2))  # fmt: skip
         top = (r.east + r.axes[0] * math.sin(r.bearing), r.north + r.axes[0] * math.cos(r.bearing))
         axes.annotate(f"{r.share:.0%}", top, fontsize=9, color=_REGION)
-    axes.plot(0.0, 0.0, marker="*", markersize=14, color=_INK, ls="", label="home")
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.set_xlabel("east of home, m")
-    axes.set_ylabel("north of home, m")
-    axes.grid(alpha=0.35)
-    axes.legend(loc="best", fontsize=9)
+    as_map(axes)

@@ -131,6 +131,11 @@ def _draw_plan(axes: Axes, flight: Flight, marks: dict[str, _Mark]) -> None:
     for sample in _spread(samples, _ELLIPSES):
         _draw_ellipse(axes, sample)
     _number_legs(axes, flown, marks)
+    as_map(axes)
+
+
+def as_map(axes: Axes) -> None:
+    """Metres from home, which is marked, at one scale; with a legend of what was drawn."""
     axes.plot(0.0, 0.0, marker="*", markersize=14, color=_TRUE, linestyle="", label="home")
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("east of home, m")
