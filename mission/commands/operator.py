@@ -243,7 +243,8 @@ def _status_here(config: Path | None, as_json: bool) -> None:
         why = (
             f"no serve is running with the folder {folder}"
             if mute is None
-            else f"serve (process {mute}) runs, but has not told of its health: is {folder} full?"
+            else f"serve (process {mute}) runs, but has not told of its health: is {folder} full, "
+            "or read-only?"
         )
         click.echo(why, err=True)
         raise SystemExit(1)

@@ -130,7 +130,7 @@ class VehicleState:
             self.estimate = self.navigation.estimate(now)
 
     def take_telemetry(self, report: Telemetry) -> None:
-        silent = self.telemetry is not None and report.t - self.telemetry.t > self._stale_after
+        silent = self._was_silent(report)
         self.telemetry = report
         self.attitude = self.attitude.after(report)
         if self.navigation:
@@ -151,6 +151,11 @@ class VehicleState:
             self._shallow_since = report.t
         if report.heading is not None and self.estimate and self.estimate.heading is not None:
             self._offset = wrap(report.heading - self.estimate.heading)
+
+    def _was_silent(self, report: Telemetry) -> bool:
+        """What it said before is too long ago to go on from (R7)."""
+        before = self.telemetry
+        return before is not None and report.t - before.t > self._stale_after
 
     def expect_change(self) -> None:
         """Of a depth that nobody saw before: one that stands still proves no surface."""
@@ -288,7 +293,13 @@ class VehicleState:
         if self.fixed(since):
             return True
         due = self.surface_due(since)
-        return due is not None and self.now >= due and self.depth is not None
+        return due is not None and self.now >= due and self.depth is not None and self._told_again()
+
+    def _told_again(self) -> bool:
+        """The shallow depth, by more than one report."""
+        return self._grounded or (
+            self.telemetry is not None and self.telemetry.t != self._shallow_since
+        )
 
     def fixed(self, since: float) -> bool:
         """By a fix that proves the surface."""

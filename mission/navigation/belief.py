@@ -200,8 +200,7 @@ class DepthBelief:
     def _is_off(self, t: float, depth: float, moved: float, receiver: Receiver) -> bool:
         """Fixes as at the surface, nothing pushes down, and a depth that is not 0, nor falls. What
         goes up or down as a body does is not there, whatever the receiver says."""
-        travels = abs(moved) >= _FOLLOWS and self._evenly()
-        floats = self._calm_at < math.inf and receiver.settled(t) > 0.0 and not travels
+        floats = self._floats(t, moved, receiver)
         if not floats or depth < self._afloat[1] - STANDS:
             self._afloat, self._lifted = (t, depth if floats else math.inf), 0.0
             return False
@@ -209,6 +208,10 @@ class DepthBelief:
         lasts = t - self._afloat[0] >= _OFFSET_TIME
         stands = abs(moved) < STANDS or self._lifted >= _LIFTED
         return lasts and abs(depth) >= FIX_DEPTH and stands
+
+    def _floats(self, t: float, moved: float, receiver: Receiver) -> bool:
+        calm = self._calm_at < math.inf
+        return calm and receiver.settled(t) > 0.0 and not self._travels(moved)
 
     def _ground(self, t: float) -> float:
         """m by which the ground came nearer (negative: went) between the halves, evenly; 0: not."""
@@ -249,9 +252,8 @@ class DepthBelief:
         if self._samples[0].t < self._doubted_at:
             return
         self._low, self._high = min(self._low, mean), max(self._high, mean)
-        if abs(moved) >= _FOLLOWS and self._evenly():
-            calm = self._way == 0 and self._calm_at <= self._samples[0].t
-            self.follows = self.follows or moved * self._way > 0.0 or calm
+        if self._moves_along(moved):
+            self.follows = True
         elif abs(moved) < STANDS and self._way and self._pushed_at <= t - WINDOW + 1e-6:
             self.follows = False
         made_up = self._by_fixes and receiver.settled(t) >= WINDOW  # nothing rises at the surface
@@ -261,9 +263,14 @@ class DepthBelief:
         if shallow and receiver.settled(t) >= AGREES:
             self.reason = ""
 
-    def _evenly(self) -> bool:
-        """No step of the depth that a body does not make."""
-        return all(
+    def _moves_along(self, moved: float) -> bool:
+        """The way the verticals push, or either way where nothing does."""
+        calm = self._way == 0 and self._calm_at <= self._samples[0].t
+        return self._travels(moved) and (moved * self._way > 0.0 or calm)
+
+    def _travels(self, moved: float) -> bool:
+        """As a body does: by a metre, and without a step that none makes."""
+        return abs(moved) >= _FOLLOWS and all(
             abs(b.depth - a.depth) <= _BODY * (b.t - a.t) + STANDS
             for a, b in itertools.pairwise(self._samples)
         )

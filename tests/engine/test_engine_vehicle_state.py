@@ -63,6 +63,15 @@ def test_a_shallow_depth_behind_a_silence_is_no_proof_of_the_surface_yet():
     assert vehicle_state.surfaced(0.0)
 
 
+def test_one_report_of_a_shallow_depth_proves_no_surface_however_old_it_is():
+    vehicle_state = told(VehicleState(), 3.0)
+    vehicle_state.at(9.0)
+    assert vehicle_state.depth is not None
+    assert not vehicle_state.surfaced(0.0)
+    told(vehicle_state, 9.0)
+    assert vehicle_state.surfaced(0.0)
+
+
 def test_a_depth_whose_zero_is_contradicted_still_tells_whether_it_moves():
     """What is clogged does not."""
 

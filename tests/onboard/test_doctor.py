@@ -25,6 +25,7 @@ from mission.onboard.doctor import doctor as rows
 from mission.onboard.doctor import port_probe
 from mission.onboard.doctor.findings import Condition, Finding
 from mission.onboard.serve import health
+from mission.onboard.serve.instance_lock import only_one
 from mission.onboard.serve.keys import make_keys
 from mission.onboard.store import DiskStore
 from protocol.messages import Telemetry
@@ -215,6 +216,21 @@ def test_a_serve_that_hangs_or_whose_disk_is_full_is_told_from_none(
     assert of(found, "serve")["state"] == "fault"
     assert "free the disk" in of(found, "serve")["todo"]
     assert not any(one["what"] == "vehicle port" for one in found["findings"]), "it has the port"
+
+
+def test_a_serve_of_which_the_disk_never_took_a_word_is_known_by_its_lock(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Read-only from the start on: its ports are left alone all the same."""
+    folder = tmp_path / "pi"
+    folder.mkdir()
+    monkeypatch.setattr(health, "_serves", lambda pid: pid == os.getpid())
+    with only_one(folder):
+        assert health.mute(folder, time.time()) == os.getpid()
+        found = examined(tmp_path, vehicle="serial:///dev/ttyNOSUCH", gps="null")
+    assert "read-only" in of(found, "serve")["todo"]
+    assert not any(one["what"] == "vehicle port" for one in found["findings"]), "it has the port"
+    assert health.mute(folder, time.time()) is None
 
 
 @pytest.mark.parametrize(

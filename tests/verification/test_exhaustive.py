@@ -406,6 +406,32 @@ def _ascent_after_the_last_words(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(core.Core, "say_last", goes_on)
 
 
+def _silence_is_nothing(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(vehicle_state.VehicleState, "_was_silent", lambda self, report: False)
+
+
+def _one_report_is_enough(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(vehicle_state.VehicleState, "_told_again", lambda self: True)
+
+
+def _what_stands_is_proof(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(vehicle_state.VehicleState, "_has_changed", lambda self, depth: True)
+    patch.setattr("mission.verification.exhaustive.world._BEGUN", {})
+
+
+def _goes_by_belief_alone(patch: pytest.MonkeyPatch) -> None:
+    believed = property(lambda self: self.depth)
+    patch.setattr(vehicle_state.VehicleState, "moving_depth", believed)
+
+
+def _pushes_down_again(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Ascent, "_may_lift", lambda self, way, depth: depth is not None)
+
+
+def _pushes_in_the_dark(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Ascent, "_may_lift", lambda self, way, depth: True)
+
+
 BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_refuse_x, "surfacing", "X acts from everywhere within the step"),
     (_refuse_x, "surfacing", "W acts from everywhere within the step"),
@@ -459,6 +485,12 @@ BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_ascent_after_the_last_words, "surfacing", "the last words of a program are X0 and U12"),
     (_guesses_an_order, "ready", "no other Z of an operator's does anything"),
     (_refusal_ignored, "autonomous/dive , two Z lost, one outstanding", "three Z without an answer surface"),
+    (_silence_is_nothing, "surfacing", "what was shallow before a silence proves no surface"),
+    (_one_report_is_enough, "surfacing", "what was shallow before a silence proves no surface"),
+    (_what_stands_is_proof, "autonomous/dive , quiet", "a restart surfaces what was under way and leaves the rest at rest"),
+    (_goes_by_belief_alone, "surfacing", "what makes a depth fall of which the zero is doubted is kept"),
+    (_pushes_down_again, "surfacing", "upside down no push that led deeper is tried again"),
+    (_pushes_in_the_dark, "surfacing", "upside down and blind it is let go"),
 )  # fmt: skip
 
 

@@ -76,7 +76,8 @@ def _configured(context: CheckContext) -> Iterator[Finding]:
         yield fault(
             "serve",
             f"process {context.mute} runs, but has not told of its health for {health.STALE_S:g} s",
-            "free the disk if it is full; if it is not: systemctl restart auvmission",
+            "free the disk if it is full, mend it if it is read-only; else restart serve, with the"
+            " vehicle at the surface",
         )
     elif context.running is None:
         yield ok("serve", "not running; doctor listens to the ports itself")

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from links import baud_of
-from mission.model.vehicle import Vehicle
+from mission.model.vehicle import OuterLoop, Vehicle
 from mission.onboard.runtime.frontseat import Frontseat
 from mission.onboard.runtime.outer_loop import LoopCloser
 from mission.onboard.runtime.repeater import Repeater
@@ -20,9 +20,8 @@ from protocol.vehicles.adapter import SilentBoard
 
 def line_to(codec: VehicleCodec, link: str, url: str, vehicle: Vehicle) -> Frontseat | Repeater:
     """``vehicle``: that which ``codec`` speaks to; its rate where the ``url`` tells none."""
-    outputs, outer_loop = vehicle.outputs, vehicle.outer_loop
-    channels = {output.name: output.channel for output in outputs}
-    codec.take_outputs({output.channel: output.safe for output in outputs})
+    channels = {output.name: output.channel for output in vehicle.outputs}
+    codec.take_outputs({output.channel: output.safe for output in vehicle.outputs})
 
     def take(wanted: Outputs) -> Mapping[str, bytes]:
         return codec.take_outputs({channels[name]: level for name, level in wanted.levels})
@@ -31,5 +30,10 @@ def line_to(codec: VehicleCodec, link: str, url: str, vehicle: Vehicle) -> Front
     if not isinstance(codec, SilentBoard):
         return Frontseat(codec.encode, link, rate, take)
     awake, stick = codec.kept_awake, codec.stick
-    closer = LoopCloser(outer_loop) if outer_loop is not None and outer_loop.confirmed else None
+    closer = closer_of(vehicle.outer_loop)
     return Repeater(codec.encode, codec.period, link, rate, awake, stick, take, closer)
+
+
+def closer_of(loop: OuterLoop | None) -> LoopCloser | None:
+    """None where nobody has confirmed axes and signs (R17)."""
+    return LoopCloser(loop) if loop is not None and loop.confirmed else None

@@ -190,12 +190,26 @@ def read(folder: Path, wall: float) -> Mapping[str, Any] | None:
 
 
 def mute(folder: Path, wall: float) -> int | None:
-    """The process of a serve that runs, but has not told of itself for long: its disk takes
-    nothing, or it hangs."""
+    """The process of a serve that runs, but has not told of itself for long, or never: its disk
+    takes nothing, or it hangs."""
     found = _written(folder)
-    if found is None or abs(wall - found["wall"]) <= STALE_S or not _serves(int(found["pid"])):
+    if found is not None and abs(wall - found["wall"]) <= STALE_S:
         return None
-    return int(found["pid"])
+    told = None if found is None else int(found["pid"])
+    return told if told is not None and _serves(told) else _locks(folder)
+
+
+def _locks(folder: Path) -> int | None:
+    """The process of the serve that has the folder's lock, as the kernel tells: a disk that is
+    read-only never had a word of it (Linux, proc_locks(5))."""
+    try:
+        seen, told = folder.stat(), Path("/proc/locks").read_text(encoding="ascii")
+    except (OSError, ValueError):
+        return None
+    here = f"{os.major(seen.st_dev):02x}:{os.minor(seen.st_dev):02x}:{seen.st_ino}"
+    rows = (line.split() for line in told.splitlines())
+    found = [int(row[4]) for row in rows if row[1:2] == ["FLOCK"] and row[5:6] == [here]]
+    return next((pid for pid in found if _serves(pid)), None)
 
 
 def process(folder: Path) -> int | None:

@@ -9,17 +9,28 @@ What does not live here: who notices (noticing), the flights (draw, scenes), wha
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
-from mission.engine import core, ending, engine, limits, monitor, orders, run, vehicle_state
+from mission.engine import (
+    core,
+    ending,
+    engine,
+    limits,
+    monitor,
+    orders,
+    restart,
+    run,
+    vehicle_state,
+)
 from mission.engine.ascent import Ascent
 from mission.engine.bounds import Bounds, in_force
 from mission.engine.core import Core
 from mission.engine.engine import Engine
 from mission.engine.limits import LIMITS
+from mission.engine.outputs import OutputKeeper
 from mission.engine.rest import Rest
 from mission.engine.run import Run
 from mission.engine.vehicle_state import VehicleState
@@ -28,63 +39,25 @@ from mission.model.vehicle import Vehicle
 from mission.navigation.belief import DepthBelief
 from mission.navigation.fixes import Receiver
 from mission.navigation.health import SensorHealth
-from mission.onboard.runtime import frontseat, operator_server
+from mission.onboard.runtime import frontseat, line, operator_server
 from mission.onboard.runtime.commander import Commander
 from mission.onboard.runtime.copies import Copies
 from mission.onboard.runtime.frontseat import Frontseat
+from mission.onboard.runtime.outer_loop import LoopCloser
 from mission.onboard.runtime.resume_marker import ResumeMarker
+from mission.verification.campaign.surgery import (
+    Break,
+    Broken,
+    Surgery,
+    always,
+    instead,
+    nothing,
+    same,
+)
 from protocol.messages import UPWARD, Fix, Manual, Order, SetSafety
 from protocol.vehicles import vehicle_row
 
-
-class Surgery:
-    """Puts values in place of others, and back."""
-
-    def __init__(self) -> None:
-        self._before: list[tuple[Any, str, Any]] = []
-
-    def put(self, owner: Any, name: str, value: Any) -> None:
-        """AttributeError or KeyError if there is nothing of this name to break."""
-        self._before.append((owner, name, self.found(owner, name)))
-        setattr(owner, name, value)
-
-    def found(self, owner: Any, name: str) -> Any:
-        return vars(owner)[name] if isinstance(owner, type) else getattr(owner, name)
-
-    def undo(self) -> None:
-        for owner, name, value in reversed(self._before):
-            setattr(owner, name, value)
-        self._before.clear()
-
-
-Break = Callable[[Surgery], None]
 _PATIENCE = 5.0  # s: less than any reading's greatest age
-
-
-def same(whole: object, broken: object) -> bool:
-    """Two results of a function on which nothing depends but what it returns."""
-    return whole == broken
-
-
-def differs(whole: object, broken: object) -> bool:
-    """A function that does something: to call it is the difference."""
-    return False
-
-
-def _as_healthy(whole: Any, broken: Any) -> bool:
-    """Valid, and younger than anybody's patience."""
-    return bool(whole.valid) == bool(broken.valid) and whole.age < _PATIENCE
-
-
-@dataclass(frozen=True, slots=True)
-class Broken:
-    """``rule`` is broken; ``reason``: why no flight can tell, "" if one can. ``alike``: of what a
-    function of the rule returns, whole and broken; true for what makes no difference."""
-
-    rule: str
-    how: Break
-    reason: str = ""
-    alike: Callable[[Any, Any], bool] = differs
 
 
 @contextmanager
@@ -101,17 +74,9 @@ def broken(name: str) -> Iterator[None]:
 # --- ways of breaking ----------------------------------------------------------------------------
 
 
-def _value(owner: Any, name: str, value: Any) -> Break:
-    return lambda s: s.put(owner, name, value)
-
-
-def _nothing(owner: Any, name: str, result: Any = None) -> Break:
-    return _value(owner, name, lambda *_args, **_named: result)
-
-
-def _always(owner: type, name: str, result: Any) -> Break:
-    """A property."""
-    return _value(owner, name, property(lambda self: result))
+def _as_healthy(whole: Any, broken: Any) -> bool:
+    """Valid, and younger than anybody's patience."""
+    return bool(whole.valid) == bool(broken.valid) and whole.age < _PATIENCE
 
 
 def _never_acts(name: str) -> Break:
@@ -126,7 +91,7 @@ def _without_way(way: Any) -> Break:
         row = honest(codec)
         return replace(row, ways=tuple(w for w in row.ways if w != way))
 
-    return _value(core, "vehicle_row", fewer)
+    return instead(core, "vehicle_row", fewer)
 
 
 def _sensor_is_healthy(sensor: str) -> Break:
@@ -135,7 +100,7 @@ def _sensor_is_healthy(sensor: str) -> Break:
     def of(self: SensorHealth, name: str, now: float) -> Health:
         return Health(True, "", 0.0) if name == sensor else honest(self, name, now)
 
-    return _value(SensorHealth, "of", of)
+    return instead(SensorHealth, "of", of)
 
 
 def _restart_only_stops(surgery: Surgery) -> None:
@@ -250,6 +215,35 @@ def _no_contradiction(surgery: Surgery) -> None:
     surgery.put(DepthBelief, "_contradict", lambda self, t, why, *, moves: None)
 
 
+def _fixes_count_against_movement(surgery: Surgery) -> None:
+    honest = surgery.found(DepthBelief, "_floats")
+
+    def floats(self: DepthBelief, t: float, moved: float, receiver: Receiver) -> bool:
+        return bool(honest(self, t, 0.0, receiver))
+
+    surgery.put(DepthBelief, "_floats", floats)
+
+
+def _pushes_in_the_dark(surgery: Surgery) -> None:
+    honest = surgery.found(Ascent, "_may_lift")
+
+    def may_lift(self: Ascent, way: Any, depth: float | None) -> bool:
+        return depth is None or honest(self, way, depth)
+
+    surgery.put(Ascent, "_may_lift", may_lift)
+
+
+def _forgets_depths(surgery: Surgery) -> None:
+    honest = surgery.found(Rest, "take")
+
+    def take(self: Rest, t: float, depth: float | None, *deep: float) -> None:
+        if depth is None:
+            self.begin()
+        honest(self, t, depth, *deep)
+
+    surgery.put(Rest, "take", take)
+
+
 def _ends_at_once(surgery: Surgery) -> None:
     """With an X0, as every stop does, and nobody stays."""
     surgery.put(ending, "go_on", lambda of: None)
@@ -268,64 +262,110 @@ def _ascent_never_changes(surgery: Surgery) -> None:
 _REASONS: Mapping[str, str] = {
     "hard depth": "the depth in force acts before it, at rest whatever sinks is brought up",
     "depth contradicted": "a depth that is contradicted is unknown, and acts as such 6 s later",
-    "leak": "the AUV reports no leak; every limit has its bounds tried in test_envelope",
+    "leak": "the AUV reports no leak; every limit has its bounds tried in test_limits",
 }
 _RULES: Mapping[str, Broken] = {
-    "depth margin": Broken("R5: 1 m beyond the depth", _value(limits, "DEPTH_MARGIN", 10.0)),
-    "silence": Broken("R8: 5 s without a report", _value(limits, "SILENCE", 60.0)),
+    "depth margin": Broken("R5: 1 m beyond the depth", instead(limits, "DEPTH_MARGIN", 10.0)),
+    "silence": Broken("R8: 5 s without a report", instead(limits, "SILENCE", 60.0)),
     "operator's limits": Broken("R5: the tightest of three", _loosest, alike=same),
     "restart": Broken("R7: a restart surfaces", _restart_only_stops),
     "latch": Broken("R7: what is under way is kept", _marker_not_kept),
     "relays first": Broken("R7: X and W before everything", _relays_first),
     "surface at once": Broken(
-        "R7: 6 s of shallow depth", _value(vehicle_state, "SURFACE_TIME", 0.0)
+        "R7: 6 s of shallow depth", instead(vehicle_state, "SURFACE_TIME", 0.0)
     ),
     "stuck receiver": Broken("R7: a stuck receiver proves nothing", _every_place_is_news),
     "fix under water": Broken(
-        "R7: a depth contradicts a fix", _value(vehicle_state, "FIX_DEPTH", 1e9)
+        "R7: a depth contradicts a fix", instead(vehicle_state, "FIX_DEPTH", 1e9)
     ),
     "belief": Broken("a depth is believed as far as something agrees", _no_contradiction),
-    "copies": Broken("R12: a copy of a command", _nothing(Copies, "judge"), alike=same),
+    "depth that moves": Broken(
+        "R5: a depth that moves is believed again",
+        nothing(DepthBelief, "_moves_along", False),
+        alike=same,
+    ),
+    "moving depth": Broken(
+        "R7: an ascent goes by the change of a depth",
+        instead(VehicleState, "moving_depth", property(lambda self: self.depth)),
+        alike=same,
+    ),
+    "fixes against movement": Broken(
+        "R5: fixes contradict no depth that moves", _fixes_count_against_movement, alike=same
+    ),
+    "fixes too early": Broken(
+        "R7: no fix before it can be up", nothing(VehicleState, "_may_be_up", True), alike=same
+    ),
+    "surface behind a silence": Broken(
+        "R7: no silence among the 6 s", nothing(VehicleState, "_was_silent", False), alike=same
+    ),
+    "unchanged depth": Broken(
+        "R7: behind a restart it has to change",
+        nothing(VehicleState, "_has_changed", True),
+        alike=same,
+    ),
+    "surface behind a restart": Broken(
+        "R7: what proves it counts from 6 s on", instead(restart, "UNWATCHED", 0.0)
+    ),
+    "sank unseen": Broken("R7, at rest: what sank while no depth was known", _forgets_depths),
+    "pushed down again": Broken(
+        "R7: upside down, no push that led deeper",
+        instead(Ascent, "_may_lift", lambda self, way, depth: depth is not None),
+        alike=same,
+    ),
+    "pushed in the dark": Broken(
+        "R7: upside down and blind, no push", _pushes_in_the_dark, alike=same
+    ),
+    "safe outputs": Broken(
+        "R18: an emergency makes outputs safe",
+        nothing(OutputKeeper, "_make_safe"),
+        "the AUV of these flights has no outputs; each state tries them in test_outputs",
+    ),
+    "unconfirmed loop": Broken(
+        "R17: what nobody confirmed holds nothing",
+        instead(line, "closer_of", lambda loop: None if loop is None else LoopCloser(loop)),
+        "these flights are the AUV's, which holds by itself; test_outer_loop tries it",
+    ),
+    "copies": Broken("R12: a copy of a command", nothing(Copies, "judge"), alike=same),
     "orderly end": Broken("R7: an orderly end brings it up first", _ends_at_once),
     "sinks at rest": Broken(
-        "R7, at rest: what sinks is brought up", _always(Rest, "sinks", ""), alike=same
+        "R7, at rest: what sinks is brought up", always(Rest, "sinks", ""), alike=same
     ),
     "stays down": Broken(
-        "R7, at rest: stopped, and it does not rise", _nothing(Rest, "stays_down", ""), alike=same
+        "R7, at rest: stopped, and it does not rise", nothing(Rest, "stays_down", ""), alike=same
     ),
     "held up": Broken(
-        "R7, at rest: what sank out of surfaced", _always(Ascent, "pushes_up", False), alike=same
+        "R7, at rest: what sank out of surfaced", always(Ascent, "pushes_up", False), alike=same
     ),
     "rest with AUTO closed": Broken("R7, at rest: AUTO closed", _turns_with_auto_closed),
     "way W": Broken("R7: W is one of the ways", _without_way(Order.SURFACE)),
     "way U12": Broken("R7: X0 and U12 is one of the ways", _without_way(UPWARD)),
     "way X0": Broken("R7: letting go is one of the ways", _without_way(Order.STOP)),
-    "way D12": Broken("R7: upside down D12", _nothing(Ascent, "_may_push_down", False), alike=same),
+    "way D12": Broken("R7: upside down D12", nothing(Ascent, "_may_push_down", False), alike=same),
     "ways in turn": Broken("R7: the depth has to fall", _ascent_never_changes),
     "upside down": Broken(
-        "R7: upside down is a state", _always(VehicleState, "overturned", False), alike=same
+        "R7: upside down is a state", always(VehicleState, "overturned", False), alike=same
     ),
     "cleared below": Broken("R7: cleared at the surface", _clears_anywhere, alike=same),
     "started below": Broken("R7: started at the surface", _starts_anywhere, alike=same),
-    "held stick": Broken("R6: every stick still for 2 s", _value(orders, "STICK_QUIET", 0.0)),
+    "held stick": Broken("R6: every stick still for 2 s", instead(orders, "STICK_QUIET", 0.0)),
     "neutral stick": Broken(
-        "R6: no neutral M takes over", _always(Manual, "neutral", False), alike=same
+        "R6: no neutral M takes over", always(Manual, "neutral", False), alike=same
     ),
-    "any stick": Broken("R6: whoever holds it", _nothing(Engine, "hear_stick")),
-    "silent stick": Broken("R6: 2 s without M", _value(engine, "STICK_QUIET", 30.0)),
-    "forgotten stick": Broken("R6: 60 s without M", _nothing(Core, "stick_forgotten")),
-    "modem stick": Broken("R6: M but by modem", _value(operator_server, "MODEM", "nobody")),
-    "commander": Broken("R12: one commands", _nothing(Commander, "why_not", ""), alike=same),
-    "AUTO ends": Broken("R13: closing AUTO ends a mission", _nothing(Core, "auto_off")),
+    "any stick": Broken("R6: whoever holds it", nothing(Engine, "hear_stick")),
+    "silent stick": Broken("R6: 2 s without M", instead(engine, "STICK_QUIET", 30.0)),
+    "forgotten stick": Broken("R6: 60 s without M", nothing(Core, "stick_forgotten")),
+    "modem stick": Broken("R6: M but by modem", instead(operator_server, "MODEM", "nobody")),
+    "commander": Broken("R12: one commands", nothing(Commander, "why_not", ""), alike=same),
+    "AUTO ends": Broken("R13: closing AUTO ends a mission", nothing(Core, "auto_off")),
     "AUTO starts": Broken("R13: no @AA until it is open", _starts_with_auto_closed, alike=same),
-    "stop again": Broken("R7: X until it is acknowledged", _nothing(Core, "stop_again")),
-    "stop doubted": Broken("R7: X where a report shows a thruster", _nothing(Core, "doubt_stop")),
+    "stop again": Broken("R7: X until it is acknowledged", nothing(Core, "stop_again")),
+    "stop doubted": Broken("R7: X where a report shows a thruster", nothing(Core, "doubt_stop")),
     "line doubted": Broken(
-        "R8: said again behind a line that was away", _nothing(Core, "doubt_line")
+        "R8: said again behind a line that was away", nothing(Core, "doubt_line")
     ),
     "refused set": Broken("R8: a set answered N", _refusals_accepted),
     "clock of a leg": Broken("every leg has its clock", _legs_for_ever),
-    "blind leg": Broken("R8: a reading that a leg needs", _value(run, "BLIND_TIME", 1e9)),
+    "blind leg": Broken("R8: a reading that a leg needs", instead(run, "BLIND_TIME", 1e9)),
     "healthy depth": Broken(
         "a depth is not believed", _sensor_is_healthy("depth"), alike=_as_healthy
     ),
@@ -338,7 +378,7 @@ _RULES: Mapping[str, Broken] = {
     "healthy altitude": Broken(
         "an altitude is not believed", _sensor_is_healthy("altitude"), alike=_as_healthy
     ),
-    "gap": Broken("20 ms between two frames", _value(frontseat, "GAP_S", 0.0)),
+    "gap": Broken("20 ms between two frames", instead(frontseat, "GAP_S", 0.0)),
     "unasked": Broken("nothing that nothing asked for", _stop_every_five_seconds),
 }
 

@@ -20,7 +20,8 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
-from mission.verification.campaign.broken import BROKEN, Broken, Surgery, differs, same
+from mission.verification.campaign.broken import BROKEN
+from mission.verification.campaign.surgery import Broken, Surgery, differs, same
 
 
 @contextmanager

@@ -13,6 +13,7 @@ from mission.model import Chart
 from mission.verification.exhaustive.cell import Configuration, Event
 from mission.verification.exhaustive.commands import COMMANDS, SETTLE, Play, script
 from mission.verification.exhaustive.configurations import DEEP, SHALLOW
+from mission.verification.exhaustive.doubts import DOUBTS
 from mission.verification.exhaustive.exit_inputs import come_true, end_leg
 from mission.verification.exhaustive.limit_events import LIMITS
 from mission.verification.exhaustive.world import World
@@ -240,4 +241,4 @@ OTHERS = (
     Event("restart", script(_restarts), also=frozenset({"restart"})),
 )
 
-EVENTS: tuple[Event, ...] = (*COMMANDS, *LIMITS, *READINGS, *OTHERS)
+EVENTS: tuple[Event, ...] = (*COMMANDS, *LIMITS, *READINGS, *OTHERS, *DOUBTS)

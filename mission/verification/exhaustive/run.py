@@ -18,6 +18,7 @@ from pathlib import Path
 
 from mission.verification.exhaustive.cell import Cell, Configuration, Event, before
 from mission.verification.exhaustive.configurations import PROFILES, Ground, configurations, ground
+from mission.verification.exhaustive.doubt_laws import DOUBT_LAWS
 from mission.verification.exhaustive.end_laws import END_LAWS
 from mission.verification.exhaustive.events import EVENTS
 from mission.verification.exhaustive.fork import Fork
@@ -40,6 +41,7 @@ ALL_LAWS = (
     *OPERATOR_LAWS,
     *LEG_LAWS,
     *REST_LAWS,
+    *DOUBT_LAWS,
     *END_LAWS,
 )
 KEPT = 200  # violations in words; all are counted

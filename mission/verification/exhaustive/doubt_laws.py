@@ -1,0 +1,74 @@
+"""Laws of an ascent that could be taken in: rows as in laws.
+
+What does not live here: ascents with a depth to believe (proof_laws).
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from mission.model import SURFACING
+from mission.verification.exhaustive.cell import Cell
+from mission.verification.exhaustive.laws import U12, Law, Verdict, W, X, wrong
+
+_KNOWN = 10.0  # s until three reports have told of a roll, and a depth that is not told is unknown
+_TOLD = 34.0  # s: the leap, reports that agree, a window of movement, and a turn that had begun
+
+
+def _tried(cell: Cell, since: float = 0.0) -> list[bytes]:
+    """The ways from ``since`` s on, without what is only said again; W, U12 and D12 stand for
+    theirs, X0 for letting go."""
+    begin = cell.before.t + since
+    said = [t.data for t in cell.frames(b"@ZA") if t.t >= begin and "(try " not in t.reason]
+    pairs = pairwise([*said, b""])
+    return [data for data, then in pairs if data != X or then[:4] not in (b"@ZAU", b"@ZAD")]
+
+
+def _not_proved_again(cell: Cell) -> Verdict:
+    """R7: 6 s of shallow depth, no silence among them."""
+    if cell.event.path != "quiet":
+        return None
+    return wrong((cell.state != SURFACING, f"the state is {cell.state}"))
+
+
+def _not_pushed_again(cell: Cell) -> Verdict:
+    """R7: upside down a push that has led a metre deeper is not tried again."""
+    if cell.event.path != "over":
+        return None
+    ways = _tried(cell, _KNOWN)
+    again = [way for way in (W, U12) if ways.count(way) > 1]
+    return wrong(
+        (cell.state != SURFACING, f"the state is {cell.state}"),
+        (bool(again), f"{again} led deeper, and again"),
+        (not ways or ways[-1] in (W, U12), f"{ways[-1:]} in the end"),
+    )
+
+
+def _not_pushed_blind(cell: Cell) -> Verdict:
+    """R7: upside down without a depth to go by it is let go, and nothing else."""
+    if cell.event.path != "over, blind":
+        return None
+    ways = _tried(cell, _KNOWN + 2.0)
+    return wrong(
+        (cell.state != SURFACING, f"the state is {cell.state}"),
+        (not ways or set(ways) != {X}, f"{ways} were tried"),
+    )
+
+
+def _kept_by_its_change(cell: Cell) -> Verdict:
+    """R7: a depth of which the zero alone is contradicted tells whether it falls."""
+    if cell.event.path != "elsewhere":
+        return None
+    ways = _tried(cell, _TOLD)
+    return wrong(
+        (cell.state != SURFACING, f"the state is {cell.state}"),
+        (bool(ways), f"{ways} were tried though it rises"),
+    )
+
+
+DOUBT_LAWS: tuple[Law, ...] = (
+    Law("what was shallow before a silence proves no surface", "R7", _not_proved_again),
+    Law("upside down no push that led deeper is tried again", "R7", _not_pushed_again),
+    Law("upside down and blind it is let go", "R7", _not_pushed_blind),
+    Law("what makes a depth fall of which the zero is doubted is kept", "R7", _kept_by_its_change),
+)

@@ -1,0 +1,87 @@
+"""Events, those of a depth that is not to be gone by, and of a push that leads down.
+
+Each begins with a W or a restart, so that there is an ascent that could be taken in: by a depth
+that stands, by one from before a silence, by pushes of what is upside down, by a leap.
+
+What does not live here: what must follow (doubt_laws), sensors that are ill by themselves (events).
+"""
+
+from __future__ import annotations
+
+from mission.verification.exhaustive.cell import Event
+from mission.verification.exhaustive.commands import Play, script
+from mission.verification.exhaustive.configurations import DEEP, SHALLOW
+from mission.verification.exhaustive.laws import U12, W
+from mission.verification.exhaustive.world import World
+
+_PERIOD = 2.0  # s between reports
+_OVER_DEG = (170.0, 172.0, -178.0, 171.0, 169.0)  # it moves, as what lies in the water does
+_LEAP, _RISE = 25.0, 0.8  # m; m in a period
+
+
+def _ordered_up(world: World) -> None:
+    world.answers, world.sea.depth = "Y", DEEP
+    world.say(W)
+    world.wait(0.5)
+
+
+def _restarts_and_stands(world: World) -> None:
+    """Heard late, and then the same in every report."""
+    world.wait(0.05)
+    world.sea.depth = SHALLOW
+    world.restart()
+    world.reports = False
+    world.wait(5.0)
+    world.reports = True
+    world.wait(_PERIOD)
+    world.sea.frozen.add("depth")
+    world.wait(9.5)
+
+
+def _shallow_once(world: World) -> None:
+    """A report of the surface, a silence, and another one."""
+    _ordered_up(world)
+    world.wait(_PERIOD)
+    world.sea.depth = SHALLOW
+    world.wait(_PERIOD)
+    world.reports = False
+    world.wait(8.0)
+    world.reports = True
+    world.wait(_PERIOD + 1.0)
+
+
+def _pushed_down(*, blind: bool) -> Play:
+    """Upside down, so that W and U12 lead deeper."""
+
+    def play(world: World) -> None:
+        _ordered_up(world)
+        if blind:
+            world.sea.unknown.add("depth")
+        for i in range(32):
+            world.sea.roll_deg = _OVER_DEG[i % len(_OVER_DEG)]
+            orders = [t.data for t in world.sent if t.data.startswith(b"@ZA")]
+            world.sea.depth += 1.0 * (orders[-1] in (W, U12))
+            world.wait(_PERIOD)
+
+    return script(play)
+
+
+def _rises_elsewhere(world: World) -> None:
+    """The sensor leaps, and goes on from there as the vehicle does, upward."""
+    _ordered_up(world)
+    world.wait(_PERIOD)
+    world.sea.depth += _LEAP
+    for _ in range(24):
+        world.wait(_PERIOD)
+        world.sea.depth -= _RISE
+
+
+DOUBTS = (
+    Event(
+        "restart, and the depth stands", script(_restarts_and_stands), also=frozenset({"restart"})
+    ),
+    Event("W, and shallow before a silence", script(_shallow_once), "W", "quiet"),
+    Event("W, upside down", _pushed_down(blind=False), "W", "over"),
+    Event("W, upside down and the depth unknown", _pushed_down(blind=True), "W", "over, blind"),
+    Event("W, and it rises elsewhere", script(_rises_elsewhere), "W", "elsewhere"),
+)
