@@ -12,6 +12,7 @@ import math
 
 from mission.engine.ascent import Ascent
 from mission.engine.bounds import admit, in_force
+from mission.engine.clearance import Clearance
 from mission.engine.limits import Limit
 from mission.engine.machine import Machine
 from mission.engine.rest import DEEP, DEEP_AGAIN
@@ -72,7 +73,8 @@ class Core(EngineState):
 
     def begin(self, chart: Chart) -> None:
         """The mission from its first leg."""
-        self.run = Run(chart, self.now, self.ways)
+        clearance = Clearance.of(chart.mission, self.vehicle)
+        self.run = Run(chart, self.now, self.ways, clearance)
         self.watch.started = self.now
         self._fly("mission started", chart.initial)
 

@@ -20,6 +20,7 @@ from typing import Any
 
 from mission.engine.auxiliary import set_output
 from mission.engine.bounds import admit
+from mission.engine.clearance import at_depth, is_guarded
 from mission.engine.core import Core
 from mission.engine.ending import WHY
 from mission.engine.limits import SILENCE
@@ -181,8 +182,8 @@ def why_not_fly(core: Core, chart: Chart) -> str:
         if state.leg is None or state.setpoint is None or state.path == IMPLICIT_SURFACE:
             continue
         depths = LEGS[type(state.leg.kind)].depths(state.leg.kind)
-        sets = [state.setpoint, *(replace(state.setpoint, depth=d) for d in depths)]
-        for each in sets:
+        told = at_depth(state.setpoint) if is_guarded(state.setpoint) else state.setpoint
+        for each in (told, *(replace(told, depth=d) for d in depths)):
             if fault := admit(each, bounds, core.vehicle):
                 return f"{state.leg.name}: {fault}"
     return ""

@@ -16,6 +16,7 @@ from dataclasses import replace
 from typing import Self
 
 from mission.engine.ascent import Ascent, Way
+from mission.engine.clearance import Clearance, is_guarded
 from mission.engine.lasting import Lasting
 from mission.engine.plan import Plan, name_of, plan_of, repeat_of
 from mission.engine.variables import VARIABLES, Scope, Value, value_of
@@ -46,9 +47,11 @@ _AFTER = 1e-3  # s beyond a reading's greatest age
 
 
 class Run:
-    def __init__(self, chart: Chart, now: float, ways: tuple[Way, ...]) -> None:
+    def __init__(
+        self, chart: Chart, now: float, ways: tuple[Way, ...], clearance: Clearance
+    ) -> None:
         """``ways``: what the vehicle's ascents try, in turn."""
-        self.chart, self._ways = chart, ways
+        self.chart, self._ways, self._clearance = chart, ways, clearance
         self.started = now
         self.entered = now
         self.travelled = 0.0
@@ -124,6 +127,7 @@ class Run:
             )
             return self.ascent.first()
         self.ascent = None
+        self._clearance.begin()
         view = self._view(vehicle_state)
         begin = self._plan.kind.begin
         self._pilot = begin(self._plan.leg.kind, self._plan.base, view) if begin else None
@@ -286,7 +290,9 @@ class Run:
         """What the leg sends while it is active; nothing most of the time."""
         if self.ascent is not None:
             return self._climb(vehicle_state, self.ascent)
-        if self._pilot is None or vehicle_state.estimate is self._steered_by:
+        if vehicle_state.estimate is self._steered_by:
+            return ()
+        if self._pilot is None and not is_guarded(self._plan.base):
             return ()
         self._steered_by = vehicle_state.estimate
         wanted = self._wanted(vehicle_state)
@@ -350,11 +356,12 @@ class Run:
         )
 
     def _wanted(self, vehicle_state: VehicleState) -> Setpoint:
-        """The pilot's set, its true heading turned into the compass's."""
+        """The pilot's set, its true heading turned into the compass's, its depth kept clear."""
         base = self._plan.base
         if self._pilot is None:
-            return base
-        wanted = self._pilot.setpoint(self._view(vehicle_state))
+            return self._clearance.told(base, vehicle_state)
+        steered = self._pilot.setpoint(self._view(vehicle_state))
+        wanted = self._clearance.told(steered, vehicle_state)
         if Axis.HEADING not in self._plan.kind.steers:
             return wanted
         compass = None if wanted.heading is None else vehicle_state.compass(wanted.heading)

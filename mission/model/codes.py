@@ -53,6 +53,7 @@ CODES: Mapping[str, str] = MappingProxyType(
         "name-reserved": "a name that the engine needs",
         "name-twice": "two legs of one group have the same name",
         "needed-output": "a mission sets what a limit, the surface or the operator needs",
+        "never-below": "a depth and an altitude that cannot be held as one",
         "never-known": "a guard on what this vehicle, or this leg, can never know",
         "no-bound": "a leg that no clock ends",
         "no-home": "a latitude and longitude in a mission that does not say where home is",

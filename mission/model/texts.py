@@ -228,6 +228,7 @@ class Safety:
     voltage: float | None = None  # V, control battery
 
 
+NEVER_BELOW = "never below"  # a depth with an altitude, one setting
 START_WITHIN = 25.0  # m from home, unless the mission assumes another start
 
 
@@ -252,6 +253,11 @@ class Mission:
         """m from home: where it is started at most, as the check assumes and the start demands; no
         nearer than fixes of one ``sigma`` (m) can tell."""
         return max(dict(self.assume).get("start", START_WITHIN), 2.0 * sigma)
+
+    def floor(self, allowed: float) -> float:
+        """m: the deepest sea floor that it assumes; ``allowed`` is the depth allowed, which stands
+        in where it says nothing of it."""
+        return dict(self.assume).get("floor", allowed)
 
     def current(self, usual: float) -> float:
         """m/s: the greatest current that it assumes; ``usual`` where it says nothing of it."""

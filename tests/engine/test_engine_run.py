@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 from engine_world import World, compiled, flying, guard, leg, legs_of, mission, sets, when
 
+from mission.engine.clearance import Clearance
 from mission.engine.run import MISSED, NEW_HEADING, Run
 from mission.engine.vehicle_state import VehicleState
 from mission.legs import Goto, Surface, Yoyo
@@ -377,7 +378,7 @@ def test_without_a_heading_nothing_is_counted_and_nothing_is_made_up_for():
     vehicle_state = VehicleState()
     world = World(mission(leg("a", timeout=LONG)))
     world.nav.speed = 1.0
-    run = Run(compiled(mission(leg("a"))), 10.0, ())
+    run = Run(compiled(mission(leg("a"))), 10.0, (), Clearance(30.0, 1.0))
     world.nav.report = world.report()
     for t, heading, travelled in ((12.0, 0.0, 2.0), (14.0, None, 2.0), (16.0, 0.0, 4.0)):
         vehicle_state.estimate = world.nav.estimate(t)._replace(heading=heading)

@@ -15,6 +15,7 @@ from mission.cli import main
 from mission.engine import core, ending, orders, run, vehicle_state
 from mission.engine.ascent import Ascent
 from mission.engine.bounds import Bounds
+from mission.engine.clearance import Clearance
 from mission.engine.limits import LIMITS, Limit
 from mission.engine.monitor import LimitMonitor
 from mission.model import AUTONOMOUS, STOPPED, SURFACED, Action, By, Tx, Verdict
@@ -65,8 +66,33 @@ def test_the_other_profile_and_mission_neither() -> None:
     assert found.violations == []
 
 
-def test_every_law_is_asked_in_the_sample(sample: Found) -> None:
-    assert unasked(sample) == []
+@pytest.fixture(scope="module")
+def kept_clear(tmp_path_factory: pytest.TempPathFactory) -> Ground:
+    """A depth that is kept above the bottom: 19 m as it is seen, 12 m where nothing is."""
+    path = tmp_path_factory.mktemp("missions") / "clear.yaml"
+    path.write_text(
+        "mission: clear\nhome: {latitude: 30.2874595, longitude: 120.1535765}\n"
+        "safety: {radius: 1000 m, time: 30 min, depth: 28 m}\nassume: {floor: 16 m}\nlegs:\n"
+        "  - along: {depth: 24 m never below altitude 4 m, heading: 0, gear: 4, timeout: 9 min}\n"
+        "  - up: {surface: true, until: fix, timeout: 3 min}\n"
+        "on:\n  - {when: battery < 11 V, held: 10 s, do: up}\n",
+        encoding="utf-8",
+    )
+    return ground(path, "as-built")
+
+
+@pytest.fixture(scope="module")
+def clear(kept_clear: Ground) -> Found:
+    return examine_ground(kept_clear, EVERY)
+
+
+def test_no_cell_of_a_depth_above_the_bottom_breaks_a_law(clear: Found) -> None:
+    assert clear.violations == []
+
+
+def test_every_law_is_asked_in_the_samples(sample: Found, clear: Found) -> None:
+    assert set(unasked(sample)) <= {"a depth is kept above the bottom"}
+    assert "a depth is kept above the bottom" not in unasked(clear)
 
 
 def test_every_limit_has_its_event() -> None:
@@ -517,6 +543,17 @@ def test_a_broken_engine_is_seen(broken: Break, name: str, law: str, survey, wor
     found = Found()
     _examine(configuration, fork.copy(), survey, found)
     assert found.broken[law], dict(found.broken)
+
+
+def test_a_depth_that_is_not_kept_above_the_bottom_is_seen(kept_clear: Ground, patch) -> None:
+    from mission.verification.exhaustive.run import _examine
+
+    name = "autonomous/along , quiet"
+    configuration, world = next((c, w) for c, w in configurations(kept_clear) if c.name == name)
+    patch.setattr(Clearance, "_within", lambda self, held, bottom: held.depth)
+    found = Found()
+    _examine(configuration, world, kept_clear, found)
+    assert found.broken["a depth is kept above the bottom"], dict(found.broken)
 
 
 def test_a_set_of_the_same_instant_that_left_before_the_order_is_not_of_its_state() -> None:

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from mission.authoring.compiler.granularity import rounded
-from mission.model import IMPLICIT_SURFACE, Chart, Mission, buoyancy
+from mission.engine.clearance import Clearance, is_guarded
+from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, Chart, Mission, buoyancy
 from mission.model.vehicle import Vehicle
 from mission.navigation.declination import declination
 
@@ -43,7 +44,7 @@ class Assumptions:
             current=mission.current(vehicle.current),
             start=mission.start_within(sensors.fix),
             depth=2.0 if mission.start_without_fix else 0.5,
-            floor=given.get("floor", allowed),
+            floor=mission.floor(allowed),
             depth_without_floor=0.0 if "floor" in given else allowed,
             heading=TWO_SIGMA * math.hypot(sensors.heading, sensors.heading_bias),
             declination=_declination(mission, vehicle),
@@ -69,12 +70,26 @@ def told(chart: Chart, vehicle: Vehicle, assume: Assumptions, floor: bool) -> It
     yield f"ascent by buoyancy alone at {buoyancy.told(vehicle)}"
     yield f"battery {vehicle.battery.usable / 3600:.0f} Wh usable, powers as in the vehicle file"
     yield from _stated_rounding(chart, vehicle)
+    yield from _kept_clear(chart, vehicle)
     if floor:
         why = "" if "floor" in given else ", the depth allowed; state assume floor where it is"
         yield f"sea floor nowhere deeper than {assume.floor:g} m{why}"
     if vehicle.constant_batteries:
         yield "the battery is watched from outside: this vehicle reports constants"
     yield "a dead Pi, or an STM32 that hangs with its thrusters on, does not happen"
+
+
+def _kept_clear(chart: Chart, vehicle: Vehicle) -> Iterator[str]:
+    """What is held without an altitude where a depth is kept above the bottom."""
+    clearance = Clearance.of(chart.mission, vehicle)
+    for state in chart.states:
+        held = state.setpoint
+        if held is not None and is_guarded(held):
+            leg = state.path.removeprefix(f"{AUTONOMOUS}/")
+            yield (
+                f"{leg} holds {clearance.blind(held):g} m while its altitude is not believed: "
+                f"no less than {held.altitude:g} m above the sea floor assumed"
+            )
 
 
 def _stated_rounding(chart: Chart, vehicle: Vehicle) -> Iterator[str]:

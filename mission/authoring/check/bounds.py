@@ -46,6 +46,7 @@ from mission.authoring.check.intervals import (
     scaled,
 )
 from mission.authoring.check.places import places_of
+from mission.engine.clearance import is_guarded
 from mission.legs import LEGS
 from mission.model import Axis, By, Expression, State
 from mission.model.units import GEARS
@@ -205,7 +206,7 @@ class LegBounds:
         if self.depths:
             return min(self.depths)
         if s.depth is not None:
-            return s.depth
+            return 0.0 if is_guarded(s) else s.depth
         return math.inf if s.heave is not None and s.heave > 0 else 0.0
 
     def _error(self, at: Bounds) -> float:
@@ -252,7 +253,7 @@ class LegBounds:
         if self.dives:
             return 0.0, max(high, deepest)
         if s.depth is not None:
-            return min(low, s.depth), max(high, min(deepest, s.depth) + OVERSHOOT)
+            return min(low, self._rises_to()), max(high, min(deepest, s.depth) + OVERSHOOT)
         if s.altitude is None and not (s.heave is not None and s.heave > 0):
             return 0.0, high
         for way in self.leg.exits:

@@ -9,6 +9,7 @@
     time           the worst case, with the ascent, exceeds the safety time
     radius         the swept path, widened by current and uncertainty, leaves the radius
     depth          the same for the depth
+    never-below    a depth kept above a floor that leaves no room for it
     energy         the worst case exceeds the battery
     heavy          the vehicle does not rise by itself, and X rests on that
     too-long       more rounds than can be walked
@@ -30,6 +31,7 @@ from mission.authoring.check.flow import Flow, Proof, TooLongError, trail
 from mission.authoring.check.places import places_named
 from mission.authoring.check.purpose import Outlook, judged
 from mission.engine import bounds as envelope
+from mission.engine.clearance import Clearance, is_guarded
 from mission.engine.limits import DEPTH_MARGIN
 from mission.engine.variables import CLOCK, VARIABLES
 from mission.model import (
@@ -91,7 +93,7 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     assume = Assumptions.of(mission, vehicle, limits.depth)
     early = [*before_the_proof(mission, vehicle), *_no_bound(chart)]
     unbounded = bool(early)
-    early += _unknowable(chart, vehicle)
+    early += [*_unknowable(chart, vehicle), *_not_clear(chart, vehicle, assume)]
     if unbounded:
         return Report(tuple(early), None, tuple(told(chart, vehicle, assume, False)))
     flow = _flow(chart, vehicle, assume, limits)
@@ -182,6 +184,19 @@ def _no_bound(chart: Chart) -> Iterator[Diagnostic]:
         if leg.duration is None and leg.timeout is None:
             message = f"{_name(state.path)} has no clock to end it"
             yield _refused("no-bound", leg.where, message, "add for or timeout")
+
+
+def _not_clear(chart: Chart, vehicle: Vehicle, assume: Assumptions) -> Iterator[Diagnostic]:
+    """Without an altitude a depth that is kept above the bottom needs room above the floor."""
+    clearance = Clearance.of(chart.mission, vehicle)
+    for state in _legs(chart):
+        held = state.setpoint
+        if held is not None and is_guarded(held) and clearance.blind(held) <= 0.0:
+            message = (
+                f"{_name(state.path)} holds {held.altitude:g} m above a sea floor that is assumed "
+                f"{assume.floor:g} m deep: without an altitude no depth is left to hold"
+            )
+            yield _refused("never-below", _where(chart, state.path), message, "assume floor deeper")
 
 
 def no_home(mission: Mission) -> Iterator[Diagnostic]:

@@ -14,6 +14,7 @@ from mission.authoring.compiler.axes import axis_where, own_setpoint, statement_
 from mission.authoring.compiler.granularity import granularity_problems
 from mission.authoring.compiler.outputs import output_problems
 from mission.authoring.compiler.refusing import refused
+from mission.engine.clearance import at_depth, is_guarded
 from mission.engine.guards import comparisons
 from mission.engine.variables import CLOCK, VARIABLES
 from mission.legs import LEGS
@@ -55,7 +56,7 @@ def _follows(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnos
         "heave": bool(setpoint.heave),
         "heading": setpoint.heading is not None,
         "depth": setpoint.depth is not None,
-        "altitude": setpoint.altitude is not None,
+        "altitude": setpoint.altitude is not None and not is_guarded(setpoint),
         "attitude": setpoint.pitch is not None or setpoint.roll is not None,
     }
     needs = LEGS[type(leg.kind)].needs
@@ -86,6 +87,13 @@ _WORDS = {"surge": " (gear, speed)", "turn": " (left, right)", "heave": " (up, d
 def _reports(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnostic]:
     row = LEGS[type(leg.kind)]
     needs = row.needs | ({"position"} if row.awaits_fix(leg.kind) else set())
+    if is_guarded(setpoint) and "altitude" not in vehicle.reports:
+        yield refused(
+            "vehicle-cannot-know",
+            axis_where(leg, "altitude"),
+            f"{vehicle.name} never reports an altitude that a depth could be kept above",
+            "hold the depth alone",
+        )
     for sensor in sorted(needs - vehicle.reports):
         yield refused(
             "vehicle-cannot-know",
@@ -115,6 +123,8 @@ def _encodes(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnos
         setpoint = replace(setpoint, heading=0.0)
     for depth in row.depths(leg.kind) or (setpoint.depth,):
         wanted = replace(setpoint, depth=depth)
+        if is_guarded(wanted):
+            wanted = at_depth(wanted)
         if vehicle.outer_loop is not None:
             wanted = replace(wanted, depth=None, heading=None)
         fault = _cannot_say(vehicle.codec, vehicle.dialect, wanted)

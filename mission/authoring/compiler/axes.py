@@ -5,6 +5,7 @@ a leg that omits it are an error; turn and heading exclude each other; what a le
 (a goto's heading) cannot be kept by the next, because no text says what it was.
 
     (surge, turn) | heading | ("depth" | "altitude" | "heave", value) | (pitch, roll)
+    ("depth", value, "altitude", value): that depth, never below that altitude
     each output by its name; None: safe
 
 Linear in legs and ways: a place takes at most two different values of an axis, which is one too
@@ -22,6 +23,7 @@ from mission.authoring.compiler.refusing import refused
 from mission.legs import LEGS
 from mission.model import Axis, Leg, LegKind, Set, Setting, Where
 from mission.model.diagnostics import Diagnostic
+from mission.model.texts import NEVER_BELOW
 from mission.model.units import GEARS
 from protocol.messages import Setpoint
 
@@ -35,6 +37,7 @@ _AXIS_OF = {
     "pitch": Axis.ATTITUDE,
     "roll": Axis.ATTITUDE,
 }
+_VERTICAL = ("depth", "altitude", "heave")
 _STEERED = ("steered",)  # the leg before held it by itself
 
 Value = tuple[float | str, ...] | None  # None: not controlled
@@ -91,9 +94,9 @@ def _unit(settings: tuple[Setting, ...], kind: LegKind | None) -> Unit:
         states[Axis.HEADING] = (words["heading"],)
     elif words.get("turn", 0.0) != 0.0:
         states[Axis.HEADING] = None
-    for word in ("depth", "altitude", "heave"):
-        if word in words:
-            states[Axis.VERTICAL] = (word, words[word])
+    held = [word for word in _VERTICAL if word in words]
+    if held:
+        states[Axis.VERTICAL] = tuple(part for word in held for part in (word, words[word]))
     if "pitch" in words or "roll" in words:
         states[Axis.ATTITUDE] = (words.get("pitch", 0.0), words.get("roll", 0.0))
     steers = LEGS[type(kind)].steers if kind is not None else frozenset()
@@ -132,9 +135,9 @@ def statement_problems(node: Leg | Set) -> list[Diagnostic]:
                 _clash(setting, f"{_word(setting)} is stated twice in this line", "state it once")
             )
         seen[setting.word] = setting
-    vertical = [w for w in ("depth", "altitude", "heave") if w in seen]
+    vertical = [w for w in _VERTICAL if w in seen]
     said_words = [_word(seen[w]) for w in vertical]
-    if len(vertical) > 1:
+    if len(vertical) > 1 and "heave" in vertical:
         problems.append(
             _clash(
                 seen[vertical[1]],
@@ -297,7 +300,8 @@ def _words(axis: Kept, value: Value) -> str:
     if axis is Axis.HEADING:
         return f"{math.degrees(float(value[0])) % 360.0:g} deg"
     if axis is Axis.VERTICAL:
-        return said(str(value[0]), float(value[1]))
+        held = [said(word, amount) for word, amount in _held(value).items()]
+        return f" {NEVER_BELOW} ".join(held)
     if axis is Axis.HORIZONTAL:
         return f"{said('surge', float(value[0]))} {said('turn', float(value[1]))}"
     return f"pitch {math.degrees(float(value[0])):g} roll {math.degrees(float(value[1])):g}"
@@ -310,6 +314,11 @@ def said(field: str, value: float) -> str:
     low, high = _SIDES.get(field, (field, field))
     amount = abs(value) * GEARS if field in _SIDES else value
     return f"{low if value < 0.0 else high} {amount:g}"
+
+
+def _held(vertical: tuple[float | str, ...]) -> dict[str, float]:
+    """What the vertical axis holds, by the setpoint's field."""
+    return {str(w): float(v) for w, v in zip(vertical[::2], vertical[1::2], strict=True)}
 
 
 _SIDES = {"turn": ("left", "right"), "heave": ("up", "down")}
@@ -326,14 +335,12 @@ def _setpoint(values: Mapping[Kept, Value]) -> Setpoint:
 
     surge, turn = (float(x) for x in known(Axis.HORIZONTAL) or (0.0, 0.0))
     heading, vertical, attitude = known(Axis.HEADING), known(Axis.VERTICAL), known(Axis.ATTITUDE)
-    word, amount = vertical or ("", 0.0)
+    held = _held(vertical or ())
     return Setpoint(
         surge=surge,
         turn=turn,
         heading=float(heading[0]) if heading else None,
-        depth=float(amount) if word == "depth" else None,
-        altitude=float(amount) if word == "altitude" else None,
-        heave=float(amount) if word == "heave" else None,
+        **held,
         pitch=float(attitude[0]) if attitude else None,
         roll=float(attitude[1]) if attitude else None,
     )

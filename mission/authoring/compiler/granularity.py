@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 from mission.authoring.compiler.axes import axis_where
 from mission.authoring.compiler.refusing import refused
+from mission.engine.clearance import is_guarded
 from mission.legs import LEGS
 from mission.model import Axis, Leg, Where
 from mission.model.diagnostics import Diagnostic
@@ -95,7 +96,8 @@ def _holds(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[_Held]:
         return
     for depth in row.depths(leg.kind) or (setpoint.depth,):
         yield _Held("depth", depth, step.depth, sigma.depth)
-    yield _Held("altitude", setpoint.altitude, step.altitude, sigma.altitude)
+    altitude = None if is_guarded(setpoint) else setpoint.altitude  # then only depths are told
+    yield _Held("altitude", altitude, step.altitude, sigma.altitude)
     if Axis.HEADING not in row.steers:
         yield _Held("heading", setpoint.heading, step.heading, sigma.heading)
     yield _Held("pitch", setpoint.pitch, step.attitude, 0.0)

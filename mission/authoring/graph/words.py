@@ -27,6 +27,7 @@ from mission.model import (
     State,
 )
 from mission.model.shown import bearing, duration, number
+from mission.model.texts import NEVER_BELOW
 from mission.model.units import GEARS, UNITS
 from protocol.messages import Setpoint
 
@@ -83,10 +84,11 @@ def setpoint(value: Setpoint | None) -> str:
     if value.turn:
         side = "starboard" if value.turn > 0 else "port"
         words.append(f"turn {side} {number(abs(value.turn) * GEARS)}")
-    if value.depth is not None:
-        words.append(f"depth {number(value.depth)} m")
-    if value.altitude is not None:
-        words.append(f"altitude {number(value.altitude)} m")
+    held = [
+        f"{w} {number(m)} m" for w in ("depth", "altitude") if (m := getattr(value, w)) is not None
+    ]
+    if held:
+        words.append(f", {NEVER_BELOW} ".join(held))
     if value.heave:
         word = "down" if value.heave > 0 else "up"
         words.append(f"{word} {number(abs(value.heave) * GEARS)}")

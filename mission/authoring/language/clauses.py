@@ -108,6 +108,14 @@ class Value:
 
 
 @dataclass(frozen=True, slots=True)
+class Guarded:
+    """A setting, and what it never goes below: depth 8 never below altitude 3."""
+
+    held: Value
+    least: Value
+
+
+@dataclass(frozen=True, slots=True)
 class Places:
     """One, or none for loiter and its like; follow and its like: any number."""
 
@@ -156,7 +164,7 @@ class Named:
     where: Where
 
 
-Clause = Wire | Value | Places | Chosen | Until | Else | OutputText | Named
+Clause = Wire | Value | Guarded | Places | Chosen | Until | Else | OutputText | Named
 
 # --- the other statements -------------------------------------------------------------------
 

@@ -69,6 +69,7 @@ _STATEMENTS = (
 _TARGETS = "write -> and the name of a leg"
 _KEYWORDS = {
     "_VEHICLE": "vehicle", "_SUM": "sum", "_HELD": "held", "_SURE": "sure", "_OR": "or",
+    "_NEVER": "never", "_BELOW": "below",
     "_AND": "and", "_NOT": "not", "_FIX": "fix", "FIX": "fix", "_WITHOUT": "without",
     "AT_HOME": "home", "HERE": "here", "_NORTH": "north", "_EAST": "east",
     "UNCERTAIN": "uncertain", "UNTIL": "until", "FOR": "for", "TIMEOUT": "timeout", "ELSE": "else",

@@ -15,6 +15,7 @@ from mission.authoring.language.clauses import (
     Chosen,
     Clause,
     Else,
+    Guarded,
     Here,
     LegText,
     Name,
@@ -25,18 +26,16 @@ from mission.authoring.language.clauses import (
     Value,
     Wire,
 )
+from mission.authoring.language.settings import Settings
 from mission.authoring.language.values import Values, whole_place
-from mission.authoring.language.wire import wire_complaint
 from mission.authoring.language.words import (
     AIMS,
-    ATTITUDE,
     FIELD_ORDER,
+    GUARDED,
     HOLD,
     SETTINGS,
     STOP,
     VERTICAL,
-    ZA,
-    SettingRow,
     choices,
     kinds,
     measures,
@@ -58,8 +57,6 @@ from mission.model import (
     Where,
 )
 from mission.model.extent import PLACES
-from mission.model.units import GEARS, compass, number_text
-from mission.model.vehicle import VehicleError
 
 _COUNT_MOST = 9999
 
@@ -73,6 +70,7 @@ class _Parts:
     places: list[Place | None] = field(default_factory=list)
     settings: list[Setting] = field(default_factory=list)
     outputs: dict[str, OutputSetting] = field(default_factory=dict)
+    guarded: bool = False  # one of the settings is a depth that is never below an altitude
     given: dict[str, Any] = field(default_factory=dict)  # the kind's own clauses, by word
     exits: list[Exit] = field(default_factory=list)
     until_fix: Name | None = None
@@ -88,6 +86,7 @@ class Legs:
     def __init__(self, values: Values) -> None:
         self._values = values
         self._problems = values.problems
+        self._settings = Settings(values)
 
     def build(self, text: LegText) -> Leg | Set:
         """The name is empty where the author gave none."""
@@ -122,9 +121,11 @@ class Legs:
     def _take(self, parts: _Parts, clause: Clause) -> None:
         match clause:
             case Wire(word):
-                parts.settings += self._wire(word)
+                parts.settings += self._settings.wire(word)
             case Value(word, amount):
                 self._value(parts, word, amount)
+            case Guarded():
+                self._guarded(parts, clause)
             case Places():
                 self._places(parts, clause)
             case Chosen(word, choice):
@@ -153,7 +154,7 @@ class Legs:
         if word.text == STOP:
             parts.settings.append(Setting("surge", 0.0, word.where))
         elif word.text in SETTINGS and amount is not None:
-            parts.settings += self._setting(SETTINGS[word.text], amount, word.where)
+            parts.settings += self._settings.said(SETTINGS[word.text], amount, word.where)
         elif not self._once(parts, word):
             return
         elif word.text in kinds():
@@ -168,6 +169,17 @@ class Legs:
             parts.given[word.text] = value % math.tau if row.circular else value
         elif amount is not None:
             parts.times[word.text] = self._values.seconds(amount)
+
+    def _guarded(self, parts: _Parts, clause: Guarded) -> None:
+        words = (clause.held.word, clause.least.word)
+        if {word.text for word in words} != GUARDED:
+            message = f"{words[0].text} is never below {words[1].text}: that says nothing"
+            hint = "write depth 8 never below altitude 3, or the reverse, which is the same"
+            self._problems.add("never-below", words[1].where, message, hint)
+            return
+        parts.guarded = True
+        for value in (clause.held, clause.least):
+            self._value(parts, value.word, value.amount)
 
     def _output(self, parts: _Parts, clause: OutputText) -> None:
         name, amount = clause.name, clause.amount
@@ -233,68 +245,6 @@ class Legs:
 
     # --- settings ---------------------------------------------------------------------------
 
-    def _setting(self, row: SettingRow, amount: Amount, where: Where) -> list[Setting]:
-        if row.gear:
-            gear = self._values.whole(amount, int(row.low), int(row.high), row.word)
-            return [Setting(row.field, row.sign * gear / GEARS + 0.0, where)]
-        if row.word == "heading" and amount.text.startswith("-") and amount.unit in ("", "deg"):
-            told = number_text(float(amount.text) % 360)
-            hint = f"write heading {told}; the wire's ZAH{amount.text} is heading "
-            hint += number_text(-float(amount.text) % 360)
-            message = "a compass says 0 to 360"
-            self._problems.add("compass", amount.where, message, hint)
-            return []
-        value = self._values.number(amount, row.unit, row.low, row.high)
-        if math.isnan(value):
-            return []
-        if row.word == "speed":
-            return self._speed(value, amount, where)
-        if row.field == "heading":
-            value = value if value < math.tau else 0.0
-        return [Setting(row.field, value, where)]
-
-    def _speed(self, speed: float, amount: Amount, where: Where) -> list[Setting]:
-        vehicle = self._values.vehicle
-        if isinstance(vehicle, VehicleError):
-            hint = "write a gear instead, or mend the vehicle file"
-            self._problems.add("vehicle-file", amount.where, vehicle.brief, hint)
-            return []
-        curve = vehicle.speed_by_gear
-        if speed > max(curve.y) * (1 + 1e-9):
-            message = f"{vehicle.name} cannot go {number_text(speed)} m/s"
-            fastest = number_text(max(curve.y))
-            gear = math.ceil(curve.inverse(max(curve.y)))
-            hint = f"its fastest is {fastest} m/s with gear {gear}"
-            self._problems.add("too-fast", amount.where, message, hint)
-            return []
-        gear = vehicle.gear_near(speed)
-        if gear == 0 and speed > 0:
-            message = f"{number_text(speed)} m/s is nearest to standing still"
-            hint = f"gear 1 makes {number_text(curve.at(1))} m/s"
-            self._problems.add("too-slow", amount.where, message, hint)
-        return [Setting("surge", gear / GEARS, where)]
-
-    def _wire(self, word: Name) -> list[Setting]:
-        complaint = wire_complaint(word.text)
-        if complaint is not None:
-            rule, message, hint = complaint
-            self._problems.add(rule, word.where, message, hint)
-            return []
-        code, digits = word.text[2], word.text[3:]
-        if code == ATTITUDE:
-            pitch, roll = (Amount(text, "", word.where) for text in digits.split(";"))
-            return [
-                *self._setting(SETTINGS["pitch"], pitch, word.where),
-                *self._setting(SETTINGS["roll"], roll, word.where),
-            ]
-        row, value = ZA[code], int(digits)
-        if row.word == "heading":
-            return [Setting("heading", compass(row.sign * value), word.where)]
-        setting = SETTINGS[row.word]
-        amount = row.sign * setting.sign * value
-        scaled = amount / GEARS if setting.gear else float(amount)
-        return [Setting(setting.field, scaled + 0.0, word.where)]
-
     def _check_settings(self, parts: _Parts, row: LegType) -> None:
         seen: dict[str, Setting] = {}
         fixed = steered(row)
@@ -302,7 +252,8 @@ class Legs:
             if setting.word in fixed:
                 self._steered(setting, row)
             for other in seen.values():
-                if _clash(setting.word, other.word):
+                pair_of_one = parts.guarded and {setting.word, other.word} == GUARDED
+                if _clash(setting.word, other.word) and not pair_of_one:
                     pair = (
                         other.word
                         if other.word == setting.word

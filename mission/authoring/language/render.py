@@ -11,7 +11,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from mission.authoring.language.words import AIMS, GENERATED, HOLD, LIMITS, SETTINGS
+from mission.authoring.language.words import (
+    AIMS,
+    GENERATED,
+    GUARDED,
+    HOLD,
+    LIMITS,
+    SETTINGS,
+)
 from mission.engine.variables import VARIABLES
 from mission.legs import LEGS, LegType
 from mission.legs.words import Choice, LegClause, Measure, Shape
@@ -36,6 +43,7 @@ from mission.model import (
     Set,
     Setting,
 )
+from mission.model.texts import NEVER_BELOW
 from mission.model.units import GEARS, degrees_text, number_text
 
 Pair = tuple[str, str]
@@ -127,8 +135,7 @@ def node_pairs(node: Leg | Set, units: bool) -> Iterator[Pair]:
     """The words of a leg in their canonical order; ``until`` comes once for each exit."""
     if isinstance(node, Leg):
         yield from _kind_pairs(node, units)
-    for setting in node.settings:
-        yield setting_pair(setting, units)
+    yield from _setting_pairs(node.settings, units)
     for output in node.outputs:
         yield "output", f"{output.name} {number_text(output.value)}"
     if isinstance(node, Leg):
@@ -142,6 +149,15 @@ def node_pairs(node: Leg | Set, units: bool) -> Iterator[Pair]:
             yield "else", node.otherwise
         if node.achieve:
             yield "achieve", " ".join(f"{n} {v}" for n, v in aim_pairs(node.achieve, units))
+
+
+def _setting_pairs(settings: tuple[Setting, ...], units: bool) -> Iterator[Pair]:
+    """A depth and an altitude are one setting; they stand first."""
+    pairs = [setting_pair(setting, units) for setting in settings]
+    if {setting.word for setting in settings[:2]} == GUARDED:
+        (word, value), least, *pairs = pairs
+        yield word, f"{value} {NEVER_BELOW} {' '.join(least)}"
+    yield from pairs
 
 
 def _kind_pairs(leg: Leg, units: bool) -> Iterator[Pair]:

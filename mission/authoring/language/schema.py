@@ -14,10 +14,12 @@ from mission.authoring.language.words import (
     AIMS,
     ASSUMPTIONS,
     CLAUSES,
+    GUARDED,
     LIMITS,
     SETTINGS,
     STOP,
     NamedValue,
+    SettingRow,
     choices,
     kinds,
     measures,
@@ -28,6 +30,7 @@ from mission.legs import LegType
 from mission.legs.words import Shape
 from mission.model.extent import NAME
 from mission.model.shipped import missions_folder
+from mission.model.texts import NEVER_BELOW
 from mission.model.units import UNITS
 
 Schema = dict[str, Any]
@@ -85,6 +88,14 @@ def _quantity(unit: str, description: str) -> Schema:
     shown = f"{description} ({unit})" if unit else description
     pattern = rf"^({_NUMBER}\s*({units})?|[A-Za-z_][A-Za-z0-9_-]*)$"
     return {"type": ["number", "string"], "pattern": pattern, "description": shown}
+
+
+def _guarded(row: SettingRow) -> Schema:
+    """A depth never below an altitude, or the reverse."""
+    (other,) = GUARDED - {row.word}
+    amount = rf"({_NUMBER}\s*[a-z]*|[A-Za-z_][A-Za-z0-9_-]*)"
+    pair = {"pattern": rf"^{amount}\s*,?\s+{NEVER_BELOW}\s+{other}\s+{amount}$", "type": "string"}
+    return {"anyOf": [_quantity(row.unit, row.description), pair], "description": row.description}
 
 
 def _table(rows: Mapping[str, NamedValue], description: str) -> Schema:
@@ -199,6 +210,7 @@ def _kind(row: LegType) -> Schema:
 def _leg() -> Schema:
     properties: dict[str, Schema] = {row.name: _kind(row) for row in kinds().values()}
     properties |= {r.word: _quantity(r.unit, r.description) for r in SETTINGS.values()}
+    properties |= {word: _guarded(SETTINGS[word]) for word in sorted(GUARDED)}
     properties[STOP] = _flag("thrusters ahead off, the same as gear 0")
     properties |= {r.word: _quantity(r.unit, r.description) for r in measures().values()}
     properties |= {r.word: _ref("place", r.description) for r in spots().values()}

@@ -30,6 +30,7 @@ from mission.authoring.language.clauses import (
     Else,
     End,
     ExpressionText,
+    Guarded,
     GuardText,
     Here,
     HomeAt,
@@ -281,6 +282,9 @@ class _Clauses:
         return Value(self._name(word), amount)
 
     measure = counted = time = setting
+
+    def guarded(self, word: Token, amount: Amount, other: Token, least: Amount) -> Guarded:
+        return Guarded(self.setting(word, amount), self.setting(other, least))
 
     def stop(self, word: Token) -> Value:
         return Value(self._name(word))

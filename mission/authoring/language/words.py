@@ -42,7 +42,14 @@ class SettingRow:
 
 
 _SETTINGS = (
-    SettingRow("depth", "depth", "m", 0, 9999, "hold this depth below the surface"),
+    SettingRow(
+        "depth",
+        "depth",
+        "m",
+        0,
+        9999,
+        "hold this depth below the surface, or `never below altitude 3`",
+    ),
     SettingRow("altitude", "altitude", "m", 0, 9999, "hold this height above the bottom"),
     SettingRow("up", "heave", "", 0, GEARS, "vertical thrusters upward, by gear", -1, True),
     SettingRow("down", "heave", "", 0, GEARS, "vertical thrusters downward, by gear", 1, True),
@@ -60,6 +67,7 @@ STOP = "stop"  # surge 0, the same as gear 0
 # The order in which a leg's settings stand, in the model and in every text made from it.
 FIELD_ORDER = ("depth", "altitude", "heave", "heading", "surge", "turn", "pitch", "roll")
 VERTICAL = frozenset({"depth", "altitude", "heave"})
+GUARDED = frozenset({"depth", "altitude"})  # one setting: the one, never below the other
 STEERING = frozenset({"heading", "turn"})
 
 

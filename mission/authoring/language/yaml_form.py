@@ -36,10 +36,11 @@ from mission.authoring.language.clauses import (
     Value,
     WithoutFix,
 )
-from mission.authoring.language.syntax import Syntax
+from mission.authoring.language.syntax import Strip, Syntax
 from mission.authoring.language.words import (
     AIMS,
     ASSUMPTIONS,
+    GUARDED,
     LIMITS,
     STOP,
     NamedValue,
@@ -52,6 +53,7 @@ from mission.authoring.language.yaml_nodes import Item, Nodes, composed, strip_o
 from mission.legs.words import Shape
 from mission.model import Where
 from mission.model.diagnostics import Diagnostics
+from mission.model.texts import NEVER_BELOW
 from mission.model.yaml_tree import where_of
 
 TOP_KEYS = (
@@ -235,9 +237,26 @@ class _Form:
         elif shape is Shape.TIME and isinstance(node, ScalarNode) and node.value in _YES:
             yield Value(word)
         else:
-            amount = self._nodes.amount(node)
-            if amount is not None:
-                yield Value(word, amount)
+            yield from self._sized(word, node)
+
+    def _sized(self, word: Name, node: Node) -> Iterator[Clause]:
+        if word.text in GUARDED and isinstance(node, ScalarNode) and NEVER_BELOW in node.value:
+            yield from self._guarded(word, node)
+        elif (amount := self._nodes.amount(node)) is not None:
+            yield Value(word, amount)
+
+    def _guarded(self, word: Name, node: ScalarNode) -> Iterator[Clause]:
+        """``8 m never below altitude 3 m`` reads as in a line, behind its word."""
+        strip = strip_of(node)
+        (_, line, column), ahead = strip.parts[0], f"{word.text} "
+        read = self._syntax.leg(Strip.at(ahead + strip.text, line, column - len(ahead)))
+        if read is None:
+            return
+        if len(read.clauses) > 1:
+            hint = f"each word of a leg is a key of its own beside {word.text}"
+            message = f"{word.text} has more behind it than one setting"
+            self._problems.add("yaml-type", where_of(node), message, hint)
+        yield read.clauses[0]
 
     def _tabled(self, word: Name, node: Node) -> Iterator[Clause]:
         if word.text == "achieve":

@@ -17,6 +17,7 @@ from mission.authoring.language.syntax import Strip
 from mission.model import Where
 from mission.model.diagnostics import Diagnostics
 from mission.model.likeness import suggestion
+from mission.model.texts import NEVER_BELOW
 from mission.model.yaml_tree import YamlFault, tree, where_of
 
 _AMOUNT = re.compile(r"(-?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/%]*)\Z")
@@ -141,6 +142,9 @@ def _unknown(
     if rest and word in known and isinstance(value, ScalarNode) and not value.value:
         hint = f"write {word}: {rest:.40}"
         return "colon", name.where, f"a colon is missing behind {word!r}", hint
+    if name.text.startswith(NEVER_BELOW):
+        hint = f"a comma parts keys: write depth: 8 m {name.text:.40}"
+        return "unknown-word", name.where, f"{NEVER_BELOW} is no key of its own", hint
     message = f"{what} has no key {name.text!r}"
     hint = suggestion(name.text, known, "keys")
     if name.text[:2] == "ZA":

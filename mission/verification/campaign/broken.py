@@ -27,6 +27,7 @@ from mission.engine import (
 )
 from mission.engine.ascent import Ascent
 from mission.engine.bounds import Bounds, in_force
+from mission.engine.clearance import Clearance
 from mission.engine.core import Core
 from mission.engine.engine import Engine
 from mission.engine.limits import LIMITS
@@ -264,6 +265,12 @@ _REASONS: Mapping[str, str] = {
     "depth contradicted": "a depth that is contradicted is unknown, and acts as such 6 s later",
     "leak": "the AUV reports no leak; every limit has its bounds tried in test_limits",
 }
+
+
+def _goes_as_deep_as_asked(s: Surgery) -> None:
+    s.put(Clearance, "_within", lambda _self, held, _bottom: held.depth)
+
+
 _RULES: Mapping[str, Broken] = {
     "depth margin": Broken("R5: 1 m beyond the depth", instead(limits, "DEPTH_MARGIN", 10.0)),
     "silence": Broken("R8: 5 s without a report", instead(limits, "SILENCE", 60.0)),
@@ -377,6 +384,9 @@ _RULES: Mapping[str, Broken] = {
     ),
     "healthy altitude": Broken(
         "an altitude is not believed", _sensor_is_healthy("altitude"), alike=_as_healthy
+    ),
+    "above the bottom": Broken(
+        "R5: a depth kept above the bottom", _goes_as_deep_as_asked, alike=same
     ),
     "gap": Broken("20 ms between two frames", instead(frontseat, "GAP_S", 0.0)),
     "unasked": Broken("nothing that nothing asked for", _stop_every_five_seconds),

@@ -35,6 +35,11 @@ TEXTS: Mapping[str, str] = {
     + "safety radius 900 time 30min depth 29 voltage 10\nassume current 0.5 floor 30\n"
     "dive: depth 6 heading 0 gear 4 until depth >= 5.5 timeout 90\n"
     "follow: altitude 20 heading 0 gear 4 for 3min else up\n" + _PASS,
+    # At a depth that is kept above that floor.
+    "clear": "mission clear vehicle auv\n" + _HOME
+    + "safety radius 900 time 30min depth 29 voltage 10\nassume current 0.5 floor 16\n"
+    "dive: depth 6 heading 0 gear 4 until depth >= 5.5 timeout 90\n"
+    "along: depth 24 never below altitude 8 heading 0 gear 4 for 3min\n" + _PASS,
     # At the surface, under way.
     "transit": "mission transit vehicle auv\n" + _HOME
     + "safety radius 900 time 30min depth 20 voltage 10\nassume current 0.5\n"

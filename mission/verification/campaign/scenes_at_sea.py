@@ -244,5 +244,9 @@ AT_SEA: Mapping[str, SceneRow] = {
         "the altimeter fails above the floor",
         _sensor("altitude_full_scale", "altitude_frozen", text="bottom"),
     ),
+    "blind_above_the_bottom": SceneRow(
+        "the altimeter fails where a depth is kept above the bottom",
+        _sensor("altitude_full_scale", "altitude_frozen", "altitude_silent", text="clear"),
+    ),
     "full_scale_roll": SceneRow("roll and pitch are garbage", _sensor("attitude_full_scale")),
 }

@@ -3,7 +3,7 @@
     sunk        under water or going down, and no way up in time (depth_laws)
     unanswered  a limit passed in truth, and no response in time (limit_laws)
     unsent      a set or a stop that had to leave, and did not (word_laws)
-    unlawful    a move that the rules forbid (word_laws, surface_laws)
+    unlawful    a move that the rules forbid (word_laws, surface_laws, clear_laws)
 
 Written from the rules (docs/rules.md) alone, never from what the engine does. What does not live
 here: the end of a flight and its bounds (laws), who asked for a byte (audit).
@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from links.simulated.settings import Settings
 from mission.model import Mission
 from mission.model.vehicle import Vehicle
+from mission.verification.campaign.clear_laws import clear_laws
 from mission.verification.campaign.depth_laws import SUNK, depth_laws
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.limit_laws import UNANSWERED, limit_laws
@@ -39,5 +40,5 @@ def throughout(
     if trial.raised:
         return
     story = Story(trial, mission, vehicle, profile, settings, silence)
-    for laws in (depth_laws, limit_laws, surface_laws, word_laws):
+    for laws in (clear_laws, depth_laws, limit_laws, surface_laws, word_laws):
         yield from laws(story)

@@ -44,7 +44,10 @@ _NO_FIX = "gps_lost"
 SOURCE = "--word"  # on the command line of the campaign, with its number
 
 SETTINGS: Mapping[str, tuple[str, ...]] = {
-    "depth": ("a: depth 5 gear 4 heading 0 for 60\nb: depth 2 gear 4 heading 0 for 30",),
+    "depth": (
+        "a: depth 5 gear 4 heading 0 for 60\nb: depth 2 gear 4 heading 0 for 30",
+        "assume floor 8\na: depth 6 never below altitude 3 gear 4 heading 0 for 60",
+    ),
     "altitude": ("a: altitude 3 gear 4 heading 0 for 90",),
     "up": ("a: gear 0 down 8 for 20\nb: up 8 for 20",),
     "down": ("a: gear 0 down 8 for 30", "a: gear 0 down 8 until depth > 6 timeout 60"),

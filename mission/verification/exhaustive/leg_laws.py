@@ -5,8 +5,10 @@ What does not live here: the states' own laws (laws), which legs a chart has (th
 
 from __future__ import annotations
 
+import math
 from functools import cache
 
+from mission.engine.clearance import ECHOES_MISSED, at_depth, is_guarded
 from mission.legs import LEGS
 from mission.model import (
     IMPLICIT_SURFACE,
@@ -32,6 +34,8 @@ _OFF = 2.0  # m (limits: no progress)
 _TRIES = 3  # R1
 _PERIOD, _BLIND, _LATE = 2.0, 6.0, 0.1  # s: between reports; without a reading (design: the states)
 _LOST = 3  # R8
+_SEEN = 0.5  # m: noise of a depth and an altitude
+_UNHEARD = _BLIND + ECHOES_MISSED + 2 * _PERIOD
 # What a guard asks about, by the sensor without which it is not known.
 _OF = {
     "depth": frozenset({"depth", "depth_rate"}),
@@ -157,6 +161,27 @@ def _brown_out(cell: Cell) -> Verdict:
 # --- readings --------------------------------------------------------------------------------
 
 
+def _kept_above(cell: Cell) -> Verdict:
+    """R5: a depth that is kept above the bottom is no deeper than that allows, as far as an
+    altitude is known; without one, no deeper than the assumed floor allows."""
+    held = cell.leg.setpoint if cell.leg is not None else None
+    if held is None or cell.leg is None or not is_guarded(held) or cell.state != cell.leg.path:
+        return None
+    asked, height = held.depth or 0.0, held.altitude or 0.0
+    allowed = min(cell.world.vehicle.limits.depth, cell.chart.mission.safety.depth or math.inf)
+    blind = min(asked, float(math.floor(cell.chart.mission.floor(allowed) - height)))
+    bottom = max(cell.before.depth, cell.world.sea.depth) + cell.world.sea.altitude
+    seen = min(asked, bottom - height + _SEEN)
+    levels = [int(tx.data[4:-1]) for tx in cell.frames(b"@ZAS", since=0)]
+    here = levels[-len(cell.frames(b"@ZAS")) :] if cell.frames(b"@ZAS") else []
+    gone = cell.event.sensor in ("altitude", "all")
+    gone = gone and cell.world.now - cell.before.t - cell.event.after > _UNHEARD
+    return wrong(
+        (any(level > max(seen, blind) for level in here), f"held at {here}, clear is {seen:.1f}"),
+        (gone and levels[-1:] != [blind], f"held at {levels[-1:]} without an altitude"),
+    )
+
+
 def _can_hold(expression: Expression, unknown: frozenset[str], wanted: bool = True) -> bool:
     """Whether it could be ``wanted`` while nothing is known of these (Kleene)."""
     if isinstance(expression, Comparison):
@@ -194,7 +219,8 @@ def _blind(cell: Cell) -> Verdict:
     if not sensor or LEGS[type(leg.leg.kind)].ascends:
         return None
     needs = ("depth", "altitude", "heading") if sensor == "all" else (sensor,)
-    if all(getattr(leg.setpoint, need, None) is None for need in needs):
+    held = at_depth(leg.setpoint) if is_guarded(leg.setpoint) else leg.setpoint
+    if all(getattr(held, need, None) is None for need in needs):
         return None
     left = [s.t - cell.before.t for s in _left(cell)]
     prompt = cell.event.name.endswith("missing")
@@ -255,9 +281,13 @@ def _whole_set(cell: Cell) -> Verdict:
         return None
     if not LEGS[type(state.leg.kind)].plain or cell.world.now - last.t < 1.5:
         return None
-    wanted = list(_frames(cell.configuration.profile, state.setpoint))
     sent = [t for t in cell.frames(b"@ZA") if t.t >= last.t and "(try " not in t.reason]
     left = [t.data for t in sent]
+    held = state.setpoint
+    if is_guarded(held):  # at whichever depth: _kept_above
+        told = [int(data[4:-1]) for data in left if data.startswith(b"@ZAS")]
+        held = at_depth(held, float(told[0]) if told else None)
+    wanted = list(_frames(cell.configuration.profile, held))
     if left[:1] == [b"@ZAX0$"] != wanted[:1]:
         left = left[1:]
     return wrong((left[: len(wanted)] != wanted, f"{left} left, not {wanted}"))
@@ -281,6 +311,7 @@ LEG_LAWS: tuple[Law, ...] = (
     Law("after a brown-out the set leaves once more", "R8", _brown_out, of_legs=True),
     Law("unknown never opens an exit", "design: the states", _unknown),
     Law("a set whose reading is unknown is given up", "design: the states", _blind, of_legs=True),
+    Law("a depth is kept above the bottom", "R5", _kept_above, of_legs=True),
     Law("a refused Z leads to the leg's else", "R8", _refused, of_legs=True),
     Law("three Z without an answer surface", "R8", _lost),
     Law("every leg is left when its time is up", "design: the states", _timed),

@@ -115,6 +115,8 @@ def settings_of(
         word = draw(st.sampled_from(["", "depth", "altitude", "heave"]))
         if word:
             chosen[word] = draw(gear if word == "heave" else numbers(0, 9999))
+        if word == "depth" and draw(st.booleans()):
+            chosen["altitude"] = draw(numbers(0, 9999))
     if steering:
         word = draw(st.sampled_from(["", "heading", "turn"]))
         if word:

@@ -1,0 +1,111 @@
+"""The depth of a set that holds a depth and never less than a height above the bottom.
+
+    depth 8 never below altitude 3      Setpoint(depth=8, altitude=3) in the chart
+
+The vehicle is told a depth alone, for it holds one of the two: the shallower of the depth asked for
+and the bottom less the height, in the steps in which it can be told one. Where no altitude is
+believed (an altimeter misses echoes: that takes some seconds), the bottom is where the mission
+assumes the sea floor. Shallower acts with the report that says so; deeper only after some seconds
+in which there was room, or noise would steer.
+
+What does not live here: what a believed altitude is (navigation's health), the other axes (run).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Self
+
+from mission.engine.vehicle_state import VehicleState
+from mission.model import Mission
+from mission.model.copies import copied
+from mission.model.vehicle import Vehicle
+from protocol.messages import Setpoint
+from protocol.vehicles import vehicle_row
+
+DEEPER_AFTER = 5.0  # s with room, before it goes deeper
+DEEPER_ROOM = 0.25  # m of room beyond what is held then
+ECHOES_MISSED = 6.0  # s that the last bottom stands, as a set may be blind for (run)
+_FINE = 0.5  # m: the steps where the vehicle itself has none
+
+
+def is_guarded(setpoint: Setpoint) -> bool:
+    """Whether a set holds a depth and a height above the bottom at once."""
+    return setpoint.depth is not None and setpoint.altitude is not None
+
+
+def at_depth(setpoint: Setpoint, depth: float | None = None) -> Setpoint:
+    """What a vehicle is told of a set with both: ``depth``, or the deepest that it may be."""
+    return replace(setpoint, depth=setpoint.depth if depth is None else depth, altitude=None)
+
+
+class Clearance:
+    """Of one vehicle in one mission. ``floor`` is the deepest sea floor that is assumed, m;
+    ``step`` that of the depths the vehicle can be told."""
+
+    def __init__(self, floor: float, step: float) -> None:
+        self._floor, self._step = floor, step
+        self._held: float | None = None
+        self._room_since: float | None = None
+        self._bottom, self._seen = 0.0, -math.inf  # m below the surface, and when it was seen
+
+    @classmethod
+    def of(cls, mission: Mission, vehicle: Vehicle) -> Self:
+        allowed = min(vehicle.limits.depth, mission.safety.depth or math.inf)
+        step = vehicle_row(vehicle.codec).granularity.depth
+        return cls(mission.floor(allowed), step or _FINE)
+
+    def clone(self) -> Self:
+        return copied(self)
+
+    def begin(self) -> None:
+        """A set begins: nothing is held yet. The bottom is where it was."""
+        self._held = self._room_since = None
+
+    def blind(self, setpoint: Setpoint) -> float:
+        """m: what a set with both holds without a believed altitude."""
+        return self._within(setpoint, self._floor)
+
+    def told(self, setpoint: Setpoint, vehicle_state: VehicleState) -> Setpoint:
+        """The set as the vehicle is told it now."""
+        if not is_guarded(setpoint):
+            return setpoint
+        now = vehicle_state.now
+        if (bottom := _bottom(vehicle_state)) is not None:
+            self._bottom, self._seen = bottom, now
+        if now - self._seen > ECHOES_MISSED:
+            most = room = self.blind(setpoint)
+        else:
+            most = self._within(setpoint, self._bottom)
+            room = self._within(setpoint, self._bottom - DEEPER_ROOM)
+        return at_depth(setpoint, self._hold(now, most, room))
+
+    def _within(self, setpoint: Setpoint, bottom: float) -> float:
+        asked, height = setpoint.depth or 0.0, setpoint.altitude or 0.0
+        room = bottom - height
+        if room >= asked:
+            return asked
+        return max(0.0, math.floor(room / self._step + 1e-9) * self._step)
+
+    def _hold(self, now: float, most: float, room: float) -> float:
+        """``most`` is the deepest that may be held, ``room`` what it may go deeper to."""
+        held = most if self._held is None else min(self._held, most)
+        if room <= held:
+            self._room_since = None
+        elif self._room_since is None:
+            self._room_since = now
+        elif now - self._room_since >= DEEPER_AFTER:
+            held, self._room_since = room, None
+        self._held = held
+        return held
+
+
+def _bottom(vehicle_state: VehicleState) -> float | None:
+    """m below the surface, by a depth and an altitude that are believed."""
+    seen = vehicle_state.estimate
+    if seen is None or seen.depth is None or seen.altitude is None:
+        return None
+    if vehicle_state.depth is None or not vehicle_state.health("altitude").valid:
+        return None
+    return seen.depth + seen.altitude

@@ -1,0 +1,174 @@
+"""Laws of a depth that is kept above the bottom (R5): the shallower of the two, and never in haste."""
+
+from __future__ import annotations
+
+import pytest
+from engine_world import World, flying, leg, mission, sets
+
+from mission.engine.clearance import DEEPER_AFTER, ECHOES_MISSED, Clearance
+from mission.legs import Goto
+from mission.model import Local, Safety
+from mission.model.shipped import load_vehicle
+from mission.model.vehicle import Vehicle
+from protocol.messages import Setpoint
+
+KEPT = sets(surge=0.5, heading=0.0, depth=8.0, altitude=3.0)
+FLOOR = (("floor", 10.0),)
+
+
+def over(bottom: float, *, depth: float = 2.0, **more: object) -> World:
+    """Under way over a bottom that is so deep, m."""
+    world = World(
+        mission(leg("a", timeout=600.0, settings=KEPT, **more), assume=FLOOR)  # type: ignore[arg-type]
+    )
+    world.altitude = bottom - 0.2
+    assert world.start()
+    move(world, bottom, depth)
+    return world
+
+
+def move(world: World, bottom: float, depth: float, seconds: float = 2.0) -> None:
+    world.depth, world.altitude = depth, bottom - depth
+    world.wait(seconds)
+
+
+def depths(world: World) -> list[float | None]:
+    return [c.depth for c in world.commands() if isinstance(c, Setpoint)]
+
+
+def test_the_depth_asked_for_is_held_where_there_is_room():
+    assert depths(over(30.0)) == [8.0]
+
+
+def test_the_bottom_less_the_height_is_held_where_there_is_none():
+    assert depths(over(9.0)) == [6.0]
+
+
+def test_no_set_names_an_altitude():
+    sent = [c for c in over(9.0).commands() if isinstance(c, Setpoint)]
+    assert [c.altitude for c in sent] == [None]
+
+
+def test_it_holds_whole_steps_on_the_safe_side():
+    assert depths(over(9.9)) == [6.0]
+
+
+def test_where_nothing_is_left_it_holds_the_surface():
+    assert depths(over(2.5, depth=1.0)) == [0.0]
+
+
+def test_a_bottom_that_rises_acts_with_the_report_that_says_so():
+    world = over(30.0)
+    move(world, 7.0, 4.0)
+    assert depths(world) == [8.0, 4.0]
+
+
+def test_a_bottom_that_falls_acts_when_there_was_room_for_some_seconds():
+    world = over(9.0)
+    began = world.t
+    move(world, 11.5, 5.0, 20.0)
+    told = [t for t, a in world.actions if isinstance(a.command, Setpoint)]
+    assert depths(world) == [6.0, 8.0]
+    assert DEEPER_AFTER <= told[-1] - began <= DEEPER_AFTER + 4.0
+
+
+def test_a_moment_of_room_is_none():
+    world = over(9.0)
+    for _ in range(5):
+        move(world, 11.5, 5.0, 4.0)
+        move(world, 9.0, 5.0, 2.0)
+    assert depths(world) == [6.0]
+
+
+def test_noise_at_the_edge_of_a_step_does_not_steer():
+    world = over(9.1)
+    for bottom in (8.95, 9.1, 9.05, 9.2, 9.1, 9.15, 9.2, 9.1, 9.05):
+        move(world, bottom, 5.0)
+    assert depths(world) == [6.0, 5.0]
+
+
+@pytest.mark.parametrize(("bottom", "blind"), [(30.0, 7.0), (9.0, 7.0)])
+def test_without_an_altitude_the_assumed_floor_counts(bottom: float, blind: float):
+    world = over(bottom)
+    world.nav.doubt["altitude"] = "frozen"
+    world.wait(30.0)
+    assert depths(world)[-1] == blind
+
+
+def test_without_an_altitude_from_the_start_the_assumed_floor_counts():
+    world = World(mission(leg("a", timeout=600.0, settings=KEPT), assume=FLOOR))
+    world.nav.doubt["altitude"] = "missing"
+    assert world.start()
+    assert depths(world) == [7.0]
+
+
+def test_a_missed_echo_is_no_loss_of_the_bottom():
+    world = over(9.0)
+    for _ in range(6):
+        world.nav.doubt["altitude"] = "absurd"
+        world.wait(ECHOES_MISSED - 2.0)
+        world.nav.doubt.clear()
+        world.wait(2.0)
+    assert depths(world) == [6.0]
+
+
+def test_an_altitude_without_a_depth_says_nothing_of_the_bottom():
+    """Nobody knows how deep the bottom is then; the leg is left, as any that holds a depth."""
+    world = over(9.0)
+    world.nav.doubt["depth"] = "frozen"
+    world.wait(5.0)
+    assert depths(world) == [6.0]
+    world.wait(10.0)
+    assert world.state != "autonomous/a"
+
+
+def test_where_the_mission_says_nothing_the_depth_allowed_is_the_floor():
+    allowed = mission(leg("a", settings=KEPT), safety=Safety(depth=9.0))
+    assert Clearance.of(allowed, load_vehicle("auv")).blind(Setpoint(depth=8, altitude=3)) == 6.0
+
+
+def test_the_altitude_missing_is_no_reason_to_leave_the_leg():
+    world = over(30.0)
+    world.nav.doubt["altitude"] = "frozen"
+    world.wait(60.0)
+    assert world.state == "autonomous/a"
+
+
+def test_a_leg_that_steers_its_heading_is_kept_clear_as_well():
+    settings = sets(surge=0.5, depth=8.0, altitude=3.0)
+    go = leg("a", kind=Goto(Local(500.0, 0.0), 10.0), timeout=600.0, settings=settings)
+    world = World(mission(go, assume=FLOOR))
+    world.altitude = 8.8
+    assert world.start()
+    move(world, 9.0, 4.0)
+    move(world, 7.0, 4.0)
+    assert depths(world)[0] == 6.0
+    assert depths(world)[-1] == 4.0
+
+
+def test_another_leg_begins_with_what_its_own_set_allows():
+    settings = sets(surge=0.5, heading=0.0, depth=7.0, altitude=2.0)
+    first = leg("a", timeout=10.0, otherwise="b", settings=KEPT)
+    world = World(
+        mission(first, leg("b", timeout=600.0, settings=settings), assume=FLOOR, on_timeout="b")
+    )
+    world.altitude = 8.8
+    assert world.start()
+    move(world, 9.0, 4.0, 20.0)
+    assert depths(world) == [6.0, 7.0]
+
+
+def test_a_vehicle_that_is_told_fractions_is_told_half_metres():
+    coreboard: Vehicle = load_vehicle("coreboard")
+    kept = Clearance.of(mission(leg("a"), assume=(("floor", 9.8),)), coreboard)
+    assert kept.blind(Setpoint(depth=8.0, altitude=3.0)) == 6.5
+
+
+def test_a_copy_goes_on_as_the_original_would():
+    kept = Clearance(10.0, 1.0)
+    world = flying(leg("a", settings=sets(surge=0.5, heading=0.0, depth=5.0)))
+    state = world.engine.core.vehicle_state
+    kept.told(Setpoint(depth=8.0, altitude=3.0), state)
+    assert kept.clone().told(Setpoint(depth=9.0, altitude=1.0), state) == kept.told(
+        Setpoint(depth=9.0, altitude=1.0), state
+    )
