@@ -1,0 +1,91 @@
+// @ts-check
+/**
+ * The part of the chart that is on the screen: metres to pixels and back, north up.
+ *
+ * East and north in m, x and y in CSS pixels from the upper left corner.
+ */
+
+/** @typedef {import('./geo.js').Pair} Pair */
+
+const FINEST = 200; // px a metre
+const COARSEST = 1e-4;
+const ALONE = 60; // m around a single point
+
+export class View {
+  east = 0;
+  north = 0; // m, in the middle of the screen
+  scale = 1; // px a metre
+  width = 1;
+  height = 1; // px
+
+  /** @param {Pair} point m @returns {Pair} px */
+  toScreen([east, north]) {
+    return [
+      this.width / 2 + (east - this.east) * this.scale,
+      this.height / 2 - (north - this.north) * this.scale,
+    ];
+  }
+
+  /** @param {Pair} point px @returns {Pair} m */
+  toWorld([x, y]) {
+    return [
+      this.east + (x - this.width / 2) / this.scale,
+      this.north - (y - this.height / 2) / this.scale,
+    ];
+  }
+
+  /** @param {number} x @param {number} y px that the chart is moved by */
+  pan(x, y) {
+    this.east -= x / this.scale;
+    this.north += y / this.scale;
+  }
+
+  /** Nearer (above 1) or farther; what is under ``at`` stays. @param {number} factor
+   * @param {Pair} [at] px */
+  zoom(factor, at = [this.width / 2, this.height / 2]) {
+    const [east, north] = this.toWorld(at);
+    this.scale = Math.min(FINEST, Math.max(COARSEST, this.scale * factor));
+    const [e, n] = this.toWorld(at);
+    this.east += east - e;
+    this.north += north - n;
+  }
+
+  /** @param {Pair} point m */
+  centre([east, north]) {
+    this.east = east;
+    this.north = north;
+  }
+
+  /** All of the points on the screen. @param {Pair[]} points m @param {number} [margin] px */
+  fit(points, margin = 56) {
+    if (points.length === 0) return;
+    const [west, east] = extent(points.map((p) => p[0]));
+    const [south, north] = extent(points.map((p) => p[1]));
+    const room = (/** @type {number} */ px) => Math.max(px - 2 * margin, px / 4);
+    const wide = room(this.width) / Math.max(east - west, ALONE);
+    const high = room(this.height) / Math.max(north - south, ALONE);
+    this.scale = Math.min(FINEST, Math.max(COARSEST, Math.min(wide, high)));
+    this.centre([(west + east) / 2, (south + north) / 2]);
+  }
+}
+
+/** The least and the greatest. @param {number[]} values @returns {Pair} */
+export function extent(values) {
+  return values.reduce((/** @type {Pair} */ [a, b], v) => [Math.min(a, v), Math.max(b, v)],
+    [Infinity, -Infinity]);
+}
+
+/** A round length (1, 2 or 5 times a power of ten) of at least so much.
+ * @param {number} least above 0 */
+export function roundUp(least) {
+  const ten = 10 ** Math.floor(Math.log10(least) + 1e-9);
+  return ten * ([1, 2, 5].find((n) => n * ten >= least * (1 - 1e-9)) ?? 10);
+}
+
+/** The lines of a grid between two values. @param {number} from @param {number} to
+ * @param {number} step @returns {number[]} */
+export function ticks(from, to, step) {
+  const first = Math.ceil(from / step - 1e-9);
+  const count = Math.floor(to / step + 1e-9) - first + 1;
+  return Array.from({ length: Math.max(0, Math.min(count, 1000)) }, (_, i) => (first + i) * step);
+}

@@ -1,0 +1,255 @@
+// @ts-check
+/**
+ * Every word that the page itself says, in English and Chinese: one table.
+ *
+ * What vehicles and missions say is shown as it comes; ``of`` translates names that are the same
+ * everywhere (limits, alarms). {0}, {1}: what is put in.
+ */
+
+/** @type {Readonly<Record<string, readonly [string, string]>>} */
+export const WORDS = {
+  // the page
+  title: ['Cockpit', '驾驶舱'],
+  language: ['中文', 'English'],
+  theme: ['Theme', '主题'],
+  dark: ['Dark', '深色'],
+  sun: ['Sunlight', '强光'],
+  red: ['Red light', '红光'],
+  sound: ['Sound', '声音'],
+  on: ['on', '开'],
+  off: ['off', '关'],
+  rooms: ['Rooms', '面板'],
+  keys: ['Keys', '按键'],
+  vehicle: ['Vehicle', '航行器'],
+
+  // where it comes from
+  live: ['LIVE', '实时'],
+  simulation: ['SIMULATION', '仿真'],
+  review: ['RECORDING', '回放'],
+  modem: ['MODEM', '水声'],
+  opening: ['Looking for the console …', '正在连接控制台……'],
+  lost: ['The console does not answer for {0}', '控制台已 {0} 无应答'],
+  silent: ['NOTHING NEW of the vehicle for {0}: all below is of that time',
+    '航行器已 {0} 没有新数据：以下均为当时的数据'],
+  unheard: ['Nothing has been heard of the vehicle so far', '尚未收到航行器的任何数据'],
+  refused_page: ['This page is not admitted: open the address that the console printed',
+    '此页面未获准：请打开控制台给出的地址'],
+  ended: ['The recording is over', '回放结束'],
+  read_only: ['No commands: this is a recording', '不可下令：这是回放'],
+  thin: ['By modem: what is missing here does not go through the water', '水声链路：未显示的数据无法经水传送'],
+  heard: ['heard', '收到'],
+  link: ['link', '链路'],
+
+  // ages and numbers
+  seconds: ['{0} s', '{0} 秒'],
+  minutes: ['{0} min', '{0} 分'],
+  hours: ['{0} h', '{0} 小时'],
+  ago: ['{0} ago', '{0}前'],
+  unknown: ['not known', '未知'],
+  old: ['OLD', '过时'],
+  never: ['never', '从未'],
+
+  // values
+  depth: ['Depth', '深度'],
+  altitude: ['Altitude', '离底高度'],
+  heading: ['Heading', '航向'],
+  speed: ['Speed', '速度'],
+  battery: ['Battery', '电池'],
+  pitch: ['Pitch', '纵倾'],
+  roll: ['Roll', '横倾'],
+  fix: ['Fix', '定位'],
+  report: ['Report', '报告'],
+  position: ['Position', '位置'],
+  uncertainty: ['95 % within', '95 % 半径'],
+  current: ['Current', '海流'],
+  floor: ['Floor', '海底'],
+
+  // chart
+  chart: ['Chart', '海图'],
+  chart_keys: ['Chart: arrow keys move it, + and - zoom, 0 shows all, F follows the vehicle',
+    '海图：方向键移动，+ 和 - 缩放，0 显示全部，F 跟随航行器'],
+  zoom_in: ['Nearer', '放大'],
+  zoom_out: ['Farther', '缩小'],
+  fit: ['Show all', '显示全部'],
+  follow: ['Follow the vehicle', '跟随航行器'],
+  measure: ['Measure from here', '从此处测量'],
+  home: ['Home', '起点'],
+  target: ['Target', '目标'],
+  radius: ['Radius', '半径'],
+  no_place: ['No place is known so far', '尚无已知位置'],
+  reckoned: ['dead reckoning for {0}', '航位推算已 {0}'],
+  of_vehicle: ['from the vehicle', '距航行器'],
+  of_home: ['from home', '距起点'],
+  legend_track: ['track', '航迹'],
+  legend_plan: ['plan', '计划'],
+  legend_ellipse: ['95 % ellipse', '95 % 椭圆'],
+
+  // states
+  states: ['State', '状态'],
+  state: ['State', '状态'],
+  reason: ['Why', '原因'],
+  setpoint: ['Set', '设定'],
+  leg: ['Leg', '航段'],
+  until: ['Until', '直到'],
+  now: ['now', '当前'],
+  timeout: ['Timeout', '超时'],
+  mission: ['Mission', '任务'],
+  no_mission: ['no mission', '无任务'],
+  started: ['Started', '开始'],
+  not_started: ['not under way', '未执行'],
+  graph: ['Legs', '航段表'],
+
+  // margins
+  margins: ['Margins', '余量'],
+  to_depth: ['Depth', '深度'],
+  to_radius: ['Radius', '半径'],
+  to_time: ['Time', '时间'],
+  to_voltage: ['Voltage', '电压'],
+  left_of: ['{0} left of {1}', '剩余 {0}，限值 {1}'],
+  left: ['{0} left', '剩余 {0}'],
+  beyond: ['BEYOND by {0}', '超限 {0}'],
+  limit_of: ['limit {0}', '限值 {0}'],
+  reaches: ['{0} at this rate', '照此 {0}'],
+
+  // strips
+  strips: ['Strips', '曲线'],
+  last: ['The last {0}', '最近 {0}'],
+  all: ['All', '全部'],
+
+  // journal
+  journal: ['Journal', '日志'],
+  search: ['Search', '搜索'],
+  newest: ['To the newest', '到最新'],
+  missing: ['{0} lines are missing here', '此处缺少 {0} 行'],
+  nothing: ['Nothing so far', '暂无'],
+
+  // alarms
+  no_alarm: ['No alarm', '无告警'],
+  silence: ['Silence', '静音'],
+  silenced: ['silenced', '已静音'],
+  alarms: ['Alarms', '告警'],
+
+  // commands
+  command: ['Command', '指令'],
+  stop: ['STOP', '停止'],
+  stop_says: ['everything off', '全部关停'],
+  surface: ['SURFACE', '上浮'],
+  surface_says: ['come up', '返回水面'],
+  start: ['Start', '开始'],
+  clear: ['Clear', '清除'],
+  upload: ['Upload', '上传'],
+  take: ['Take command', '接管指挥'],
+  release: ['Give up command', '交出指挥'],
+  limits: ['Limits', '限值'],
+  set_limits: ['Set limits', '设定限值'],
+  commander: ['Commander', '指挥者'],
+  nobody: ['nobody', '无人'],
+  us: ['this console', '本控制台'],
+  again: ['Press again: {0}', '再按一次：{0}'],
+  will_start: ['start {0} on {1}', '在 {1} 上开始 {0}'],
+  will_clear: ['clear the emergency and the mission on {1}', '清除 {1} 上的应急状态和任务'],
+  will_upload: ['upload {0} to {1}', '将 {0} 上传到 {1}'],
+  will_take: ['take command of {1}', '接管 {1}'],
+  will_release: ['give up command of {1}', '交出 {1} 的指挥'],
+  will_limits: ['set limits on {1}: {0}', '在 {1} 上设定限值：{0}'],
+  nothing_said: ['nothing was said', '未发送'],
+  cancel: ['Cancel', '取消'],
+  sent: ['sent', '已发送'],
+  acknowledged: ['acknowledged', '已确认'],
+  confirmed: ['the vehicle shows it', '航行器已执行'],
+  refused: ['REFUSED', '被拒绝'],
+  unanswered: ['UNANSWERED', '无应答'],
+  unsent: ['NOT SENT', '未发送'],
+  waiting: ['waits', '等待'],
+  done: ['Commands so far', '已发指令'],
+  on_board: ['On board', '艇上'],
+  planned: ['Planned', '计划'],
+  same: ['the same', '一致'],
+  different: ['DIFFERENT', '不一致'],
+  choose: ['Choose a mission file', '选择任务文件'],
+  checklist: ['Checklist', '检查单'],
+  done_by_hand: ['done', '完成'],
+
+  // stick
+  stick: ['Stick', '手柄'],
+  stick_off: ['Off', '关'],
+  stick_take: ['Take the stick', '启用手柄'],
+  stick_drop: ['Put the stick away', '停用手柄'],
+  stick_pad: ['Pad', '手柄'],
+  no_pad: ['No pad: press a button on it, or use the keys', '未见手柄：按其任一键，或使用键盘'],
+  stick_ready: ['Ready: hold the dead man\'s button', '就绪：按住安全键'],
+  stick_driving: ['DRIVING', '操纵中'],
+  stick_hidden: ['Let go: the page is not in front', '已松开：页面不在前台'],
+  stick_still: ['Let go: the pad says nothing new', '已松开：手柄无新数据'],
+  stick_gone: ['Let go: the pad is gone', '已松开：手柄已断开'],
+  stick_cut: ['Let go: the console does not answer', '已松开：控制台无应答'],
+  stick_not_ours: ['Another commands: {0}', '他人指挥中：{0}'],
+  stick_live_only: ['Only with a live vehicle', '仅限实时航行器'],
+  stick_keys: ['Keys: hold Shift; arrows ahead, astern, turn; Page Up and Page Down up and down; 1 to 9 how strong',
+    '键盘：按住 Shift；方向键前进、后退、转向；Page Up/Down 上浮、下潜；1 至 9 力度'],
+  stick_pad_says: ['Pad: hold the left shoulder button; left stick ahead and turn, right stick up and down',
+    '手柄：按住左肩键；左摇杆前进和转向，右摇杆上下'],
+  strength: ['Strength', '力度'],
+  surge: ['Ahead', '前进'],
+  turn: ['Turn', '转向'],
+  heave: ['Up', '上升'],
+  dead_man: ['Dead man\'s button', '安全键'],
+  held: ['held', '按住'],
+  let_go: ['let go', '松开'],
+  told: ['What was sent', '已发送'],
+
+  // review
+  play: ['Play', '播放'],
+  pause: ['Pause', '暂停'],
+  speed_of: ['Speed', '倍速'],
+  event_before: ['Event before', '上一事件'],
+  event_after: ['Next event', '下一事件'],
+  scrub: ['Time of the recording', '回放时间'],
+};
+
+/** Names that vehicles use, in Chinese. @type {Readonly<Record<string, string>>} */
+const NAMES = {
+  emergency: '应急',
+  limit: '超限',
+  'stop not obeyed': '停止未执行',
+  'old report': '报告过时',
+  'no fix': '无定位',
+  refused: '指令被拒',
+  battery: '电池',
+  'link away': '链路断开',
+  'NOT SENT': '指令未发出',
+  disk: '磁盘',
+  'black box': '黑匣子',
+  clock: '时钟',
+  broken: '损坏',
+  'no contact': '失去联系',
+  OVERDUE: '逾期未归',
+};
+
+/** @typedef {'en' | 'zh'} Language */
+
+/** @type {Language} */
+let language = 'en';
+
+/** @param {Language} to */
+export function setLanguage(to) {
+  language = to;
+}
+
+export function inLanguage() {
+  return language;
+}
+
+/** What the page says. @param {string} key Throws an Error for one that the table has not.
+ * @param {...(string | number)} put */
+export function word(key, ...put) {
+  const row = WORDS[key];
+  if (row === undefined) throw new Error(`no word ${key}`);
+  return put.reduce((/** @type {string} */ text, value, i) => text.replaceAll(`{${i}}`, `${value}`),
+    row[language === 'zh' ? 1 : 0]);
+}
+
+/** A name of the vehicle's, for whoever reads. @param {string} name */
+export function named(name) {
+  return language === 'zh' ? (NAMES[name] ?? name) : name;
+}
