@@ -55,6 +55,7 @@ COMMANDS = {
     "story": "story",
     "export": "export",
     "watch": "watch",
+    "console": "console",
     "replay": "replay",
     "decode": "decode",
     "encode": "encode",

@@ -52,7 +52,7 @@ def demo(
 
     path = mission or Path(OWN.get(vehicle or "", "first-dive"))
     prepared, worst = _proved(path, vehicle, settings)
-    _clear(out, LEFT)
+    clear_earlier(out, LEFT)
     click.echo(f"{path}: at most {worst / 60:.1f} min of mission, {speed:g} times real time")
     shown, prepared = Shown(), replace(prepared, vehicle=in_dialect(prepared.vehicle, profile))
     named = vehicle or prepared.mission.vehicle
@@ -113,8 +113,8 @@ def _leave(flight: Flight, prepared: Prepared, out: Path) -> None:
     click.echo(f"pictures in {out}, black box {box}")
 
 
-def _clear(out: Path, left: frozenset[str]) -> None:
-    """Removes what an earlier demonstration ``left``, and nothing else."""
+def clear_earlier(out: Path, left: frozenset[str]) -> None:
+    """Removes what an earlier flight ``left``, and nothing else."""
     if not out.exists():
         return
     others = sorted({path.name for path in out.iterdir()} - left)

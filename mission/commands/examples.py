@@ -44,6 +44,7 @@ EXAMPLES: Mapping[str, str] = MappingProxyType(
         "log": 'log out/flight.mcap --text "now autonomous"',
         "story": "story out/flight.mcap",
         "watch": f"watch tcp://vehicle:4001 {_BOAT}",
+        "console": f"console {_BOAT}",
         "replay": "replay out/flight.mcap",
         "decode": "decode --link auv.to_stm32 -",
         "encode": """encode auv.ZA '{"code": "F", "gear": 5}'""",

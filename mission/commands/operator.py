@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from mission.authoring.prepare import Prepared
     from mission.topside.dives import Dives
     from mission.topside.looking import Looked
-    from mission.topside.overdue import Plan
     from mission.topside.upload import Script
     from protocol.messages import Order
 
@@ -58,6 +57,7 @@ def upload(
     from mission.authoring.language import script
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
     from mission.topside import console
+    from mission.topside.overdue import plan_of
 
     try:
         prepared = prepare(mission, vehicle, parameters_of(parameters))
@@ -68,28 +68,13 @@ def upload(
     lines = script(prepared.mission)
     say(lambda: console.upload(to, lines, prepared.chart.digest, _Progress(lines).show), as_json)
     if proved is not None:
-        _remembered().uploaded(prepared.chart.digest, _plan(prepared, proved))
+        _remembered().uploaded(prepared.chart.digest, plan_of(prepared, proved))
 
 
 def _remembered() -> Dives:
     from mission.topside.dives import Dives, default_folder
 
     return Dives(default_folder())
-
-
-def _plan(prepared: Prepared, proved: Proved) -> Plan:
-    """What the boat has to know where the vehicle does not come back."""
-    from mission.topside.overdue import Plan
-
-    mission = prepared.mission
-    home = mission.home
-    return Plan(
-        mission.name,
-        proved.worst_time,
-        proved.max_range,
-        mission.current(prepared.vehicle.current),
-        None if home is None else (home.latitude_deg, home.longitude_deg),
-    )
 
 
 def _refuse_unchecked(prepared: Prepared, force: bool, as_json: bool) -> Proved | None:

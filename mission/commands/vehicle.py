@@ -29,7 +29,7 @@ MARK = "# Written by auvmission vehicle"
 @click.option("--position", "place", metavar="LAT,LON",
               help="Where it lies at the beginning, in degrees.")  # fmt: skip
 @click.option("--port", type=click.IntRange(0, 65535), default=4000, show_default=True,
-              help="Where its serve listens for the boat; 0: anywhere free.")  # fmt: skip
+              help="Of its serve for the boat, the next one for viewers; 0: free.")  # fmt: skip
 @click.option("--modem", metavar="URL", help="Of its acoustic modem, e.g. one end of `water`.")
 @click.option("--bus", metavar="URL", help="The CAN bus of motorboards.")
 @click.option("--folder", type=click.Path(path_type=Path, file_okay=False),
@@ -73,7 +73,9 @@ def vehicle(
 
     def ready(*paths: str) -> None:
         ports = _plugged(where, paths) if paths else {"vehicle": bus or BUS}
-        urls = {"gps": None, **ports, "topside": f"tcp://127.0.0.1:{port}", "modem": modem}
+        viewers = port + 1 if 0 < port < 65535 else 0
+        urls = {"gps": None, **ports, "topside": f"tcp://127.0.0.1:{port}", "modem": modem,
+                "monitor": f"tcp-listen://127.0.0.1:{viewers}"}  # fmt: skip
         config.write_text(_configuration(name, where, urls), encoding="utf-8")
         _tell(name, config, ports, port, speed, as_json)
 

@@ -57,16 +57,19 @@ def _source(text: str, speed: float, seed: int, settings: tuple[str, ...]) -> So
     if "://" in text:
         return from_monitor(text)
     try:
-        if Path(text).suffix == ".mcap":
-            from mission.onboard.blackbox import read_parts
-
-            records = list(read_parts(Path(text)))
-        else:
-            records = _simulated(text, seed, settings)
-        return from_recording(Playback(records), speed)
+        return from_recording(Playback(recorded(text, seed, settings)), speed)
     except (ValueError, OSError, BlackBoxError) as error:
         click.echo(f"{text}: {error}", err=True)
         raise SystemExit(2) from None
+
+
+def recorded(text: str, seed: int = 0, settings: tuple[str, ...] = ()) -> list[Record]:
+    """A black box, or a mission that is simulated. Raises ValueError, OSError, BlackBoxError."""
+    if Path(text).suffix != ".mcap":
+        return _simulated(text, seed, settings)
+    from mission.onboard.blackbox import read_parts
+
+    return list(read_parts(Path(text)))
 
 
 def _simulated(name: str, seed: int, settings: tuple[str, ...]) -> list[Record]:

@@ -18,12 +18,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mission.model import AUTONOMOUS, Position
 from mission.model.alarms import ago
 from mission.navigation import distribution
 from mission.navigation.geodesy import LocalFrame
+
+if TYPE_CHECKING:
+    from mission.authoring.check import Proved
+    from mission.authoring.prepare import Prepared
 
 UNSURE_M = 30.0  # 95 % of a fix whose accuracy nobody tells
 SWIMS = (AUTONOMOUS, "manual")
@@ -88,6 +92,18 @@ class Area:
             f"around {place}: {self.long_m:.0f} m towards {self.bearing:03.0f} and "
             f"{(self.bearing + 180) % 360:03.0f} deg, {self.short_m:.0f} m across"
         )
+
+
+def plan_of(prepared: Prepared, proved: Proved) -> Plan:
+    """What the boat has to know where the vehicle does not come back."""
+    mission, home = prepared.mission, prepared.mission.home
+    return Plan(
+        mission.name,
+        proved.worst_time,
+        proved.max_range,
+        mission.current(prepared.vehicle.current),
+        None if home is None else (home.latitude_deg, home.longitude_deg),
+    )
 
 
 def contact_with(state: Mapping[str, Any], wall: float) -> Contact:

@@ -11,11 +11,11 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from mission.model.alarms import DANGER, Alarm, ago
+from mission.topside.contacts import SILENT_S
 from mission.topside.monitor import Watched
 
 PLAIN, GOOD, CAREFUL, BAD, DIM = "plain", "good", "careful", "bad", "dim"
 DEEP = "deep"  # shown with ink and paper exchanged: blocks stand for the water below
-SILENT_S = 5.0  # without a frame: nothing shown is of now
 REPORT_S, FIX_S = 6.0, 5.0  # older reports, older fixes are OLD
 BAR, STRIP, ROWS = 20, 100, 4  # characters
 LOW, LOWER = 0.25, 0.1  # of a margin

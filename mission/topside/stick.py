@@ -109,7 +109,7 @@ class Stick:
         now = time.monotonic()
         self._hear(link, now)
         if now - self._seen.answered > LOST_S:
-            _forget(link)
+            forget(link)
             raise LinkError("the vehicle does not answer")
         self._helm.hold(self._push(now))
         if words := self._helm.words(now):
@@ -185,7 +185,7 @@ def _read(descriptor: int, otherwise: str) -> bytes:
     return data
 
 
-def _forget(link: Link) -> None:
+def forget(link: Link) -> None:
     """Words that wait in the system's buffers are not sent when the radio is back."""
     with contextlib.suppress(OSError), socket.socket(fileno=os.dup(link.fileno())) as same:
         same.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _ABORT)

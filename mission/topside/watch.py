@@ -23,12 +23,11 @@ from textual.containers import Horizontal, Vertical
 from textual.widgets import Footer, RichLog, Static
 
 from links.base import LinkError
-from mission.model.alarms import Alarm, Condition, standing
+from mission.model.alarms import Alarm
 from mission.topside import panels
 from mission.topside.console import converse
-from mission.topside.dives import Dives
+from mission.topside.contacts import Contacts
 from mission.topside.orders import order
-from mission.topside.overdue import contact_with, overdue
 from mission.topside.panels import Line
 from mission.topside.sources import Source
 from mission.topside.underwater import PREFIX
@@ -37,7 +36,6 @@ from protocol.messages import Order
 
 REFRESH_S = 0.25
 CONFIRM_S = 5.0
-KEEP_S = 10.0  # between two contacts that are kept
 STYLES = {"plain": "", "good": "green", "careful": "bold yellow", "bad": "bold white on red",
           "dim": "dim", "deep": "reverse"}  # fmt: skip
 
@@ -65,11 +63,10 @@ class WatchApp(App[None]):
 
     def __init__(self, source: Source, to: str, memory: Path) -> None:
         super().__init__()
-        self.source, self._to, self._dives = source, to, Dives(memory)
+        self.source, self._to, self._contacts = source, to, Contacts(to, memory)
         self._known: frozenset[str] = frozenset()  # alarms that the bell has rung for
         self._shown = 0  # events
         self._asked: tuple[str, float] | None = None
-        self._kept = -KEEP_S
         self.said = ""  # what became of the last command
 
     def compose(self) -> ComposeResult:
@@ -102,8 +99,8 @@ class WatchApp(App[None]):
         if not self.query("#banner"):  # it is ending
             return
         watched, now = self.source.watched, time.monotonic()
-        self._remember(now)
-        mine = self._mine(now)
+        self._contacts.remember(watched, now)
+        mine = self._contacts.alarms(watched, now, self.source.live)
         banner = list(panels.banner(watched, now, mine))
         if self.source.problem:
             banner.insert(0, Line(self.source.problem, panels.CAREFUL))
@@ -115,22 +112,6 @@ class WatchApp(App[None]):
         self._ring([*mine, *(Alarm(**plain) for plain in watched.state.get("alarms") or ())])
         self._tell_events()
         self.query_one("#said", Static).update(Text(self._line()))
-
-    def _remember(self, now: float) -> None:
-        """The contact, for whoever has to search; now and then."""
-        watched = self.source.watched
-        if watched.at is None or not self._to or now < self._kept + KEEP_S:
-            return
-        self._kept = now
-        wall = time.time() - (now - watched.at[1])
-        self._dives.contact(self._to, contact_with(watched.state, wall))
-
-    def _mine(self, now: float) -> tuple[Alarm, ...]:
-        """What the boat alone knows: silence, overdue."""
-        silent = self.source.watched.silence(now) if self.source.live else None
-        late = overdue(self._dives.of(self._to), time.time()) if self._to else ""
-        gone = silent if silent is not None and silent > panels.SILENT_S else None
-        return standing(Condition(silent=gone, overdue=late))
 
     def _ring(self, alarms: Iterable[Alarm]) -> None:
         names = frozenset(alarm.name for alarm in alarms)

@@ -15,7 +15,7 @@ from served import PATIENCE, noted_processes, soon
 
 from mission.cli import COMMANDS, main
 from mission.verification.campaign import soak
-from mission.verification.simulation import demo
+from mission.verification.simulation import staged
 from mission.verification.simulation.demo import Demo
 
 CODE = 128 + signal.SIGINT
@@ -161,7 +161,7 @@ def test_a_demonstration_waits_for_no_process_that_does_not_end(
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Demo, "_operate", operate)
-    monkeypatch.setattr(demo, "STOP_S", 100 * PATIENCE)
+    monkeypatch.setattr(staged, "STOP_S", 100 * PATIENCE)
     ran = CliRunner().invoke(main, ["demo", "--out", str(tmp_path / "out")])
     assert ran.exit_code == CODE
     assert [process.returncode for process in started] == [-signal.SIGKILL] * 2

@@ -7,9 +7,8 @@ Three processes and one time factor. The operator uploads line by line, starts w
 asks with ``@DU``; state and leg come from the events that ``serve --events`` prints. What is shown
 at the end comes from the black box, and the truth from the simulated vehicle's own track.
 
-    DemoError      (something of the set-up does not work; the message says which process and why)
-
-What does not live here: the command line (commands/demo), pictures (plot, graph).
+What does not live here: the processes (staged), the command line (commands/demo), pictures (plot,
+graph).
 """
 
 from __future__ import annotations
@@ -18,37 +17,26 @@ import bisect
 import csv
 import json
 import math
-import os
-import queue
-import re
-import signal
-import subprocess
-import sys
-import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from links.simulated.geodesy import local
 from mission.authoring.language import script
 from mission.authoring.prepare import Prepared
 from mission.model import Estimate, NavigationMode, Position, Step
-from mission.model.shipped import vehicle_file
 from mission.onboard.blackbox import read_parts
 from mission.onboard.runtime.records import ESTIMATE, START, STEP, estimate_of, read_start, step_of
 from mission.topside.console import converse
 from mission.topside.upload import OperatorError, start, status, upload
 from mission.verification.simulation.flightlog import Flight, FlightEnd, FlightLog, TruePlace
 from mission.verification.simulation.plot import ellipse
+from mission.verification.simulation.staged import READY_S, DemoError, Lines, Stage, told_to_end
 from protocol.messages import Status, StoreReport
 
-READY_S = 20.0  # real, for a process to say that it is there
 POLL_S = 0.25  # real, between two @DU
-STOP_S = 10.0  # real, for a process to end when told
-HURRY_S = 0.5  # the same, where the demonstration does not get to its end
 PLANNED = frozenset({"until", "for", "end"})
 LEFT = frozenset(
     {
@@ -64,10 +52,6 @@ LEFT = frozenset(
         "vehicle.yaml",
     }
 )  # what a demonstration leaves in its folder, and the next one may remove
-
-
-class DemoError(RuntimeError):
-    pass
 
 
 @dataclass(slots=True)
@@ -102,16 +86,20 @@ class Demo:
         """Raises DemoError, and OperatorError for what the Pi refuses."""
         self.folder.mkdir(parents=True, exist_ok=True)
         began = time.monotonic()
-        with _told_to_end(), self._vehicle() as vehicle, self._serve(vehicle) as events:
+        with told_to_end(), self._stage.vehicle() as vehicle, self._stage.serve(vehicle) as events:
             ready = events.take(READY_S)
             topside, box = ready["topside"], Path(ready["black_box"])
             self.tell(f"the Pi listens on {topside}; its board is at {vehicle['vehicle']}")
             self._operate(topside, events)
         return self._flight(box, vehicle["wall"], time.monotonic() - began)
 
+    @property
+    def _stage(self) -> Stage:
+        return Stage(self.prepared, self.folder, self.vehicle, self.speed, self.seed, self.settings)
+
     # --- the operator ------------------------------------------------------------------------
 
-    def _operate(self, topside: str, events: _Lines) -> None:
+    def _operate(self, topside: str, events: Lines) -> None:
         lines = script(self.prepared.mission)
         talk = upload(lines, self.prepared.chart.digest, self._line)
         self.tell(converse(topside, talk))
@@ -131,7 +119,7 @@ class Demo:
             self.progress.lines = have
             self.tell(f"  line {have} of {total} is in the vehicle")
 
-    def _hear(self, events: _Lines) -> None:
+    def _hear(self, events: Lines) -> None:
         for event in events.waiting():
             if "step" in event:
                 self._step(step_of(json.dumps(event["step"])))
@@ -158,62 +146,6 @@ class Demo:
 
     def _told(self, told: Status, _: StoreReport | None) -> None:
         self.progress.depth = told.telemetry.depth if told.telemetry else None
-
-    # --- the other two processes ---------------------------------------------------------------
-
-    @contextmanager
-    def _vehicle(self) -> Iterator[dict[str, Any]]:
-        command = [sys.executable, "-m", "mission", "vehicle", self._vehicle_file()]
-        command += ["--folder", str(self.folder), "--port", "0", "--json"]
-        command += ["--seed", str(self.seed), "--speed", str(self.speed)]
-        command += ["--track", str(self.folder / "truth.csv")]
-        for setting in self.settings:
-            command += ["--set", setting]
-        home = self.prepared.mission.home
-        if home is not None:
-            command += [f"--position={home.latitude_deg},{home.longitude_deg}"]
-        with self._process("the simulated vehicle", command) as lines:
-            yield lines.take(READY_S)
-
-    @contextmanager
-    def _serve(self, vehicle: dict[str, Any]) -> Iterator[_Lines]:
-        command = [sys.executable, "-m", "mission", "serve", "--config", vehicle["config"]]
-        command += ["--speed", str(self.speed), "--events"]
-        with self._process("auvmission serve", command) as lines:
-            yield lines
-
-    def _vehicle_file(self) -> str:
-        """The vehicle's file, in the dialect that flies."""
-        text = vehicle_file(self.vehicle).read_text(encoding="utf-8")
-        dialect = f"dialect: {self.prepared.vehicle.dialect}"
-        path = self.folder / "vehicle.yaml"
-        path.write_text(re.sub(r"(?m)^dialect:.*", dialect, text), encoding="utf-8")
-        return str(path.resolve())
-
-    @contextmanager
-    def _process(self, name: str, command: list[str]) -> Iterator[_Lines]:
-        log = self.folder / f"{name.split()[-1]}.log"
-        with log.open("w", encoding="utf-8") as errors:
-            process = subprocess.Popen(
-                command,
-                stdout=subprocess.PIPE,
-                stderr=errors,
-                text=True,
-                env=os.environ | {"AUVMISSION_STOP_S": "0"},  # no vehicle has to come up
-            )
-            lines = _Lines(name, process, log)
-            patience = HURRY_S
-            try:
-                yield lines
-                patience = STOP_S
-            finally:
-                process.terminate()
-                try:
-                    process.wait(patience)
-                except subprocess.TimeoutExpired:
-                    process.kill()
-                    process.wait()
-                lines.close()
 
     # --- what came of it -----------------------------------------------------------------------
 
@@ -270,65 +202,3 @@ def not_as_planned(flight: Flight) -> list[str]:
         found.append(f"the mission was not completed but {flight.outcome}")
     odd = [leg for leg in flight.legs if leg.by not in PLANNED]
     return found + [f"{leg.name} was left by {leg.by or 'nothing'}" for leg in odd]
-
-
-@contextmanager
-def _told_to_end() -> Iterator[None]:
-    """SIGTERM and a terminal that is closed end the other processes too, as ctrl-C does."""
-
-    def end(number: int, _: object) -> None:
-        raise SystemExit(128 + number)
-
-    before = {number: signal.signal(number, end) for number in (signal.SIGTERM, signal.SIGHUP)}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-class _Lines:
-    """JSON lines of a process, read in a thread."""
-
-    def __init__(self, name: str, process: subprocess.Popen[str], log: Path) -> None:
-        self._name, self._process, self._log = name, process, log
-        self._queue: queue.SimpleQueue[str | None] = queue.SimpleQueue()
-        self._reader = threading.Thread(target=self._read, daemon=True)
-        self._reader.start()
-
-    def _read(self) -> None:
-        assert self._process.stdout is not None
-        for line in self._process.stdout:
-            self._queue.put(line)
-        self._queue.put(None)
-
-    def close(self) -> None:
-        """Once the process has ended."""
-        self._reader.join(STOP_S)
-        if self._process.stdout is not None and not self._reader.is_alive():
-            self._process.stdout.close()
-
-    def take(self, seconds: float) -> dict[str, Any]:
-        """The next one. Raises DemoError where none comes."""
-        try:
-            line = self._queue.get(timeout=seconds)
-        except queue.Empty:
-            raise DemoError(f"{self._name} says nothing after {seconds:.0f} s") from None
-        if line is None:
-            raise self._ended()
-        found: dict[str, Any] = json.loads(line)
-        return found
-
-    def waiting(self) -> Iterator[dict[str, Any]]:
-        while True:
-            try:
-                line = self._queue.get_nowait()
-            except queue.Empty:
-                return
-            if line is None:
-                raise self._ended()
-            yield json.loads(line)
-
-    def _ended(self) -> DemoError:
-        said = self._log.read_text(encoding="utf-8").strip()
-        return DemoError(f"{self._name} has ended: {said or 'without a word'}")

@@ -1,0 +1,155 @@
+"""The console as a web application: its paths, and the page's own files."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+from functools import partial
+from importlib.resources import files
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.types import ASGIApp
+from starlette.websockets import WebSocket
+
+from mission import __version__
+from mission.console import plans
+from mission.console.admission import Admission
+from mission.console.intents import FRESH_S
+from mission.console.recorded import Recorded
+from mission.console.sockets import (
+    serve_commands,
+    serve_frames,
+    serve_orders,
+    serve_review,
+    serve_stick,
+)
+from mission.console.vehicle import Vehicle
+from mission.model.shipped import shipped_missions
+from mission.topside.contacts import SILENT_S
+from mission.topside.panels import FIX_S, REPORT_S
+
+BODY = 1 << 20  # bytes
+KINDS = {
+    "html": "text/html", "js": "text/javascript", "css": "text/css", "svg": "image/svg+xml",
+    "png": "image/png",
+}  # fmt: skip
+STALE = {"intent": FRESH_S, "report": REPORT_S, "fix": FIX_S, "silent": SILENT_S}
+Shown = Vehicle | Recorded
+Serve = Callable[[WebSocket, Any], Awaitable[None]]
+
+
+def application(shown: Sequence[Shown], port: int, token: str) -> ASGIApp:
+    console = _Console({one.ident: one for one in shown})
+    live, recorded, both = (Vehicle,), (Recorded,), (Vehicle, Recorded)
+    routes = [
+        Route("/", _file),
+        Route("/page/{name:path}", _file),
+        Route("/api/setup", console.setup),
+        Route("/api/missions", _missions),
+        Route("/api/check", console.check, methods=["POST"]),
+        Route("/api/vehicles/{ident}/plan", console.plan),
+        Route("/api/vehicles/{ident}/events", console.events),
+        WebSocketRoute("/ws/frames", partial(console.socket, serve_frames, both)),
+        WebSocketRoute("/ws/orders", partial(console.socket, serve_orders, live)),
+        WebSocketRoute("/ws/commands", partial(console.socket, serve_commands, live)),
+        WebSocketRoute("/ws/stick", partial(console.socket, serve_stick, live)),
+        WebSocketRoute("/ws/review", partial(console.socket, serve_review, recorded)),
+    ]
+    return Admission(Starlette(routes=routes, lifespan=console.lifespan), port, token)
+
+
+class _Console:
+    def __init__(self, shown: Mapping[str, Shown]) -> None:
+        self._shown = shown
+
+    @contextlib.asynccontextmanager
+    async def lifespan(self, app: Starlette) -> AsyncIterator[None]:
+        tasks = [asyncio.ensure_future(one.run()) for one in self._shown.values()]
+        try:
+            yield
+        finally:
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def setup(self, request: Request) -> Response:
+        vehicles = [one.about() for one in self._shown.values()]
+        return JSONResponse({"version": __version__, "vehicles": vehicles, "stale_s": STALE})
+
+    async def plan(self, request: Request) -> Response:
+        one = self._shown.get(request.path_params["ident"])
+        return _nothing("no such vehicle") if one is None else JSONResponse(one.plan())
+
+    async def events(self, request: Request) -> Response:
+        one = self._shown.get(request.path_params["ident"])
+        if not isinstance(one, Recorded):
+            return _nothing("a recording has these, a vehicle under way has not")
+        return JSONResponse(await asyncio.to_thread(one.recording.events))
+
+    async def check(self, request: Request) -> Response:
+        try:
+            said = json.loads(await _body(request))
+            text, source = str(said["text"]), str(said["source"])
+        except (ValueError, TypeError, KeyError, RecursionError):
+            return JSONResponse({"says": "a check needs text and source"}, 400)
+        except _TooLarge:
+            return JSONResponse({"says": f"more than {BODY} bytes are no mission"}, 413)
+        vehicle = next(
+            (o.given.vehicle for o in self._shown.values() if isinstance(o, Vehicle)), None
+        )
+        return JSONResponse(await asyncio.to_thread(plans.checked, text, source, vehicle))
+
+    async def socket(self, serve: Serve, of: tuple[type[Shown], ...], socket: WebSocket) -> None:
+        one = self._shown.get(socket.query_params.get("vehicle", ""))
+        if isinstance(one, of):
+            await serve(socket, one)
+        else:
+            await socket.close()
+
+
+class _TooLarge(Exception):
+    pass
+
+
+async def _body(request: Request) -> bytes:
+    body = b""
+    async for piece in request.stream():
+        body += piece
+        if len(body) > BODY:
+            raise _TooLarge
+    return body
+
+
+async def _missions(request: Request) -> Response:
+    found = await asyncio.to_thread(_shipped)
+    return JSONResponse(found)
+
+
+def _shipped() -> list[dict[str, str]]:
+    return [
+        {"name": name, "text": path.read_text(encoding="utf-8")}
+        for name, path in shipped_missions().items()
+    ]
+
+
+async def _file(request: Request) -> Response:
+    """Of the page's folder in the package, and from nowhere else."""
+    name = request.path_params.get("name", "index.html")
+    kind = KINDS.get(name.rpartition(".")[2])
+    parts = name.split("/")
+    if kind is None or any(part.startswith(".") or not part for part in parts):
+        return _nothing("the page has no such file")
+    path = files("mission.console").joinpath("page", *parts)
+    if not path.is_file():
+        return _nothing("the page has no such file")
+    return Response(path.read_bytes(), media_type=kind)
+
+
+def _nothing(says: str) -> Response:
+    return JSONResponse({"says": says}, 404)

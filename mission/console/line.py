@@ -1,0 +1,253 @@
+"""One connection to a vehicle, open before anybody speaks: conversations, the stick, a beat.
+
+    closed --open--> open --lost: nothing came for ``LOST_S`` (steering: ``STEERING_S``)--> closed
+                     one conversation at a time, the beat (@AE) every second between them;
+                     what is urgent goes before all, and goes on over the next connection
+
+A link that is lost is aborted, and with it what waits in it: a stick of some seconds ago is no
+command. By modem, where one speaks at a time and seconds are usual, there is neither beat nor loss.
+
+What does not live here: what is said (topside), who may say it (vehicle).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections import deque
+from dataclasses import dataclass
+
+from links import open_link
+from links.base import Link, LinkClosed, LinkError
+from mission.topside.console import NAME, Talk, Unreachable
+from mission.topside.helm import Helm
+from mission.topside.stick import LOST_S as STEERING_S
+from mission.topside.stick import forget
+from mission.topside.underwater import Submerged, modem_address
+from mission.topside.upload import Ask, Conversation, OperatorError, Script, is_report
+from protocol.messages import StateQuery, StateReport, StoreQuery
+
+LOST_S = 6.0
+BEAT_S, STEERING_BEAT_S = 1.0, 0.5
+AGAIN_S = 1.0
+TICK_S = 0.25
+
+
+class NotSent(OperatorError):
+    """The vehicle has not got it."""
+
+
+@dataclass(slots=True)
+class _Job:
+    """``done`` is None for a beat."""
+
+    talk: Talk
+    done: asyncio.Future[str] | None = None
+    urgent: bool = False
+    begun: bool = False
+
+
+class Line:
+    """``keep`` runs it. Raises WrongAddress. Times are of the monotonic clock."""
+
+    def __init__(self, url: str) -> None:
+        modem = modem_address(url)
+        self.acoustics = None if modem is None else modem.acoustics
+        self._url = url if modem is None else modem.link
+        self.helm = Helm()
+        self.problem = "not connected so far"
+        self.answered: float | None = None
+        self.state: StateReport | None = None
+        self.sent = b""  # by the stick, last
+        self.is_uploading = False
+        self._link: Link | None = None
+        self._next: Link | None = None
+        self._job: _Job | None = None
+        self._waiting: deque[_Job] = deque()
+        self._stir = asyncio.Event()
+        self._heard = self._beat = 0.0
+
+    @property
+    def is_open(self) -> bool:
+        return self._link is not None
+
+    @property
+    def is_busy(self) -> bool:
+        own = self._job is not None and self._job.done is not None
+        return own or bool(self._waiting) or not self.helm.is_silent
+
+    def silence(self, now: float) -> float | None:
+        """s since it was answered; None: it is not open, or has not been answered."""
+        if self._link is None or self.answered is None:
+            return None
+        return max(0.0, now - self.answered)
+
+    def stir(self) -> None:
+        """The stick has moved."""
+        self._stir.set()
+
+    # --- what is said ------------------------------------------------------------------------
+
+    async def say(self, script: Script, *, urgent: bool = False) -> str:
+        """What was achieved. Raises OperatorError, NotSent where there is no connection; what is
+        urgent waits for one."""
+        if self.acoustics is None:
+            return await self.hold(Conversation(script), urgent=urgent)
+        return await self.hold(Submerged(script, self.acoustics), urgent=urgent)
+
+    async def hold(self, talk: Talk, *, urgent: bool = False) -> str:
+        if self._link is None and not urgent:
+            raise NotSent(self.problem)
+        job = _Job(talk, asyncio.get_running_loop().create_future(), urgent)
+        assert job.done is not None
+        if urgent:
+            self._give_way()
+            self._waiting.appendleft(job)
+        else:
+            self._waiting.append(job)
+        self._stir.set()
+        return await job.done
+
+    def _give_way(self) -> None:
+        """What is being said breaks off."""
+        if self._job is not None:
+            _fail(self._job, "broken off by an order; it may or may not have been done")
+            self._job = None
+
+    async def renew(self) -> None:
+        """The next connection is open before this one is closed: the vehicle takes it for somebody
+        else, who does not command. By modem there is but one."""
+        if self.acoustics is None:
+            self._next = await self._open()
+            self._stir.set()
+
+    # --- the connection ------------------------------------------------------------------------
+
+    async def keep(self) -> None:
+        """Runs until it is cancelled."""
+        try:
+            while True:
+                link, self._next = self._next or await self._open(), None
+                if link is None:
+                    await asyncio.sleep(AGAIN_S)
+                else:
+                    await self._use(link)
+        finally:
+            for job in (self._job, *self._waiting):
+                _fail(job, "the console ends")
+            self._job = None
+            self._waiting.clear()
+
+    async def _open(self) -> Link | None:
+        try:
+            return await asyncio.to_thread(open_link, NAME, self._url)
+        except LinkError as error:
+            self.problem = str(error)
+            return None
+
+    async def _use(self, link: Link) -> None:
+        """Until it is lost, or another takes its place."""
+        loop, descriptor = asyncio.get_running_loop(), link.fileno()
+        self._link, self._heard, self._beat = link, time.monotonic(), 0.0
+        loop.add_reader(descriptor, self._stir.set)
+        try:
+            while self._next is None:
+                self._stir.clear()
+                self._turn(link, time.monotonic())
+                await self._wait()
+        except LinkError as error:
+            self.problem = str(error)
+            self._lose()
+        finally:
+            loop.remove_reader(descriptor)
+            self._link = None
+            link.close()
+
+    def _turn(self, link: Link, now: float) -> None:
+        """Raises LinkError."""
+        for rx in link.receive(now):
+            self._heard = self.answered = now
+            if self._job is not None and self._job.begun:
+                self._send(link, self._job.talk.receive(rx.data, now), now)
+        if self._is_lost(now):
+            forget(link)
+            raise LinkClosed("the vehicle does not answer")
+        self._steer(link, now)
+        self._converse(link, now)
+
+    def _is_lost(self, now: float) -> bool:
+        within = LOST_S if self.helm.is_silent else STEERING_S
+        return self.acoustics is None and now - self._heard > within
+
+    def _lose(self) -> None:
+        """The stick has to be let go before it moves anything over the next connection."""
+        self.helm.drop()
+        self.state = None
+        job = self._job
+        if job is not None and not job.urgent:
+            _fail(job, f"{self.problem}; what was asked last may or may not have been done")
+            self._job = None
+
+    def _steer(self, link: Link, now: float) -> None:
+        if words := self.helm.words(now):
+            self.sent = b" ".join(words)
+            self._send(link, [b"".join(words)], now)
+
+    def _converse(self, link: Link, now: float) -> None:
+        job = self._job = self._finished(self._job) or self._following(now)
+        if job is None:
+            return
+        out = job.talk.handle_timer(now) if job.begun else job.talk.begin(now)
+        job.begun = True
+        self._send(link, out, now)
+        self._job = self._finished(job)
+        if self._job is None:
+            self._stir.set()
+
+    def _finished(self, job: _Job | None) -> _Job | None:
+        """It, while it is not over."""
+        if job is None or not job.talk.over:
+            return job
+        if job.done is not None and not job.done.done():
+            if job.talk.failure is not None:
+                job.done.set_exception(job.talk.failure)
+            else:
+                job.done.set_result(job.talk.result or "")
+        return None
+
+    def _following(self, now: float) -> _Job | None:
+        if self._waiting:
+            return self._waiting.popleft()
+        if self.acoustics is None and now >= self._beat:
+            self._beat = now + (BEAT_S if self.helm.is_silent else STEERING_BEAT_S)
+            return _Job(Conversation(self._beats()))
+        return None
+
+    def _beats(self) -> Script:
+        answer = yield Ask("state", StateQuery(), lambda a: isinstance(a, StateReport), tries=1)
+        self.state = answer if isinstance(answer, StateReport) else None
+        if self.state is None:  # an older program knows no @AE
+            yield Ask("store", StoreQuery(), is_report, tries=1)
+        return ""
+
+    async def _wait(self) -> None:
+        now = time.monotonic()
+        dues = [now + TICK_S, self.helm.next_timer()]
+        if self._job is not None:
+            dues.append(self._job.talk.next_timer())
+        elif self.acoustics is None:
+            dues.append(self._beat)
+        due = min(due for due in dues if due is not None)
+        try:
+            await asyncio.wait_for(self._stir.wait(), max(0.001, due - now))
+        except TimeoutError:
+            return
+
+    def _send(self, link: Link, frames: list[bytes], now: float) -> None:
+        for frame in frames:
+            link.send(frame, now)
+
+
+def _fail(job: _Job | None, why: str) -> None:
+    if job is not None and job.done is not None and not job.done.done():
+        job.done.set_exception(Unreachable(why))

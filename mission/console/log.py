@@ -1,0 +1,32 @@
+"""What was asked for by this console and what became of it, a JSON object a line, for good.
+
+    <folder>/console.jsonl     {"wall", "vehicle", ...}, renamed to console-1.jsonl at ``MOST``
+
+A line that cannot be written stops nothing: the vehicle's own black box has what it was told.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import time
+from pathlib import Path
+from typing import Any
+
+FILE, BEFORE = "console.jsonl", "console-1.jsonl"
+MOST = 10_000_000  # bytes
+
+
+class Log:
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def note(self, vehicle: str, **said: Any) -> None:
+        line = json.dumps({"wall": round(time.time(), 3), "vehicle": vehicle, **said})
+        path = self._folder / FILE
+        with contextlib.suppress(OSError):
+            self._folder.mkdir(parents=True, exist_ok=True)
+            if path.exists() and path.stat().st_size > MOST:
+                path.replace(self._folder / BEFORE)
+            with path.open("a", encoding="utf-8") as file:
+                file.write(f"{line}\n")

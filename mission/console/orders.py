@@ -1,0 +1,97 @@
+"""X and W from the console: said until the vehicle acknowledges them, whatever is in the way.
+
+    given --> sent --> acknowledged --> confirmed | unconfirmed | contradicted  (what reports show)
+               ^ |
+    unanswered + <-- no answer, or no connection        a newer order takes the place of an older
+
+Whoever gives an order gets the vehicle's command by it (R12). So once it is acknowledged the
+connection is given up for a new one: the stick need not wait for it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from mission.console.line import Line
+from mission.topside.orders import Contradicted, Unconfirmed, order
+from mission.topside.upload import OperatorError
+from protocol.messages import Order
+
+ORDERS = {"stop": Order.STOP, "surface": Order.SURFACE}
+KEPT = 5
+AGAIN_S = 0.2
+Told = Callable[[str, str], None]
+"""Gets what became of it (``is``), and words."""
+
+
+@dataclass(slots=True)
+class Given:
+    name: str
+    told: Told
+    at: float  # monotonic
+    is_now: str = "sent"
+    says: str = ""
+
+    def become(self, is_now: str, says: str = "") -> None:
+        if (is_now, says) != (self.is_now, self.says) or is_now == "sent":
+            self.is_now, self.says = is_now, says
+            self.told(is_now, says)
+
+
+class Orders:
+    def __init__(self, line: Line) -> None:
+        self._line = line
+        self._given: deque[Given] = deque(maxlen=KEPT)
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def as_objects(self, now: float) -> list[dict[str, Any]]:
+        return [
+            {"order": g.name, "is": g.is_now, "says": g.says, "age": round(now - g.at)}
+            for g in self._given
+        ]
+
+    def give(self, name: str, told: Told) -> None:
+        given = Given(name, told, time.monotonic())
+        self._given.append(given)
+        given.become("sent")
+        task = asyncio.get_running_loop().create_task(self._pursue(given))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    def end(self) -> None:
+        for task in self._tasks:
+            task.cancel()
+
+    async def _pursue(self, given: Given) -> None:
+        while self._given[-1] is given:
+            try:
+                given.become("confirmed", await self._say(given))
+            except Unconfirmed as why:
+                given.become("unconfirmed", str(why))
+            except Contradicted as why:
+                given.become("contradicted", str(why))
+            except OperatorError as why:
+                if given.is_now in ("sent", "unanswered"):
+                    given.become("unanswered", f"{why}; it is said again")
+                    await asyncio.sleep(AGAIN_S)
+                    continue
+                given.become("unconfirmed", f"acknowledged; then {why}")
+            return
+        if given.is_now in ("sent", "unanswered"):
+            given.become("refused", "a newer order has taken its place")
+
+    async def _say(self, given: Given) -> str:
+        def acknowledged(says: str) -> None:
+            given.become("acknowledged", says)
+            renewing = asyncio.get_running_loop().create_task(self._line.renew())
+            self._tasks.add(renewing)
+            renewing.add_done_callback(self._tasks.discard)
+
+        under_water = self._line.acoustics is not None
+        script = order(ORDERS[given.name], acknowledged, under_water=under_water)
+        return await self._line.say(script, urgent=True)

@@ -1,0 +1,68 @@
+"""A mission as the page shows it: its text, its graph, its map, and what is proved of it.
+
+    lines of a vehicle, or a text --authoring--> one object (docs/design/console.md)
+
+What does not live here: what is wrong with a text (authoring), where lines come from (vehicle).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from mission.authoring.check.show import as_object, unreadable_object
+from mission.authoring.graph.outline import TooLarge, outline
+from mission.authoring.graph.svg import svg
+from mission.authoring.language import script
+from mission.authoring.prepare import Prepared, Unreadable, check_prepared, prepare_text
+from mission.onboard.stream.plan import plan_geojson
+
+EMPTY: dict[str, Any] = {
+    "digest": "", "name": "", "vehicle": "", "text": "", "lines": 0, "svg": "", "map": None,
+    "home": None, "radius": None, "problem": "",
+}  # fmt: skip
+
+
+def on_board(lines: Sequence[str], vehicle: str | None) -> dict[str, Any]:
+    """``vehicle``: a file or a shipped one's name; None: the one that the mission names."""
+    if not lines:
+        return {**EMPTY, "problem": "no mission is on board"}
+    text = "\n".join(lines)
+    try:
+        return shown(prepare_text(text, "script", vehicle))
+    except Unreadable as error:
+        why = f"what is on board cannot be shown here: {error.diagnostics[0].message}"
+        return {**EMPTY, "text": text, "lines": len(lines), "problem": why}
+
+
+def checked(text: str, source: str, vehicle: str | None) -> dict[str, Any]:
+    """With ``ok``, ``refusals`` and what is ``proved``."""
+    try:
+        prepared = prepare_text(text, source, vehicle)
+    except Unreadable as error:
+        return {**EMPTY, "text": text, **unreadable_object(error.diagnostics)}
+    return {**shown(prepared), **as_object(check_prepared(prepared))}
+
+
+def shown(prepared: Prepared) -> dict[str, Any]:
+    mission, chart = prepared.mission, prepared.chart
+    home, problem = mission.home, ""
+    try:
+        drawn = svg(outline(chart, None), False)
+    except TooLarge as error:
+        drawn, problem = "", str(error)
+    if home is None:
+        problem = problem or "the mission names no home: no map before it is under way"
+    return {
+        "digest": chart.digest[:16],
+        "name": mission.name,
+        "vehicle": mission.vehicle,
+        "text": prepared.text,
+        "lines": len(script(mission)),
+        "svg": drawn,
+        "map": None if home is None else plan_geojson(chart, home),
+        "home": None if home is None else [home.latitude_deg, home.longitude_deg],
+        "radius": min(prepared.vehicle.limits.radius, mission.safety.radius or math.inf),
+        "problem": problem,
+    }

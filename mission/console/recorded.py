@@ -1,0 +1,73 @@
+"""A recording in the place of a vehicle: the same frames, and nobody to be told anything."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from typing import Any
+
+from mission.console import plans
+from mission.console.board import Board
+from mission.console.recording import Recording
+
+EVERY_S = 0.2
+
+
+class Recorded:
+    def __init__(self, ident: str, name: str, recording: Recording, vehicle: str | None) -> None:
+        self.ident, self.name, self.recording = ident, name, recording
+        self.board = Board()
+        self._vehicle = vehicle
+        self._plan, self._planned = dict(plans.EMPTY), tuple[str, ...]()
+
+    def about(self) -> dict[str, Any]:
+        return {
+            "id": self.ident,
+            "name": self.name,
+            "to": "",
+            "source": "recording",
+            "under_water": False,
+            "speed": 1.0,
+            "checklist": [],
+        }
+
+    def plan(self) -> dict[str, Any]:
+        return self._plan
+
+    def frame(self, page: str, now: float) -> bytes:
+        """b"" where nothing is new."""
+        recording = self.recording
+        extras = {
+            "wall": int(time.time()),
+            "silence": 0,
+            "problem": "",
+            "plan": self._plan["digest"],
+            "review": recording.as_object(),
+        }
+        return self.board.frame(page, recording.watched, extras, recording.t, now)
+
+    def steer(self, said: dict[str, Any]) -> None:
+        """Raises ValueError, KeyError, TypeError for what no page says."""
+        match said:
+            case {"do": "play", "speed": speed}:
+                self.recording.play(float(speed))
+            case {"do": "pause"}:
+                self.recording.pause()
+            case {"do": "seek", "t": t}:
+                self.recording.seek(float(t))
+            case _:
+                raise ValueError("a review knows play with a speed, pause, and seek with t")
+
+    async def run(self) -> None:
+        """Until it is cancelled."""
+        threading.Thread(target=self.recording.run, daemon=True).start()
+        try:
+            while True:
+                lines = self.recording.watched.plan
+                if lines != self._planned:
+                    self._planned = lines
+                    self._plan = await asyncio.to_thread(plans.on_board, lines, self._vehicle)
+                await asyncio.sleep(EVERY_S)
+        finally:
+            self.recording.stop()

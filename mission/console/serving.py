@@ -1,0 +1,45 @@
+"""The console's server: on the loopback, until it is told to end."""
+
+from __future__ import annotations
+
+import asyncio
+import secrets
+import socket
+from collections.abc import Callable, Sequence
+
+import uvicorn
+
+from mission.console.app import Shown, application
+
+HOST = "127.0.0.1"
+SAID = 2 << 20  # bytes of one message of a page: an upload
+LEAVE_S = 2
+
+
+def listen(port: int) -> socket.socket:
+    """``port`` 0: any free one. Raises OSError."""
+    return socket.create_server((HOST, port))
+
+
+async def serve(
+    listening: socket.socket,
+    made: Callable[[], Sequence[Shown]],
+    ready: Callable[[str], None],
+    server: Callable[[uvicorn.Server], None] = lambda server: None,
+) -> None:
+    """Until SIGINT or SIGTERM. ``made`` is called in the event loop; ``ready`` gets the address of
+    the page once it answers, ``server`` what can be told to end."""
+    port, token = listening.getsockname()[1], secrets.token_urlsafe(24)
+    app = application(made(), port, token)
+    config = uvicorn.Config(
+        app, log_level="warning", access_log=False, server_header=False, ws_max_size=SAID,
+        ws_per_message_deflate=False, timeout_graceful_shutdown=LEAVE_S, lifespan="on",
+    )  # fmt: skip
+    running = uvicorn.Server(config)
+    server(running)
+    serving = asyncio.ensure_future(running.serve(sockets=[listening]))
+    while not running.started and not serving.done():
+        await asyncio.sleep(0.01)
+    if running.started:
+        ready(f"http://{HOST}:{port}/#{token}")
+    await serving

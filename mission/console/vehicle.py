@@ -1,0 +1,231 @@
+"""A vehicle of the console: what is known of it, what may be said to it, and by which connection.
+
+    monitor (a thread) ------------> Watched <--- looks by the command port, where there is none
+    line of orders:   X, W           always open           (by modem one line does both)
+    line of commands: all else, M    open while a page looks: who is heard keeps the command (R12)
+
+What does not live here: recordings (recorded), what pages are sent (board), intents (intents).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import threading
+import time
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from mission.console import plans
+from mission.console.board import Board
+from mission.console.line import Line
+from mission.console.log import Log
+from mission.console.orders import Orders
+from mission.console.steering import Steering
+from mission.topside.contacts import SILENT_S, Contacts
+from mission.topside.looking import Looked, look
+from mission.topside.monitor import Watched
+from mission.topside.sources import ASK_S, ASK_UNDER_WATER_S, frame_of, from_monitor
+from mission.topside.upload import OperatorError
+
+TICK_S = 0.1
+LEAVE_S = 3.0  # behind the last page
+COMMANDERS = {"asker": "us", "nobody": "nobody", "network": "other", "modem": "other"}
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """``monitor``: "" where there is none. ``vehicle``: its file or a shipped one's name; None: the
+    one that the mission names. ``speed``: of a simulated one, times real time."""
+
+    name: str
+    to: str
+    monitor: str = ""
+    vehicle: str | None = None
+    speed: float = 1.0
+    checklist: tuple[str, ...] = ()
+
+
+class Vehicle:
+    """Raises WrongAddress. To be made and used in one event loop."""
+
+    def __init__(self, ident: str, given: Given, memory: Path) -> None:
+        self.ident, self.given, self.log = ident, given, Log(memory)
+        self.board = Board()
+        self.commands = Line(given.to)
+        self.under_water = self.commands.acoustics is not None
+        self._orders_line = self.commands if self.under_water else Line(given.to)
+        self.orders = Orders(self._orders_line)
+        self.steering = Steering(self.commands)
+        self.contacts = Contacts(given.to, memory)
+        self.checked: dict[str, float] = {}
+        self._source = from_monitor(given.monitor) if given.monitor else None
+        self._looked = Watched()
+        self._look_problem = ""
+        self._plan, self._planned = dict(plans.EMPTY), ("", ())
+        self._known: dict[str, dict[str, Any]] = {}  # plans that were uploaded from here
+        self._mine: list[dict[str, Any]] = []
+        self._began = time.monotonic()
+
+    # --- what is known -------------------------------------------------------------------------
+
+    @property
+    def watched(self) -> Watched:
+        return self._looked if self._source is None or self._looks else self._source.watched
+
+    @property
+    def _looks(self) -> bool:
+        """The monitor is silent, and the command port is not."""
+        if self._source is None:
+            return True
+        now = time.monotonic()
+        silence, other = self._source.watched.silence(now), self._looked.silence(now)
+        return (silence is None or silence > SILENT_S) and (other is not None and other <= SILENT_S)
+
+    def about(self) -> dict[str, Any]:
+        return {
+            "id": self.ident,
+            "name": self.given.name,
+            "to": self.given.to,
+            "source": "frames" if self._looks else "monitor",
+            "under_water": self.under_water,
+            "speed": self.given.speed,
+            "checklist": list(self.given.checklist),
+        }
+
+    def plan(self) -> dict[str, Any]:
+        return self._plan
+
+    def frame(self, page: str, now: float) -> bytes:
+        """b"" where nothing is new."""
+        watched = self.watched
+        t = 0.0
+        if watched.at is not None:
+            t = watched.at[0] + (now - watched.at[1]) * self.given.speed
+        return self.board.frame(page, watched, self._extras(watched, now), t, now)
+
+    def _extras(self, watched: Watched, now: float) -> dict[str, Any]:
+        silence, state = watched.silence(now), self.commands.state
+        return {
+            "wall": int(time.time()),
+            "silence": None if silence is None else round(silence),
+            "problem": self._problem,
+            "alarms": [*self._mine, *(watched.state.get("alarms") or ())],
+            "command": {
+                "is": COMMANDERS[state.commander] if state is not None else "unknown",
+                "age": _rounded(self.commands.silence(now)),
+            },
+            "lines": {
+                "orders": _rounded(self._orders_line.silence(now)),
+                "commands": _rounded(self.commands.silence(now)),
+            },
+            "orders": self.orders.as_objects(now),
+            "checked": self.checked,
+            "plan": self._plan["digest"],
+        }
+
+    @property
+    def _problem(self) -> str:
+        if self._looks:
+            return self._look_problem
+        return self._source.problem if self._source is not None else ""
+
+    # --- while time passes -----------------------------------------------------------------------
+
+    async def run(self) -> None:
+        """Until it is cancelled."""
+        if self._source is not None:
+            threading.Thread(target=self._source.run, daemon=True).start()
+        parts = [self._orders_line.keep(), self._tick(), self._follow()]
+        if not self.under_water:
+            parts.append(self._keep_commands())
+        try:
+            async with asyncio.TaskGroup() as group:
+                for part in parts:
+                    group.create_task(part)
+        finally:
+            self.orders.end()
+            if self._source is not None:
+                self._source.stopped.set()
+
+    async def _keep_commands(self) -> None:
+        while True:
+            while not self.board.pages:
+                await asyncio.sleep(TICK_S)
+            keeping = asyncio.get_running_loop().create_task(self.commands.keep())
+            try:
+                await self._nobody_looks()
+            finally:
+                keeping.cancel()
+                with contextlib.suppress(asyncio.CancelledError):
+                    await keeping
+
+    async def _nobody_looks(self) -> None:
+        """For a while, and nothing is being said."""
+        last = time.monotonic()
+        while time.monotonic() < last + LEAVE_S:
+            if self.board.pages or self.commands.is_busy:
+                last = time.monotonic()
+            await asyncio.sleep(TICK_S)
+
+    async def _tick(self) -> None:
+        due = 0.0
+        while True:
+            now = time.monotonic()
+            self.steering.hold(now)
+            if now >= due:
+                due = now + 1.0
+                self.contacts.remember(self.watched, now)
+                self._mine = [asdict(a) for a in self.contacts.alarms(self.watched, now, True)]
+            await asyncio.sleep(TICK_S)
+
+    async def _follow(self) -> None:
+        """The mission on board, and looks where there is no monitor."""
+        every = ASK_UNDER_WATER_S if self.under_water else ASK_S
+        due = 0.0
+        while True:
+            now = time.monotonic()
+            silence = None if self._source is None else self._source.watched.silence(now)
+            is_dumb = silence is None or silence > SILENT_S
+            if is_dumb and now >= due and now > self._began + SILENT_S * (self._source is not None):
+                due = now + every
+                await self._look()
+            await self._read_plan()
+            await asyncio.sleep(TICK_S)
+
+    async def _look(self) -> None:
+        found: list[Looked] = []
+        script = look(found.append, under_water=self.under_water, now=time.monotonic)
+        try:
+            await self.commands.say(script)
+        except OperatorError as error:
+            self._look_problem = str(error)
+            return
+        self._look_problem = ""
+        now = time.monotonic()
+        self._looked.take(frame_of(found[0], now - self._began), now)
+
+    async def _read_plan(self) -> None:
+        watched = self.watched
+        key = str(watched.state.get("mission") or ""), watched.plan
+        if key == self._planned:
+            return
+        self._planned = key
+        if (known := self._known.get(key[0])) is not None:
+            self._plan = known
+            return
+        found = await asyncio.to_thread(plans.on_board, key[1], self.given.vehicle)
+        if key[0] and found["digest"] != key[0]:
+            why = "the vehicle holds a mission; its lines have not been told here so far"
+            found = {**found, "digest": "", "problem": found["problem"] if key[1] else why}
+        self._plan = found
+
+    def uploaded(self, plan: Mapping[str, Any]) -> None:
+        self._known[plan["digest"]] = dict(plan)
+        self._planned = ("", ())
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else round(value, 1)

@@ -1,0 +1,40 @@
+"""What the boat itself makes of a vehicle that it watches: contacts kept, and its own alarms.
+
+What does not live here: what is kept (dives), what overdue means (overdue).
+"""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+from mission.model.alarms import Alarm, Condition, standing
+from mission.topside.dives import Dives
+from mission.topside.monitor import Watched
+from mission.topside.overdue import contact_with, overdue
+
+KEEP_S = 10.0  # between two contacts that are kept
+SILENT_S = 5.0  # without a frame: nothing shown is of now
+
+
+class Contacts:
+    """``to``: where the vehicle's commands go, by which it is remembered; "": it is not."""
+
+    def __init__(self, to: str, memory: Path) -> None:
+        self.dives = Dives(memory)
+        self._to, self._kept = to, -KEEP_S
+
+    def remember(self, watched: Watched, now: float) -> None:
+        """Now and then, for whoever has to search."""
+        if watched.at is None or not self._to or now < self._kept + KEEP_S:
+            return
+        self._kept = now
+        wall = time.time() - (now - watched.at[1])
+        self.dives.contact(self._to, contact_with(watched.state, wall))
+
+    def alarms(self, watched: Watched, now: float, live: bool) -> tuple[Alarm, ...]:
+        """What the boat alone knows: silence, overdue."""
+        silent = watched.silence(now) if live else None
+        late = overdue(self.dives.of(self._to), time.time()) if self._to else ""
+        gone = silent if silent is not None and silent > SILENT_S else None
+        return standing(Condition(silent=gone, overdue=late))
