@@ -1,0 +1,155 @@
+// @ts-check
+/**
+ * What is wrong, worst first, with a sound until it is silenced; an alarm that comes anew sounds again.
+ *
+ * The browser allows no sound before the first press on the page: until then the button says so.
+ */
+
+import { el, mark, say } from './dom.js';
+import { lasting } from './format.js';
+import { isHung, isLive, silence } from './state.js';
+import { named, word } from './words.js';
+
+/** @typedef {import('./station.js').Page} Page
+ * @typedef {import('./station.js').Station} Station
+ * @typedef {import('./state.js').Alarm} Alarm */
+
+const EVERY_MS = { danger: 1500, warning: 10_000 };
+const TONES = { danger: [880, 660, 880], warning: [520] }; // Hz
+const TONE_S = 0.16;
+
+/** What stands, worst first. @param {Station} station @param {number} quietFor s
+ * @param {number} now ms @returns {Alarm[]} */
+export function standing(station, quietFor, now) {
+  const { vehicle } = station;
+  /** @type {Alarm[]} */
+  const alarms = [];
+  const tell = (/** @type {string} */ name, /** @type {Alarm['level']} */ level, words = '') =>
+    alarms.push({ name, level, words, do: '' });
+  const quiet = silence(vehicle, now);
+  if (vehicle.heardAt === null) tell(word('opening'), 'warning', station.problem);
+  else if (isHung(vehicle, now)) {
+    tell(word('lost', lasting((now - vehicle.heardAt) / 1000)), 'danger', station.problem);
+  } else if (isLive(vehicle) && quiet === null) {
+    tell(word('unheard'), 'warning', vehicle.state['problem'] ?? '');
+  } else if (isLive(vehicle) && quiet !== null && quiet > quietFor) {
+    tell(word('silent', lasting(quiet)), 'danger', vehicle.state['problem'] ?? '');
+  }
+  const told = /** @type {Alarm[]} */ (vehicle.state['alarms'] ?? []);
+  alarms.push(...told.map((one) => ({ ...one, name: named(one.name) })));
+  return alarms.sort((a, b) => rank(a) - rank(b));
+}
+
+/** @param {Alarm} alarm */
+function rank(alarm) {
+  return alarm.level === 'danger' ? 0 : 1;
+}
+
+export class Alarms {
+  /** @param {HTMLElement} root @param {HTMLElement} button of the sound */
+  constructor(root, button) {
+    this._root = root;
+    this._button = button;
+    this._voice = new Voice();
+    /** @type {Set<string>} */
+    this._silenced = new Set();
+    this._shown = '';
+    button.addEventListener('click', () => this._switch());
+  }
+
+  /** @param {Page} page @param {number} now ms */
+  show(page, now) {
+    const alarms = standing(page.chosen, page.stale.silence, now);
+    const keys = alarms.map(keyOf);
+    this._silenced = new Set([...this._silenced].filter((key) => keys.includes(key)));
+    const shown = keys.map((key) => key + this._silenced.has(key)).join();
+    if (shown !== this._shown) {
+      this._root.replaceChildren(...alarms.map((alarm) => this._row(alarm)));
+      this._shown = shown;
+    }
+    alarms.forEach((alarm, i) => tellRow(this._root.children[i], alarm));
+    const loud = alarms.filter((alarm) => !this._silenced.has(keyOf(alarm)));
+    if (loud[0]) this._voice.sound(loud[0].level, now);
+    this._showButton();
+  }
+
+  /** @param {Alarm} alarm */
+  _row(alarm) {
+    const key = keyOf(alarm);
+    const hushed = this._silenced.has(key);
+    const hush = el('button', { type: 'button', disabled: hushed, onclick: () => {
+      this._silenced.add(key);
+    } }, word(hushed ? 'silenced' : 'silence'));
+    return el('div', { class: 'alarm', role: 'alert', 'data-level': alarm.level },
+      el('strong'), el('span'), hush);
+  }
+
+  _switch() {
+    this._voice.isOn = !(this._voice.isOn && this._voice.isAllowed);
+    this._voice.allow();
+    this._showButton();
+  }
+
+  _showButton() {
+    const works = this._voice.isOn && this._voice.isAllowed;
+    say(this._button, `${word('sound')} ${word(works ? 'on' : 'off')}`);
+    mark(this._button, 'aria-pressed', String(works));
+    mark(this._button, 'data-blocked', this._voice.isOn && !works ? '' : null);
+  }
+
+  /** Whoever has pressed anything allows the sound. */
+  allow() {
+    this._voice.allow();
+  }
+}
+
+/** Numbers in it count on. @param {Alarm} alarm */
+function keyOf(alarm) {
+  return alarm.level + alarm.name.replace(/[\d.]+/g, '');
+}
+
+/** @param {Element | undefined} row @param {Alarm} alarm */
+function tellRow(row, alarm) {
+  const [name, words] = row?.children ?? [];
+  if (name) say(name, alarm.name);
+  const more = [alarm.words, alarm.do].filter(Boolean).join(' — ');
+  if (words) say(words, more);
+}
+
+class Voice {
+  isOn = true;
+  _last = -Infinity; // ms
+  /** @type {AudioContext | null} */
+  _context = null;
+
+  get isAllowed() {
+    return this._context?.state === 'running';
+  }
+
+  /** Within a press. */
+  allow() {
+    this._context ??= new AudioContext();
+    void this._context.resume();
+  }
+
+  /** @param {Alarm['level']} level @param {number} now ms */
+  sound(level, now) {
+    if (!this.isOn || !this.isAllowed || now - this._last < EVERY_MS[level]) return;
+    this._last = now;
+    TONES[level].forEach((hertz, i) => this._tone(hertz, i * TONE_S));
+  }
+
+  /** @param {number} hertz @param {number} after s */
+  _tone(hertz, after) {
+    const context = this._context;
+    if (context === null) return;
+    const [tone, gain] = [context.createOscillator(), context.createGain()];
+    const begin = context.currentTime + after;
+    tone.frequency.value = hertz;
+    gain.gain.setValueAtTime(0.25, begin);
+    gain.gain.exponentialRampToValueAtTime(0.001, begin + TONE_S);
+    tone.connect(gain).connect(context.destination);
+    tone.start(begin);
+    tone.stop(begin + TONE_S);
+  }
+}

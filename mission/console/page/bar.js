@@ -1,0 +1,93 @@
+// @ts-check
+/**
+ * The upper edge: which vehicle, from where, its state, its mission, who commands, when it was heard.
+ */
+
+import { el, mark, say } from './dom.js';
+import { ago, clock } from './format.js';
+import { age, isHung, isLive, silence } from './state.js';
+import { word } from './words.js';
+
+/** @typedef {import('./station.js').Page} Page
+ * @typedef {import('./station.js').Station} Station */
+
+export class Bar {
+  /** @param {(id: string) => HTMLElement} at @param {(station: Station) => void} choose */
+  constructor(at, choose) {
+    this._choose = choose;
+    this._vehicles = at('vehicles');
+    this._source = at('source');
+    this._state = at('state');
+    this._mission = at('mission');
+    this._commander = at('commander');
+    this._heard = at('heard');
+  }
+
+  /** @param {Page} page @param {number} now ms */
+  show(page, now) {
+    const { vehicle } = page.chosen;
+    this._showVehicles(page);
+    const hung = isHung(vehicle, now);
+    const quiet = silence(vehicle, now);
+    const isOld = hung || (isLive(vehicle) && (quiet === null || quiet > page.stale.silence));
+    const state = vehicle.state['state'];
+    say(this._state, state || word('unknown'));
+    mark(this._state, 'data-level', /^emergency/.test(state ?? '') ? 'bad' : null);
+    mark(this._state, 'data-old', isOld ? '' : null);
+    const kind = kindOf(page.chosen);
+    say(this._source, word(kind));
+    mark(this._source, 'data-kind', kind);
+    mark(this._source, 'data-old', isOld ? '' : null);
+    say(this._mission, missionText(page.chosen, now));
+    say(this._commander, commander(page.chosen));
+    say(this._heard, ago(hung && quiet === null ? null : quiet ?? 0));
+  }
+
+  /** @param {Page} page */
+  _showVehicles(page) {
+    if (this._vehicles.childElementCount !== page.stations.length) {
+      this._vehicles.replaceChildren(...page.stations.map((station) => this._name(page, station)));
+    }
+    page.stations.forEach((station, i) => {
+      const shown = this._vehicles.children[i];
+      if (shown instanceof HTMLButtonElement) {
+        mark(shown, 'aria-pressed', String(station === page.chosen));
+      }
+    });
+  }
+
+  /** @param {Page} page @param {Station} station */
+  _name(page, station) {
+    const { name, to } = station.vehicle.setup;
+    const has = { class: 'vehicle-name', title: to ? `${name} ${to}` : name };
+    if (page.stations.length === 1) return el('span', has, name);
+    return el('button', { ...has, type: 'button', onclick: () => this._choose(station) }, name);
+  }
+}
+
+/** @param {Station} station */
+export function kindOf(station) {
+  const { source, under_water: wet, speed } = station.vehicle.setup;
+  if (source === 'recording') return 'review';
+  if (wet) return 'modem';
+  return speed !== 1 ? 'simulation' : 'live';
+}
+
+/** @param {Station} station @param {number} now ms */
+function missionText(station, now) {
+  const { vehicle } = station;
+  const digest = vehicle.state['mission'];
+  if (!digest) return word('no_mission');
+  const begun = age(vehicle, 'mission_began', now);
+  const name = vehicle.plan?.digest === digest ? vehicle.plan?.name ?? '' : '';
+  const parts = [name, digest.slice(0, 8), begun === null ? word('not_started') : clock(begun)];
+  return parts.filter(Boolean).join(' · ');
+}
+
+/** @param {Station} station */
+export function commander(station) {
+  const { command, commander: told } = station.vehicle.state;
+  if (command?.is === 'us') return word('us');
+  if (command?.is === 'nobody') return word('nobody');
+  return told || word(command?.is === 'other' || !command ? 'unknown' : 'nobody');
+}

@@ -1,0 +1,230 @@
+// @ts-check
+/**
+ * The chart: a metric grid with plan, track, vehicle and its 95 % ellipse; moved by hand or keys.
+ *
+ * What is drawn is in ``layers``, what there is to draw in ``scene``.
+ */
+
+import { inksOf, sheet } from './canvas.js';
+import { mark, say } from './dom.js';
+import { bearing, lasting, length, place } from './format.js';
+import { between, ellipse } from './geo.js';
+import { LAYERS, font } from './layers.js';
+import { frameOf, sceneOf } from './scene.js';
+import { age } from './state.js';
+import { View } from './view.js';
+import { word } from './words.js';
+
+/** @typedef {import('./geo.js').Pair} Pair
+ * @typedef {import('./station.js').Page} Page
+ * @typedef {import('./layers.js').Scene} Scene */
+
+const NAMES = { paper: 'sea', grid: 'grid', ink: 'ink', soft: 'soft', track: 'track', plan: 'plan',
+  target: 'target', limit: 'limit', vehicle: 'craft', old: 'old' };
+const STEP_PX = 60; // of an arrow key
+const NEARER = 1.4;
+const EDGE = 0.3; // of the screen: a vehicle that is followed stays within
+
+export class Chart {
+  /** @param {(id: string) => HTMLElement} at @param {() => void} redraw */
+  constructor(at, redraw) {
+    this._canvas = /** @type {HTMLCanvasElement} */ (at('chart-canvas'));
+    this._place = at('chart-place');
+    this._pointed = at('chart-pointer');
+    this._following = at('follow');
+    this._redraw = redraw;
+    this._view = new View();
+    this._isFollowing = true;
+    this._isFitted = '';
+    /** @type {Map<number, Pair>} fingers that are down, px */
+    this._fingers = new Map();
+    /** @type {Pair | null} px */
+    this._pointer = null;
+    /** @type {Scene | null} */
+    this._scene = null;
+    this._listen(at);
+  }
+
+  /** @param {Page} page @param {number} now ms */
+  show(page, now) {
+    const { vehicle } = page.chosen;
+    const drawn = sheet(this._canvas);
+    if (drawn === null) return;
+    Object.assign(this._view, { width: drawn.width, height: drawn.height });
+    this._frame = frameOf(vehicle);
+    this._scene = sceneOf(vehicle, this._frame, page.stale.report, now);
+    this._aim(`${vehicle.setup.id} ${this._frame?.lat} ${this._frame?.lon} ${vehicle.plan?.digest}`);
+    const inks = inksOf(NAMES);
+    for (const layer of LAYERS) layer(drawn.pen, this._view, this._scene, inks);
+    if (!this._scene.hasPlace) this._empty(drawn.pen, inks.soft);
+    mark(this._following, 'aria-pressed', String(this._isFollowing));
+    this._tellPlace(page, now);
+    this._tellPointer();
+  }
+
+  /** What is there is shown once; later the vehicle is kept in sight. @param {string} of */
+  _aim(of) {
+    const scene = this._scene;
+    if (scene === null || !scene.hasPlace) return;
+    if (this._isFitted !== of) {
+      this._isFitted = of;
+      this._view.fit(pointsOf(scene));
+    }
+    if (!this._isFollowing || scene.here === null) return;
+    const [x, y] = this._view.toScreen(scene.here.at);
+    const [wide, high] = [this._view.width * EDGE, this._view.height * EDGE];
+    const outside = Math.abs(x - this._view.width / 2) > wide
+      || Math.abs(y - this._view.height / 2) > high;
+    if (outside && this._view.scale * 200 > 1) this._view.centre(scene.here.at);
+  }
+
+  /** @param {CanvasRenderingContext2D} pen @param {string} ink */
+  _empty(pen, ink) {
+    font(pen, 18, 600);
+    pen.textAlign = 'center';
+    pen.fillStyle = ink;
+    pen.fillText(word('no_place'), this._view.width / 2, this._view.height / 2);
+  }
+
+  /** Where it is, how sure, and since when it is only reckoned. @param {Page} page
+   * @param {number} now */
+  _tellPlace(page, now) {
+    const { vehicle } = page.chosen;
+    const { latitude, longitude, ellipse: around } = vehicle.state;
+    const isKnown = typeof latitude === 'number';
+    const since = age(vehicle, 'fix_at', now);
+    const reckoned = since !== null && since > page.stale.fix;
+    say(this._place, !isKnown ? (this._scene?.here ? word('unknown') : '') : [
+      place(latitude, longitude),
+      around ? `${word('uncertainty')} ${length(around[0])}` : '',
+      reckoned ? word('reckoned', lasting(since)) : '',
+    ].filter(Boolean).join(' · '));
+    mark(this._place, 'data-is', this._scene?.here?.isOld ? 'old' : 'fresh');
+  }
+
+  /** What is under the pointer, and how far from vehicle and home. */
+  _tellPointer() {
+    const scene = this._scene;
+    if (this._pointer === null || scene === null || !this._frame) return say(this._pointed, '');
+    const at = this._view.toWorld(this._pointer);
+    const from = (/** @type {Pair | undefined} */ point, /** @type {string} */ name) => {
+      if (point === undefined) return '';
+      const way = between(point, at);
+      return `${length(way.range)} ${bearing(way.bearing)} ${word(name)}`;
+    };
+    say(this._pointed, [place(...this._frame.toEarth(...at)), from(scene.here?.at, 'of_vehicle'),
+      from(scene.home ?? undefined, 'of_home')].filter(Boolean).join(' · '));
+  }
+
+  // --- moving it ---
+
+  /** @param {(id: string) => HTMLElement} at */
+  _listen(at) {
+    const on = (/** @type {string} */ id, /** @type {() => void} */ act) =>
+      at(id).addEventListener('click', () => this._moved(act));
+    on('zoom-in', () => this._view.zoom(NEARER));
+    on('zoom-out', () => this._view.zoom(1 / NEARER));
+    on('fit', () => this._fit());
+    on('follow', () => this._follow(!this._isFollowing));
+    const canvas = this._canvas;
+    canvas.addEventListener('keydown', (event) => this._key(event));
+    canvas.addEventListener('wheel', (event) => this._wheel(event), { passive: false });
+    canvas.addEventListener('pointerdown', (event) => this._down(event));
+    canvas.addEventListener('pointermove', (event) => this._drag(event));
+    for (const name of ['pointerup', 'pointercancel', 'pointerleave']) {
+      canvas.addEventListener(name, (event) => this._up(/** @type {PointerEvent} */ (event)));
+    }
+    new ResizeObserver(() => this._redraw()).observe(canvas);
+  }
+
+  /** @param {() => void} act */
+  _moved(act) {
+    act();
+    this._redraw();
+  }
+
+  _fit() {
+    this._isFollowing = false;
+    if (this._scene) this._view.fit(pointsOf(this._scene));
+  }
+
+  /** @param {boolean} on */
+  _follow(on) {
+    this._isFollowing = on;
+    if (on && this._scene?.here) this._view.centre(this._scene.here.at);
+  }
+
+  /** @param {KeyboardEvent} event */
+  _key(event) {
+    if (event.ctrlKey || event.altKey || event.metaKey || event.shiftKey && event.key !== '+') return;
+    const far = STEP_PX;
+    /** @type {Record<string, () => void>} */
+    const acts = {
+      ArrowLeft: () => this._pan(far, 0),
+      ArrowRight: () => this._pan(-far, 0),
+      ArrowUp: () => this._pan(0, far),
+      ArrowDown: () => this._pan(0, -far),
+      '+': () => this._view.zoom(NEARER),
+      '=': () => this._view.zoom(NEARER),
+      '-': () => this._view.zoom(1 / NEARER),
+      0: () => this._fit(),
+      f: () => this._follow(!this._isFollowing),
+    };
+    const act = acts[event.key];
+    if (act === undefined) return;
+    event.preventDefault();
+    this._moved(act);
+  }
+
+  /** @param {number} x @param {number} y px */
+  _pan(x, y) {
+    this._isFollowing = false;
+    this._view.pan(x, y);
+  }
+
+  /** @param {WheelEvent} event */
+  _wheel(event) {
+    event.preventDefault();
+    const factor = Math.exp(-event.deltaY * (event.ctrlKey ? 0.01 : 0.0015));
+    this._moved(() => this._view.zoom(factor, [event.offsetX, event.offsetY]));
+  }
+
+  /** @param {PointerEvent} event */
+  _down(event) {
+    this._canvas.setPointerCapture(event.pointerId);
+    this._fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
+  }
+
+  /** One finger moves it, two draw it nearer. @param {PointerEvent} event */
+  _drag(event) {
+    /** @type {Pair} */
+    const to = [event.offsetX, event.offsetY];
+    this._pointer = to;
+    const before = this._fingers.get(event.pointerId);
+    if (before === undefined) return this._redraw();
+    const other = [...this._fingers].find(([id]) => id !== event.pointerId)?.[1];
+    if (other !== undefined) {
+      const far = (/** @type {Pair} */ p) => Math.hypot(p[0] - other[0], p[1] - other[1]);
+      this._view.zoom(far(to) / Math.max(1, far(before)), other);
+    } else this._pan(to[0] - before[0], to[1] - before[1]);
+    this._fingers.set(event.pointerId, to);
+    this._redraw();
+  }
+
+  /** @param {PointerEvent} event */
+  _up(event) {
+    this._fingers.delete(event.pointerId);
+    if (event.type === 'pointerleave' || event.pointerType === 'touch') this._pointer = null;
+    this._redraw();
+  }
+}
+
+/** All that ought to be on the screen; the radius only where nothing else is large.
+ * @param {Scene} scene @returns {Pair[]} */
+function pointsOf(scene) {
+  const { here, home } = scene;
+  const points = [...scene.track, ...scene.routes.flatMap((route) => route.points)];
+  if (home) points.push(home);
+  if (here) points.push(here.at, ...(here.ellipse ? ellipse(here.at, ...here.ellipse, 8) : []));
+  return points;
+}

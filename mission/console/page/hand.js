@@ -1,0 +1,109 @@
+// @ts-check
+/**
+ * Where the operator's hand is: pad or keys, and whether it counts. Sans-IO: the room asks.
+ *
+ * A hand counts only while the page is visible and focused, the dead man's button is held, and the
+ * pad says something new. After the page was away, or a pad was gone, it has to be let go first.
+ */
+
+export const STILL_MS = 10_000; // a pad that says nothing for so long may be out of reach
+const DEAD_ZONE = 0.12; // of a pad's axis
+const DEAD_MAN = 4; // left shoulder button, in the standard layout of the Gamepad API
+const STRENGTHS = 12; // gears
+const FIRST = 3;
+
+/** @typedef {{surge: number, turn: number, heave: number}} Axes ahead, to starboard, up: -1 to 1
+ * @typedef {{id: string, timestamp: number, buttons: readonly {pressed: boolean}[],
+ *   axes: readonly number[], connected: boolean}} Pad
+ * @typedef {{axes: Axes | null, why: '' | 'hidden' | 'still' | 'gone'}} Held
+ *   ``axes``: null while the dead man's button is let go */
+
+/** @type {Readonly<Record<string, Partial<Axes>>>} */
+const KEYS = {
+  ArrowUp: { surge: 1 }, ArrowDown: { surge: -1 }, ArrowLeft: { turn: -1 }, ArrowRight: { turn: 1 },
+  PageUp: { heave: 1 }, PageDown: { heave: -1 },
+};
+
+export class Hand {
+  constructor() {
+    /** @type {Set<string>} */
+    this._down = new Set();
+    this._shift = false;
+    this.strength = FIRST;
+    this._stamp = -1;
+    this._stampAt = 0; // ms
+    this._hadPad = false;
+    this._locked = /** @type {Held['why']} */ ('');
+  }
+
+  /** Is the key one of the stick's? @param {string} code @param {boolean} shift */
+  press(code, shift) {
+    this._shift = shift;
+    const digit = /^(?:Digit|Numpad)([1-9])$/.exec(code)?.[1];
+    if (digit) this.strength = Number(digit);
+    if (code in KEYS) this._down.add(code);
+    return digit !== undefined || code in KEYS;
+  }
+
+  /** @param {string} code @param {boolean} shift */
+  release(code, shift) {
+    this._shift = shift;
+    this._down.delete(code);
+  }
+
+  /** @param {number} by gears */
+  change(by) {
+    this.strength = Math.min(STRENGTHS, Math.max(1, this.strength + by));
+  }
+
+  /** The page is away, or was: no key is known to be down. @param {Held['why']} why */
+  drop(why) {
+    this._down.clear();
+    this._shift = false;
+    this._locked = why;
+  }
+
+  /** @param {Pad | null} pad @param {boolean} isInFront @param {number} now ms @returns {Held} */
+  held(pad, isInFront, now) {
+    if (!isInFront) this.drop('hidden');
+    if (this._hadPad && pad === null) this.drop('gone');
+    this._hadPad = pad !== null;
+    const onPad = pad !== null && (pad.buttons[DEAD_MAN]?.pressed ?? false);
+    const isStill = pad !== null && this._isStill(pad, now);
+    if (!onPad && !this._shift && isInFront) this._locked = '';
+    if (this._locked) return { axes: null, why: this._locked };
+    if (onPad && !isStill && pad !== null) return { axes: this._ofPad(pad), why: '' };
+    if (this._shift) return { axes: this._ofKeys(), why: '' };
+    return { axes: null, why: onPad && isStill ? 'still' : '' };
+  }
+
+  /** @param {Pad} pad @param {number} now */
+  _isStill(pad, now) {
+    if (pad.timestamp !== this._stamp) [this._stamp, this._stampAt] = [pad.timestamp, now];
+    return now - this._stampAt > STILL_MS;
+  }
+
+  /** @param {Pad} pad @returns {Axes} */
+  _ofPad(pad) {
+    const [turn = 0, ahead = 0, , up = 0] = pad.axes;
+    return { surge: beyond(-ahead), turn: beyond(turn), heave: beyond(-up) };
+  }
+
+  /** @returns {Axes} */
+  _ofKeys() {
+    const axes = { surge: 0, turn: 0, heave: 0 };
+    for (const code of this._down) {
+      for (const [name, way] of Object.entries(KEYS[code] ?? {})) {
+        axes[/** @type {keyof Axes} */ (name)] += (way * this.strength) / STRENGTHS;
+      }
+    }
+    return axes;
+  }
+}
+
+/** Without the play in the middle. @param {number} value of an axis */
+export function beyond(value) {
+  const size = Math.min(1, Math.abs(value));
+  if (!(size > DEAD_ZONE)) return 0;
+  return (Math.sign(value) * (size - DEAD_ZONE)) / (1 - DEAD_ZONE);
+}

@@ -1,0 +1,117 @@
+// @ts-check
+/**
+ * What the operator has told a vehicle, and what became of each.
+ *
+ *     orders     X and W: never too old; without a connection they leave as soon as there is one
+ *     commands   everything else: what cannot leave now is not sent, and said so
+ */
+
+/**
+ * @typedef {'waiting' | 'unsent' | 'sent' | 'progress' | 'acknowledged' | 'refused'
+ *   | 'unanswered' | 'confirmed' | 'unconfirmed' | 'contradicted'} Fate
+ * @typedef {{id: number, do: string, what: string, at: number, is: Fate, says: string,
+ *   since: number, have?: number, of?: number}} Intent
+ *   ``at``: s since 1970 UTC; ``since``: ms of the page, of the newest answer
+ * @typedef {{send: (message: object) => boolean}} Way
+ */
+
+export const KEPT = 50;
+const ENDS = new Set(['acknowledged', 'refused', 'confirmed', 'contradicted']);
+
+export class Intents {
+  /** @param {{orders: Way, commands: Way}} ways @param {() => number} now ms
+   * @param {() => number} wall s since 1970 UTC */
+  constructor(ways, now, wall) {
+    this._ways = ways;
+    this._now = now;
+    this._wall = wall;
+    this._id = Math.floor(wall()); // another page, or this one loaded anew, has others
+    /** @type {Intent[]} newest last */
+    this.list = [];
+    /** @type {Intent | null} an order that has not left */
+    this._waiting = null;
+  }
+
+  /** X or W, at once. @param {'stop' | 'surface'} order @param {number} [moved] ms, of the finger */
+  order(order, moved) {
+    const made = this._make(order, order, moved);
+    this._waiting = null;
+    if (!this._leave(this._ways.orders, made, {})) {
+      this._waiting = made;
+      made.is = 'waiting';
+    }
+    return made;
+  }
+
+  /** @param {string} name @param {string} what in words @param {object} values
+   * @param {number} [moved] ms, of the finger */
+  command(name, what, values, moved) {
+    const made = this._make(name, what, moved);
+    if (!this._leave(this._ways.commands, made, values)) made.is = 'unsent';
+    return made;
+  }
+
+  /** The orders' connection is there: what waits leaves. */
+  opened() {
+    if (this._waiting && this._leave(this._ways.orders, this._waiting, {})) this._waiting = null;
+  }
+
+  /** The commands' connection is gone: nobody knows what became of what was under way. */
+  lost() {
+    for (const intent of this.list) {
+      const isOrder = intent.do === 'stop' || intent.do === 'surface';
+      if (!isOrder && (intent.is === 'sent' || intent.is === 'progress')) {
+        this._set(intent, 'unanswered', '');
+      }
+    }
+  }
+
+  /** @param {{id: number, is: Fate, says: string, have?: number, of?: number}} answer */
+  heard(answer) {
+    const intent = this.list.find((one) => one.id === answer.id);
+    if (intent === undefined) return;
+    this._set(intent, answer.is, answer.says);
+    if (answer.of !== undefined) Object.assign(intent, { have: answer.have, of: answer.of });
+  }
+
+  /** The newest of a kind. @param {...string} names */
+  last(...names) {
+    return this.list.findLast((one) => names.includes(one.do)) ?? null;
+  }
+
+  /** Is a command under way? */
+  get isBusy() {
+    return this.list.some((one) => one.do !== 'stop' && one.do !== 'surface'
+      && (one.is === 'sent' || one.is === 'progress'));
+  }
+
+  /** @param {string} name @param {string} what @param {number} [moved] @returns {Intent} */
+  _make(name, what, moved) {
+    const now = this._now();
+    const at = this._wall() - (moved === undefined ? 0 : Math.max(0, now - moved) / 1000);
+    this._id += 1;
+    /** @type {Intent} */
+    const made = { id: this._id, do: name, what, at, is: 'sent', says: '', since: now };
+    this.list = [...this.list, made].slice(-KEPT);
+    return made;
+  }
+
+  /** @param {Way} way @param {Intent} intent @param {object} values */
+  _leave(way, intent, values) {
+    const left = way.send({ id: intent.id, at: intent.at, do: intent.do, ...values });
+    if (left) this._set(intent, 'sent', '');
+    return left;
+  }
+
+  /** @param {Intent} intent @param {Fate} is @param {string} says */
+  _set(intent, is, says) {
+    intent.is = is;
+    intent.says = says;
+    intent.since = this._now();
+  }
+}
+
+/** Is nothing more to come? @param {Fate} fate */
+export function isOver(fate) {
+  return ENDS.has(fate);
+}

@@ -1,0 +1,279 @@
+// @ts-check
+/**
+ * What the chart shows, a function for each layer, lowest first in ``LAYERS``.
+ *
+ * Points are east and north of the scene's origin, m. Nothing here moves by itself: a vehicle
+ * stands where it was last known to be, and looks old when that is old.
+ */
+
+import { ellipse } from './geo.js';
+import { length } from './format.js';
+import { roundUp, ticks } from './view.js';
+import { word } from './words.js';
+
+/**
+ * @typedef {import('./geo.js').Pair} Pair
+ * @typedef {import('./view.js').View} View
+ * @typedef {CanvasRenderingContext2D} Pen
+ * @typedef {{name: string, what: string, points: Pair[]}} Route
+ * @typedef {{at: Pair, heading: number | null, isOld: boolean,
+ *   ellipse: readonly [number, number, number] | null}} Here
+ * @typedef {{hasPlace: boolean, home: Pair | null, radius: number | null, routes: Route[],
+ *   leg: string, target: Pair | null, track: Pair[], here: Here | null}} Scene
+ * @typedef {Record<'paper' | 'grid' | 'ink' | 'soft' | 'track' | 'plan' | 'target' | 'limit'
+ *   | 'vehicle' | 'old', string>} Inks
+ */
+
+const LINE_PX = 90; // between lines of the grid, at least
+/** @type {readonly Pair[]} */
+const HULL = [[0, -15], [9, 11], [0, 6], [-9, 11]]; // px, ahead upward
+/** @type {readonly Pair[]} */
+const CROSS = [[1, 0], [-1, 0], [0, 1], [0, -1]];
+const TURN = 2 * Math.PI;
+
+/** @type {ReadonlyArray<(pen: Pen, view: View, scene: Scene, inks: Inks) => void>} */
+export const LAYERS = [paper, grid, limit, plan, homeMark, trackLine, targetMark, uncertainty,
+  vehicle, scaleBar, northArrow];
+
+/** @param {Pen} pen @param {View} view @param {Scene} _ @param {Inks} inks */
+function paper(pen, view, _, inks) {
+  pen.fillStyle = inks.paper;
+  pen.fillRect(0, 0, view.width, view.height);
+}
+
+/** @param {Pen} pen @param {View} view @param {Scene} scene @param {Inks} inks */
+function grid(pen, view, scene, inks) {
+  const step = roundUp(LINE_PX / view.scale);
+  const [west, north] = view.toWorld([0, 0]);
+  const [east, south] = view.toWorld([view.width, view.height]);
+  pen.strokeStyle = inks.grid;
+  pen.lineWidth = 1;
+  pen.beginPath();
+  for (const e of ticks(west, east, step)) {
+    const x = Math.round(view.toScreen([e, 0])[0]) + 0.5;
+    pen.moveTo(x, 0);
+    pen.lineTo(x, view.height);
+  }
+  for (const n of ticks(south, north, step)) {
+    const y = Math.round(view.toScreen([0, n])[1]) + 0.5;
+    pen.moveTo(0, y);
+    pen.lineTo(view.width, y);
+  }
+  pen.stroke();
+  if (scene.hasPlace) gridNumbers(pen, view, inks, step);
+}
+
+/** Metres east and north of the origin, at the edges. @param {Pen} pen @param {View} view
+ * @param {Inks} inks @param {number} step m */
+function gridNumbers(pen, view, inks, step) {
+  const [west, north] = view.toWorld([0, 0]);
+  const [east, south] = view.toWorld([view.width, view.height]);
+  font(pen, 11);
+  pen.fillStyle = inks.soft;
+  const far = (/** @type {number} */ m, /** @type {string} */ more, /** @type {string} */ less) =>
+    m === 0 ? '0' : `${length(Math.abs(m)).replace('.0 ', ' ')} ${m > 0 ? more : less}`;
+  pen.textAlign = 'center';
+  for (const e of ticks(west, east, step)) {
+    const [x] = view.toScreen([e, 0]);
+    if (x > 60 && x < view.width - 60) pen.fillText(far(e, 'E', 'W'), x, 13);
+  }
+  pen.textAlign = 'left';
+  for (const n of ticks(south, north, step)) {
+    const [, y] = view.toScreen([0, n]);
+    if (y > 26 && y < view.height - 60) pen.fillText(far(n, 'N', 'S'), 5, y - 4);
+  }
+}
+
+/** @param {Pen} pen @param {View} view @param {Scene} scene @param {Inks} inks */
+function limit(pen, view, scene, inks) {
+  pen.strokeStyle = inks.limit;
+  pen.lineWidth = 2;
+  pen.setLineDash([10, 6]);
+  if (scene.home !== null && scene.radius !== null) {
+    const [x, y] = view.toScreen(scene.home);
+    pen.beginPath();
+    pen.arc(x, y, scene.radius * view.scale, 0, TURN);
+    pen.stroke();
+    if (scene.radius * view.scale > 40) {
+      label(pen, `${word('radius')} ${length(scene.radius)}`, x,
+        y - scene.radius * view.scale - 7, inks.limit, inks.paper, 'center');
+    }
+  }
+  pen.setLineDash([]);
+}
+
+/** @param {Pen} pen @param {View} view @param {Scene} scene @param {Inks} inks */
+function plan(pen, view, scene, inks) {
+  const isActive = (/** @type {Route} */ route) => route.name === scene.leg;
+  for (const route of [...scene.routes].sort((a, b) => Number(isActive(a)) - Number(isActive(b)))) {
+    pen.strokeStyle = isActive(route) ? inks.target : inks.plan;
+    pen.lineWidth = isActive(route) ? 3.5 : 2;
+    pen.setLineDash(isActive(route) ? [] : [7, 5]);
+    stroke(pen, view, route.points);
+    pen.setLineDash([]);
+    for (const point of route.points.slice(1)) corner(pen, view, point, isActive(route), inks);
+  }
+  routeNames(pen, view, scene, inks);
+}
+
+/** Where two names would meet the later one is left out. @param {Pen} pen @param {View} view
+ * @param {Scene} scene @param {Inks} inks */
+function routeNames(pen, view, scene, inks) {
+  /** @type {Pair[]} */
+  const taken = [];
+  for (const route of scene.routes) {
+    const last = route.points.at(-1);
+    if (last === undefined) continue;
+    const [x, y] = view.toScreen(last);
+    if (taken.some(([a, b]) => Math.abs(a - x) < 90 && Math.abs(b - y) < 16)) continue;
+    taken.push([x, y]);
+    const leaf = route.name.split('/').at(-1) ?? '';
+    label(pen, leaf.length > 24 ? `${leaf.slice(0, 23)}…` : leaf, x + 9, y - 7,
+      route.name === scene.leg ? inks.target : inks.plan, inks.paper);
+  }
+}
+
+/** @param {Pen} pen @param {View} view @param {Pair} point @param {boolean} isActive
+ * @param {Inks} inks */
+function corner(pen, view, point, isActive, inks) {
+  const [x, y] = view.toScreen(point);
+  pen.fillStyle = isActive ? inks.target : inks.plan;
+  pen.beginPath();
+  pen.arc(x, y, isActive ? 4 : 3, 0, TURN);
+  pen.fill();
+}
+
+/** @param {Pen} pen @param {View} view @param {Scene} scene @param {Inks} inks */
+function homeMark(pen, view, scene, inks) {
+  if (scene.home === null) return;
+  const [x, y] = view.toScreen(scene.home);
+  pen.strokeStyle = inks.ink;
+  pen.fillStyle = inks.paper;
+  pen.lineWidth = 2.5;
+  pen.beginPath();
+  pen.moveTo(x - 10, y);
+  pen.lineTo(x, y - 10);
+  pen.lineTo(x + 10, y);
+  pen.moveTo(x - 7, y - 2);
+  pen.lineTo(x - 7, y + 9);
+  pen.lineTo(x + 7, y + 9);
+  pen.lineTo(x + 7, y - 2);
+  pen.stroke();
+  label(pen, word('home'), x + 14, y + 13, inks.ink, inks.paper);
+}
+
+/** @param {Pen} pen @param {View} view @param {Scene} scene @param {Inks} inks */
+function trackLine(pen, view, scene, inks) {
+  pen.strokeStyle = inks.track;
+  pen.lineWidth = 2.5;
+  stroke(pen, view, scene.track);
+}
+
+/** @param {Pen} pen @param {View} view @param {Scene} scene @param {Inks} inks */
+function targetMark(pen, view, scene, inks) {
+  if (scene.target === null) return;
+  const [x, y] = view.toScreen(scene.target);
+  pen.strokeStyle = inks.target;
+  pen.lineWidth = 2.5;
+  pen.beginPath();
+  pen.arc(x, y, 11, 0, TURN);
+  for (const [a, b] of CROSS) {
+    pen.moveTo(x + a * 7, y + b * 7);
+    pen.lineTo(x + a * 16, y + b * 16);
+  }
+  pen.stroke();
+}
+
+/** @param {Pen} pen @param {View} view @param {Scene} scene @param {Inks} inks */
+function uncertainty(pen, view, scene, inks) {
+  const around = scene.here?.ellipse;
+  if (!scene.here || !around) return;
+  pen.beginPath();
+  for (const point of ellipse(scene.here.at, ...around)) pen.lineTo(...view.toScreen(point));
+  pen.closePath();
+  pen.globalAlpha = 0.16;
+  pen.fillStyle = scene.here.isOld ? inks.old : inks.vehicle;
+  pen.fill();
+  pen.globalAlpha = 1;
+  pen.strokeStyle = pen.fillStyle;
+  pen.lineWidth = 1.5;
+  pen.stroke();
+}
+
+/** @param {Pen} pen @param {View} view @param {Scene} scene @param {Inks} inks */
+function vehicle(pen, view, scene, inks) {
+  if (scene.here === null) return;
+  const { at, heading, isOld } = scene.here;
+  const [x, y] = view.toScreen(at);
+  pen.save();
+  pen.translate(x, y);
+  pen.beginPath();
+  if (heading === null) pen.arc(0, 0, 9, 0, TURN);
+  else {
+    pen.rotate((heading * Math.PI) / 180);
+    for (const [a, b] of HULL) pen.lineTo(a, b);
+    pen.closePath();
+  }
+  pen.fillStyle = isOld ? inks.paper : inks.vehicle;
+  pen.strokeStyle = isOld ? inks.old : inks.paper;
+  pen.lineWidth = isOld ? 2.5 : 1.5;
+  pen.fill();
+  pen.stroke();
+  pen.restore();
+}
+
+/** @param {Pen} pen @param {View} view @param {Scene} _ @param {Inks} inks */
+function scaleBar(pen, view, _, inks) {
+  const m = roundUp(70 / view.scale);
+  const [x, y, px] = [14, view.height - 16, m * view.scale];
+  pen.strokeStyle = inks.ink;
+  pen.lineWidth = 2;
+  pen.beginPath();
+  pen.moveTo(x, y - 6);
+  pen.lineTo(x, y);
+  pen.lineTo(x + px, y);
+  pen.lineTo(x + px, y - 6);
+  pen.stroke();
+  label(pen, length(m).replace('.0 ', ' '), x + px / 2, y - 8, inks.ink, inks.paper, 'center');
+}
+
+/** @param {Pen} pen @param {View} view @param {Scene} _ @param {Inks} inks */
+function northArrow(pen, view, _, inks) {
+  const [x, y] = [view.width - 26, 40];
+  pen.fillStyle = inks.ink;
+  pen.beginPath();
+  pen.moveTo(x, y - 22);
+  pen.lineTo(x + 8, y + 6);
+  pen.lineTo(x, y);
+  pen.lineTo(x - 8, y + 6);
+  pen.closePath();
+  pen.fill();
+  label(pen, 'N', x, y + 22, inks.ink, inks.paper, 'center');
+}
+
+/** @param {Pen} pen @param {View} view @param {Pair[]} points */
+function stroke(pen, view, points) {
+  pen.lineJoin = 'round';
+  pen.beginPath();
+  for (const point of points) pen.lineTo(...view.toScreen(point));
+  pen.stroke();
+}
+
+/** @param {Pen} pen @param {number} px */
+export function font(pen, px, weight = 500) {
+  pen.font = `${weight} ${px}px ui-sans-serif, system-ui, "Noto Sans CJK SC", sans-serif`;
+}
+
+/** Text with a rim of the paper, so that lines under it do not hide it. @param {Pen} pen
+ * @param {string} text @param {number} x @param {number} y px @param {string} ink
+ * @param {string} rim @param {CanvasTextAlign} [align] */
+function label(pen, text, x, y, ink, rim, align = 'left') {
+  font(pen, 13, 600);
+  pen.textAlign = align;
+  pen.lineJoin = 'round';
+  pen.strokeStyle = rim;
+  pen.lineWidth = 4;
+  pen.strokeText(text, x, y);
+  pen.fillStyle = ink;
+  pen.fillText(text, x, y);
+}

@@ -1,0 +1,106 @@
+// @ts-check
+/**
+ * The mission that is to be uploaded: chosen from a file or from those that are shipped, and
+ * checked at once, with what is proved of it.
+ */
+
+import { el, say } from './dom.js';
+import { lasting, length, number } from './format.js';
+import { ask } from './wire.js';
+import { word } from './words.js';
+
+/** @typedef {import('./station.js').Page} Page */
+
+const MOST = 1 << 20; // characters: more is no mission
+
+export class Mission {
+  /** @type {{text: string, source: string} | null} that the check lets pass */
+  chosen = null;
+  digest = '';
+  title = '';
+
+  /** @param {() => Page} page */
+  constructor(page) {
+    this._page = page;
+    this._file = el('input', { type: 'file', accept: '.yaml,.yml,.mission', class: 'wide' });
+    this._shipped = el('select', { class: 'wide' });
+    this._says = el('p', { class: 'note', role: 'status' });
+    this._name = el('legend');
+    this.root = el('fieldset', {}, this._name, el('div', { class: 'grid2' }, this._shipped, this._file),
+      this._says);
+    this._file.addEventListener('change', () => this._take());
+    this._shipped.addEventListener('change', () => this._choose());
+    /** @type {Array<{name: string, text: string}>} */
+    this._missions = [];
+    void this._load();
+  }
+
+  show() {
+    say(this._name, word('choose'));
+    this._file.setAttribute('aria-label', word('choose_file'));
+    this._shipped.setAttribute('aria-label', word('choose'));
+    const first = this._shipped.options[0];
+    if (first) say(first, word('choose_shipped'));
+  }
+
+  async _load() {
+    this._missions = await ask('/api/missions', this._page().token).catch(() => []);
+    this._shipped.replaceChildren(el('option', { value: '' }),
+      ...this._missions.map((m) => el('option', { value: m.name }, m.name)));
+  }
+
+  _choose() {
+    const found = this._missions.find((m) => m.name === this._shipped.value);
+    this._file.value = '';
+    void this._check(found ? { text: found.text, source: `${found.name}.yaml` } : null);
+  }
+
+  async _take() {
+    const file = this._file.files?.[0];
+    if (file === undefined) return;
+    this._shipped.value = '';
+    if (file.size > MOST) return this._refuse(word('too_large', file.name));
+    await this._check({ text: await file.text(), source: file.name });
+  }
+
+  /** @param {{text: string, source: string} | null} mission */
+  async _check(mission) {
+    this._refuse('');
+    if (mission === null) return;
+    try {
+      const said = await ask('/api/check', this._page().token, mission);
+      if (said.ok) this._accept(mission, said);
+      else this._refuse(said.refusals.map(refusal).join('\n') || said.problem);
+    } catch (error) {
+      this._refuse(String(error instanceof Error ? error.message : error));
+    }
+    this._page().redraw();
+  }
+
+  /** @param {{text: string, source: string}} mission @param {any} said */
+  _accept(mission, said) {
+    this.chosen = mission;
+    this.digest = said.digest;
+    this.title = `${said.name} ${said.digest.slice(0, 8)}`;
+    say(this._says, proof(said.proved));
+  }
+
+  /** @param {string} why */
+  _refuse(why) {
+    [this.chosen, this.digest, this.title] = [null, '', ''];
+    say(this._says, why);
+  }
+}
+
+/** @param {{line: number | null, message: string, hint: string | null}} found */
+function refusal({ line, message, hint }) {
+  return `${line ? `${line}: ` : ''}${message}${hint ? ` (${hint})` : ''}`;
+}
+
+/** @param {any} proved */
+function proof(proved) {
+  if (!proved) return '';
+  const { worst_time: t, worst_energy: e, max_range: r, max_depth: d, max_uncertainty: u } = proved;
+  return [word('proof_time', lasting(t ?? 0)), `${number(e, 0)} Wh`, word('proof_range', length(r ?? 0)),
+    word('proof_depth', length(d ?? 0)), `± ${length(u ?? 0)}`].join(' · ');
+}

@@ -1,0 +1,182 @@
+// @ts-check
+/**
+ * All that the page knows of a vehicle, changed by ``update`` alone, from a frame.
+ *
+ * Times that the vehicle gave are its own, s; ``now`` is the page's, ms of ``performance.now()``.
+ * The wire is in docs/design/console.md.
+ */
+
+/**
+ * @typedef {{id: string, name: string, to: string, source: 'monitor' | 'frames' | 'recording',
+ *   under_water: boolean, speed: number, checklist: string[]}} Setup
+ * @typedef {{intent: number, report: number, fix: number, silence: number}} Stale s
+ * @typedef {[number, number, number, number | null]} Point t, latitude, longitude, depth
+ * @typedef {{n: number, t: number, state?: Record<string, any>, events?: string[],
+ *   plan?: string[], track?: Point[], gap?: number}} Frame
+ * @typedef {{digest: string, name: string, vehicle: string, text: string, lines: number,
+ *   svg: string, map: any, home: [number, number] | null, radius: number | null,
+ *   problem: string}} Plan
+ * @typedef {[number, number | null]} Sample vehicle's time, value
+ * @typedef {{name: string, level: 'danger' | 'warning', words: string, do: string}} Alarm
+ * @typedef {'fresh' | 'old' | 'unknown'} Freshness
+ */
+
+export const EVENTS = 1000; // that are kept
+export const TRACK = 10_000;
+export const SAMPLES = 6000; // of one strip
+export const HUNG_MS = 2000; // a frame comes each second: without one the server hangs, or is gone
+
+/** Values that a report of the vehicle's board has, with unit and digits behind the point.
+ * @type {Readonly<Record<string, readonly [string, number]>>} */
+export const MEASURED = {
+  depth: ['m', 1],
+  altitude: ['m', 1],
+  heading: ['°', 0],
+  speed: ['m/s', 2],
+  battery: ['V', 1],
+  pitch: ['°', 0],
+  roll: ['°', 0],
+};
+
+const STRIPS = ['depth', 'altitude', 'heading', 'pitch', 'roll', 'battery'];
+
+export class Vehicle {
+  /** @type {Record<string, any>} */
+  state = {};
+  /** @type {string[]} */
+  events = [];
+  /** @type {Point[]} */
+  track = [];
+  /** @type {Record<string, Sample[]>} */
+  strips = {};
+  /** @type {Record<string, Sample>} the last that was known of each value */
+  known = {};
+  t = 0;
+  told = 0; // events, those that are forgotten included
+  gap = 0; // events that never came
+  /** @type {Plan | null} what is on board */
+  plan = null;
+  /** @type {number | null} ms */
+  heardAt = null;
+
+  /** @param {Setup} setup */
+  constructor(setup) {
+    this.setup = setup;
+  }
+
+  forget() {
+    const { setup, plan, heardAt } = this;
+    Object.assign(this, new Vehicle(setup), { plan, heardAt });
+  }
+}
+
+/** @param {Vehicle} vehicle @param {Frame} frame @param {number} now ms */
+export function update(vehicle, frame, now) {
+  if (frame.n === 1) vehicle.forget();
+  const before = vehicle.state['report_at'];
+  Object.assign(vehicle.state, frame.state ?? {});
+  vehicle.t = frame.t;
+  vehicle.heardAt = now;
+  vehicle.events = [...vehicle.events, ...(frame.events ?? [])].slice(-EVENTS);
+  vehicle.told += frame.events?.length ?? 0;
+  vehicle.gap += frame.gap ?? 0;
+  const track = frame.track ?? [];
+  vehicle.track = [...vehicle.track, ...track].slice(-TRACK);
+  if (frame.n === 1) for (const [t, , , depth] of track) sample(vehicle, 'depth', t, depth);
+  const reported = vehicle.state['report_at'];
+  if (typeof reported === 'number' && reported !== before) remember(vehicle, reported);
+}
+
+/** @param {Vehicle} vehicle @param {number} t of the report */
+function remember(vehicle, t) {
+  const state = vehicle.state;
+  for (const name of Object.keys(MEASURED)) {
+    if (typeof state[name] === 'number') vehicle.known[name] = [t, state[name]];
+  }
+  for (const name of STRIPS) {
+    if (name in state) sample(vehicle, name, t, state[name]);
+  }
+  if ('ellipse' in state) sample(vehicle, 'uncertainty', t, state['ellipse']?.[0] ?? null);
+  const whole = typeof state['depth'] === 'number' && typeof state['altitude'] === 'number';
+  if ('altitude' in state) {
+    sample(vehicle, 'floor', t, whole ? state['depth'] + state['altitude'] : null);
+  }
+  for (const [name, left] of Object.entries(state)) {
+    if (name.startsWith('to_')) sample(vehicle, name, t, left?.[0] ?? null);
+  }
+}
+
+/** What is full is thinned to every second sample of its older half.
+ * @param {Vehicle} vehicle @param {string} name @param {number} t
+ * @param {number | null} value */
+function sample(vehicle, name, t, value) {
+  const kept = (vehicle.strips[name] ??= []);
+  const last = kept.at(-1);
+  if (last !== undefined && t <= last[0]) return;
+  kept.push([t, value]);
+  if (kept.length > SAMPLES) {
+    const half = SAMPLES / 2;
+    vehicle.strips[name] = kept.filter((_, i) => i >= half || i % 2 === 0);
+  }
+}
+
+// --- what follows from it ---
+
+/** Seconds of the vehicle that pass in one of the page. @param {Vehicle} vehicle */
+export function pace(vehicle) {
+  const review = vehicle.state['review'];
+  if (vehicle.setup.source !== 'recording') return vehicle.setup.speed || 1;
+  return review?.playing ? review.speed : 0;
+}
+
+/** The vehicle's time. @param {Vehicle} vehicle @param {number} now ms */
+export function timeOf(vehicle, now) {
+  if (vehicle.heardAt === null) return 0;
+  return vehicle.t + (Math.max(0, now - vehicle.heardAt) / 1000) * pace(vehicle);
+}
+
+/** Seconds since ``name`` (report_at, fix_at, leg_began, ...); null: not known.
+ * @param {Vehicle} vehicle @param {string} name @param {number} now ms */
+export function age(vehicle, name, now) {
+  const at = vehicle.state[name];
+  if (typeof at !== 'number' || vehicle.heardAt === null) return null;
+  return Math.max(0, timeOf(vehicle, now) - at);
+}
+
+/** Does the console itself answer? @param {Vehicle} vehicle @param {number} now ms */
+export function isHung(vehicle, now) {
+  return vehicle.heardAt === null || now - vehicle.heardAt > HUNG_MS;
+}
+
+/** Seconds since any news of the vehicle; null: none so far, or nobody says.
+ * @param {Vehicle} vehicle @param {number} now ms */
+export function silence(vehicle, now) {
+  const told = vehicle.state['silence'];
+  if (typeof told !== 'number' || vehicle.heardAt === null) return null;
+  return told + Math.max(0, now - vehicle.heardAt) / 1000;
+}
+
+/** Of a value that is measured with ``at``. @param {Vehicle} vehicle @param {any} value
+ * @param {string} at @param {number} stale s @param {number} now ms @returns {Freshness} */
+export function freshness(vehicle, value, at, stale, now) {
+  const old = age(vehicle, at, now);
+  if (value === null || value === undefined || old === null) return 'unknown';
+  const late = stale + Math.max(0, pace(vehicle) - 1); // s: a second of the page more
+  return old > late || isHung(vehicle, now) ? 'old' : 'fresh';
+}
+
+/** Can it be commanded? @param {Vehicle} vehicle */
+export function isLive(vehicle) {
+  return vehicle.setup.to !== '' && vehicle.setup.source !== 'recording';
+}
+
+/** Seconds until a margin is used up, at the rate of the last minute; null: it is not falling.
+ * @param {Sample[]} samples of what is left */
+export function runsOut(samples, over = 60) {
+  const last = samples.at(-1);
+  if (last === undefined || last[1] === null || last[1] <= 0) return null;
+  const first = samples.find(([t, v]) => v !== null && t >= last[0] - over);
+  if (first === undefined || first[1] === null || last[0] - first[0] < over / 4) return null;
+  const rate = (first[1] - last[1]) / (last[0] - first[0]);
+  return rate > 1e-6 ? last[1] / rate : null;
+}

@@ -1,0 +1,121 @@
+// @ts-check
+/**
+ * What it does and why, how long the leg may last, and how near each guard is to its bound.
+ */
+
+import { el, mark, say } from './dom.js';
+import { clock, number } from './format.js';
+import { age } from './state.js';
+import { word } from './words.js';
+
+/** @typedef {import('./station.js').Page} Page
+ * @typedef {[string, Record<string, number | null>]} Guard as written, and what it looks at now
+ * @typedef {{text: string, share: number | null}} Progress */
+
+const COMPARISON = /([a-z_]+)\s*(>=|<=|>|<)\s*(-?\d+(?:\.\d+)?)/g;
+
+/**
+ * How far each comparison of a guard has come since ``began`` (values of the leg's begin); null
+ * where that is not known.
+ * @param {Guard} guard @param {Record<string, number>} began @returns {Progress[]}
+ */
+export function progress([text, values], began) {
+  return [...text.matchAll(COMPARISON)].filter((m) => m[1] !== undefined && m[1] in values)
+    .map(([, name = '', way = '', bound]) => {
+      const [value, from, to] = [values[name] ?? null, began[name], Number(bound)];
+      const holds = value !== null && (way.startsWith('>') ? value >= to : value <= to);
+      const open = value === null || from === undefined || from === to;
+      const share = holds ? 1 : open ? null : Math.min(1, Math.max(0, (value - from) / (to - from)));
+      return { text: `${name} ${number(value, 1)}`, share };
+    });
+}
+
+export class States {
+  /** @param {HTMLElement} root */
+  constructor(root) {
+    this._title = el('h2');
+    this._path = el('div', { class: 'path' });
+    this._rows = el('dl', { class: 'rows' });
+    this._guards = el('div');
+    root.replaceChildren(this._title, this._path, this._rows, this._guards);
+    this._leg = '';
+    /** @type {Record<string, number>} */
+    this._began = {};
+  }
+
+  /** @param {Page} page @param {number} now ms */
+  show(page, now) {
+    const { vehicle } = page.chosen;
+    const state = vehicle.state;
+    say(this._title, word('states'));
+    say(this._path, state['leg'] || state['state'] || word('unknown'));
+    /** @type {Array<[string, string]>} */
+    const rows = [];
+    for (const name of ['reason', 'setpoint']) if (state[name]) rows.push([word(name), state[name]]);
+    showRows(this._rows, rows);
+    const leg = `${vehicle.setup.id} ${state['leg']} ${state['leg_began']}`;
+    if (leg !== this._leg) [this._leg, this._began] = [leg, {}];
+    /** @type {Guard[]} */
+    const guards = state['leg_ends'] ?? [];
+    for (const [, values] of guards) {
+      for (const [name, value] of Object.entries(values)) {
+        if (value !== null) this._began[name] ??= value;
+      }
+    }
+    const bars = [...this._timeout(page, now), ...guards.flatMap((g) => this._bars(g))];
+    showGuards(this._guards, bars);
+  }
+
+  /** @param {Page} page @param {number} now @returns {Bar[]} */
+  _timeout(page, now) {
+    const { vehicle } = page.chosen;
+    const lasts = age(vehicle, 'leg_began', now);
+    const most = vehicle.state['leg_timeout'];
+    if (!vehicle.state['leg'] || lasts === null) return [];
+    const text = typeof most === 'number' ? `${clock(lasts)} / ${clock(most)}` : clock(lasts);
+    const share = typeof most === 'number' ? Math.min(1, lasts / most) : null;
+    return [{ name: word('timeout'), text, share, level: (share ?? 0) > 0.85 ? 'careful' : 'plain' }];
+  }
+
+  /** @param {Guard} guard @returns {Bar[]} */
+  _bars(guard) {
+    const parts = progress(guard, this._began);
+    const name = `${word('until')} ${guard[0]}`;
+    if (parts.length === 0) return [{ name, text: '', share: null, level: 'good' }];
+    return parts.map((p, i) => ({ name: i ? '' : name, text: p.text, share: p.share, level: 'good' }));
+  }
+}
+
+/** @typedef {{name: string, text: string, share: number | null, level: string}} Bar */
+
+/** @param {Element} root @param {Array<[string, string]>} rows */
+export function showRows(root, rows) {
+  while (root.childElementCount > rows.length * 2) root.lastElementChild?.remove();
+  while (root.childElementCount < rows.length * 2) root.append(el('dt'), el('dd'));
+  rows.flat().forEach((text, i) => {
+    const at = root.children[i];
+    if (at) say(at, text);
+  });
+}
+
+/** @param {Element} root @param {Bar[]} bars */
+function showGuards(root, bars) {
+  while (root.childElementCount > bars.length) root.lastElementChild?.remove();
+  while (root.childElementCount < bars.length) root.append(guardRow());
+  bars.forEach((bar, i) => {
+    const [text, meter] = root.children[i]?.children ?? [];
+    const [name, now] = text?.children ?? [];
+    if (name) say(name, bar.name);
+    if (now) say(now, bar.text);
+    if (!(meter instanceof HTMLElement)) return;
+    meter.hidden = bar.share === null;
+    mark(meter, 'data-level', bar.level);
+    const fill = meter.firstElementChild;
+    if (fill instanceof HTMLElement) fill.style.width = `${((bar.share ?? 0) * 100).toFixed(1)}%`;
+  });
+}
+
+function guardRow() {
+  return el('div', { class: 'guard' }, el('div', { class: 'text' }, el('span'), el('span')),
+    el('div', { class: 'meter', 'aria-hidden': 'true' }, el('div')));
+}

@@ -1,0 +1,109 @@
+// @ts-check
+/**
+ * One vehicle with its connections: what is heard updates its state, what is told leaves by them.
+ *
+ * A frame is answered when it has been shown, so that the server never sends what waits in front
+ * of the screen; a page that is hidden answers at once.
+ */
+
+import { Intents } from './intents.js';
+import { HUNG_MS, Vehicle, isLive, update } from './state.js';
+import { Line, ask } from './wire.js';
+
+/** @typedef {import('./state.js').Setup} Setup
+ * @typedef {import('./state.js').Stale} Stale
+ * @typedef {{t: number, level: 2 | 3 | 4, of: string, says: string}} Event
+ * @typedef {{stations: Station[], chosen: Station, stale: Stale, token: string,
+ *   redraw: () => void}} Page */
+
+const NOWHERE = { send: () => false, isOpen: false, close: () => {} };
+
+export class Station {
+  /** @param {Setup} setup @param {string} token @param {() => void} changed */
+  constructor(setup, token, changed) {
+    this.vehicle = new Vehicle(setup);
+    this._token = token;
+    this._changed = changed;
+    this._unshown = 0; // the frame that is not answered
+    this.problem = ''; // of a connection, the server's words
+    const at = `vehicle=${encodeURIComponent(setup.id)}`;
+    const live = isLive(this.vehicle);
+    this.intents = this._intents(at, live);
+    /** @type {Event[]} of a recording */
+    this.happened = [];
+    this.frames = new Line(`/ws/frames?${at}`, token, {
+      heard: (frame) => this._heard(frame),
+      closed: (why) => this._closed(why),
+    }, HUNG_MS);
+    this.review = setup.source === 'recording'
+      ? new Line(`/ws/review?${at}`, token, { heard: () => {} }) : NOWHERE;
+    if (setup.source === 'recording') this._askEvents();
+  }
+
+  /** @param {string} at @param {boolean} live */
+  _intents(at, live) {
+    if (!live) return new Intents({ orders: NOWHERE, commands: NOWHERE }, now, wall);
+    const heard = (/** @type {any} */ answer) => {
+      this.intents.heard(answer);
+      this._changed();
+    };
+    this.orders = new Line(`/ws/orders?${at}`, this._token, {
+      heard, opened: () => this.intents.opened(),
+    });
+    this.commands = new Line(`/ws/commands?${at}`, this._token, {
+      heard, closed: () => this.intents.lost(),
+    });
+    return new Intents({ orders: this.orders, commands: this.commands }, now, wall);
+  }
+
+  /** @param {import('./state.js').Frame} frame */
+  _heard(frame) {
+    this.problem = '';
+    const before = this.vehicle.state['mission'];
+    update(this.vehicle, frame, now());
+    const on = this.vehicle.state['mission'];
+    if (on !== before || (on && this.vehicle.plan?.digest !== on && frame.n === 1)) this._askPlan();
+    this._unshown = frame.n;
+    if (document.hidden) this.shown();
+    this._changed();
+  }
+
+  /** What was heard stands on the screen, or nobody looks. */
+  shown() {
+    if (this._unshown) this.frames.send({ ack: this._unshown });
+    this._unshown = 0;
+  }
+
+  /** @param {string} why */
+  _closed(why) {
+    this.problem = why === 'hung' ? '' : why;
+    this._unshown = 0;
+    this._changed();
+  }
+
+  async _askPlan() {
+    const wanted = this.vehicle.state['mission'];
+    const id = encodeURIComponent(this.vehicle.setup.id);
+    try {
+      const plan = await ask(`/api/vehicles/${id}/plan`, this._token);
+      if (wanted === this.vehicle.state['mission']) this.vehicle.plan = plan.digest ? plan : null;
+    } catch {
+      this.vehicle.plan = null; // the next change, or the next snapshot, asks again
+    }
+    this._changed();
+  }
+
+  async _askEvents() {
+    const id = encodeURIComponent(this.vehicle.setup.id);
+    this.happened = await ask(`/api/vehicles/${id}/events`, this._token).catch(() => []);
+    this._changed();
+  }
+}
+
+function now() {
+  return performance.now();
+}
+
+function wall() {
+  return Date.now() / 1000;
+}

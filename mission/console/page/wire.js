@@ -1,0 +1,116 @@
+// @ts-check
+/**
+ * Connections to the console's server: each opens itself again, and one that hangs is left.
+ *
+ * Nothing waits here to be sent: what cannot leave now is the caller's to say again, or not.
+ */
+
+export const AGAIN_MS = 1000;
+const OPENING_MS = 3000;
+const REFUSED = 1008; // the server's: what we said is none of its words
+
+/** @typedef {{opened?: () => void, closed?: (why: string) => void,
+ *   heard: (message: any) => void}} Ears */
+
+export class Line {
+  /** @param {string} path with its query @param {string} token @param {Ears} ears
+   * @param {number} [hung] ms without a message after which it is left; 0: never */
+  constructor(path, token, ears, hung = 0) {
+    this._path = path;
+    this._token = token;
+    this._ears = ears;
+    this._hung = hung;
+    this._over = false;
+    /** @type {WebSocket | null} */
+    this._socket = null;
+    this._timer = 0;
+    this._open();
+  }
+
+  get isOpen() {
+    return this._socket?.readyState === WebSocket.OPEN;
+  }
+
+  /** False: it has not left. @param {object} message */
+  send(message) {
+    if (!this.isOpen) return false;
+    this._socket?.send(JSON.stringify(message));
+    return true;
+  }
+
+  close() {
+    this._over = true;
+    clearTimeout(this._timer);
+    this._leave();
+  }
+
+  _open() {
+    const url = new URL(this._path, location.href);
+    url.protocol = url.protocol.replace('http', 'ws');
+    const socket = new WebSocket(url, ['auvmission', `token.${this._token}`]);
+    this._socket = socket;
+    this._expect(OPENING_MS);
+    socket.onopen = () => {
+      this._expect(this._hung);
+      this._ears.opened?.();
+    };
+    socket.onmessage = (event) => {
+      this._expect(this._hung);
+      this._ears.heard(JSON.parse(event.data));
+    };
+    socket.onclose = (event) => this._gone(event.code === REFUSED ? event.reason : '');
+  }
+
+  /** Something within so many ms. @param {number} ms */
+  _expect(ms) {
+    clearTimeout(this._timer);
+    if (ms > 0) this._timer = setTimeout(() => this._gone('hung'), ms);
+  }
+
+  /** @param {string} why */
+  _gone(why) {
+    this._leave();
+    this._ears.closed?.(why);
+    clearTimeout(this._timer);
+    if (!this._over) this._timer = setTimeout(() => this._open(), AGAIN_MS);
+  }
+
+  /** Without waiting for the other end, which may never answer. */
+  _leave() {
+    const socket = this._socket;
+    if (socket === null) return;
+    socket.onopen = socket.onmessage = socket.onclose = null;
+    socket.close();
+    this._socket = null;
+  }
+}
+
+/** The token, out of the address and into the memory of this tab. @returns {string} "": none */
+export function takeToken() {
+  const given = location.hash.slice(1);
+  if (given) {
+    sessionStorage.setItem('token', given);
+    history.replaceState(null, '', location.pathname + location.search);
+  }
+  return given || (sessionStorage.getItem('token') ?? '');
+}
+
+export class Refused extends Error {
+  /** @param {number} status @param {string} says */
+  constructor(status, says) {
+    super(says);
+    this.status = status;
+  }
+}
+
+/** @param {string} path @param {string} token @param {object} [body] it is posted
+ * @returns {Promise<any>} Raises Refused, with what the server says. */
+export async function ask(path, token, body) {
+  const headers = { Authorization: `Bearer ${token}` };
+  const answer = await fetch(path, body === undefined ? { headers }
+    : { method: 'POST', headers: { ...headers, 'Content-Type': 'application/json' },
+      body: JSON.stringify(body) });
+  const said = await answer.json().catch(() => null);
+  if (!answer.ok) throw new Refused(answer.status, said?.says ?? answer.statusText);
+  return said;
+}
