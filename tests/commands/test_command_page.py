@@ -41,7 +41,9 @@ WITHOUT_JSON = {
     **dict.fromkeys(("schema", "campaign", "score", "monitor"), "it prints JSON in any case"),
     **dict.fromkeys(("graph", "plan"), "-o FILE.json or FILE.geojson is data"),
     **dict.fromkeys(("story", "calibrate", "keys"), "it writes files for people or the program"),
-    **dict.fromkeys(("serve", "stick", "watch", "console", "demo"), "it runs before somebody's eyes"),
+    **dict.fromkeys(
+        ("serve", "stick", "watch", "console", "demo"), "it runs before somebody's eyes"
+    ),
 }
 
 
