@@ -85,7 +85,7 @@ def _proved(path: Path, vehicle: str | None, settings: tuple[str, ...]) -> tuple
 
 def _flown(demonstration: Demo, shown: Shown, out: Path) -> Flight:
     from mission.topside.upload import OperatorError
-    from mission.verification.simulation.demo import DemoError
+    from mission.verification.simulation.staged import DemoError
 
     try:
         return demonstration.fly()

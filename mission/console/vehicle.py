@@ -64,7 +64,8 @@ class Vehicle:
         self._source = from_monitor(given.monitor) if given.monitor else None
         self._looked = Watched()
         self._look_problem = ""
-        self._plan, self._planned = dict(plans.EMPTY), ("", ())
+        self._plan = dict(plans.EMPTY)
+        self._planned: tuple[str, tuple[str, ...]] = "", ()
         self._known: dict[str, dict[str, Any]] = {}  # plans that were uploaded from here
         self._mine: list[dict[str, Any]] = []
         self._began = time.monotonic()
