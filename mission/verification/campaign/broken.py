@@ -303,7 +303,16 @@ _RULES: Mapping[str, Broken] = {
         "R7: no fix before it can be up", nothing(VehicleState, "_may_be_up", True), alike=same
     ),
     "surface behind a silence": Broken(
-        "R7: no silence among the 6 s", nothing(VehicleState, "_was_silent", False), alike=same
+        "R7: no silence among the 6 s",
+        nothing(VehicleState, "_was_silent", False),
+        "takes a rise through the surface as a silence ends; exhaustive has it in every state",
+        same,
+    ),
+    "surface by one report": Broken(
+        "R7: two reports of a shallow depth",
+        nothing(VehicleState, "_told_again", True),
+        "takes a silence that begins at the surface; exhaustive has it in every state",
+        same,
     ),
     "unchanged depth": Broken(
         "R7: behind a restart it has to change",
@@ -311,13 +320,16 @@ _RULES: Mapping[str, Broken] = {
         alike=same,
     ),
     "surface behind a restart": Broken(
-        "R7: what proves it counts from 6 s on", instead(restart, "UNWATCHED", 0.0)
+        "R7: what proves it counts from 6 s on",
+        instead(restart, "UNWATCHED", 0.0),
+        "a depth has to change first, and fixes to settle: either holds without it",
     ),
     "sank unseen": Broken("R7, at rest: what sank while no depth was known", _forgets_depths),
     "pushed down again": Broken(
         "R7: upside down, no push that led deeper",
         instead(Ascent, "_may_lift", lambda self, way, depth: depth is not None),
-        alike=same,
+        "D12 brings it up before a second round; with both broken the law of it tells",
+        same,
     ),
     "pushed in the dark": Broken(
         "R7: upside down and blind, no push", _pushes_in_the_dark, alike=same

@@ -9,6 +9,7 @@ By the true depth and the words on the wire, from R7 alone:
     upward     whatever begins an ascent, an upward word leaves within 3 s
     ways       while the depth does not fall all ways are tried: W, X0 and U12, X0 alone
     down       upside down, D12 is among them, and W and U12, which push down there, need not be
+    again      upside down, a word that has led deeper is not said again
     up         a vehicle that its thrusters (or its buoyancy) could lift comes up
 
 What excuses: physics (``_liftable``), a program that is dead or stands still, a closed node AUTO,
@@ -23,7 +24,7 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
-from mission.model import STOPPED, SURFACED, SURFACING
+from mission.model import STOPPED, SURFACED, SURFACING, Tx
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import DOWN_WORD, STOP_WORD, UPWARD_WORDS, Stay, Story
 
@@ -45,6 +46,9 @@ _SHALLOW = 1.5  # m: so near to the surface nothing need be tried
 _NOT_LIFTED = 60.0  # s: a round, and 10 s more
 _UPRIGHT, _OVERTURNED = math.radians(60.0), math.radians(130.0)
 _MOSTLY = 0.9  # of the seconds
+_KNOWN_OVER = 12.0  # s of reports
+_TRIED, _LED = 9.0, 2.0  # s of a turn, m: R7's metre, two errors of the sensor, an old report
+_WAYS = (*UPWARD_WORDS, STOP_WORD, DOWN_WORD)
 _SPARE = 8.0  # N of lift that make a rise within a turn
 _OUT_OF_HAND = (
     *("stm32_", "command_", "unexplained_dive", "deaf_to", "dives_until", "obeys_late"),
@@ -63,6 +67,7 @@ def depth_laws(story: Story) -> Iterator[Violation]:
         if stay.ascends:
             yield from _tries_all(story, stay)
             yield from _comes_up(story, stay)
+            yield from _pushes_again(story, stay)
     yield from _is_held_up(story)
 
 
@@ -158,6 +163,37 @@ def _comes_up(story: Story, stay: Stay) -> Iterator[Violation]:
         if _liftable(story, begin, end):
             says = f"not risen for {end - begin:.0f} s, {story.depth(end):.1f} m deep"
             yield Violation(SUNK, end, f"{says}, though it could")
+
+
+def _pushes_again(story: Story, stay: Stay) -> Iterator[Violation]:
+    """Upside down, what has led deeper."""
+    led: set[bytes] = set()
+    for way, then in pairwise(_ways(story, stay)):
+        if not _lies_over(story, way.t):
+            led.clear()
+            continue
+        if way.data in led:
+            says = f"{way.data.decode()} upside down again, which had led deeper"
+            yield Violation(SUNK, way.t, f"{says}, {story.depth(way.t):.1f} m deep")
+            return
+        deeper = story.depth(then.t) - story.depth(then.t - _TRIED)
+        if way.data in UPWARD_WORDS and then.t - way.t >= _TRIED and deeper > _LED:
+            led.add(way.data)
+
+
+def _ways(story: Story, stay: Stay) -> list[Tx]:
+    """The words of an ascent that begin something: no second try, no X0 of another word."""
+    words = [w for w in story.words_in(stay.begin, stay.end) if w.data in _WAYS]
+    news = [w for w in words if "(try " not in w.reason]
+    return [w for w in news if w.data != STOP_WORD or _lets_go(story, w.t)]
+
+
+def _lies_over(story: Story, t: float) -> bool:
+    """Upside down for so long that it is known."""
+    begin = t - _KNOWN_OVER
+    if story.faulty((*DEPTH_FAULTS, "attitude_", "roll_"), begin, t) or story.hindered(begin, t):
+        return False
+    return all(story.tilt(begin + i) > _OVERTURNED for i in range(int(_KNOWN_OVER) + 1))
 
 
 def net_buoyancy(story: Story, begin: float, end: float) -> float:

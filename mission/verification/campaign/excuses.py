@@ -6,6 +6,7 @@
                up what does not float
     unknown    whether the depth sensor says nothing that moves with the vehicle: then an ascent has
                no way to know what lifts it (R7)
+    doubted    whether the depth of what rests is unknown, or may be contradicted for good
     left       from when to when nothing at rest may turn by itself: node AUTO is closed (R7, R13)
 
 All from the plant, the disturbances and what was acknowledged; never from what was believed.
@@ -30,6 +31,7 @@ SLIGHT, SPARE = 1.0, 8.0  # N that may lift too slowly; N of lift that make a ri
 NEVER = 1e5  # s: by then what ends is over
 MOVES = 60.0  # s in which a depth shows that it moves as the vehicle does: two rounds of an ascent
 _MOVES_STILL = ("too_deep", "too_shallow", "late")  # faults of a depth that goes on moving with it
+_GARBAGE = ("depth_full_scale", "depth_absurd")
 _ANSWERED = 6.5  # s within which a switch is acknowledged
 _UPWARD = {"documented": frozenset("UW"), "as-built": frozenset("U")}  # as built, W does not stick
 _RESTS = (STOPPED, SURFACED, MANUAL_WAITING)
@@ -90,6 +92,13 @@ def unknown(settings: Settings, t: float) -> bool:
         if sensor == "depth" and (begin <= t < shown or end <= t < end + MOVES):
             return True
     return False
+
+
+def doubted_at_rest(settings: Settings, end: float) -> bool:
+    """A depth that is unknown in the end, or may have been left contradicted (R5): nothing turns by
+    it. Garbage is neither, once it is over for ``MOVES`` s."""
+    faults = [f for f in settings.faults if f.name.startswith("depth_")]
+    return any(f.name not in _GARBAGE or fault_ends(f) >= end - MOVES for f in faults)
 
 
 def unknown_and_heavy(settings: Settings, end: float) -> int:

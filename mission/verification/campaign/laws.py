@@ -58,6 +58,7 @@ from mission.verification.campaign.excuses import (
     NEVER,
     SLIGHT,
     SPARE,
+    doubted_at_rest,
     helpless,
     left,
     lift,
@@ -137,7 +138,7 @@ def _allowed(settings: Settings, profile: str, trial: Trace) -> float:
     if floats > SLIGHT and lifted >= floats:
         return AFLOAT
     rests = not trial.state.startswith(AUTONOMOUS) and trial.state != SURFACING
-    doubted = rests and any(f.name.startswith("depth_") for f in settings.faults)
+    doubted = rests and doubted_at_rest(settings, trial.truth.t)
     is_left = any(end == math.inf for _, end in left(trial.events))
     alone = doubted or is_left or unknown(settings, NEVER)
     return math.inf if alone or lifted < SPARE else HELD

@@ -174,6 +174,23 @@ def _restarted(word: bytes) -> Callable[[Random], Scene]:
     return draw
 
 
+def _restarted_frozen(rng: Random) -> Scene:
+    """Killed under water with a depth that froze at the surface, on a board that is deaf to U, and
+    neither rises nor sinks for a while."""
+    t = rng.uniform(18.0, 24.0)
+    faults = (
+        fault("depth_frozen", rng.uniform(5.0, 8.0)),
+        fault("deaf_to_u", t - 1.0),
+        fault("heavy", t - 1.0, rng.uniform(30.0, 50.0), round(rng.uniform(14.5, 15.5), 1)),
+    )
+    ends = (
+        Disturbance(t, Act.KILL),
+        Disturbance(t + 2.0, Act.BOOT),
+        Disturbance(t + 3.0, Act.JOIN),
+    )
+    return Scene("deep", faults, ends)
+
+
 def _maybe(t: float, word: bytes) -> tuple[Disturbance, ...]:
     return (say(t, word),) if word else ()
 
@@ -221,6 +238,7 @@ ABOARD: Mapping[str, SceneRow] = {
     "restarted": SceneRow("killed in a mission", _restarted(b"")),
     "restarted_after_w": SceneRow("killed in an ascent", _restarted(W)),
     "restarted_after_x": SceneRow("killed when it was stopped", _restarted(X)),
+    "restarted_frozen": SceneRow("killed, and its depth stands", _restarted_frozen),
     "answered_by_another": SceneRow("something else acknowledges an X", _answered_by_another),
     "pulled": SceneRow("the cable is pulled for a moment", _pulled),
 }

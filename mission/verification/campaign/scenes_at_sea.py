@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from random import Random
 
+from links.simulated.settings import FaultEvent
 from mission.verification.campaign.scene import (
     AC,
     DOWN,
@@ -90,6 +91,44 @@ def _capsized_and_heavy(rng: Random) -> Scene:
         fault("heavy", t, lasts, round(rng.uniform(20.0, 30.0), 1)),
     )
     return Scene("loose", faults, (say(t + rng.uniform(10.0, 20.0), W),))
+
+
+def _capsized_blind(rng: Random) -> Scene:
+    """Upside down and without a depth, and then W: every push leads down."""
+    t = rng.uniform(DOWN, 60.0)
+    name = rng.choice(["depth_full_scale", "depth_silent", "depth_absurd"])
+    faults = (fault("capsized", t), fault(name, t + rng.uniform(0.0, 5.0)))
+    return Scene("loose", faults, (say(t + rng.uniform(8.0, 20.0), W),))
+
+
+def _sinks_unseen(rng: Random) -> Scene:
+    """Onto the ground, while no depth is known; then one is."""
+    t = rng.uniform(90.0, 110.0)
+    faults = (
+        fault("heavy", t, FOREVER, round(rng.uniform(25.0, 40.0), 1)),
+        fault("depth_full_scale", t - 4.0, rng.uniform(150.0, 200.0)),
+    )
+    return Scene("deep", faults, (say(DOWN, W), say(t - 8.0, AC)))
+
+
+def _heavy_beside(rng: Random) -> Scene:
+    """Heavy, its depth off by metres from then on; U12 alone lifts it."""
+    t = rng.uniform(DOWN, 60.0)
+    off = fault("depth_too_deep", t, FOREVER, round(rng.uniform(6.0, 12.0), 1))
+    return Scene("there", (*_lifted_by_u_alone(rng, t), off), (say(t + 5.0, W),))
+
+
+def _heavy_and_clogged(rng: Random) -> Scene:
+    """Heavy, its port clogged until it is deep; U12 alone lifts it."""
+    t = rng.uniform(DOWN, 60.0)
+    clogged = fault("depth_stuck", t, rng.uniform(40.0, 60.0))
+    return Scene("deep", (*_lifted_by_u_alone(rng, t), clogged))
+
+
+def _lifted_by_u_alone(rng: Random, t: float) -> tuple[FaultEvent, FaultEvent]:
+    """Not by ten seconds of thirty."""
+    weight = fault("heavy", t, FOREVER, round(rng.uniform(38.0, 45.0), 1))
+    return weight, fault("deaf_to_w", t)
 
 
 def _sinks_in_a_hold(rng: Random) -> Scene:
@@ -181,6 +220,20 @@ def _wandering(rng: Random) -> Scene:
     return Scene("deep", (wanders,), (say(rng.uniform(40.0, 60.0), W),))
 
 
+def _blind_and_wandering(rng: Random) -> Scene:
+    """The receiver makes places up, and no depth contradicts them."""
+    t = rng.uniform(DOWN, 60.0)
+    wanders = fault("gps_wanders", rng.uniform(4.0, 8.0))
+    return Scene("deep", (wanders, fault("depth_full_scale", t - 2.0)), (say(t, W),))
+
+
+def _heavy_and_wandering(rng: Random) -> Scene:
+    """Heavy, U12 alone lifts it, and the receiver makes places up."""
+    t = rng.uniform(DOWN, 60.0)
+    wanders = fault("gps_wanders", rng.uniform(4.0, 8.0))
+    return Scene("deep", (*_lifted_by_u_alone(rng, t), wanders), (say(t, W),))
+
+
 def _clogged(rng: Random) -> Scene:
     return Scene("deep", (fault("depth_stuck", rng.uniform(14.0, 30.0)),))
 
@@ -205,6 +258,10 @@ AT_SEA: Mapping[str, SceneRow] = {
     "sinks_adrift": SceneRow("heavy in a leg that asks for no depth", _sinks_adrift),
     "capsized": SceneRow("upside down, and buoyant", _capsized),
     "capsized_and_heavy": SceneRow("upside down, and heavy for a while", _capsized_and_heavy),
+    "capsized_blind": SceneRow("upside down without a depth, and W", _capsized_blind),
+    "sinks_unseen": SceneRow("idle, and heavy while no depth is known", _sinks_unseen),
+    "heavy_beside": SceneRow("heavy, and its depth is off by metres", _heavy_beside),
+    "heavy_and_clogged": SceneRow("heavy, its port clogged for a while", _heavy_and_clogged),
     "weak_thrusters": SceneRow(
         "verticals too weak for the depth that is asked for", _weak_thrusters
     ),
@@ -227,6 +284,10 @@ AT_SEA: Mapping[str, SceneRow] = {
     ),
     "surfacing_blind": SceneRow("the depth fails before it dives", _surfacing_blind),
     "wandering_receiver": SceneRow("a receiver that wanders under water, and W", _wandering),
+    "blind_and_wandering": SceneRow(
+        "no depth, a receiver that wanders, and W", _blind_and_wandering
+    ),
+    "heavy_and_wandering": SceneRow("heavy, and fixes made up", _heavy_and_wandering),
     "clogged": SceneRow("the port of the depth clogs on the way down", _clogged),
     "stuck_receiver": SceneRow("a receiver that is stuck, and W", _stuck_receiver),
     "wrong_compass": SceneRow(

@@ -23,6 +23,7 @@ UNLAWFUL = "unlawful"
 _SHALLOW, _AFLOAT, _FIXED = 1.0, 4.0, 0.4  # m within s before, m that allow a fix
 _REPORTS = 2.0  # s between two
 _NEARLY = 1.2  # m: 0.8 (R7), and the sensor
+_DEEP, _GARBAGE = 1.6, ("depth_full_scale",)  # m: 1.2 (R7), and the sensor
 _START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
 _CLEAR_AGAIN = 4.5, 30.5  # s
 _AC = re.compile(rb"@AC\$")
@@ -57,13 +58,22 @@ def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
     fixed = story.deepest(t - 2.0, t) <= _FIXED
     unknown = not story.told_in(t - 6.0, t) or story.faulty(DEPTH_FAULTS, t - 20.0, t)
     wanders = story.faulty(("gps_wanders",), t - 20.0, t)
-    if wanders and (unknown or story.depth(t) < _NEARLY):
+    if wanders and ((unknown and _may_be_up(story, t)) or story.depth(t) < _NEARLY):
         return  # nothing contradicts fixes as at the surface
     if not (shallow or fixed) and not story.faulty(_UNDETECTED, t - 10.0, t):
         says = (
             f"surfaced, said {story.depth(t):.1f} m deep, {story.depth(t - _AFLOAT):.1f} m before"
         )
         yield Violation(UNLAWFUL, t, says)
+
+
+def _may_be_up(story: Story, t: float) -> bool:
+    """By the time since a depth was known last, and the rise by buoyancy (R7)."""
+    since = min((f.begin for f in story.faults(_GARBAGE, t, t) if f.begin <= t), default=t)
+    depth = story.depth(since)
+    if depth < _DEEP or story.hindered(since, t):
+        return True
+    return t - since >= depth / story.vehicle.ascent_buoyancy
 
 
 def _is_cleared(story: Story, stay: Stay) -> Iterator[Violation]:

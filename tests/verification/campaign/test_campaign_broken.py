@@ -71,6 +71,13 @@ SEEN = [
     ("limit course against heading", "loose_compass", 0, "unanswered", "course and heading"),
     ("limit brown-out", "brown_out", 0, "unanswered", "no thruster turns"),
     ("limit uncertain", "swept_away", 0, "unanswered", "sigma"),
+    ("pushed in the dark", "capsized_blind", 0, "lost", "deep at the end"),
+    ("sank unseen", "sinks_unseen", 0, "lost", "in idle"),
+    ("moving depth", "heavy_beside", 0, "lost", "deep at the end"),
+    ("depth that moves", "heavy_and_clogged", 0, "lost", "deep at the end"),
+    ("unchanged depth", "restarted_frozen", 0, "unlawful", "surfaced, said"),
+    ("fixes too early", "blind_and_wandering", 0, "unlawful", "surfaced, said"),
+    ("fixes against movement", "heavy_and_wandering", 3, "lost", "deep at the end"),
 ]
 
 
@@ -93,6 +100,13 @@ def test_a_scene_tells_a_rule_from_its_absence_by_its_law(
     with broken(rule):
         found = judged(stage(scene, seed))
     assert any(k == kind and says in words for k, words in found) == bool(kind), found
+
+
+def test_a_push_that_led_deeper_upside_down_is_seen_when_it_comes_again() -> None:
+    """Where D12 does not bring it up before."""
+    with broken("way D12"), broken("pushed down again"):
+        found = judged(stage("capsized_and_heavy", 0))
+    assert any(kind == "sunk" and "upside down again" in says for kind, says in found)
 
 
 def test_a_rule_that_was_broken_is_whole_again_afterwards() -> None:
