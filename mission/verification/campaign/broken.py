@@ -51,14 +51,13 @@ from mission.verification.campaign.surgery import (
     Broken,
     Surgery,
     always,
+    as_healthy,
     instead,
     nothing,
     same,
 )
 from protocol.messages import UPWARD, Fix, Manual, Order, SetSafety
 from protocol.vehicles import vehicle_row
-
-_PATIENCE = 5.0  # s: less than any reading's greatest age
 
 
 @contextmanager
@@ -73,11 +72,6 @@ def broken(name: str) -> Iterator[None]:
 
 
 # --- ways of breaking ----------------------------------------------------------------------------
-
-
-def _as_healthy(whole: Any, broken: Any) -> bool:
-    """Valid, and younger than anybody's patience."""
-    return bool(whole.valid) == bool(broken.valid) and whole.age < _PATIENCE
 
 
 def _never_acts(name: str) -> Break:
@@ -386,16 +380,16 @@ _RULES: Mapping[str, Broken] = {
     "clock of a leg": Broken("every leg has its clock", _legs_for_ever),
     "blind leg": Broken("R8: a reading that a leg needs", instead(run, "BLIND_TIME", 1e9)),
     "healthy depth": Broken(
-        "a depth is not believed", _sensor_is_healthy("depth"), alike=_as_healthy
+        "a depth is not believed", _sensor_is_healthy("depth"), alike=as_healthy
     ),
     "healthy heading": Broken(
-        "a heading is not believed", _sensor_is_healthy("heading"), alike=_as_healthy
+        "a heading is not believed", _sensor_is_healthy("heading"), alike=as_healthy
     ),
     "healthy attitude": Broken(
-        "an attitude is not believed", _sensor_is_healthy("attitude"), alike=_as_healthy
+        "an attitude is not believed", _sensor_is_healthy("attitude"), alike=as_healthy
     ),
     "healthy altitude": Broken(
-        "an altitude is not believed", _sensor_is_healthy("altitude"), alike=_as_healthy
+        "an altitude is not believed", _sensor_is_healthy("altitude"), alike=as_healthy
     ),
     "above the bottom": Broken(
         "R5: a depth kept above the bottom", _goes_as_deep_as_asked, alike=same

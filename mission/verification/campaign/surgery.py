@@ -31,6 +31,7 @@ class Surgery:
 
 
 Break = Callable[[Surgery], None]
+_PATIENCE = 5.0  # s: less than any reading's greatest age
 
 
 def same(whole: object, broken: object) -> bool:
@@ -41,6 +42,11 @@ def same(whole: object, broken: object) -> bool:
 def differs(whole: object, broken: object) -> bool:
     """A function that does something: to call it is the difference."""
     return False
+
+
+def as_healthy(whole: Any, broken: Any) -> bool:
+    """Valid, and younger than anybody's patience."""
+    return bool(whole.valid) == bool(broken.valid) and whole.age < _PATIENCE
 
 
 @dataclass(frozen=True, slots=True)
