@@ -4,6 +4,7 @@
       MissionErrors         a mission in either form, or a script that was uploaded
       VehicleError          a vehicle file
       ConfigurationError    serve.yaml
+      ImportErrors          a plan of another program
 
 Readers do not raise: they add to a ``Diagnostics`` and read on, so that one round tells everything.
 What is too large, and the hundredth error, end the reading there.
@@ -28,6 +29,7 @@ class Stage(enum.Enum):
 
     CONFIGURATION = "configuration"  # serve.yaml was read
     VEHICLE = "vehicle"  # a vehicle file was read
+    IMPORT = "import"  # a plan of another program was read
     TEXT = "text"  # a mission's text was read
     COMPILE = "compile"  # its legs were put together, on a vehicle
     CHECK = "check"  # it was proved

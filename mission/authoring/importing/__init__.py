@@ -14,7 +14,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from mission.authoring.importing import geojson, gpx, kml, moos, neptus, qgc, slocum, wpl
-from mission.authoring.importing.route import Findings, ImportErrors, Route, Source
+from mission.authoring.importing.route import Findings, ImportErrors, Route, Source, said
 from mission.model.extent import BYTES
 
 __all__ = ["FORMATS", "Findings", "Format", "ImportErrors", "chosen", "format_of", "load"]
@@ -47,7 +47,9 @@ def format_of(path: Path, found: Findings) -> Format:
         if path.suffix.lower() in row.suffixes:
             return row
     known = ", ".join(f"{' '.join(row.suffixes)} ({row.what})" for row in FORMATS.values())
-    raise found.refusal("the file", f"its suffix {path.suffix!r} is no format's", f"known: {known}")
+    raise found.refusal(
+        "plan-format", "", f"its suffix {path.suffix!r} is no format's", f"known: {known}"
+    )
 
 
 def load(path: Path, format_: Format, found: Findings) -> Source:
@@ -57,9 +59,10 @@ def load(path: Path, format_: Format, found: Findings) -> Source:
             data = file.read(BYTES.most + 1)
     except OSError as error:
         why = error.strerror or str(error)
-        raise found.refusal("the file", f"cannot be read: {why}") from None
+        raise found.refusal("unreadable", "", f"cannot be read: {why}") from None
+    found.read_in(data)
     if len(data) > BYTES.most:
-        raise found.refusal("the file", f"it has {BYTES.exceeded}, which no plan has")
+        raise found.refusal("too-long", "", f"it has {BYTES.exceeded}, which no plan has")
     return format_.read(data, found)
 
 
@@ -68,9 +71,13 @@ def chosen(source: Source, name: str | None, found: Findings) -> Route:
     fits = [route for route in source.routes if name is None or route.name == name]
     if len(fits) == 1:
         return fits[0]
-    known = ", ".join(f"{r.name or 'without a name'} ({r.where})" for r in source.routes[:30])
+    known = ", ".join(f"{r.name or 'without a name'} ({said(r.where)})" for r in source.routes[:30])
     hint = f"choose with --pick: {known}" if known else ""
     if not source.routes:
-        raise found.refusal("the file", "there is no route in it", "\n    ".join(found.left_out))
+        raise found.refusal(
+            "plan-route", "", "there is no route in it", "\n    ".join(found.left_out)
+        )
     count = "no" if not fits else str(len(fits))
-    raise found.refusal("the file", f"{count} routes{f' called {name}' if name else ''}", hint)
+    raise found.refusal(
+        "plan-route", "", f"{count} routes{f' called {name}' if name else ''}", hint
+    )

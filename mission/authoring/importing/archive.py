@@ -25,9 +25,10 @@ def member(data: bytes, suffix: str, first: str, found: Findings) -> bytes:
             with archive.open(name) as file:
                 content = file.read(BYTES.most + 1)
     except (zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError, EOFError) as error:
-        raise found.refusal("the archive", f"cannot be unpacked: {error}") from None
+        raise found.refusal("plan-format", "", f"cannot be unpacked: {error}") from None
     if len(content) > BYTES.most:
-        raise found.refusal(name, f"it has {BYTES.exceeded}, which no plan has")
+        raise found.refusal("too-long", name, f"it has {BYTES.exceeded}, which no plan has")
+    found.read_in(content)
     return content
 
 
@@ -37,5 +38,5 @@ def _chosen(names: list[str], suffix: str, first: str, found: Findings) -> str:
         if name.rpartition("/")[2].lower() == first:
             return name
     if len(fits) != 1:
-        raise found.refusal("the archive", f"it holds {len(fits)} files *{suffix}, not one")
+        raise found.refusal("plan-format", "", f"it holds {len(fits)} files *{suffix}, not one")
     return fits[0]

@@ -56,7 +56,7 @@ def _routes(value: Value, name: str, found: Findings) -> Iterator[Route]:
     elif kind in _GEOMETRIES:
         found.leave_out(value.path, _GEOMETRIES[kind])
     else:
-        found.refuse(value.path or "the file", f"{kind[:40]!r} is no type of GeoJSON")
+        found.refuse("plan-form", value.path, f"{kind[:40]!r} is no type of GeoJSON")
 
 
 def _route(line: Value, name: str, found: Findings) -> Route:
@@ -70,7 +70,9 @@ def _steps(line: Value, found: Findings) -> tuple[Step, ...]:
 def _point(value: Value, found: Findings) -> Point | None:
     numbers = [item.number() for item in value.items()]
     if not 2 <= len(numbers) <= 3 or None in numbers[:2]:
-        found.refuse(value.path, "a position is longitude, latitude and perhaps a height")
+        found.refuse(
+            "position", value.path, "a position is longitude, latitude and perhaps a height"
+        )
         return None
     longitude, latitude = numbers[0], numbers[1]
     assert longitude is not None

@@ -10,6 +10,7 @@ from functools import partial
 
 from mission.authoring.importing.archive import is_archive, member
 from mission.authoring.importing.route import (
+    At,
     Findings,
     Point,
     Route,
@@ -54,16 +55,16 @@ def _steps(line: Element, found: Findings) -> tuple[Step, ...]:
     if places is None:
         return ()
     return along(
-        _point(one, mode, f"line {places.line + row}", found)
+        _point(one, mode, places.line + row, found)
         for row, text in enumerate(places.text.split("\n"))
         for one in text.split()
     )
 
 
-def _point(text: str, mode: str, where: str, found: Findings) -> Point | None:
+def _point(text: str, mode: str, where: At, found: Findings) -> Point | None:
     parts = text.split(",")
     if not 2 <= len(parts) <= 3:
-        found.refuse(where, f"{text[:60]!r} is not longitude,latitude,height")
+        found.refuse("position", where, f"{text[:60]!r} is not longitude,latitude,height")
         return None
     numbers = [number(part, "a coordinate", where, found) for part in parts]
     if None in numbers:

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mission.authoring.importing.route import (
+    At,
     Circle,
     Findings,
     Go,
@@ -38,7 +39,7 @@ class Item:
     command: int
     frame: int
     numbers: Sequence[float | None]
-    where: str
+    where: At
 
 
 class Reader:
@@ -50,7 +51,9 @@ class Reader:
 
     def steps(self, item: Item) -> tuple[Step, ...]:
         if item.frame not in FRAMES:
-            self._found.refuse(item.where, f"frame {item.frame} is no frame of places on earth")
+            self._found.refuse(
+                "no-counterpart", item.where, f"frame {item.frame} is no frame of places on earth"
+            )
             return ()
         match item.command:
             case 16 | 82:
@@ -75,9 +78,13 @@ class Reader:
     def _circle(self, item: Item) -> tuple[Step, ...]:
         point, radius = self._point(item), item.numbers[2] or 0.0
         if radius == 0.0:
-            self._found.refuse(item.where, "a circle without a radius", "set its third parameter")
+            self._found.refuse(
+                "plan-form", item.where, "a circle without a radius", "set its third parameter"
+            )
         if not item.numbers[0] or item.numbers[0] < 0.0:
-            self._found.refuse(item.where, "a circle that never ends", "give it turns or a time")
+            self._found.refuse(
+                "no-counterpart", item.where, "a circle that never ends", "give it turns or a time"
+            )
         if point is None or not item.numbers[0]:
             return ()
         turns, side = item.numbers[0], 1 if radius > 0.0 else -1
@@ -91,12 +98,19 @@ class Reader:
                 self._speed = item.numbers[1]
         elif item.command == _JUMP:
             self._found.refuse(
-                item.where, "a jump has no counterpart", "write repeat in the mission"
+                "no-counterpart",
+                item.where,
+                "a jump has no counterpart",
+                "write repeat in the mission",
             )
         elif item.command == _UNLIMITED:
-            self._found.refuse(item.where, "a circle that never ends", "give it turns or a time")
+            self._found.refuse(
+                "no-counterpart", item.where, "a circle that never ends", "give it turns or a time"
+            )
         elif item.command < _LAST_NAV and item.command != _TAKEOFF:
-            self._found.refuse(item.where, f"command {item.command} has no counterpart")
+            self._found.refuse(
+                "no-counterpart", item.where, f"command {item.command} has no counterpart"
+            )
         else:
             self._found.leave_out(item.where, f"command {item.command}")
 
@@ -119,6 +133,6 @@ def place_of(item: Item, found: Findings) -> Position | None:
     """Latitude and longitude, of which 0, 0 means that none is given."""
     latitude, longitude = item.numbers[4], item.numbers[5]
     if latitude is None or longitude is None or not _has_place(item):
-        found.refuse(item.where, "it has no latitude and longitude")
+        found.refuse("position", item.where, "it has no latitude and longitude")
         return None
     return position(latitude, longitude, item.where, found)

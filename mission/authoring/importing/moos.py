@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from mission.authoring.importing.route import (
+    At,
     Findings,
     Point,
     Route,
@@ -35,10 +36,10 @@ _POINTS = frozenset({"points", "point", "polygon"})
 @dataclass(slots=True)
 class _Behavior:
     kind: str
-    where: str
-    said: list[tuple[str, str, str]] = field(default_factory=list)  # key, value, where
+    where: At
+    said: list[tuple[str, str, At]] = field(default_factory=list)  # key, value, where
 
-    def get(self, *keys: str) -> tuple[str, str]:
+    def get(self, *keys: str) -> tuple[str, At]:
         """The last value that stands under one of the keys, and where; "" where none does."""
         rows = [(value, where) for key, value, where in self.said if key in keys]
         return rows[-1] if rows else ("", self.where)
@@ -57,10 +58,12 @@ def read(data: bytes, found: Findings) -> Source:
 
 def _behaviors(text: str, found: Findings) -> Iterator[_Behavior]:
     behavior: _Behavior | None = None
-    for row, line in enumerate(text.split("\n"), 1):
-        where, plain = f"line {row}", line.partition("//")[0].strip()
+    for where, line in enumerate(text.split("\n"), 1):
+        plain = line.partition("//")[0].strip()
         if plain.startswith("#"):
-            raise found.refusal(where, "a macro of nsplug", "import the file that nsplug makes")
+            raise found.refusal(
+                "no-counterpart", where, "a macro of nsplug", "import the file that nsplug makes"
+            )
         key, sign, value = (part.strip() for part in plain.partition("="))
         if key.lower() == "behavior" and sign:
             behavior = _Behavior(value.removesuffix("{").strip(), where)
@@ -70,13 +73,18 @@ def _behaviors(text: str, found: Findings) -> Iterator[_Behavior]:
         elif sign and behavior is not None:
             behavior.said.append((key.lower(), value, where))
     if behavior is not None:
-        found.refuse(behavior.where, "a behavior without an end")
+        found.refuse("plan-form", behavior.where, "a behavior without an end")
 
 
 def _steps(behavior: _Behavior, found: Findings) -> tuple[Step, ...]:
     for key, value, where in behavior.said:
         if "$(" in value:
-            found.refuse(where, f"a macro of nsplug in {key}", "import the file that nsplug makes")
+            found.refuse(
+                "no-counterpart",
+                where,
+                f"a macro of nsplug in {key}",
+                "import the file that nsplug makes",
+            )
         elif key in ("repeat", "perpetual", "order", "condition") and value != "0":
             found.leave_out(where, f"{key} = {value[:40]}")
     speed = _amount(behavior, found, "speed")
@@ -91,21 +99,21 @@ def _amount(behavior: _Behavior, found: Findings, *keys: str) -> float | None:
     return value if value and value > 0.0 else None
 
 
-def _pairs(text: str, where: str, found: Findings) -> list[str]:
+def _pairs(text: str, where: At, found: Findings) -> list[str]:
     """``pts={1,2:3,4}`` and ``1,2 : 3,4``; a pattern that MOOS would expand is refused."""
     inner = text.partition("pts={")[2].partition("}")[0] if "pts={" in text else text
     if "=" in inner or "{" in inner:
-        found.refuse(where, f"a pattern: {text[:40]!r}", "write its points")
+        found.refuse("no-counterpart", where, f"a pattern: {text[:40]!r}", "write its points")
         return []
     return [pair for pair in inner.split(":") if pair.strip()]
 
 
 def _point(
-    pair: str, where: str, speed: float | None, within: float | None, found: Findings
+    pair: str, where: At, speed: float | None, within: float | None, found: Findings
 ) -> Point | None:
     numbers = [number(part, "a coordinate", where, found) for part in pair.split(",")]
     if len(numbers) != 2:
-        found.refuse(where, f"{pair.strip()[:40]!r} is not x,y")
+        found.refuse("position", where, f"{pair.strip()[:40]!r} is not x,y")
         return None
     east, north = numbers
     if east is None or north is None:

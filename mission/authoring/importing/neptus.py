@@ -80,7 +80,9 @@ def _chain(graph: Element, found: Findings) -> Iterator[Element]:
     seen: set[str] = set()
     while here in nodes:
         if here in seen:
-            found.refuse(nodes[here].where, f"the plan comes back to {here}", "write repeat")
+            found.refuse(
+                "plan-order", nodes[here].where, f"the plan comes back to {here}", "write repeat"
+            )
             return
         seen.add(here)
         yield nodes[here]
@@ -94,9 +96,11 @@ def _ways(graph: Element, found: Findings) -> dict[str, str]:
     for edge in graph.all("edge"):
         source = edge.said("source")
         if edge.said("guard").lower() not in _DONE:
-            found.refuse(edge.where, f"a guard that is no end: {edge.said('guard')[:40]!r}")
+            found.refuse(
+                "plan-order", edge.where, f"a guard that is no end: {edge.said('guard')[:40]!r}"
+            )
         if source in ways:
-            found.refuse(edge.where, f"a second way out of {source}")
+            found.refuse("plan-order", edge.where, f"a second way out of {source}")
         ways[source] = edge.said("target")
     return ways
 
@@ -110,15 +114,15 @@ def _maneuver(node: Element, found: Findings) -> tuple[Step, ...]:
         if element.name in _NOT_MANEUVERS:
             continue
         if element.name not in _MANEUVERS:
-            found.refuse(element.where, f"{element.name} has no counterpart")
+            found.refuse("no-counterpart", element.where, f"{element.name} has no counterpart")
             return ()
         holder = element.one("finalPoint", "point") or element.one("basePoint", "point")
         point = _point(holder, element, name, found) if holder is not None else None
         if point is None:
-            found.refuse(element.where, f"{element.name} without a place")
+            found.refuse("plan-form", element.where, f"{element.name} without a place")
             return ()
         return _MANEUVERS[element.name](element, point, found)
-    found.refuse(node.where, "a node without a maneuver")
+    found.refuse("plan-form", node.where, "a node without a maneuver")
     return ()
 
 
@@ -131,9 +135,9 @@ def _loiter(element: Element, point: Point, found: Findings) -> tuple[Step, ...]
     seconds = _size(element, found, "duration")
     kind, way = element.said("trajectory", "type"), element.said("trajectory", "direction")
     if kind not in ("", "Circular"):
-        found.refuse(element.where, f"a loiter that is {kind}, not a circle")
+        found.refuse("no-counterpart", element.where, f"a loiter that is {kind}, not a circle")
     if not seconds:
-        found.refuse(element.where, "it never ends", "give it a duration")
+        found.refuse("no-counterpart", element.where, "it never ends", "give it a duration")
     if not radius or not seconds:
         return ()
     side = -1 if way.lower().startswith("counter") else 1
@@ -156,7 +160,11 @@ def _rows(element: Element, point: Point, found: Findings) -> tuple[Step, ...]:
         return ()
     for name in ("crossAngle", "alternationPercentage"):
         if element.said(name):
-            found.refuse(element.where, f"{name} {element.said(name)}: rows are whole and upright")
+            found.refuse(
+                "no-counterpart",
+                element.where,
+                f"{name} {element.said(name)}: rows are whole and upright",
+            )
     side = -1 if element.said("firstCurveRight") == "false" else 1
     found.leave_out(element.where, "curveOffset: the vehicle turns at the ends of the rows")
     count = int(width / step + 1e-9) + 1
@@ -166,7 +174,7 @@ def _rows(element: Element, point: Point, found: Findings) -> tuple[Step, ...]:
 def _yoyo(element: Element, point: Point, found: Findings) -> tuple[Step, ...]:
     amplitude, pitch = _size(element, found, "amplitude"), _size(element, found, "pitch")
     if point.depth is None or not amplitude or not pitch:
-        found.refuse(element.where, "a yoyo needs a depth, an amplitude and a pitch")
+        found.refuse("plan-form", element.where, "a yoyo needs a depth, an amplitude and a pitch")
         return ()
     shallow, deep = max(point.depth - amplitude, 0.0), point.depth + amplitude
     return (Undulate(point, shallow, deep, pitch),)
@@ -216,7 +224,7 @@ def _place(holder: Element, found: Findings) -> Position | None:
     """Latitude and longitude anywhere below, and offsets on top."""
     said = {inner.name: inner for inner in holder.within()}
     if "latitude" not in said or "longitude" not in said:
-        found.refuse(holder.where, "no latitude and longitude")
+        found.refuse("position", holder.where, "no latitude and longitude")
         return None
     latitude = _degrees(said["latitude"], "NS", found)
     longitude = _degrees(said["longitude"], "EW", found)
@@ -236,7 +244,12 @@ def _degrees(element: Element, letters: str, found: Findings) -> float | None:
     seconds = float(match["seconds"] or 0.0) if match else 0.0
     wrong = match is None or (match["before"] and match["after"]) or letter not in ("", *letters)
     if match is None or wrong or minutes >= 60.0 or seconds >= 60.0 or (match["sign"] and letter):
-        found.refuse(element.where, f"{text[:40]!r} is no {element.name}", "as 41.18 or 41N10'48''")
+        found.refuse(
+            "position",
+            element.where,
+            f"{text[:40]!r} is no {element.name}",
+            "as 41.18 or 41N10'48''",
+        )
         return None
     size = float(match["degrees"]) + minutes / 60.0 + seconds / 3600.0
     return -size if match["sign"] or letter in ("S", "W") else size
@@ -266,7 +279,7 @@ def _vertical(holder: Element, found: Findings) -> tuple[float | None, float | N
         return None, None
     value = number(text, "z", holder.where, found)
     if value is None or (units and value < 0.0):
-        found.refuse(holder.where, f"{units.lower()} {text}: not under the water")
+        found.refuse("plan-form", holder.where, f"{units.lower()} {text}: not under the water")
         return None, None
     if units == "ALTITUDE" or value < 0.0:
         return None, abs(value)

@@ -20,7 +20,7 @@ _PARAMETERS = 7
 def read(data: bytes, found: Findings) -> Source:
     root = values(data, found)
     if root.get("fileType").text() != "Plan":
-        raise found.refusal("fileType", "it is not Plan")
+        raise found.refusal("plan-format", "fileType", "it is not Plan")
     _leave_out(root, found)
     items = root.get("mission").get("items")
     home = _home(root.get("mission").get("plannedHomePosition"), found)
@@ -51,13 +51,17 @@ def _simple(items: Value, found: Findings) -> Iterator[Value]:
             inner = item.get("TransectStyleComplexItem").get("Items")
             name = item.get("complexItemType").text()[:40]
             if inner.raw is None:
-                found.refuse(item.path, f"a {name} without the items it was expanded to")
+                found.refuse(
+                    "plan-form", item.path, f"a {name} without the items it was expanded to"
+                )
                 continue
             found.leave_out(item.path, f"the area of a {name}: its points are taken")
             yield from _simple(inner, found)
         else:
             found.refuse(
-                f"{item.path}.type", f"{kind[:40]!r} is neither SimpleItem nor ComplexItem"
+                "plan-form",
+                f"{item.path}.type",
+                f"{kind[:40]!r} is neither SimpleItem nor ComplexItem",
             )
 
 
@@ -65,7 +69,7 @@ def _item(item: Value, found: Findings) -> Item | None:
     numbers = [value.number() for value in item.get("params").items()]
     command, frame = item.get("command").number(), item.get("frame").number()
     if len(numbers) != _PARAMETERS or command is None or frame is None:
-        found.refuse(item.path, "an item has a command, a frame and seven params")
+        found.refuse("plan-form", item.path, "an item has a command, a frame and seven params")
         return None
     return Item(int(command), int(frame), numbers, item.path)
 
@@ -75,6 +79,6 @@ def _home(value: Value, found: Findings) -> Position | None:
         return None
     numbers = [item.number() for item in value.items()]
     if len(numbers) < 2 or numbers[0] is None or numbers[1] is None:
-        found.refuse(value.path, "home is latitude, longitude and height")
+        found.refuse("position", value.path, "home is latitude, longitude and height")
         return None
     return position(numbers[0], numbers[1], value.path, found)

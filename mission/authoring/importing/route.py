@@ -12,12 +12,15 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from mission.model import Local, Position
-from mission.model.extent import PROBLEMS
+from mission.model import Local, Position, Where
+from mission.model.diagnostics import Diagnosed, Diagnostics, Stage
+from mission.model.texts import NOWHERE
+
+At = int | str  # where in a file: its line, a path such as ``items[3].type``, "" for all of it
 
 
-class ImportErrors(ValueError):
-    """A file cannot be taken over; ``str`` says each reason with its place and a remedy."""
+class ImportErrors(Diagnosed):
+    """A file cannot be taken over."""
 
 
 class Findings:
@@ -25,27 +28,36 @@ class Findings:
 
     def __init__(self, source: str) -> None:
         self._source = source
-        self._wrong: list[str] = []
-        self._left_out: dict[str, tuple[str, int]] = {}
+        self._left_out: dict[str, tuple[At, int]] = {}
+        self.read_in(b"")
 
-    def refuse(self, where: str, message: str, hint: str = "") -> None:
+    def read_in(self, data: bytes) -> None:
+        """The text whose lines are shown, without control characters: anybody may have made it."""
+        text = data.decode("utf-8", "replace")
+        shown = "".join(c if c.isprintable() or c in "\t\n" else "?" for c in text)
+        self._wrong = Diagnostics(Stage.IMPORT, shown, self._source, ImportErrors)
+        self._rows = shown.split("\n")
+
+    def refuse(self, code: str, where: At, message: str, hint: str = "") -> None:
         """Something is wrong; the reading goes on, and fails at its end."""
-        remedy = f"\n    {hint}" if hint else ""
-        self._wrong.append(f"{self._source}: {where}: {message}{remedy}")
-        if len(self._wrong) >= PROBLEMS.most:
-            self.complain()
+        self._wrong.add(code, self._place(where), _told(where, message), hint)
 
-    def refusal(self, where: str, message: str, hint: str = "") -> ImportErrors:
+    def refusal(self, code: str, where: At, message: str, hint: str = "") -> Diagnosed:
         """With this one, after which there is no reading on."""
-        self.refuse(where, message, hint)
-        return ImportErrors("\n".join(self._wrong))
+        return self._wrong.refusal(code, self._place(where), _told(where, message), hint)
 
     def complain(self) -> None:
         """Raises ImportErrors if anything is wrong."""
-        if self._wrong:
-            raise ImportErrors("\n".join(self._wrong))
+        self._wrong.complain()
 
-    def leave_out(self, where: str, what: str) -> None:
+    def _place(self, where: At) -> Where:
+        """A line is meant whole, without what it is indented by."""
+        if isinstance(where, str):
+            return NOWHERE
+        row = self._rows[where - 1] if 0 < where <= len(self._rows) else ""
+        return Where(where, len(row) - len(row.lstrip()) + 1, len(row.strip()))
+
+    def leave_out(self, where: At, what: str) -> None:
         """The mission will not have it; the same again is counted."""
         first, count = self._left_out.get(what, (where, 0))
         self._left_out[what] = (first, count + 1)
@@ -56,8 +68,17 @@ class Findings:
         rows = []
         for what, (where, count) in self._left_out.items():
             more = f" (and {count - 1} more)" if count > 1 else ""
-            rows.append(f"{where}: {what}{more}")
+            rows.append(_told(said(where), f"{what}{more}"))
         return tuple(rows)
+
+
+def said(where: At) -> str:
+    return f"line {where}" if isinstance(where, int) else where
+
+
+def _told(where: At, message: str) -> str:
+    """Behind its path, if it has one: Diagnostics know no other place than lines."""
+    return f"{where}: {message}" if isinstance(where, str) and where else message
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +86,7 @@ class Point:
     """Where to go and how; SI. ``where`` is its place in the file. None: the file does not say."""
 
     place: Position | Local
-    where: str
+    where: At
     name: str = ""
     depth: float | None = None
     altitude: float | None = None
@@ -82,7 +103,7 @@ class Go:
 class Home:
     """Back to where the mission begins."""
 
-    where: str
+    where: At
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +143,7 @@ class Undulate:
 class Rise:
     """To the surface, and ``seconds`` there."""
 
-    where: str
+    where: At
     seconds: float = 0.0
 
 
@@ -134,7 +155,7 @@ class Route:
     """``steps`` reads them; what is wrong with a route that nobody takes is not told."""
 
     name: str
-    where: str
+    where: At
     steps: Callable[[], tuple[Step, ...]]
 
 
@@ -152,27 +173,29 @@ def along(points: Iterable[Point | None]) -> tuple[Step, ...]:
     return tuple(Go(point) for point in points if point is not None)
 
 
-def position(latitude: float, longitude: float, where: str, found: Findings) -> Position | None:
+def position(latitude: float, longitude: float, where: At, found: Findings) -> Position | None:
     """Degrees. None, with a complaint, for what is no place on earth."""
     if not (math.isfinite(latitude) and math.isfinite(longitude)):
-        found.refuse(where, "latitude or longitude is no number")
+        found.refuse("position", where, "latitude or longitude is no number")
     elif not -90.0 <= latitude <= 90.0:
-        found.refuse(where, f"latitude {latitude:g} is beyond 90 degrees", "are they exchanged?")
+        found.refuse(
+            "position", where, f"latitude {latitude:g} is beyond 90 degrees", "are they exchanged?"
+        )
     elif not -180.0 <= longitude <= 180.0:
-        found.refuse(where, f"longitude {longitude:g} is beyond 180 degrees")
+        found.refuse("position", where, f"longitude {longitude:g} is beyond 180 degrees")
     else:
         return Position(latitude, longitude)
     return None
 
 
-def below(height: float | None, where: str, found: Findings) -> float | None:
+def below(height: float | None, where: At, found: Findings) -> float | None:
     """The depth of a height above the water (m); None for one that is not under it."""
     if height is not None and height > 0.0:
         found.leave_out(where, "a height above the water")
     return -height if height is not None and height < 0.0 else None
 
 
-def number(text: str, what: str, where: str, found: Findings) -> float | None:
+def number(text: str, what: str, where: At, found: Findings) -> float | None:
     """None, with a complaint, where ``text`` is no finite number."""
     try:
         value = float(text)
@@ -180,7 +203,7 @@ def number(text: str, what: str, where: str, found: Findings) -> float | None:
         value = math.nan
     if math.isfinite(value):
         return value
-    found.refuse(where, f"{what} is no number: {text.strip()[:40]!r}")
+    found.refuse("number", where, f"{what} is no number: {text.strip()[:40]!r}")
     return None
 
 
@@ -188,4 +211,6 @@ def text_of(data: bytes, found: Findings, encoding: str = "utf-8") -> str:
     try:
         return data.decode(encoding).removeprefix("\ufeff").replace("\r\n", "\n")
     except UnicodeDecodeError as error:
-        raise found.refusal("the file", f"it is not {encoding}: byte {error.start}") from None
+        raise found.refusal(
+            "plan-format", "", f"it is not {encoding}: byte {error.start}"
+        ) from None

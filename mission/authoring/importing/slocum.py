@@ -13,6 +13,7 @@ import math
 from functools import partial
 
 from mission.authoring.importing.route import (
+    At,
     Findings,
     Point,
     Route,
@@ -35,9 +36,11 @@ def read(data: bytes, found: Findings) -> Source:
 def _steps(lines: list[str], found: Findings) -> tuple[Step, ...]:
     plain = [line.partition("#")[0].strip() for line in lines]
     if "behavior_name=goto_list" not in (line.replace(" ", "") for line in plain):
-        found.refuse("the file", "no behavior_name=goto_list", "a .mi has no points, its .ma has")
+        found.refuse(
+            "plan-format", "", "no behavior_name=goto_list", "a .mi has no points, its .ma has"
+        )
     if _START not in plain or _END not in plain:
-        raise found.refusal("the file", f"no {_START} ... {_END}")
+        raise found.refusal("plan-format", "", f"no {_START} ... {_END}")
     first, last = plain.index(_START) + 1, plain.index(_END)
     within = _arguments(plain[:first], last - first, found)
     return along(
@@ -47,11 +50,11 @@ def _steps(lines: list[str], found: Findings) -> tuple[Step, ...]:
 
 def _arguments(lines: list[str], most: int, found: Findings) -> float | None:
     within = None
-    for row, line in enumerate(lines, 1):
+    for where, line in enumerate(lines, 1):
         words = line.split()
         if len(words) != 3 or words[0] != "b_arg:":
             continue
-        name, where = words[1].partition("(")[0], f"line {row}"
+        name = words[1].partition("(")[0]
         value = number(words[2], name, where, found)
         if name == "list_when_wpt_dist" and value:
             within = value
@@ -62,12 +65,12 @@ def _arguments(lines: list[str], most: int, found: Findings) -> float | None:
     return within
 
 
-def _point(line: str, row: int, within: float | None, found: Findings) -> Point | None:
-    where, words = f"line {row}", line.split()
+def _point(line: str, where: At, within: float | None, found: Findings) -> Point | None:
+    words = line.split()
     if not words:
         return None
     if len(words) != 2:
-        found.refuse(where, f"{line[:40]!r} is not a longitude and a latitude")
+        found.refuse("position", where, f"{line[:40]!r} is not a longitude and a latitude")
         return None
     longitude, latitude = (_degrees(word, where, found) for word in words)
     if longitude is None or latitude is None:
@@ -76,13 +79,13 @@ def _point(line: str, row: int, within: float | None, found: Findings) -> Point 
     return Point(place, where, within=within) if place is not None else None
 
 
-def _degrees(text: str, where: str, found: Findings) -> float | None:
+def _degrees(text: str, where: At, found: Findings) -> float | None:
     """DDDMM.mmm: the last two digits before the point are minutes."""
     value = number(text, "a coordinate", where, found)
     if value is None:
         return None
     degrees, minutes = divmod(abs(value), 100.0)
     if minutes >= 60.0:
-        found.refuse(where, f"{text}: minutes go to 60", "write DDDMM.mmm")
+        found.refuse("position", where, f"{text}: minutes go to 60", "write DDDMM.mmm")
         return None
     return math.copysign(degrees + minutes / 60.0, value)

@@ -25,7 +25,7 @@ class Value:
     def items(self) -> Iterator[Value]:
         """The items of a list; of anything else none, with a complaint."""
         if not isinstance(self.raw, list):
-            self.found.refuse(self.path, "not a list")
+            self.found.refuse("plan-form", self.path, "not a list")
             return
         for index, raw in enumerate(self.raw):
             yield Value(raw, f"{self.path}[{index}]", self.found)
@@ -38,11 +38,11 @@ class Value:
         if self.raw is None:
             return None
         if isinstance(self.raw, bool) or not isinstance(self.raw, int | float):
-            self.found.refuse(self.path, "not a number")
+            self.found.refuse("number", self.path, "not a number")
             return None
         value = float(self.raw) if abs(self.raw) < 1e300 else math.inf
         if not math.isfinite(value):
-            self.found.refuse(self.path, "not a finite number")
+            self.found.refuse("number", self.path, "not a finite number")
             return None
         return value
 
@@ -52,9 +52,11 @@ def values(data: bytes, found: Findings) -> Value:
     try:
         raw = json.loads(text_of(data, found), object_pairs_hook=_once)
     except json.JSONDecodeError as error:
-        raise found.refusal(f"line {error.lineno}", f"not JSON: {error.msg}") from None
+        raise found.refusal("plan-format", error.lineno, f"not JSON: {error.msg}") from None
     except (ValueError, RecursionError) as error:
-        raise found.refusal("the file", f"not JSON that a plan has: {str(error)[:80]}") from None
+        raise found.refusal(
+            "plan-format", "", f"not JSON that a plan has: {str(error)[:80]}"
+        ) from None
     return Value(raw, "", found)
 
 

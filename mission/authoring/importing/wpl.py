@@ -21,12 +21,12 @@ _COLUMNS = 12
 def read(data: bytes, found: Findings) -> Source:
     lines = text_of(data, found).split("\n")
     if lines[0].split() != ["QGC", "WPL", "110"]:
-        raise found.refusal("line 1", "it is not QGC WPL 110")
+        raise found.refusal("plan-format", 1, "it is not QGC WPL 110")
     items = list(_items(lines[1:], found))
     home = None
     if items and items[0].command == WAYPOINT and items[0].frame == ABSOLUTE:
         home = place_of(items.pop(0), found)
-    return Source((Route("", "line 2", partial(_steps, items, found)),), home)
+    return Source((Route("", 2, partial(_steps, items, found)),), home)
 
 
 def _steps(items: list[Item], found: Findings) -> tuple[Step, ...]:
@@ -36,12 +36,12 @@ def _steps(items: list[Item], found: Findings) -> tuple[Step, ...]:
 
 def _items(lines: list[str], found: Findings) -> Iterator[Item]:
     index = -1
-    for line, text in enumerate(lines, 2):
-        where, columns = f"line {line}", text.split()
+    for where, text in enumerate(lines, 2):
+        columns = text.split()
         if not columns:
             continue
         if len(columns) != _COLUMNS:
-            found.refuse(where, f"{len(columns)} columns, not {_COLUMNS}")
+            found.refuse("plan-form", where, f"{len(columns)} columns, not {_COLUMNS}")
             continue
         numbers = [number(column, "a column", where, found) for column in columns]
         if None in numbers:

@@ -93,7 +93,7 @@ def _home(
 ) -> Position | None:
     first = next((p.place for p in _points(steps)), None)
     if first is None:
-        raise found.refusal("the file", "the route has no points")
+        raise found.refusal("plan-route", "", "the route has no points")
     if answers.home_first and isinstance(first, Position):
         return _rounded(first)
     home = answers.home or source.home
@@ -101,7 +101,7 @@ def _home(
         hint = "say --home LATITUDE,LONGITUDE, or --home first for the first point"
         if source.local:
             hint = "say --home: LatOrigin,LongOrigin of the .moos file"
-        found.refuse("home", "the file does not say where the vehicle starts", hint)
+        found.refuse("unsaid", "", "the file does not say where the vehicle starts", hint)
     return home
 
 
@@ -116,7 +116,7 @@ def _check_near(steps: tuple[Step, ...], home: Position, found: Findings) -> Non
     if exchanged:
         hint = "latitude and longitude are exchanged: say --swap"
     for point in far:
-        found.refuse(point.where, f"more than {_NEAR / 1000:.0f} km from home", hint)
+        found.refuse("position", point.where, f"more than {_NEAR / 1000:.0f} km from home", hint)
 
 
 def _turned(place: Position) -> Position:
@@ -138,7 +138,10 @@ def _swapped(step: Step, found: Findings) -> Step:
     place = step.point.place
     if abs(place.longitude_deg) > 90.0:
         found.refuse(
-            step.point.where, "exchanged, its latitude is beyond 90 degrees", "drop --swap"
+            "position",
+            step.point.where,
+            "exchanged, its latitude is beyond 90 degrees",
+            "drop --swap",
         )
     return replace(step, point=replace(step.point, place=_turned(place)))
 
@@ -240,7 +243,7 @@ class _Writer:
         if self._answers.altitude is not None:
             return (Setting("altitude", self._answers.altitude),)
         hint = "say --depth, or --altitude, for the points that have none"
-        self._found.refuse(point.where, "no depth", hint)
+        self._found.refuse("unsaid", point.where, "no depth", hint)
         return ()
 
     def _gear(self, point: Point) -> int:
@@ -249,11 +252,13 @@ class _Writer:
             gear = self._vehicle.gear_near(point.speed)
             if gear == 0 or point.speed > fastest * (1 + 1e-9):
                 message = f"{self._vehicle.name} cannot go {point.speed:g} m/s"
-                self._found.refuse(point.where, message, f"its fastest is {fastest:g} m/s")
+                self._found.refuse(
+                    "too-fast", point.where, message, f"its fastest is {fastest:g} m/s"
+                )
             return max(gear, 1)
         if self._answers.gear is None:
             hint = "say --speed, or --gear, for the points that have none"
-            self._found.refuse(point.where, "no speed", hint)
+            self._found.refuse("unsaid", point.where, "no speed", hint)
         return self._answers.gear or 1
 
     def _speed(self, point: Point) -> float:

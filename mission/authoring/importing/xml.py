@@ -23,8 +23,8 @@ class Element:
     text: str = ""
 
     @property
-    def where(self) -> str:
-        return f"line {self.line}"
+    def where(self) -> int:
+        return self.line
 
     def all(self, name: str) -> Iterator[Element]:
         """The children of that name."""
@@ -67,16 +67,16 @@ class _Builder:
             self._parser.Parse(data, True)
         except expat.ExpatError as error:
             why = expat.ErrorString(error.code)
-            raise self._found.refusal(f"line {error.lineno}", f"not XML: {why}") from None
+            raise self._found.refusal("plan-format", error.lineno, f"not XML: {why}") from None
         assert self.root is not None
         return self.root
 
     def _start(self, name: str, attributes: dict[str, str]) -> None:
-        where = f"line {self._parser.CurrentLineNumber}"
+        where = self._parser.CurrentLineNumber
         self._count += 1
         for extent, size in ((NODES, self._count), (DEEPEST_YAML, len(self._open))):
             if size > extent.most:
-                raise self._found.refusal(where, f"more than {extent.most:,} elements")
+                raise self._found.refusal("too-long", where, f"more than {extent.most:,} elements")
         plain = {_local(key): value for key, value in attributes.items()}
         made = Element(_local(name), self._parser.CurrentLineNumber, plain)
         if self._open:
@@ -92,8 +92,10 @@ class _Builder:
         self._open[-1].text += text
 
     def _entity(self, name: str, *rest: object) -> None:
-        where = f"line {self._parser.CurrentLineNumber}"
-        raise self._found.refusal(where, f"it defines an entity ({name[:40]})", "write it out")
+        where = self._parser.CurrentLineNumber
+        raise self._found.refusal(
+            "plan-format", where, f"it defines an entity ({name[:40]})", "write it out"
+        )
 
 
 def _local(name: str) -> str:
@@ -104,5 +106,7 @@ def elements(data: bytes, root: str, found: Findings) -> Element:
     """The root element, which must have that name. Raises ImportErrors."""
     read = _Builder(found).read(data)
     if read.name != root:
-        raise found.refusal(read.where, f"the outermost element is {read.name}, not {root}")
+        raise found.refusal(
+            "plan-format", read.where, f"the outermost element is {read.name}, not {root}"
+        )
     return read

@@ -32,11 +32,12 @@ from plans import (
     zipped,
 )
 
-from mission.authoring.importing import FORMATS
+from mission.authoring.importing import FORMATS, Findings, ImportErrors, chosen, format_of
 from mission.authoring.language import parse
 from mission.cli import main
 from mission.legs import Goto, Loiter, Rows, Surface, Yoyo
 from mission.model import Leg, Local, Mission, Position
+from mission.model.diagnostics import Diagnostic, Stage
 from mission.navigation.geodesy import LocalFrame
 
 FRAME = LocalFrame(Position(*HOME))
@@ -267,7 +268,7 @@ def test_offsets_of_a_neptus_point_are_metres_on_top(tmp_path: Path) -> None:
 def test_minutes_of_a_goto_list_end_at_sixty(tmp_path: Path) -> None:
     result = imported(tmp_path, ".ma", slocum("12060.000 3017.000\n"), *answers())
     assert result.exit_code == 2
-    assert "line 10" in result.output
+    assert "file.ma:10:1: 12060.000: minutes go to 60 [position]" in result.output
 
 
 # --- what a step means --------------------------------------------------------------------------
@@ -496,6 +497,43 @@ def test_a_mission_goes_to_standard_output_without_an_output(tmp_path: Path) -> 
     assert parse(result.stdout).name == "harbour"
 
 
+# --- how a refusal is told ----------------------------------------------------------------------
+
+
+def refused(suffix: str, content: bytes) -> tuple[Diagnostic, ...]:
+    found = Findings("file")
+    source = format_of(Path(f"file{suffix}"), found).read(content, found)
+    chosen(source, None, found).steps()
+    with pytest.raises(ImportErrors) as caught:
+        found.complain()
+    return caught.value.diagnostics
+
+
+def test_all_that_is_wrong_is_told_at_once_each_with_its_line_and_code(tmp_path: Path) -> None:
+    points = '<rtept lat="95" lon="1"/>\n  <rtept lat="x" lon="1"/>'
+    result = imported(tmp_path, ".gpx", f"<gpx><rte>\n{points}</rte></gpx>".encode(), *answers())
+    assert result.exit_code == 2
+    assert "file.gpx:2:1: latitude 95 is beyond 90 degrees [position]\n" in result.output
+    shown = "file.gpx:3:3: lat is no number: 'x' [number]\n      <rtept"
+    assert shown in result.output
+    assert "file.gpx: 2 errors" in result.output
+
+
+def test_a_place_that_is_no_line_is_told_by_its_path() -> None:
+    (told,) = refused(".plan", b'{"fileType": "Plan", "mission": {"items": [{"type": "Loop"}]}}')
+    assert (told.stage, told.code, told.where.line) == (Stage.IMPORT, "plan-form", 0)
+    assert told.message.startswith("mission.items[0].type: 'Loop' is neither")
+
+
+def test_a_line_of_somebody_elses_reaches_no_terminal_with_its_control_characters(
+    tmp_path: Path,
+) -> None:
+    content = b"<gpx><rte>\n<rtept lat='x\xc2\x9b31m' lon='1'/></rte></gpx>"
+    output = imported(tmp_path, ".gpx", content, *answers()).output
+    assert "lat='x?31m'" in output
+    assert "\x9b" not in output
+
+
 # --- files of others ----------------------------------------------------------------------------
 
 
@@ -504,7 +542,7 @@ def test_missions_of_ardusub_are_taken_over(recordings: Path, tmp_path: Path) ->
     dive = (folder / "ArduSub_DiveMission_sub_mission.txt").read_bytes()
     result = imported(tmp_path, ".txt", dive, "--gear", "8")
     assert result.exit_code == 2  # its home is in Canberra, its points are at Los Angeles
-    assert "line 3: more than 200 km from home" in result.output
+    assert "file.txt:3:1: more than 200 km from home [position]" in result.output
     way = legs(made(tmp_path, ".txt", dive, "--gear", "8", "--home", "first"))
     assert [type(leg.kind) for leg in way] == [Goto, Goto, Goto, Loiter, Goto, Surface]
     assert [settings(leg).get("depth") for leg in way] == [50, 50, 50, 25, 25, None]
