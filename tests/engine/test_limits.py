@@ -13,7 +13,7 @@ from engine_world import VEHICLE, World, leg, mission, sets
 from limit_cases import CASES, LEAKY, LONG, far, flying, sink, thrust, unsure
 
 from mission.engine.bounds import Bounds, admit, in_force
-from mission.engine.limits import LIMITS, Limit, On, Response
+from mission.engine.limits import LIMITS, Limit, On
 from mission.engine.monitor import LimitMonitor
 from mission.engine.vehicle_state import VehicleState
 from mission.legs import Surface
@@ -39,44 +39,6 @@ def tripped(world: World, name: str) -> bool:
     names = {e.trigger for s in left for e in s.evaluations}
     assert names <= {f"limit {name}"}, names
     return bool(left)
-
-
-@pytest.mark.parametrize("row", LIMITS.values(), ids=lambda row: row.name)
-def test_every_limit_trips_a_hair_beyond_its_bound(row):
-    case = CASES[row.name]
-    world = case.begin()
-    case.trips(world)
-    assert tripped(world, row.name)
-    if row.response is Response.UNCERTAIN:
-        assert world.state == "autonomous/surface"
-    else:
-        assert SURFACING in [path for s in world.steps for path in s.entered]
-    assert world.engine.reason == f"limit {row.name}: {case.says}"
-
-
-@pytest.mark.parametrize(
-    "row",
-    [
-        r
-        for r in LIMITS.values()
-        if r.needs and r.on is not On.CLOCK and r.name != "depth contradicted"
-    ],
-    ids=lambda row: row.name,
-)
-def test_what_is_not_to_be_believed_breaches_no_limit(row):
-    """Another one may act: there is one for a depth that is not known."""
-    case = CASES[row.name]
-    world = case.begin()
-    for need in row.needs:
-        world.nav.doubt[need] = "absurd"
-    world.nav.mode = NavigationMode.NONE
-    if row.name == "leak":
-        world.vehicle = VEHICLE
-        world.report = lambda report=world.report, **more: replace(report(**more), leak=None)
-    case.trips(world)
-    taken = {e.trigger for s in world.steps for e in s.evaluations}
-    assert f"limit {row.name}" not in taken
-    assert row.name not in {found.name for found in world.engine.breaches}
 
 
 @pytest.mark.parametrize(
@@ -108,17 +70,6 @@ def test_a_sample_that_is_sure_begins_the_count_of_uncertain_ones_anew():
     for _ in range(3):
         unsure(world, 2.0, 1)
     assert world.state == "autonomous/out"
-
-
-@pytest.mark.parametrize("way", ["short", "bound"])
-@pytest.mark.parametrize("row", LIMITS.values(), ids=lambda row: row.name)
-def test_no_limit_trips_at_its_bound_or_a_sample_too_early(row, way: str):
-    case = CASES[row.name]
-    world = case.begin()
-    before = world.state
-    getattr(case, way)(world)
-    assert not tripped(world, row.name)
-    assert world.state == before
 
 
 def scripted(row: Limit, patch: pytest.MonkeyPatch) -> tuple[LimitMonitor, list[bool | None]]:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 
 import pytest
+from contracts import keep
+from engine_world import World
+from limit_cases import CASES, Case, flying
 
 from mission.analysis.replay.replay import replay
 from mission.authoring.language import parse
@@ -15,6 +19,9 @@ from mission.engine.monitor import LimitMonitor
 from mission.engine.vehicle_state import VehicleState
 from mission.model.shipped import load_vehicle
 from mission.onboard.runtime.records import ListRecorder
+from mission.verification.exhaustive.cell import Event
+from mission.verification.exhaustive.events import EVENTS
+from mission.verification.exhaustive.world import World as Cell
 from mission.verification.simulation.flight import fly
 from protocol.messages import SetSafety
 
@@ -42,10 +49,40 @@ TEXT = (
 )
 
 
+def reported(world: World, depth: float, count: int) -> None:
+    """So many reports of this depth, then of 1 m again."""
+    for metres in (*[depth] * count, 1.0, 1.0):
+        world.depth = metres
+        world.wait(2.0)
+
+
+CASE = Case(
+    "deeper than 2 m",
+    lambda world: reported(world, math.nextafter(BOUND, 3.0), 2),
+    lambda world: reported(world, math.nextafter(BOUND, 3.0), 1),
+    lambda world: reported(world, BOUND, 20),
+    begin=lambda: flying(depth=1.0),
+)
+
+
+def dives(world: Cell) -> None:
+    world.sea.depth = BOUND + 1.0
+    world.wait(6.0)
+
+
+EVENT = Event("limit toy depth", lambda world, c, chart: dives(world), limit=TOY.name)
+
+
 @pytest.fixture(autouse=True)
-def registered() -> Iterator[None]:
-    with LIMITS.registered(TOY):
+def registered(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.setitem(CASES, TOY.name, CASE)
+    with LIMITS.registered(TOY), EVENTS.registered(EVENT):
         yield
+
+
+def test_it_keeps_the_contract_of_limits_with_a_bound_case_of_its_own() -> None:
+    keep("limits", TOY)
+    keep("events", EVENT)
 
 
 def test_it_is_looked_at_answered_recorded_and_replayed_to_the_bit() -> None:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from random import Random
 
 import pytest
+from contracts import keep
 
 from mission.analysis.replay.replay import replay
 from mission.authoring.check import check_mission
@@ -49,6 +50,10 @@ LEG = "a: heading 0 gear 6 depth 3 until sounding > 8 held 2 timeout 60"
 def registered() -> Iterator[None]:
     with VARIABLES.registered(SOUNDING):
         yield
+
+
+def test_it_keeps_the_contract_of_variables() -> None:
+    keep("variables", SOUNDING)
 
 
 def mission(leg: str = LEG) -> Mission:

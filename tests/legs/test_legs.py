@@ -5,9 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-import re
 from dataclasses import replace
-from random import Random
 
 import pytest
 from engine_world import Navigation
@@ -31,7 +29,6 @@ from mission.legs import (
 from mission.legs.rows import corners
 from mission.legs.words import Choice, Measure, Spot
 from mission.model import Axis, LegKind, Local, Place
-from mission.verification.campaign.generated import Writer
 from protocol.messages import Setpoint, Telemetry
 
 KINDS = (
@@ -103,34 +100,6 @@ def test_every_leg_type_keeps_the_contract(kind):
     for _ in range(3):
         twin.setpoint(view(1000.0, 1000.0, depth=9.0))
     assert pilot.setpoint(view()) == first
-
-
-@pytest.mark.parametrize("row", LEGS.values(), ids=lambda row: row.name)
-def test_every_leg_type_says_how_it_is_written_shown_drawn_and_tried(row):
-    said = {row.head.field, row.until_fix, *(clause.field for clause in row.clauses)} - {""}
-    assert said == {field.name for field in dataclasses.fields(row.kind)}
-    assert row.description
-    assert row.trials
-    for body in row.trials:
-        assert row.name in body or row.name == "hold"
-    for clause in row.clauses:
-        assert re.fullmatch(r"[a-z]+", clause.word)
-        assert clause.description
-        others = [c for other in LEGS.values() for c in other.clauses if c.word == clause.word]
-        assert all(other == clause for other in others), "one word means one thing"
-
-
-@pytest.mark.parametrize("row", LEGS.values(), ids=lambda row: row.name)
-def test_whatever_a_leg_type_draws_or_tries_is_a_mission(row):
-    """What the check says of it is the campaign's business."""
-    for number, draw in itertools.product(range(10), row.draws):
-        writer = Writer(Random(number), "drawn")
-        (leg,) = parse(f"mission m\na: {draw(writer)}\n").body
-        assert type(leg.kind) is row.kind
-        assert row.shown(leg.kind) or row.name == "hold"
-        assert row.done(leg.kind)
-    for body in row.trials:
-        parse(f"mission m\n{body}\n")
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ import jsonschema
 import pytest
 import yaml
 from click.testing import CliRunner
+from contracts import keep
 
 from mission.analysis.replay.replay import replay
 from mission.authoring.check import check_mission
@@ -209,6 +210,10 @@ def test_it_is_listed_in_the_manual() -> None:
     assert "| `each` | s | 1 to 600 | how long a tack is |" in PARTS["measures"]()
     assert "`toward`" in PARTS["measures"]()
     assert "weave" in PARTS["grammar"]()
+
+
+def test_it_keeps_the_contract_of_legs() -> None:
+    keep("legs", WEAVE)
 
 
 def test_it_is_drawn_at_random_and_flown_with_what_it_waits_for_withheld() -> None:

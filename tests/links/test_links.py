@@ -1,30 +1,27 @@
-"""Links that are opened by URL: the same laws for each row, and what is special about each."""
+"""Links that are opened by URL: what is special about each scheme. What holds of all is in
+tests/worlds/contracts.py."""
 
 from __future__ import annotations
 
 import fcntl
 import os
 import select
-import shutil
 import socket
 import subprocess
 import sys
 import tty
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 from patience import LONG, until
 
-from links import LINKS, LinkAddressError, open_link, parse_address
+from links import LinkAddressError, open_link
 from links.admission import Admission
 from links.base import Link, LinkAbsent, LinkBusy, LinkClosed, LinkError
 from links.memory import EXCHANGE, memory_pair
 from links.serial import BACKLOG, SerialLink
 from links.tcp import TcpClient, TcpServer
-from mission.onboard.serve.keys import make_keys
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 VHANGUP = 0x5437  # Linux: as if the cable were pulled
@@ -47,145 +44,7 @@ def read(link: Link, wanted: int) -> bytes:
     return bytes(data)
 
 
-class Pair:
-    """A link and its far end, however that has to be made."""
-
-    def __init__(self, scheme: str, stack: ExitStack, keys: Path | None = None) -> None:
-        self.far: Link
-        self.near: Link
-        if scheme == "memory":
-            self.near = open_link("near", "memory://test-pair")
-            self.far = open_link("far", "memory://test-pair")
-        elif scheme == "serial":
-            master, slave = os.openpty()
-            tty.setraw(slave)
-            stack.callback(os.close, slave)
-            self.near = open_link("near", f"serial://{os.ttyname(slave)}?baud=9600")
-            self.far = _Fd(master)
-        else:
-            kind = scheme.removesuffix("-listen")
-            ours, theirs = (f"?keys={keys}/{who}" if keys else "" for who in ("vehicle", "boat"))
-            server = open_link("server", f"{kind}-listen://127.0.0.1:0{ours}")
-            assert isinstance(server, TcpServer)
-            client = _opened(server, f"{kind}://127.0.0.1:{server.port}{theirs}")
-            until(lambda: bool(server.receive(0.0)) or bool(server.peers))
-            listens = scheme.endswith("-listen")
-            self.near, self.far = (server, client) if listens else (client, server)
-        stack.callback(self.far.close)
-        stack.callback(self.near.close)
-
-
-def _opened(server: TcpServer, url: str) -> Link:
-    """A client's end; a handshake needs the server to be turned meanwhile."""
-    with ThreadPoolExecutor(1) as pool:
-        opening = pool.submit(open_link, "client", url)
-        until(lambda: bool(server.receive(0.0)) or opening.done())
-        return opening.result()
-
-
-class _Fd:
-    """The master side of a pseudo-terminal, as a link."""
-
-    def __init__(self, fd: int) -> None:
-        self.name, self._fd = "master", fd
-        os.set_blocking(fd, False)
-
-    def fileno(self) -> int:
-        return self._fd
-
-    def receive(self, now: float) -> list:  # type: ignore[type-arg]
-        from links.base import Rx
-
-        try:
-            return [Rx(now, self.name, os.read(self._fd, 65536))]
-        except BlockingIOError:
-            return []
-
-    def send(self, data: bytes, now: float, address: str = "") -> None:
-        os.write(self._fd, data)
-
-    def next_event(self) -> float | None:
-        return None
-
-    def close(self) -> None:
-        if self._fd >= 0:
-            os.close(self._fd)
-        self._fd = -1
-
-
-# In virtual time, or not of bytes alone: test_acoustic.py and test_can.py have their laws.
-OTHERS = {"acoustic", "can"}
-
-
-@pytest.fixture(scope="module")
-def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    if shutil.which("openssl") is None:
-        pytest.skip("openssl makes the keys")
-    folder = tmp_path_factory.mktemp("keys")
-    make_keys(folder, ["boat"], lambda _: None)
-    return folder
-
-
-@pytest.fixture(params=[scheme for scheme in LINKS if scheme not in OTHERS])
-def pair(request: pytest.FixtureRequest) -> Iterator[Pair]:
-    keys = request.getfixturevalue("keys") if request.param.startswith("tls") else None
-    with ExitStack() as stack:
-        yield Pair(request.param, stack, keys)
-
-
-def test_bytes_of_every_value_pass_both_ways(pair: Pair) -> None:
-    everything = bytes(range(256)) * 4
-    pair.near.send(everything, 0.0)
-    assert read(pair.far, len(everything)) == everything
-    pair.far.send(everything, 0.0)
-    assert read(pair.near, len(everything)) == everything
-
-
-def test_receiving_never_waits(pair: Pair) -> None:
-    """Where the file is the link's own, it says so itself; a listening one asks a selector."""
-    assert pair.near.receive(0.0) == []
-    fd = pair.near.fileno()
-    assert fd < 0 or isinstance(pair.near, TcpServer) or not os.get_blocking(fd)
-
-
-def test_what_arrives_bears_the_name_and_the_time_of_the_asking(pair: Pair) -> None:
-    pair.far.send(b"@NI$", 7.0)
-    found: list[object] = []
-    until(lambda: bool(found.extend(pair.near.receive(7.0)) or found))
-    assert [(rx.t, rx.link, rx.data) for rx in found] == [(7.0, pair.near.name, b"@NI$")]  # type: ignore[attr-defined]
-
-
-def test_a_real_link_has_a_number_that_the_event_loop_can_watch(pair: Pair) -> None:
-    if pair.near.fileno() == -1:
-        assert pair.near.name == "near"  # in memory: next_event tells
-        pair.far.send(b"x", 3.0)
-        assert pair.near.next_event() == 3.0
-        return
-    assert not select.select([pair.near.fileno()], [], [], 0.0)[0]
-    pair.far.send(b"x", 0.0)
-    assert select.select([pair.near.fileno()], [], [], LONG)[0] == [pair.near.fileno()]
-
-
-def test_a_closed_link_says_so_and_may_be_closed_twice(pair: Pair) -> None:
-    pair.near.close()
-    pair.near.close()
-    assert pair.near.fileno() == -1
-    with pytest.raises(LinkClosed):
-        pair.near.receive(0.0)
-    with pytest.raises(LinkClosed):
-        pair.near.send(b"x", 0.0)
-
-
 # --- URLs -------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("scheme", LINKS)
-def test_every_row_takes_its_own_example_and_no_unknown_option(scheme: str) -> None:
-    example = LINKS[scheme].example
-    assert parse_address(example).scheme == scheme
-    glue = "&" if "?" in example else "?"
-    with pytest.raises(LinkAddressError, match="speed"):
-        parse_address(f"{example}{glue}speed=1")
 
 
 @pytest.mark.parametrize(

@@ -92,15 +92,6 @@ def test_when_a_fault_is_over_the_vehicle_obeys_and_reports_again(profile: str, 
     assert vehicle.truth().current == pytest.approx(fly(profile, None, 1.0)[0].truth().current)
 
 
-@pytest.mark.parametrize("fault", FAULTS)
-def test_every_row_says_what_it_does_and_how_long(fault: str) -> None:
-    row = FAULTS[fault]
-    assert row.says
-    assert row.duration > 0.0
-    assert bool(row.unit) == (row.value != 0.0)
-    assert parse_fault(f"{fault}@12+3") == FaultEvent(fault, 12.0, 3.0)
-
-
 def state(fault: str, at: float, profile: str = "as-built") -> tuple[SimulatedVehicle, Truth]:
     vehicle, _ = fly(profile, fault, at)
     return vehicle, vehicle.truth()

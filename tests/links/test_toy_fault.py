@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from contracts import keep
 
 from links.simulated.faults import FAULTS, Fault, Parts
 from links.simulated.plant import LEFT_MAIN, RIGHT_MAIN
@@ -43,6 +44,10 @@ def test_it_is_read_written_and_flown() -> None:
     assert setting_of(event) == "toy_weed=0.1@5.0"
     sound, sick = (fly(parse(TEXT), VEHICLE, seed=3, settings=s) for s in (None, settings))
     assert sound.max_range > sick.max_range + 10.0
+
+
+def test_it_keeps_the_contract_of_faults() -> None:
+    keep("faults", "toy_weed")
 
 
 def test_the_campaign_draws_it() -> None:

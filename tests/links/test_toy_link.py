@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import socket
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from contracts import keep
 
 from links import (
     LINKS,
@@ -18,7 +18,6 @@ from links import (
     at_rate,
     baud_of,
     check_url,
-    open_link,
     parse_address,
 )
 from links.base import LinkClosed, Rx
@@ -103,18 +102,8 @@ def test_its_url_is_read_refused_and_told_with_those_of_the_others() -> None:
         parse_address("usb://x")
 
 
-def test_bytes_pass_over_a_real_loopback_both_ways() -> None:
-    near, far = open_link("near", "pipe://yard"), open_link("far", "pipe://yard")
-    everything = bytes(range(256)) * 4
-    for sender, receiver in ((near, far), (far, near)):
-        sender.send(everything, 1.0)
-        (got,) = receiver.receive(2.0)
-        assert (got.t, got.link, got.data) == (2.0, receiver.name, everything)
-    assert not os.get_blocking(near.fileno())
-    near.close()
-    with pytest.raises(LinkClosed):
-        far.receive(3.0)
-    far.close()
+def test_it_keeps_the_contract_of_links_over_a_real_loopback() -> None:
+    keep("links", "pipe")
 
 
 def test_it_gets_the_rate_of_its_role_where_its_url_tells_none() -> None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import pytest
 from click.testing import CliRunner
+from contracts import keep
 from topside_world import BOAT, WATER, Pi
 
 from mission.analysis.replay.replay import replay
@@ -134,16 +135,7 @@ def test_a_code_that_is_taken_or_that_says_no_is_refused() -> None:
             WORDS.register(row)
 
 
-@pytest.mark.parametrize("word", list(WORDS.values()), ids=lambda word: word.code)
-def test_every_word_is_read_as_it_is_written_and_its_acknowledgement_too(
-    word: OperatorWord,
-) -> None:
-    for raw in word.examples:
-        (said,) = TopsideCodec().receive(raw, 0.0)
-        assert type(said) is word.message
-        assert TopsideCodec().receive(encode(said), 0.0) == [said]
-    assert word.examples
-    if word.letter:
-        (ack,) = ConsoleCodec().receive(encode(answer(word.code, True, 0.0)), 0.0)
-        assert isinstance(ack, Ack)
-        assert (ack.group + ack.function, ack.ok) == (word.code, True)
+def test_it_keeps_the_contract_of_words_and_orders() -> None:
+    """Among it: every state hears it in the exhaustive proof, operators under stress say it."""
+    keep("words", TOY.word)
+    keep("orders", TOY)

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
+from contracts import keep
 
 from links.simulated.board_faults import LINE, OF_BOARDS
 from links.simulated.boards import BOARDS
@@ -187,6 +188,10 @@ def test_it_is_flown_on_its_own_board_recorded_and_replayed_to_the_bit(
     sent = [record.payload for record in recorder.of(TX)]
     assert any(b">S" in data for data in sent)
     assert replay(recorder.records).identical
+
+
+def test_it_keeps_the_contract_of_vehicles() -> None:
+    keep("vehicles", ROW)
 
 
 def test_the_doctor_has_words_for_it(sled: Path) -> None:

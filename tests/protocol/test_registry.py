@@ -6,7 +6,7 @@ import pytest
 
 from protocol.fields import FrameType
 from protocol.framing import LinkRow
-from protocol.messages import FrameFault, Order, Setpoint
+from protocol.messages import FrameFault
 from protocol.tolerances import TOLERANCES, Tolerances, UnknownTolerance
 from protocol.vehicles import (
     VEHICLES,
@@ -59,17 +59,6 @@ def test_every_type_names_its_table(row: LinkRow) -> None:
         assert frame.length >= 0
 
 
-@pytest.mark.parametrize("row", list(VEHICLES.values()), ids=lambda r: r.name)
-def test_every_vehicle_stops_and_says_nothing_by_itself(row: VehicleRow) -> None:
-    for dialect in row.dialects:
-        made = codec(row.name, dialect, {})
-        assert made.next_timer() is None
-        assert made.receive(b"", 0.0) == []
-        assert made.flush(1.0) == []
-        assert all(isinstance(f, bytes) and f for f in made.encode(Order.STOP))
-        assert made.encode(Setpoint())
-
-
 def test_an_unknown_name_says_which_there_are() -> None:
     with pytest.raises(UnknownVehicle, match="auv"):
         codec("submarine", "as-built", {})
@@ -92,19 +81,3 @@ def test_every_vehicle_has_its_steps_and_no_other() -> None:
     assert vehicle_row("auv").granularity.heading == pytest.approx(0.0174533)
     with pytest.raises(UnknownVehicle, match="no vehicle 'zeppelin'; there are: auv"):
         vehicle_row("zeppelin")
-
-
-DIALECTS = [(row, dialect) for row in VEHICLES.values() for dialect in row.dialects]
-
-
-@pytest.mark.parametrize(("row", "dialect"), DIALECTS, ids=lambda value: str(value)[:30])
-def test_the_ways_of_an_ascent_are_different_bytes_on_every_vehicle(
-    row: VehicleRow, dialect: str
-) -> None:
-    """R7: a way that differs in name alone would be tried twice, and the way that helps never."""
-    encode = codec(row.name, dialect, {}).encode
-    downward = [] if row.name == "robot" else [Setpoint(heave=1.0)]
-    said = [tuple(encode(way)) for way in (*row.ways, *downward)]
-    assert len(set(said)) == len(said)
-    assert row.ways[0] is Order.SURFACE
-    assert row.name == "robot" or row.ways[-1] is Order.STOP

@@ -33,9 +33,9 @@ from mission.onboard.runtime.uploads import Uploads
 from mission.verification.exhaustive.cell import Configuration
 from mission.verification.exhaustive.commands import COMMANDS
 from mission.verification.exhaustive.configurations import WAYS, Ground, configurations, ground
-from mission.verification.exhaustive.events import EVENTS
+from mission.verification.exhaustive.events import events
 from mission.verification.exhaustive.fork import Fork
-from mission.verification.exhaustive.run import ALL_LAWS, Found, examine_ground, unasked
+from mission.verification.exhaustive.run import LAWS, Found, examine_ground, unasked
 from mission.verification.exhaustive.world import World
 from protocol.messages import UPWARD, Order, SetSafety
 
@@ -58,7 +58,7 @@ def sample(survey: Ground) -> Found:
 
 def test_no_cell_of_a_sample_breaks_a_law(sample: Found) -> None:
     assert sample.violations == []
-    assert sample.cells == sample.configurations * len(EVENTS)
+    assert sample.cells == sample.configurations * len(events())
 
 
 def test_the_other_profile_and_mission_neither() -> None:
@@ -96,13 +96,13 @@ def test_every_law_is_asked_in_the_samples(sample: Found, clear: Found) -> None:
 
 
 def test_every_limit_has_its_event() -> None:
-    assert {row.name for row in LIMITS.values()} == {e.limit for e in EVENTS if e.limit} | set(
+    assert {row.name for row in LIMITS.values()} == {e.limit for e in events() if e.limit} | set(
         ELSEWHERE
     )
 
 
 def test_names_of_events_laws_and_ways_are_unique() -> None:
-    for names in ([e.name for e in EVENTS], [w.name for w in ALL_LAWS], [w.name for w in WAYS]):
+    for names in ([e.name for e in events()], list(LAWS), [w.name for w in WAYS]):
         assert len(set(names)) == len(names)
 
 
@@ -565,7 +565,7 @@ def test_a_set_of_the_same_instant_that_left_before_the_order_is_not_of_its_stat
     configuration, world = next((c, w) for c, w in configurations(on) if c.name == name)
     fork = Fork(world)
     together = 0
-    for event in EVENTS:
+    for event in events():
         if "end" in event.causes:
             cell, fault = _played(configuration, event, on, fork)
             assert list(_judged(cell, fault, Found())) == []
@@ -588,7 +588,7 @@ def test_what_leaves_the_drive_as_an_exception_is_a_violation(survey, worlds, pa
 
 
 def test_a_law_that_is_asked_nowhere_is_an_error_of_the_command(patch) -> None:
-    patch.setattr("mission.verification.exhaustive.run.EVENTS", COMMANDS[:1])
+    patch.setattr("mission.verification.exhaustive.run.events", lambda: COMMANDS[:1])
     done = CliRunner().invoke(
         main, ["exhaustive", str(MISSIONS / "yoyo-profile.yaml"), "--workers", "1"]
     )
@@ -611,7 +611,7 @@ def test_a_law_about_a_kind_of_leg_that_a_mission_of_ones_own_has_not_is_a_note(
             "legs:\n  - a: {gear: 4, for: 5 s}\n"
         )
         with pytest.MonkeyPatch.context() as patch:
-            few = Found({"pool.yaml"}, asked=Counter({law.name: 1 for law in ALL_LAWS}))
+            few = Found({"pool.yaml"}, asked=Counter(dict.fromkeys(LAWS, 1)))
             del few.asked["rounds go on after an interruption"]
             if code == 0:
                 patch.setattr(

@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from links.simulated.link import SimulatedVehicle
 from links.simulated.settings import parse_settings
 from mission.analysis.replay.replay import replay
-from mission.analysis.replay.rerun import drive_from, failed_writes, feed
+from mission.analysis.replay.rerun import failed_writes, feed, runtime_from
 from mission.authoring.language import digest, parse
 from mission.authoring.prepare import prepare
 from mission.commands.simulate import simulate
@@ -244,7 +244,7 @@ def test_what_is_recorded_replays_to_the_last_bit(profile: str) -> None:
     first, again = ListRecorder(), ListRecorder()
     flown(profile, 3, recorder=first, said=said(40.0, b"@ZAWF$"))
     start, records = read_start(first.records[0]), first.records[1:]
-    runtime = drive_from(start, failed_writes(records), again)
+    runtime = runtime_from(start, failed_writes(records), again)
     for record in records:
         if record.kind in INPUTS:
             feed(runtime, record)

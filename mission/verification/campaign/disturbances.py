@@ -10,7 +10,8 @@ What does not live here: faults of the vehicle (links.simulated.faults), when an
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from random import Random
 
@@ -27,6 +28,7 @@ from protocol.messages import (
     StartMission,
 )
 from protocol.modem import Sender, wrap
+from protocol.operator_words import WORDS
 from protocol.topside import encode
 
 STICK_EVERY = 0.2  # s (R1: while the stick is held)
@@ -237,11 +239,19 @@ def _stress(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
         *(b"@NI$", b"@RI$", b"@DS1,22$", b"@ST,2024/02/30 10:00:00,$"),
         encode(MissionLine(len(lines), 1, lines[0])),
     ]
+    words += _others(words)
     t, disturbances = 0.0, []
     for _i in range(rng.randint(5, 60)):
         disturbances.append(_say(t, rng.choice(words)))
         t += rng.expovariate(1.0 / rng.choice([0.05, 0.5, 3.0]))
     return disturbances
+
+
+def _others(said: Sequence[bytes]) -> list[bytes]:
+    """The examples of the operator's words of which none is ``said``: a new word is there, too."""
+    codes = {frame[1:3] for frame in said}
+    more = (word.examples for word in WORDS.values() if word.code.encode() not in codes)
+    return list(itertools.chain.from_iterable(more))
 
 
 def _nodes(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:

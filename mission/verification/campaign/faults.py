@@ -32,7 +32,7 @@ from mission.verification.campaign.laws import (
 from mission.verification.campaign.margins import margins
 from mission.verification.campaign.story import Story
 from mission.verification.campaign.trial import try_out
-from mission.verification.campaign.whole_flight import KINDS, throughout
+from mission.verification.campaign.whole_flight import kinds, throughout
 from mission.verification.rig.trace import Told, Trace
 
 NOT_STARTED = "not started"
@@ -41,8 +41,8 @@ ALARMED = "alarmed"  # of flights without faults (calm)
 
 @dataclass(frozen=True, slots=True)
 class FlightResult:
-    """How one flight fared; small, for it comes from another process. ``digest``: of all that was
-    said, heard, decided and sent, with its times, and of the truth at the end."""
+    """What became of one flight; small, for it comes from another process. ``digest``: of all
+    that was said, heard, decided and sent, with its times, and of the truth at the end."""
 
     number: int
     words: str
@@ -77,7 +77,7 @@ class Totals:
         return not self.violated and not self.undone
 
     def as_json(self) -> dict[str, Any]:
-        """The JSON object of one run; ``ignored``, ``raised`` and KINDS beside it."""
+        """The JSON object of one run; ``ignored``, ``raised`` and the kinds of laws beside it."""
         return {
             "flights": self.flights,
             "faults": dict(sorted(self.kinds.items())),
@@ -86,7 +86,7 @@ class Totals:
             "spurious": self.violated[SPURIOUS],
             "ignored": self.violated[IGNORED],
             "raised": self.violated[RAISED],
-            **{kind: self.violated[kind] for kind in (*KINDS, ALARMED)},
+            **{kind: self.violated[kind] for kind in (*kinds(), ALARMED)},
             "aborted": dict(sorted(self.aborted.items())),
             "undone": self.undone,
             "digest": self.digest,
@@ -136,7 +136,7 @@ def fly_numbered(
     return result_of(plan, fly_plan(plan, vehicle, recorder), vehicle, plan.profile)
 
 
-def fare_near(plan: Plan) -> tuple[FlightResult, dict[str, float]]:
+def fly_near(plan: Plan) -> tuple[FlightResult, dict[str, float]]:
     """With how near it came to breaking each law."""
     vehicle = plan.vehicle
     trial = fly_plan(plan, vehicle)

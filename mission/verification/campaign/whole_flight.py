@@ -5,16 +5,20 @@
     unsent      a set or a stop that had to leave, and did not (word_laws)
     unlawful    a move that the rules forbid (word_laws, surface_laws, clear_laws)
 
+A law is a row of FLIGHT_LAWS; what it finds is counted by its kinds.
+
 Written from the rules (docs/rules.md) alone, never from what the engine does. What does not live
 here: the end of a flight and its bounds (laws), who asked for a byte (audit).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 from links.simulated.settings import Settings
 from mission.model import Mission
+from mission.model.tables import Table
 from mission.model.vehicle import Vehicle
 from mission.verification.campaign.clear_laws import clear_laws
 from mission.verification.campaign.depth_laws import SUNK, depth_laws
@@ -25,7 +29,32 @@ from mission.verification.campaign.surface_laws import UNLAWFUL, surface_laws
 from mission.verification.campaign.word_laws import UNSENT, word_laws
 from mission.verification.rig.trace import Trace
 
-KINDS = (SUNK, UNANSWERED, UNSENT, UNLAWFUL)
+
+@dataclass(frozen=True, slots=True)
+class FlightLaw:
+    """``ask`` finds what a flight breaks; ``kinds`` are those of its violations."""
+
+    name: str
+    kinds: tuple[str, ...]
+    ask: Callable[[Story], Iterator[Violation]]
+
+
+FLIGHT_LAWS: Table[str, FlightLaw] = Table(
+    lambda law: law.name,
+    (
+        FlightLaw("clear", (UNLAWFUL,), clear_laws),
+        FlightLaw("depth", (SUNK,), depth_laws),
+        FlightLaw("limits", (UNANSWERED,), limit_laws),
+        FlightLaw("surface", (UNLAWFUL,), surface_laws),
+        FlightLaw("words", (UNSENT, UNLAWFUL), word_laws),
+    ),
+)
+_KINDS = (SUNK, UNANSWERED, UNSENT, UNLAWFUL)  # in the order in which they are told
+
+
+def kinds() -> tuple[str, ...]:
+    """Of all laws, each once."""
+    return tuple(dict.fromkeys((*_KINDS, *(k for law in FLIGHT_LAWS.values() for k in law.kinds))))
 
 
 def throughout(
@@ -40,5 +69,5 @@ def throughout(
     if trial.raised:
         return
     story = Story(trial, mission, vehicle, profile, settings, silence)
-    for laws in (clear_laws, depth_laws, limit_laws, surface_laws, word_laws):
-        yield from laws(story)
+    for law in FLIGHT_LAWS.values():
+        yield from law.ask(story)

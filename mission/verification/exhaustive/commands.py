@@ -3,17 +3,20 @@
 It is encoded as a console does it. An event is played in every configuration, also where it cannot
 do anything: then that is the law.
 
+A word of the operator that no row says is said as its examples have it, so a new one is tried too.
+
 What does not live here: what happens to the vehicle (events), what must follow (laws).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from mission.model import Chart
 from mission.verification.exhaustive.cell import Configuration, Event
 from mission.verification.exhaustive.world import TENDER, World
 from protocol.messages import MissionLine, SetSafety, SetTime
+from protocol.operator_words import OperatorWord
 from protocol.topside import encode
 
 Play = Callable[[World, Configuration, Chart], None]
@@ -29,6 +32,7 @@ FALSE_HEAD = b"#\x02\x80\x0c\x01"  # of a content of 3200 bytes
 COPIED = 6.0  # s that a copy is late: the answers are given, and the 5 s of two paths are over
 SETTLE = 0.3  # s: the line, and an answer of the STM32
 BELOW = 3.0  # s: the modem's turn
+WORD = "word"  # the path of an event that was made of a row of WORDS: the boat's
 
 
 def script(of: Callable[[World], None]) -> Play:
@@ -187,6 +191,12 @@ def _loosens_late(world: World) -> None:
     world.wait(COPIED)
     world.say_below(LOOSE)
     world.wait(BELOW)
+
+
+def of_word(word: OperatorWord) -> Iterator[Event]:
+    """A word that no row here says, as each of its examples has it."""
+    for number, frame in enumerate(word.examples, 1):
+        yield Event(f"{word.code}, example {number}", _says(frame), word.code, WORD)
 
 
 _TIME = encode(SetTime("2026-03-01T12:00:00"))

@@ -9,15 +9,19 @@ What does not live here: what operators say (commands), limits (limit_events), w
 
 from __future__ import annotations
 
+import itertools
+
 from mission.model import Chart
+from mission.model.tables import Table, derived
 from mission.verification.exhaustive.cell import Configuration, Event
-from mission.verification.exhaustive.commands import COMMANDS, SETTLE, Play, script
+from mission.verification.exhaustive.commands import COMMANDS, SETTLE, Play, of_word, script
 from mission.verification.exhaustive.configurations import DEEP, SHALLOW
 from mission.verification.exhaustive.doubts import DOUBTS
 from mission.verification.exhaustive.exit_inputs import come_true, end_leg
 from mission.verification.exhaustive.limit_events import LIMITS
 from mission.verification.exhaustive.world import World
 from protocol.messages import SetSafety
+from protocol.operator_words import WORDS
 from protocol.topside import encode
 
 # --- readings ------------------------------------------------------------------------------
@@ -241,4 +245,14 @@ OTHERS = (
     Event("restart", script(_restarts), also=frozenset({"restart"})),
 )
 
-EVENTS: tuple[Event, ...] = (*COMMANDS, *LIMITS, *READINGS, *OTHERS, *DOUBTS)
+EVENTS: Table[str, Event] = Table(
+    lambda event: event.name, (*COMMANDS, *LIMITS, *READINGS, *OTHERS, *DOUBTS)
+)
+
+
+@derived(EVENTS, WORDS)
+def events() -> tuple[Event, ...]:
+    """Those of the table, and those of the operator's words that none of it says."""
+    said = {event.command for event in EVENTS.values()}
+    more = (of_word(word) for word in WORDS.values() if word.code not in said)
+    return (*EVENTS.values(), *itertools.chain.from_iterable(more))

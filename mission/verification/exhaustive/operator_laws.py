@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from mission.model import IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, STOPPED, SURFACED
 from mission.verification.exhaustive.cell import Cell
-from mission.verification.exhaustive.commands import COPIED
+from mission.verification.exhaustive.commands import COPIED, WORD
 from mission.verification.exhaustive.configurations import DEEP
 from mission.verification.exhaustive.laws import (
     AT_SURFACE,
@@ -18,6 +18,7 @@ from mission.verification.exhaustive.laws import (
     X,
     wrong,
 )
+from protocol.operator_words import WORDS
 
 FRESH_FIX = 5.0  # s (R9)
 COPY_OF = 65000.0  # m
@@ -158,6 +159,22 @@ def _queries(cell: Cell) -> Verdict:
     return wrong((len(found) != 1, f"{len(found)} answers"))
 
 
+def _other_words(cell: Cell) -> Verdict:
+    """A word of the table that has no law of its own: one answer to whoever asked, whatever the
+    state; its acknowledgement where it has one, else its report."""
+    if cell.event.path != WORD:
+        return None
+    word = next(word for word in WORDS.values() if word.code == cell.event.command)
+    answers = [t for t in cell.answers(b"@") if t.address == "boat"]
+    code = word.code.encode()
+    if word.letter:
+        possible = tuple(b"@ACK_%b%b$" % (code, letter.encode()) for letter in (word.letter, "N"))
+        found = [t for t in answers if t.data.startswith(possible)]
+    else:
+        found = [t for t in answers if t.reason == "asked"]
+    return wrong((len(found) != 1, f"{len(found)} answers to @{word.code}"))
+
+
 def _state_of_store(cell: Cell) -> Verdict:
     if cell.event.command != "AQ":
         return None
@@ -280,6 +297,7 @@ OPERATOR_LAWS: tuple[Law, ...] = (
     Law("@ST only in idle, not by modem", "R10", _clock),
     Law("@SP always, and durable", "R5", _safety),
     Law("one answer to a question", "R4, R11, R13", _queries),
+    Law("a word without a law of its own is answered once", "R1, R12", _other_words),
     Law("@AQ tells the store's state", "R4", _state_of_store),
     Law("R and rudder frames are passed on once", "R12, R14", _relays),
     Law("no other Z of an operator's does anything", "R7, E-V15", _not_theirs),

@@ -16,13 +16,14 @@ from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
 
+from mission.model.tables import Table
 from mission.verification.exhaustive.cell import Cell, Configuration, Event, before
 from mission.verification.exhaustive.configurations import PROFILES, Ground, configurations, ground
 from mission.verification.exhaustive.doubt_laws import DOUBT_LAWS
 from mission.verification.exhaustive.end_laws import END_LAWS
-from mission.verification.exhaustive.events import EVENTS
+from mission.verification.exhaustive.events import events
 from mission.verification.exhaustive.fork import Fork
-from mission.verification.exhaustive.laws import STATE_LAWS
+from mission.verification.exhaustive.laws import STATE_LAWS, Law
 from mission.verification.exhaustive.leg_laws import LEG_LAWS
 from mission.verification.exhaustive.line_laws import LINE_LAWS
 from mission.verification.exhaustive.operator_laws import OPERATOR_LAWS
@@ -34,15 +35,18 @@ from mission.verification.workers.kept import Kept
 from mission.verification.workers.outcome import Lost, had
 from mission.verification.workers.places import Place
 
-ALL_LAWS = (
-    *STATE_LAWS,
-    *PROOF_LAWS,
-    *LINE_LAWS,
-    *OPERATOR_LAWS,
-    *LEG_LAWS,
-    *REST_LAWS,
-    *DOUBT_LAWS,
-    *END_LAWS,
+LAWS: Table[str, Law] = Table(
+    lambda law: law.name,
+    (
+        *STATE_LAWS,
+        *PROOF_LAWS,
+        *LINE_LAWS,
+        *OPERATOR_LAWS,
+        *LEG_LAWS,
+        *REST_LAWS,
+        *DOUBT_LAWS,
+        *END_LAWS,
+    ),
 )
 KEPT = 200  # violations in words; all are counted
 
@@ -74,7 +78,7 @@ class Found:
         return {
             "missions": len(self.missions),
             "configurations": self.configurations,
-            "events": len(EVENTS),
+            "events": len(events()),
             "cells": self.cells,
             "violations": self.violations,
             "undone": self.undone,
@@ -107,7 +111,7 @@ def _name(share: tuple[Path, str]) -> str:
 
 def unasked(found: Found, *, of_legs: bool = True) -> list[str]:
     """Laws that no cell asks; ``of_legs`` False: without those that need a kind of leg."""
-    laws = [law for law in ALL_LAWS if of_legs or not law.of_legs]
+    laws = [law for law in LAWS.values() if of_legs or not law.of_legs]
     return [law.name for law in laws if not found.asked[law.name]]
 
 
@@ -125,7 +129,7 @@ def examine_ground(on: Ground, every: int = 1) -> Found:
     for configuration, world in itertools.islice(configurations(on), 0, None, every):
         found.configurations += 1
         _examine(configuration, world, on, found)
-    if found.cells != found.configurations * len(EVENTS):
+    if found.cells != found.configurations * len(events()):
         raise AssertionError("a cell was skipped")
     return found
 
@@ -133,14 +137,14 @@ def examine_ground(on: Ground, every: int = 1) -> Found:
 def _examine(configuration: Configuration, world: World, on: Ground, found: Found) -> None:
     fork = Fork(world)
     first = ""
-    for event in EVENTS:
+    for event in events():
         cell, fault = _played(configuration, event, on, fork)
         found.cells += 1
         first = first or _seen(cell)
         for name, words in _judged(cell, fault, found):
             found.broken[name] += 1
             _keep(found, cell, name, words)
-    again, _ = _played(configuration, EVENTS[0], on, fork)
+    again, _ = _played(configuration, events()[0], on, fork)
     if _seen(again) != first:
         raise AssertionError(f"{configuration.name}: the same event twice is not the same")
 
@@ -162,7 +166,7 @@ def _judged(cell: Cell, fault: str, found: Found) -> Iterator[tuple[str, str]]:
     if fault:
         yield "no exception leaves the runtime", fault
         return
-    for law in ALL_LAWS:
+    for law in LAWS.values():
         verdict = law.ask(cell)
         if verdict is not None:
             found.asked[law.name] += 1

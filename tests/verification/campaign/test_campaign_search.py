@@ -16,7 +16,7 @@ from mission.engine import monitor
 from mission.engine.core import Core
 from mission.verification.campaign.broken import BROKEN, broken
 from mission.verification.campaign.draw import PROFILES, rows, stage
-from mission.verification.campaign.faults import fare_near, shipped, subjects
+from mission.verification.campaign.faults import fly_near, shipped, subjects
 from mission.verification.campaign.margins import MARGINS
 from mission.verification.campaign.noticing import Flights, notice
 from mission.verification.campaign.reached import reached
@@ -26,8 +26,8 @@ from mission.verification.campaign.search import (
     NEARLY,
     STEERED,
     Search,
-    fare_named,
     flown,
+    fly_named,
 )
 from mission.verification.campaign.steered import plan_of
 from mission.verification.workers.places import place
@@ -187,7 +187,7 @@ FALLS = [
 
 
 def margins_of(scene: str, seed: int) -> Mapping[str, float]:
-    return fare_near(stage(scene, seed))[1]
+    return fly_near(stage(scene, seed))[1]
 
 
 @pytest.mark.proof
@@ -209,7 +209,7 @@ def test_every_margin_is_seen_to_fall() -> None:
 
 def test_a_rule_is_reached_where_it_could_have_made_a_difference() -> None:
     with reached() as rules:
-        fare_near(stage("shallow_depth", 0))
+        fly_near(stage("shallow_depth", 0))
     assert {"limit depth", "operator's limits", "gap"} < rules
     assert rules.isdisjoint({"limit roll-over", "commander", "AUTO ends", "copies", "belief"})
 
@@ -227,10 +227,10 @@ def test_what_was_watched_is_whole_again_afterwards() -> None:
 def test_a_flight_that_did_not_reach_a_rule_is_the_same_without_it(scene: str) -> None:
     plan = stage(scene, 4)
     with reached() as rules:
-        whole = fare_near(plan)
+        whole = fly_near(plan)
     for rule in [name for name in BROKEN if name not in rules][::4]:
         with broken(rule):
-            assert fare_near(plan) == whole, rule
+            assert fly_near(plan) == whole, rule
 
 
 @pytest.mark.proof
@@ -247,7 +247,7 @@ def test_a_search_notices_a_rule_that_is_broken() -> None:
 @pytest.mark.parametrize("law", WORST)
 def test_the_flights_that_came_nearest_break_no_law(law: str) -> None:
     worst: dict[str, Any] = WORST[law]
-    result, _ = fare_named(worst["seed"], KNOWN, worst["flight"])
+    result, _ = fly_named(worst["seed"], KNOWN, worst["flight"])
     assert not result.violations, (worst, result)
 
 
