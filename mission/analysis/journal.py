@@ -14,7 +14,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from mission.analysis.replay.rerun import drive_from, failed_writes, feed
+from mission.analysis.replay.rerun import failed_writes, feed, runtime_from
 from mission.model import Record
 from mission.onboard.blackbox import FLUSH_S, Gap, GrowingBox, first_part, recording
 from mission.onboard.runtime import records as rec
@@ -83,7 +83,7 @@ def _with_standing(items: list[Record | Gap]) -> list[Record | Gap]:
     if start is None or damaged or rec.read_start(start).form >= rec.FORM:
         return items
     again = rec.ListRecorder()
-    runtime = drive_from(rec.read_start(start), failed_writes(records), again)
+    runtime = runtime_from(rec.read_start(start), failed_writes(records), again)
     for record in records:
         feed(runtime, record)
     return [*again.records, *(item for item in items if isinstance(item, Gap))]

@@ -190,12 +190,12 @@ def _search(
     """What the object says beside the totals: which flights came nearest."""
     import functools
 
-    from mission.verification.campaign.search import Fared, Search, flown
+    from mission.verification.campaign.search import Search, Searched, flown
     from mission.verification.workers.progress import with_progress
 
     search = Search(seed, known)
     tell = functools.partial(click.echo, err=True)
-    with where.keeping({"flights": "searched", "seed": seed}, Fared) as kept:
+    with where.keeping({"flights": "searched", "seed": seed}, Searched) as kept:
         found = flown(search, seed, flights, known, where.place, kept)
         for name, result in with_progress(found, flights, "flights", tell, kept.count):
             _take(totals, result, seed, name, as_json)

@@ -8,9 +8,9 @@ behind a push the wrong way a vehicle sinks on before it rises, and letting go t
 An unknown depth counts as not falling. It never gives up. Where it begins depends on what is known:
 with X0 and U12 where the depth is not believed or the vehicle sinks from rest (as built, W first
 goes on diving), by letting go where the vehicle is upside down. Whether the surface is reached is
-seen by the senses.
+seen by the vehicle's state.
 
-What does not live here: which ways a vehicle has (protocol.vehicles), the surface (senses).
+What does not live here: which ways a vehicle has (protocol.vehicles), the surface (vehicle_state).
 """
 
 from __future__ import annotations

@@ -45,7 +45,8 @@ REPEAT_STOP = 0.5  # s (R7)
 
 class Core(EngineState):
     def load(self, chart: Chart | None) -> None:
-        """The store's mission; machine and bounds follow. Not while a mission runs."""
+        """Takes over the store's mission; machine and limits follow. Not allowed while a mission
+        runs."""
         active, self.chart = self.active, chart
         self.machine = Machine(chart)
         self.machine.restore(active)
@@ -56,8 +57,8 @@ class Core(EngineState):
             self._move("clear", IDLE_EMPTY, "no mission is stored", (), None)
 
     def clear(self) -> None:
-        """Without a run, so not out of one; a stop goes on until it is acknowledged. What was held
-        up is let go."""
+        """Clears the mission; only called where no run is under way. A stop that is not
+        acknowledged yet goes on; thrust that held up a vehicle at the surface is stopped."""
         self.chart, why = None, "cleared by the operator"
         held_up = self.active == SURFACED and self.stop_at is self.stopped_at is None
         if self.active != IDLE_EMPTY:
@@ -67,23 +68,25 @@ class Core(EngineState):
         self.renew_bounds()
 
     def renew_bounds(self) -> None:
-        """Whenever the mission or the operator's limits are others."""
+        """Recomputes the limits in force. To be called when the mission's or the operator's limits
+        change."""
         own = self.chart.mission.safety if self.chart else None
         self.watch.bounds = in_force(self.vehicle, own, self.operator)
 
     def begin(self, chart: Chart) -> None:
-        """The mission from its first leg."""
+        """Starts the mission at its first leg."""
         clearance = Clearance.of(chart.mission, self.vehicle)
         self.run = Run(chart, self.now, self.ways, clearance)
         self.watch.started = self.now
         self._fly("mission started", chart.initial)
 
     def resume(self, run: Run) -> None:
-        """The interrupted leg anew; rounds and the mission's clock went on."""
+        """Enters the interrupted leg anew; its rounds and the mission's clock have gone on."""
         self._fly("mission resumed", run.leaf)
 
     def _fly(self, why: str, leaf: str) -> None:
-        """With the history that the run has: a new one has none."""
+        """Enters a leg out of idle or manual, with the history that the run has (a new run has
+        none)."""
         assert self.run is not None
         self.watch.begin(self.now)
         self.stop_at = self.stopped_at = None
@@ -92,7 +95,7 @@ class Core(EngineState):
         self._enter(leaf, moved, "start", None, (), history=True)
 
     def follow(self, edge: Edge, evaluations: tuple[Evaluation, ...]) -> None:
-        """Along an edge of the mission, or out of it at its end."""
+        """Follows an edge of the mission, to another leg or to the mission's end."""
         assert self.run is not None
         if edge.target == IDLE_READY:
             moved = self.machine.fire(edge.trigger)
@@ -123,13 +126,14 @@ class Core(EngineState):
         self._record(actions, moved, trigger=trigger, by=by, evaluations=evaluations)
 
     def enter_quietly(self, leaf: str) -> None:
-        """The leg as after its entry, its set as sent and acknowledged; nothing leaves."""
+        """Enters a leg as if its set had been sent and acknowledged; nothing is sent."""
         assert self.run is not None
         self._gate(self.run.enter(leaf, (), self.vehicle_state, history=True))
         self.watch.accepted_at = self.now
 
     def _gate(self, actions: tuple[Action, ...]) -> tuple[Action, ...]:
-        """What may leave; a set that may not counts as refused by the vehicle."""
+        """Returns the actions that may leave. A set beyond the limits counts as refused by the
+        vehicle."""
         passed = []
         for action in actions:
             if isinstance(action.command, Setpoint):
@@ -145,11 +149,11 @@ class Core(EngineState):
         return tuple(passed)
 
     def say(self, action: Action) -> None:
-        """Beside whatever moves the vehicle."""
+        """Sends a command that does not touch the motion."""
         self._record((action,))
 
     def fly_on(self) -> None:
-        """What the active leg has to send now."""
+        """Sends what the active leg has to send now."""
         run = self.flying
         if run is not None and (actions := self._gate(run.steer(self.vehicle_state))):
             self._record(actions)
@@ -170,31 +174,33 @@ class Core(EngineState):
         return (Action(Order.STOP, why),)
 
     def stop_again(self) -> None:
-        """Until it is acknowledged."""
+        """Repeats a stop every 500 ms until it is acknowledged."""
         if self.stop_at is not None and self.now >= self.stop_at:
             self._record(self._stop(f"{self.reason}: no acknowledgement yet"))
 
     def stop_quietly(self, why: str) -> None:
-        """Whatever the stick had asked for; the state stays. Not every board has a dead man."""
+        """Stops everything without a change of state, also what the stick asked for: not every
+        board has a dead man's switch."""
         self.reason = why
         self._record(self._stop(why))
 
     @property
     def _rests(self) -> bool:
-        """A state where everything is stopped."""
+        """Whether the state is one in which everything is stopped."""
         return self.region == IDLE or self.active in (STOPPED, SURFACED, MANUAL_WAITING)
 
     def doubt_stop(self) -> None:
-        """An acknowledgement proves nothing, as in the ascent: a thruster that turns after it in a
-        state where everything is stopped is stopped again."""
+        """Stops again if a report shows a thruster on after an acknowledged stop, in a state where
+        everything is stopped. An acknowledgement alone proves nothing."""
         if self.stopped_at is not None and self._rests and self.watch.turning(self.stopped_at):
             self.doubted_at = self.now
             seen = "it has way" if self.vehicle.drives else "a thruster turns"
             self._record(self._stop(f"{self.reason}: {seen} after it was stopped"))
 
     def doubt_line(self) -> None:
-        """Nor does it prove who gave it: behind a line that was away a stop that was acknowledged
-        and a leg's set are said again. Not the stick's: it is said all the time."""
+        """Sends again, after the line to the vehicle was away, a stop that was acknowledged or the
+        leg's set: another board may have acknowledged it. Words of the stick are sent all the time
+        anyway."""
         self.outputs.doubt()
         if self._rests and self.stopped_at is not None:
             self._record(self._stop(f"{self.reason}: the line to the vehicle was away"))
@@ -234,13 +240,13 @@ class Core(EngineState):
         self._move(name, SURFACING, why, actions, by, evaluations)
 
     def _to_emergency(self) -> None:
-        """The mission is over, the operator has to clear or to take the stick."""
+        """Ends the mission; from here the operator has to clear, or to take the stick."""
         self.ascent = self.deep_reports = None
         self.halt_run()
         self.emergency_since_idle, self.emergency_at = True, self.now
 
     def say_last(self, action: Action) -> None:
-        """emergency/surfacing with this alone: no ascent goes on from it."""
+        """Enters emergency/surfacing with this one command; no ascent goes on from it."""
         if self.active == SURFACING:
             self._record((action,))
         else:
@@ -249,7 +255,7 @@ class Core(EngineState):
         self.ascent = self.stop_at = self.stopped_at = None
 
     def climb(self) -> None:
-        """The emergency's ascent goes on, or has reached the surface."""
+        """Goes on with the emergency's ascent, or ends it at the surface."""
         if self.ascent is None:
             return
         if self.vehicle_state.surfaced(self.ascent.began):
@@ -267,8 +273,8 @@ class Core(EngineState):
             self._record(actions)
 
     def mind_rest(self) -> None:
-        """With each report: where everything is stopped a vehicle that sinks, or that an X leaves
-        down there, is brought up, as often as it comes to that (R7)."""
+        """Looks, with each report, for a vehicle that sinks although everything is stopped, or that
+        stays deep after X; brings it up, each time that happens (R7)."""
         kind = ("stopped" if self.active == STOPPED else "rest") if self._rests else ""
         if kind != self._rested:
             self._rested = kind
@@ -283,7 +289,7 @@ class Core(EngineState):
             self.surface("limit", why, By.LIMIT)
 
     def take_stick(self) -> None:
-        """manual/driving; a mission stays where it was interrupted."""
+        """Enters manual/driving; a mission stays where it was interrupted."""
         self.ascent = self.stop_at = self.stopped_at = None
         self._sank = False
         self.watch.set_sent(None)
@@ -294,7 +300,8 @@ class Core(EngineState):
         self._move("silent", MANUAL_WAITING, why, self._stop(why), None)
 
     def stick_forgotten(self) -> None:
-        """At the surface idle; deeper, or where nothing is known of the depth, surfacing."""
+        """Ends manual a minute after the last M: idle at the surface; surfacing where it is deeper,
+        or where the depth is not known."""
         depth = self.vehicle_state.depth
         if depth is None or depth >= SURFACE_DEPTH:
             seen = "the depth is not known" if depth is None else f"{depth:.1f} m deep"
@@ -306,7 +313,7 @@ class Core(EngineState):
         self._move("forgotten", target, "no M for a minute, at the surface", (), None)
 
     def auto_off(self) -> None:
-        """R13: what runs ends, everything is stopped."""
+        """Ends the mission when node AUTO is closed (R13); in autonomous everything is stopped."""
         why = "node AUTO was closed"
         if self.region == AUTONOMOUS:
             self._move("auto off", IDLE_READY, why, self._stop(why), By.OPERATOR)
@@ -320,7 +327,7 @@ class Core(EngineState):
         self.surface("limit", why, By.LIMIT, seen)
 
     def take_uncertain(self, row: Limit) -> None:
-        """The mission's ``on uncertain``, once each time it becomes uncertain."""
+        """Follows the mission's ``on uncertain``, once each time the position becomes uncertain."""
         run = self.flying
         if run is None or self.uncertain or run.leaf == IMPLICIT_SURFACE:
             return
@@ -334,7 +341,8 @@ class Core(EngineState):
             self.follow(edge, (seen,))
 
     def take_outcome(self, outcome: Outcome) -> None:
-        """What became of a frame: counts, acknowledged stops, refused, late and lost sets."""
+        """Takes in what became of a frame: counts lost ones, notes acknowledged stops, and refused,
+        late or lost sets."""
         watch, run = self.watch, self.flying
         if outcome.result is not Result.LATE:
             watch.lost = watch.lost + 1 if outcome.result is Result.LOST else 0

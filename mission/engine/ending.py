@@ -1,4 +1,4 @@
-"""An orderly end of the program: up first, and only then away.
+"""An orderly end of the program: the vehicle surfaces first, then the program ends.
 
     a mission, or the stick over one   --> emergency/surfacing, as by W; at a proved surface stopped
     the stick in use                   --> is left to whoever moves it, until it is silent (R6)
@@ -51,7 +51,7 @@ def go_on(core: Core) -> None:
 
 
 def settled(core: Core) -> bool:
-    """Nobody has to stay with the vehicle."""
+    """Whether nobody has to stay with the vehicle."""
     if core.region == MANUAL:
         return not _ascends_from_stick(core)
     if core.region == AUTONOMOUS or core.active == SURFACING:
@@ -60,7 +60,7 @@ def settled(core: Core) -> bool:
 
 
 def last_words(core: Core) -> None:
-    """What holds when the program is gone; nothing follows it."""
+    """Sends the commands that have to hold when the program is gone."""
     if settled(core) or core.region == IDLE or core.active == STOPPED:
         return
     if core.active != SURFACING and _at_surface(core):
@@ -70,8 +70,8 @@ def last_words(core: Core) -> None:
 
 
 def _ascends_from_stick(core: Core) -> bool:
-    """The stick has it, and would leave it under water; while AUTO is closed, nobody else turns
-    a thruster."""
+    """Whether the stick has the vehicle under water, where an end would leave it. While AUTO is
+    closed, nobody but the stick turns a thruster."""
     return core.region == MANUAL and core.auto and (core.run is not None or _is_deep(core))
 
 
@@ -80,7 +80,7 @@ def _is_deep(core: Core) -> bool:
 
 
 def _at_surface(core: Core) -> bool:
-    """Proved just now (R7), and no depth to believe says otherwise."""
+    """Whether the surface was proved just now (R7), and no believed depth contradicts it."""
     depth = core.vehicle_state.depth
     return (depth is None or depth < SURFACE_DEPTH) and core.vehicle_state.surfaced(
         core.now - SURFACE_TIME

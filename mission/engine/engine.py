@@ -106,12 +106,12 @@ class Engine:
         self.core.watch.topside_silence = seconds
 
     def hear_stick(self, now: float) -> None:
-        """Somebody's M that was refused before it came here: no emergency is taken over by a stick
-        that is held (R6)."""
+        """Notes an M that was refused before it came here: a held stick takes over no emergency
+        (R6)."""
         self.core.any_stick = now
 
     def hear_topside(self, now: float) -> None:
-        """Some operator said something that is a frame."""
+        """Notes that some operator sent a good frame."""
         self.core.watch.topside_heard = now
 
     def step(self, now: float, inputs: Sequence[Input] = ()) -> Outputs:
@@ -146,7 +146,8 @@ class Engine:
     # --- the parts of a step, in their order ---------------------------------------------------
 
     def _hear(self, inputs: Sequence[Input]) -> tuple[bool, bool, bool]:
-        """Whether there were reports, fixes, and anything else to obey."""
+        """Takes in the inputs; returns whether there were reports, fixes, and anything else to
+        obey."""
         core = self.core
         reported = fixed = told = False
         for one in inputs:
@@ -168,7 +169,7 @@ class Engine:
         return reported, fixed, told
 
     def _obey(self, inputs: Sequence[Input]) -> list[Verdict]:
-        """X and W before all others; verdicts in the order of the inputs."""
+        """Obeys X and W before all others. Verdicts come in the order of the inputs."""
         core = self.core
         given: dict[int, Verdict] = {}
         for i, one in enumerate(inputs):
@@ -215,7 +216,8 @@ class Engine:
                 core.limit(row)
 
     def _acts(self, row: Limit) -> bool:
-        """While node AUTO is closed nothing turns a thruster by itself out of rest."""
+        """Whether the limit acts in this state. While node AUTO is closed, none acts outside a
+        mission: no thruster turns by itself."""
         core = self.core
         if core.region == AUTONOMOUS:
             return AUTONOMOUS in row.acts
@@ -246,7 +248,7 @@ class Engine:
     # --- time ------------------------------------------------------------------------------------
 
     def next_timer(self) -> float | None:
-        """When ``step`` is due though nothing came in; always later than the last step."""
+        """When ``step`` is due if nothing comes in before; always later than the last step."""
         return self._timer
 
     def _next_timer(self) -> float | None:
@@ -356,17 +358,17 @@ class Engine:
         return self.core.run.round if self.core.run else 1
 
     def output(self, name: str) -> float | None:
-        """What the vehicle was told that it shall be; None: nothing."""
+        """The value that the vehicle was told for this output; None if it was told none."""
         return self.core.outputs.said.get(name)
 
     @property
     def settled(self) -> bool:
-        """The program may end: nobody has to stay with the vehicle."""
+        """Whether the program may end: nobody has to stay with the vehicle."""
         return ending.settled(self.core)
 
     @property
     def doubted_at(self) -> float:
-        """When a report last contradicted a stop; -inf: not since the last X."""
+        """When a report last contradicted a stop; -inf if none did since the last X."""
         return self.core.doubted_at
 
     @property

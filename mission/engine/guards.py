@@ -43,8 +43,8 @@ class Compiled:
     timed: tuple[tuple[int, float], ...]
 
     def next_change(self, values: list[Value], now: float) -> float | None:
-        """When, by the clock alone, a comparison of the guard changes; None if it does not. Times
-        have whole microseconds: before the next one nothing that is compared is another."""
+        """When, by time alone, a comparison of the guard changes; None if none does. Times are
+        rounded to 1 us so that comparisons repeat."""
         due = None
         for place, bound in self.timed:
             value = values[place]

@@ -38,7 +38,7 @@ class LimitMonitor(Watch):
         self.samples, self._lasting, self.breaches = {}, Lasting(), ()
 
     def forgive(self, row: Limit) -> None:
-        """A response was given that may mend it: count anew."""
+        """Starts the counts of a limit anew, after a response that may mend it."""
         self.samples.pop(row.name, None)
         self._lasting.forget(row.name)
 
@@ -70,7 +70,7 @@ class LimitMonitor(Watch):
         return first
 
     def _lasts(self, row: Limit) -> bool:
-        """A breach that goes on; whether for as long as it must."""
+        """Counts a breach on; returns whether it has lasted for as long as its row asks."""
         if row.seconds:
             now = self.vehicle_state.now
             return now - self._lasting.holds(row.name, now) >= row.seconds
@@ -78,7 +78,7 @@ class LimitMonitor(Watch):
         return count >= row.samples
 
     def _fade(self, row: Limit) -> None:
-        """Within its bound: noise may say so once."""
+        """Notes a sample within the bound. Noise may produce one, so a count is not lost by it."""
         if row.seconds:
             self._lasting.breaks(row.name, self.vehicle_state.now)
         elif count := self.samples.pop(row.name, 0):

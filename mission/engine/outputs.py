@@ -58,7 +58,7 @@ class OutputKeeper:
         return copied(self, outputs=self.outputs)
 
     def doubt(self) -> None:
-        """Nobody knows what they are."""
+        """Forgets what the outputs were told; all are sent again."""
         self.said = {}
 
     def why_not(self, name: str, value: float, at: Situation) -> str:
@@ -85,7 +85,7 @@ class OutputKeeper:
         self._touched = (*self._touched, name)
 
     def changes(self, at: Situation) -> Levels:
-        """What is to be said now."""
+        """Returns what has to be sent now."""
         self._follow(at)
         held = at.held if at.region == AUTONOMOUS else {}
         wanted = {**self._by_hand, **held}

@@ -61,6 +61,6 @@ def repeat_of(chart: Chart, path: str) -> int:
 
 
 def name_of(handler: Edge) -> str:
-    """The same for all outcomes of the rounds that its way goes through."""
+    """The edge's name without the number of its outcome of rounds: all outcomes share it."""
     head, _, tail = handler.trigger.rpartition(":")
     return f"{head}:{tail.partition('.')[0]}"

@@ -1,4 +1,4 @@
-"""A vehicle that sinks though everything is stopped: no state is an end (R7).
+"""Detects a vehicle that sinks although everything is stopped: no state may be the end of it (R7).
 
     idle, waiting   over 2 m, and 0.5 m deeper than it has been since it came to rest, in reports
                     over at least a second
@@ -54,7 +54,7 @@ class Rest:
         return copied(self)
 
     def begin(self) -> None:
-        """Another state: what was seen before says nothing about it."""
+        """Starts anew in another state: what was seen before says nothing about it."""
         self._t = self._since = -math.inf
         self._depth = self._smooth = self._shallowest = self._from = math.nan
         self._sunk_at: float | None = None
@@ -82,13 +82,14 @@ class Rest:
 
     @property
     def sinks(self) -> str:
-        """In words, or ""."""
+        """Why it is taken to sink, in words; "" if it is not."""
         if self._sunk_at is None or self._t - self._sunk_at < _LASTS:
             return ""
         return f"it sinks though everything is stopped, {self._depth:.1f} m deep"
 
     def stays_down(self) -> str:
-        """As long as it is asked with every report; in words, or ""."""
+        """Why it is taken to stay deep, in words; "" if it is not. To be asked with every
+        report."""
         if self._t - self._since < RISE_TIME:
             return ""
         risen, self._from, self._since = self._from - self._depth, self._depth, self._t

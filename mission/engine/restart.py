@@ -1,4 +1,4 @@
-"""A program that begins again: what was under way comes up, what was at rest is left at rest.
+"""Restart of the program: what was under way surfaces, what was at rest stays at rest.
 
     a mission, an ascent     --> emergency/surfacing, at once; what proves the surface is counted
                                  from 6 s on, and by a depth only when that has changed: of one that
@@ -9,7 +9,7 @@
     the store cannot tell    --> stopped, and up as soon as two reports in a row say a depth to
                                  believe beyond 2 m: on deck no thruster turns, under water it rises
 
-What does not live here: who keeps what is under way (latch, store).
+What does not live here: who keeps what is under way (resume_marker, store).
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def unsure(core: Core) -> bool:
 
 
 def doubt(core: Core) -> None:
-    """With every report, while nobody knows what was under way, and no operator has said."""
+    """Looks at each report while nobody knows what was under way, until an operator decides."""
     depth, count = core.vehicle_state.depth, core.deep_reports
     if depth is None or not unsure(core):
         return

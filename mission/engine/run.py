@@ -90,7 +90,7 @@ class Run:
 
     @property
     def climbing(self) -> bool:
-        """On its way up, and not there yet."""
+        """Whether the leg ascends, and has not reached the surface."""
         return self.ascent is not None and not self.at_surface
 
     # --- entering ------------------------------------------------------------------------------
@@ -136,7 +136,8 @@ class Run:
         return (*stop, Action(self.sent, why))
 
     def _stay_up(self, proved: Ascent, stopped: bool, why: str) -> tuple[Action, ...]:
-        """From one ascent, ended at the surface, to another: no reason to climb once more."""
+        """Whether one ascent follows another that ended at the surface, so that no climb is
+        needed."""
         self.ascent, self.at_surface = proved, True
         return () if stopped else (Action(Order.STOP, f"{why}: at the surface already"),)
 
@@ -147,7 +148,7 @@ class Run:
     # --- looking -------------------------------------------------------------------------------
 
     def count(self, edge: Edge) -> None:
-        """The rounds that an edge counts; before its leg is entered."""
+        """Counts the rounds that an edge begins or ends, before its leg is entered."""
         for loop in edge.loops:
             self.rounds[loop.group] = self.rounds.get(loop.group, 1) + 1 if loop.again else 1
 
@@ -200,7 +201,7 @@ class Run:
         return None
 
     def _arises(self, handler: Edge, result: bool | None) -> bool:
-        """Whether a handler's condition is new: it was seen false since it acted."""
+        """Whether a handler's condition is new: it was seen false since the handler acted."""
         if result is False:
             self._spent.pop(name_of(handler), None)
         return handler.target != self.leaf and name_of(handler) not in self._spent
@@ -222,7 +223,7 @@ class Run:
         return None
 
     def open(self, edge: Edge) -> bool:
-        """Whether the rounds say so."""
+        """Whether the counts of rounds allow the edge."""
         for loop in edge.loops:
             left = self.rounds.get(loop.group, 1) < repeat_of(self.chart, loop.group)
             if left is not loop.again:
@@ -310,7 +311,7 @@ class Run:
         return ascent.act(vehicle_state.now, vehicle_state.moving_depth, vehicle_state.overturned)
 
     def reckon(self, vehicle_state: VehicleState) -> None:
-        """The path over ground goes on with every new estimate."""
+        """Adds a new estimate to the path over ground."""
         e = vehicle_state.estimate
         if e is None or e.t <= self._reckoned:
             return

@@ -1,4 +1,4 @@
-"""The engine's state, and the two ways to change it: a Step on record, and a move with one.
+"""The engine's state, and the two ways to change it: put a Step on record, or move with one.
 
 What does not live here: what the engine can do with it (core), when that is due (engine).
 """

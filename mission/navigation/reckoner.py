@@ -274,7 +274,7 @@ class Reckoner:
 
 
 def _agree(fixes: Sequence[GroundFix]) -> bool:
-    """Each near the one before, as far as receiver and vehicle can have moved."""
+    """Whether each fix is as near the one before as receiver and vehicle can have moved."""
     return all(
         math.hypot(b.north - a.north, b.east - a.east)
         < 4.0 * math.sqrt(a.variance + b.variance) + _FASTEST * (b.t - a.t)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 
-from mission.analysis.replay.rerun import drive_from, failed_writes
+from mission.analysis.replay.rerun import failed_writes, runtime_from
 from mission.analysis.replay.rerun import feed as feed_again
 from mission.model import Record
 from mission.model.alarms import alarms_of, mask_of, standing
@@ -35,7 +35,7 @@ class Playback:
         self._monitor.receive(VIEWER, b'{"wish":{"bytes":60000}}\n', 0.0)
         journal = Journal(self._event, lambda: self._now)
         start = rec.read_start(records[0])
-        self._runtime = drive_from(start, failed_writes(records), observer=journal)
+        self._runtime = runtime_from(start, failed_writes(records), observer=journal)
 
     @property
     def over(self) -> bool:

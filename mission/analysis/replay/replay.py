@@ -1,6 +1,6 @@
 """Replay: the recorded inputs through the same runtime, compared with what it recorded then.
 
-    start --> Drive; every input, in order --> what it records now == what stands in the file
+    start --> Runtime; every input, in order --> what it records now == what stands in the file
 
 Everything is compared, to the last bit: kinds, times, payloads, and their order. The file may end
 anywhere (a power cut): what the runtime would have recorded beyond its end is not missed. Only the
@@ -23,7 +23,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from mission import __version__
-from mission.analysis.replay.rerun import drive_from, failed_writes, feed
+from mission.analysis.replay.rerun import failed_writes, feed, runtime_from
 from mission.model import Record
 from mission.onboard.blackbox import Gap
 from mission.onboard.runtime import records as rec
@@ -77,7 +77,7 @@ def replay(recording: Sequence[Record | Gap]) -> Replayed:
     start = _start(recording)
     again = rec.ListRecorder()
     try:
-        runtime = drive_from(start, failed_writes(records), again)
+        runtime = runtime_from(start, failed_writes(records), again)
     except ValueError as error:
         raise ReplayError(f"recorded by version {start.version}: {error}") from error
     return _Comparison(start, runtime, again, records[0]).run(recording)

@@ -1,6 +1,6 @@
 """The same runtime again, from what is on record: the way back of records.
 
-    start record --> drive_from --> Drive;  every input record, in order --> feed
+    start record --> runtime_from --> Runtime;  every input record, in order --> feed
 
 What does not live here: files (blackbox), the comparison with what came out then (replay).
 """
@@ -21,7 +21,7 @@ def failed_writes(records: Iterable[Record]) -> dict[int, str]:
     return {int(number): why for number, why in texts}
 
 
-def drive_from(
+def runtime_from(
     start: rec.Start,
     failures: Mapping[int, str],
     recorder: rec.Recorder | None = None,

@@ -1,4 +1,4 @@
-"""The check's report, as a person and as a program reads it (design: what programs print)."""
+"""The check's report as text for people and as an object for programs."""
 
 from __future__ import annotations
 

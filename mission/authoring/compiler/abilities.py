@@ -117,7 +117,7 @@ def _one_speed(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagn
 
 
 def _encodes(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnostic]:
-    """The codec has the last word on what the vehicle's language can say."""
+    """Whether the codec can encode it: the codec decides what the vehicle's language can say."""
     row = LEGS[type(leg.kind)]
     if Axis.HEADING in row.steers and not row.ascends:
         setpoint = replace(setpoint, heading=0.0)

@@ -1,4 +1,5 @@
-"""Setpoints between the steps in which a vehicle can be told: sent as the nearest, never in secret.
+"""Setpoints that a vehicle can be told only in steps: the nearest step is sent, and the author is
+told.
 
     off by more than one sigma of the sensor that the hold goes by  -> refused, with what to write
     off by less                                                     -> stated by the check

@@ -33,7 +33,7 @@ class Commander:
         return peer in self._readers
 
     def knows(self, peer: Peer) -> bool:
-        """It has said something that is a frame."""
+        """Whether the connection has sent a good frame."""
         return peer in self._heard
 
     def forget(self, peer: Peer) -> None:
@@ -50,8 +50,8 @@ class Commander:
         return f"{other} commands; others read until it closes or is silent 10 s"
 
     def hand_over(self, peer: Peer) -> Peer | None:
-        """``peer`` commands now; who lost it, if he can be told: a plain topside knows no frame
-        that would say so, and under water nobody speaks unasked (R15)."""
+        """Gives the command to ``peer``. Returns who lost it, if he can be told: a plain topside
+        knows no frame that would say so, and under water nobody speaks unasked (R15)."""
         loser, self.peer = self.peer, peer
         if loser is None or loser == peer or loser.link == MODEM or loser not in self._readers:
             return None

@@ -1,4 +1,4 @@
-"""Commands that come twice (R1, R12): the other path's, a modem's that was late, a repetition.
+"""Commands that arrive twice (R1, R12): by the other path, late by modem, or repeated.
 
     accepted less than 2 min ago, that or this by modem    -->  a copy
     refused less than 2 min ago, and this by modem         -->  a copy
@@ -46,7 +46,7 @@ class Copies:
         self.said: dict[Command, _Said] = {}  # the newest last
 
     def note(self, peer: Peer, command: Command, accepted: bool, now: float) -> None:
-        """It was executed, or refused."""
+        """Notes that the command was executed, or refused."""
         kept = self.said
         kept.pop(command, None)
         kept[command] = _Said(peer, now, accepted)
@@ -77,7 +77,7 @@ class Copies:
         return Verdict(False, f"said {now - said.t:.0f} s ago, and not in force since; {how}")
 
     def _is_newest(self, command: Command) -> bool:
-        """Accepted, and no other of its kind since."""
+        """Whether it was accepted, and no later command of its kind was."""
         accepted = (c for c in reversed(self.said) if self.said[c].accepted)
         return command == next((c for c in accepted if _kind(c) == _kind(command)), None)
 

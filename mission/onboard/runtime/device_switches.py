@@ -42,7 +42,7 @@ class DeviceSwitches:
         return self._open[name]
 
     def are(self, switches: str) -> bool:
-        """All as these letters say; the Pi's own is not looked at (E-T2)."""
+        """Whether all nodes are as these letters say; the Pi's own is not looked at (E-T2)."""
         named = zip(NAMES[1:], switches[1:], strict=True)
         return all(self._open[name] == (letter == OPEN) for name, letter in named)
 
@@ -63,7 +63,7 @@ class DeviceSwitches:
         ]
 
     def changed(self, data: bytes) -> None:
-        """A process says what is so now; lines that name no node are ignored."""
+        """Takes in a process's report of its node's state; lines that name no node are ignored."""
         for line in data.decode("ascii", "replace").splitlines():
             name, _, letter = line.partition(" ")
             if name in NAMES and name not in OWN and letter in (OPEN, CLOSE):

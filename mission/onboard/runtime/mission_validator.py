@@ -1,9 +1,9 @@
-"""The last judge of a mission: its lines become a Chart, or are refused in one line of words (R3).
+"""Validates an uploaded mission: its lines become a Chart, or are refused in one line of text (R3).
 
-A verdict follows from the lines and the vehicle alone, so it may be found in advance: ``Judge``
-keeps the last one. A shell that lets it think in a thread of its own, before the line that
-completes the mission is heard, keeps the runtime from thinking for seconds (docket); a replay just
-thinks again.
+A verdict follows from the lines and the vehicle alone, so it may be found in advance:
+``MissionValidator`` keeps the last one. ``serve`` has it found in a thread before the runtime hears
+the line that completes the mission (validation_queue), so that the runtime does not stand still for
+seconds; a replay validates again.
 
 What does not live here: where the lines come from (staging, store), the rules (language, compiler,
 check).

@@ -1,4 +1,4 @@
-"""X and W out of the bytes of the modem, at once, whatever stands around them (R7, G3).
+"""Finds X and W in the modem's bytes at once, even in the middle of a damaged envelope (R7, G3).
 
     bytes --+--> envelopes --> commands --+--> heard
             +--> X and W, wherever -------+    (those of no envelope that is whole by now go first)

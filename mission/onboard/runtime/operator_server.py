@@ -1,6 +1,6 @@
 """The Pi's side of the operator protocol: who said what, may he, and what is answered. Sans-IO.
 
-    bytes --path--> command --copy? commander? idle?--> Vessel
+    bytes --path--> command --copy? commander? idle?--> CommandTarget
     answer --path of the request (R12)--> bytes
 
 Rules of docs/rules.md that live here: R2 (answers N), R3 and R4 (with ``uploads``), R6's relaying,
@@ -8,8 +8,8 @@ R9-R11 as far as an answer shows them, R12 (with ``copies``, ``commander``), R13
 R14. STOP and SURFACE pass from any connection, always, and are answered by what became of them at
 the STM32.
 
-What does not live here: what a command does to the vehicle (engine, behind ``Vessel``), frames
-(protocol), sockets.
+What does not live here: what a command does to the vehicle (engine, behind ``CommandTarget``),
+frames (protocol), sockets.
 """
 
 from __future__ import annotations

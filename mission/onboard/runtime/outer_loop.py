@@ -43,7 +43,7 @@ class _Axis:
             self._errors.clear()
 
     def report(self, t: float, value: float) -> str:
-        """Why it is not held any longer, "" if it is."""
+        """Takes in a report. Returns why the axis is not held any longer, "" if it is."""
         dt = t - self._t
         if dt <= 0.0:
             return ""
@@ -101,13 +101,13 @@ class LoopCloser:
         self.fault = ""  # why the set is given up
 
     def open(self, command: Setpoint | Order) -> Setpoint | Order:
-        """Without the axes that are closed here."""
+        """Returns the setpoint without the axes that are closed here."""
         if not isinstance(command, Setpoint):
             return command
         return replace(command, depth=None, heading=None)
 
     def hold(self, command: Setpoint | Order) -> None:
-        """From now on, until the next."""
+        """Holds this setpoint until the next."""
         self._set, self.fault = (command if isinstance(command, Setpoint) else None), ""
         for name, axis in self._axes.items():
             axis.hold(None if self._set is None else getattr(self._set, name))
@@ -122,7 +122,7 @@ class LoopCloser:
                 self.fault = self.fault or why
 
     def closed(self, command: Setpoint | Order, now: float) -> Setpoint | Order:
-        """The same for a board that has efforts alone."""
+        """Returns the setpoint as efforts, for a board that has nothing else."""
         held = self._held()
         if not isinstance(command, Setpoint) or not held:
             return command

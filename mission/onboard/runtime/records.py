@@ -87,7 +87,7 @@ class Observer(Protocol):
 
 
 class Nobody:
-    """An ``Observer`` who looks away."""
+    """An ``Observer`` that does nothing."""
 
     def step(self, step: Step) -> None:
         pass

@@ -43,7 +43,7 @@ class _Word:
 
 
 def word(data: bytes, reason: str, manual: bool) -> _Word:
-    """What a frame of tables 1.2.1 and 1.2.2 sets; one of another kind only itself."""
+    """What a frame of tables 1.2.1 and 1.2.2 sets; for another kind of frame, the frame itself."""
     if servo := _SERVO.match(data):
         both = {"servo 1", "servo 2"}
         sets = frozenset({f"servo {int(servo[2])}"} if int(servo[2]) < 3 else both)

@@ -1,4 +1,4 @@
-"""The way to a board that answers nothing: what holds is said again and again (R16, R17).
+"""The link to a board that acknowledges nothing: what holds is sent periodically (R16, R17).
 
     newest command --> its frames, once the line is free --> every ``period`` the same --> board
 

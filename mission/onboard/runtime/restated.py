@@ -1,4 +1,4 @@
-"""Words that set an output and that nothing acknowledges: each is said three times (R18).
+"""Commands that set an output and are not acknowledged: each is sent three times (R18).
 
     lamp -> word, 2 s, word, 2 s, word        a newer word for the same thing takes its place
 

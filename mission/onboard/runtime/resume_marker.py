@@ -67,7 +67,7 @@ class ResumeMarker:
         return ""
 
     def _follow_leg(self, now: float) -> None:
-        """Where another cannot be named, the name that is kept has to go."""
+        """Keeps the leg's name. Where another one cannot be kept, the old one is removed."""
         if self._may_name(now):
             self._book(self._is, now)
         elif not self._kept.endswith(UNNAMED):

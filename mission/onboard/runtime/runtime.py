@@ -307,7 +307,7 @@ class Runtime:
             self._record(rec.tx_record, tx)
         return out
 
-    # --- what Topside asks (Vessel) ---------------------------------------------------------------
+    # --- what the operator server asks (CommandTarget) ------------------------------------------
 
     @property
     def state(self) -> str:

@@ -1,4 +1,4 @@
-"""What holds until further notice, on record each time it has changed.
+"""Values that hold until further notice; on record each time one of them changes.
 
 What does not live here: what it is (records), who decides it (engine, commander).
 """
@@ -11,7 +11,7 @@ from mission.onboard.runtime.records import Recorder, Standing, standing_record
 
 
 class StandingChanges:
-    """Cheap to ask: it is asked after everything that a runtime does."""
+    """Tells what has changed. Cheap, for it is asked after every input of the runtime."""
 
     def __init__(self, recorder: Recorder | None) -> None:
         self._recorder = recorder

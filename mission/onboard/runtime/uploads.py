@@ -34,7 +34,7 @@ class Uploads:
         return self._staging.missing
 
     def may_complete(self, data: bytes) -> bool:
-        """A quick look: whether these bytes might make a set whole."""
+        """A quick test: whether these bytes might complete a set of lines."""
         staged = self._staging
         may_begin = b"AW" in data or staged.total > 0
         enough = staged.have + data.count(b"@") + 1 >= staged.total  # one may have begun before

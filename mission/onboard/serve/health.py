@@ -190,7 +190,7 @@ def read(folder: Path, wall: float) -> Mapping[str, Any] | None:
 
 
 def mute(folder: Path, wall: float) -> int | None:
-    """The process of a serve that runs, but has not told of itself for long, or never: its disk
+    """The process of a serve that runs but has not written its health for long, or never: its disk
     takes nothing, or it hangs."""
     found = _written(folder)
     if found is not None and abs(wall - found["wall"]) <= STALE_S:
@@ -213,7 +213,7 @@ def _locks(folder: Path) -> int | None:
 
 
 def process(folder: Path) -> int | None:
-    """Of the serve that told last, if it lives."""
+    """The process number of the serve that wrote its health last, if it lives."""
     found = _written(folder)
     return None if found is None else int(found["pid"])
 
@@ -232,7 +232,8 @@ def _written(folder: Path) -> dict[str, Any] | None:
 
 
 def _serves(pid: int) -> bool:
-    """After a restart of the Pi the number may be another program's."""
+    """Whether that process is a serve: after a restart of the Pi the number may be another
+    program's."""
     try:
         return b"serve" in Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")
     except OSError:

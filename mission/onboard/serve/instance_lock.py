@@ -1,4 +1,5 @@
-"""One serve for one folder: two would take turns at the vehicle, and at what is under way.
+"""Only one serve may use a folder: two would both command the vehicle and overwrite each other's
+state.
 
 The lock is on the folder itself and ends with the process, however that ends. A disk that knows no
 locks keeps no serve from beginning: it may have a vehicle to surface. What does not live here: the

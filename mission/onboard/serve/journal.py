@@ -1,4 +1,4 @@
-"""What an operator reads of a running serve: lines in order, each with its level, none without end.
+"""The journal of a running serve: lines in order, each with its level; repeated ones are counted.
 
     info     what happens as it should: states, commands sent to the vehicle with their reason
     warning  somebody should look at it: refusals, ports that are away, a fault of a limit

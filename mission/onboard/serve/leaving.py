@@ -1,4 +1,4 @@
-"""When serve may go: when the vehicle needs nobody, or when there is no more time.
+"""When serve may end: when the vehicle needs nobody, or when the time is up.
 
     signal --> up first, while the operator's words still count --> settled        --> end
     another signal, or MARGIN_S before the service manager kills --> last words    --> end
@@ -57,7 +57,7 @@ class Leaving:
         self.over = False
 
     def signal(self) -> None:
-        """The second one hurries."""
+        """Takes in a signal; the second one hurries."""
         if self.ordered.is_set():
             self._hurry.set()
         self.ordered.set()

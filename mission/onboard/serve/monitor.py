@@ -134,7 +134,7 @@ class Monitor:
             _obey(viewer, line, now)
 
     def silent(self, now: float) -> list[str]:
-        """Who is to be sent away."""
+        """Viewers whose connection is to be closed."""
         return [
             address
             for address, viewer in self.viewers.items()
@@ -142,11 +142,12 @@ class Monitor:
         ]
 
     def due(self, now: float) -> list[str]:
-        """Who could be sent something now; nobody: nothing need be looked at."""
+        """Viewers that could be sent something now."""
         return [address for address, viewer in self.viewers.items() if viewer.is_due(now)]
 
     def frame(self, address: str, state: State, t: float, now: float) -> bytes:
-        """What this viewer has not got, b"" if there is nothing. ``t`` is the engine's time."""
+        """The next frame for this viewer, b"" if there is nothing new. ``t`` is the engine's
+        time."""
         viewer = self.viewers[address]
         made = _Frame(viewer.number + 1, t, viewer.wish.bytes)
         _add_state(made, viewer, state)

@@ -53,11 +53,11 @@ class Port:
 
     @property
     def is_away(self) -> bool:
-        """It is wanted, and could not be opened or was lost."""
+        """Whether the link is configured, and could not be opened or was lost."""
         return self.link is None and self._on.is_set() and bool(self._told)
 
     def vouch(self, address: str) -> None:
-        """What came from there makes sense."""
+        """Notes that bytes of this link made sense."""
         if isinstance(self.link, TcpServer):
             self.link.vouch(address)
 
@@ -136,7 +136,7 @@ class Port:
         return heard
 
     def send(self, data: bytes, now: float, address: str) -> bool:
-        """What cannot leave is lost, as on a line that nobody listens to; False says so."""
+        """Sends, or returns False where the bytes are lost because the link is closed."""
         if self.link is None:
             return False
         for frame in self._spacer.leaving(data, now):

@@ -1,4 +1,4 @@
-"""What a mission will need and takes long to import, in a thread, before anybody waits for it.
+"""Imports in a thread, before anybody waits for it, what a mission needs and takes long to import.
 
 It stays for ever, and with it some hundred thousand objects of the libraries. The collector would
 look through all of them now and then, for 60 ms on a fast machine: between a report and the command

@@ -1,4 +1,4 @@
-"""Lines to a descriptor, by a thread of its own: who prints never waits, and nothing raises.
+"""Prints lines to a descriptor by a thread of its own: the caller never waits, and nothing raises.
 
     print(line) --queue, at most WAITING--> thread --os.write--> terminal, pipe, system's journal
 

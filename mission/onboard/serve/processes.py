@@ -1,8 +1,8 @@
-"""What stands behind the nodes (R13): links that are switched, and the camera's command.
+"""What the nodes switch (R13): links, and the camera's command.
 
-A request is ``CAMERA O``; what is so afterwards is answered as ``CAMERA O\\n``, or not at all: then
+A request is ``CAMERA O``; what is so afterwards is answered as ``CAMERA O\n``, or not at all: then
 the switch is refused after its 5 s. A camera whose command ends by itself is closed: that is told,
-and reported as ``CAMERA C\\n`` unasked. The command and whatever it started are one group, and end
+and reported as ``CAMERA C\n`` unasked. The command and whatever it started are one group, and end
 together. What does not live here: which switches are allowed (topside).
 """
 

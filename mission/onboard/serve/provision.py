@@ -1,4 +1,4 @@
-"""What serve begins with, whatever is broken: it may have a vehicle to bring up.
+"""What serve starts with, even where the configuration is broken: it may have a vehicle to surface.
 
     configuration, vehicle file, store are good       --> that
     the store is broken                               --> one that keeps nothing, and does not know
@@ -58,7 +58,7 @@ class Provision:
     damage: tuple[str, ...] = ()
 
     def keep(self) -> None:
-        """It worked; what only brings a vehicle up is not kept. Raises OSError."""
+        """Keeps a configuration that worked; not one that can only surface. Raises OSError."""
         if not self.configuration.ascent_only:
             keep(Working(self.configuration, self.vehicle), self.homes)
 

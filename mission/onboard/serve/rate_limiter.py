@@ -1,4 +1,4 @@
-"""What of an address's bytes goes on to the runtime: all within its allowance, then X and W alone.
+"""The rate limiter: bytes of an address within its allowance pass; beyond it only X and W do.
 
     allowance of one address:   1000 frames and 256 kB at once, refilled 500 and 64 kB a second
     of all together:            four times that
@@ -71,7 +71,7 @@ class RateLimiter:
         self.dropped = 0  # bytes, of everybody
 
     def sift(self, heard: list[Rx], now: float, flooded: Callable[[str], None]) -> list[Rx]:
-        """What goes on of what came at one time, those with an X or W first."""
+        """The bytes of one instant that pass, those with an X or W first."""
         out = []
         for rx in heard:
             data, dropped = self.passes(rx, now)

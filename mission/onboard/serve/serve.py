@@ -203,7 +203,7 @@ class Server:
         self._schedule()
 
     def _fault(self) -> None:
-        """A mistake in the program: never the end of the vehicle."""
+        """Logs an error of the program itself; it never ends serve."""
         self._journal.fault("a fault of the program; what was under way surfaces:")
         self._journal.fault(traceback.format_exc())
         self._runtime = None
@@ -240,7 +240,7 @@ class Server:
             self._ports[rx.link].vouch(rx.address)
 
     def _sifted(self, port: Port, heard: list[Rx]) -> list[Rx]:
-        """Less what floods; those with an X or W first."""
+        """What the rate limiter lets pass, bytes with an X or W first."""
         for refusal, times in port.refusals().items():
             text = f"topside: {refusal.host} turned away: {refusal.why}"
             self._journal.warning(text, times=times, kind="connections turned away")
@@ -363,7 +363,7 @@ class Server:
         )
 
     def _see(self) -> Seen | None:
-        """For viewers."""
+        """Shows the viewers what has changed."""
         if self._runtime is None:
             return None
         state = view(self._runtime, self._alarms.standing)

@@ -47,7 +47,7 @@ class TxSpacer:
         return out
 
     def clear(self) -> None:
-        """The line is gone: what waited would be out of date when it is back."""
+        """Drops what waits: it would be out of date when the line is back."""
         self._waiting.clear()
 
     def next_event(self) -> float | None:

@@ -1,4 +1,5 @@
-"""What would complete a mission waits until the mission is judged, in a thread; X and W do not.
+"""Validates an uploaded mission off the event loop, before its last line is acknowledged; X and W
+overtake it.
 
     bytes --would they complete a set of lines?--no--> runtime
                       |yes

@@ -1,4 +1,4 @@
-"""What a viewer may see of a running serve: one flat table of values, made for whoever looks.
+"""What viewers see of a running serve: one flat table of values.
 
 Times are the engine's, s; the age of a value is the frame's time less its own, so that what waits
 anywhere grows old. Angles in degrees, lengths in m. None: not known.

@@ -99,7 +99,7 @@ class Viewing:
         self._meet()
 
     def _meet(self) -> None:
-        """Who has come, and who is gone."""
+        """Notes connections that have come and gone."""
         there, known = set(self.port.peers), set(self.monitor.viewers)
         for address in there - known:
             self.monitor.connected(address, time.monotonic())

@@ -12,7 +12,8 @@ import socket
 
 
 class Watchdog:
-    """systemd's: READY, and WATCHDOG fed by the runtime's steps. Without NOTIFY_SOCKET, mute."""
+    """Speaks to systemd: READY, and WATCHDOG after steps of the runtime. Does nothing without
+    NOTIFY_SOCKET."""
 
     def __init__(self) -> None:
         self._address = os.environ.get("NOTIFY_SOCKET", "")

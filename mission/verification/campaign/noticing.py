@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from mission.verification.campaign.broken import BROKEN, broken
 from mission.verification.campaign.draw import Plan, Subject, draw
-from mission.verification.campaign.faults import fare_near
+from mission.verification.campaign.faults import fly_near
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.reached import reached
 from mission.verification.campaign.search import Search
@@ -69,7 +69,7 @@ class Flights:
 
 
 def _fly(plan: Plan) -> Flown:
-    result, margins = fare_near(plan)
+    result, margins = fly_near(plan)
     return Flown(result.violations, margins)
 
 

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from random import Random
 
 from mission.verification.campaign.draw import Subject, rows
-from mission.verification.campaign.faults import FlightResult, fare_near
+from mission.verification.campaign.faults import FlightResult, fly_near
 from mission.verification.campaign.scenes import SCENES
 from mission.verification.campaign.steered import neighbour, plan_of
 from mission.verification.workers import working
@@ -32,7 +32,7 @@ from mission.verification.workers.outcome import Lost
 from mission.verification.workers.places import Place
 
 GENERATION, STEERED = 18, 6  # flights after the first round; of them neighbours, at most
-Fared = tuple[FlightResult, dict[str, float]]  # with how near it came, by law
+Searched = tuple[FlightResult, dict[str, float]]  # with how near it came, by law
 NEARLY = 0.5  # of its bound: a law with more left is not followed up
 
 
@@ -106,23 +106,23 @@ def flown(
     most: int,
     known: Sequence[Subject],
     at: Place,
-    kept: Kept[Fared] | None = None,
+    kept: Kept[Searched] | None = None,
 ) -> Iterator[tuple[str, FlightResult | Lost]]:
     """``most`` flights, with their names, as ``search`` asks for them."""
-    work = functools.partial(fare_named, seed, known)
+    work = functools.partial(fly_named, seed, known)
     with working(work, at, kept=kept) as batch:
         while most > 0:
             names = search.generation()[:most]
             most -= len(names)
-            for name, fared in zip(names, batch(names), strict=True):
-                if isinstance(fared, Lost):
-                    yield name, fared
+            for name, done in zip(names, batch(names), strict=True):
+                if isinstance(done, Lost):
+                    yield name, done
                     continue
-                result, margins = fared
+                result, margins = done
                 search.tell(name, margins, broken=bool(result.violations))
                 yield name, result
 
 
-def fare_named(seed: int, known: Sequence[Subject], name: str) -> Fared:
+def fly_named(seed: int, known: Sequence[Subject], name: str) -> Searched:
     """ValueError for a name that is none (steered)."""
-    return fare_near(plan_of(name, seed, known))
+    return fly_near(plan_of(name, seed, known))
