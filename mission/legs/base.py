@@ -144,11 +144,11 @@ class LegType:
 
     @property
     def plain(self) -> bool:
-        """It holds its set and nothing else, until it is left."""
+        """Whether the leg holds its set and nothing else, until it is left."""
         return self.begin is None and not self.ascends
 
     def awaits_fix(self, kind: LegKind) -> bool:
-        """Whether it is done by a position fix only."""
+        """Whether only a position fix ends it."""
         return bool(self.until_fix) and bool(getattr(kind, self.until_fix))
 
 

@@ -159,7 +159,8 @@ class Filter:
         self.kalman.x, self.kalman.P = saved
 
     def trust(self, figures: Figures, share: float) -> None:
-        """Believes ``figures`` from now on, and to be ``share`` times as far off as it did."""
+        """Uses ``figures`` from now on, and takes all of them to be ``share`` times as
+        uncertain."""
         self.figures, self._steady, self._wander = figures, _Steady(), _across(figures)
         p = self.kalman.P.copy()
         p[:DEPTH, :] *= share
@@ -264,7 +265,7 @@ class Filter:
     # --- measurements ------------------------------------------------------------------------
 
     def place(self, north: float, east: float, variance: float) -> None:
-        """The position is known to be this, whatever was believed; the rest stays."""
+        """Sets the position to one that is known, whatever was believed before."""
         x, p = self.kalman.x.copy(), self.kalman.P.copy()
         x[N], x[E] = north, east
         p[:2, :], p[:, :2] = 0.0, 0.0
@@ -304,7 +305,7 @@ class Filter:
         self.kalman.P = p
 
     def loosen(self, variance: float) -> None:
-        """Adds to the position's variance alone."""
+        """Adds to the variance of the position alone."""
         p = self.kalman.P.copy()
         p[N, N] += variance
         p[E, E] += variance

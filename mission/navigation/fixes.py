@@ -1,4 +1,4 @@
-"""What a GPS receiver's fixes are worth as a proof of the surface.
+"""Judges GPS fixes as evidence of the surface.
 
 A place that it has said lately, to the last bit, is no news: a receiver that got stuck says one
 place, two in turn or a few, with or without pauses, under water too. And one that wanders under

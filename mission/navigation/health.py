@@ -132,7 +132,7 @@ class _Monitor:
 
 
 def _near(row: Channel, since: float, value: float, other: float) -> bool:
-    """Whether ``value`` may follow ``other`` within ``since`` seconds."""
+    """Whether ``value`` can follow ``other`` within ``since`` seconds."""
     return other != other or _apart(row, value, other) <= row.rate * max(since, 1.0)
 
 

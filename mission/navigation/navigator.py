@@ -122,7 +122,7 @@ class Navigation:
         return compass + self._declination - known
 
     def forget_depth(self) -> None:
-        """What is heard of the depth from now on is compared with nothing from before."""
+        """Compares what is heard of the depth from now on with nothing from before."""
         self._health.forget("depth")
         self._health.belief = DepthBelief()
 

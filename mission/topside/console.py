@@ -89,8 +89,8 @@ def hold(url: str, talk: Talk) -> str:
 
 
 def overhear(url: str) -> Iterator[Rx]:
-    """What comes over the link, for ever; without bytes every ``LOOK_S`` in which nothing does.
-    ``t`` is in s since 1970 UTC, and does not jump with the clock. Raises LinkError."""
+    """Yields what comes over the link, for ever; b"" every ``LOOK_S`` in which nothing does. ``t``
+    is in s since 1970 UTC, and does not jump with the clock. Raises LinkError."""
     link = open_link("port", url)
     zero = time.time() - time.monotonic()
     try:

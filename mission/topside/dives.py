@@ -38,7 +38,7 @@ class Dives:
         self._keep("plans", digest[:16], to_plain(plan))
 
     def started(self, url: str, digest: str, wall: float) -> None:
-        """A dive that is under way goes on: its time has begun already."""
+        """Notes a start. Of a dive that is under way already the time has begun before."""
         dive, plan = self.of(url), self._plan(digest)
         going_on = dive.started is not None and dive.plan == plan
         began = replace(dive, started=dive.started if going_on else wall, plan=plan)

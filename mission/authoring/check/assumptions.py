@@ -1,4 +1,4 @@
-"""What the sea and the vehicle are taken to do at most, and the constants behind it."""
+"""The worst that the check assumes of sea and vehicle, and the constants behind it."""
 
 from __future__ import annotations
 

@@ -167,7 +167,7 @@ class LegBounds:
     # --- from entry to exit ----------------------------------------------------------------
 
     def sweep(self, entry: Bounds) -> Bounds:
-        """Everywhere it may be while the leg is active, and at any moment of it."""
+        """The bounds of every moment of the leg, not only of its end."""
         after = self.leave(entry, By.ON)
         return after._replace(
             north=hull(entry.north, after.north),
@@ -380,8 +380,8 @@ class LegBounds:
 
 
 def goes_on(leaving: Bounds, vehicle: Vehicle) -> Bounds:
-    """Into an ascent, which begins with W: as built that does not stick. What was asked for last
-    goes on, the way ahead with it, for as long as it happens to rise, and until that has ended."""
+    """Continues into an ascent, which begins with W. As built W does not stick: what was asked for
+    last goes on, ahead and upward, until that way of the ascent has ended."""
     deeper = max(0.0, leaving.depth[1] - OVERSHOOT - leaving.rises_to)
     time = 2.0 * STICKS + deeper / vehicle.ascent_buoyancy
     power = vehicle.thruster_power.at(vehicle.speed_by_gear.inverse(leaving.way))

@@ -1,4 +1,4 @@
-"""What the rows of a mission are expected to bring home: a covariance carried along the way meant.
+"""What the rows of a mission are expected to achieve: a covariance carried along the planned way.
 
     x = north, east | current north, east | speed scale | compass error: lasting, over the heading
         (sin, cos), wandering                      each with the sigma that the estimate believes

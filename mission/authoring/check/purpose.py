@@ -1,4 +1,4 @@
-"""What a mission says it is to achieve, against what its rows are expected to.
+"""Compares the purpose that a mission states with what its rows are expected to achieve.
 
     coverage    the mean share of the area that is seen
     position    m that 95 % of dives stay within at the end of each row

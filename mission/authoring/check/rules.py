@@ -112,14 +112,14 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
 
 
 def before_the_proof(mission: Mission, vehicle: Vehicle) -> Iterator[Diagnostic]:
-    """What refuses it whatever its legs set and wherever they lead."""
+    """Refusals that do not depend on what legs set or where they lead."""
     yield from _heavy(mission, vehicle)
     yield from _unheard(mission, vehicle)
     yield from no_home(mission)
 
 
 def check_ways(chart: Chart, vehicle: Vehicle) -> Iterator[Diagnostic]:
-    """What is wrong with the ways of a chart that is not whole: nothing that rests on figures."""
+    """Refusals of a chart that is not whole: those that need no figures."""
     limits = envelope.in_force(vehicle, chart.mission.safety, SetSafety())
     assume = Assumptions.of(chart.mission, vehicle, limits.depth)
     if any(_no_bound(chart)):
@@ -222,7 +222,7 @@ def _variables(expression: Expression) -> Iterator[Comparison]:
 
 
 def _known(guard: Guard | Expression, vehicle: Vehicle) -> bool:
-    """Whether some reading could decide it on this vehicle (of an or, one side is enough)."""
+    """Whether this vehicle's readings can decide the guard (of an ``or``, one side is enough)."""
     match guard:
         case Guard(expression):
             return _known(expression, vehicle)

@@ -105,7 +105,7 @@ class Ways:
         return tuple(rename(g) for g in groups_above(chart, path) if g in self._matter[side])
 
     def _moved(self) -> set[str]:
-        """Paths after: out of the order that the others keep, or into another group."""
+        """Paths of legs that are out of the others' order, or in another group."""
         old = {s.path: i for i, s in enumerate(legs_of(self.before))}
         pairs = [
             (old[self.old_of[s.path]], s.path) for s in legs_of(self.after) if s.path in self.old_of

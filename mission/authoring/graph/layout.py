@@ -207,5 +207,6 @@ def depth_at(row: Row) -> int:
 
 
 def _may_cut(rows: list[Row], index: int) -> bool:
-    """Neither a group's head alone at the foot of a column, nor its foot alone at a head."""
+    """Whether a column may end here: never with a group's head alone at its foot, nor a group's
+    foot alone at the next head."""
     return rows[index - 1].kind != "open" and rows[index].kind != "close"

@@ -61,7 +61,8 @@ class _Diagram:
         self._link(source, way.target, way.text)
 
     def _spread(self, source: str, target: str, text: str) -> None:
-        """From a composite state; where it holds the target, from the others inside it."""
+        """Ways out of a composite state; where it holds the target itself, one from each of the
+        others inside it."""
         if not target.startswith(f"{source}/"):
             self._link(source, target, text)
             return

@@ -175,7 +175,7 @@ class _Writer:
         return rows
 
     def _again(self, edge: Edge, pad: int) -> str:
-        """Tested before the handler itself."""
+        """The row that is tested before the handler's own, for its second time."""
         event = self.events[edge.trigger]
         target, cond = identifier(IMPLICIT_SURFACE), f"{self.acted[event]} > 0"
         return " " * pad + element("transition", event=event, cond=cond, target=target)

@@ -105,7 +105,7 @@ def outputs(value: State) -> str:
 
 
 def edge(value: Edge, leg: Leg | None) -> str:
-    """What takes this way, as an arrow says it."""
+    """What takes this way, as text for an arrow."""
     if value.guard is not None:
         return guard(value.guard)
     match value.by:

@@ -90,7 +90,8 @@ class _Head:
 
 
 class Assembly:
-    """Takes the statements of one file; ``mission`` is whole only if no problem was found."""
+    """Takes the statements of one file in their order. ``mission`` is whole only if no problem was
+    found."""
 
     def __init__(
         self,

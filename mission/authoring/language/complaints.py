@@ -189,7 +189,7 @@ def _unfinished(text: str, expected: frozenset[str]) -> Complaint:
 
 
 def _by_shape(misfit: _Misfit) -> Complaint | None:
-    """Things that are wrong wherever they stand."""
+    """Mistakes that are wrong wherever they stand."""
     part, at = misfit.part, misfit.text[misfit.offset :]
     if not part.isascii() or not part.isprintable():
         hint = "comments may hold anything"
@@ -241,7 +241,7 @@ def _by_number(misfit: _Misfit) -> Complaint | None:
 
 
 def _by_place(misfit: _Misfit) -> Complaint | None:
-    """What its place in the line says about it."""
+    """Mistakes that follow from the place in the line."""
     text, offset, part, expected = misfit.text, misfit.offset, misfit.part, misfit.expected
     if part in ("and", "or") and re.search(r"\bheld\b", text[:offset]):
         hint = "put held behind the last comparison, before ->"
@@ -261,7 +261,7 @@ def _by_place(misfit: _Misfit) -> Complaint | None:
 
 
 def _by_word(misfit: _Misfit) -> Complaint | None:
-    """What the word itself may have meant."""
+    """What a misspelt word may have meant."""
     part, expected, wanted = misfit.part, misfit.expected, _wanted(misfit.expected)
     if part == ":" and misfit.text.startswith("repeat"):
         hint = f"write repeat 2 {misfit.before}:"

@@ -1,4 +1,4 @@
-"""What either layout is made of: rows, and how far a level is set in."""
+"""Rows and levels of indentation, as both layouts use them."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ def statements(text: str, problems: Diagnostics) -> Iterator[Statement]:
 
 
 def _salvaged(strip: Strip) -> list[Statement]:
-    """The name that an unreadable line gives, so that one fault does not make others."""
+    """The name in a line that cannot be read, so that one mistake does not cause others."""
     parameter = _PARAMETER.match(strip.text)
     if parameter is not None:
         where = strip.where(parameter.start(1), len(parameter[1]))

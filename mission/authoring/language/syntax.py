@@ -185,7 +185,7 @@ class Syntax:
 
 
 def _too_deep(text: str) -> int | None:
-    """Where a guard is nested deeper than anything that reads it may recurse."""
+    """Where a guard is nested deeper than readers of it may recurse; None if it is not."""
     depth, outer = 0, []
     for match in _NESTING.finditer(text):
         if match[0] == "not":

@@ -332,7 +332,7 @@ class _Form:
         return None
 
     def _list_of_coordinates(self, node: SequenceNode) -> None:
-        """Which of them is the latitude nobody could see."""
+        """Refuses coordinates as a list: nobody could see which of them is the latitude."""
         named = dict(zip(("latitude", "longitude"), node.value, strict=False))
         hint = _place_hint(named if len(node.value) == 2 else {})
         self._problems.add("place", where_of(node), "a list is no place: name its numbers", hint)

@@ -105,7 +105,7 @@ def command_of(words: str) -> Setpoint | Order:
 
 
 def audit(events: Sequence[Event], dialect: str) -> list[Spurious]:
-    """Everything that nothing asked for, in order."""
+    """Everything that was sent without a cause, in order."""
     return list(_Auditor(dialect).walk(events))
 
 
@@ -318,7 +318,7 @@ class _Auditor:
 
 
 def _turns(data: bytes) -> bool:
-    """A report in which one of the five thrusters is on."""
+    """Whether the report shows one of the five thrusters on."""
     at = data.find(SD.lead)
     if at < 0 or len(data) < at + SD.length:
         return False

@@ -48,7 +48,7 @@ from protocol.messages import UPWARD, Manual, Order
 
 @contextmanager
 def broken(name: str) -> Iterator[None]:
-    """Within it the rule does not hold. KeyError for a name that is not in BROKEN."""
+    """A context within which the rule is broken. KeyError for a name that is not in BROKEN."""
     surgery = Surgery()
     try:
         BROKEN[name].how(surgery)
@@ -60,7 +60,7 @@ def broken(name: str) -> Iterator[None]:
 _REASONS: Mapping[str, str] = {
     "hard depth": "the depth in force acts before it, at rest whatever sinks is brought up",
     "depth contradicted": "a depth that is contradicted is unknown, and acts as such 6 s later",
-    "leak": "the AUV reports no leak; every limit has its bounds tried in test_limits",
+    "leak": "the AUV reports no leak; every limit has its bounds tried in test_contracts",
 }
 
 

@@ -1,4 +1,4 @@
-"""Flights in which nothing goes wrong: currents, noise and the trim of the body alone.
+"""Flights without faults: currents, noise and the trim of the body alone.
 
 A shipped mission on one of the profiles, in a current up to the one that it assumes, the deep one
 another, a depth noise to 0.2 m, 8 to 20 N of buoyancy, the ground within reach of the altimeter.

@@ -1,4 +1,5 @@
-"""A depth that is kept above the bottom is told no deeper than that allows, in every flight.
+"""Laws of legs that keep a depth above the bottom: the depth that is asked for is never below what
+the altitude allows.
 
     asked      never deeper than the depth that the leg asks for
     above      with an altimeter that is well: never deeper than the true bottom less the height

@@ -203,7 +203,7 @@ def net_buoyancy(story: Story, begin: float, end: float) -> float:
 
 
 def _liftable(story: Story, begin: float, end: float) -> bool:
-    """Upright by thrust, upside down by its buoyancy."""
+    """Whether thrust (upright) or buoyancy (upside down) can lift it."""
     net = net_buoyancy(story, begin, end)
     if story.faulty(("capsized",), begin, end):
         return net > _SPARE

@@ -127,7 +127,7 @@ def rows(subjects: Sequence[Subject]) -> tuple[str, ...]:
 
 
 def draw_row(row: str, rng: Random, seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
-    """A flight of one of ``rows``: of a scene, every second one is the scene alone."""
+    """Draws a flight of one of ``rows``; of a scene, every second flight has the scene alone."""
     if row in SCENES:
         return _staged(rng, seed, number, subjects, row, BESIDE if number % 2 else 0.0)
     subject = {subject.path.stem: subject for subject in subjects}[row]

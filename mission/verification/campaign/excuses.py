@@ -1,4 +1,5 @@
-"""What excuses a flight in which the vehicle stays down: physics, and an operator's own order.
+"""Excuses for a vehicle that stays down: what is physically impossible, and what an operator
+ordered.
 
     net        N of buoyancy, with what has become heavy or light
     lift       N upward by the best word that this board obeys: U12, W where it sticks. Where no
@@ -78,7 +79,7 @@ def obeys_no_stop(settings: Settings, events: Sequence[Event]) -> bool:
 
 
 def helpless(settings: Settings, profile: str, end: float) -> int:
-    """s until ``end`` in which no word that the board obeys lifts it."""
+    """Seconds until ``end`` in which no command that the board obeys can lift the vehicle."""
     return sum(lift(settings, profile, float(t)) < SLIGHT for t in range(int(end)))
 
 

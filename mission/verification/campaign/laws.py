@@ -169,7 +169,7 @@ def _sank(trial: Trace) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """Within it neither the region nor the limits in force changed."""
+    """A time in which neither the region nor the limits in force changed."""
 
     begin: float
     end: float

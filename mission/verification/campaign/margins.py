@@ -1,4 +1,4 @@
-"""How near a flight came to breaking a law: what a search is steered by.
+"""Margins: how near a flight came to breaking each law. They steer the search.
 
 A margin is 1 where nothing of the kind happened and 0 where nothing is left of the bound. Where a
 limit has been passed the lower half is what is left of the time to answer it. (Robustness, as of
@@ -54,7 +54,7 @@ Margin = Callable[[Story], Iterable[float]]
 
 
 def margins(story: Story) -> dict[str, float]:
-    """The least of each kind that there was any of."""
+    """The least margin of each kind that the flight has."""
     found = {}
     for name, law in MARGINS.items():
         least = min(law(story), default=1.0)

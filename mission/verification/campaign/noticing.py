@@ -1,4 +1,4 @@
-"""Who notices that a rule is broken: flights by chance, or as a search asks for them.
+"""How many flights it takes until one notices a broken rule: drawn by chance, or searched.
 
 A flight that the whole program flies without a violation, and the broken one does not, has noticed.
 The whole program's flights serve all rules: those that could not have made a difference to a flight
@@ -80,7 +80,7 @@ def flights_of(seed: int, known: tuple[Subject, ...]) -> Flights:
 
 
 def notice(rule: str, flights: Flights, most: int, *, searched: bool = False) -> Noticed:
-    """Flies until one notices, at most ``most``."""
+    """Flies until a flight notices the broken rule, at most ``most``."""
     row = BROKEN[rule]
     names = _searched(rule, flights) if searched else map(str, range(most))
     for number, name in zip(range(1, most + 1), names, strict=False):

@@ -1,4 +1,4 @@
-"""What was ordered leaves: X and W within 100 ms of being known (R7), a set within 5 s (R12).
+"""Orders must leave in time: X and W within 100 ms of being known (R7), a set within 5 s (R12).
 
 X and W are looked for in whatever came while the program ran, whatever stands around them. The
 sets are those of the Steps: a leg's, both halves of an ascent's. What a later order, another set,

@@ -1,4 +1,4 @@
-"""Which broken rules could have made a difference to a flight of the whole program.
+"""Finds which broken rules could have changed a flight: those whose code the flight reaches.
 
 A rule that was not reached, in every function that would be broken, would have had the same flight:
 it need not be flown again with the rule broken.

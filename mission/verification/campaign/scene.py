@@ -1,4 +1,4 @@
-"""What a scene is, and the words in which scenes are written.
+"""What a scene is, and the helpers in which scenes are written.
 
 What does not live here: the scenes (scenes and its two parts), their missions (scene_texts).
 """

@@ -1,4 +1,5 @@
-"""Flights that can tell a rule from its absence: one row a scene, drawn with its own figures.
+"""Scenes: flights that look different when a rule is broken. One row each, with its own random
+figures.
 
 What is drawn at random seldom meets the one situation in which a rule matters (a body that sinks
 while the operator has stopped it; a stick that is held while another boat orders W). A scene puts

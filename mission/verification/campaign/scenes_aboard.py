@@ -1,4 +1,4 @@
-"""Scenes of bounds that somebody sets, of operators, and of the program.
+"""Scenes of limits that operators set, of operators' commands, and of the program.
 
 What does not live here: bodies, boards and sensors (scenes_at_sea).
 """

@@ -1,4 +1,4 @@
-"""Scenes of bodies that are not kind, of boards and of sensors.
+"""Scenes of bodies that are heavy, weak or upside down, and of boards and sensors that fail.
 
 What does not live here: operators, the program and the bounds they set (scenes_aboard).
 """
@@ -150,7 +150,7 @@ def _weak_thrusters(rng: Random) -> Scene:
 
 
 def _board(name: str, *, sinks: bool) -> Callable[[Random], Scene]:
-    """A board that is not kind, when W is said."""
+    """A board that misbehaves when W is sent."""
 
     def draw(rng: Random) -> Scene:
         t = rng.uniform(DOWN, 60.0)

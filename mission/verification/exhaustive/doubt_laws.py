@@ -1,4 +1,4 @@
-"""Laws of an ascent that could be taken in: rows as in laws.
+"""Laws of an ascent that doubtful readings could mislead; rows as in laws.
 
 What does not live here: ascents with a depth to believe (proof_laws).
 """

@@ -1,4 +1,4 @@
-"""Events, those of a depth that is not to be gone by, and of a push that leads down.
+"""Events of a depth that cannot be believed, and of a push that leads down.
 
 Each begins with a W or a restart, so that there is an ascent that could be taken in: by a depth
 that stands, by one from before a silence, by pushes of what is upside down, by a leap.

@@ -1,4 +1,4 @@
-"""What a leg waits for, brought about: the readings that open its first exit.
+"""Inputs that open a leg's first exit: the readings that it waits for.
 
 Of the variables that a guard may name, those that one report or the run itself decides; an exit
 that asks for another one (a position, a current) is not brought about here, but by simulation.
@@ -55,7 +55,7 @@ _BRING: Mapping[str, Callable[[World, float], None]] = MappingProxyType(
 
 
 def wish(configuration: Configuration, chart: Chart) -> Guard | None:
-    """The leg's first exit, if it can be brought about."""
+    """The leg's first exit, if its readings can be brought about; else None."""
     if configuration.region != "autonomous":
         return None
     for edge in chart.leaving(configuration.leaf):

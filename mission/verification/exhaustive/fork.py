@@ -1,4 +1,4 @@
-"""One runtime as many: a copy of all that decides what it does next, made in a fraction of a ms.
+"""Copies a runtime with everything that decides what it does next, in a fraction of a ms.
 
 What can change is copied, what cannot is shared: frozen values, tables, functions. The whole is
 gone through once and kept as a recipe: shells to be made, then what goes into each. The engine has

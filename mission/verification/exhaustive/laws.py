@@ -55,7 +55,7 @@ def stays_down(cell: Cell) -> bool:
 
 
 def wrong(*faults: tuple[bool, str]) -> str:
-    """The first that is so."""
+    """The words of the first fault that holds, "" if none does."""
     return next((words for is_so, words in faults if is_so), "")
 
 

@@ -48,7 +48,7 @@ class Notes:
         pass
 
     def notice(self, text: str) -> None:
-        """Not for this one."""
+        """Ignored here."""
 
 
 class World(LockStep):
@@ -90,7 +90,8 @@ class World(LockStep):
             self._take(self.runtime.connected(TOPSIDE, address, self.now))
 
     def come_to(self, depth: float) -> None:
-        """There, as if it had come there long ago: nothing is remembered of another depth."""
+        """Puts the vehicle at a depth as if it had been there for long: no other depth is
+        remembered."""
         self.sea.depth = depth
         navigation = self.engine.core.vehicle_state.navigation
         if isinstance(navigation, Navigation):
@@ -124,7 +125,7 @@ class World(LockStep):
         self._take(self.runtime.receive(Rx(self.now, GPS, self.sea.sentences(self.home, self.now))))
 
     def line_is_back(self) -> None:
-        """The vehicle's port was away, for no time at all."""
+        """Tells the runtime that the vehicle's port was away, for no time at all."""
         self._take(self.runtime.connected(VEHICLE, "", self.now))
 
     def node(self, line: bytes) -> None:
@@ -151,7 +152,7 @@ class World(LockStep):
         self._take(self.runtime.end(self.now, at_once=at_once))
 
     def wait(self, seconds: float) -> None:
-        """Until then: timers, answers and reports when they are due."""
+        """Lets so many seconds pass: timers, answers and reports come when they are due."""
         self.run_until(self.now + seconds)
 
     def dues(self) -> Iterator[Due]:

@@ -34,7 +34,7 @@ _TRUE = SensorErrors(  # noise alone, without which a sensor counts as frozen
 
 
 class Unplanned(ValueError):
-    """There is no track to draw; says how the flight in still water ended."""
+    """The mission has no planned track; says how its flight in still water ended."""
 
 
 @dataclass(frozen=True, slots=True)
