@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mission.model.shown import clock
 from mission.navigation.distribution import PLANE_95
 from mission.navigation.filter import Array
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 _NIS_95 = 5.991  # chi-square, 2 degrees of freedom
 _ELLIPSES = 14
+_STEPS_S, _TICKS = (1, 5, 15, 30, 60, 120, 300, 600, 1800, 3600, 10800), 10
 _RAW, _FILTERED, _SMOOTHED, _FIX = "#999999", "#c1440e", "#2b5c8a", "#117733"
 _SENSORS = {"missing": "#dddddd", "stale": "#ddcc77", "frozen": "#88ccee", "absurd": "#cc6677"}
 
@@ -58,7 +60,19 @@ def draw_quality(axes: Sequence[Axes], track: Track) -> None:
         begin, end = float(track.t[0]), float(track.t[-1])
         margin = max(0.01 * (end - begin), 1.0)  # fixes come first and last, as a rule
         one.set_xlim(begin - margin, end + margin)
-    sensors.set_xlabel("s since the black box began")
+    timed(axes)
+
+
+def timed(axes: Sequence[Axes]) -> None:
+    """Times as the story has them, at whole minutes where there are many."""
+    from matplotlib.ticker import FuncFormatter, MultipleLocator
+
+    for one in axes:
+        begin, end = one.get_xlim()
+        step = next((step for step in _STEPS_S if step * _TICKS >= end - begin), _STEPS_S[-1])
+        one.xaxis.set_major_locator(MultipleLocator(step))
+        one.xaxis.set_major_formatter(FuncFormatter(lambda t, _: clock(t).removesuffix(".0")))
+    axes[-1].set_xlabel("min:s since the program began")
 
 
 def _plan(axes: Axes, track: Track) -> None:

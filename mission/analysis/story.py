@@ -15,9 +15,10 @@ from typing import Any
 
 from mission.analysis.ended import ended_by
 from mission.analysis.journal import restart
-from mission.model import AUTONOMOUS, Record, Step
+from mission.analysis.unsaid import Unsaid
+from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Record, Step
 from mission.model.regions import EMERGENCY
-from mission.model.shown import duration
+from mission.model.shown import clock, duration
 from mission.onboard.blackbox import Gap
 from mission.onboard.runtime import records as rec
 from mission.onboard.runtime.runtime import VEHICLE
@@ -26,6 +27,8 @@ from mission.onboard.stream.events import frame_text
 from mission.onboard.stream.topics import JOURNAL, STATE
 from mission.onboard.stream.wellknown import INFO
 
+REFUSED = "refused "  # how the engine's event of such an answer begins
+_CUT_SHORT = frozenset({By.TIMEOUT, By.ELSE, By.ON, By.UNCERTAIN})
 _UNITS = {"depth": "m", "radius": "m", "time": "s", "voltage": "V"}
 
 
@@ -80,10 +83,14 @@ def story(recordings: Sequence[Sequence[Record | Gap]]) -> list[Chapter]:
     chapters: list[Chapter] = []
     for number, items in enumerate(recordings):
         if number:
-            between = restart(recordings[number - 1], items).strip("- ")
-            chapters.append(Chapter("Between two recordings", (f"{between}.",)))
+            chapters.append(between(recordings[number - 1], items))
         chapters += Teller(items).chapters()
     return chapters
+
+
+def between(before: Sequence[Record | Gap], after: Sequence[Record | Gap]) -> Chapter:
+    says = restart(before, after).strip("- ")
+    return Chapter("Between two recordings", (f"{says}.",))
 
 
 class Teller:
@@ -92,6 +99,8 @@ class Teller:
     def __init__(self, items: Iterable[Record | Gap]) -> None:
         self._told = _Told()
         self._derivation: Derivation | None = None
+        self._unsaid = Unsaid()
+        self._breached: frozenset[str] | None = None  # limits; None: before the first are known
         self._end = 0.0
         self._state = ""
         for item in items:
@@ -122,9 +131,11 @@ class Teller:
                 self._look(message.t, message.value)
             elif message.topic == JOURNAL and message.value["level"] > INFO:
                 self._alarm(message.t, message.value)
-        standing = self._derivation.standing
-        if record.kind == rec.STANDING and standing is not None and standing.commander:
-            self._told.commanders[standing.commander] = None
+            standing = self._derivation.standing
+            origin = standing.origin if standing else None
+            self._told.says += self._unsaid.receive(message, origin)
+        if record.kind == rec.STANDING:
+            self._stand(record.t, rec.read_standing(record))
 
     def _begin(self, start: rec.Start) -> None:
         when = datetime.fromtimestamp(start.wall, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
@@ -134,13 +145,27 @@ class Teller:
             before = f"Before, it had been interrupted: {start.store.under_way} was under way."
             self._told.says.append(before)
 
+    def _stand(self, t: float, standing: rec.Standing) -> None:
+        if standing.commander:
+            self._told.commanders[standing.commander] = None
+        breached, before = frozenset(standing.breached), self._breached
+        self._breached = breached
+        for limit in sorted(breached - (breached if before is None else before)):
+            self._told.alarms.append((clock(t), "limit", f"{limit} is breached"))
+
     def _step(self, step: Step, derivation: Derivation) -> None:
+        if step.event.startswith(REFUSED):
+            row = clock(step.t), step.event.removeprefix(REFUSED), "the vehicle answered N", VEHICLE
+            self._told.refusals.append(row)
         if not step.entered:
+            self._tell_again(step)
             return
         path, told, chart = step.entered[-1], self._told, derivation.chart
         seen = [pair for evaluation in step.evaluations for pair in evaluation.values]
         words = ended_by(chart, step.trigger, seen) if chart else None
         because = words or _plain_reason(step)
+        if words and step.by is By.ELSE and step.event.startswith(REFUSED):
+            because = f"the vehicle {step.event}"
         if told.legs and told.legs[-1].left is None:
             told.legs[-1].left, told.legs[-1].because = step.t, because
         self._tell_state(step, path, derivation, because)
@@ -148,16 +173,26 @@ class Teller:
             told.legs.append(_Leg(path, step.t))
         self._state = path
 
+    def _tell_again(self, step: Step) -> None:
+        """A limit that leads to no other state, but to words."""
+        for action in step.actions:
+            what, _, why = action.partition(": ")
+            if why.startswith("limit "):
+                self._told.says.append(f"{clock(step.t)}: {why}; said again: {what}.")
+
     def _tell_state(self, step: Step, path: str, derivation: Derivation, because: str) -> None:
         told, chart = self._told, derivation.chart
         was_flying, flies = (p.startswith(f"{AUTONOMOUS}/") for p in (self._state, path))
-        at = _clock(step.t)
+        at = clock(step.t)
         if flies and not was_flying and chart is not None:
             verb = "went on" if self._state.startswith("manual") else "was started"
             name = f"{chart.mission.name} ({chart.digest[:8]})"
             told.says.append(f"{at}: the mission {name} {verb} by {step.event}.")
         elif path.startswith(EMERGENCY):
             told.says.append(f"{at}: emergency, now {path}: {because}.")
+        elif was_flying and flies and step.by in _CUT_SHORT:
+            leg, then = (p.partition("/")[2] for p in (self._state, path))
+            told.says.append(f"{at}: {leg} was cut short, then {then}: {because}.")
         elif was_flying and not flies:
             told.says.append(f"{at}: the mission ended, now {path}: {because}.")
         elif path.startswith("manual") or self._state.startswith(("manual", EMERGENCY)):
@@ -165,7 +200,7 @@ class Teller:
 
     def _sent(self, record: Record) -> None:
         tx = rec.read_tx(record)
-        row = (_clock(tx.t), frame_text(tx.data), tx.reason)
+        row = (clock(tx.t), frame_text(tx.data), tx.reason)
         if tx.link == VEHICLE:
             self._told.commands.append(row)
         elif tx.data.startswith(b"@ACK_") and tx.data.endswith(b"N$"):
@@ -173,11 +208,11 @@ class Teller:
 
     def _alarm(self, t: float, said: Mapping[str, Any]) -> None:
         if not said["message"].startswith("refused"):  # these have their own table
-            self._told.alarms.append((_clock(t), said["name"], said["message"]))
+            self._told.alarms.append((clock(t), said["name"], said["message"]))
 
     def _look(self, t: float, state: Mapping[str, Any]) -> None:
         told, standing = self._told, self._derivation.standing if self._derivation else None
-        if state["mission_time_s"] is None or standing is None:
+        if not told.legs or standing is None:
             return
         told.deepest = max(told.deepest, state["depth_m"] or 0.0)
         if state["north_m"] is not None:
@@ -200,27 +235,38 @@ class Teller:
         if told.commanders:
             told.says.append(f"Who commanded: {', '.join(told.commanders)}.")
         if told.legs:
+            told.says += self._never_flown(self._derivation)
             told.says.append(
-                f"It was {told.deepest:.1f} m deep at most, and by its own estimate "
-                f"{told.farthest:.0f} m from home."
+                f"By its own reports it was {told.deepest:.1f} m deep at most, and by its own "
+                f"estimate {told.farthest:.0f} m from home."
             )
-        told.says.append(f"The recording ends {_clock(self._end)}, in {self._state or 'no state'}.")
+        told.says += self._unsaid.at_last()
+        told.says.append(f"The recording ends {clock(self._end)}, in {self._state or 'no state'}.")
         yield Chapter("What happened", tuple(told.says))
         yield from self._tables()
+
+    def _never_flown(self, derivation: Derivation) -> Iterator[str]:
+        if derivation.chart is None:
+            return
+        legs = [s.path for s in derivation.chart.states if s.leg and s.path != IMPLICIT_SURFACE]
+        flown = {leg.path for leg in self._told.legs}
+        never = [path.partition("/")[2] for path in legs if path not in flown]
+        if never:
+            yield f"Legs of the mission that were never flown: {', '.join(never)}."
 
     def _tables(self) -> Iterator[Chapter]:
         told = self._told
         legs = [
             (
                 leg.path.partition("/")[2],
-                _clock(leg.entered),
+                clock(leg.entered),
                 duration(round((self._end if leg.left is None else leg.left) - leg.entered, 1)),
                 leg.because,
             )
             for leg in told.legs
         ]
         limits = [
-            (name, f"{one.bound:g} {_UNITS[name]}", f"{one.left:.1f} {_UNITS[name]}", _clock(one.t))
+            (name, f"{one.bound:g} {_UNITS[name]}", f"{one.left:.1f} {_UNITS[name]}", clock(one.t))
             for name, one in told.least.items()
         ]
         parts: tuple[tuple[str, tuple[str, ...], Sequence[tuple[str, ...]], str], ...] = (
@@ -241,9 +287,3 @@ def _plain_reason(step: Step) -> str:
     if step.actions:
         return step.actions[0].partition(": ")[2]
     return step.event if step.trigger in ("", "load", "clear") else f"{step.trigger}, {step.event}"
-
-
-def _clock(t: float) -> str:
-    """Since the program began."""
-    minutes, seconds = divmod(round(t, 1), 60.0)
-    return f"{int(minutes)}:{seconds:04.1f}"

@@ -13,7 +13,8 @@ _STYLE = (
     "body{font:15px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem}"
     "table{border-collapse:collapse;margin:.5rem 0}td,th{text-align:left;vertical-align:top;"
     "padding:.15rem .8rem .15rem 0;border-bottom:1px solid #ddd}h2{margin-top:2rem}"
-    "figure{margin:1rem 0}figure svg{max-width:100%;height:auto}"
+    "figure{margin:1rem 0;overflow-x:auto}pre,table{display:block;overflow-x:auto}"
+    "figure svg{max-width:100%;min-width:38rem;height:auto}"
 )
 
 
@@ -61,6 +62,7 @@ def as_html(title: str, chapters: Sequence[Chapter]) -> str:
 def page(title: str, inner: str) -> str:
     """A whole page, around HTML; it asks no other host for anything."""
     head = f'<meta charset="utf-8"><title>{_escaped(title)}</title><style>{_STYLE}</style>'
+    head += '<meta name="viewport" content="width=device-width">'
     body = f"<h1>{_escaped(title)}</h1>\n{inner}"
     return f"<!doctype html>\n<html><head>{head}</head>\n<body>{body}</body></html>\n"
 

@@ -47,8 +47,22 @@ def demo(
     """
     from dataclasses import replace
 
+<<<<<<< HEAD
     from mission.verification.rig.vehicle import in_dialect
     from mission.verification.simulation.demo import LEFT, Demo, not_as_planned
+=======
+    from links.simulated.settings import SettingError, parse_settings
+    from mission.analysis.report.dive import dives_of
+    from mission.analysis.report.page import report_page
+    from mission.authoring.graph.outline import outline
+    from mission.authoring.graph.svg import svg
+    from mission.authoring.prepare import Unreadable, check_prepared, prepare
+    from mission.topside.upload import OperatorError
+    from mission.verification.simulation.demo import LEFT, Demo, DemoError, not_as_planned
+    from mission.verification.simulation.flown import Flown
+    from mission.verification.simulation.legtable import table
+    from mission.verification.simulation.plot import draw_flight
+>>>>>>> 53bb7a9 (Make the page of a dive with every simulation; serve Foxglove; tell in the story what was cut short, refused and not flown)
 
     path = mission or Path(OWN.get(vehicle or "", "first-dive"))
     prepared, worst = _proved(path, vehicle, settings)
@@ -72,7 +86,7 @@ def _proved(path: Path, vehicle: str | None, settings: tuple[str, ...]) -> tuple
 
     try:
         prepared = prepare(path, vehicle)
-        parse_settings(settings)
+        sea = parse_settings(settings).sea
     except (Unreadable, SettingError) as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
@@ -110,7 +124,19 @@ def _leave(flight: Flight, prepared: Prepared, out: Path) -> None:
     (out / "graph.svg").write_text(svg(outline(prepared.chart, None), False))
     click.echo(table(flight, prepared.chart))
     box = max((out / "pi" / "log").glob("*.mcap"))
+<<<<<<< HEAD
     click.echo(f"pictures in {out}, black box {box}")
+=======
+    dialect = prepared.vehicle.dialect if prepared.vehicle.codec == "auv" else ""
+    told = Flown(prepared.mission.name, prepared.vehicle.name, dialect, seed, settings, sea, None)
+    page = report_page(dives_of([box], notes=told.as_notes()))
+    (out / "report.html").write_text(page, encoding="utf-8")
+    click.echo(f"page {out / 'report.html'}, pictures in {out}, black box {box}")
+    amiss = not_as_planned(flight)
+    if amiss:
+        click.echo(f"not as planned: {'; '.join(amiss)}", err=True)
+    raise SystemExit(1 if amiss else 0)
+>>>>>>> 53bb7a9 (Make the page of a dive with every simulation; serve Foxglove; tell in the story what was cut short, refused and not flown)
 
 
 def clear_earlier(out: Path, left: frozenset[str]) -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mission.verification.simulation.flown import Flown
 
 UNREADABLE = 2
-BLACK_BOX = "flight.mcap"
+BLACK_BOX, PAGE = "flight.mcap", "report.html"
 
 
 @click.command()
@@ -31,7 +31,7 @@ BLACK_BOX = "flight.mcap"
 @click.option(
     "--report",
     type=click.Path(path_type=Path, file_okay=False),
-    help="Write track.png and the black box, flight.mcap, into this folder.",
+    help="Write report.html, track.png and the black box, flight.mcap, into this folder.",
 )
 @AS_JSON
 def simulate(
@@ -52,6 +52,12 @@ def simulate(
 
     from links.simulated.settings import SettingError, parse_settings
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
+<<<<<<< HEAD
+=======
+    from mission.verification.simulation import reaching
+    from mission.verification.simulation.coverage import as_json_of, coverage_of
+    from mission.verification.simulation.flight import fly
+>>>>>>> 53bb7a9 (Make the page of a dive with every simulation; serve Foxglove; tell in the story what was cut short, refused and not flown)
     from mission.verification.simulation.flown import Flown
 
     try:
@@ -64,6 +70,7 @@ def simulate(
     except SettingError as error:
         click.echo(str(error), err=True)
         sys.exit(UNREADABLE)
+<<<<<<< HEAD
     auv = prepared.vehicle.codec == "auv"
     flown = Flown(
         prepared.mission.name,
@@ -75,6 +82,38 @@ def simulate(
         flight.compass_bias,
     )
     _tell(flight, prepared, flown, as_json)
+=======
+    try:
+        box = None if report is None else _black_box(report)
+        flight = fly(prepared.mission, prepared.vehicle, profile or "", seed, sea, box)
+        auv = prepared.vehicle.codec == "auv"
+        flown = Flown(
+            prepared.mission.name,
+            prepared.vehicle.name,
+            (profile or prepared.vehicle.dialect) if auv else "",
+            seed,
+            settings,
+            sea.sea,
+            flight.compass_bias,
+        )
+        if box is not None and report is not None:
+            _report(box, flight, flown, report)
+    except SettingError as error:
+        click.echo(str(error), err=True)
+        sys.exit(UNREADABLE)
+    except OSError as error:
+        click.echo(f"the report cannot be written: {error}", err=True)
+        sys.exit(UNREADABLE)
+    if as_json:
+        told = flight.as_json() | {
+            "coverage": as_json_of(coverage_of(flight, prepared.mission)),
+            "purpose": reaching.as_json_of(reaching.achieved_by(flight, prepared.mission)),
+            "flown": flown.as_object(),
+        }
+        click.echo(json.dumps(told))
+    else:
+        click.echo("\n".join([table(flight, prepared.chart), *flown.as_lines()]))
+>>>>>>> 53bb7a9 (Make the page of a dive with every simulation; serve Foxglove; tell in the story what was cut short, refused and not flown)
     sys.exit(0 if flight.outcome == "completed" else 1)
 
 
@@ -132,7 +171,15 @@ def _black_box(folder: Path) -> BlackBox:
     return BlackBox(path)
 
 
-def _draw(flight: Flight, folder: Path, name: str) -> None:
+def _report(box: BlackBox, flight: Flight, flown: Flown, folder: Path) -> None:
+    """Raises OSError."""
+    from mission.analysis.report.dive import dives_of
+    from mission.analysis.report.page import report_page
+    from mission.onboard.blackbox import close_recording
     from mission.verification.simulation.plot import draw_flight
 
-    draw_flight(flight, folder / "track.png", name)
+    box.close()
+    close_recording(box.path, flown.as_notes())
+    page = report_page(dives_of([box.path]))
+    (folder / PAGE).write_text(page, encoding="utf-8")
+    draw_flight(flight, folder / "track.png", flown.mission)

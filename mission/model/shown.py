@@ -22,6 +22,14 @@ def duration(seconds: float) -> str:
     return f"{number(seconds)} s"
 
 
+def clock(seconds: float) -> str:
+    """Minutes and seconds since the program began, hours where there are any: 2:07:31.4."""
+    minutes, rest = divmod(round(seconds, 1), 60.0)
+    hours, minutes = divmod(int(minutes), 60)
+    whole = f"{hours}:{minutes:02}" if hours else f"{minutes}"
+    return f"{whole}:{rest:04.1f}"
+
+
 def bearing(radians: float) -> str:
     return f"{round(math.degrees(radians), 1) % 360:03g}\u00b0"
 

@@ -17,14 +17,23 @@ from mission.analysis.report.dive import Dive
 from mission.analysis.report.map import draw_map
 from mission.analysis.story import story
 from mission.commands.report import report
+from mission.commands.simulate import simulate
 from mission.model import Record, Tx
-from mission.onboard.blackbox import BlackBox
+from mission.onboard.blackbox import BlackBox, close_recording, notes_of
 from mission.onboard.runtime.records import tx_record
 
 RECORDED = Path(__file__).parent / "recorded"
 SHORT, HEAVY, AGAIN = (
     RECORDED / f"{name}.mcap" for name in ("short-time", "heavy-then-ended", "begun-again")
 )
+HOP = """\
+mission hop vehicle auv
+home 30.2874595 120.1535765
+safety radius 500 time 15min depth 10 voltage 10
+assume current 0.2
+dive: depth 2 heading 0 gear 6 until depth >= 1.5 timeout 90
+up: surface timeout 3min
+"""
 
 
 class Page(HTMLParser):
@@ -84,8 +93,66 @@ def test_several_dives_are_on_one_page_in_the_order_of_their_starts(tmp_path: Pa
     assert re.findall(r"<h2>Dive (\d) of 2", page.text) == ["1", "2"]
     assert page.text.count("<h2>Between two recordings") == 1
     assert len(json.loads(ran.stdout)) == 2
-    ran = reported(AGAIN, HEAVY, "-o", tmp_path / "day.png")
-    assert (ran.exit_code, "of one FILE" in ran.output) == (2, True)
+    happened = [m.start() for m in re.finditer("<h2>What happened", page.text)]
+    dives = [m.start() for m in re.finditer("<h2>Dive", page.text)]
+    assert sorted(happened + dives) == [dives[0], happened[0], dives[1], happened[1]]
+    for more in (("-o", tmp_path / "day.png"), ("--pictures", tmp_path / "pictures")):
+        ran = reported(AGAIN, HEAVY, *more)
+        assert (ran.exit_code, "of one FILE" in ran.output) == (2, True)
+
+
+def test_what_happened_stands_before_the_pictures(made: tuple[Page, Path]) -> None:
+    page, _ = made
+    assert (
+        page.text.index("<h2>What happened") < page.text.index("<svg") < page.text.index("<h2>Legs")
+    )
+    assert re.search(r"<h1>.+, auv, \d{4}-\d\d-\d\d \d\d:\d\d UTC</h1>", page.text)
+
+
+@pytest.mark.proof
+def test_every_picture_of_a_dive_is_a_png_and_a_pdf(tmp_path: Path) -> None:
+    ran = reported(SHORT, "-o", tmp_path / "p.html", "--pictures", tmp_path / "pictures")
+    assert ran.exit_code == 0, ran.output
+    made = sorted((tmp_path / "pictures").iterdir())
+    names = ["attitude", "batteries", "depth", "fixes", "map", "margins", "sensors"]
+    assert [path.name for path in made] == [f"{n}.{form}" for n in names for form in ("pdf", "png")]
+    for path in made:
+        head = {".pdf": b"%PDF", ".png": b"\x89PNG"}[path.suffix]
+        assert path.read_bytes().startswith(head)
+        assert str(path) in ran.stdout
+
+
+def test_the_page_of_a_simulation_says_its_sea_and_its_seed(tmp_path: Path) -> None:
+    mission = tmp_path / "hop.mission"
+    mission.write_text(HOP)
+    words = [mission, "--seed", "7", "--set", "current=0.1@90", "--report", tmp_path / "out"]
+    ran = CliRunner().invoke(simulate, list(map(str, words)))
+    assert ran.exit_code == 0, ran.output
+    page = Page(tmp_path / "out" / "report.html")
+    says = "simulated, current 0.1 m/s towards 90 deg, floor at 30 m, set current=0.1@90, seed 7"
+    assert f"<p>flight.mcap, {says}</p>" in page.text
+    assert re.search(rf"<figcaption>Map: [^<]*\({says}\)", page.text)
+    assert "<h1>hop, auv, 2025-06-01 08:00 UTC</h1>" in page.text
+
+
+def test_metadata_of_a_file_that_is_open_or_damaged_are_none(tmp_path: Path) -> None:
+    (items,) = recordings([SHORT])
+    box = BlackBox(tmp_path / "short.mcap")
+    for item in items[:50]:
+        assert isinstance(item, Record)
+        box.record(item)
+    box.close()
+    path = box.path
+    assert notes_of(path) == {}, "nobody closed it yet"
+    close_recording(path, {"seed": "7"})
+    assert notes_of(path)["seed"] == "7"
+    data = path.read_bytes()
+    for cut in (0, 5, 12, 40, 80):
+        path.write_bytes(data[:cut])
+        assert notes_of(path) == {}
+    path.write_bytes(data[:40] + bytes(200) + data[240:])
+    assert notes_of(path) == {}
+    assert notes_of(tmp_path / "none.mcap") == {}
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +169,9 @@ def test_the_track_fills_the_map_and_no_ellipse_buries_it(drawn: tuple[Figure, D
     places = np.array([(s["east_m"], s["north_m"]) for s in dive.states if s["east_m"] is not None])
     spread = float(np.max(np.ptp(places, axis=0)))
     width = float(np.ptp(axes.get_xlim()))
-    assert spread < width
+    assert spread < width < 1.3 * max(spread, 10.0), "it fills the long side"
+    height = float(np.ptp(axes.get_ylim()))
+    assert 2.0 * min(width, height) >= max(width, height) - 1e-6
     for low, high, at in ((*axes.get_xlim(), places[:, 0]), (*axes.get_ylim(), places[:, 1])):
         assert np.all((low < at) & (at < high))
     assert all(2.0 * max(p.get_width(), p.get_height()) <= width for p in axes.patches)

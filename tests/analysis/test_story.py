@@ -10,14 +10,20 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+from links.simulated.settings import parse_settings
 from mission.analysis.journal import Wanted, follow, recordings
 from mission.analysis.story import Chapter, Table, story
 from mission.analysis.tell import as_html, as_markdown, as_text
+from mission.analysis.unsaid import Unsaid
+from mission.authoring.prepare import prepare
 from mission.commands.log import log
 from mission.commands.story import story as story_command
-from mission.model import Record, Tx
+from mission.model import Position, Record, Tx
 from mission.onboard.blackbox import BlackBox
-from mission.onboard.runtime.records import tx_record
+from mission.onboard.runtime.records import ListRecorder, tx_record
+from mission.onboard.stream.derived import Message
+from mission.onboard.stream.topics import FIX, STATE, TELEMETRY
+from mission.verification.simulation.flight import fly
 
 RECORDED = Path(__file__).parent / "recorded"
 SHORT, HEAVY, AGAIN = (
@@ -65,6 +71,76 @@ def test_an_emergency_is_told_with_the_limit_that_began_it() -> None:
     text = told(SHORT)
     assert re.search(r"emergency, now emergency/surfacing: limit time", text), text
     assert "Alarms\n------\nat " in text
+    assert re.search(r"engine +now emergency/surfacing: limit time", text), text
+
+
+def flown(*settings: str) -> list[Record]:
+    prepared, recorder = prepare(Path("first-dive")), ListRecorder()
+    fly(prepared.mission, prepared.vehicle, "", 3, parse_settings(settings), recorder)
+    return recorder.records
+
+
+def test_a_refused_leg_is_told_as_cut_short_with_the_word_and_what_was_never_flown() -> None:
+    chapters = story([flown("fault=refuses@30+200")])
+    text = as_text("dive", chapters)
+    assert "box/east was cut short, then surface: the vehicle refused @ZAS5$." in text
+    assert "never flown: box/south, box/west, up." in text
+    assert chapter(chapters, "Refusals").rows[0][1:3] == ("@ZAS5$", "the vehicle answered N")
+    assert "There was none." in text, "at the beginning nobody has heard of the vehicle: no alarm"
+
+
+def test_a_limit_that_leads_to_words_alone_is_told() -> None:
+    text = as_text("dive", story([flown("fault=stm32_restart@40")]))
+    assert "limit brown-out: all thrusters neutral while thrust is set; said again: surge" in text
+    assert "limit  brown-out is breached" in text
+    assert "never flown" not in text
+
+
+def test_the_depth_of_an_emergency_counts() -> None:
+    records = flown("fault=heavy=30@60")
+    depths = [
+        json.loads(record.payload)["depth"] or 0.0
+        for record in records
+        if record.kind == "estimate"
+    ]
+    text = as_text("dive", story([records]))
+    assert f"it was {max(depths):.1f} m deep at most" in text
+    left = next(row for row in chapter(story([records]), "Limits").rows if row[0] == "depth")
+    assert left[2] == f"{10.0 - max(depths):.1f} m"
+
+
+def of_report(t: float, depth: float | None) -> Message:
+    return Message(TELEMETRY, t, {"depth_m": depth})
+
+
+def of_fix(t: float, latitude: float, longitude: float) -> Message:
+    return Message(FIX, t, {"latitude_deg": latitude, "longitude_deg": longitude})
+
+
+def test_a_silence_of_the_vehicle_and_the_first_fix_after_a_dive_are_told() -> None:
+    unsaid, home = Unsaid(), Position(30.0, 120.0)
+    at = Message(STATE, 99.0, {"north_m": 30.0, "east_m": 40.0, "radius_95_m": 61.2})
+    said = [
+        sentence
+        for message in (
+            of_report(0.0, 0.0), of_fix(1.0, 30.0, 120.0), of_report(5.0, 0.1),
+            of_report(95.5, 0.2), at, of_fix(100.0, 30.0, 120.0), of_fix(101.0, 30.0, 120.0),
+        )
+        for sentence in unsaid.receive(message, home)
+    ]  # fmt: skip
+    assert said == [
+        "1:35.5: the first report of the vehicle in 90 s.",
+        "1:40.0: the first fix in 99 s lay 50 m from where it took itself to be, 95 % sure within 61 m.",
+    ]
+    assert list(unsaid.at_last()) == []
+
+
+def test_fixes_from_under_water_are_told_as_such() -> None:
+    unsaid, home = Unsaid(), Position(30.0, 120.0)
+    for message in (of_report(0.0, 9.0), of_fix(1.0, 30.0, 120.0), of_fix(70.0, 30.0, 120.0)):
+        assert list(unsaid.receive(message, home)) == []
+    (said,) = unsaid.at_last()
+    assert said.startswith("2 fixes came from more than 2 m of depth, from 0:01.0 to 1:10.0")
 
 
 def test_two_runs_of_the_program_are_told_in_their_order_with_what_was_under_way() -> None:

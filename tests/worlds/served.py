@@ -63,7 +63,7 @@ def noted_processes(monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Popen[st
 
 def provided(configuration: Configuration, store: Store) -> Provision:
     homes = Homes(None, configuration.folder, {})
-    return Provision(configuration, load_vehicle("auv"), store, homes)
+    return Provision(configuration, load_vehicle(configuration.vehicle), store, homes)
 
 
 class Running:
@@ -78,12 +78,14 @@ class Running:
         speed: float = 1.0,
         topside: str = "tcp://127.0.0.1:0",
         monitor: str | None = None,
+        modem: str | None = None,
+        kind: str = "auv",
         wait: bool = True,
         leave_within: float = 0.0,
         **more: object,
     ) -> None:
-        links = LinkUrls(vehicle=vehicle, gps=gps, topside=topside, monitor=monitor)
-        configuration = replace(Configuration(), links=links, folder=folder, **more)  # type: ignore[arg-type]
+        links = LinkUrls(vehicle, gps, topside, modem, monitor)
+        configuration = replace(Configuration(), vehicle=kind, links=links, folder=folder, **more)  # type: ignore[arg-type]
         self.told: list[str] = []
         self.ready: Ready | None = None
         self.server: Server | None = None

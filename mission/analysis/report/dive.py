@@ -5,17 +5,18 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from mission.analysis.journal import start_of
+from mission.analysis.journal import recordings, start_of
 from mission.analysis.smoothing import Track, smooth
 from mission.model import Position, Record
 from mission.model.vehicle import Vehicle
 from mission.navigation.filter import Array
 from mission.navigation.geodesy import LocalFrame
-from mission.onboard.blackbox import Gap
+from mission.onboard.blackbox import Gap, first_part, notes_of
 from mission.onboard.runtime import records as rec
 from mission.onboard.stream.derived import Derivation, Message
 from mission.onboard.stream.senses import Senses
@@ -35,9 +36,15 @@ class Stay:
 
 @dataclass(slots=True)
 class Dive:
-    """Values as their topics say; ``smoothed`` is None where no fix gives the track a place."""
+    """Values as their topics say; ``smoothed`` is None where no fix gives the track a place.
+    ``notes``: what a simulation says of itself, seed and sea among it."""
 
     vehicle: Vehicle
+    wall: float  # s since 1970 UTC at time 0
+    name: str = ""  # of its file
+    items: Sequence[Record | Gap] = ()
+    notes: Mapping[str, str] = field(default_factory=dict)
+    missions: dict[str, None] = field(default_factory=dict)  # that were started, in order
     origin: Position | None = None
     states: list[Mapping[str, Any]] = field(default_factory=list)
     telemetry: list[Mapping[str, Any]] = field(default_factory=list)
@@ -78,9 +85,11 @@ class Dive:
             self.covariances.append((message.t, np.array([[nn, ne], [ne, ee]])))
         elif message.topic == PLAN:
             self.plan = json.loads(message.value["geojson"])["features"]
-        standing = derivation.standing
+        standing, chart = derivation.standing, derivation.chart
         if standing is not None and standing.origin is not None:
             self.origin = standing.origin
+        if chart is not None and message.topic == STATE and message.value["leg"]:
+            self.missions[chart.mission.name] = None
 
     @classmethod
     def of(cls, items: Sequence[Record | Gap], vehicle: Vehicle | None) -> Dive:
@@ -90,7 +99,8 @@ class Dive:
         if start is None:
             raise ValueError("there is no whole start record, so nothing says what vehicle it is")
         derivation = Derivation(start)
-        dive, senses = cls(derivation.start.vehicle), Senses(derivation.start.vehicle)
+        dive = cls(derivation.start.vehicle, derivation.start.wall, items=items)
+        senses = Senses(derivation.start.vehicle)
         sensed = []
         for record in (item for item in items if isinstance(item, Record)):
             sensed += senses.hear(record)
@@ -101,3 +111,17 @@ class Dive:
         if dive.fixes:
             dive.smoothed = smooth(sensed, vehicle or dive.vehicle, dive.origin)
         return dive
+
+
+def dives_of(
+    files: Sequence[Path], vehicle: Vehicle | None = None, notes: Mapping[str, str] | None = None
+) -> list[Dive]:
+    """Each recording once, in the order of their starts. ``notes`` go beside those of the files.
+    Raises BlackBoxError, and ValueError, KeyError or TypeError as Dive.of."""
+    found = []
+    for path in dict.fromkeys(map(first_part, files)):
+        (items,) = recordings([path])
+        dive = Dive.of(items, vehicle)
+        dive.name, dive.notes = path.name, {**notes_of(path), **(notes or {})}
+        found.append(dive)
+    return sorted(found, key=lambda dive: dive.wall)

@@ -1,4 +1,4 @@
-"""Pictures of a dive as SVG to stand in a page, and the map as a file of its own.
+"""Pictures of a dive as SVG to stand in a page, and as files of their own.
 
 matplotlib is imported when a picture is drawn, with the Agg back end: no display is needed.
 """
@@ -8,12 +8,14 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mission.analysis.drawing import draw_quality
+from mission.analysis.drawing import draw_quality, timed
 from mission.analysis.report.dive import Dive
 from mission.analysis.report.map import draw_map, marks_of, plain
+from mission.analysis.report.words import simulated
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,42 +28,58 @@ _SENSORS: Rows = (("altitude_m", "altitude, m"), ("temperature_c", "temperature,
 _MARGINS = (("to_depth_m", "m"), ("to_radius_m", "m"), ("to_time_s", "s"), ("to_voltage_v", "V"))
 
 
-def pictures(dive: Dive) -> Iterator[tuple[str, str]]:
-    """Caption and SVG of each that the dive has something for."""
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """``size`` in inches; ``draw`` gets as many axes as there are rows."""
+
+    name: str
+    caption: str
+    rows: int
+    size: tuple[float, float]
+    draw: Callable[[Any], None]
+
+
+def pictures_of(dive: Dive) -> Iterator[Picture]:
+    """Those that the dive has something for."""
     if any(state["north_m"] is not None for state in dive.states):
-        caption = "Map: plan, estimated track by legs, fixes. Large 95 % ellipses are left out."
-        yield caption, _svg(1, (8.5, 6.5), lambda axes: draw_map(axes[0], dive))
+        yield map_of(dive)
     if dive.states:
-        yield "Depth, with the legs.", _svg(1, (9, 3), lambda axes: _depth(axes[0], dive))
+        caption = "Depth, with the legs."
+        yield Picture("depth", caption, 1, (9, 3), lambda axes: _depth(axes[0], dive))
     known = [(n, u) for n, u in _MARGINS if any(s[n] is not None for s in dive.states)]
     if known:
-        size = 9.0, 1.3 * len(known)
-        drawn = _svg(len(known), size, lambda axes: _margins(axes, dive, known))
-        yield "What was left to each limit.", drawn
-    for caption, rows, unit in (
-        ("Attitude.", _ATTITUDE, "deg"), ("Batteries.", _BATTERIES, "V"), ("Sensors.", _SENSORS, "")
+        caption, size = "What was left to each limit.", (9.0, 1.3 * len(known))
+        yield Picture("margins", caption, len(known), size, lambda a: _margins(a, dive, known))
+    for name, rows, unit in (
+        ("attitude", _ATTITUDE, "deg"), ("batteries", _BATTERIES, "V"), ("sensors", _SENSORS, "")
     ):  # fmt: skip
-        count = len(rows)
-        yield (
-            caption,
-            _svg(
-                count,
-                (9, 1.4 * count),
-                lambda a, r=rows, u=unit: _values(a, dive, r, u),  # type: ignore[misc]
-            ),
-        )
+        yield _values_of(dive, name, rows, unit)
     track = dive.smoothed
     if track is not None:
         caption = "Fixes: innovations, residuals, and when which sensor could not be believed."
-        yield caption, _svg(3, (9, 6), lambda axes: draw_quality(axes, track))
+        yield Picture("fixes", caption, 3, (9, 6), lambda axes: draw_quality(axes, track))
 
 
-def save_map(dive: Dive, path: Path, title: str) -> None:
+def map_of(dive: Dive) -> Picture:
+    of = f" ({words})" if (words := simulated(dive)) else ""
+    caption = (
+        f"Map: plan, estimated track by legs, smoothed track, fixes{of}. "
+        "95 % ellipses that would bury the track are left out."
+    )
+    return Picture("map", caption, 1, (8.5, 6.5), lambda axes: draw_map(axes[0], dive))
+
+
+def _values_of(dive: Dive, name: str, rows: Rows, unit: str) -> Picture:
+    caption, size = f"{name.capitalize()}.", (9.0, 1.4 * len(rows))
+    return Picture(name, caption, len(rows), size, lambda axes: _values(axes, dive, rows, unit))
+
+
+def save(picture: Picture, path: Path, title: str) -> None:
     """As its suffix says: PNG, PDF or SVG."""
-    figure, axes = _figure(1, (8.5, 6.5))
-    draw_map(axes[0], dive)
-    figure.suptitle(plain(title), fontsize=10)
-    figure.savefig(path, dpi=200)
+    figure, axes = _figure(picture.rows, picture.size)
+    picture.draw(axes)
+    axes[0].set_title(plain(title), fontsize=9, pad=14)  # above the legs' numbers
+    figure.savefig(path, dpi=200, bbox_inches="tight")
 
 
 def _figure(rows: int, size: tuple[float, float]) -> tuple[Any, Any]:
@@ -73,15 +91,15 @@ def _figure(rows: int, size: tuple[float, float]) -> tuple[Any, Any]:
     return figure, figure.subplots(rows, 1, squeeze=False)[:, 0]
 
 
-def _svg(rows: int, size: tuple[float, float], draw: Callable[[Any], None]) -> str:
+def as_svg(picture: Picture) -> str:
     """Without prolog, metadata and name spaces, which a page of HTML does not need."""
     import matplotlib as mpl
 
-    figure, axes = _figure(rows, size)
-    draw(axes)
+    figure, axes = _figure(picture.rows, picture.size)
+    picture.draw(axes)
     text = io.StringIO()
     with mpl.rc_context({"svg.hashsalt": "auvmission"}):
-        figure.savefig(text, format="svg", metadata={"Date": None})
+        figure.savefig(text, format="svg", metadata={"Date": None}, bbox_inches="tight")
     inner = text.getvalue()[text.getvalue().index("<svg") :]
     inner = re.sub(r"<metadata>.*?</metadata>", "", inner, count=1, flags=re.DOTALL)
     return re.sub(r' xmlns(:\w+)?="[^"]*"', "", inner)
@@ -100,7 +118,7 @@ def _depth(axes: Axes, dive: Dive) -> None:
         axes.plot([], [], color=mark.colour, lw=5, label=mark.label)
     axes.invert_yaxis()
     axes.set_ylabel("depth, m")
-    axes.set_xlabel("s since the black box began")
+    timed([axes])
     if marks:
         axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
     axes.grid(alpha=0.3)
@@ -111,7 +129,7 @@ def _margins(axes: Sequence[Axes], dive: Dive, known: Rows) -> None:
         one.plot(*dive.series(dive.states, name), color="#2b5c8a", lw=1.0)
         one.axhline(0.0, color="#cc3311", lw=0.8)
         _dress(one, f"{name.removeprefix('to_').rpartition('_')[0]}, {unit}")
-    axes[-1].set_xlabel("s since the black box began")
+    timed(axes)
 
 
 def _values(axes: Sequence[Axes], dive: Dive, rows: Rows, unit: str) -> None:
@@ -119,7 +137,7 @@ def _values(axes: Sequence[Axes], dive: Dive, rows: Rows, unit: str) -> None:
         t, values = dive.series(dive.telemetry, name)
         one.plot(t, values, ".", ms=2, color="#2b5c8a")
         _dress(one, f"{says}, {unit}".removesuffix(", "))
-    axes[-1].set_xlabel("s since the black box began")
+    timed(axes)
 
 
 def _dress(axes: Axes, label: str) -> None:

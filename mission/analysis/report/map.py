@@ -60,6 +60,10 @@ def draw_map(axes: Axes, dive: Dive) -> None:
     width = _frame(axes, shown or [(0.0, 0.0)])
     _ellipses(axes, dive, t, np.column_stack([east, north]), width / 4.0)
     axes.plot(0.0, 0.0, "*", color="k", ms=9, mfc="w", label="home", zorder=5)
+    if known.any():
+        at = np.flatnonzero(known)[-1]
+        axes.plot(east[at], north[at], "s", color="k", ms=5, mfc="w", label="end, estimated",
+                  zorder=5)  # fmt: skip
     if dive.origin is not None:
         _graticule(axes, LocalFrame(dive.origin), width)
     _scale(axes, width)
@@ -122,13 +126,15 @@ def _ellipses(axes: Axes, dive: Dive, t: Array, places: Array, largest: float) -
 
 
 def _frame(axes: Axes, shown: Sequence[Point]) -> float:
-    """Square, around what is shown; returns its width, m."""
+    """Around what is shown, its short side half the long one at least, which it returns, m."""
     low, high = np.min(shown, axis=0), np.max(shown, axis=0)
-    middle, width = (low + high) / 2.0, max(float(np.max(high - low)), 10.0) * (1 + 2 * _MARGIN)
-    axes.set_xlim(middle[0] - width / 2.0, middle[0] + width / 2.0)
-    axes.set_ylim(middle[1] - width / 2.0, middle[1] + width / 2.0)
+    spans = np.maximum(high - low, 10.0) * (1 + 2 * _MARGIN)
+    east, north = np.maximum(spans, np.max(spans) / 2.0) / 2.0
+    middle = (low + high) / 2.0
+    axes.set_xlim(middle[0] - east, middle[0] + east)
+    axes.set_ylim(middle[1] - north, middle[1] + north)
     axes.set_aspect("equal")
-    return width
+    return 2.0 * float(max(east, north))
 
 
 def _graticule(axes: Axes, frame: LocalFrame, width: float) -> None:

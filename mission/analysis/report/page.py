@@ -6,26 +6,32 @@ import html
 from collections.abc import Sequence
 
 from mission.analysis.report.dive import Dive
-from mission.analysis.report.figures import pictures
-from mission.analysis.story import story
+from mission.analysis.report.figures import as_svg, pictures_of
+from mission.analysis.report.words import day, headline, source, track_words
+from mission.analysis.story import between, story
 from mission.analysis.tell import html_body, page, printable
-from mission.model import Record
-from mission.onboard.blackbox import Gap
 
 
-def report_page(
-    title: str, recordings: Sequence[Sequence[Record | Gap]], dives: Sequence[tuple[Dive, str]]
-) -> str:
-    """``dives``: each with its figures in words."""
+def report_page(dives: Sequence[Dive]) -> str:
+    """Of each dive what happened, then its pictures, then the tables of its story."""
     parts = []
-    for number, (dive, figures) in enumerate(dives, 1):
-        heading = f"Dive {number} of {len(dives)}" if len(dives) > 1 else "The dive"
-        parts.append(f"<h2>{heading}: {_escaped(dive.vehicle.name)}</h2>")
-        parts.append(f"<pre>{html.escape(figures)}</pre>")
-        for caption, svg in pictures(dive):
-            shown = f"<figcaption>{_escaped(caption)}</figcaption>"
-            parts.append(f"<figure>{svg}{shown}</figure>")
-    return page(title, "\n".join([*parts, html_body(story(recordings))]))
+    for number, dive in enumerate(dives, 1):
+        if number > 1:
+            parts.append(html_body([between(dives[number - 2].items, dive.items)]))
+        if len(dives) > 1:
+            parts.append(f"<h2>Dive {number} of {len(dives)}: {_escaped(headline(dive))}</h2>")
+        parts += [f"<p>{_escaped(source(dive))}</p>", *_dive(dive)]
+    return page(day(list(dives)), "\n".join(parts))
+
+
+def _dive(dive: Dive) -> list[str]:
+    happened, *tables = story([dive.items])
+    drawn = [
+        f"<figure>{as_svg(one)}<figcaption>{_escaped(one.caption)}</figcaption></figure>"
+        for one in pictures_of(dive)
+    ]
+    figures = f"<pre>{html.escape(track_words(dive.smoothed))}</pre>"
+    return [html_body([happened]), *drawn, figures, html_body(tables)]
 
 
 def _escaped(text: str) -> str:

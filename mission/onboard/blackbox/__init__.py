@@ -10,7 +10,7 @@ What does not live here: what the payloads mean (runtime.records), what is deriv
 """
 
 from mission.onboard.blackbox.box import BlackBox
-from mission.onboard.blackbox.closed import close_folder, close_part, close_recording
+from mission.onboard.blackbox.closed import close_folder, close_part, close_recording, notes_of
 from mission.onboard.blackbox.form import FLUSH_S, KINDS, LIMIT, MAGIC, BlackBoxError
 from mission.onboard.blackbox.parts import file_name, first_part, new_path, part_path
 from mission.onboard.blackbox.reading import (
@@ -39,6 +39,7 @@ __all__ = [
     "first_part",
     "missing",
     "new_path",
+    "notes_of",
     "part_path",
     "read_parts",
     "read_records",

@@ -13,12 +13,17 @@ from __future__ import annotations
 
 import json
 import os
+import struct
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from itertools import islice
 from pathlib import Path
 from typing import BinaryIO
 
+from mcap.exceptions import McapError
+from mcap.records import Metadata
+from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, IndexType, Writer
 
 from mission import __version__
@@ -91,6 +96,17 @@ def close_folder(folder: Path, but: Path | None) -> int:
             except OSError:
                 continue
     return done
+
+
+def notes_of(path: Path) -> Mapping[str, str]:
+    """The metadata of a closed part: version, vehicle, of a simulation the seed and the sea. Empty
+    where it is not closed, or they are damaged."""
+    try:
+        with path.open("rb") as file:
+            first = list(islice(StreamReader(file).records, 2))
+    except (OSError, McapError, ValueError, struct.error):
+        return _NOTHING
+    return first[1].metadata if isinstance(first[-1], Metadata) else _NOTHING
 
 
 def is_closed(data: bytes) -> bool:

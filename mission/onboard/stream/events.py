@@ -52,6 +52,8 @@ def _step(record: Record) -> list[Event]:
         path = step.entered[-1]
         level = WARNING if path.startswith(EMERGENCY) else INFO
         because = f" - {step.event}" if step.event != why else ""
+        if level == WARNING and step.actions:
+            why, because = step.actions[0].partition(": ")[2], ""
         found = [Event(t, level, "engine", f"now {path}: {why}{because}")]
     elif step.actions:
         found = []

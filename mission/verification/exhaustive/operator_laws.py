@@ -5,7 +5,15 @@ What does not live here: X, W and M, and the states that commands lead to (laws)
 
 from __future__ import annotations
 
-from mission.model import IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, STOPPED, SURFACED
+from mission.model import (
+    AUTONOMOUS,
+    IDLE_EMPTY,
+    IDLE_READY,
+    MANUAL_DRIVING,
+    STOPPED,
+    SURFACED,
+)
+from mission.model.alarms import mask_of
 from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.commands import COPIED, WORD
 from mission.verification.exhaustive.configurations import DEEP
@@ -19,6 +27,7 @@ from mission.verification.exhaustive.laws import (
     wrong,
 )
 from protocol.operator_words import WORDS
+from protocol.state_frame import MOST, STATES
 
 FRESH_FIX = 5.0  # s (R9)
 COPY_OF = 65000.0  # m
@@ -150,8 +159,8 @@ def _safety(cell: Cell) -> Verdict:
 
 
 def _queries(cell: Cell) -> Verdict:
-    """@DU, @NI, @AQ: one answer each, and nothing else."""
-    words = {"DU": b"@VS", "NI": b"@ACK_NI", "AQ": b"@AR,"}
+    """@DU, @NI, @AQ, @AE: one answer each, and nothing else."""
+    words = {"DU": b"@VS", "NI": b"@ACK_NI", "AQ": b"@AR,", "AE": b"@AE,1,"}
     start = words.get(cell.event.command)
     if start is None:
         return None
@@ -182,6 +191,22 @@ def _state_of_store(cell: Cell) -> Verdict:
     wanted = b"running" if not idle else b"ready" if loaded else b"empty"
     found = cell.answers(b"@AR,")
     return wrong((not found or not found[0].data.startswith(b"@AR," + wanted), f"{found}"))
+
+
+def _state_of_vehicle(cell: Cell) -> Verdict:
+    """The state that it is in, an emergency as an alarm as well, in at most 64 bytes."""
+    found = cell.answers(b"@AE,1,")
+    if cell.event.command != "AE" or not found:
+        return None
+    fields = found[0].data.decode().split(",")
+    told, alarms = STATES[fields[2]], int(fields[-4], 16)
+    wanted = AUTONOMOUS if cell.state.startswith(AUTONOMOUS) else cell.state
+    alarmed = bool(alarms & mask_of(["emergency"]))
+    return wrong(
+        (len(cell.states) == 1 and told != wanted, f"{told}, not {wanted}"),
+        (alarmed != told.startswith("emergency/"), f"{told} with the alarms {alarms:x}"),
+        (len(found[0].data) > MOST, f"{len(found[0].data)} bytes"),
+    )
 
 
 def _relays(cell: Cell) -> Verdict:
@@ -299,6 +324,7 @@ OPERATOR_LAWS: tuple[Law, ...] = (
     Law("one answer to a question", "R4, R11, R13", _queries),
     Law("a word without a law of its own is answered once", "R1, R12", _other_words),
     Law("@AQ tells the store's state", "R4", _state_of_store),
+    Law("@AE tells the state, and an emergency", "R4", _state_of_vehicle),
     Law("R and rudder frames are passed on once", "R12, R14", _relays),
     Law("no other Z of an operator's does anything", "R7, E-V15", _not_theirs),
     Law("@NS by state", "R13", _nodes),

@@ -43,6 +43,7 @@ LEFT = frozenset(
         "gps",
         "graph.svg",
         "pi",
+        "report.html",
         "serve.log",
         "serve.yaml",
         "track.png",

@@ -44,6 +44,16 @@ class Flown:
             "compass_bias_deg": None if bias is None else round(math.degrees(bias), 3),
         }
 
+    def as_notes(self) -> dict[str, str]:
+        """For the metadata of a black box, and so for a page of it."""
+        return {
+            "mission": self.mission,
+            "simulated": self.profile or self.vehicle,
+            "seed": str(self.seed),
+            "sea": _sea(self.sea),
+            "set": " ".join(self.settings),
+        }
+
     def as_lines(self) -> list[str]:
         """Rows like those of the figures."""
         bias = self.compass_bias

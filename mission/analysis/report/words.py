@@ -1,0 +1,86 @@
+"""What a page says beside pictures and story: which dive it is, and what the smoother found."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any
+
+from mission.analysis.report.dive import Dive
+from mission.navigation.distribution import PLANE_95
+
+if TYPE_CHECKING:
+    from mission.analysis.smoothing import Track
+
+
+def headline(dive: Dive) -> str:
+    """Mission, vehicle and time of a dive."""
+    return f"{', '.join(dive.missions) or 'no mission'}, {dive.vehicle.name}, {_begun(dive)}"
+
+
+def day(dives: list[Dive]) -> str:
+    """Of one dive its headline, of several from when to when they began."""
+    if len(dives) == 1:
+        return headline(dives[0])
+    return f"{len(dives)} dives, {_begun(dives[0])} to {_begun(dives[-1])}"
+
+
+def source(dive: Dive) -> str:
+    """The file it is from; of a simulation its sea and seed."""
+    return ", ".join(filter(None, (dive.name, simulated(dive))))
+
+
+def simulated(dive: Dive) -> str:
+    """Empty for a dive that was none."""
+    notes = dive.notes
+    if "seed" not in notes:
+        return ""
+    said = f"set {notes['set']}" if notes.get("set") else ""
+    return ", ".join(filter(None, ("simulated", notes.get("sea"), said, f"seed {notes['seed']}")))
+
+
+def _begun(dive: Dive) -> str:
+    return datetime.fromtimestamp(dive.wall, UTC).strftime("%Y-%m-%d %H:%M UTC")
+
+
+def figures(track: Track) -> dict[str, Any]:
+    """The smoother's figures, as ``report --json`` prints them."""
+    import numpy as np
+
+    used = [f for f in track.fixes if f.used]
+    determinants = np.maximum(np.linalg.det(track.smoothed_covariance), 0.0)
+    radius = PLANE_95 * determinants**0.25
+    apart = np.hypot(*(track.filtered - track.smoothed).T)
+    return {
+        "seconds": float(track.t[-1] - track.t[0]),
+        "fixes": len(track.fixes),
+        "fixes_refused": len(track.fixes) - len(used),
+        "mean_nis": float(np.mean([f.nis for f in used])) if used else None,
+        "filtered_from_smoothed_m": {"max": float(apart.max()), "mean": float(apart.mean())},
+        "smoothed_radius_95_m": {"max": float(radius.max()), "mean": float(radius.mean())},
+        "speed_scale": [float(track.states[-1, 6]), float(track.sigmas[-1, 6])],
+        "compass_error_deg": [
+            float(np.degrees(track.states[-1, 8])),
+            float(np.degrees(track.sigmas[-1, 8])),
+        ],
+        "current_m_s": [float(v) for v in track.states[-1, 2:4]],
+        "sensors": [
+            {"sensor": s.sensor, "begin_s": s.begin, "end_s": s.end, "reason": s.reason}
+            for s in track.spells
+        ],
+    }
+
+
+def track_words(track: Track | None) -> str:
+    """The same as lines."""
+    if track is None:
+        return "track      there is no fix: it has no place"
+    f = figures(track)
+    apart, radius = f["filtered_from_smoothed_m"], f["smoothed_radius_95_m"]
+    nis = "" if f["mean_nis"] is None else f", mean NIS {f['mean_nis']:.2f} (2 is honest)"
+    rows = [
+        f"track      {f['seconds']:.0f} s, {f['fixes']} fixes, {f['fixes_refused']} refused{nis}",
+        f"smoothed   95 % radius {radius['mean']:.1f} m in the mean, {radius['max']:.1f} m at most",
+        f"filtered   off the smoothed by {apart['mean']:.1f} m, {apart['max']:.1f} m at most",
+        *(f"{s.sensor:10} {s.reason} from {s.begin:.0f} to {s.end:.0f} s" for s in track.spells),
+    ]
+    return "\n".join(rows)

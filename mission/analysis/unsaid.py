@@ -1,0 +1,82 @@
+"""What a reader of a dive should know though no decision says it: silences, and what fixes showed.
+
+    Messages --Unsaid--> sentences
+
+What does not live here: decisions and commands (story), the smoothed track (smoothing).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from mission.model import Position
+from mission.model.shown import clock, duration
+from mission.navigation.geodesy import LocalFrame
+from mission.onboard.stream.derived import Message
+from mission.onboard.stream.topics import FIX, STATE, TELEMETRY
+
+SILENT_S = 5.0  # between two reports
+ALONE_S = 60.0  # without a fix: then it is told how far off the next one lies
+DEEP_M = 2.0  # where no receiver hears anything
+
+
+@dataclass(slots=True)
+class _Wet:
+    """Fixes from under water."""
+
+    count: int
+    first: float
+    last: float
+
+
+class Unsaid:
+    """Of one run of the program."""
+
+    def __init__(self) -> None:
+        self._reported: float | None = None
+        self._fixed: float | None = None
+        self._depth: float | None = None
+        self._state: Mapping[str, Any] = {}
+        self._wet: _Wet | None = None
+
+    def receive(self, message: Message, origin: Position | None) -> Iterator[str]:
+        """``origin`` of the estimate's metres."""
+        if message.topic == STATE:
+            self._state = message.value
+        elif message.topic == TELEMETRY:
+            yield from self._report(message.t, message.value["depth_m"])
+        elif message.topic == FIX:
+            yield from self._fix(message.t, message.value, origin)
+
+    def at_last(self) -> Iterator[str]:
+        """What can only be told of the whole."""
+        if self._wet is not None:
+            wet = self._wet
+            yield (
+                f"{wet.count} fixes came from more than {DEEP_M:g} m of depth, from "
+                f"{clock(wet.first)} to {clock(wet.last)}: no receiver hears there."
+            )
+
+    def _report(self, t: float, depth: float | None) -> Iterator[str]:
+        before, self._reported, self._depth = self._reported, t, depth
+        if before is not None and t - before > SILENT_S:
+            yield f"{clock(t)}: the first report of the vehicle in {duration(round(t - before))}."
+
+    def _fix(self, t: float, fix: Mapping[str, Any], origin: Position | None) -> Iterator[str]:
+        if self._depth is not None and self._depth > DEEP_M:
+            wet = self._wet or _Wet(0, t, t)
+            self._wet = _Wet(wet.count + 1, wet.first, t)
+            return
+        before, self._fixed = self._fixed, t
+        north, east = self._state.get("north_m"), self._state.get("east_m")
+        if before is None or t - before < ALONE_S or origin is None or north is None:
+            return
+        place = (math.radians(fix[name]) for name in ("latitude_deg", "longitude_deg"))
+        away = math.dist(LocalFrame(origin).to_local(*place), (north, east))
+        yield (
+            f"{clock(t)}: the first fix in {duration(round(t - before))} lay {away:.0f} m from "
+            f"where it took itself to be, 95 % sure within {self._state['radius_95_m']:.0f} m."
+        )
