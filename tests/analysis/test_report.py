@@ -168,10 +168,10 @@ def test_the_track_fills_the_map_and_no_ellipse_buries_it(drawn: tuple[Figure, D
     (axes,) = figure.axes
     places = np.array([(s["east_m"], s["north_m"]) for s in dive.states if s["east_m"] is not None])
     spread = float(np.max(np.ptp(places, axis=0)))
-    width = float(np.ptp(axes.get_xlim()))
+    sides = [float(np.ptp(limits)) for limits in (axes.get_xlim(), axes.get_ylim())]
+    width = max(sides)
     assert spread < width < 1.3 * max(spread, 10.0), "it fills the long side"
-    height = float(np.ptp(axes.get_ylim()))
-    assert 2.0 * min(width, height) >= max(width, height) - 1e-6
+    assert 2.0 * min(sides) >= width - 1e-6
     for low, high, at in ((*axes.get_xlim(), places[:, 0]), (*axes.get_ylim(), places[:, 1])):
         assert np.all((low < at) & (at < high))
     assert all(2.0 * max(p.get_width(), p.get_height()) <= width for p in axes.patches)

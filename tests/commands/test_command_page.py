@@ -42,7 +42,7 @@ WITHOUT_JSON = {
     **dict.fromkeys(("graph", "plan"), "-o FILE.json or FILE.geojson is data"),
     **dict.fromkeys(("story", "calibrate", "keys"), "it writes files for people or the program"),
     **dict.fromkeys(
-        ("serve", "stick", "watch", "console", "demo"), "it runs before somebody's eyes"
+        ("serve", "stick", "watch", "console", "foxglove", "demo"), "it runs before somebody's eyes"
     ),
 }
 
