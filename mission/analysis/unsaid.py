@@ -72,7 +72,9 @@ class Unsaid:
             return
         before, self._fixed = self._fixed, t
         north, east = self._state.get("north_m"), self._state.get("east_m")
-        if before is None or t - before < ALONE_S or origin is None or north is None:
+        if before is None or t - before < ALONE_S or origin is None:
+            return
+        if north is None or east is None:
             return
         place = (math.radians(fix[name]) for name in ("latitude_deg", "longitude_deg"))
         away = math.dist(LocalFrame(origin).to_local(*place), (north, east))

@@ -119,11 +119,11 @@ class Board:
 
 
 @contextmanager
-def serving(board: Board, folder: Path) -> Iterator[tuple[int, str]]:
-    """Process id and address of a serve at speed 1."""
+def serving(board: Board, folder: Path, *more: str) -> Iterator[tuple[int, str]]:
+    """Process id and address of a serve at speed 1; ``more``: further options."""
     ready, (stm32, gps) = folder / "ready", board.paths
     links = [f"--vehicle=serial://{stm32}", f"--gps=serial://{gps}", "--topside=tcp://127.0.0.1:0"]
-    command = [sys.executable, "-m", "mission", "serve", *links, f"--folder={folder}"]
+    command = [sys.executable, "-m", "mission", "serve", *links, f"--folder={folder}", *more]
     with (folder / "said").open("wb") as said:
         process = subprocess.Popen(
             [*command, f"--ready-file={ready}"], cwd=ROOT, stdout=said, stderr=said

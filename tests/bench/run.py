@@ -114,6 +114,21 @@ BENCHES = (
         (Figure("through_flood_s", "X or W through a flood, worst", "s", 2.0),),
     ),
     Bench(
+        "bench_viewers",
+        "ten slow viewers",
+        lambda module: module.main(),
+        (
+            Figure("viewers_report_ms", "@SD to @ZA, with ten slow viewers, later by", "ms", 1.0),
+            Figure("viewers_x_ms", "X of the boat, with ten slow viewers, later by", "ms", 1.0),
+        ),
+    ),
+    Bench(
+        "bench_records",
+        "recording",
+        lambda module: module.main(),
+        (Figure("record_s", "recording an hour of mission, processor time", "s", 0.1),),
+    ),
+    Bench(
         "bench_parts",
         "guards, compiler, sieve",
         lambda module: module.main(),

@@ -105,12 +105,12 @@ def _telemetry(at: float, seen: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def _placed(t: float, wall: float, seen: Mapping[str, Any]) -> Iterator[Message]:
-    place = seen.get("latitude"), seen.get("longitude")
-    if place[0] is None or place[1] is None:
+    latitude, longitude = seen.get("latitude"), seen.get("longitude")
+    if latitude is None or longitude is None:
         return
     covariance = _covariance(*seen["ellipse"]) if seen.get("ellipse") else None
     depth = seen.get("depth") or 0.0
-    said = wellknown.location(wall, VEHICLE_FRAME, *place, -depth, covariance)
+    said = wellknown.location(wall, VEHICLE_FRAME, latitude, longitude, -depth, covariance)
     yield Message(topics.POSITION, t, said)
 
 

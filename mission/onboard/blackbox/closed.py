@@ -106,7 +106,8 @@ def notes_of(path: Path) -> Mapping[str, str]:
             first = list(islice(StreamReader(file).records, 2))
     except (OSError, McapError, ValueError, struct.error):
         return _NOTHING
-    return first[1].metadata if isinstance(first[-1], Metadata) else _NOTHING
+    last = first[-1] if first else None
+    return last.metadata if isinstance(last, Metadata) else _NOTHING
 
 
 def is_closed(data: bytes) -> bool:
