@@ -55,11 +55,8 @@ COMMANDS = {
     "story": "story",
     "export": "export",
     "watch": "watch",
-<<<<<<< HEAD
     "console": "console",
-=======
     "foxglove": "foxglove",
->>>>>>> 53bb7a9 (Make the page of a dive with every simulation; serve Foxglove; tell in the story what was cut short, refused and not flown)
     "replay": "replay",
     "decode": "decode",
     "encode": "encode",

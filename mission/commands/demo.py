@@ -47,22 +47,8 @@ def demo(
     """
     from dataclasses import replace
 
-<<<<<<< HEAD
     from mission.verification.rig.vehicle import in_dialect
     from mission.verification.simulation.demo import LEFT, Demo, not_as_planned
-=======
-    from links.simulated.settings import SettingError, parse_settings
-    from mission.analysis.report.dive import dives_of
-    from mission.analysis.report.page import report_page
-    from mission.authoring.graph.outline import outline
-    from mission.authoring.graph.svg import svg
-    from mission.authoring.prepare import Unreadable, check_prepared, prepare
-    from mission.topside.upload import OperatorError
-    from mission.verification.simulation.demo import LEFT, Demo, DemoError, not_as_planned
-    from mission.verification.simulation.flown import Flown
-    from mission.verification.simulation.legtable import table
-    from mission.verification.simulation.plot import draw_flight
->>>>>>> 53bb7a9 (Make the page of a dive with every simulation; serve Foxglove; tell in the story what was cut short, refused and not flown)
 
     path = mission or Path(OWN.get(vehicle or "", "first-dive"))
     prepared, worst = _proved(path, vehicle, settings)
@@ -72,7 +58,7 @@ def demo(
     named = vehicle or prepared.mission.vehicle
     demonstration = Demo(prepared, out, speed, named, seed, settings, worst, click.echo, shown.show)
     flight = _flown(demonstration, shown, out)
-    _leave(flight, prepared, out)
+    _leave(flight, prepared, out, demonstration)
     amiss = not_as_planned(flight)
     if amiss:
         click.echo(f"not as planned: {'; '.join(amiss)}", err=True)
@@ -86,7 +72,7 @@ def _proved(path: Path, vehicle: str | None, settings: tuple[str, ...]) -> tuple
 
     try:
         prepared = prepare(path, vehicle)
-        sea = parse_settings(settings).sea
+        parse_settings(settings)
     except (Unreadable, SettingError) as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
@@ -113,10 +99,14 @@ def _flown(demonstration: Demo, shown: Shown, out: Path) -> Flight:
     raise SystemExit(1)
 
 
-def _leave(flight: Flight, prepared: Prepared, out: Path) -> None:
-    """The pictures, and what came of each leg."""
+def _leave(flight: Flight, prepared: Prepared, out: Path, flown: Demo) -> None:
+    """The page, the pictures, and what came of each leg."""
+    from links.simulated.settings import parse_settings
+    from mission.analysis.report.dive import dives_of
+    from mission.analysis.report.page import report_page
     from mission.authoring.graph.outline import outline
     from mission.authoring.graph.svg import svg
+    from mission.verification.simulation.flown import Flown
     from mission.verification.simulation.legtable import table
     from mission.verification.simulation.plot import draw_flight
 
@@ -124,19 +114,15 @@ def _leave(flight: Flight, prepared: Prepared, out: Path) -> None:
     (out / "graph.svg").write_text(svg(outline(prepared.chart, None), False))
     click.echo(table(flight, prepared.chart))
     box = max((out / "pi" / "log").glob("*.mcap"))
-<<<<<<< HEAD
-    click.echo(f"pictures in {out}, black box {box}")
-=======
-    dialect = prepared.vehicle.dialect if prepared.vehicle.codec == "auv" else ""
-    told = Flown(prepared.mission.name, prepared.vehicle.name, dialect, seed, settings, sea, None)
+    sea = parse_settings(flown.settings).sea
+    vehicle = prepared.vehicle
+    dialect = vehicle.dialect if vehicle.codec == "auv" else ""
+    told = Flown(
+        prepared.mission.name, vehicle.name, dialect, flown.seed, flown.settings, sea, None
+    )
     page = report_page(dives_of([box], notes=told.as_notes()))
     (out / "report.html").write_text(page, encoding="utf-8")
     click.echo(f"page {out / 'report.html'}, pictures in {out}, black box {box}")
-    amiss = not_as_planned(flight)
-    if amiss:
-        click.echo(f"not as planned: {'; '.join(amiss)}", err=True)
-    raise SystemExit(1 if amiss else 0)
->>>>>>> 53bb7a9 (Make the page of a dive with every simulation; serve Foxglove; tell in the story what was cut short, refused and not flown)
 
 
 def clear_earlier(out: Path, left: frozenset[str]) -> None:

@@ -44,11 +44,8 @@ EXAMPLES: Mapping[str, str] = MappingProxyType(
         "log": 'log out/flight.mcap --text "now autonomous"',
         "story": "story out/flight.mcap",
         "watch": f"watch tcp://vehicle:4001 {_BOAT}",
-<<<<<<< HEAD
         "console": f"console {_BOAT}",
-=======
         "foxglove": "foxglove --to 20250111T085611Z.mcap",
->>>>>>> 53bb7a9 (Make the page of a dive with every simulation; serve Foxglove; tell in the story what was cut short, refused and not flown)
         "replay": "replay out/flight.mcap",
         "decode": "decode --link auv.to_stm32 -",
         "encode": """encode auv.ZA '{"code": "F", "gear": 5}'""",

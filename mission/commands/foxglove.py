@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mission.commands.monitor import MONITOR
+from mission.commands.output import write
 
 if TYPE_CHECKING:
     from mission.analysis.foxglove.serving import Server
@@ -61,10 +62,7 @@ def foxglove(to: str, listen: str, speed: float, layout: Path | None, seconds: f
 def _write_layout(path: Path) -> None:
     from mission.analysis.foxglove.layout import layout
 
-    try:
-        path.write_text(json.dumps(layout(), indent=2) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise _failed(f"{path}: cannot be written: {error.strerror or error}", 2) from None
+    write(path, json.dumps(layout(), indent=2) + "\n")
 
 
 def _live(url: str, listen: str) -> Iterator[None]:

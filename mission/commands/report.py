@@ -59,10 +59,7 @@ def report(
         raise _failed(str(error)) from None
     except (ValueError, KeyError, TypeError) as error:
         raise _failed(f"{', '.join(map(str, files))}: {error}") from None
-    try:
-        made = _write(dives, page, map_, pictures)
-    except OSError as error:
-        raise _failed(f"{error.filename}: cannot be written: {error.strerror or error}") from None
+    made = _write(dives, page, map_, pictures)
     told = [figures(dive.smoothed) if dive.smoothed else None for dive in dives]
     if as_json:
         click.echo(json.dumps(told[0] if len(told) == 1 else told))
@@ -85,38 +82,29 @@ def _check_one(
 def _write(
     dives: Sequence[Dive], page: Path, map_: Path | None, pictures: Path | None
 ) -> list[Path]:
-    """The files that were made. Raises OSError."""
+    """The files that were made. Exit 2 where one cannot be written."""
     from mission.analysis.drawing import draw_track
     from mission.analysis.report.figures import map_of, pictures_of, save
     from mission.analysis.report.page import report_page
     from mission.analysis.report.words import headline, simulated
 
-<<<<<<< HEAD
-    with writing(page):
-        if page.suffix == ".png" and (track := dives[0].smoothed) is not None:
-            draw_track(track, page, title)
-        else:
-            words = [(dive, text(dive.smoothed)) for dive in dives]
-            page.write_text(report_page(title, read, words), encoding="utf-8")
-    if map_ is not None:
-        with writing(map_):
-            save_map(dives[0], map_, title)
-=======
     dive = dives[0]
     title = "\n".join(filter(None, (headline(dive), simulated(dive))))
-    if page.suffix == ".png" and dive.smoothed is not None:
-        draw_track(dive.smoothed, page, title)
-    else:
-        page.write_text(report_page(dives), encoding="utf-8")
+    with writing(page):
+        if page.suffix == ".png" and dive.smoothed is not None:
+            draw_track(dive.smoothed, page, title)
+        else:
+            page.write_text(report_page(dives), encoding="utf-8")
     made = {map_: map_of(dive)} if map_ is not None else {}
     if pictures is not None:
-        pictures.mkdir(parents=True, exist_ok=True)
+        with writing(pictures):
+            pictures.mkdir(parents=True, exist_ok=True)
         for one in pictures_of(dive):
             made |= {pictures / f"{one.name}.{form}": one for form in ("png", "pdf")}
     for path, picture in made.items():
-        save(picture, path, title)
+        with writing(path):
+            save(picture, path, title)
     return [page, *made]
->>>>>>> 53bb7a9 (Make the page of a dive with every simulation; serve Foxglove; tell in the story what was cut short, refused and not flown)
 
 
 def _failed(why: str) -> SystemExit:

@@ -52,68 +52,18 @@ def simulate(
 
     from links.simulated.settings import SettingError, parse_settings
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
-<<<<<<< HEAD
-=======
-    from mission.verification.simulation import reaching
-    from mission.verification.simulation.coverage import as_json_of, coverage_of
-    from mission.verification.simulation.flight import fly
->>>>>>> 53bb7a9 (Make the page of a dive with every simulation; serve Foxglove; tell in the story what was cut short, refused and not flown)
-    from mission.verification.simulation.flown import Flown
 
     try:
         prepared = prepare(mission, vehicle, parameters_of(parameters))
         sea = parse_settings(settings)
-        flight = _flown(prepared, profile or "", seed, sea, settings, report)
+        flight, flown = _flown(prepared, profile or "", seed, sea, settings, report)
     except Unreadable as error:
         tell_unreadable(error, as_json)
         sys.exit(UNREADABLE)
     except SettingError as error:
         click.echo(str(error), err=True)
         sys.exit(UNREADABLE)
-<<<<<<< HEAD
-    auv = prepared.vehicle.codec == "auv"
-    flown = Flown(
-        prepared.mission.name,
-        prepared.vehicle.name,
-        (profile or prepared.vehicle.dialect) if auv else "",
-        seed,
-        settings,
-        sea.sea,
-        flight.compass_bias,
-    )
     _tell(flight, prepared, flown, as_json)
-=======
-    try:
-        box = None if report is None else _black_box(report)
-        flight = fly(prepared.mission, prepared.vehicle, profile or "", seed, sea, box)
-        auv = prepared.vehicle.codec == "auv"
-        flown = Flown(
-            prepared.mission.name,
-            prepared.vehicle.name,
-            (profile or prepared.vehicle.dialect) if auv else "",
-            seed,
-            settings,
-            sea.sea,
-            flight.compass_bias,
-        )
-        if box is not None and report is not None:
-            _report(box, flight, flown, report)
-    except SettingError as error:
-        click.echo(str(error), err=True)
-        sys.exit(UNREADABLE)
-    except OSError as error:
-        click.echo(f"the report cannot be written: {error}", err=True)
-        sys.exit(UNREADABLE)
-    if as_json:
-        told = flight.as_json() | {
-            "coverage": as_json_of(coverage_of(flight, prepared.mission)),
-            "purpose": reaching.as_json_of(reaching.achieved_by(flight, prepared.mission)),
-            "flown": flown.as_object(),
-        }
-        click.echo(json.dumps(told))
-    else:
-        click.echo("\n".join([table(flight, prepared.chart), *flown.as_lines()]))
->>>>>>> 53bb7a9 (Make the page of a dive with every simulation; serve Foxglove; tell in the story what was cut short, refused and not flown)
     sys.exit(0 if flight.outcome == "completed" else 1)
 
 
@@ -124,25 +74,25 @@ def _flown(
     sea: Settings,
     settings: tuple[str, ...],
     report: Path | None,
-) -> Flight:
-    """With black box and picture in ``report``; exit 2 if they cannot be written there. Raises
-    SettingError."""
-    from mission.onboard.blackbox import close_recording
+) -> tuple[Flight, Flown]:
+    """With page, black box and picture in ``report``; exit 2 if they cannot be written there.
+    Raises SettingError."""
     from mission.verification.simulation.flight import fly
+    from mission.verification.simulation.flown import Flown
 
-    name = prepared.mission.name
+    mission, vehicle = prepared.mission, prepared.vehicle
+    spoken = (profile or vehicle.dialect) if vehicle.codec == "auv" else ""
     try:
         box = None if report is None else _black_box(report)
-        flight = fly(prepared.mission, prepared.vehicle, profile, seed, sea, box)
+        flight = fly(mission, vehicle, profile, seed, sea, box)
+        bias = flight.compass_bias
+        flown = Flown(mission.name, vehicle.name, spoken, seed, settings, sea.sea, bias)
         if box is not None and report is not None:
-            box.close()
-            notes = {"seed": str(seed), "sea": " ".join(settings), "mission": name}
-            close_recording(box.path, notes | {"simulated": profile or prepared.vehicle.dialect})
-            _draw(flight, report, name)
+            _report(box, flight, flown, report)
     except OSError as error:
         click.echo(f"the report cannot be written: {error}", err=True)
         raise SystemExit(UNREADABLE) from None
-    return flight
+    return flight, flown
 
 
 def _tell(flight: Flight, prepared: Prepared, flown: Flown, as_json: bool) -> None:
