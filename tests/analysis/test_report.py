@@ -171,7 +171,7 @@ def test_the_track_fills_the_map_and_no_ellipse_buries_it(drawn: tuple[Figure, D
     sides = [float(np.ptp(limits)) for limits in (axes.get_xlim(), axes.get_ylim())]
     width = max(sides)
     assert spread < width < 1.3 * max(spread, 10.0), "it fills the long side"
-    assert 2.0 * min(sides) >= width - 1e-6
+    assert min(sides) >= 0.6 * width - 1e-6
     for low, high, at in ((*axes.get_xlim(), places[:, 0]), (*axes.get_ylim(), places[:, 1])):
         assert np.all((low < at) & (at < high))
     assert all(2.0 * max(p.get_width(), p.get_height()) <= width for p in axes.patches)
@@ -193,7 +193,7 @@ def test_scale_graticule_and_every_leg_are_on_the_map(drawn: tuple[Figure, Dive]
         (axes.xaxis, dive.origin.longitude_deg),
     ):
         degrees = [float(label.get_text().split("\u00b0")[0]) for label in axis.get_ticklabels()]
-        assert len(degrees) >= 2
+        assert 2 <= len(degrees) <= 6
         metres = list(axis.get_ticklocs())
         at = [abs(middle) + m * (degrees[1] - degrees[0]) / (metres[1] - metres[0]) for m in metres]
         assert at == pytest.approx(degrees, abs=1e-6)

@@ -25,7 +25,7 @@ _PALETTE = ("#88ccee", "#ddcc77", "#44aa99", "#cc6677", "#999933", "#aa4499", "#
 _PLAN, _SMOOTHED, _FIX = "#888888", "#222222", "#117733"
 _DISC = {"boxstyle": "circle,pad=0.15", "fc": "w", "lw": 0.5}
 _ELLIPSES = 10
-_MARGIN = 0.08  # of the frame
+_MARGIN, _NARROWEST = 0.08, 0.6  # of the frame, of its long side
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,10 +126,10 @@ def _ellipses(axes: Axes, dive: Dive, t: Array, places: Array, largest: float) -
 
 
 def _frame(axes: Axes, shown: Sequence[Point]) -> float:
-    """Around what is shown, its short side half the long one at least, which it returns, m."""
+    """Around what is shown; returns its long side, m. The short one has room for its labels."""
     low, high = np.min(shown, axis=0), np.max(shown, axis=0)
     spans = np.maximum(high - low, 10.0) * (1 + 2 * _MARGIN)
-    east, north = np.maximum(spans, np.max(spans) / 2.0) / 2.0
+    east, north = np.maximum(spans, _NARROWEST * np.max(spans)) / 2.0
     middle = (low + high) / 2.0
     axes.set_xlim(middle[0] - east, middle[0] + east)
     axes.set_ylim(middle[1] - north, middle[1] + north)
@@ -138,11 +138,11 @@ def _frame(axes: Axes, shown: Sequence[Point]) -> float:
 
 
 def _graticule(axes: Axes, frame: LocalFrame, width: float) -> None:
-    """Whole steps of latitude and longitude, about four of each."""
+    """Whole steps of latitude and longitude, two to five of each."""
     (west, east), (south, north) = axes.get_xlim(), axes.get_ylim()
     corners = np.degrees([frame.to_geodetic(south, west), frame.to_geodetic(north, east)])
     for axis, (low, high) in enumerate(corners.T):
-        step = _step(float(high - low) / 4.0)
+        step = _step(float(high - low) / 2.0)
         digits = max(0, -math.floor(math.log10(step)))
         ticks, labels = [], []
         for value in np.arange(math.ceil(low / step) * step, high, step):
@@ -151,7 +151,7 @@ def _graticule(axes: Axes, frame: LocalFrame, width: float) -> None:
             side = ("NS", "EW")[axis][int(value < 0.0)]
             labels.append(f"{abs(value):.{digits}f}\u00b0 {side}")
         drawn = axes.yaxis if axis == 0 else axes.xaxis
-        drawn.set_ticks(ticks, labels, fontsize=7)
+        drawn.set_ticks(ticks, labels, fontsize=6.5)
     axes.grid(color="#bbbbbb", lw=0.5, zorder=0)
 
 
