@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 
+from mission.engine.areas import fences
 from mission.engine.ascent import Ascent
 from mission.engine.bounds import admit, in_force
 from mission.engine.clearance import Clearance
@@ -78,6 +79,7 @@ class Core(EngineState):
         clearance = Clearance.of(chart.mission, self.vehicle)
         self.run = Run(chart, self.now, self.ways, clearance)
         self.watch.started = self.now
+        self.watch.fences = fences(chart.mission.areas, self.vehicle_state.place)
         self._fly("mission started", chart.initial)
 
     def resume(self, run: Run) -> None:
@@ -165,7 +167,7 @@ class Core(EngineState):
 
     def halt_run(self) -> None:
         self.run = None
-        self.watch.started = None
+        self.watch.started, self.watch.fences = None, ()
         self.watch.blind_since = None
 
     def _stop(self, why: str) -> tuple[Action, ...]:

@@ -14,6 +14,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from mission.engine.areas import breached, doubted
 from mission.engine.watch import Watch
 from mission.model import AUTONOMOUS, MANUAL_WAITING, STOPPED, SURFACED
 from mission.model.regions import IDLE
@@ -104,14 +105,22 @@ def _position(watch: Watch) -> tuple[float, float] | None:
 
 def _radius(watch: Watch) -> bool | None:
     here = _position(watch)
-    return None if here is None else math.hypot(*here) > watch.bounds.radius
+    if here is None:
+        return None
+    return math.hypot(*here) > watch.bounds.radius or bool(_area(watch, here))
+
+
+def _area(watch: Watch, here: tuple[float, float]) -> str:
+    return (watch.fences and breached(watch.fences, here, watch.vehicle_state.depth)) or ""
 
 
 def _uncertain(watch: Watch) -> bool | None:
-    """The 95 % bound of the estimate reaches the radius."""
+    """The 95 % bound of the estimate reaches the radius, or an area."""
     here, e = _position(watch), watch.vehicle_state.estimate
     if here is None or e is None:
         return None
+    if watch.fences and doubted(watch.fences, here, e.covariance, watch.vehicle_state.depth):
+        return True
     reach = math.hypot(*here) + distribution.PLANE_95 * distribution.principal(e.covariance)[0]
     if reach <= watch.bounds.radius:  # more than enough, and cheap
         return False
@@ -119,8 +128,20 @@ def _uncertain(watch: Watch) -> bool | None:
 
 
 def _radius_words(watch: Watch) -> str:
-    far = math.hypot(*(_position(watch) or (0.0, 0.0)))
+    here = _position(watch) or (0.0, 0.0)
+    if area := _area(watch, here):
+        return f"north {here[0]:.0f} m, east {here[1]:.0f} m is against {area}"
+    far = math.hypot(*here)
     return f"{far:.0f} m from home, limit {watch.bounds.radius:g} m"
+
+
+def _uncertain_words(watch: Watch) -> str:
+    here, e = _position(watch), watch.vehicle_state.estimate
+    if here is not None and e is not None:
+        depth = watch.vehicle_state.depth
+        if area := doubted(watch.fences, here, e.covariance, depth):
+            return f"95 % bound of the position is not clear: {area}"
+    return f"95 % bound of the position reaches the radius, {watch.bounds.radius:g} m"
 
 
 def _voltage(watch: Watch) -> bool | None:
@@ -296,7 +317,7 @@ _ROWS = (
     Limit(
         "radius",
         "estimate",
-        "the radius in force",
+        "the radius in force, and the mission's areas",
         _radius,
         _radius_words,
         samples=2,
@@ -332,9 +353,9 @@ _ROWS = (
     Limit(
         "uncertain",
         "estimate",
-        "the radius in force, not 95 % sure to be within",
+        "the radius in force, and the mission's areas, not 95 % sure to be within",
         _uncertain,
-        lambda w: f"95 % bound of the position reaches the radius, {w.bounds.radius:g} m",
+        _uncertain_words,
         samples=2,
         response=Response.UNCERTAIN,
         needs=frozenset({"position"}),

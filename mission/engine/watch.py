@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from typing import Self
 
+from mission.engine.areas import Fence
 from mission.engine.bounds import Bounds
 from mission.engine.vehicle_state import SURFACE_DEPTH, THRUSTERS, VehicleState
 from mission.legs.base import wrap
@@ -147,6 +148,7 @@ class Watch:
 
     def __init__(self, vehicle: Vehicle, vehicle_state: VehicleState, bounds: Bounds) -> None:
         self.vehicle, self.vehicle_state, self.bounds = vehicle, vehicle_state, bounds
+        self.fences: tuple[Fence, ...] = ()  # of the mission under way
         self.sent: Setpoint | None = None
         self.accepted_at: float | None = None  # of the set in force
         self.started: float | None = None  # the mission's clock

@@ -8,6 +8,7 @@ from types import MappingProxyType
 CODES: Mapping[str, str] = MappingProxyType(
     {
         "ambiguous-target": "a target names several legs",
+        "area": "an area is no polygon, or a leg or the ascent from it may break it",
         "arrow": "an arrow is written `->`",
         "ascii": "only ASCII travels to the vehicle",
         "axis-clash": "one line sets an axis twice, or two that exclude each other",

@@ -33,6 +33,8 @@ DEEPEST_GROUP = Extent(16, "groups in each other")
 DEEPEST_GUARD = Extent(20, "nots and parentheses in each other")
 NAME = Extent(40, "characters in a name")
 PLACES = Extent(500, "places in a follow")
+CORNERS = Extent(100, "corners in an area")
+AREAS = Extent(32, "areas in a mission")
 HANDLERS = Extent(64, "handlers in a mission")
 WATCHED = Extent(200, "comparisons watched in a leg: its own, and those of the handlers around it")
 PICTURE = Extent(1_000, "legs and groups in a graph")
@@ -50,6 +52,8 @@ EXTENTS = (
     DEEPEST_GUARD,
     NAME,
     PLACES,
+    CORNERS,
+    AREAS,
     HANDLERS,
     WATCHED,
     PICTURE,

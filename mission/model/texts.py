@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
@@ -228,6 +229,29 @@ class Safety:
     voltage: float | None = None  # V, control battery
 
 
+@dataclass(frozen=True, slots=True)
+class Area:
+    """What a mission keeps in, or out of (``out``): a polygon. It counts between two depths, m."""
+
+    name: str
+    out: bool
+    corners: tuple[Place, ...]
+    top: float = 0.0
+    bottom: float = math.inf
+    where: Where = field(default=NOWHERE, compare=False)
+
+    @property
+    def limited(self) -> bool:
+        return self.bottom < math.inf
+
+    def counts_at(self, depth: float | None) -> bool:
+        """An unknown depth may be any."""
+        return depth is None or self.top <= depth <= self.bottom
+
+    def counts_between(self, shallow: float, deep: float) -> bool:
+        return self.top <= deep and shallow <= self.bottom
+
+
 NEVER_BELOW = "never below"  # a depth with an altitude, one setting
 START_WITHIN = 25.0  # m from home, unless the mission assumes another start
 
@@ -248,6 +272,7 @@ class Mission:
     start_without_fix: bool = False
     where: Where = field(default=NOWHERE, compare=False)
     achieve: Aims = ()
+    areas: tuple[Area, ...] = ()
 
     def start_within(self, sigma: float) -> float:
         """m from home: where it is started at most, as the check assumes and the start demands; no

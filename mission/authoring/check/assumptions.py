@@ -11,6 +11,7 @@ from mission.engine.clearance import Clearance, is_guarded
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, Chart, Mission, buoyancy
 from mission.model.vehicle import Vehicle
 from mission.navigation.declination import declination
+from protocol.messages import Setpoint
 
 TWO_SIGMA = 2.0
 SPEED_SHARE = 0.2  # two sigma of the thruster model, as a share of the speed
@@ -80,16 +81,31 @@ def told(chart: Chart, vehicle: Vehicle, assume: Assumptions, floor: bool) -> It
 
 
 def _kept_clear(chart: Chart, vehicle: Vehicle) -> Iterator[str]:
-    """What is held without an altitude where a depth is kept above the bottom."""
+    for path, held, blind in _blind(chart, vehicle):
+        yield (
+            f"{path} holds {blind:g} m while its altitude is not believed: "
+            f"no less than {held.altitude:g} m above the sea floor assumed"
+        )
+
+
+def not_clear(chart: Chart, vehicle: Vehicle) -> Iterator[tuple[str, str]]:
+    """Path and message of legs kept above a floor that leaves no depth to hold."""
+    for path, held, blind in _blind(chart, vehicle):
+        if blind <= 0.0:
+            message = (
+                f"{path} is kept {held.altitude:g} m above the sea floor: without an altitude the "
+                "floor that is assumed leaves no depth to hold"
+            )
+            yield f"{AUTONOMOUS}/{path}", message
+
+
+def _blind(chart: Chart, vehicle: Vehicle) -> Iterator[tuple[str, Setpoint, float]]:
+    """Legs with a depth that is kept above the bottom, and what each holds without an altitude."""
     clearance = Clearance.of(chart.mission, vehicle)
     for state in chart.states:
         held = state.setpoint
         if held is not None and is_guarded(held):
-            leg = state.path.removeprefix(f"{AUTONOMOUS}/")
-            yield (
-                f"{leg} holds {clearance.blind(held):g} m while its altitude is not believed: "
-                f"no less than {held.altitude:g} m above the sea floor assumed"
-            )
+            yield state.path.removeprefix(f"{AUTONOMOUS}/"), held, clearance.blind(held)
 
 
 def _stated_rounding(chart: Chart, vehicle: Vehicle) -> Iterator[str]:

@@ -19,6 +19,8 @@ from typing import TypeVar
 
 from mission.authoring.check.assumptions import Assumptions
 from mission.authoring.check.bounds import Bounds, LegBounds, Trail, ascent_time, goes_on
+from mission.authoring.check.fenced import Broken, broken, swept
+from mission.engine.areas import Fence
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, Loop, State
 from mission.model.vehicle import Vehicle
 
@@ -45,6 +47,7 @@ class Proof:
     blind: float = 0.0  # the same if the sensor that a hold goes by fails
     out_of_radius: tuple[str, Bounds] | None = None  # the first leg in which it may be
     out_of_depth: tuple[str, Bounds] | None = None
+    breaks: Broken | None = None  # the first leg that may break an area
     reached: set[str] = field(default_factory=set)
     taken: set[str] = field(default_factory=set)
     backward: dict[str, Edge] = field(default_factory=dict)
@@ -61,10 +64,12 @@ class Flow:
         *,
         radius: float,
         depth: float,
+        fences: tuple[Fence, ...] = (),
     ) -> None:
-        """``radius`` and ``depth`` in m: the first leg that may be beyond them is kept."""
+        """``radius`` and ``depth`` in m: the first leg that may be beyond them is kept, and the
+        first that may break one of the ``fences``."""
         self.chart, self.vehicle, self.assume = chart, vehicle, assume
-        self.radius, self.depth = radius, depth
+        self.radius, self.depth, self.fences = radius, depth, fences
         self.proof = Proof()
         self.legs = {
             s.path: bounds_of(s) for s in chart.states if s.leg and s.path != IMPLICIT_SURFACE
@@ -179,6 +184,7 @@ class Flow:
         proof.reached.add(path)
         sweep = leg.sweep(entry)
         self._note(path, sweep)
+        self._look_at_areas(path, leg, entry, sweep)
         proof.blind = max(proof.blind, leg.blind(entry))
         self._surface(path, sweep)
         for scope in above:
@@ -193,6 +199,13 @@ class Flow:
             left = leg.leave(entry, edge.by, guard=guard)
             _merge(out, (edge.target, edge.loops), self._into(edge.target, left))
         return out
+
+    def _look_at_areas(self, path: str, leg: LegBounds, entry: Bounds, sweep: Bounds) -> None:
+        if self.fences and self.proof.breaks is None:
+            on = goes_on(sweep, self.vehicle)
+            time = ascent_time(sweep.depth[1], self.vehicle)
+            drift = on.error - sweep.error + self.assume.current * time
+            self.proof.breaks = broken(path, self.fences, swept(leg, entry, sweep), drift)
 
     def _into(self, target: str, bounds: Bounds) -> Bounds:
         ascends = target not in self.legs or self.legs[target].ascends

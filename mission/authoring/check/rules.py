@@ -9,6 +9,7 @@
     time           the worst case, with the ascent, exceeds the safety time
     radius         the swept path, widened by current and uncertainty, leaves the radius
     depth          the same for the depth
+    area           an area that is none, or that a leg, or the ascent from it, may break
     never-below    a depth kept above a floor that leaves no room for it
     energy         the worst case exceeds the battery
     heavy          the vehicle does not rise by itself, and X rests on that
@@ -25,13 +26,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from mission.authoring.check import remedy
-from mission.authoring.check.assumptions import Assumptions, told
+from mission.authoring.check.assumptions import Assumptions, not_clear, told
 from mission.authoring.check.bounds import Bounds, LegBounds, Trail
+from mission.authoring.check.fenced import area_faults, fenced, words
 from mission.authoring.check.flow import Flow, Proof, TooLongError, trail
 from mission.authoring.check.places import places_named
 from mission.authoring.check.purpose import Outlook, judged
 from mission.engine import bounds as envelope
-from mission.engine.clearance import Clearance, is_guarded
 from mission.engine.limits import DEPTH_MARGIN
 from mission.engine.variables import CLOCK, VARIABLES
 from mission.model import (
@@ -93,7 +94,7 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     assume = Assumptions.of(mission, vehicle, limits.depth)
     early = [*before_the_proof(mission, vehicle), *_no_bound(chart)]
     unbounded = bool(early)
-    early += [*_unknowable(chart, vehicle), *_not_clear(chart, vehicle, assume)]
+    early += [*_unknowable(chart, vehicle), *_not_clear(chart, vehicle)]
     if unbounded:
         return Report(tuple(early), None, tuple(told(chart, vehicle, assume, False)))
     flow = _flow(chart, vehicle, assume, limits)
@@ -116,6 +117,7 @@ def before_the_proof(mission: Mission, vehicle: Vehicle) -> Iterator[Diagnostic]
     yield from _heavy(mission, vehicle)
     yield from _unheard(mission, vehicle)
     yield from no_home(mission)
+    yield from (_refused("area", *found) for found in area_faults(mission))
 
 
 def check_ways(chart: Chart, vehicle: Vehicle) -> Iterator[Diagnostic]:
@@ -140,6 +142,7 @@ def _flow(chart: Chart, vehicle: Vehicle, assume: Assumptions, limits: envelope.
         lambda state: LegBounds(state, vehicle, assume, frame),
         radius=limits.radius,
         depth=limits.depth + DEPTH_MARGIN,
+        fences=fenced(chart.mission),
     )
 
 
@@ -186,17 +189,9 @@ def _no_bound(chart: Chart) -> Iterator[Diagnostic]:
             yield _refused("no-bound", leg.where, message, "add for or timeout")
 
 
-def _not_clear(chart: Chart, vehicle: Vehicle, assume: Assumptions) -> Iterator[Diagnostic]:
-    """Without an altitude a depth that is kept above the bottom needs room above the floor."""
-    clearance = Clearance.of(chart.mission, vehicle)
-    for state in _legs(chart):
-        held = state.setpoint
-        if held is not None and is_guarded(held) and clearance.blind(held) <= 0.0:
-            message = (
-                f"{_name(state.path)} holds {held.altitude:g} m above a sea floor that is assumed "
-                f"{assume.floor:g} m deep: without an altitude no depth is left to hold"
-            )
-            yield _refused("never-below", _where(chart, state.path), message, "assume floor deeper")
+def _not_clear(chart: Chart, vehicle: Vehicle) -> Iterator[Diagnostic]:
+    for path, message in not_clear(chart, vehicle):
+        yield _refused("never-below", _where(chart, path), message, "assume floor deeper")
 
 
 def no_home(mission: Mission) -> Iterator[Diagnostic]:
@@ -303,6 +298,10 @@ def _bounds(
         )
         hint = "stay nearer, or state what the radius may be with safety radius"
         yield _refused("radius", _where(chart, path), message, hint, _path(bounds.trail))
+    if proof.breaks is not None:
+        path = proof.breaks.path
+        hint = "lead it farther off, take fixes on the way, or assume less current"
+        yield _refused("area", _where(chart, path), words(proof.breaks, _name(path)), hint)
     if proof.out_of_depth is not None:
         path, bounds = proof.out_of_depth
         message = (

@@ -21,6 +21,7 @@ from mission.authoring.diff import wording
 from mission.authoring.diff.matching import leg_of, legs_of, match, set_of
 from mission.authoring.diff.ways import Ways, matters
 from mission.authoring.graph import words
+from mission.authoring.language.render import area_text
 from mission.authoring.language.words import GENERATED
 from mission.engine.bounds import in_force
 from mission.model import (
@@ -139,6 +140,7 @@ class _Comparison:
             "start", wording.start(one.start_without_fix), wording.start(two.start_without_fix)
         )
         yield from self._limits(one, two)
+        yield from self._areas(one, two)
         yield from self._assumptions(one, two)
         yield from self._mission("to achieve", *map(wording.achieve, (one, two)))
         uncertain = self.ways.mapped(self.before, ":uncertain", AUTONOMOUS)
@@ -164,6 +166,12 @@ class _Comparison:
             if old != new:
                 pair = wording.apart(old, new, told, number_text)
                 yield from self._mission(f"limit of {limit}", *pair)
+
+    def _areas(self, one: Mission, two: Mission) -> Iterator[Change]:
+        told = [{area.name: area_text(area) for area in mission.areas} for mission in (one, two)]
+        for name in sorted(told[0].keys() | told[1].keys()):
+            old, new = (side.get(name, "not there") for side in told)
+            yield from self._mission(f"area {name}", old, new)
 
     def _assumptions(self, one: Mission, two: Mission) -> Iterator[Change]:
         """A current that is not assumed is the vehicle file's."""

@@ -15,6 +15,7 @@ from mission.legs import LEGS
 from mission.model import (
     Aims,
     And,
+    Area,
     By,
     Comparison,
     Edge,
@@ -149,4 +150,11 @@ def safety(mission: Mission) -> str:
         words.append(f"depth {number(own.depth)} m")
     if own.voltage is not None:
         words.append(f"battery {number(own.voltage)} V")
+    words += map(area, mission.areas)
     return ", ".join(words) or "the vehicle's hard limits alone"
+
+
+def area(value: Area) -> str:
+    """Its name, and the depths between which it counts."""
+    between = f" ({number(value.top)} to {number(value.bottom)} m)" if value.limited else ""
+    return f"keep {'out' if value.out else 'in'} {value.name}{between}"

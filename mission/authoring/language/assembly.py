@@ -16,6 +16,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from mission.authoring.language.clauses import (
+    AreaText,
     End,
     HomeAt,
     LegText,
@@ -36,6 +37,7 @@ from mission.model import (
     NOWHERE,
     SURFACE,
     Aims,
+    Area,
     Group,
     Handler,
     Mission,
@@ -46,7 +48,7 @@ from mission.model import (
     legs_of,
 )
 from mission.model.diagnostics import Diagnostics
-from mission.model.extent import DEEPEST_GROUP, HANDLERS, NAME
+from mission.model.extent import AREAS, DEEPEST_GROUP, HANDLERS, NAME
 from mission.model.likeness import nearest, suggestion
 from mission.model.shipped import missions_folder
 
@@ -86,6 +88,7 @@ class _Head:
     on_uncertain: str = SURFACE
     on_timeout: str = SURFACE
     without_fix: bool = False
+    areas: list[Area] = field(default_factory=list)
     where: Where = NOWHERE
 
 
@@ -141,6 +144,7 @@ class Assembly:
             start_without_fix=head.without_fix,
             where=head.where,
             achieve=top.achieve,
+            areas=tuple(sorted(head.areas, key=lambda area: (area.out, area.name))),
         )
 
     # --- first: what everything else needs ---------------------------------------------------
@@ -173,11 +177,8 @@ class Assembly:
                 if self._header("assume", where):
                     assumed = self._values.named(statement, ASSUMPTIONS)
                     self._head.assume = tuple(sorted(assumed))
-            case Parameter(_, _, where):
-                self._top("param", where)
-            case WithoutFix(where):
-                if self._header("start", where):
-                    self._head.without_fix = True
+            case AreaText() | Parameter() | WithoutFix():
+                self._say(statement)
             case Opening():
                 self._open(statement)
             case End(where):
@@ -186,6 +187,16 @@ class Assembly:
                 self._on(statement)
             case LegText():
                 self._leg(statement)
+
+    def _say(self, header: AreaText | Parameter | WithoutFix) -> None:
+        match header:
+            case AreaText():
+                self._area(header)
+            case Parameter():
+                self._top("param", header.where)
+            case WithoutFix():
+                if self._header("start", header.where):
+                    self._head.without_fix = True
 
     def _mission_head(self, head: MissionHead, first: bool) -> None:
         if not self._header("mission", head.where):
@@ -197,6 +208,18 @@ class Assembly:
         self._head.name = head.name.text
         self._head.vehicle = head.vehicle.text if head.vehicle else DEFAULT_VEHICLE
         self._head.total, self._head.where = head.total, head.where
+
+    def _area(self, text: AreaText) -> None:
+        areas = self._head.areas
+        if not self._top("keep", text.where):
+            return
+        self._check_name(text.name)
+        if text.name.text in (area.name for area in areas):
+            message, hint = f"area {text.name.text} appears twice", "give it another name"
+            self._problems.add("duplicate-name", text.name.where, message, hint)
+        areas.append(self._values.area(text))
+        if len(areas) == AREAS.most + 1:
+            self._problems.add("too-long", text.where, AREAS.exceeded, "join some of them")
 
     def _top(self, word: str, where: Where) -> bool:
         if len(self._scopes) > 1:

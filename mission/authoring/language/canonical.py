@@ -95,6 +95,8 @@ def _header(mission: Mission) -> Iterator[str]:
         yield f"safety {limits}"
     if mission.assume:
         yield f"assume {_joined((n, number_text(v)) for n, v in mission.assume)}"
+    for area in mission.areas:
+        yield from _broken(render.area_text(area))
     if mission.start_without_fix:
         yield "start without fix"
     yield from _achieve(mission)

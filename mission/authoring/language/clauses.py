@@ -184,6 +184,17 @@ class HomeAt:
 
 
 @dataclass(frozen=True, slots=True)
+class AreaText:
+    """keep in, keep out: ``between`` are two depths, None: all."""
+
+    name: Name
+    out: bool
+    corners: tuple[PlaceText, ...]
+    between: tuple[Amount, Amount] | None
+    where: Where
+
+
+@dataclass(frozen=True, slots=True)
 class Parameter:
     name: Name
     amount: Amount
@@ -225,4 +236,5 @@ class LegText:
     where: Where
 
 
-Statement = MissionHead | HomeAt | Named | Parameter | WithoutFix | Opening | End | On | LegText
+Header = AreaText | MissionHead | HomeAt | Named | Parameter | WithoutFix
+Statement = Header | Opening | End | On | LegText

@@ -59,6 +59,7 @@ _STATEMENTS = (
     "home",
     "safety",
     "assume",
+    "keep",
     "param",
     "start",
     "repeat",
@@ -69,7 +70,8 @@ _STATEMENTS = (
 _TARGETS = "write -> and the name of a leg"
 _KEYWORDS = {
     "_VEHICLE": "vehicle", "_SUM": "sum", "_HELD": "held", "_SURE": "sure", "_OR": "or",
-    "_NEVER": "never", "_BELOW": "below",
+    "_NEVER": "never", "_BELOW": "below", "_KEEP": "keep", "KEEP_IN": "in", "KEEP_OUT": "out",
+    "_BETWEEN": "between",
     "_AND": "and", "_NOT": "not", "_FIX": "fix", "FIX": "fix", "_WITHOUT": "without",
     "AT_HOME": "home", "HERE": "here", "_NORTH": "north", "_EAST": "east",
     "UNCERTAIN": "uncertain", "UNTIL": "until", "FOR": "for", "TIMEOUT": "timeout", "ELSE": "else",

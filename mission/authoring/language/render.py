@@ -25,6 +25,7 @@ from mission.legs.words import Choice, LegClause, Measure, Shape
 from mission.model import (
     Aims,
     And,
+    Area,
     Comparison,
     Exit,
     Expression,
@@ -216,6 +217,17 @@ def safety_pairs(safety: Safety, units: bool) -> Iterator[Pair]:
         value = getattr(safety, row.name)
         if value is not None:
             yield row.name, quantity_text(value, row.unit, units)
+
+
+def area_text(area: Area) -> str:
+    """As a line says it."""
+    keep, corners = "out" if area.out else "in", ", ".join(map(place_text, area.corners))
+    between = "" if not area.limited else " between " + " and ".join(depths_of(area, False))
+    return f"keep {keep} {area.name}: {corners}{between}"
+
+
+def depths_of(area: Area, units: bool) -> list[str]:
+    return [quantity_text(depth, "m", units) for depth in (area.top, area.bottom)]
 
 
 def aim_pairs(aims: Aims, units: bool) -> Iterator[Pair]:

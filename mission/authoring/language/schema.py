@@ -122,7 +122,7 @@ def _top() -> dict[str, Schema]:
         "mission": _name("the mission's name"),
         "vehicle": {**_name("the vehicle file it is for; auv unless said"), "examples": vehicles},
         "home": _ref("coordinates", "where range and north/east are counted from"),
-        "safety": _table(LIMITS, "what this mission allows, within the vehicle's hard limits"),
+        "safety": _safety(),
         "assume": _table(ASSUMPTIONS, "what the check may rely on"),
         "param": {
             "type": "object",
@@ -135,6 +135,25 @@ def _top() -> dict[str, Schema]:
         "legs": _ref("body", "what the vehicle does, in this order"),
         "on": _ref("handlers", "what ends any leg of the mission"),
     }
+
+
+def _safety() -> Schema:
+    table = _table(LIMITS, "what this mission allows, within the vehicle's hard limits")
+    depth = _quantity("m", "a depth")
+    area = _object(
+        {
+            "corners": {"type": "array", "minItems": 3, "items": {"$ref": "#/definitions/place"}},
+            "between": {"type": "array", "minItems": 2, "maxItems": 2, "items": depth},
+        },
+        "a polygon, and the depths between which it counts",
+        ("corners",),
+    )
+    areas = {"type": "object", "patternProperties": {_NAME: area}, "additionalProperties": False}
+    keeps = {
+        "keep_in": {**areas, "description": "areas, by name, one of which it must be in"},
+        "keep_out": {**areas, "description": "areas, by name, which it must not be in"},
+    }
+    return {**table, "properties": {**table["properties"], **keeps}}
 
 
 def _coordinates() -> Schema:

@@ -22,6 +22,7 @@ from lark import Lark, Token, Tree, UnexpectedInput
 from mission.authoring.language import complaints
 from mission.authoring.language.clauses import (
     Amount,
+    AreaText,
     AtHome,
     Chosen,
     Clause,
@@ -250,6 +251,12 @@ class _Clauses:
     def _named(self, word: str, items: tuple[Any, ...]) -> Named:
         names = [self._name(token) for token in items[::2]]
         return Named(word, tuple(zip(names, items[1::2], strict=True)), self._all)
+
+    def area(self, keep: Token, label: Token, *rest: Any) -> AreaText:
+        *corners, top, bottom = rest
+        between = None if top is None else (top, bottom)
+        out = keep.type == "KEEP_OUT"
+        return AreaText(self._name(label), out, tuple(corners), between, self._all)
 
     def param(self, name: Token, number: Token, unit: Token | None) -> Parameter:
         return Parameter(self._name(name), self.number(number, unit), self._all)

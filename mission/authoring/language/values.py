@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterator, Mapping
 
 from mission.authoring.language.clauses import (
     Amount,
+    AreaText,
     AtHome,
     ComparisonText,
     Coordinates,
@@ -29,6 +30,7 @@ from mission.engine.variables import VARIABLES, Variable
 from mission.model import (
     HOME,
     And,
+    Area,
     Comparison,
     Expression,
     Guard,
@@ -40,6 +42,7 @@ from mission.model import (
     Where,
 )
 from mission.model.diagnostics import Diagnostics
+from mission.model.extent import CORNERS
 from mission.model.likeness import suggestion
 from mission.model.shipped import load_vehicle
 from mission.model.units import UNITS, UnitError, quantity, range_text
@@ -200,6 +203,21 @@ class Values:
             case Offset(north, east):
                 metres = [self.number(a, "m", -_FAR, _FAR) for a in (north, east)]
                 return Local(metres[0], metres[1])
+
+    def area(self, text: AreaText) -> Area:
+        """Its depths in order; whether its corners make a polygon is for the check, by home."""
+        corners = tuple(self.place(corner) or HOME for corner in text.corners)
+        if len(corners) > CORNERS.most:
+            hint = "make two areas of it"
+            self.problems.add("too-long", text.name.where, CORNERS.exceeded, hint)
+        top, bottom = 0.0, math.inf
+        if text.between is not None:
+            top, bottom = (self.number(a, "m", 0.0, 11000.0) for a in text.between)
+            if top >= bottom:
+                hint = "write between 4 and 12: the shallower depth first"
+                message = f"{text.name.text} lies between no depths"
+                self.problems.add("upside-down", text.name.where, message, hint)
+        return Area(text.name.text, text.out, corners, top, bottom, text.where)
 
     # --- guards -----------------------------------------------------------------------------
 

@@ -14,6 +14,7 @@ from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from mission.authoring.language import elsewhere
 from mission.authoring.language.clauses import (
     Amount,
+    AreaText,
     Chosen,
     Clause,
     Coordinates,
@@ -60,6 +61,8 @@ TOP_KEYS = (
     "mission", "vehicle", "home", "safety", "assume", "param", "start", "achieve", "legs", "on",
 )  # fmt: skip
 GROUP_KEYS = ("repeat", "achieve", "legs", "on")
+KEEPS = {"keep_in": False, "keep_out": True}
+AREA_KEYS = ("corners", "between")
 HANDLER_KEYS = ("when", "held", "do")
 WITHOUT_FIX = "without fix"
 
@@ -95,9 +98,10 @@ class _Form:
             elif place is not None:
                 hint = "write {latitude: 30.28, longitude: 120.15}"
                 self._problems.add("position", where_of(node), "home is a position", hint)
-        for word, rows in (("safety", LIMITS), ("assume", ASSUMPTIONS)):
-            if word in keys:
-                yield self._named(*keys[word], rows)
+        if "safety" in keys:
+            yield from self._safety(*keys["safety"])
+        if "assume" in keys:
+            yield self._named(*keys["assume"], ASSUMPTIONS)
         if "param" in keys:
             for key, value in self._nodes.items(keys["param"][1], None, "param"):
                 amount = self._nodes.number(value) or Amount("1", "", key.where)
@@ -105,6 +109,34 @@ class _Form:
         if "start" in keys:
             yield from self._start(*keys["start"])
         yield from self._body(keys)
+
+    def _safety(self, name: Name, node: Node) -> Iterator[Statement]:
+        pairs = self._nodes.items(node, (*LIMITS, *KEEPS), name.text)
+        limits = [(key, value) for key, value in pairs if key.text in LIMITS]
+        amounts = [(key, self._nodes.amount(value)) for key, value in limits]
+        given = tuple((key, amount) for key, amount in amounts if amount)
+        yield Named(name.text, given, name.where)
+        for key, value in pairs:
+            if key.text in KEEPS:
+                for area, inner in self._nodes.items(value, None, key.text):
+                    yield from self._area(area, KEEPS[key.text], inner)
+
+    def _area(self, name: Name, out: bool, node: Node) -> Iterator[AreaText]:
+        keys = {k.text: v for k, v in self._nodes.items(node, AREA_KEYS, "an area")}
+        if "corners" not in keys:
+            hint = "write corners: [north 0 east 0, north 50 east 0, north 50 east 50]"
+            self._problems.add("missing-word", name.where, f"{name.text} has no corners", hint)
+            return
+        nodes = self._nodes.entries(keys["corners"], "corners")
+        corners = [place for item in nodes if (place := self._place(item)) is not None]
+        depths = self._nodes.entries(keys["between"], "between") if "between" in keys else []
+        amounts = [amount for item in depths if (amount := self._nodes.amount(item)) is not None]
+        if "between" in keys and len(amounts) != 2:
+            message, hint = "between takes two depths", "write between: [4 m, 12 m]"
+            self._problems.add("missing-word", where_of(keys["between"]), message, hint)
+            return
+        between = (amounts[0], amounts[1]) if amounts else None
+        yield AreaText(name, out, tuple(corners), between, name.where)
 
     def _named(self, name: Name, node: Node, rows: Mapping[str, NamedValue]) -> Named:
         pairs = self._nodes.items(node, tuple(rows), name.text)

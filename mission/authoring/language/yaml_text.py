@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from mission.authoring.language import render
 from mission.authoring.language.words import ASSUMPTIONS, kinds
 from mission.legs.words import Shape
-from mission.model import Aims, Group, Handler, Leg, Mission, Node, Set
+from mission.model import Aims, Area, Group, Handler, Leg, Mission, Node, Set
 from mission.model.units import number_text
 
 # Names that other YAML readers would take for something else than a text.
@@ -26,6 +26,7 @@ def _lines(mission: Mission) -> Iterator[str]:
         longitude = number_text(mission.home.longitude_deg)
         yield f"home: {{latitude: {latitude}, longitude: {longitude}}}"
     limits = [f"{word}: {value}" for word, value in render.safety_pairs(mission.safety, True)]
+    limits += _areas(mission)
     if limits:
         yield f"safety: {_table(limits)}"
     if mission.assume:
@@ -43,6 +44,20 @@ def _lines(mission: Mission) -> Iterator[str]:
 def _achieve(scope: Group | Mission, indent: str) -> Iterator[str]:
     if scope.achieve:
         yield f"{indent}achieve: {_aims(scope.achieve)}"
+
+
+def _areas(mission: Mission) -> Iterator[str]:
+    for word, out in (("keep_in", False), ("keep_out", True)):
+        areas = [_area(area) for area in mission.areas if area.out is out]
+        if areas:
+            yield f"{word}: {_table(areas)}"
+
+
+def _area(area: Area) -> str:
+    keys = [f"corners: [{', '.join(map(render.place_text, area.corners))}]"]
+    if area.limited:
+        keys.append(f"between: [{', '.join(render.depths_of(area, True))}]")
+    return f"{_name(area.name)}: {_table(keys)}"
 
 
 def _aims(aims: Aims) -> str:

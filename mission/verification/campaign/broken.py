@@ -64,6 +64,10 @@ _REASONS: Mapping[str, str] = {
 }
 
 
+def _without_areas(s: Surgery) -> None:
+    s.put(core, "fences", lambda _areas, _place: ())
+
+
 def _goes_as_deep_as_asked(s: Surgery) -> None:
     s.put(Clearance, "_within", lambda _self, held, _bottom: held.depth)
 
@@ -199,6 +203,7 @@ _RULES: Mapping[str, Broken] = {
     "above the bottom": Broken(
         "R5: a depth kept above the bottom", _goes_as_deep_as_asked, alike=same
     ),
+    "areas": Broken("R5: the mission's areas", _without_areas),
     "gap": Broken("20 ms between two frames", instead(frontseat, "GAP_S", 0.0)),
     "unasked": Broken("nothing that nothing asked for", breaks.stop_every_five_seconds),
 }

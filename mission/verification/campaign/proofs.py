@@ -29,8 +29,10 @@ from links.simulated.sensors import Health, Sensor, SensorErrors
 from links.simulated.settings import FaultEvent, Settings, setting_of
 from mission.authoring.check import Proved
 from mission.authoring.check.assumptions import Assumptions
+from mission.authoring.check.fenced import fenced
 from mission.model import AUTONOMOUS, IDLE_READY, SURFACED, Mission, Step
 from mission.model.vehicle import Vehicle
+from mission.verification.campaign.area_laws import against
 from mission.verification.campaign.disturbances import INCIDENTS
 from mission.verification.campaign.draw import PROFILES
 from mission.verification.campaign.laws import AFLOAT, Violation
@@ -44,6 +46,7 @@ SPEED = 0.08  # one sigma, of the speed scale; cut at two (assumed: 20 %)
 LINKS = ("stm32_silent", "ack_lost", "bytes_corrupted", "line_noise", "splice")
 LOST_LINKS = ("topside_lost", "topside_garbage", "topside_floods")
 TIME, DEPTH, RANGE, ENERGY, END = "time", "depth", "range", "energy", "end"
+AREA = "area"
 _BLIND = ("depth_", "altitude_")
 LOOKS_WELL = ("_stuck", "_drifting", "_late")  # of a sensor: near what is asked for unseen
 LOSSES = (
@@ -188,6 +191,7 @@ def show(claim: Claim, vehicle: Vehicle, seed: int, flight: int, draw: Draw = dr
         return Shown(claim.source, flight, words, False, (), _NOTHING, of)
     needed = _needed(trial, vehicle, begun, trial.truth.t if ended is None else ended)
     found = list(_violations(trial, of, begun, ended, needed))
+    found += _areas(trial, claim.mission, begun, ended)
     return Shown(claim.source, flight, words, True, tuple(found), needed, of)
 
 
@@ -229,6 +233,20 @@ def _needed(trial: Trace, vehicle: Vehicle, begun: float, ended: float) -> Margi
         max((place.depth for place in places), default=0.0),
         thrust + vehicle.battery.hotel * (ended - begun),
     )
+
+
+def _areas(
+    trial: Trace, mission: Mission, begun: float, ended: float | None
+) -> Iterator[Violation]:
+    """The first place where it truly breaks an area."""
+    fences = fenced(mission)
+    for place in trial.track if fences else ():
+        inside = begun <= place.t <= (trial.truth.t if ended is None else ended)
+        here = from_home(trial, place)
+        if inside and against(fences, here, place.depth):
+            says = f"north {here[0]:.0f} east {here[1]:.0f}, {place.depth:.1f} m deep"
+            yield Violation(AREA, place.t, f"{says}, breaks an area")
+            return
 
 
 def _violations(

@@ -40,6 +40,12 @@ TEXTS: Mapping[str, str] = {
     + "safety radius 900 time 30min depth 29 voltage 10\nassume current 0.5 floor 16\n"
     "dive: depth 6 heading 0 gear 4 until depth >= 5.5 timeout 90\n"
     "along: depth 24 never below altitude 8 heading 0 gear 4 for 3min\n" + _PASS,
+    # Along a shoal, at the surface.
+    "shoal": "mission shoal vehicle auv\n" + _HOME
+    + "safety radius 900 time 30min depth 20 voltage 10\nassume current 0.05\n"
+    "keep out shoal: north 150 east -300, north 150 east 500, north 500 east 500, "
+    "north 500 east -300\n"
+    "go: heading 90 gear 4 for 5min\n" + _PASS,
     # At the surface, under way.
     "transit": "mission transit vehicle auv\n" + _HOME
     + "safety radius 900 time 30min depth 20 voltage 10\nassume current 0.5\n"

@@ -309,5 +309,9 @@ AT_SEA: Mapping[str, SceneRow] = {
         "the altimeter fails where a depth is kept above the bottom",
         _sensor("altitude_full_scale", "altitude_frozen", "altitude_silent", text="clear"),
     ),
+    "onto_the_shoal": SceneRow(
+        "more current than was assumed, onto an area that is kept out of",
+        lambda rng: Scene("shoal", current=round(rng.uniform(0.7, 0.9), 2)),
+    ),
     "full_scale_roll": SceneRow("roll and pitch are garbage", _sensor("attitude_full_scale")),
 }

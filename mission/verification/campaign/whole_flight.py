@@ -1,7 +1,7 @@
 """What may not happen at any instant of a disturbed flight, by the truth and by the bytes.
 
     sunk        under water or going down, and no way up in time (depth_laws)
-    unanswered  a limit passed in truth, and no response in time (limit_laws)
+    unanswered  a limit passed in truth, and no response in time (limit_laws, area_laws)
     unsent      a set or a stop that had to leave, and did not (word_laws)
     unlawful    a move that the rules forbid (word_laws, surface_laws, clear_laws)
 
@@ -20,6 +20,7 @@ from links.simulated.settings import Settings
 from mission.model import Mission
 from mission.model.tables import Table
 from mission.model.vehicle import Vehicle
+from mission.verification.campaign.area_laws import area_laws
 from mission.verification.campaign.clear_laws import clear_laws
 from mission.verification.campaign.depth_laws import SUNK, depth_laws
 from mission.verification.campaign.laws import Violation
@@ -42,6 +43,7 @@ class FlightLaw:
 FLIGHT_LAWS: Table[str, FlightLaw] = Table(
     lambda law: law.name,
     (
+        FlightLaw("areas", (UNANSWERED,), area_laws),
         FlightLaw("clear", (UNLAWFUL,), clear_laws),
         FlightLaw("depth", (SUNK,), depth_laws),
         FlightLaw("limits", (UNANSWERED,), limit_laws),

@@ -85,7 +85,13 @@ ASSUMPTIONS: Mapping[str, tuple[str, ...]] = {
     "floor": ("assume floor 8\na: altitude 3 gear 4 heading 0 for 60",),
     "start": (f"assume start 150\na: {WAY} for 30", f"assume start 0\na: {WAY} for 30"),
 }
+_BAY = "north -130 east -130, north -130 east 130, north 900 east 130, north 900 east -130"
 STATEMENTS: Mapping[str, tuple[str, ...]] = {
+    # As near as the check lets them be.
+    "keep": (
+        "keep out bar: north 170 east -399, north 170 east 399, north 900 east 0\n"
+        f"keep in bay: {_BAY}\na: heading 0 gear 8 depth 4 for 40",
+    ),
     "repeat": (
         f"repeat 3 r:\n a: {WAY} until range > 900 timeout 15\n b: heading 180 for 15\nend",
     ),

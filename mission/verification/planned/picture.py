@@ -12,6 +12,8 @@ import io
 import math
 from typing import TYPE_CHECKING
 
+from mission.authoring.graph import words
+from mission.engine.areas import Fence
 from mission.verification.planned.track import Plan, Spot, Stretch
 
 if TYPE_CHECKING:
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
 
 _PALETTE = ("#3b7ea1", "#c19a2e", "#2f8f7f", "#b8505f", "#7d7d2a", "#8d3f8d", "#4f6fa8", "#256f2f")
 _INK, _BAND = "#2b2b2b", "#c1440e"
+_RGB = (0.72, 0.31, 0.37)  # of what is kept out of
 _ELLIPSES = 14
 _ROOM = 0.03  # of the picture's width: nearer than this, two times would hide each other
 
@@ -74,6 +77,8 @@ def _plan_view(axes: Axes, plan: Plan) -> None:
     axes.plot([], [], color=_BAND, lw=0.8, label="where it may be, 95 %")
     axes.set_aspect("equal", adjustable="datalim")
     _draw_radius(axes, plan.radius)
+    for fence in plan.fences:
+        _draw_fence(axes, fence)
     _tell_times(axes, plan)
     axes.set_xlabel("east of home, m")
     axes.set_ylabel("north of home, m")
@@ -95,6 +100,17 @@ def _draw_radius(axes: Axes, radius: float) -> None:
     from matplotlib.patches import Circle
 
     axes.add_artist(Circle((0.0, 0.0), radius, fill=False, ec=_INK, lw=1.0, ls="--"))
+
+
+def _draw_fence(axes: Axes, fence: Fence) -> None:
+    """Red is kept out of, grey kept in; the name stands at the first corner."""
+    from matplotlib.patches import Polygon
+
+    corners = [(east, north) for north, east in fence.polygon]
+    out, colour = fence.area.out, "#b8505f" if fence.area.out else _INK
+    axes.add_patch(Polygon(corners, fill=out, fc=(*_RGB, 0.15), ec=colour, lw=1.0, ls="--"))
+    axes.annotate(words.area(fence.area), corners[0], xytext=(4, 4), textcoords="offset points",
+                  fontsize=7.5, color=colour)  # fmt: skip
 
 
 def _tell_times(axes: Axes, plan: Plan) -> None:

@@ -16,6 +16,8 @@ from dataclasses import dataclass
 from links.simulated.sea import Sea
 from links.simulated.sensors import SensorErrors
 from links.simulated.settings import Settings
+from mission.authoring.check.fenced import fenced
+from mission.engine.areas import Fence
 from mission.legs import Follow, Loiter, Rows
 from mission.legs.base import Point
 from mission.legs.rows import corners
@@ -69,6 +71,7 @@ class Plan:
     radius: float
     seconds: float
     stretches: tuple[Stretch, ...]
+    fences: tuple[Fence, ...] = ()
 
 
 def planned(mission: Mission, chart: Chart, vehicle: Vehicle) -> Plan:
@@ -82,7 +85,7 @@ def planned(mission: Mission, chart: Chart, vehicle: Vehicle) -> Plan:
     legs = {state.path.partition("/")[2]: state for state in chart.states if state.leg}
     radius = min(vehicle.limits.radius, mission.safety.radius or math.inf)
     stretches = tuple(_stretches(flight, legs, frame))
-    return Plan(mission.name, mission.home, radius, flight.mission_time, stretches)
+    return Plan(mission.name, mission.home, radius, flight.mission_time, stretches, fenced(mission))
 
 
 def _stretches(

@@ -14,6 +14,7 @@ from mission.legs import Follow, Goto, Hold, Loiter, Rows, Surface, Wait, Yoyo
 from mission.model import (
     Aims,
     And,
+    Area,
     Comparison,
     Exit,
     Expression,
@@ -176,6 +177,25 @@ def legs(draw: st.DrawFn, name: str, targets: tuple[str, ...]) -> Node:
     )
 
 
+def _ordered(found: list[Area]) -> tuple[Area, ...]:
+    return tuple(sorted(found, key=lambda area: (area.out, area.name)))
+
+
+_corners = st.lists(places, min_size=3, max_size=12).map(tuple)
+_depths = st.sampled_from([(0.0, math.inf), (4.0, 12.5), (0.0, 3.0)])
+areas = st.lists(
+    st.builds(
+        lambda name, out, corners, depths: Area(name, out, corners, *depths),
+        st.sampled_from(["harbour", "wreck", "cable-1", "no"]),
+        st.booleans(),
+        _corners,
+        _depths,
+    ),
+    max_size=3,
+    unique_by=lambda area: area.name,
+).map(_ordered)
+
+
 @st.composite
 def bodies(draw: st.DrawFn, depth: int, outer: tuple[str, ...]) -> tuple[Node, ...]:
     names = draw(st.lists(st.sampled_from(NAMES), min_size=1, max_size=2, unique=True))
@@ -214,5 +234,6 @@ def missions(draw: st.DrawFn) -> Mission:
         on_timeout=draw(target),
         start_without_fix=draw(st.booleans()),
         achieve=draw(aims),
+        areas=draw(areas),
     )
     return numbered(mission)

@@ -176,7 +176,7 @@ def test_a_floor_without_room_is_refused_with_the_leg() -> None:
     report = judged("assume floor 4\na: depth 3 never below altitude 4 heading 90 gear 4 for 60")
     assert [r.code for r in report.refusals] == ["never-below"]
     assert report.refusals[0].where.line == 5
-    assert report.refusals[0].message.startswith("a holds 4 m above")
+    assert report.refusals[0].message.startswith("a is kept 4 m above")
 
 
 def test_a_floor_that_nobody_states_is_the_depth_allowed() -> None:

@@ -56,6 +56,7 @@ SEEN = [
     ("refused set", "refused", 0, "unlawful", "answered N"),
     ("blind leg", "blind_compass", 0, "unlawful", "and still in"),
     ("above the bottom", "blind_above_the_bottom", 0, "unlawful", "would be clear"),
+    ("areas", "onto_the_shoal", 0, "unanswered", "an area: still autonomous/go"),
     ("healthy attitude", "full_scale_roll", 0, "unanswered", "was not passed"),
     ("gap", "auto_closed", 0, "unlawful", "too soon"),
     ("clock of a leg", "turns_after_a_stop", 0, "", ""),

@@ -1,0 +1,145 @@
+"""Polygons of a local plane, m: what is inside, how near the edge is, and what is no polygon.
+
+    inside     even-odd; a point on the edge counts as inside
+    sigmas     the least Mahalanobis distance from a place to the edge: within PLANE_95 the ellipse
+               that holds it with 95 % touches the edge
+    hull, gap  the convex hull of points, and its distance from a polygon
+
+What does not live here: what an area is for (mission.model), what a breach leads to (engine).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator, Sequence
+
+from mission.navigation.distribution import Covariance
+
+Point = tuple[float, float]  # m north and east
+Polygon = Sequence[Point]
+
+SMALLEST = 1.0  # m^2: less is a slip of the pen
+_SHORTEST = 0.01  # m between two corners
+_FINE = 1e-9
+
+
+def edges(polygon: Polygon) -> Iterator[tuple[Point, Point]]:
+    return zip(polygon, (*polygon[1:], polygon[0]), strict=True)
+
+
+def signed_area(polygon: Polygon) -> float:
+    """m^2; positive where the corners go clockwise, as a compass does."""
+    return 0.5 * sum(a[0] * b[1] - b[0] * a[1] for a, b in edges(polygon))
+
+
+def fault(polygon: Polygon) -> str:
+    """Why these corners are no polygon; "" if they are one, whichever way round."""
+    if len(polygon) < 3:
+        return "an area has at least three corners"
+    for number, (a, b) in enumerate(edges(polygon), 1):
+        if math.dist(a, b) < _SHORTEST:
+            return f"corners {number} and {number % len(polygon) + 1} are the same place"
+    crossed = _crossing(polygon)
+    if crossed:
+        return f"its edges cross: those from corners {crossed[0]} and {crossed[1]}"
+    if abs(signed_area(polygon)) < SMALLEST:
+        return f"it has {abs(signed_area(polygon)):.2g} m2: less than {SMALLEST:g}"
+    return ""
+
+
+def _crossing(polygon: Polygon) -> tuple[int, int] | None:
+    """The first two edges, from 1 on, that meet elsewhere than at a corner they share."""
+    sides = list(edges(polygon))
+    for (i, one), (j, other) in itertools.combinations(enumerate(sides), 2):
+        if j == i + 1 or (i == 0 and j == len(sides) - 1):
+            shared, free = (one, other[1]) if j == i + 1 else (other, one[1])
+            meets = (
+                to_segment(free, *shared) < _FINE
+                or to_segment(shared[0], *(other if j == i + 1 else one)) < _FINE
+            )
+        else:
+            meets = between(one, other) < _FINE
+        if meets:
+            return i + 1, j + 1
+    return None
+
+
+def inside(polygon: Polygon, point: Point) -> bool:
+    """On the edge, too."""
+    north, east = point
+    odd = False
+    for (an, ae), (bn, be) in edges(polygon):
+        if (ae > east) != (be > east) and north < an + (east - ae) * (bn - an) / (be - ae):
+            odd = not odd
+    return odd or to_edge(polygon, point) < _FINE
+
+
+def to_segment(point: Point, a: Point, b: Point) -> float:
+    """m from a point to the nearest of a segment."""
+    dn, de = b[0] - a[0], b[1] - a[1]
+    length = dn * dn + de * de
+    share = ((point[0] - a[0]) * dn + (point[1] - a[1]) * de) / length if length > 0.0 else 0.0
+    share = min(max(share, 0.0), 1.0)
+    return math.hypot(point[0] - a[0] - share * dn, point[1] - a[1] - share * de)
+
+
+def to_edge(polygon: Polygon, point: Point) -> float:
+    """m from a point to the nearest of the edge, from inside and from outside alike."""
+    return min(to_segment(point, a, b) for a, b in edges(polygon))
+
+
+def sigmas(polygon: Polygon, point: Point, covariance: Covariance) -> float:
+    """The edge's distance in sigmas of a place that is uncertain; inf for one that is certain,
+    but on the edge."""
+    nn, ne, ee = covariance
+    spread = math.sqrt(max(nn, 0.0))
+    across = math.sqrt(max(ee - (ne / spread) ** 2, 0.0)) if spread > 0.0 else math.sqrt(ee)
+    if spread <= _FINE or across <= _FINE:
+        far = to_edge(polygon, point)
+        most = math.sqrt(max(nn, ee, 0.0))
+        return far / most if most > _FINE else (math.inf if far > 0.0 else 0.0)
+
+    def white(corner: Point) -> Point:
+        """By the Cholesky factor: round, with a sigma of 1."""
+        north = (corner[0] - point[0]) / spread
+        return north, (corner[1] - point[1] - ne / spread * north) / across
+
+    return to_edge([white(corner) for corner in polygon], (0.0, 0.0))
+
+
+def between(one: tuple[Point, Point], other: tuple[Point, Point]) -> float:
+    """m between two segments; 0 where they cross."""
+    (a, b), (c, d) = one, other
+    if _turn(a, b, c) * _turn(a, b, d) < 0.0 and _turn(c, d, a) * _turn(c, d, b) < 0.0:
+        return 0.0
+    ends = ((a, c, d), (b, c, d), (c, a, b), (d, a, b))
+    return min(to_segment(*each) for each in ends)
+
+
+def _turn(a: Point, b: Point, c: Point) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def hull(points: Iterable[Point]) -> tuple[Point, ...]:
+    """Convex, in one direction round (Andrew 1979); two points or one where all are in line."""
+    ordered = sorted(set(points))
+    if len(ordered) < 3:
+        return tuple(ordered)
+    low, high = _chain(ordered), _chain(ordered[::-1])
+    return tuple(low[:-1] + high[:-1])
+
+
+def _chain(ordered: Sequence[Point]) -> list[Point]:
+    chain: list[Point] = []
+    for point in ordered:
+        while len(chain) > 1 and _turn(chain[-2], chain[-1], point) <= 0.0:
+            chain.pop()
+        chain.append(point)
+    return chain
+
+
+def gap(body: Polygon, polygon: Polygon) -> float:
+    """m between the edges of a hull (or a point, or a line) and of a polygon; 0 where they meet."""
+    sides = list(edges(body)) if len(body) > 1 else [(body[0], body[0])]
+    return min(between(side, edge) for side in sides for edge in edges(polygon))
