@@ -64,14 +64,6 @@ _REASONS: Mapping[str, str] = {
 }
 
 
-def _without_areas(s: Surgery) -> None:
-    s.put(core, "fences", lambda _areas, _place: ())
-
-
-def _goes_as_deep_as_asked(s: Surgery) -> None:
-    s.put(Clearance, "_within", lambda _self, held, _bottom: held.depth)
-
-
 _RULES: Mapping[str, Broken] = {
     "depth margin": Broken("R5: 1 m beyond the depth", instead(limits, "DEPTH_MARGIN", 10.0)),
     "silence": Broken("R8: 5 s without a report", instead(limits, "SILENCE", 60.0)),
@@ -201,9 +193,11 @@ _RULES: Mapping[str, Broken] = {
         "an altitude is not believed", breaks.sensor_is_healthy("altitude"), alike=as_healthy
     ),
     "above the bottom": Broken(
-        "R5: a depth kept above the bottom", _goes_as_deep_as_asked, alike=same
+        "R5: a depth kept above the bottom",
+        instead(Clearance, "_within", lambda _self, held, _bottom: held.depth),
+        alike=same,
     ),
-    "areas": Broken("R5: the mission's areas", _without_areas),
+    "areas": Broken("R5: the mission's areas", instead(core, "fences", lambda *_: ())),
     "gap": Broken("20 ms between two frames", instead(frontseat, "GAP_S", 0.0)),
     "unasked": Broken("nothing that nothing asked for", breaks.stop_every_five_seconds),
 }
