@@ -18,7 +18,8 @@ from mission.commands.unreadable import tell_unreadable
               help="How many to fly.")  # fmt: skip
 @SEED
 @click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False),
-              help="Picture to write, .png or .svg: where it comes up, and spreads.")  # fmt: skip
+              help="Picture to write, .png or .svg: where it comes up, and spreads; or .html, "
+              "with all figures.")  # fmt: skip
 @PARAMETERS
 @VEHICLE
 @AS_JSON
@@ -45,13 +46,14 @@ def rehearse(
 
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
     from mission.verification.rehearsing.flights import Flown, rehearsed
+    from mission.verification.rehearsing.page import html_page
     from mission.verification.rehearsing.picture import draw_rehearsal
     from mission.verification.rehearsing.report import as_object, as_text, report_of
     from mission.verification.workers.outcome import Lost
     from mission.verification.workers.progress import with_progress
 
-    if output is not None and output.suffix.lower() not in (".png", ".svg"):
-        raise click.UsageError(f"{output}: the suffix says what to write: .png or .svg")
+    if output is not None and output.suffix.lower() not in (".png", ".svg", ".html"):
+        raise click.UsageError(f"{output}: the suffix says what to write: .png, .svg or .html")
     try:
         given = parameters_of(parameters)
         prepared = prepare(mission, vehicle, given)
@@ -74,6 +76,11 @@ def rehearse(
     told = as_object(report, source, seed)
     click.echo(json.dumps(told) if as_json else as_text(report, source, seed))
     if output is not None:
+        name = prepared.mission.name
         with writing(output):
-            draw_rehearsal(report, flown, output, prepared.mission.name)
+            if output.suffix.lower() == ".html":
+                page = html_page(report, flown, source, seed, name)
+                output.write_text(page, encoding="utf-8")
+            else:
+                draw_rehearsal(report, flown, output, name)
     raise SystemExit(0 if report.outcomes.get("completed", 0) == flights else 1)

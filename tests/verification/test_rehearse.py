@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import shlex
 from pathlib import Path
 from random import Random
@@ -15,6 +16,7 @@ from links.simulated.settings import parse_settings
 from mission.authoring.prepare import prepare
 from mission.cli import main
 from mission.verification.rehearsing.flights import Flown, energy_of
+from mission.verification.rehearsing.page import html_page
 from mission.verification.rehearsing.report import quantile, regions, report_of, wilson
 from mission.verification.rehearsing.sea import drawn
 from mission.verification.simulation.coverage import Coverage
@@ -72,6 +74,17 @@ def test_every_figure_of_a_rehearsal_is_told(told: tuple[dict[str, object], Path
         assert isinstance(spread, list)
         assert 0.0 < spread[0] <= spread[1] <= spread[2]
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_page_has_the_picture_and_every_figure_and_loads_nothing() -> None:
+    rows = [flown(n, error=float(n), true=1.0 - n / 10.0) for n in range(4)]
+    rows.append(flown(4, outcome="emergency"))
+    made = html_page(report_of(rows), rows, "a<b", 7, "dive")
+    assert made.count("<svg") == 1
+    for says in ("4 of 5 flights completed", "coverage of mow, %", "99%", "position error, m",
+                 "auvmission simulate a&lt;b --seed 11 --set current=0.1@0"):  # fmt: skip
+        assert says in made
+    assert not re.search(r"<script|<link|src=|url\(http", made)
 
 
 def test_the_worst_flights_come_with_the_command_that_flies_them_again(

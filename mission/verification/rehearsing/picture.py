@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING
 
 from mission.verification.rehearsing.flights import Flown
 from mission.verification.rehearsing.report import Rehearsal
@@ -20,8 +20,10 @@ if TYPE_CHECKING:
 _GOOD, _BAD, _REGION = "#3b7ea1", "#c1440e", "#256f2f"
 
 
-def draw_rehearsal(made: Rehearsal, flown: Sequence[Flown], path: Path, title: str) -> None:
-    """Writes a PNG or SVG, by the suffix. Raises OSError."""
+def draw_rehearsal(
+    made: Rehearsal, flown: Sequence[Flown], to: Path | IO[bytes], title: str, format_: str = ""
+) -> None:
+    """Writes a PNG or SVG; "": by the suffix. Raises OSError."""
     import matplotlib as mpl
 
     mpl.use("Agg")
@@ -43,7 +45,7 @@ def draw_rehearsal(made: Rehearsal, flown: Sequence[Flown], path: Path, title: s
         axes.set_ylabel("flights")
     done = made.outcomes.get("completed", 0)
     figure.suptitle(f"{title}: {done} of {made.flights} flights completed", fontsize=12)
-    figure.savefig(path, dpi=110)
+    figure.savefig(to, dpi=110, format=format_ or None)
 
 
 def _map(axes: Axes, made: Rehearsal, flown: Sequence[Flown]) -> None:
