@@ -5,13 +5,16 @@ READY := .venv/.ready
 # Where that is set, every process of every test would compile all modules anew: twice the time.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test coverage proofs check lint bench compiled score campaign faults exhaustive sea docs links clean
+.PHONY: demo console browser test coverage proofs check lint bench compiled score campaign faults exhaustive sea docs links clean
 
 DATA ?= ../shared/data/trajectories
 SEED ?= 0
 
 demo: $(READY)          ## a mission from a YAML file to the vehicle and home, over real bytes
 	$(BIN)/auvmission demo
+
+console: $(READY)       ## the cockpit in a browser, with a simulated dive under way; MISSION=name, ctrl-C ends it
+	$(BIN)/auvmission console --simulate $(or $(MISSION),harbour-survey)
 
 test: $(READY)          ## every test but the long proofs; more workers than cores, since many wait for bytes
 	$(BIN)/pytest -n 4 --dist worksteal

@@ -65,7 +65,7 @@ class Vehicle:
         self._looked = Watched()
         self._look_problem = ""
         self._plan = dict(plans.EMPTY)
-        self._planned: tuple[str, tuple[str, ...]] = "", ()
+        self._planned: tuple[str, tuple[str, ...]] = ("", ())
         self._known: dict[str, dict[str, Any]] = {}  # plans that were uploaded from here
         self._mine: list[dict[str, Any]] = []
         self._began = time.monotonic()

@@ -51,6 +51,15 @@ def test_every_leg_guard_and_target_stands_on_the_picture() -> None:
     assert drawn.count("2 times \u00b7 2-4") == 1
 
 
+def test_every_card_and_frame_tells_its_state() -> None:
+    """So that a viewer can light the active one."""
+    drawn = ET.fromstring(svg(outline(chart())))
+    shown = {g.get("data-path") for g in drawn.iter(f"{SVG}g")} - {None}
+    assert shown == {
+        s.path.partition("/")[2] for s in chart().states if s.path.startswith(f"{AUTONOMOUS}/")
+    }
+
+
 def test_every_assumption_on_the_picture_has_its_own_unit() -> None:
     prepared = prepare("bottom-following", parameters={})
     assumed = {"current": 0.2, "floor": 15.0, "start": 40.0}

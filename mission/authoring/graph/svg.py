@@ -3,7 +3,8 @@
 A card is a leg: its number and name, what it does, its complete set. Under it hang its ways out
 in the order in which they are tried: the arrow downward goes on to the next leg, every other way
 leads to the right, to the name of its leg. A group is a frame; the arrow upward at its left edge
-says that it is flown again. Idle, manual and emergency stand apart at the foot (panel.py).
+says that it is flown again. Idle, manual and emergency stand apart at the foot (panel.py). Cards
+and frames have their state's path as ``data-path``, so that a viewer can light the active one.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from mission.authoring.graph.canvas import (
     arrow,
     box,
     document,
+    element,
     leader,
     line,
     text,
@@ -119,7 +121,7 @@ def _frames(layout: Layout) -> list[str]:
         for column in range(inside[0].column, inside[-1].column + 1):
             piece = [p for p in inside if p.column == column]
             x = placed.x + (column - placed.column) * (layout.column_width + GAP)
-            parts.append((placed.row.level, _frame(placed, piece, x)))
+            parts.append((placed.row.level, _named(path, _frame(placed, piece, x))))
     return [part for _, part in sorted(parts, key=lambda pair: pair[0])]
 
 
@@ -164,7 +166,12 @@ def _group_head(group: Placed) -> list[str]:
 
 
 def _cards(layout: Layout) -> list[str]:
-    return [_card(placed) for placed in layout.rows if placed.row.kind == "card"]
+    cards = (placed for placed in layout.rows if placed.row.kind == "card")
+    return [_named(placed.row.node.path, _card(placed)) for placed in cards]
+
+
+def _named(path: str, drawn: str) -> str:
+    return element("g", drawn, data_path=path.partition("/")[2])
 
 
 def _card(placed: Placed) -> str:
