@@ -15,7 +15,7 @@ import { word } from './words.js';
 /** @typedef {import('./station.js').Page} Page
  * @typedef {import('./intents.js').Intent} Intent */
 
-const SHOWN = 12;
+const SHOWN = 5;
 /** Of ``SP``, with what it is called here. @type {ReadonlyArray<readonly [string, string, string]>} */
 const LIMITS = [['radius_m', 'to_radius', 'm'], ['minutes', 'to_time', 'min'],
   ['depth_m', 'to_depth', 'm'], ['low_voltage_v', 'to_voltage', 'V']];
@@ -24,20 +24,19 @@ export class Command {
   /** @param {HTMLElement} root @param {() => Page} page */
   constructor(root, page) {
     this._page = page;
-    this._mission = new Mission(page);
     this._compare = el('dl', { class: 'compare' });
     this._confirms = this._makeConfirms();
-    const [start, clear, upload, take, leave, limits] = this._confirms.map((c) => c.button);
+    const [start, clear, take, leave, limits, upload = el('button')] = this._confirms.map((c) => c.button);
+    this._mission = new Mission(page, upload);
     this._limits = LIMITS.map(() => limitField());
     this._legend = el('legend');
     this._says = el('h2');
     this._fates = el('ul', { class: 'fates' });
     this._only = el('p', { class: 'empty' });
-    this._whole = el('div', {}, this._compare, this._mission.root,
-      el('div', { class: 'grid2' }, start, upload, clear, take, leave),
-      el('fieldset', {}, this._legend,
-        el('div', { class: 'fields' }, ...this._limits.map((f) => f.label)), limits),
-      this._says, this._fates);
+    this._whole = el('div', {}, this._compare,
+      el('div', { class: 'grid2' }, start, clear, take, leave), this._says, this._fates,
+      this._mission.root, el('fieldset', {}, this._legend,
+        el('div', { class: 'fields' }, ...this._limits.map((f) => f.label), limits)));
     root.replaceChildren(this._only, this._whole);
   }
 
@@ -49,7 +48,7 @@ export class Command {
       const name = plan?.digest === state['mission'] ? plan?.name ?? '' : '';
       return state['mission'] ? word('will_start', `${name} ${state['mission'].slice(0, 8)}`, setup.name) : '';
     };
-    const upload = () => (this._mission.chosen
+    const upload = () => (this._mission?.chosen
       ? word('will_upload', this._mission.title, on().setup.name) : '');
     const limits = () => {
       const text = this._wanted().map(([, name, unit, value]) => `${word(name)} ${value} ${unit}`);
@@ -59,11 +58,11 @@ export class Command {
     return [
       this._confirm('start', 'start', board, () => ({ digest: on().state['mission'] })),
       this._confirm('clear', 'clear', plain('will_clear'), () => ({})),
-      this._confirm('upload', 'upload', upload, () => this._mission.chosen ?? {}),
       this._confirm('take', 'take', plain('will_take'), () => ({})),
       this._confirm('release', 'leave', plain('will_release'), () => ({})),
       this._confirm('set_limits', 'say', limits, () => ({ word: 'SP', values: Object.fromEntries(
         this._wanted().map(([field, , , value]) => [field, value])) })),
+      this._confirm('upload', 'upload', upload, () => this._mission?.chosen ?? {}),
     ];
   }
 
@@ -97,13 +96,13 @@ export class Command {
     this._mission.show();
     this._showCompare();
     for (const confirm of this._confirms) confirm.show(now);
-    const [, , , take, leave] = this._confirms;
+    const [, , take, leave] = this._confirms;
     const ours = vehicle.state['command']?.is === 'us';
     if (take) take.button.hidden = ours;
     if (leave) leave.button.hidden = !ours;
     say(this._legend, word('limits'));
     this._limits.forEach((field, i) => showLimit(field, LIMITS[i], vehicle.state));
-    say(this._says, word('done'));
+    say(this._says, intents.list.length ? word('done') : '');
     showFates(this._fates, intents.list, now);
   }
 

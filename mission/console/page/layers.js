@@ -191,7 +191,7 @@ function uncertainty(pen, view, scene, inks) {
   pen.beginPath();
   for (const point of ellipse(scene.here.at, ...around)) pen.lineTo(...view.toScreen(point));
   pen.closePath();
-  pen.globalAlpha = 0.16;
+  pen.globalAlpha = 0.1;
   pen.fillStyle = scene.here.isOld ? inks.old : inks.vehicle;
   pen.fill();
   pen.globalAlpha = 1;

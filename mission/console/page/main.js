@@ -53,7 +53,7 @@ function open(setup, token) {
   const tabs = [
     new Tabs(byId('centre'), ['chart', 'legs'], 'wide-off', redraw),
     new Tabs(byId('side'), ['command', 'stick', 'checklist'], 'wide-off', redraw),
-    new Tabs(byId('tabs'), ['chart', 'status', 'legs', 'strips', 'journal', 'command', 'stick',
+    new Tabs(byId('tabs'), ['chart', 'status', 'command', 'stick', 'strips', 'journal', 'legs',
       'checklist'], 'narrow-off', redraw),
   ];
   const rooms = [

@@ -53,13 +53,12 @@ export class Margins {
     mark(shown.meter, 'data-level', is);
     shown.fill.style.width = `${(share * 100).toFixed(1)}%`;
     say(shown.name, word(name));
-    say(shown.left, left === null ? word('unknown')
-      : word(left < 0 ? 'beyond' : 'left', `${number(Math.abs(left), digits)} ${unit}`));
+    const far = left === null ? '' : `${number(Math.abs(left), digits)} ${unit}`;
+    say(shown.left, left === null ? word('unknown') : left < 0 ? word('beyond', far) : far);
     const seconds = name === 'to_time' ? null : runsOut(vehicle.strips[name] ?? []);
-    say(shown.note, [
-      limit === null ? '' : word('limit_of', `${number(limit, digits).replace(/\.0$/, '')} ${unit}`),
-      seconds === null || seconds > SOON_S ? '' : word('reaches', lasting(seconds)),
-    ].filter(Boolean).join(' · '));
+    const soon = seconds !== null && seconds < SOON_S;
+    say(shown.note, soon ? word('reaches', lasting(seconds))
+      : limit === null ? '' : word('of', `${number(limit, digits).replace(/\.0$/, '')} ${unit}`));
   }
 }
 
@@ -71,6 +70,5 @@ function row() {
     fill: el('div'),
   };
   const meter = el('div', { class: 'meter', 'aria-hidden': 'true' }, parts.fill);
-  const text = el('div', { class: 'text' }, parts.name, parts.left, parts.note);
-  return { root: el('div', { class: 'margin' }, text, meter), meter, ...parts };
+  return { root: el('div', { class: 'margin' }, parts.name, meter, parts.left, parts.note), meter, ...parts };
 }

@@ -19,14 +19,16 @@ export class Mission {
   digest = '';
   title = '';
 
-  /** @param {() => Page} page */
-  constructor(page) {
+  /** @param {() => Page} page @param {HTMLElement} upload the button that does it */
+  constructor(page, upload) {
     this._page = page;
-    this._file = el('input', { type: 'file', accept: '.yaml,.yml,.mission', class: 'wide' });
+    this._file = el('input', { type: 'file', accept: '.yaml,.yml,.mission', class: 'unseen' });
+    this._label = el('span');
     this._shipped = el('select', { class: 'wide' });
     this._says = el('p', { class: 'note', role: 'status' });
     this._name = el('legend');
-    this.root = el('fieldset', {}, this._name, el('div', { class: 'grid2' }, this._shipped, this._file),
+    this.root = el('fieldset', {}, this._name, el('div', { class: 'grid2' }, this._shipped,
+      el('label', { class: 'file' }, this._label, this._file), upload),
       this._says);
     this._file.addEventListener('change', () => this._take());
     this._shipped.addEventListener('change', () => this._choose());
@@ -37,7 +39,7 @@ export class Mission {
 
   show() {
     say(this._name, word('choose'));
-    this._file.setAttribute('aria-label', word('choose_file'));
+    say(this._label, word('choose_file'));
     this._shipped.setAttribute('aria-label', word('choose'));
     const first = this._shipped.options[0];
     if (first) say(first, word('choose_shipped'));

@@ -32,8 +32,8 @@ export class Review {
     this._root = root;
     this._page = page;
     this._play = el('button', { type: 'button', onclick: () => this._toggle() });
-    this._before = el('button', { type: 'button', onclick: () => this._jump(-1) }, '⏮');
-    this._after = el('button', { type: 'button', onclick: () => this._jump(1) }, '⏭');
+    this._before = el('button', { type: 'button', onclick: () => this._jump(-1) }, '«');
+    this._after = el('button', { type: 'button', onclick: () => this._jump(1) }, '»');
     this._speed = el('select', { onchange: () => this._run(this._chosenSpeed()) },
       ...SPEEDS.map((s) => el('option', { value: String(s) }, `${s}×`)));
     this._slider = el('input', { type: 'range', step: '0.5' });

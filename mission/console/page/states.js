@@ -12,6 +12,7 @@ import { word } from './words.js';
  * @typedef {[string, Record<string, number | null>]} Guard as written, and what it looks at now
  * @typedef {{text: string, share: number | null}} Progress */
 
+const FROM_ZERO = { elapsed: 0, travelled: 0 }; // counted from the leg's begin
 const COMPARISON = /([a-z_]+)\s*(>=|<=|>|<)\s*(-?\d+(?:\.\d+)?)/g;
 
 /**
@@ -33,11 +34,9 @@ export function progress([text, values], began) {
 export class States {
   /** @param {HTMLElement} root */
   constructor(root) {
-    this._title = el('h2');
-    this._path = el('div', { class: 'path' });
     this._rows = el('dl', { class: 'rows' });
     this._guards = el('div');
-    root.replaceChildren(this._title, this._path, this._rows, this._guards);
+    root.replaceChildren(this._rows, this._guards);
     this._leg = '';
     /** @type {Record<string, number>} */
     this._began = {};
@@ -47,14 +46,12 @@ export class States {
   show(page, now) {
     const { vehicle } = page.chosen;
     const state = vehicle.state;
-    say(this._title, word('states'));
-    say(this._path, state['leg'] || state['state'] || word('unknown'));
     /** @type {Array<[string, string]>} */
     const rows = [];
     for (const name of ['reason', 'setpoint']) if (state[name]) rows.push([word(name), state[name]]);
     showRows(this._rows, rows);
     const leg = `${vehicle.setup.id} ${state['leg']} ${state['leg_began']}`;
-    if (leg !== this._leg) [this._leg, this._began] = [leg, {}];
+    if (leg !== this._leg) [this._leg, this._began] = [leg, { ...FROM_ZERO }];
     /** @type {Guard[]} */
     const guards = state['leg_ends'] ?? [];
     for (const [, values] of guards) {

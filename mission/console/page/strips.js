@@ -28,8 +28,9 @@ const SPECS = [
   { name: 'battery', unit: 'V', least: 1 },
 ];
 const SPANS_S = [300, 1200, 3600, 0]; // 0: all
+const SHORTEST_S = 60;
 const GAP_S = 15;
-const LEFT = 96; // px, of names and numbers
+const LEFT = 112; // px, of names and numbers
 const HIGH = 40; // px, of a strip at least
 const NAMES = { ink: 'ink', soft: 'soft', grid: 'edge', line: 'track', fill: 'depths', floor: 'careful',
   paper: 'panel', at: 'target' };
@@ -91,7 +92,7 @@ export class Strips {
     const { vehicle } = page.chosen;
     const to = timeOf(vehicle, now);
     const first = Math.min(to, ...Object.values(vehicle.strips).map((s) => s[0]?.[0] ?? to));
-    const from = this._span ? to - this._span : Math.min(first, to - 60);
+    const from = Math.min(this._span ? Math.max(first, to - this._span) : first, to - SHORTEST_S);
     const wanted = SPECS.filter((s) => vehicle.strips[s.name]?.some(([, v]) => v !== null));
     const specs = wanted.slice(0, Math.max(1, Math.floor((drawn.height - 18) / HIGH)));
     const { pen, width, height } = drawn;
