@@ -49,6 +49,7 @@ export class States {
     /** @type {Array<[string, string]>} */
     const rows = [];
     for (const name of ['reason', 'setpoint']) if (state[name]) rows.push([word(name), state[name]]);
+    if (vehicle.setup.source === 'frames') rows.push([word('link'), word('thin')]);
     showRows(this._rows, rows);
     const leg = `${vehicle.setup.id} ${state['leg']} ${state['leg_began']}`;
     if (leg !== this._leg) [this._leg, this._began] = [leg, { ...FROM_ZERO }];

@@ -39,11 +39,11 @@ export const WORDS = {
   unheard: ['Nothing has been heard of the vehicle so far', '尚未收到航行器的任何数据'],
   refused_page: ['This page is not admitted: open the address that the console printed',
     '此页面未获准：请打开控制台给出的地址'],
-  ended: ['The recording is over', '回放结束'],
   read_only: ['No commands: this is a recording', '不可下令：这是回放'],
-  thin: ['By modem: what is missing here does not go through the water', '水声链路：未显示的数据无法经水传送'],
+  thin: ['by the command port alone: what is missing here does not come that way',
+    '仅经指令端口：未显示的数据无法由此传送'],
+  link: ['Link', '链路'],
   heard: ['heard', '收到'],
-  link: ['link', '链路'],
 
   // ages and numbers
   seconds: ['{0} s', '{0} 秒'],
@@ -64,9 +64,7 @@ export const WORDS = {
   roll: ['Roll', '横倾'],
   fix: ['Fix', '定位'],
   report: ['Report', '报告'],
-  position: ['Position', '位置'],
   uncertainty: ['95 % within', '95 % 半径'],
-  current: ['Current', '海流'],
   floor: ['Floor', '海底'],
 
   // chart
@@ -77,7 +75,6 @@ export const WORDS = {
   zoom_out: ['Farther', '缩小'],
   fit: ['Show all', '显示全部'],
   follow: ['Follow the vehicle', '跟随航行器'],
-  measure: ['Measure from here', '从此处测量'],
   home: ['Home', '起点'],
   target: ['Target', '目标'],
   radius: ['Radius', '半径'],
@@ -85,9 +82,6 @@ export const WORDS = {
   reckoned: ['dead reckoning for {0}', '航位推算已 {0}'],
   of_vehicle: ['from the vehicle', '距航行器'],
   of_home: ['from home', '距起点'],
-  legend_track: ['track', '航迹'],
-  legend_plan: ['plan', '计划'],
-  legend_ellipse: ['95 % ellipse', '95 % 椭圆'],
 
   // states
   states: ['State', '状态'],
@@ -100,7 +94,6 @@ export const WORDS = {
   timeout: ['Timeout', '超时'],
   mission: ['Mission', '任务'],
   no_mission: ['no mission', '无任务'],
-  started: ['Started', '开始'],
   not_started: ['not under way', '未执行'],
   legs: ['Legs', '航段'],
   status: ['State', '状态'],
@@ -118,18 +111,15 @@ export const WORDS = {
 
   // strips
   strips: ['Strips', '曲线'],
-  last: ['The last {0}', '最近 {0}'],
   all: ['All', '全部'],
 
   // journal
   journal: ['Journal', '日志'],
   search: ['Search', '搜索'],
-  newest: ['To the newest', '到最新'],
   missing: ['{0} lines are missing here', '此处缺少 {0} 行'],
   nothing: ['Nothing so far', '暂无'],
 
   // alarms
-  no_alarm: ['No alarm', '无告警'],
   silence: ['Silence', '静音'],
   silenced: ['silenced', '已静音'],
   alarms: ['Alarms', '告警'],
@@ -157,8 +147,6 @@ export const WORDS = {
   will_take: ['take command of {1}', '接管 {1}'],
   will_release: ['give up command of {1}', '交出 {1} 的指挥'],
   will_limits: ['set limits on {1}: {0}', '在 {1} 上设定限值：{0}'],
-  nothing_said: ['nothing was said', '未发送'],
-  cancel: ['Cancel', '取消'],
   sent: ['sent', '已发送'],
   acknowledged: ['acknowledged', '已确认'],
   progress: ['under way', '进行中'],
@@ -211,9 +199,7 @@ export const WORDS = {
   surge: ['Ahead', '前进'],
   turn: ['Turn', '转向'],
   heave: ['Up', '上升'],
-  dead_man: ['Dead man\'s button', '安全键'],
   held: ['held', '按住'],
-  let_go: ['let go', '松开'],
   told: ['What was sent', '已发送'],
 
   // review

@@ -1,0 +1,111 @@
+import assert from 'node:assert/strict';
+import test from 'node:test';
+
+import { Frame } from '../../../mission/console/page/geo.js';
+import { levelOf } from '../../../mission/console/page/journal.js';
+import { level } from '../../../mission/console/page/margins.js';
+import { eventNear } from '../../../mission/console/page/review.js';
+import { frameOf, routesOf, sceneOf } from '../../../mission/console/page/scene.js';
+import { Vehicle, update } from '../../../mission/console/page/state.js';
+import { progress } from '../../../mission/console/page/states.js';
+import { bounds, runs } from '../../../mission/console/page/strips.js';
+import { letter } from '../../../mission/console/page/urgent.js';
+
+test('a margin is careful within a quarter of its limit, bad within a tenth, and beyond it', () => {
+  assert.deepEqual([30, 7, 2, -1].map((left) => level(left, 30, 1).level), ['good', 'careful', 'bad', 'bad']);
+  assert.equal(level(-1, 30, 1).share, 0);
+  assert.equal(level(null, 30, 1).level, 'unknown');
+  assert.equal(level(2, null, 1).level, 'good');
+  assert.equal(level(0, null, 1).level, 'bad');
+});
+
+test('a guard has come as far as its value from the leg\'s begin to the bound', () => {
+  assert.deepEqual(progress(['depth >= 10 m', { depth: 4 }], { depth: 2 }), [{ text: 'depth 4.0', share: 0.25 }]);
+  assert.equal(progress(['altitude < 1.5', { altitude: 6 }], { altitude: 10.5 })[0].share, 0.5);
+  assert.equal(progress(['depth >= 10 m', { depth: 11 }], { depth: 2 })[0].share, 1);
+  assert.equal(progress(['depth >= 10 m', { depth: null }], { depth: 2 })[0].share, null);
+});
+
+test('each comparison of a guard is shown', () => {
+  const found = progress(['elapsed > 60 or altitude < 1.5 sure 0.9', { elapsed: 15, altitude: 3 }],
+    { elapsed: 0, altitude: 3 });
+  assert.deepEqual(found.map((p) => p.share), [0.25, 0]);
+});
+
+test('a line of a strip breaks where nothing was known, or for long', () => {
+  const samples = [[0, 1], [1, 2], [2, null], [3, 4], [30, 5]];
+  assert.deepEqual(runs(samples, 0, 40), [[[0, 1], [1, 2]], [[3, 4]], [[30, 5]]]);
+  assert.deepEqual(runs(samples, 2, 10), [[[3, 4]]]);
+});
+
+test('depth begins at the surface, and a voltage does not begin at zero', () => {
+  assert.equal(bounds([3, 8], { name: 'depth', unit: 'm', least: 2, down: true })[0], 0);
+  const [low, up] = bounds([11.9, 12.1], { name: 'battery', unit: 'V', least: 1 });
+  assert.ok(low > 11 && up < 13 && up - low >= 1);
+});
+
+test('the journal shows what somebody should look at', () => {
+  assert.equal(levelOf('41.0 s ALARM limit: depth'), 'danger');
+  assert.equal(levelOf('41.0 s warning: N to @AA'), 'warning');
+  assert.equal(levelOf('41.0 s info: now idle/ready'), null);
+});
+
+test('X and W are their letters on every keyboard', () => {
+  const of = (key, code) => letter({ key, code });
+  assert.equal(of('x', 'KeyX'), 'x');
+  assert.equal(of('X', 'KeyX'), 'x');
+  assert.equal(of('z', 'KeyW'), 'z'); // a French one: W is where W is written
+  assert.equal(of('w', 'KeyZ'), 'w');
+  assert.equal(of('ч', 'KeyX'), 'x'); // a Russian one
+  assert.equal(of('Process', 'KeyW'), 'w'); // while Chinese is written
+  assert.equal(of('é', 'Digit2'), '');
+  assert.equal(of('ArrowUp', 'ArrowUp'), '');
+});
+
+test('one jumps to what matters before and after, and not to where one stands', () => {
+  const events = [[1, 2], [10, 3], [20, 2], [30, 4]].map(([t, level]) => ({ t, level, of: '', says: '' }));
+  assert.equal(eventNear(events, 5, 1).t, 10);
+  assert.equal(eventNear(events, 10, 1).t, 30);
+  assert.equal(eventNear(events, 30.5, -1).t, 10);
+  assert.equal(eventNear(events, 5, -1), null);
+  assert.equal(eventNear([], 5, 1), null);
+});
+
+const PLAN = { digest: 'a', home: [30, 120], radius: 500, map: { features: [
+  { properties: { name: 'home', what: '' }, geometry: { type: 'Point', coordinates: [120, 30] } },
+  { properties: { name: 'rows/out', what: 'goto' }, geometry: { type: 'LineString', coordinates: [[120, 30], [120.001, 30]] } },
+] } };
+
+function vehicle(state) {
+  const made = new Vehicle({ id: '1', to: '', source: 'monitor', speed: 1 });
+  update(made, { n: 1, t: 10, state: { report_at: 9, ...state }, track: [[8, 30, 120, 1]] }, 0);
+  made.plan = PLAN;
+  return made;
+}
+
+test('the target is the end of the leg that is flown', () => {
+  const flown = vehicle({ leg: 'rows/out', latitude: 30, longitude: 120.0005, heading: 90 });
+  const scene = sceneOf(flown, frameOf(flown), 6, 0);
+  assert.ok(Math.abs(scene.target[0] - 96.5) < 0.2);
+  assert.deepEqual(scene.home, [0, 0]);
+  assert.equal(scene.radius, 500);
+  assert.equal(scene.here.isOld, false);
+  assert.deepEqual(routesOf(PLAN.map, new Frame(30, 120)).map((r) => r.name), ['rows/out']);
+});
+
+test('a vehicle whose place is not known stands where it was, and looks old', () => {
+  const lost = vehicle({ latitude: null, longitude: null, ellipse: null });
+  const { here } = sceneOf(lost, frameOf(lost), 6, 0);
+  assert.deepEqual([here.at, here.isOld, here.ellipse], [[0, 0], true, null]);
+});
+
+test('the limit that is in force is drawn, and not the mission\'s wider one', () => {
+  const tight = vehicle({ to_radius: [80, 100] });
+  assert.equal(sceneOf(tight, frameOf(tight), 6, 0).radius, 100);
+});
+
+test('where no place is known there is no chart to be wrong', () => {
+  const nowhere = new Vehicle({ id: '1', to: '', source: 'monitor', speed: 1 });
+  const scene = sceneOf(nowhere, frameOf(nowhere), 6, 0);
+  assert.deepEqual([scene.hasPlace, scene.here, scene.home, scene.routes], [false, null, null, []]);
+});
