@@ -39,7 +39,7 @@ KINDS = {
     "html": "text/html", "js": "text/javascript", "css": "text/css", "svg": "image/svg+xml",
     "png": "image/png",
 }  # fmt: skip
-STALE = {"intent": FRESH_S, "report": REPORT_S, "fix": FIX_S, "silent": SILENT_S}
+STALE = {"intent": FRESH_S, "report": REPORT_S, "fix": FIX_S, "silence": SILENT_S}
 Shown = Vehicle | Recorded
 Serve = Callable[[WebSocket, Any], Awaitable[None]]
 
