@@ -12,7 +12,7 @@
  * @typedef {{intent: number, report: number, fix: number, silence: number}} Stale s
  * @typedef {[number, number, number, number | null]} Point t, latitude, longitude, depth
  * @typedef {{n: number, t: number, state?: Record<string, any>, events?: string[],
- *   plan?: string[], track?: Point[], gap?: number}} Frame
+ *   track?: Point[], gap?: number}} Frame
  * @typedef {{digest: string, name: string, vehicle: string, text: string, lines: number,
  *   svg: string, map: any, home: [number, number] | null, radius: number | null,
  *   problem: string}} Plan

@@ -59,10 +59,10 @@ export class Station {
   /** @param {import('./state.js').Frame} frame */
   _heard(frame) {
     this.problem = '';
-    const before = this.vehicle.state['mission'];
+    const before = this.vehicle.state['plan'];
     update(this.vehicle, frame, now());
-    const on = this.vehicle.state['mission'];
-    if (on !== before || (on && this.vehicle.plan?.digest !== on && frame.n === 1)) this._askPlan();
+    const on = this.vehicle.state['plan'] ?? '';
+    if (on !== (before ?? '') || (frame.n === 1 && on !== (this.vehicle.plan?.digest ?? ''))) this._askPlan();
     this._unshown = frame.n;
     if (document.hidden) this.shown();
     this._changed();
@@ -82,11 +82,11 @@ export class Station {
   }
 
   async _askPlan() {
-    const wanted = this.vehicle.state['mission'];
+    const wanted = this.vehicle.state['plan'];
     const id = encodeURIComponent(this.vehicle.setup.id);
     try {
       const plan = await ask(`/api/vehicles/${id}/plan`, this._token);
-      if (wanted === this.vehicle.state['mission']) this.vehicle.plan = plan.digest ? plan : null;
+      if (wanted === this.vehicle.state['plan']) this.vehicle.plan = plan.digest ? plan : null;
     } catch {
       this.vehicle.plan = null; // the next change, or the next snapshot, asks again
     }
