@@ -238,7 +238,7 @@ def _simulated(
             events.ignore()
             _begin(to, prepared, click.echo)
             name = f"simulated {Path(named).stem}"
-            yield Given(name, to, _beside(to), vehicle, speed, points)
+            yield Given(name, to, _beside(to), vehicle, speed, points, simulated=True)
     except (DemoError, OperatorError) as error:
         _end(str(error), 1)
 

@@ -28,6 +28,7 @@ class Recorded:
             "to": "",
             "source": "recording",
             "under_water": False,
+            "simulated": False,
             "speed": 1.0,
             "checklist": [],
         }

@@ -46,6 +46,7 @@ class Given:
     vehicle: str | None = None
     speed: float = 1.0
     checklist: tuple[str, ...] = ()
+    simulated: bool = False
 
 
 class Vehicle:
@@ -92,6 +93,7 @@ class Vehicle:
             "to": self.given.to,
             "source": "frames" if self._looks else "monitor",
             "under_water": self.under_water,
+            "simulated": self.given.simulated,
             "speed": self.given.speed,
             "checklist": list(self.given.checklist),
         }

@@ -67,10 +67,10 @@ export class Bar {
 
 /** @param {Station} station */
 export function kindOf(station) {
-  const { source, under_water: wet, speed } = station.vehicle.setup;
+  const { source, under_water: wet, simulated } = station.vehicle.setup;
   if (source === 'recording') return 'review';
   if (wet) return 'modem';
-  return speed !== 1 ? 'simulation' : 'live';
+  return simulated ? 'simulation' : 'live';
 }
 
 /** @param {Station} station @param {number} now ms */

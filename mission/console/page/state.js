@@ -8,7 +8,7 @@
 
 /**
  * @typedef {{id: string, name: string, to: string, source: 'monitor' | 'frames' | 'recording',
- *   under_water: boolean, speed: number, checklist: string[]}} Setup
+ *   under_water: boolean, simulated: boolean, speed: number, checklist: string[]}} Setup
  * @typedef {{intent: number, report: number, fix: number, silence: number}} Stale s
  * @typedef {[number, number, number, number | null]} Point t, latitude, longitude, depth
  * @typedef {{n: number, t: number, state?: Record<string, any>, events?: string[],
