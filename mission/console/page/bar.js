@@ -5,7 +5,7 @@
 
 import { el, mark, say } from './dom.js';
 import { ago, clock } from './format.js';
-import { age, isHung, isLive, silence } from './state.js';
+import { age, isOld, silence } from './state.js';
 import { word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page
@@ -27,20 +27,19 @@ export class Bar {
   show(page, now) {
     const { vehicle } = page.chosen;
     this._showVehicles(page);
-    const hung = isHung(vehicle, now);
     const quiet = silence(vehicle, now);
-    const isOld = hung || (isLive(vehicle) && (quiet === null || quiet > page.stale.silence));
+    const old = isOld(vehicle, page.stale.silence, now) ? '' : null;
     const state = vehicle.state['state'];
     say(this._state, state || word('unknown'));
     mark(this._state, 'data-level', /^emergency/.test(state ?? '') ? 'bad' : null);
-    mark(this._state, 'data-old', isOld ? '' : null);
+    mark(this._state, 'data-old', old);
     const kind = kindOf(page.chosen);
     say(this._source, word(kind));
     mark(this._source, 'data-kind', kind);
-    mark(this._source, 'data-old', isOld ? '' : null);
+    mark(this._source, 'data-old', old);
     say(this._mission, missionText(page.chosen, now));
     say(this._commander, commander(page.chosen));
-    say(this._heard, ago(hung && quiet === null ? null : quiet ?? 0));
+    say(this._heard, ago(quiet));
   }
 
   /** @param {Page} page */

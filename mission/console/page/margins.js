@@ -58,7 +58,7 @@ export class Margins {
     const seconds = name === 'to_time' ? null : runsOut(vehicle.strips[name] ?? []);
     const soon = seconds !== null && seconds < SOON_S;
     say(shown.note, soon ? word('reaches', lasting(seconds))
-      : limit === null ? '' : word('of', `${number(limit, digits).replace(/\.0$/, '')} ${unit}`));
+      : limit === null || (left ?? 0) < 0 ? '' : word('of', `${number(limit, digits).replace(/\.0$/, '')} ${unit}`));
   }
 }
 

@@ -165,6 +165,13 @@ export function freshness(vehicle, value, at, stale, now) {
   return old > late || isHung(vehicle, now) ? 'old' : 'fresh';
 }
 
+/** Is what is shown of another time than now? @param {Vehicle} vehicle
+ * @param {number} stale s of silence @param {number} now ms */
+export function isOld(vehicle, stale, now) {
+  const quiet = silence(vehicle, now);
+  return isHung(vehicle, now) || (isLive(vehicle) && (quiet === null || quiet > stale));
+}
+
 /** Can it be commanded? @param {Vehicle} vehicle */
 export function isLive(vehicle) {
   return vehicle.setup.to !== '' && vehicle.setup.source !== 'recording';

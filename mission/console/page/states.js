@@ -5,7 +5,7 @@
 
 import { el, mark, say } from './dom.js';
 import { clock, number } from './format.js';
-import { age } from './state.js';
+import { age, isOld } from './state.js';
 import { word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page
@@ -34,6 +34,7 @@ export function progress([text, values], began) {
 export class States {
   /** @param {HTMLElement} root */
   constructor(root) {
+    this._root = root;
     this._rows = el('dl', { class: 'rows' });
     this._guards = el('div');
     root.replaceChildren(this._rows, this._guards);
@@ -46,6 +47,7 @@ export class States {
   show(page, now) {
     const { vehicle } = page.chosen;
     const state = vehicle.state;
+    mark(this._root, 'data-old', isOld(vehicle, page.stale.silence, now) ? '' : null);
     /** @type {Array<[string, string]>} */
     const rows = [];
     for (const name of ['reason', 'setpoint']) if (state[name]) rows.push([word(name), state[name]]);

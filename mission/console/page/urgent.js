@@ -67,7 +67,7 @@ export class Urgent {
       const { button, what, whom, became } = this._shown[order];
       button.toggleAttribute('disabled', !isLive(vehicle));
       say(what, word(order));
-      say(whom, isLive(vehicle) ? vehicle.setup.name : word('read_only'));
+      say(whom, isLive(vehicle) ? vehicle.setup.name : word('review'));
       say(became, this._became(page, order, now));
     }
   }

@@ -48,7 +48,7 @@ export class Values {
     const known = freshness(vehicle, around, 'report_at', page.stale.report, now);
     const since = typeof vehicle.state['report_at'] === 'number'
       ? timeOf(vehicle, now) - vehicle.state['report_at'] : null;
-    this._put('uncertainty', known, number(around, 0), 'm', since);
+    this._put('uncertainty', known, number(around, 0), 'm', around === null ? null : since);
   }
 
   /** @param {string} name @param {import('./state.js').Freshness} is @param {string} text
