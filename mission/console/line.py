@@ -102,17 +102,16 @@ class Line:
         assert job.done is not None
         if urgent:
             self._give_way()
-            self._waiting.appendleft(job)
-        else:
-            self._waiting.append(job)
+        self._waiting.append(job)
         self._stir.set()
         return await job.done
 
     def _give_way(self) -> None:
-        """What is being said breaks off."""
-        if self._job is not None:
-            _fail(self._job, "broken off by an order; it may or may not have been done")
-            self._job = None
+        """What is being said breaks off, and what waits is not said: an older order neither."""
+        _fail(self._job, "broken off by an order; it may or may not have been done")
+        self._job = None
+        while self._waiting:
+            _fail(self._waiting.popleft(), "not said: an order came before it")
 
     async def renew(self) -> None:
         """The next connection is open before this one is closed: the vehicle takes it for somebody

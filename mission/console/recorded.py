@@ -19,7 +19,8 @@ class Recorded:
         self.ident, self.name, self.recording = ident, name, recording
         self.board = Board()
         self._vehicle = vehicle
-        self._plan, self._planned = dict(plans.EMPTY), tuple[str, ...]()
+        self._plan = dict(plans.EMPTY)
+        self._planned: tuple[str, ...] | None = None
 
     def about(self) -> dict[str, Any]:
         return {

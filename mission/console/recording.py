@@ -92,8 +92,9 @@ class Recording:
         if t < self.t:
             self._playback, self.watched, self.t = Playback(self._records), Watched(), 0.0
         while self.t < t and not self._over and self._wanted is None:
-            self.t = min(t, self.t + STRIDE_S)
-            self._take(self._playback.until(self.t))
+            then = min(t, self.t + STRIDE_S)
+            self._take(self._playback.until(then))
+            self.t = then
         if t == 0.0:
             self._take(self._playback.until(0.0))
 

@@ -66,7 +66,7 @@ class Vehicle:
         self._looked = Watched()
         self._look_problem = ""
         self._plan = dict(plans.EMPTY)
-        self._planned: tuple[str, tuple[str, ...]] = ("", ())
+        self._planned: tuple[str, tuple[str, ...]] | None = None
         self._known: dict[str, dict[str, Any]] = {}  # plans that were uploaded from here
         self._mine: list[dict[str, Any]] = []
         self._began = time.monotonic()
@@ -227,7 +227,7 @@ class Vehicle:
 
     def uploaded(self, plan: Mapping[str, Any]) -> None:
         self._known[plan["digest"]] = dict(plan)
-        self._planned = ("", ())
+        self._planned = None
 
 
 def _rounded(value: float | None) -> float | None:

@@ -1,0 +1,137 @@
+"""Review: a recording under the page's hand, in the same frames as a vehicle."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+
+import pytest
+from console_world import Console, Page, console
+from websockets.sync.client import ClientConnection
+
+from mission.authoring.prepare import prepare
+from mission.console.board import Board
+from mission.console.recorded import Recorded
+from mission.console.recording import Recording
+from mission.model import Record
+from mission.onboard.runtime.records import ListRecorder
+from mission.topside.monitor import Watched
+from mission.verification.simulation.flight import fly
+
+
+@pytest.fixture(scope="module")
+def records() -> list[Record]:
+    prepared, recorder = prepare("float-test"), ListRecorder()
+    fly(prepared.mission, prepared.vehicle, recorder=recorder)
+    return recorder.records
+
+
+@pytest.fixture
+def review(records: list[Record]) -> Iterator[Console]:
+    def made() -> list[Recorded]:
+        return [Recorded("1", "dive.mcap", Recording(records), None)]
+
+    with console(made) as running:
+        yield running
+
+
+def says(socket: ClientConnection, **word: object) -> None:
+    socket.send(json.dumps(word))
+
+
+def test_a_recording_stands_goes_to_a_time_and_back(review: Console) -> None:
+    with review.socket("frames") as frames, review.socket("review") as hand:
+        page = Page(frames)
+        says(hand, do="pause")
+        page.until(lambda s: s.get("review") and not s["review"]["playing"], "standing")
+        end = page.state["review"]["end"]
+        says(hand, do="seek", t=end)
+        page.until(lambda s: s.get("state") == "idle/ready" and page.t == end, "the end")
+        assert len(page.track) > 20
+        assert any("autonomous/up" in line or "entry of up" in line for line in page.events)
+        before = page.snapshots
+        says(hand, do="seek", t=1.0)
+        page.until(lambda _: page.t == 1.0, "back")
+        assert page.snapshots > before
+        assert str(page.state["state"]).startswith("idle")
+        assert all(point[0] <= 1.0 for point in page.track)
+
+
+def test_it_plays_as_fast_as_it_is_told(review: Console) -> None:
+    with review.socket("frames") as frames, review.socket("review") as hand:
+        page = Page(frames)
+        says(hand, do="play", speed=100)
+        page.until(lambda s: s.get("review") and s["review"]["speed"] == 100.0, "the speed")
+        page.until(lambda s: s["review"]["end"] <= page.t, "the end")
+        page.until(lambda s: not s["review"]["playing"], "it stands at the end")
+
+
+def test_its_events_are_there_to_jump_to_and_its_plan_is_shown(review: Console) -> None:
+    events = review.get("/api/vehicles/1/events")
+    assert [e["t"] for e in events] == sorted(e["t"] for e in events)
+    assert any(e["says"].startswith("now autonomous/") for e in events)
+    with review.socket("frames") as frames, review.socket("review") as hand:
+        page = Page(frames)
+        says(hand, do="seek", t=events[-1]["t"])
+        page.until(lambda s: s.get("plan"), "the plan")
+        assert review.get("/api/vehicles/1/plan")["name"] == "float-test"
+
+
+def test_nobody_can_be_told_anything(review: Console) -> None:
+    (about,) = review.get("/api/setup")["vehicles"]
+    assert (about["source"], about["to"]) == ("recording", "")
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.5, 101.0, math.nan])
+def test_a_speed_that_there_is_not_is_refused(records: list[Record], speed: float) -> None:
+    with pytest.raises(ValueError, match="from 1 to 100"):
+        Recording(records).play(speed)
+
+
+def test_what_is_no_recording_is_refused() -> None:
+    with pytest.raises(ValueError, match="no whole start record"):
+        Recording([])
+
+
+# --- the board ------------------------------------------------------------------------------------
+
+
+def frame(board: Board, watched: Watched, t: float) -> dict[str, object]:
+    said = board.frame("a", watched, {"wall": t}, t, t)
+    return dict(json.loads(said)) if said else {}
+
+
+def test_a_vehicle_that_begins_anew_is_a_new_snapshot_for_every_page() -> None:
+    board, watched = Board(), Watched()
+    board.come("a", 0.0)
+    watched.take({"n": 1, "t": 100.0, "state": {"depth": 3.0}, "track": [[99.0, 1, 2, 3]]}, 0.0)
+    assert frame(board, watched, 100.0)["n"] == 1
+    board.answer("a", 1, 100.0)
+    watched.take({"n": 1, "t": 0.5, "state": {"depth": 0.1}, "track": [[0.4, 1, 2, 0]]}, 0.5)
+    again = frame(board, watched, 101.0)
+    assert (again["n"], again["track"]) == (1, [[0.4, 1, 2, 0]])
+
+
+def test_an_answer_to_what_was_before_is_no_answer() -> None:
+    board, watched = Board(), Watched()
+    board.come("a", 0.0)
+    watched.take({"n": 1, "t": 1.0, "state": {"depth": 3.0}}, 0.0)
+    frame(board, watched, 1.0)
+    board.answer("a", 7, 1.0)
+    assert not board.is_due("a", 5.0)
+    board.answer("a", 1, 1.0)
+    assert board.is_due("a", 5.0)
+
+
+def test_a_track_that_is_told_again_is_shown_once() -> None:
+    """As a monitor does when the link was lost and is back."""
+    board, watched = Board(), Watched()
+    board.come("a", 0.0)
+    track = [[float(t), 1, 2, 3] for t in range(5)]
+    watched.take({"n": 1, "t": 5.0, "track": track}, 0.0)
+    first = frame(board, watched, 5.0)
+    watched.take({"n": 1, "t": 6.0, "track": [*track, [5.0, 1, 2, 3]]}, 1.0)
+    board.answer("a", 1, 5.0)
+    second = frame(board, watched, 6.0)
+    assert (first["track"], second["track"]) == (track, [[5.0, 1, 2, 3]])
