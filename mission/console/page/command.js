@@ -28,6 +28,7 @@ export class Command {
     this._confirms = this._makeConfirms();
     const [start, clear, take, leave, limits, upload = el('button')] = this._confirms.map((c) => c.button);
     this._mission = new Mission(page, upload);
+    for (const button of [take, leave, limits, upload]) button?.classList.add('wide');
     this._limits = LIMITS.map(() => limitField());
     this._legend = el('legend');
     this._says = el('h2');
@@ -102,7 +103,8 @@ export class Command {
     if (leave) leave.button.hidden = !ours;
     say(this._legend, word('limits'));
     this._limits.forEach((field, i) => showLimit(field, LIMITS[i], vehicle.state));
-    say(this._says, intents.list.length ? word('done') : '');
+    say(this._says, word('done'));
+    this._says.hidden = intents.list.length === 0;
     showFates(this._fates, intents.list, now);
   }
 

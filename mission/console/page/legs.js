@@ -11,6 +11,7 @@ import { word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page */
 
+const LARGER = 1.5; // than drawn, where there is room
 const SVG = 'http://www.w3.org/2000/svg';
 const ELEMENTS = new Set(['svg', 'g', 'rect', 'path', 'text', 'tspan', 'line', 'circle', 'ellipse',
   'polygon', 'polyline', 'title', 'desc']);
@@ -71,7 +72,11 @@ export class Legs {
 /** @param {string} text @returns {Element | null} null: it is no drawing */
 export function picture(text) {
   const read = new DOMParser().parseFromString(text, 'image/svg+xml').documentElement;
-  return read.localName === 'svg' && read.namespaceURI === SVG ? copy(read) : null;
+  if (read.localName !== 'svg' || read.namespaceURI !== SVG) return null;
+  const made = /** @type {SVGElement} */ (copy(read));
+  const width = parseFloat(read.getAttribute('width') ?? '') || 600;
+  made.style.width = `max(${width}px, min(100%, ${width * LARGER}px))`;
+  return made;
 }
 
 /** @param {Element} from @returns {Element} */

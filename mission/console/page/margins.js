@@ -54,7 +54,8 @@ export class Margins {
     shown.fill.style.width = `${(share * 100).toFixed(1)}%`;
     say(shown.name, word(name));
     const far = left === null ? '' : `${number(Math.abs(left), digits)} ${unit}`;
-    say(shown.left, left === null ? word('unknown') : left < 0 ? word('beyond', far) : far);
+    const none = name === 'to_time' && !vehicle.state['mission_began'] ? 'not_started' : 'unknown';
+    say(shown.left, left === null ? word(none) : left < 0 ? word('beyond', far) : far);
     const seconds = name === 'to_time' ? null : runsOut(vehicle.strips[name] ?? []);
     const soon = seconds !== null && seconds < SOON_S;
     say(shown.note, soon ? word('reaches', lasting(seconds))

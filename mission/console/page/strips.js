@@ -30,7 +30,7 @@ const SPECS = [
 const SPANS_S = [300, 1200, 3600, 0]; // 0: all
 const SHORTEST_S = 60;
 const GAP_S = 15;
-const LEFT = 112; // px, of names and numbers
+const LEFT = 118; // px, of names and numbers
 const HIGH = 40; // px, of a strip at least
 const NAMES = { ink: 'ink', soft: 'soft', grid: 'edge', line: 'track', fill: 'depths', floor: 'careful',
   paper: 'panel', at: 'target' };
