@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 from mission.engine import (
+    core,
     engine,
     limits,
     orders,
