@@ -54,7 +54,7 @@ def fly(
     sea = simulated(flown, seed, settings, position=home_of(mission))
     program = Program(flown, FillableStore(stored), START.timestamp(), lambda: recorder)
     operator = Operator(lines or script(mission), digest(mission), said)
-    with uncollected():  # the collector finds nothing, and takes 2 % of a flight
+    with uncollected():  # the collector finds nothing: tests/bench/bench_tricks.py
         flight = _Flight(mission, sea, program, operator)
         begun = time.perf_counter()
         flight.run()
