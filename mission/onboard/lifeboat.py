@@ -66,6 +66,8 @@ class Climb:
         self._start: float | None = None
         self._since, self._due, self._left = now, now, TIMES
         self._depth, self._heard = math.nan, -math.inf
+        self._first: float | None = None
+        self._moves = False  # a depth that never changes proves no surface
         self._shallow: float | None = None
         self._deep = 0
 
@@ -79,18 +81,23 @@ class Climb:
         return self._ways[0] if self._climbs else ()
 
     def hear(self, depth: float, now: float) -> None:
-        self._depth, self._heard = depth, now
+        silent, self._heard, self._depth = now - self._heard > STALE_S, now, depth
         self._start = depth if self._start is None else self._start
         self._deep = self._deep + 1 if depth > DEEP_M else 0
-        if depth >= SHALLOW_M:
-            self._shallow = None
-        elif self._shallow is None:
-            self._shallow = now
-        at_surface = self._shallow is not None and now - self._shallow >= SHALLOW_S
-        if self._climbs and at_surface:
+        if self._climbs and self._at_surface(depth, now, silent):
             self._change(False, now)
         elif not self._climbs and self._deep >= DEEP_REPORTS:
             self._change(True, now)
+
+    def _at_surface(self, depth: float, now: float, silent: bool) -> bool:
+        """R7: 6 s of shallow depth, no silence among them, and it has changed since the start."""
+        self._first = depth if self._first is None else self._first
+        self._moves = self._moves or depth != self._first
+        if depth >= SHALLOW_M or not self._moves:
+            self._shallow = None
+        elif self._shallow is None or silent:
+            self._shallow = now
+        return self._shallow is not None and now - self._shallow >= SHALLOW_S
 
     def words(self, now: float) -> Way:
         """What is due."""

@@ -57,12 +57,32 @@ def test_what_makes_the_depth_fall_is_kept_and_ends_at_the_surface_with_a_stop()
 
 
 def test_six_seconds_of_shallow_depth_are_the_surface_and_five_are_not() -> None:
-    climb = Climb(Plan(), 0.0)
+    climb = Climb(Plan(), -1.0)
+    climb.hear(0.6, -1.0)
     for t in (0.0, 2.0, 4.0, 5.9):
         climb.hear(0.2, t)
     assert climb.words(5.9) == (X, U)
     climb.hear(0.2, 6.0)
     assert climb.words(6.0) == (X,)
+
+
+def test_for_the_last_way_up_a_depth_that_never_changes_is_no_surface() -> None:
+    """Nobody saw it before: it may have got stuck there."""
+    climb = Climb(Plan(), 0.0)
+    assert said(climb, 39.0, 0.2, 0.0) == [(X, U), (X,), (W,), (X, U)]
+    for t in (40.0, 42.0, 44.0, 46.0):
+        climb.hear(0.21, t)
+    assert climb.words(46.0) == (X,)
+
+
+def test_for_the_last_way_up_what_was_shallow_before_a_silence_is_no_surface() -> None:
+    climb = Climb(Plan(), 0.0)
+    for t, depth in ((0.0, 0.6), (2.0, 0.2), (8.1, 0.2)):
+        climb.hear(depth, t)
+    assert climb.words(8.1) == (X, U)
+    for t in (10.1, 12.1, 14.1):
+        climb.hear(0.2, t)
+    assert climb.words(14.1) == (X,)
 
 
 def test_at_rest_it_stops_and_turns_no_thruster_until_three_reports_say_deep() -> None:

@@ -42,6 +42,7 @@ _FALL = 10, 0.05  # s and m: no way makes the depth fall
 _FIRST = 3.0  # s until an upward word has left: three tries, and the X0 before U12
 _ROUND = 50.0  # s: three ways of 10 s, D12, and a turn in which it fell
 _OVERTURNED_ROUND = 110.0  # s: D12 comes once a minute, behind the last way
+_TELL = 3  # reports of which three agree on a roll
 _SHALLOW = 1.5  # m: so near to the surface nothing need be tried
 _NOT_LIFTED = 60.0  # s: a round, and 10 s more
 _UPRIGHT, _OVERTURNED = math.radians(60.0), math.radians(130.0)
@@ -140,6 +141,7 @@ def _missing(story: Story, begin: float, end: float) -> list[str]:
     seconds = int(end - begin)
     over = sum(story.tilt(begin + i) > _OVERTURNED for i in range(seconds)) > _MOSTLY * seconds
     over = over and not story.faulty(("attitude_", "roll_"), begin, end)
+    over = over and len(story.told_in(begin, end)) > _TELL
     missing = [word.decode() for word in UPWARD_WORDS if word not in sent and not over]
     if not any(_lets_go(story, word.t) for word in words if word.data == STOP_WORD):
         missing.append("letting go")

@@ -110,6 +110,14 @@ def unknown_and_heavy(settings: Settings, end: float) -> int:
     )
 
 
+def untamed(settings: Settings, end: float) -> int:
+    """s until ``end`` in which a board dives by itself until it hears U12, and no depth tells: at
+    rest, where an unknown depth turns nothing, X alone is said (R7)."""
+    dives = [f for f in settings.faults if f.name == "dives_until_up"]
+    seconds = {t for f in dives for t in range(int(f.begin), int(min(fault_ends(f), end)))}
+    return sum(unknown(settings, float(t)) for t in seconds)
+
+
 def auto_closed(events: Sequence[Event]) -> Iterator[tuple[float, float]]:
     """From when to when node AUTO is closed: acknowledged, and not opened, nor begun anew."""
     since: float | None = None

@@ -66,6 +66,7 @@ from mission.verification.campaign.excuses import (
     obeys_no_stop,
     unknown,
     unknown_and_heavy,
+    untamed,
 )
 from mission.verification.campaign.obedience import ignored
 from mission.verification.rig.acts import Act
@@ -251,6 +252,7 @@ def _dive(settings: Settings, profile: str, trial: Trace) -> float:
             seconds += ROUND
     end = trial.truth.t
     seconds += helpless(settings, profile, end) + unknown_and_heavy(settings, end)
+    seconds += untamed(settings, end)
     seconds += len(_acts(trial, Act.KILL)) * (DOWN + UNPROVED)
     pulled = zip(_acts(trial, Act.UNPLUG), _acts(trial, Act.PLUG), strict=False)
     seconds += sum(plug - unplug + UNPROVED for unplug, plug in pulled)

@@ -181,6 +181,9 @@ def _blind(story: Story, begin: float, end: float) -> Iterator[Violation]:
         under = min(story.depth(t) for t in (fault.begin - 6.0, fault.begin, known)) > _UNDER
         alone = len(story.faults(("depth_",), fault.begin - 10.0, until)) == 1
         told = len(story.told_in(fault.begin, known)) > 3
+        turns = all(r.turning for r in story.reports if fault.begin <= r.t <= known)
+        if frozen and not turns:
+            continue  # R5: it repeats while a thruster turns
         if until > known and under and alone and told and not story.hindered(fault.begin, known):
             yield Violation(UNANSWERED, known, "under water without a depth, and still autonomous")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+from collections import Counter
 
 import pytest
 from click.testing import CliRunner
@@ -143,6 +144,13 @@ def test_all_scenes_are_drawn_some_with_something_else_beside() -> None:
     beside = [p for p in plans if p.scene == "auto_closed"]
     assert 0 <= len(alone) < len(beside)
     assert stage("heavy_for_ever", 3) == stage("heavy_for_ever", 3)
+
+
+def test_three_hundred_flights_of_any_seed_have_nearly_every_scene_in_them() -> None:
+    for seed in (1, 12, 71):
+        seen = Counter(draw(seed, number, KNOWN).scene for number in range(300))
+        assert len(set(SCENES) - set(seen)) <= 2
+        assert max(seen[scene] for scene in SCENES) <= 6
 
 
 def test_what_notices_is_a_flight_that_the_whole_program_flies_well() -> None:

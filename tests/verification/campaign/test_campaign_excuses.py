@@ -14,6 +14,7 @@ from mission.verification.campaign.audit import audit
 from mission.verification.campaign.calm import alarms, calm
 from mission.verification.campaign.excuses import (
     auto_closed,
+    doubted_at_rest,
     helpless,
     left,
     lift,
@@ -21,6 +22,7 @@ from mission.verification.campaign.excuses import (
     obeys_no_stop,
     unknown,
     unknown_and_heavy,
+    untamed,
 )
 from mission.verification.campaign.faults import shipped, subjects
 from mission.verification.rig.acts import Act
@@ -87,6 +89,27 @@ def test_only_behind_a_depth_that_was_wrong_is_what_sinks_left_to_a_third_of_the
     heavy = "fault=heavy=40@10+20"
     assert unknown_and_heavy(parse_settings([heavy]), 100.0) == 0
     assert unknown_and_heavy(parse_settings([heavy, "fault=depth_stuck@20+5"]), 100.0) == 10
+
+
+def test_a_board_that_obeys_u12_alone_is_let_dive_only_while_no_depth_tells():
+    dives = "fault=dives_until_up@10+20"
+    assert untamed(parse_settings([dives]), 100.0) == 0
+    assert untamed(parse_settings([dives, "fault=depth_frozen@5+20"]), 100.0) == 20
+    assert untamed(parse_settings([dives, "fault=depth_frozen@5+20"]), 15.0) == 5
+    assert untamed(parse_settings(["fault=depth_frozen@5+20"]), 100.0) == 0
+
+
+@pytest.mark.parametrize(
+    ("fault", "doubted"),
+    [
+        ("depth_full_scale@10+20", False),
+        ("depth_full_scale@10+200", True),
+        ("depth_frozen@10+20", True),
+        ("altitude_frozen@10+20", False),
+    ],
+)
+def test_a_depth_that_said_garbage_is_known_again_a_minute_later(fault, doubted):
+    assert doubted_at_rest(parse_settings([f"fault={fault}"]), 200.0) is doubted
 
 
 def said(t: float, data: bytes) -> Said:
