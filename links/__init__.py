@@ -91,7 +91,12 @@ LINKS: dict[str, LinkRow] = {
         "acoustic://bay?range=1000&rate=1000&loss=0.1",
         ("range", "rate", "loss", "errors", "seed"),
     ),
-    "can": LinkRow("links.can", "can://can0?bitrate=500000", ("interface", "bitrate"), "bitrate"),
+    "can": LinkRow(
+        "links.can",
+        "can://can0?bitrate=500000",
+        ("interface", "bitrate", "sensors", "baud"),
+        "bitrate",
+    ),
 }
 
 

@@ -8,6 +8,8 @@ Only standard data frames (11-bit identifier, at most 8 bytes) are carried: remo
 and FD frames are counted in ``skipped``. python-can is an extra (auvmission[can]) and is imported
 when a bus is opened; its ``virtual`` interface connects programs' links within one process.
 
+``sensors=/dev/ttyUSB1`` joins a serial line to the bus, at ``baud`` (links.joined).
+
 What does not live here: what identifiers mean (protocol).
 """
 
@@ -16,9 +18,12 @@ from __future__ import annotations
 from typing import Any
 
 from links import Address, LinkAddressError
-from links.base import LinkAbsent, LinkClosed, LinkError, Rx
+from links.base import Link, LinkAbsent, LinkClosed, LinkError, Rx
+from links.joined import JoinedLink
+from links.serial import SerialLink
 
 BITRATE = 500_000  # bit/s (R16)
+SENSORS_BAUD = 115_200  # bit/s, of the serial line beside the bus
 MOST_AT_ONCE = 4096  # frames per receive: a flooded bus must not hold up the loop
 _HEAD = 3
 _STANDARD = 0x7FF
@@ -119,9 +124,23 @@ def settings(address: Address) -> tuple[str, str, int]:
         raise LinkAddressError(f"{address.url}: name the bus, e.g. can://can0")
     interface = address.options.get("interface", "socketcan")
     bitrate = int(address.number("bitrate", BITRATE, 10_000, 1_000_000))
+    _baud(address)
     return channel, interface, bitrate
 
 
-def open_url(name: str, address: Address) -> CanLink:
+def _baud(address: Address) -> int:
+    """Of the line beside the bus."""
+    return int(address.number("baud", SENSORS_BAUD, 300, 4_000_000))
+
+
+def open_url(name: str, address: Address) -> Link:
     channel, interface, bitrate = settings(address)
-    return CanLink(name, channel, interface=interface, bitrate=bitrate)
+    device = address.options.get("sensors")
+    if device is None:
+        return CanLink(name, channel, interface=interface, bitrate=bitrate)
+    line = SerialLink(name, device, _baud(address))
+    try:
+        return JoinedLink(name, CanLink(name, channel, interface=interface, bitrate=bitrate), line)
+    except LinkError:
+        line.close()
+        raise

@@ -18,7 +18,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from links.simulated.boards import BOARDS, SimulatedBoard
+from links.simulated.boards import BOARDS, ON_BUS, SimulatedBoard
 from protocol.codec import CannotEncode
 from protocol.examples import examples
 from protocol.fields import BinaryFrame, FrameType, Number, Raw
@@ -40,12 +40,13 @@ UP = {
     "coreboard.MAIN_TO_PC": "coreboard",
     "rov.UP": "rov",
     "robot.UP": "robot",
+    "coreboard.SENSOR_TO_MAIN": "mainboard",
 }
 DOWN = {"coreboard.PC_TO_MAIN": "coreboard", "rov.DOWN": "rov", "robot.DOWN": "robot"}
 DOWN |= {"coreboard.CAN_FORCE": "motorcan", "coreboard.CAN_TORQUE": "motorcan", "auv.ZA": "auv"}
+DOWN |= {"coreboard.MAIN_TO_SENSOR": "mainboard"}
 TOOLS = "`decode`, `listen`"
 BY_HAND = "`encode`, `send --port`"
-BETWEEN_BOARDS = ("coreboard.MAIN_TO_SENSOR", "coreboard.SENSOR_TO_MAIN")
 NOBODY = {  # fields that nothing of ours asks for or sets, and why
     "coreboard.MAIN_TO_PC": {"reserved50": "kept as it comes", "reserved83": "kept as it comes"},
     "coreboard.PC_TO_MAIN": {
@@ -60,6 +61,13 @@ NOBODY = {  # fields that nothing of ours asks for or sets, and why
     },
     "coreboard.CAN_FORCE": {"fy_g": "no set has a sideways force"},
     "coreboard.CAN_TORQUE": {"mx_nm": "no set has this torque", "my_nm": "no set has this torque"},
+    "coreboard.SENSOR_TO_MAIN": {
+        "reserved12": "kept as it comes",
+        "reserved18": "kept as it comes",
+        "reserved124": "kept as it comes",
+        "buf": "kept as it comes",
+        "leak_legacy_raw": "compared with `leak` alone (E-B5)",
+    },
     "rov.DOWN": {"reserved": "sent as 0"},
 }
 _SETS: tuple[tuple[str, Setpoint | Order], ...] = (
@@ -147,7 +155,7 @@ def _another(item: Number | Raw, value: Any) -> Any:
         return "01" + str(value)[2:]
     if item.choices:
         return next(choice for choice in item.choices if choice != value)
-    return value - 1 if item.high is not None and value + 1 > item.high else value + 1
+    return value - 1 if value >= 1 else value + 1
 
 
 def _telemetry(name: str, raw: bytes) -> Telemetry:
@@ -179,7 +187,7 @@ def _written(name: str, field: str) -> str:
         return ", ".join(_causes(name, field)) or BY_HAND
     if name in UP:
         return "the board"
-    return BY_HAND if name in BETWEEN_BOARDS else "`protocol.topside.encode`"
+    return "`protocol.topside.encode`"
 
 
 def _causes(name: str, field: str) -> Iterator[str]:
@@ -272,6 +280,7 @@ _LINKS = {
     "auv": "auv.to_stm32",
     "coreboard": "coreboard.pc_to_main",
     "motorcan": "coreboard.can",
+    "mainboard": "coreboard.main_to_sensor",
     "rov": "rov.down",
     "robot": "robot.down",
 }
@@ -281,12 +290,8 @@ _LINKS = {
 
 
 def _flown(name: str, field: str) -> str:
-    if name in BETWEEN_BOARDS:
-        return "no: between the boards themselves"
     board = UP.get(name) or DOWN.get(name)
-    if board == "motorcan":
-        return "no simulated board"
-    if name in UP and board in BOARDS:
+    if name in UP and board in (*BOARDS, *ON_BUS):
         seen = {repr(values[field]) for values in _said_by(name)}
         return "varies" if len(seen) > 1 else "constant"
     return "simulated board" if board else "simulated boat and Pi"

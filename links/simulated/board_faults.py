@@ -55,5 +55,6 @@ OF_BOARDS = {
     "coreboard": LINE | IN_WATER | BATTERY | LEAK,
     "rov": LINE | IN_WATER,
     "robot": LINE | BATTERY,
+    "mainboard": LINE | IN_WATER | BATTERY | LEAK,
     "motorcan": {name: IN_WATER[name] for name in _BODY},
 }

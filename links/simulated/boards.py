@@ -24,6 +24,7 @@ from links.simulated.board_faults import OF_BOARDS
 from links.simulated.faults import Parts
 from links.simulated.firmware.boards import CoreBoard, RobotBoard, RovBoard, WaterBoard
 from links.simulated.firmware.motors import MotorBoards
+from links.simulated.firmware.sensor_board import SensorBoard
 from links.simulated.firmware.uart import Chunk
 from links.simulated.geodesy import moved
 from links.simulated.ground import Ground
@@ -37,6 +38,7 @@ from protocol.vehicles.keys import read_wire
 
 BYTE_TIME = 10 / 115200  # s
 SECOND_STEPS = 20
+TURNING = 0.05  # N, m/s, rad/s
 HOTEL_W, W_PER_N, WHEELS_W = 30.0, 4.0, 150.0  # W, W/N of a thruster, W at 1 m/s
 DOCUMENTED: Mapping[str, str] = {}
 BOARDS: dict[str, type[WaterBoard] | type[RobotBoard]] = {
@@ -44,7 +46,7 @@ BOARDS: dict[str, type[WaterBoard] | type[RobotBoard]] = {
     "rov": RovBoard,
     "robot": RobotBoard,
 }
-ON_BUS: dict[str, type[WaterBoard]] = {"motorcan": MotorBoards}
+ON_BUS: dict[str, type[WaterBoard]] = {"motorcan": MotorBoards, "mainboard": SensorBoard}
 
 
 @dataclass(slots=True)
@@ -141,6 +143,7 @@ class SimulatedBoard:
         self._faults = Random(f"faults {seed}")  # of their own, so that a sound board says the same
         self._free = 0.0
         self._step, self._report_steps = 0, round(self.board.period / STEP)
+        self.thrust_used = 0.0  # J, without what it needs at rest
         self._anchor = (*position, 0.0, 0.0)
         self.track.append(self.truth())
 
@@ -165,6 +168,7 @@ class SimulatedBoard:
                 self._say(self._report())
             if self._step % SECOND_STEPS == 0:
                 self.board.used += self._power()
+                self.thrust_used += self._power() - HOTEL_W
                 self._anchor = (*self.place(), self.plant.north, self.plant.east)
                 self.track.append(self.truth())
 
@@ -173,6 +177,18 @@ class SimulatedBoard:
         if isinstance(self.board, RobotBoard) and self.board.asked:
             self.board.asked = False
             self._say(self._report(), now)
+
+    def restart(self) -> None:
+        """Its power was cut: it is neutral until it hears something."""
+        self.board.heard = -inf
+
+    @property
+    def turning(self) -> bool:
+        """Whether a thruster or a wheel pushes."""
+        plant = self.plant
+        if isinstance(plant, Ground):
+            return max(abs(plant.u), abs(plant.v), abs(plant.r)) > TURNING
+        return any(abs(newtons) > TURNING for newtons in plant.thrust)
 
     def place(self) -> tuple[float, float]:
         latitude, longitude, north, east = self._anchor
@@ -196,6 +212,7 @@ class SimulatedBoard:
             atan2(east, north) % (2.0 * pi),
             (plant.current_north, plant.current_east),
             plant.aground,
+            self.thrust_used,
         )
 
     def _switch(self, edge: Edge) -> None:
@@ -208,7 +225,7 @@ class SimulatedBoard:
         """W, hotel and thrusters; of the robot, the wheels."""
         plant = self.plant
         if isinstance(plant, Ground):
-            return HOTEL_W + WHEELS_W * abs(plant.u)
+            return HOTEL_W + WHEELS_W * hypot(plant.u, plant.v)
         return HOTEL_W + W_PER_N * sum(abs(newtons) for newtons in plant.thrust)
 
     def _control(self) -> None:

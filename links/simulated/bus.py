@@ -1,8 +1,9 @@
 """A simulated vehicle in real time, or a multiple of it, on a CAN bus (links.can).
 
     MotorBoards <-- records of CAN frames -- can://GROUP?interface=udp_multicast, or socketcan
+    SensorBoard <-- pty ------------------->                       (of the mainboard alone)
 
-Its boards hear the bus and say nothing on it.
+Its motor boards hear the bus and say nothing on it; the sensor board has a line of its own.
 
 What does not live here: the boards (firmware/motors.py), vehicles on serial lines (pty.py).
 """
@@ -15,6 +16,8 @@ from collections.abc import Callable
 
 from links import open_link
 from links.simulated.boards import SimulatedBoard
+from links.simulated.firmware.sensor_board import SensorBoard
+from links.simulated.pty import PtyVehicle
 
 LOOK_S = 0.01  # real, between two looks at the bus
 
@@ -24,20 +27,21 @@ def run_on_bus(
     url: str,
     speed: float,
     *,
-    ready: Callable[[], None],
+    ready: Callable[..., None],
     stop: Callable[[], bool],
 ) -> None:
     """Until ``stop`` says so. Raises LinkError."""
     bus = open_link("vehicle", url)
     try:
-        ready()
-        zero = time.monotonic()
-        while not stop():
-            now = (time.monotonic() - zero) * speed
-            vehicle.advance(now)
-            for rx in bus.receive(now):
-                vehicle.vehicle_link.send(rx.data, now)
-            _wait(bus.fileno())
+        with PtyVehicle(vehicle, speed) as line:
+            ready(*(line.paths if isinstance(vehicle.board, SensorBoard) else ()))
+            zero = time.monotonic()
+            while not stop():
+                now = (time.monotonic() - zero) * speed
+                line.step(now)
+                for rx in bus.receive(now):
+                    vehicle.vehicle_link.send(rx.data, now)
+                _wait(bus.fileno())
     finally:
         bus.close()
 

@@ -1,4 +1,4 @@
-"""The ground that the robot of document 004 drives on: a speed ahead, a turn on the spot, no water.
+"""The ground that the robot of document 004 drives on: ahead, aside, a turn on the spot, no water.
 
 It has what a plant has, so that the same things can be asked of both; depth is 0 everywhere.
 """
@@ -18,24 +18,27 @@ class Ground:
 
     def __init__(self) -> None:
         self.north = self.east = self.yaw = 0.0
-        self.u = self.r = 0.0
+        self.u = self.v = self.r = 0.0
         self.depth = self.depth_rate = self.roll = self.pitch = self.floor = 0.0
         self.current_north = self.current_east = 0.0
         self.aground = False  # it never drives with its antenna below the ground
-        self._asked = (0.0, 0.0)
+        self._asked = (0.0, 0.0, 0.0)
         self._share = 1.0 - exp(-STEP / LAG)
 
-    def drive(self, asked: tuple[float, float]) -> None:
-        """m/s ahead, rad/s to starboard."""
+    def drive(self, asked: tuple[float, float, float]) -> None:
+        """m/s ahead and to starboard, rad/s to starboard."""
         self._asked = asked
 
     def run(self, steps: int) -> None:
         for _ in range(steps):
             self.u += self._share * (self._asked[0] - self.u)
-            self.r += self._share * (self._asked[1] - self.r)
+            self.v += self._share * (self._asked[1] - self.v)
+            self.r += self._share * (self._asked[2] - self.r)
             self.yaw += STEP * self.r
-            self.north += STEP * self.u * cos(self.yaw)
-            self.east += STEP * self.u * sin(self.yaw)
+            north, east = self.ground_velocity()
+            self.north += STEP * north
+            self.east += STEP * east
 
     def ground_velocity(self) -> tuple[float, float]:
-        return self.u * cos(self.yaw), self.u * sin(self.yaw)
+        ahead, aside = (cos(self.yaw), sin(self.yaw)), (-sin(self.yaw), cos(self.yaw))
+        return self.u * ahead[0] + self.v * aside[0], self.u * ahead[1] + self.v * aside[1]

@@ -32,7 +32,7 @@ def serve_on_bus(
     vehicle: SimulatedBoard,
     url: str,
     speed: float,
-    ready: Callable[[], None],
+    ready: Callable[..., None],
     track: Path | None = None,
 ) -> int:
     """The same on a CAN bus. Raises LinkError."""

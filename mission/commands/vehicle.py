@@ -31,7 +31,7 @@ MARK = "# Written by auvmission vehicle"
 @click.option("--port", type=click.IntRange(0, 65535), default=4000, show_default=True,
               help="Of its serve for the boat, the next one for viewers; 0: free.")  # fmt: skip
 @click.option("--modem", metavar="URL", help="Of its acoustic modem, e.g. one end of `water`.")
-@click.option("--bus", metavar="URL", help="The CAN bus of motorboards.")
+@click.option("--bus", metavar="URL", help="The CAN bus of mainboard and motorboards.")
 @click.option("--folder", type=click.Path(path_type=Path, file_okay=False),
               help="For serve.yaml, the ports, serve; default: out/VEHICLE.")  # fmt: skip
 @click.option("--track", type=click.Path(path_type=Path, dir_okay=False),
@@ -51,7 +51,7 @@ def vehicle(
     track: Path | None,
     as_json: bool,
 ) -> None:
-    """Simulate a vehicle (auv, coreboard, rov, robot, motorboards) on ports of this computer.
+    """Simulate a vehicle (auv, coreboard, rov, robot, mainboard, motorboards) on ports from here.
 
     Its board, and the AUV's GPS receiver, are at FOLDER/vehicle and FOLDER/gps, as if plugged in;
     FOLDER/serve.yaml is a configuration for them. Then, in other terminals: serve, and the commands
@@ -68,11 +68,12 @@ def vehicle(
     except (SettingError, ValueError) as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
+    on_bus = isinstance(made, SimulatedBoard) and made.name in ON_BUS
     where = (folder or Path("out") / Path(name).stem).resolve()
     config = _room(where)
 
     def ready(*paths: str) -> None:
-        ports = _plugged(where, paths) if paths else {"vehicle": bus or BUS}
+        ports = _plugged(where, paths) if not on_bus else {"vehicle": _on_bus(bus or BUS, paths)}
         viewers = port + 1 if 0 < port < 65535 else 0
         urls = {"gps": None, **ports, "topside": f"tcp://127.0.0.1:{port}", "modem": modem,
                 "monitor": f"tcp-listen://127.0.0.1:{viewers}"}  # fmt: skip
@@ -80,7 +81,7 @@ def vehicle(
         _tell(name, config, ports, port, speed, as_json)
 
     try:
-        if isinstance(made, SimulatedBoard) and made.name in ON_BUS:
+        if isinstance(made, SimulatedBoard) and on_bus:
             told = serve_on_bus(made, bus or BUS, speed, ready, track)
         else:
             told = serve(made, speed, ready, track)
@@ -116,6 +117,11 @@ def _room(folder: Path) -> Path:
     except OSError as error:
         raise click.UsageError(f"{folder}: {error.strerror or error}") from None
     return config
+
+
+def _on_bus(bus: str, paths: tuple[str, ...]) -> str:
+    """With the line of the sensor board, where there is one."""
+    return "".join((bus, *(f"{'&' if '?' in bus else '?'}sensors={path}" for path in paths)))
 
 
 def _plugged(folder: Path, paths: tuple[str, ...]) -> dict[str, str]:

@@ -93,6 +93,8 @@ def _fault(output: Output, channel: Channel, board: VehicleCodec) -> str:
     for word, level in (("safe", output.safe), ("ascent", output.ascent)):
         if level is not None and (fault := output.fault(level)):
             return f"{word}: {fault}"
+    if channel.final and not output.irreversible:
+        return f"{channel.name} cannot be taken back: say irreversible: true"
     if output.ascent is not None and not output.irreversible:
         return "ascent is for what is irreversible: true; an emergency takes all others to safe"
     try:

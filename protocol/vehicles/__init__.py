@@ -15,7 +15,16 @@ from protocol.framing import LinkRow
 from protocol.messages import UPWARD, Order, Setpoint
 from protocol.tables import Table
 from protocol.tolerances import Tolerances
-from protocol.vehicles import auv, auv_outputs, coreboard, motorcan, robot, robot_outputs, rov
+from protocol.vehicles import (
+    auv,
+    auv_outputs,
+    coreboard,
+    mainboard,
+    motorcan,
+    robot,
+    robot_outputs,
+    rov,
+)
 from protocol.vehicles.channels import Channel, Source
 from protocol.vehicles.keys import Keys, Wire, read_wire
 
@@ -91,6 +100,13 @@ VEHICLES: Table[str, VehicleRow] = Table(
             links=coreboard.LINKS,
         ),
         silent("motorcan", motorcan.MotorCodec, motorcan.KEYS, links=motorcan.LINKS),
+        silent(
+            "mainboard",
+            mainboard.MainboardCodec,
+            mainboard.KEYS,
+            channels=mainboard.CHANNELS,
+            sources=mainboard.SOURCES,
+        ),
         silent(
             "rov",
             rov.RovCodec,

@@ -24,7 +24,8 @@ class Channel:
     ``rest``: what it is where nobody says anything. ``whole``: no fraction is possible;
     ``choices``: nothing but these is, unless there are none.
     ``needed``: what it would take away; no mission may set it. ``excludes``: axes of a setpoint
-    that it would fight against, and which therefore have it at rest.
+    that it would fight against, and which therefore have it at rest. ``final``: what it does cannot
+    be taken back.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Channel:
     needed: str = ""
     excludes: tuple[str, ...] = ()
     choices: tuple[float, ...] = ()
+    final: bool = False
 
     def fault(self, value: float) -> str:
         """Why the frame cannot carry it, "" if it can."""

@@ -212,6 +212,20 @@ SOURCES: tuple[Source, ...] = (
 )
 
 
+class Leaks:
+    """Frames that tell of a leak against those that deny it (R16)."""
+
+    def __init__(self, tolerances: Tolerances) -> None:
+        self._dry = 1 - int(tolerances["leak002"])  # code
+        self._count = 0
+
+    def take(self, code: int) -> bool:
+        """Whether it is confirmed; a code that is unknown counts as a leak."""
+        step = -1 if code == self._dry else 1
+        self._count = min(max(self._count + step, 0), 2 * LEAK_FRAMES)
+        return self._count >= LEAK_FRAMES
+
+
 def telemetry(
     values: Values, t: float, leak: bool, scale: tuple[float, float] = (1.0, 1.0)
 ) -> Telemetry:
@@ -343,14 +357,11 @@ class CoreboardCodec(SilentBoard):
         self._auxiliary = auxiliary(self._wire)
         self.levels = levels_of(self._wire)
         self.encode(Order.STOP)  # refused here if what is configured has no place in its bytes
-        self._dry = 1 - int(chosen["leak002"])  # code
-        self._leaks = 0  # frames that tell of a leak, less those that do not
+        self._leaks = Leaks(chosen)
 
     def _telemetry(self, frame: Frame) -> Received:
         values = frame.values()
-        step = -1 if values["leak"] == self._dry else 1  # an unknown code counts as a leak
-        self._leaks = min(max(self._leaks + step, 0), 2 * LEAK_FRAMES)
-        return telemetry(values, frame.t, self._leaks >= LEAK_FRAMES, self._scale)
+        return telemetry(values, frame.t, self._leaks.take(values["leak"]), self._scale)
 
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
         values = self._auxiliary | carried(self.levels) | command(setpoint)

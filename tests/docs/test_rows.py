@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from from_code.rows import BETWEEN_BOARDS, BY_HAND, DOCUMENTS, NOBODY, TOOLS, UP, rows
+from from_code.rows import BY_HAND, DOCUMENTS, NOBODY, TOOLS, UP, rows
 
 from protocol.examples import examples
 from protocol.vehicles import frame_types
@@ -45,9 +45,7 @@ def test_what_a_board_reports_is_read_into_telemetry_or_told_why_not(
 def test_what_a_board_hears_is_written_by_something_or_told_why_not(
     table: list[tuple[str, ...]],
 ) -> None:
-    alone = [
-        row[:2] for row in table if row[3] == BY_HAND and row[0].strip("`") not in BETWEEN_BOARDS
-    ]
+    alone = [row[:2] for row in table if row[3] == BY_HAND]
     assert alone == [("`auv.ZA`", "`V`")]  # which the STM32 refuses by its document
 
 

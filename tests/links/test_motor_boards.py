@@ -9,17 +9,20 @@ import time
 from pathlib import Path
 
 import pytest
-from programs import process
-from served import PATIENCE
+from programs import process, run
+from served import PATIENCE, soon
 
 from links import open_link
 from links.simulated.boards import SimulatedBoard
 from links.simulated.settings import SettingError, parse_settings
 from mission.commands.vehicle import BUS
 from mission.model.shipped import load_vehicle
+from mission.onboard.blackbox import read_parts
+from mission.onboard.runtime.records import TX, read_tx
 from mission.verification.rig.vehicle import simulated
+from protocol.framing import Frame
 from protocol.messages import Order, Setpoint
-from protocol.vehicles import codec
+from protocol.vehicles import codec, link
 
 WIRE = codec("motorcan", "documented", {})
 EVERY = 0.05  # s (R16)
@@ -85,18 +88,51 @@ def test_two_programs_meet_on_a_bus_by_udp_multicast(tmp_path: Path) -> None:
     with process("vehicle", "motorboards", *words) as sea:
         assert sea.stdout is not None
         assert json.loads(sea.stdout.readline())["vehicle"] == bus
-        link = open_link("vehicle", bus)
+        opened = open_link("vehicle", bus)
         try:
             for _ in range(80):
                 for record in WIRE.encode(Setpoint(surge=1.0)):
-                    link.send(record, 0.0)
+                    opened.send(record, 0.0)
                 time.sleep(EVERY)
         finally:
-            link.close()
+            opened.close()
         sea.send_signal(signal.SIGINT)
         assert sea.wait(PATIENCE) == 130
     rows = [row.split(",") for row in track.read_text().splitlines()[1:]]
     assert float(rows[-1][1]) > float(rows[0][1]) + 1e-6, "it went north"
+
+
+@pytest.mark.proof
+@pytest.mark.skipif(not multicast(), reason="no UDP multicast here")
+def test_the_pi_in_the_main_boards_place_is_served_watched_and_told_by_name(tmp_path: Path) -> None:
+    """Sensor board on a pseudo-terminal, motor boards on a bus, and one serve for both."""
+    bus, ready = "can://239.74.163.8?interface=udp_multicast", tmp_path / "ready.json"
+    words = ("--bus", bus, "--folder", str(tmp_path / "it"), "--port", "0", "--json")
+    with process("vehicle", "mainboard", *words) as sea:
+        assert sea.stdout is not None
+        said = json.loads(sea.stdout.readline())
+        assert said["vehicle"].startswith(f"{bus}&sensors=/dev/")
+        with process("serve", "-c", said["config"], "--ready-file", str(ready)):
+            soon(ready.exists, "serve")
+            to = json.loads(ready.read_text())["topside"]
+            soon(lambda: "new" in run("status", "--to", to).stdout, "reports of the sensor board")
+            soon(lambda: run("output", "led1", "50", "--to", to).exit_code == 0, "a LED by name")
+            assert run("output", "led1", "101", "--to", to).exit_code == 1
+            dropped = run("output", "weight", "1", "--to", to)
+            assert dropped.exit_code == 0, dropped.output
+            box = Path(json.loads(ready.read_text())["black_box"])
+            soon(lambda: _told(box) == {"led1": 50, "drop_weight": 1}, "both on the wire")
+        sea.send_signal(signal.SIGINT)
+        assert sea.wait(PATIENCE) == 130
+
+
+def _told(box: Path) -> dict[str, int]:
+    """What the sensor board was told last."""
+    frames = [read_tx(one).data for one in read_parts(box) if one.kind == TX]
+    told = [data for data in frames if data[:2] == b"\xfe\xef"]
+    (frame,) = link("coreboard.main_to_sensor").framer().receive(told[-1], 0.0)
+    assert isinstance(frame, Frame)
+    return {name: frame.values()[name] for name in ("led1", "drop_weight")}
 
 
 def test_the_bus_that_the_command_takes_needs_neither_hardware_nor_root() -> None:

@@ -19,7 +19,8 @@ from mission.onboard.rates import rated
 from mission.onboard.serve.provision import provide
 
 SHIPPED = sorted(path.stem for path in (missions_folder() / "vehicles").glob("*.yaml"))
-VEHICLES = [name for name in SHIPPED if name != "motorboards"]  # they are on a bus, not on a line
+ON_A_BUS = ("motorboards", "mainboard")
+VEHICLES = [name for name in SHIPPED if name not in ON_A_BUS]
 ROLES = ("vehicle", "gps", "modem")
 SPEEDS = {getattr(termios, f"B{n}"): n for n in (4800, 9600, 19200, 57600, 115200)}
 NOTHING = dict.fromkeys(("vehicle", "gps", "topside", "modem"))

@@ -17,7 +17,7 @@ from protocol.tolerances import Tolerances
 from protocol.vehicles import VEHICLES, codec, coreboard, link, robot, rov
 
 FILES = sorted(path.stem for path in (missions_folder() / "vehicles").glob("*.yaml"))
-SILENT = ["coreboard", "motorcan", "rov", "robot"]
+SILENT = ["coreboard", "motorcan", "mainboard", "rov", "robot"]
 
 
 def made(name: str) -> VehicleCodec:

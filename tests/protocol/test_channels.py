@@ -18,6 +18,12 @@ DOWN = {
     "coreboard": "coreboard.pc_to_main",
     "rov": "rov.down",
     "robot": "robot.down",
+    "mainboard": "coreboard.main_to_sensor",
+}
+EXAMPLES = {
+    "auv": "auv.SD",
+    "coreboard": "coreboard.MAIN_TO_PC",
+    "mainboard": "coreboard.SENSOR_TO_MAIN",
 }
 ROWS = [row for row in VEHICLES.values() if row.channels]
 CASES = [(row, channel) for row in ROWS for channel in row.channels]
@@ -27,6 +33,8 @@ def said(board: VehicleCodec, row: VehicleRow, channel: str, level: float) -> li
     """What every frame says that leaves then, with neutral."""
     own = list(board.take_outputs({channel: level}).values())
     frames = [*own, *board.encode(Setpoint())]
+    if row.name == "mainboard":  # force and torque go to the bus
+        frames = frames[-1:]
     framer = link(DOWN[row.name]).framer()
     read = [item for raw in frames for item in framer.receive(raw, 0.0)]
     assert all(isinstance(item, Frame) for item in read), read
@@ -83,8 +91,7 @@ def test_power_is_said_as_a_whole_and_what_was_switched_before_stays() -> None:
 
 def test_a_report_is_read_by_the_names_of_its_sources() -> None:
     for row in ROWS:
-        example = {"auv": "auv.SD", "coreboard": "coreboard.MAIN_TO_PC"}.get(row.name)
-        raw = frame_of(example or f"{row.name}.UP")
+        raw = frame_of(EXAMPLES.get(row.name, f"{row.name}.UP"))
         (report,) = [
             item
             for item in codec(row.name, row.dialects[0], {}).receive(raw, 0.0)

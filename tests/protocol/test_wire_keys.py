@@ -22,7 +22,7 @@ def values(wire: dict[str, str]) -> dict[str, object]:
 
 @pytest.mark.parametrize("row", list(VEHICLES.values()), ids=lambda row: row.name)
 def test_every_vehicle_says_the_rate_of_its_line_as_its_document_does(row: VehicleRow) -> None:
-    documented = {"auv": 9600, "motorcan": 500_000}
+    documented = {"auv": 9600, "motorcan": 500_000, "mainboard": 500_000}
     assert read_wire(row.keys, {})["baud"] == documented.get(row.name, 115_200)
     assert read_wire(row.keys, {"baud": "19200"})["baud"] == 19_200
 

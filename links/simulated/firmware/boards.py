@@ -16,7 +16,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import cos, degrees, inf, pi, radians, sin
+from math import cos, degrees, inf, pi, radians, sin, sqrt
 from random import Random
 from typing import Any
 
@@ -31,8 +31,8 @@ from protocol.vehicles.keys import Wire
 
 ANTENNA = 0.3  # m: deeper, and the INS has no GPS to be aligned by
 ALIGNS = 3.0  # s after it was switched on (assumed)
-_DEPTH, _ANGLE, _HEADING, _PLACE = 0.03, radians(0.3), radians(0.5), 2.0  # one sigma, m and rad
-CONTROL_V, _POWER_V = 24.0, 48.0
+_DEPTH, _ANGLE, _HEADING, PLACE = 0.03, radians(0.3), radians(0.5), 2.0  # one sigma, m and rad
+CONTROL_V, POWER_V = 24.0, 48.0
 _FULL_RPM = 1000.0
 
 FULL_J, FLAT = 1.0e6, 0.8  # what its battery holds, and the share of its voltage when it is empty
@@ -178,7 +178,7 @@ class CoreBoard(WaterBoard):
     def report(self, plant: Plant, place: Place, now: float) -> bytes:
         roll, pitch, yaw, depth = self._pose(plant)
         aligned = plant.depth <= ANTENNA and now - self.powered >= ALIGNS
-        scatter = self.rng.gauss(0.0, _PLACE) / 6.4e6, self.rng.gauss(0.0, _PLACE) / 6.4e6
+        scatter = self.rng.gauss(0.0, PLACE) / 6.4e6, self.rng.gauss(0.0, PLACE) / 6.4e6
         values = {
             "roll_deg": roll,
             "pitch_deg": pitch,
@@ -194,7 +194,7 @@ class CoreBoard(WaterBoard):
             "mode": 0,
             "temperature_c": 18.0,
             "control_v": self.control_volts(),
-            "power_v": self.volts(_POWER_V),
+            "power_v": self.volts(POWER_V),
             "leak": self._leak(),
             **{f"usbl{n}": 0.0 for n in range(1, 7)},
             "ins_aligned": int(aligned),
@@ -267,6 +267,21 @@ class RovBoard(WaterBoard):
         return self._report.encode(values)
 
 
+_HALF = sqrt(0.5)
+WAYS = {  # of a command: shares of its speed ahead, to starboard, round to starboard
+    robot.FORWARD: (1.0, 0.0, 0.0),
+    robot.BACK: (-1.0, 0.0, 0.0),
+    3: (_HALF, _HALF, 0.0),
+    4: (_HALF, -_HALF, 0.0),
+    5: (-_HALF, _HALF, 0.0),
+    6: (-_HALF, -_HALF, 0.0),
+    7: (0.0, 1.0, 0.0),
+    8: (0.0, -1.0, 0.0),
+    robot.SPIN_RIGHT: (0.0, 0.0, 1.0),
+    robot.SPIN_LEFT: (0.0, 0.0, -1.0),
+}
+
+
 class RobotBoard(Board):
     """One motion at a time, at the speed that was last set; the handshake is answered at once."""
 
@@ -291,12 +306,12 @@ class RobotBoard(Board):
         else:
             self.motion = command
 
-    def control(self, ground: Ground, now: float) -> tuple[float, float]:
-        """m/s ahead and rad/s to starboard: a wheel's speed on the spot turns by its lever."""
+    def control(self, ground: Ground, now: float) -> tuple[float, float, float]:
+        """m/s ahead and to starboard, rad/s to starboard: a wheel's speed on the spot turns by its
+        lever. "Right up" is half ahead, half to the right."""
         speed = self.speed / 1000.0 if self.awake(now) else 0.0
-        ahead = {robot.FORWARD: speed, robot.BACK: -speed}.get(self.motion, 0.0)
-        spin = {robot.SPIN_RIGHT: speed, robot.SPIN_LEFT: -speed}.get(self.motion, 0.0)
-        return ahead, spin / ground.lever
+        ahead, aside, spin = WAYS.get(self.motion, (0.0, 0.0, 0.0))
+        return ahead * speed, aside * speed, spin * speed / ground.lever
 
     def report(self, ground: Ground) -> bytes:
         volts = self.control_volts() + self.rng.gauss(0.0, 0.02)

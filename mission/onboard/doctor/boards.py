@@ -49,6 +49,13 @@ BOARDS = {
         "a rope or a drop weight",
         reports=False,
     ),
+    "mainboard": Board(
+        "the sensor board",
+        "",
+        "a frame of serve switches it on: look again with serve running",
+        motorcan.SILENCE,
+        "a rope or a drop weight",
+    ),
     "rov": Board("the ROV's board", "", "it has no switch for it", rov.SILENCE, "its tether"),
     "robot": Board(
         "the robot's board",

@@ -223,6 +223,8 @@ class Rig(LockStep):
         self.sea.advance(self.now)
         if isinstance(self.sea, SimulatedVehicle):
             self.sea.stm32.restart()
+        else:
+            self.sea.restart()
 
     def _notice_line(self) -> None:
         if self._unnoticed and self._held is None:

@@ -1,0 +1,98 @@
+"""The sensor board of document 002 (tables 4-1 and 4-2) beside the motor boards of the same body.
+
+It reports at 10 Hz what its sensors see that have power: the INS aligns at the surface some seconds
+after it was switched on, the USBL and the DVL say nothing without theirs. What its drop weight
+held, it lets go of once, and for ever.
+
+What does not live here: frames (protocol.vehicles.coreboard), the motor boards (motors).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import cos, degrees, inf, sin
+from random import Random
+from typing import Any
+
+from links.simulated.firmware.boards import ALIGNS, ANTENNA, PLACE, POWER_V, Place
+from links.simulated.firmware.motors import MotorBoards
+from links.simulated.plant import Plant
+from protocol.framing import Frame
+from protocol.tolerances import Tolerances
+from protocol.vehicles import coreboard
+from protocol.vehicles.keys import Wire
+
+DROPPED_N = 40.0  # what the body is lighter by without its weight (assumed)
+_DVL, _GPS, _INS, _USBL = 1, 2, 4, 16  # valid bits
+_MOST_OF_A_RECORD = 0x07  # its first byte
+_OFF: Mapping[str, Any] = dict.fromkeys((*coreboard.SENSOR_SWITCHES, "led1", "led2"), 0)
+
+
+class SensorBoard(MotorBoards):
+    def __init__(self, rng: Random, tolerances: Tolerances, wire: Wire) -> None:
+        super().__init__(rng, tolerances, wire)
+        self.told: Mapping[str, Any] = _OFF
+        self.powered = inf  # since when its INS is
+        self.dropped = False
+        self._told_framer = coreboard.LINKS[1].framer(tolerances)
+        self._frame = coreboard.sensor_to_main(tolerances)
+
+    def receive(self, data: bytes, now: float) -> None:
+        """Records of the bus, and frames of the line: each whole, or in pieces of its own kind."""
+        if data and data[0] <= _MOST_OF_A_RECORD:
+            super().receive(data, now)
+            return
+        for item in self._told_framer.receive(data, now):
+            if isinstance(item, Frame):
+                self.told = item.values()
+                self.powered = min(self.powered, now) if self.told["ins"] else inf
+
+    def control(self, plant: Plant, now: float) -> tuple[int, ...]:
+        if self.told["drop_weight"] and not self.dropped:
+            self.dropped = True
+            plant.buoyancy += DROPPED_N
+        return super().control(plant, now)
+
+    def report(self, plant: Plant, place: Place, now: float) -> bytes:
+        roll, pitch, yaw, depth = self._pose(plant)
+        aligned = plant.depth <= ANTENNA and now - self.powered >= ALIGNS
+        valid = (_GPS | _INS) * aligned + _DVL * self.told["dvl"] + _USBL * self.told["usbl"]
+        gauss = self.rng.gauss
+        north, east = gauss(0.0, PLACE) / 6.4e6, gauss(0.0, PLACE) / 6.4e6
+        wet = bool(self.troubles.leak)
+        digit = int(self.tolerances["leak002"])
+        older = int(self.tolerances["leak23"])
+        values: dict[str, Any] = {
+            **dict.fromkeys((f"ad{n}" for n in range(1, 5)), 0),
+            **dict.fromkeys(("mx", "my", "mz", "vo_x", "vo_y", "vo_z"), 0.0),
+            **dict.fromkeys(("usbl_x_m", "usbl_y_m", *(f"usbl{n}" for n in range(1, 7))), 0.0),
+            "reserved12": "00" * 2,
+            "reserved18": "00" * 5,
+            "reserved124": "00" * 3,
+            "temperature_c": 18.0,
+            "temperature2_c": 18.0,
+            "depth_m": depth,
+            "altitude_m": plant.floor - plant.depth,
+            "leak": digit if wet else 1 - digit,
+            "leak_legacy_raw": older if wet else 1 - older,
+            "roll_deg": roll,
+            "pitch_deg": pitch,
+            "yaw_deg": yaw,
+            "p": degrees(plant.p),
+            "q": degrees(plant.q),
+            "r": degrees(plant.r),
+            "ax": sin(plant.pitch),
+            "ay": -sin(plant.roll) * cos(plant.pitch),
+            "az": -cos(plant.roll) * cos(plant.pitch),
+            "dvl_x": plant.u if self.told["dvl"] else 0.0,
+            "dvl_y": 0.0,
+            "dvl_z": 0.0,
+            "lat_deg": degrees(place[0] + north) if aligned else 0.0,
+            "lon_deg": degrees(place[1] + east / cos(place[0])) if aligned else 0.0,
+            "control_v": self.control_volts(),
+            "power_v": self.volts(POWER_V),
+            "ins_aligned": int(aligned),
+            "buf": "00" * 4,
+            "valid": valid,
+        }
+        return self._frame.encode(values)
