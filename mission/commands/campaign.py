@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mission.commands.jobs import Where, job_options
-from mission.commands.options import MISSION, SEED
+from mission.commands.options import MISSION, SEED, VEHICLE_NAME
 
 if TYPE_CHECKING:
     from mission.verification.campaign.proofs import Claim, Shown
@@ -36,6 +36,8 @@ Job = tuple["Claim", int, int]  # claim, seed, flight
     help="Flights of each mission.",
 )
 @SEED
+@click.option("--vehicle", type=VEHICLE_NAME, metavar="NAME", default="auv", show_default=True,
+              help="A shipped vehicle; without files: the missions that fly on it.")  # fmt: skip
 @click.option("--generated", type=click.IntRange(0), help="The generated mission of this number.")
 @click.option(
     "--words", is_flag=True, help="Fly every word of the language, withholding what it waits for."
@@ -49,6 +51,7 @@ def campaign(
     missions: int | None,
     flights: int,
     seed: int,
+    vehicle: str,
     generated: int | None,
     words: bool,
     word: int | None,
@@ -68,7 +71,7 @@ def campaign(
 
     from mission.authoring.prepare import Unreadable
     from mission.model.shipped import load_vehicle
-    from mission.verification.campaign.faults import shipped
+    from mission.verification.campaign.faults import fitting, shipped
     from mission.verification.campaign.generated import generate
     from mission.verification.campaign.proofs import Shown
     from mission.verification.campaign.withheld import claims as withheld
@@ -77,10 +80,15 @@ def campaign(
         click.echo(generate(seed, generated, load_vehicle("auv")).text, nl=False)
         return
     only = generated is not None or words or word is not None
-    named = () if only else tuple(dict.fromkeys(files)) or tuple(shipped())
+    if vehicle != "auv" and (only or missions is not None):
+        raise click.UsageError(
+            "what is generated is of the AUV: leave --vehicle out, or name files"
+        )
+    known = shipped() if vehicle == "auv" else [subject.path for subject in fitting(vehicle)]
+    named = () if only else tuple(dict.fromkeys(files)) or tuple(known)
     count = 1 if generated is not None else len(named) if missions is None or only else missions
     try:
-        claims = [_claim(path) for path in named[:count]]
+        claims = [_claim(path, vehicle) for path in named[:count]]
     except (Unreadable, ValueError) as error:
         click.echo(str(error), err=True)
         sys.exit(2)
@@ -172,16 +180,20 @@ class _Tally:
         return asdict(self) | {"at_most": at_most(self.broken, self.flights)}
 
 
-def _claim(path: Path) -> Claim:
+def _claim(path: Path, vehicle: str) -> Claim:
+    """On ``vehicle``; the AUV stands for the mission's own."""
+    from dataclasses import replace
+
     from mission.authoring.prepare import check_prepared, prepare
     from mission.verification.campaign.proofs import Claim
 
-    prepared = prepare(path)
+    prepared = prepare(path, None if vehicle == "auv" else vehicle)
     report = check_prepared(prepared)
     if not report.ok or report.proved is None:
         why = report.refusals[0].message if report.refusals else "nothing is proved"
         raise ValueError(f"{path}: the check refuses it: {why}")
-    return Claim(str(path), prepared.mission, report.proved)
+    flown = replace(prepared.mission, vehicle=prepared.vehicle.name)
+    return Claim(str(path), flown, report.proved)
 
 
 def _generated(seed: int, number: int) -> Claim:
@@ -214,7 +226,9 @@ def _name(job: Job) -> str:
 def _story(claim: Claim, shown: Shown | Lost, seed: int, number: int) -> str:
     from mission.verification.workers.outcome import Lost
 
-    again = f"  again: auvmission campaign {claim.source} --seed {seed} --flight {number}"
+    of = claim.mission.vehicle
+    words = claim.source if of == "auv" else f"{claim.source} --vehicle {of}"
+    again = f"  again: auvmission campaign {words} --seed {seed} --flight {number}"
     if isinstance(shown, Lost):
         return f"flight {shown}\n{again}"
     found = [f"  {v.kind} at {v.t:.1f} s: {v.says}" for v in shown.violations]

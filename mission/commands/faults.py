@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mission.commands.jobs import Where, job_options
+from mission.commands.options import VEHICLE_NAME
 
 if TYPE_CHECKING:
     from mission.onboard.runtime.records import Recorder
@@ -38,6 +39,8 @@ if TYPE_CHECKING:
 @click.option(
     "--broken", "rule", metavar="NAME|all", help="Break this safety rule, and see who notices."
 )
+@click.option("--vehicle", type=VEHICLE_NAME, metavar="NAME", default="auv", show_default=True,
+              help="A shipped vehicle: auv, coreboard, rov, robot.")  # fmt: skip
 @click.option("--calm", is_flag=True, help="Without any fault: no limit may act.")
 @click.option("--json", "as_json", is_flag=True, help="The object alone, no story.")
 @job_options
@@ -50,6 +53,7 @@ def faults(
     soak: float | None,
     soaks: int | None,
     rule: str | None,
+    vehicle: str,
     calm: bool,
     as_json: bool,
     where: Where,
@@ -67,15 +71,20 @@ def faults(
 
     With --calm nothing is disturbed but by currents and noise: what a limit ends is a false alarm.
 
+    With --vehicle the missions that fly on another vehicle, with what can fail of its board; its
+    words are those of its own document, and so are the laws of what it may be told.
+
     `at_most` bounds the probability that a flight drawn like these breaks a law (exact binomial,
     95 %). `digest` is the same wherever the same flights are flown.
     """
     import json
     import sys
 
-    from mission.verification.campaign.faults import Totals, shipped, subjects
+    from mission.verification.campaign.faults import Totals
 
-    known = tuple(subjects(shipped()))
+    if vehicle != "auv" and (search or rule or soak is not None):
+        raise click.UsageError("--search, --broken and --soak are of the AUV: leave --vehicle out")
+    known = _known(vehicle)
     if rule is not None:
         sys.exit(_break(rule, seed, flights, where, known, as_json, search))
     if soaks is not None:
@@ -94,6 +103,19 @@ def faults(
         also = _by_chance(totals, seed, flights, where, known, calm, as_json)
     click.echo(json.dumps(totals.as_json() | also))
     sys.exit(0 if totals.clean else 1)
+
+
+def _known(vehicle: str) -> tuple[Subject, ...]:
+    """What flies. Raises click.BadParameter."""
+    from mission.verification.campaign.faults import fitting, shipped, subjects
+    from mission.verification.campaign.speech import MOTION
+
+    if vehicle == "auv":
+        return tuple(subjects(shipped()))
+    if vehicle not in MOTION:
+        there = ", ".join(("auv", *MOTION))
+        raise click.BadParameter(f"{vehicle}: flights with faults are of {there}")
+    return tuple(fitting(vehicle))
 
 
 def _plan(flight: str, seed: int, known: Sequence[Subject]) -> Plan:
@@ -130,7 +152,7 @@ def _fly_one(
             vehicle = plan.vehicle
             result = result_of(plan, fly_plan(plan, vehicle, recorder), vehicle, plan.profile)
     totals.add(result)
-    click.echo(_story(seed, name, result, calm), err=as_json)
+    click.echo(_story(name, result, _again(seed, name, calm, known)), err=as_json)
 
 
 def _by_chance(
@@ -152,31 +174,33 @@ def _by_chance(
 
     work = functools.partial(_fly_calmly if calm else _fly_numbered, seed, known)
     asked = {"flights": "calm" if calm else "by chance", "seed": seed}
+    if known[0].vehicle != "auv":
+        asked["vehicle"] = known[0].vehicle
     tell = functools.partial(click.echo, err=True)
     with where.keeping(asked, FlightResult) as kept:
         found = results(work, range(flights), where.place, kept=kept)
         for number, result in enumerate(with_progress(found, flights, "flights", tell, kept.count)):
-            _take(totals, result, seed, str(number), as_json, calm)
+            again = _again(seed, str(number), calm, known)
+            _take(totals, result, str(number), as_json, again)
     return {"at_most": at_most(totals.broken, totals.flights)}
 
 
 def _take(
     totals: Totals,
     result: FlightResult | Lost,
-    seed: int,
     name: str,
     as_json: bool,
-    calm: bool = False,
+    again: str,
 ) -> None:
     from mission.verification.workers.outcome import Lost
 
     if isinstance(result, Lost):
         totals.undone += 1
-        click.echo(f"flight {result}\n{_again(seed, name, calm)}", err=as_json)
+        click.echo(f"flight {result}\n{again}", err=as_json)
         return
     totals.add(result)
     if result.violations:
-        click.echo(_story(seed, name, result, calm), err=as_json)
+        click.echo(_story(name, result, again), err=as_json)
 
 
 def _search(
@@ -198,7 +222,7 @@ def _search(
     with where.keeping({"flights": "searched", "seed": seed}, Searched) as kept:
         found = flown(search, seed, flights, known, where.place, kept)
         for name, result in with_progress(found, flights, "flights", tell, kept.count):
-            _take(totals, result, seed, name, as_json)
+            _take(totals, result, name, as_json, _again(seed, name, False, known))
     nearest = sorted(search.nearest.items())
     told = {law: {"seed": seed, "flight": near.name, "left": near.left} for law, near in nearest}
     return {"nearest": told}
@@ -341,10 +365,12 @@ def _recorders(folder: Path | None) -> Iterator[Callable[[], Recorder | None]]:
             box.close()
 
 
-def _story(seed: int, name: str, result: FlightResult, calm: bool = False) -> str:
+def _story(name: str, result: FlightResult, again: str) -> str:
     found = [f"  {v.kind} at {v.t:.1f} s: {v.says}" for v in result.violations]
-    return "\n".join([f"flight {name}: {result.words}", *found, _again(seed, name, calm)])
+    return "\n".join([f"flight {name}: {result.words}", *found, again])
 
 
-def _again(seed: int, name: str, calm: bool) -> str:
-    return f"  again: auvmission faults{' --calm' * calm} --seed {seed} --flight {name}"
+def _again(seed: int, name: str, calm: bool, known: Sequence[Subject]) -> str:
+    of = known[0].vehicle
+    words = f"{' --calm' * calm}{'' if of == 'auv' else f' --vehicle {of}'}"
+    return f"  again: auvmission faults{words} --seed {seed} --flight {name}"

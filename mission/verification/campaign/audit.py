@@ -104,6 +104,11 @@ def command_of(words: str) -> Setpoint | Order:
     return Setpoint(**turned)
 
 
+def commands_of(step: Step) -> list[Setpoint | Order]:
+    """Those of a Step, without its outputs."""
+    return [command_of(words) for words in step.actions if not words.startswith("output ")]
+
+
 def audit(events: Sequence[Event], dialect: str) -> list[Spurious]:
     """Everything that was sent without a cause, in order."""
     return list(_Auditor(dialect).walk(events))

@@ -11,14 +11,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from random import Random
 
-from links.simulated.plant import Body
 from links.simulated.sea import Sea
 from links.simulated.sensors import SensorErrors
 from links.simulated.settings import Settings
 from mission.model import Mission, Step
-from mission.verification.campaign.draw import PROFILES, Plan, Subject
+from mission.verification.campaign.draw import Plan, Subject, body_of, profiles_of
 from mission.verification.campaign.faults import ALARMED, FlightResult, fly_plan, result_of
 from mission.verification.campaign.laws import Violation
 from mission.verification.rig.trace import Trace
@@ -39,9 +39,10 @@ def calm(seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
     settings = Settings(
         Sea(surface, deep, rng.uniform(low, high)),
         SensorErrors(depth_noise=rng.uniform(0.0, NOISE)),
-        Body(buoyancy=rng.uniform(*BUOYANCY)),
+        replace(body_of(subject.vehicle), buoyancy=rng.uniform(*BUOYANCY)),
     )
-    profile, vehicle_seed = rng.choice(PROFILES), rng.randrange(1 << 31)
+    profile = rng.choice(profiles_of(subject.vehicle))
+    vehicle_seed = rng.randrange(1 << 31)
     heading = rng.uniform(0.0, math.tau)
     return Plan(seed, number, subject, profile, vehicle_seed, settings, (), heading)
 

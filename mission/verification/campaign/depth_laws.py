@@ -58,6 +58,8 @@ _OUT_OF_HAND = (
 
 
 def depth_laws(story: Story) -> Iterator[Violation]:
+    if not story.upward:  # it drives on the ground
+        return
     for stay in story.stays:
         if stay.rests and stay.state != STOPPED:
             yield from _sinks_from_rest(story, stay)
@@ -119,7 +121,7 @@ def _begins_upward(story: Story, stay: Stay) -> Iterator[Violation]:
         return
     if story.tilt(stay.begin) > _UPRIGHT or story.faulty(("attitude_", "roll_"), stay.begin, end):
         return
-    if not any(word.data in UPWARD_WORDS for word in story.words_in(stay.begin, end)):
+    if not any(word.data in story.upward for word in story.words_in(stay.begin, end)):
         yield Violation(SUNK, end, f"no upward word within {_FIRST:g} s of {stay.state}")
 
 
@@ -142,7 +144,7 @@ def _missing(story: Story, begin: float, end: float) -> list[str]:
     over = sum(story.tilt(begin + i) > _OVERTURNED for i in range(seconds)) > _MOSTLY * seconds
     over = over and not story.faulty(("attitude_", "roll_"), begin, end)
     over = over and len(story.told_in(begin, end)) > _TELL
-    missing = [word.decode() for word in UPWARD_WORDS if word not in sent and not over]
+    missing = [word.decode() for word in story.upward if word not in sent and not over]
     if not any(_lets_go(story, word.t) for word in words if word.data == STOP_WORD):
         missing.append("letting go")
     if over and seconds > _OVERTURNED_ROUND and DOWN_WORD not in sent:

@@ -12,12 +12,16 @@ What does not live here: what a fault or an incident does (links.simulated.fault
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from random import Random
 
-from links.simulated.faults import FAULTS
+from links.simulated.board_faults import OF_BOARDS
+from links.simulated.boards import BOARDS
+from links.simulated.faults import FAULTS, Fault
+from links.simulated.firmware.boards import WaterBoard
+from links.simulated.plant import Body
 from links.simulated.sea import Sea
 from links.simulated.settings import FaultEvent, Settings, setting_of
 from mission.authoring.language import script
@@ -33,6 +37,7 @@ from mission.verification.rig.acts import Disturbance
 MOST = 5  # disturbances a flight
 CURRENT = 0.5  # m/s
 HORIZON = 0.4  # of the proved time: about what a mission really takes
+OF_BOARD = 0.15  # the same of the short missions of the other vehicles
 AT_START, TOGETHER = 0.1, 0.4  # shares of the disturbances
 CLUSTERED, CLUSTER = 0.25, 5.0  # share of the flights, s: everything at nearly the same time
 FOR_EVER = 0.15  # share of the faults that may
@@ -44,6 +49,9 @@ STAGED, BESIDE = 0.7, 0.4  # shares: of the flights, and of those with something
 SCENE_TIME, SCENE_FLOOR = 160.0, 30.0  # s that matter, m
 IDLE = ("temperature_", "magnetometer_", "battery_")  # nothing on this vehicle decides by them
 PROFILES = ("as-built", "documented")
+ANY: Mapping[str, Fault] = {
+    name: row for rows in OF_BOARDS.values() for name, row in rows.items()
+} | FAULTS
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +61,10 @@ class Subject:
     path: Path
     mission: Mission
     proved_time: float
+
+    @property
+    def vehicle(self) -> str:
+        return self.mission.vehicle
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +92,7 @@ class Plan:
 
     @property
     def vehicle(self) -> Vehicle:
-        found = load_vehicle(self.subject.mission.vehicle)
+        found = load_vehicle(self.subject.vehicle)
         return replace(found, constant_batteries=found.constant_batteries and not self.batteries)
 
     @property
@@ -111,7 +123,7 @@ class Plan:
 def draw(seed: int, number: int, subjects: Sequence[Subject], staged: float = STAGED) -> Plan:
     """``staged``: share of the flights with a scene."""
     rng = Random(f"faults {seed} {number}")
-    if rng.random() < staged:
+    if rng.random() < staged and subjects[0].vehicle == "auv":  # who flies the scenes
         return _staged(rng, seed, number, subjects)
     return _disturbed(rng, seed, number, subjects)
 
@@ -119,6 +131,22 @@ def draw(seed: int, number: int, subjects: Sequence[Subject], staged: float = ST
 def stage(name: str, seed: int) -> Plan:
     """This scene, and nothing else."""
     return _set_up(name, Random(f"scene {name} {seed}"), seed, 0)
+
+
+def faults_of(vehicle: str) -> Mapping[str, Fault]:
+    """What can go wrong with it: of the shipped vehicle of this name."""
+    return OF_BOARDS.get(vehicle, FAULTS)
+
+
+def profiles_of(vehicle: str) -> tuple[str, ...]:
+    """How it may have been built; only the AUV is known to be other than its document."""
+    return PROFILES if vehicle == "auv" else ("documented",)
+
+
+def body_of(vehicle: str) -> Body:
+    """That of its simulated board."""
+    board = BOARDS.get(vehicle)
+    return board.body if board is not None and issubclass(board, WaterBoard) else Body()
 
 
 def rows(subjects: Sequence[Subject]) -> tuple[str, ...]:
@@ -148,7 +176,7 @@ def _staged(
         return plan
     faults, incidents = [*plan.settings.faults], [*plan.incidents]
     begin = round(rng.uniform(8.0, SCENE_TIME / 2.0), 1)
-    _disturb(rng, _troubles(rng, 1)[0], begin, subjects, faults, incidents)
+    _disturb(rng, _troubles(rng, 1, plan.subject.vehicle)[0], begin, subjects, faults, incidents)
     settings = replace(plan.settings, faults=tuple(faults))
     return replace(plan, settings=settings, incidents=tuple(incidents))
 
@@ -188,24 +216,24 @@ def _disturbed(
     subject: Subject | None = None,
 ) -> Plan:
     subject = subject or rng.choice(subjects)
-    profile = rng.choice(PROFILES)
+    profile = rng.choice(profiles_of(subject.vehicle))
     vehicle_seed = rng.randrange(1 << 31)
     sea = _sea(rng)
     heading = rng.uniform(0.0, math.tau)
-    horizon = HORIZON * subject.proved_time
-    names = _troubles(rng, rng.randint(1, MOST))
+    horizon = (HORIZON if subject.vehicle == "auv" else OF_BOARD) * subject.proved_time
+    names = _troubles(rng, rng.randint(1, MOST), subject.vehicle)
     others = [s for s in subjects if s is not subject] or [subject]
     faults: list[FaultEvent] = []
     incidents: list[Drawn] = []
     for name, begin in zip(names, _begins(rng, len(names), horizon), strict=True):
         _disturb(rng, name, begin, others, faults, incidents)
-    settings = Settings(sea=sea, faults=tuple(faults))
+    settings = Settings(sea=sea, body=body_of(subject.vehicle), faults=tuple(faults))
     return Plan(seed, number, subject, profile, vehicle_seed, settings, tuple(incidents), heading)
 
 
-def _troubles(rng: Random, count: int) -> list[str]:
-    """Names of FAULTS and INCIDENTS."""
-    names = (*FAULTS, *INCIDENTS)
+def _troubles(rng: Random, count: int, vehicle: str) -> list[str]:
+    """Names of its faults and of INCIDENTS."""
+    names = (*faults_of(vehicle), *INCIDENTS)
     return rng.choices(names, [0.25 if n.startswith(IDLE) else 1.0 for n in names], k=count)
 
 
@@ -218,7 +246,7 @@ def _disturb(
     incidents: list[Drawn],
 ) -> None:
     """Draws one row of FAULTS or INCIDENTS."""
-    if name in FAULTS:
+    if name not in INCIDENTS:
         faults.append(_fault(rng, name, begin))
         return
     lines = tuple(script(rng.choice(others).mission))
@@ -258,7 +286,7 @@ def _sea(rng: Random) -> Sea:
 
 
 def _fault(rng: Random, name: str, begin: float) -> FaultEvent:
-    row = FAULTS[name]
+    row = ANY[name]
     duration = round(row.duration * 10.0 ** rng.uniform(-0.5, 0.5), 1)
     if rng.random() < FOR_EVER and name not in OUT_OF_HAND | WEIGHT:
         duration = FOREVER

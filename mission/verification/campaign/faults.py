@@ -6,6 +6,7 @@ audit), workers (pool).
 
 from __future__ import annotations
 
+import contextlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
@@ -13,9 +14,9 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from mission.authoring.prepare import check_prepared, prepare
+from mission.authoring.prepare import Unreadable, check_prepared, prepare
 from mission.model import AUTONOMOUS, STOPPED, SURFACING, Step
-from mission.model.shipped import missions_folder
+from mission.model.shipped import missions_folder, shipped_missions
 from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
 from mission.onboard.runtime.records import Recorder
@@ -97,15 +98,27 @@ def shipped() -> list[Path]:
     return sorted(missions_folder().glob("*.yaml"))
 
 
-def subjects(paths: Iterable[Path]) -> list[Subject]:
-    """Raises Unreadable, ValueError for a mission that the check refuses."""
+def subjects(paths: Iterable[Path], vehicle: str | None = None) -> list[Subject]:
+    """On ``vehicle``, None: their own. Raises Unreadable, ValueError for a mission that the check
+    refuses."""
     found = []
     for path in paths:
-        prepared = prepare(path)
+        prepared = prepare(path, vehicle)
         report = check_prepared(prepared)
         if not report.ok or report.proved is None:
             raise ValueError(f"{path}: refused by the check: {report.refusals[0].message}")
-        found.append(Subject(path, prepared.mission, report.proved.worst_time))
+        mission = replace(prepared.mission, vehicle=prepared.vehicle.name)
+        found.append(Subject(path, mission, report.proved.worst_time))
+    return found
+
+
+def fitting(vehicle: str) -> list[Subject]:
+    """The shipped missions that fly on it: its own, and those of the AUV that the check passes."""
+    found = []
+    for path in shipped_missions().values():
+        with contextlib.suppress(Unreadable, ValueError):
+            if prepare(path).mission.vehicle in (vehicle, "auv"):
+                found += subjects([path], vehicle)
     return found
 
 

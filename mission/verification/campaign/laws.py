@@ -53,6 +53,7 @@ from mission.engine.bounds import Bounds, in_force
 from mission.engine.limits import SILENCE
 from mission.model import AUTONOMOUS, STOPPED, SURFACED, SURFACING, Mission, Step, Tx
 from mission.model.vehicle import Vehicle
+from mission.verification.campaign import board_laws as of_board
 from mission.verification.campaign.audit import audit
 from mission.verification.campaign.excuses import (
     NEVER,
@@ -69,6 +70,7 @@ from mission.verification.campaign.excuses import (
     untamed,
 )
 from mission.verification.campaign.obedience import ignored
+from mission.verification.campaign.speech import MOTION
 from mission.verification.rig.acts import Act
 from mission.verification.rig.trace import Done, Event, Said, Told, Trace, from_home
 from protocol.messages import SetSafety
@@ -113,7 +115,9 @@ class Violation:
 def violations(
     trial: Trace, mission: Mission, vehicle: Vehicle, profile: str, settings: Settings
 ) -> list[Violation]:
-    found = [Violation(SPURIOUS, s.t, s.says) for s in audit(trial.events, profile)]
+    board = vehicle.codec in MOTION
+    spurious = of_board.audit(trial.events, vehicle) if board else audit(trial.events, profile)
+    found = [Violation(SPURIOUS, s.t, s.says) for s in spurious]
     if trial.raised:
         found.append(Violation(RAISED, trial.truth.t, trial.raised))
     elif trial.truth.depth > _allowed(settings, profile, trial):
@@ -122,10 +126,12 @@ def violations(
     elif trial.turning and trial.state != SURFACING and not _may_turn(trial, settings):
         says = f"its thrusters turn at the end, in {trial.state}"
         found.append(Violation(LOST, trial.truth.t, says))
-    found += [Violation(IGNORED, i.t, i.says) for i in ignored(trial.events, profile)]
+    late = of_board.ignored(trial.events, vehicle) if board else ignored(trial.events, profile)
+    found += [Violation(IGNORED, i.t, i.says) for i in late]
     flown = list(spans(trial, mission, vehicle))
     found += _depths(trial, flown, _dive(settings, profile, trial))
-    found += _ranges(trial, flown, settings, mission.home is not None)
+    if vehicle.codec == "auv" or "position" in vehicle.reports:  # else the limit is disarmed
+        found += _ranges(trial, flown, settings, mission.home is not None)
     found += _times(trial, flown)
     return sorted(found, key=lambda violation: violation.t)
 

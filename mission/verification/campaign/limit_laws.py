@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from mission.model import Step
-from mission.verification.campaign.audit import command_of
+from mission.verification.campaign.audit import commands_of
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import Report, Stay, Story, gaps
@@ -135,7 +135,9 @@ def _topside(story: Story, begin: float, end: float) -> Iterator[Violation]:
 
 
 def _unanswered(story: Story, begin: float, end: float) -> Iterator[Violation]:
-    """Words to the vehicle that nothing came back to."""
+    """Words to the vehicle that nothing came back to, where something should."""
+    if story.board is not None:
+        return
     answers = [h.t for h in story.heard if _ANSWER.search(h.data)]
     for quiet, until in gaps(answers, begin, end):
         words = [w for w in story.words_in(quiet, until) if w.data.startswith(b"@ZA")]
@@ -223,10 +225,8 @@ def _sets(story: Story, stay: Stay) -> list[tuple[float, float, Setpoint]]:
 
 
 def _set_of(step: Step) -> Setpoint | None:
-    if not step.actions:
-        return None
-    command = command_of(step.actions[-1])
-    return None if isinstance(command, Order) else command
+    commands = commands_of(step)
+    return None if not commands or isinstance(commands[-1], Order) else commands[-1]
 
 
 def _no_progress(story: Story, stay: Stay) -> Iterator[Violation]:

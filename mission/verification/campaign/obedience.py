@@ -10,7 +10,7 @@ What does not live here: who else asked for a byte (audit).
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from mission.model import MANUAL_DRIVING, Step, Tx
@@ -37,10 +37,17 @@ class Ignored:
 
 def ignored(events: Sequence[Event], dialect: str) -> list[Ignored]:
     """Orders and sets that did not leave in time."""
-    return sorted([*_orders(events), *_sets(events, dialect)], key=lambda one: one.t)
+    return sorted([*orders(events), *_sets(events, dialect)], key=lambda one: one.t)
 
 
-def _orders(events: Sequence[Event]) -> Iterator[Ignored]:
+def itself(data: bytes) -> frozenset[bytes]:
+    return frozenset((data,))
+
+
+def orders(
+    events: Sequence[Event], means: Callable[[bytes], frozenset[bytes]] = itself
+) -> Iterator[Ignored]:
+    """``means``: the words of X and W that bytes to the vehicle are."""
     waits: tuple[Said, bytes] | None = None
     lives = True
     for event in events:
@@ -57,7 +64,7 @@ def _orders(events: Sequence[Event]) -> Iterator[Ignored]:
             case Done(act=Act.BOOT):
                 lives = True
             case Tx(link=link, data=data) if link == VEHICLE and waits is not None:
-                waits = None if data == waits[1] else waits
+                waits = None if waits[1] in means(data) else waits
             case _:
                 pass
 

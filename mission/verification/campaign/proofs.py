@@ -19,10 +19,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from random import Random
 
-from links.simulated.faults import FAULTS
 from links.simulated.plant import Body
 from links.simulated.sea import Sea
 from links.simulated.sensors import Health, Sensor, SensorErrors
@@ -34,7 +33,7 @@ from mission.model import AUTONOMOUS, IDLE_READY, SURFACED, Mission, Step
 from mission.model.vehicle import Vehicle
 from mission.verification.campaign.area_laws import against
 from mission.verification.campaign.disturbances import INCIDENTS
-from mission.verification.campaign.draw import PROFILES
+from mission.verification.campaign.draw import ANY, body_of, faults_of, profiles_of
 from mission.verification.campaign.laws import AFLOAT, Violation
 from mission.verification.campaign.trial import FOREVER, try_out
 from mission.verification.rig.acts import Disturbance
@@ -116,15 +115,23 @@ class Shown:
     proved: Margin
 
 
+def losses_of(vehicle: str) -> list[str]:
+    """Those of LOSSES that it can have."""
+    there = faults_of(vehicle)
+    return [name for name in LOSSES if name in there]
+
+
 def draw_proof(claim: Claim, vehicle: Vehicle, seed: int, flight: int) -> Proof:
     rng = Random(f"proof {seed} {claim.mission.name} {flight}")
     allowed = claim.mission.safety.depth or vehicle.limits.depth
     assume = Assumptions.of(claim.mission, vehicle, min(allowed, vehicle.limits.depth))
     faults, disturbances, lost = [], [], []
     horizon = 0.4 * claim.proved.worst_time
-    for name in rng.choices([*LOSSES, *LOST_LINKS], k=rng.randint(0, MOST)):
+    for name in rng.choices(
+        [*losses_of(claim.mission.vehicle), *LOST_LINKS], k=rng.randint(0, MOST)
+    ):
         begin = round(rng.uniform(8.0, 10.0 + horizon), 1)
-        if name in FAULTS:
+        if name not in LOST_LINKS:
             faults.append(_loss(rng, name, begin))
         else:
             said = INCIDENTS[name].draw(rng, ())
@@ -134,9 +141,9 @@ def draw_proof(claim: Claim, vehicle: Vehicle, seed: int, flight: int) -> Proof:
             lost.append(f"{name}@{begin}")
     away = rng.uniform(0.0, 0.9 * assume.start), rng.uniform(0.0, math.tau)
     return Proof(
-        rng.choice(PROFILES),
+        rng.choice(profiles_of(claim.mission.vehicle)),
         rng.randrange(1 << 31),
-        Settings(_sea(rng, assume), _errors(rng), _body(rng), tuple(faults)),
+        Settings(_sea(rng, assume), _errors(rng), _body(rng, claim.mission.vehicle), tuple(faults)),
         tuple(disturbances),
         (away[0] * math.cos(away[1]), away[0] * math.sin(away[1])),
         rng.uniform(0.0, math.tau),
@@ -155,9 +162,10 @@ def _errors(rng: Random) -> SensorErrors:
     return SensorErrors(compass_bias=_within(rng, BIAS))
 
 
-def _body(rng: Random) -> Body:
-    thrust = Body().main_thrust * (1.0 + _within(rng, SPEED)) ** 2
-    return Body(main_thrust=thrust)
+def _body(rng: Random, vehicle: str) -> Body:
+    """A simulated board has its own, but for what it weighs."""
+    body = body_of(vehicle)
+    return replace(body, main_thrust=body.main_thrust * (1.0 + _within(rng, SPEED)) ** 2)
 
 
 def _within(rng: Random, sigma: float) -> float:
@@ -165,7 +173,7 @@ def _within(rng: Random, sigma: float) -> float:
 
 
 def _loss(rng: Random, name: str, begin: float) -> FaultEvent:
-    duration = round(FAULTS[name].duration * 10.0 ** rng.uniform(-0.5, 0.5), 1)
+    duration = round(ANY[name].duration * 10.0 ** rng.uniform(-0.5, 0.5), 1)
     return FaultEvent(name, begin, FOREVER if rng.random() < 0.15 else duration)
 
 

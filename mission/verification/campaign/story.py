@@ -17,7 +17,7 @@ import bisect
 import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -36,8 +36,9 @@ from mission.model.vehicle import Vehicle
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.verification.campaign.excuses import auto_closed
 from mission.verification.campaign.laws import Span, spans
+from mission.verification.campaign.speech import MOTION, Speech
 from mission.verification.campaign.trial import fault_ends
-from mission.verification.rig.acts import Act
+from mission.verification.rig.acts import TOPSIDE, Act
 from mission.verification.rig.program import DEAD
 from mission.verification.rig.trace import Done, Heard, Said, Told, Trace
 from protocol.vehicles.auv import ACTUATORS, SD
@@ -53,6 +54,7 @@ UPWARD_WORDS = (b"@ZAWF$", b"@ZAU12$")
 STOP_WORD, DOWN_WORD = b"@ZAX0$", b"@ZAD12$"
 _RESTS = (STOPPED, SURFACED, MANUAL_WAITING)
 _ASCENDS = ("emergency surfacing", "surge 0 heave -1")
+_M = re.compile(rb"@M[^@$]{2,10}\$")
 _REPORT = re.compile(rb"@SD.{82}\$", re.DOTALL)
 _ANGLES = ("roll_deg", "pitch_deg", "yaw_deg")
 _THRUSTERS = tuple(f"pwm_{name}" for name in ACTUATORS[:5])
@@ -118,7 +120,12 @@ class Story:
         self.end = trial.truth.t
         self.steps = [e for e in events if isinstance(e, Step)]
         self.told = [e for e in events if isinstance(e, Told)]
+        self.board = Speech(vehicle) if vehicle.codec in MOTION else None
+        self.upward = _upward(self.board)
         self.words = [e for e in events if isinstance(e, Tx) and e.link == VEHICLE]
+        if self.board is not None:
+            self.words = [replace(e, data=self.board.word(e.data)) for e in self.words]
+        self.stick = list(self._stick())
         self.answers = [e for e in events if isinstance(e, Tx) and e.link != VEHICLE]
         self.said = [e for e in events if isinstance(e, Said)]
         self.heard = [e for e in events if isinstance(e, Heard)]
@@ -148,6 +155,16 @@ class Story:
                 yield Stay(now.state, now.begin, event.t, now.before, now.step)
                 now = Stay(state, event.t, event.t, now.state, step)
         yield Stay(now.state, now.begin, self.end, now.before, now.step)
+
+    def _stick(self) -> Iterator[float]:
+        """When an M left for the vehicle; of a board, when one was said that it has frames for."""
+        if self.board is None:
+            yield from (word.t for word in self.words if word.data[:2] == b"@M")
+            return
+        for event in self.trial.events:
+            if isinstance(event, Said) and event.link == TOPSIDE:
+                words = _M.findall(event.data)
+                yield from (event.t for word in words if self.board.steers(word))
 
     def _reports(self) -> Iterator[Report]:
         """Those that came in one piece, and as they were sent."""
@@ -289,6 +306,13 @@ class Story:
                 since = None
         if since is not None:
             yield float(since), float(last + within)
+
+
+def _upward(board: Speech | None) -> tuple[bytes, ...]:
+    """The words that bring it up, each of other bytes."""
+    if board is None:
+        return UPWARD_WORDS
+    return (b"@ZAU12$",) if board.lifts else ()
 
 
 def gaps(times: Iterable[float], begin: float, end: float) -> Iterator[tuple[float, float]]:

@@ -59,7 +59,7 @@ def try_out(
     """``disturbances`` are at the flight's times. ``offset``: m north and east of home where it
     begins; ``recorder`` makes one for each life of the program. ``program`` lives already, and
     lives on: it is given ``OPERATOR_AFTER`` s before the operator begins."""
-    flown = replace(vehicle, dialect=profile)
+    flown = replace(vehicle, dialect=profile) if vehicle.codec == "auv" else vehicle
     home = home_of(mission)
     sea = simulated(flown, seed, settings, position=moved(*home, *offset), heading=heading)
     begins = program is None
@@ -86,7 +86,7 @@ def try_out(
         operator.failure,
         trial.started,
         raised,
-        isinstance(sea, SimulatedVehicle) and _is_turning(sea),
+        _is_turning(sea) if isinstance(sea, SimulatedVehicle) else sea.turning,
     )
 
 
@@ -151,5 +151,7 @@ def _is_turning(sea: SimulatedVehicle) -> bool:
 
 def fault_ends(event: FaultEvent) -> float:
     """At s; a fault for ever never."""
-    duration = FAULTS[event.name].duration if event.duration is None else event.duration
+    duration = event.duration
+    if duration is None:
+        duration = FAULTS[event.name].duration
     return math.inf if duration >= FOREVER else event.begin + duration

@@ -38,9 +38,9 @@ from mission.model import (
 )
 from mission.model.regions import EMERGENCY, MANUAL
 from mission.model.shipped import load_vehicle
-from mission.verification.campaign.audit import command_of, moves
+from mission.verification.campaign.audit import commands_of, moves
 from mission.verification.campaign.laws import Violation
-from mission.verification.campaign.story import SAME, STOP_WORD, UPWARD_WORDS, Report, Stay, Story
+from mission.verification.campaign.story import SAME, STOP_WORD, Report, Stay, Story
 from mission.verification.campaign.surface_laws import UNLAWFUL
 from mission.verification.campaign.trial import AUTO_NODE, fault_ends
 from mission.verification.rig.acts import MODEM, TOPSIDE, Act
@@ -119,9 +119,10 @@ def _ends_in_time(story: Story, stay: Stay, clocks: Mapping[str, float]) -> Iter
 
 def _is_left_blind(story: Story, stay: Stay) -> Iterator[Violation]:
     """Frozen is known by five reports while a thruster turns, and so is a heading at full scale."""
-    if stay.step is None or not stay.step.actions or stay.ascends:
+    commands = commands_of(stay.step) if stay.step is not None else []
+    if not commands or stay.ascends:
         return
-    command = command_of(stay.step.actions[-1])
+    command = commands[-1]
     for fault in story.settings.faults:
         sensor, _, how = fault.name.partition("_")
         needed = not isinstance(command, Order) and getattr(command, sensor, None) is not None
@@ -191,7 +192,7 @@ def _begins_again(story: Story, stay: Stay) -> Iterator[Violation]:
     if not (was.autonomous or was.state == SURFACING):
         return
     words = {word.data for word in story.words_in(stay.begin, due)}
-    if words.isdisjoint(UPWARD_WORDS) and now != MANUAL_DRIVING:
+    if story.upward and words.isdisjoint(story.upward) and now != MANUAL_DRIVING:
         says = f"no upward word within {_UPWARD:g} s of a restart during {was.state}"
         yield Violation(UNSENT, due, says)
 
@@ -222,7 +223,7 @@ def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
 
 
 def _has_word(story: Story, begin: float, end: float) -> bool:
-    return any(word.data in UPWARD_WORDS for word in story.words_in(begin, end))
+    return any(word.data in story.upward for word in story.words_in(begin, end))
 
 
 # --- the stick -----------------------------------------------------------------------------------
@@ -250,9 +251,7 @@ def _neutral(frame: bytes) -> bool:
 
 
 def _lets_go(story: Story, stay: Stay) -> Iterator[Violation]:
-    last = max(
-        (w.t for w in story.words if w.t < stay.end and w.data[:2] == b"@M"), default=math.nan
-    )
+    last = max((t for t in story.stick if t < stay.end), default=math.nan)
     driving = stay.state == MANUAL_DRIVING
     due = last + (_SILENT if driving else _FORGOTTEN)
     if stay.end > due and not story.hindered(last - 0.1, due):
@@ -331,7 +330,7 @@ def _by_limit(stay: Stay) -> bool:
 
 
 def _keeps_the_gap(story: Story) -> Iterator[Violation]:
-    if found := crowded(story.words):
+    if story.board is None and (found := crowded(story.words)):
         yield Violation(UNLAWFUL, *found)
 
 
