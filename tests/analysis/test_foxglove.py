@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import jsonschema
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from websockets import Subprotocol
@@ -22,6 +24,7 @@ from mission.analysis.journal import recordings
 from mission.analysis.replay.playback import Playback
 from mission.commands.foxglove import foxglove
 from mission.model import Record
+from mission.navigation.distribution import PLANE_95
 from mission.onboard.stream import topics
 from mission.onboard.stream.derived import Message
 from mission.topside.monitor import Watched
@@ -169,6 +172,28 @@ def test_a_monitor_tells_the_same_of_a_dive_as_its_black_box(
     }
     a, b = (spread[name]["position_covariance"] for name in ("live", "box"))
     assert a == pytest.approx(b, rel=0.1, abs=0.5)
+
+
+def test_the_ellipse_of_a_monitor_lies_on_the_map_as_it_lies_on_the_sea() -> None:
+    """20 m towards 30 degrees, 5 m across: so much along each, and nothing between them."""
+    state = {
+        "state": "idle/ready",
+        "latitude": 30.0,
+        "longitude": 120.0,
+        "ellipse": [20.0, 5.0, 30.0],
+    }
+    seen, frame = Watched(), {"n": 1, "t": 2.0, "state": state}
+    seen.take(frame, 2.0)
+    (place,) = [
+        m.value for m in live.Live().receive(seen, frame, 1e9) if m.topic == topics.POSITION
+    ]
+    ee, ne, _, _, nn = place["position_covariance"][:5]
+    spread = np.array([[nn, ne], [ne, ee]])
+    along = np.array([math.cos(math.radians(30.0)), math.sin(math.radians(30.0))])
+    across = np.array([-along[1], along[0]])
+    assert PLANE_95 * math.sqrt(along @ spread @ along) == pytest.approx(20.0)
+    assert PLANE_95 * math.sqrt(across @ spread @ across) == pytest.approx(5.0)
+    assert along @ spread @ across == pytest.approx(0.0, abs=1e-9)
 
 
 def fields(schema: dict[str, Any], path: str) -> bool:
