@@ -19,7 +19,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -31,10 +31,10 @@ from bench_latency import MISSION, Board, serving  # noqa: E402
 from mission.authoring.language import digest, parse, script  # noqa: E402
 from mission.topside.console import converse  # noqa: E402
 from mission.topside.monitor import wish  # noqa: E402
-from mission.topside.upload import start, upload  # noqa: E402
+from mission.topside.upload import NoAnswer, Script, start, upload  # noqa: E402
 
 VIEWERS, SLOW_S = 10, 1.0
-REPORTS, ORDERS, PAUSE_S = 12, 6, 0.12
+REPORTS, ORDERS, PAUSE_S, PATIENCE = 12, 6, 0.12, 20
 NUMBER = re.compile(rb'"n":(\d+)')
 
 
@@ -109,9 +109,20 @@ def _fly(board: Board, address: str) -> None:
         board.fix()
         board.report(90.0)
         board.quiet(0.4)
-    converse(address, upload(script(mission), digest(mission), lambda have, total: None))
-    converse(address, start(patience=20))
+    _until_answered(address, lambda: upload(script(mission), digest(mission), lambda *_: None))
+    _until_answered(address, lambda: start(patience=20))
     board.quiet(0.5)
+
+
+def _until_answered(address: str, talk: Callable[[], Script]) -> None:
+    """A machine that is busy may take longer than an operator's three tries."""
+    for _ in range(PATIENCE):
+        try:
+            converse(address, talk())
+        except NoAnswer:
+            continue
+        return
+    raise RuntimeError("serve does not answer")
 
 
 def _answers(board: Board) -> list[float]:
