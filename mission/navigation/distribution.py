@@ -35,6 +35,13 @@ def principal(covariance: Covariance) -> tuple[float, float, float]:
     )
 
 
+def of_principal(great: float, small: float, direction: float) -> Covariance:
+    """The covariance that has these axes: what ``principal`` takes apart."""
+    c, s = math.cos(direction), math.sin(direction)
+    nn, ee = (great * c) ** 2 + (small * s) ** 2, (great * s) ** 2 + (small * c) ** 2
+    return nn, (great**2 - small**2) * c * s, ee
+
+
 def radius_95(covariance: Covariance) -> float:
     """m about the mean that hold 95 %: a cubic in the ratio of the axes, to 0.2 %."""
     great, small, _ = principal(covariance)

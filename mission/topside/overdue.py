@@ -111,9 +111,7 @@ def contact_with(state: Mapping[str, Any], wall: float) -> Contact:
     covariance = None
     if (ellipse := state.get("ellipse")) is not None:
         great, small = (float(axis) / distribution.PLANE_95 for axis in ellipse[:2])
-        c, s = math.cos(math.radians(ellipse[2])), math.sin(math.radians(ellipse[2]))
-        nn, ee = (great * c) ** 2 + (small * s) ** 2, (great * s) ** 2 + (small * c) ** 2
-        covariance = (nn, (great**2 - small**2) * c * s, ee)
+        covariance = distribution.of_principal(great, small, math.radians(ellipse[2]))
     north, east = state.get("current") or (0.0, 0.0)
     place = state.get("latitude"), state.get("longitude")
     return Contact(wall, str(state.get("state") or AUTONOMOUS), *place, covariance, (north, east))

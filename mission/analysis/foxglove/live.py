@@ -15,7 +15,7 @@ from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import MissionErrors, digest, parse_script
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import VehicleError
-from mission.navigation.distribution import PLANE_95
+from mission.navigation.distribution import PLANE_95, of_principal
 from mission.onboard.stream import topics, wellknown
 from mission.onboard.stream.derived import VEHICLE_FRAME, Message
 from mission.onboard.stream.plan import plan_geojson
@@ -108,21 +108,13 @@ def _placed(t: float, wall: float, seen: Mapping[str, Any]) -> Iterator[Message]
     latitude, longitude = seen.get("latitude"), seen.get("longitude")
     if latitude is None or longitude is None:
         return
-    covariance = _covariance(*seen["ellipse"]) if seen.get("ellipse") else None
+    covariance = None
+    if (ellipse := seen.get("ellipse")) is not None:
+        great, small = (axis / PLANE_95 for axis in ellipse[:2])
+        covariance = of_principal(great, small, math.radians(ellipse[2]))
     depth = seen.get("depth") or 0.0
     said = wellknown.location(wall, VEHICLE_FRAME, latitude, longitude, -depth, covariance)
     yield Message(topics.POSITION, t, said)
-
-
-def _covariance(long: float, short: float, bearing_deg: float) -> tuple[float, float, float]:
-    """(nn, ne, ee), m^2, of the half axes of a 95 % ellipse and the bearing of the long one."""
-    great, small = (long / PLANE_95) ** 2, (short / PLANE_95) ** 2
-    cos, sin = math.cos(math.radians(bearing_deg)), math.sin(math.radians(bearing_deg))
-    return (
-        great * cos**2 + small * sin**2,
-        (great - small) * sin * cos,
-        great * sin**2 + small * cos**2,
-    )
 
 
 def _planned(t: float, lines: Sequence[str]) -> Iterator[Message]:
