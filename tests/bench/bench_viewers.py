@@ -31,7 +31,7 @@ from bench_latency import MISSION, Board, serving  # noqa: E402
 from mission.authoring.language import digest, parse, script  # noqa: E402
 from mission.topside.console import converse  # noqa: E402
 from mission.topside.monitor import wish  # noqa: E402
-from mission.topside.upload import NoAnswer, Script, start, upload  # noqa: E402
+from mission.topside.upload import OperatorError, Script, start, upload  # noqa: E402
 
 VIEWERS, SLOW_S = 10, 1.0
 REPORTS, ORDERS, PAUSE_S, PATIENCE = 12, 6, 0.12, 20
@@ -105,24 +105,27 @@ def _told(what: str, found: dict[str, list[float]], key: str) -> dict[str, float
 
 def _fly(board: Board, address: str) -> None:
     mission = parse(MISSION)
-    for _ in range(8):  # a vehicle that has found itself
-        board.fix()
-        board.report(90.0)
-        board.quiet(0.4)
-    _until_answered(address, lambda: upload(script(mission), digest(mission), lambda *_: None))
-    _until_answered(address, lambda: start(patience=20))
+    lines, whole = script(mission), digest(mission)
+    _until_done(board, address, lambda: upload(lines, whole, lambda have, total: None))
+    _until_done(board, address, start)
     board.quiet(0.5)
 
 
-def _until_answered(address: str, talk: Callable[[], Script]) -> None:
-    """A machine that is busy may take longer than an operator's three tries."""
-    for _ in range(PATIENCE):
+def _until_done(board: Board, address: str, talk: Callable[[], Script]) -> None:
+    """By a vehicle that has found itself. A busy machine may take longer than an operator's tries,
+    and then reports and fixes are old."""
+    for last in (*[False] * PATIENCE, True):
+        for _ in range(8):
+            board.fix()
+            board.report(90.0)
+            board.quiet(0.4)
         try:
             converse(address, talk())
-        except NoAnswer:
+        except OperatorError:
+            if last:
+                raise
             continue
         return
-    raise RuntimeError("serve does not answer")
 
 
 def _answers(board: Board) -> list[float]:
