@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _PALETTE = ("#88ccee", "#ddcc77", "#44aa99", "#cc6677", "#999933", "#aa4499", "#6699cc", "#117733")
-_PLAN, _SMOOTHED, _FIX = "#888888", "#222222", "#117733"
+_PLAN, _SMOOTHED, _FIX, _AREA = "#888888", "#222222", "#117733", "#aa4400"
 _DISC = {"boxstyle": "circle,pad=0.15", "fc": "w", "lw": 0.5}
 _ELLIPSES = 10
 _MARGIN, _NARROWEST = 0.08, 0.6  # of the frame, of its long side
@@ -76,6 +76,13 @@ def _plan(axes: Axes, dive: Dive) -> list[list[Point]]:
     drawn: list[list[Point]] = []
     for feature in dive.plan:
         form, said = feature["geometry"], feature["properties"]
+        if dive.origin is not None and form["type"] == "Polygon":
+            ring = [
+                dive.local(latitude, longitude) for longitude, latitude in form["coordinates"][0]
+            ]
+            axes.plot(
+                *_columns(ring), "-.", color=_AREA, lw=0.9, label=plain(said["what"]), zorder=1
+            )
         if dive.origin is None or form["type"] != "LineString" or said["name"] == "radius":
             continue
         line = [dive.local(latitude, longitude) for longitude, latitude in form["coordinates"]]

@@ -1,4 +1,4 @@
-"""A mission as a map: home, the radius, the lines of its legs, as GeoJSON (RFC 7946).
+"""A mission as a map: home, radius, areas, the lines of its legs, as GeoJSON (RFC 7946).
 
 A leg that steers to places is walked by its own pilot from corner to corner, from where the leg
 before it ended. What does not live here: a route that was flown (derived), pictures (report).
@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import Any
 
+from mission.authoring.graph import words
 from mission.legs import LEGS
 from mission.legs.base import Point, View
-from mission.model import Chart, Estimate, Local, NavigationMode, Place, Position, State
+from mission.model import Area, Chart, Estimate, Local, NavigationMode, Place, Position, State
 from mission.navigation.geodesy import LocalFrame
 from protocol.messages import Setpoint
 
@@ -33,6 +35,7 @@ def plan_geojson(chart: Chart, origin: Position) -> dict[str, Any]:
         features.append(
             _feature(frame, "LineString", edge, name="radius", what=f"limit of {radius:g} m")
         )
+    features += [_area(frame, area) for area in chart.mission.areas]
     for state, corners in routes(chart, frame):
         assert state.leg is not None
         shown = LEGS[type(state.leg.kind)].shown(state.leg.kind)
@@ -58,12 +61,7 @@ def _walk(state: State, here: Point, frame: LocalFrame) -> Iterator[Point]:
     assert state.leg is not None
 
     def place(named: Place) -> Point | None:
-        if isinstance(named, Local):
-            return named.north, named.east
-        if isinstance(named, Position):
-            angles = math.radians(named.latitude_deg), math.radians(named.longitude_deg)
-            return frame.to_local(*angles)
-        return 0.0, 0.0
+        return _local(frame, named)
 
     kind = state.leg.kind
     begin = LEGS[type(kind)].begin
@@ -81,6 +79,25 @@ def _walk(state: State, here: Point, frame: LocalFrame) -> Iterator[Point]:
         here = north, here[1] + track.distance * math.sin(track.ahead)
         yield here
         view = View(float(turn), _standing_at(here, float(turn)), 0.0, place)
+
+
+def _local(frame: LocalFrame, named: Place) -> Point:
+    if isinstance(named, Local):
+        return named.north, named.east
+    if isinstance(named, Position):
+        angles = math.radians(named.latitude_deg), math.radians(named.longitude_deg)
+        return frame.to_local(*angles)
+    return 0.0, 0.0
+
+
+def _area(frame: LocalFrame, area: Area) -> Feature:
+    """A ring, counterclockwise, whose last corner is its first."""
+    corners = [_local(frame, corner) for corner in area.corners]
+    twice = sum(a[1] * b[0] - b[1] * a[0] for a, b in pairwise([*corners, corners[0]]))
+    ring = [*corners, corners[0]][:: 1 if twice > 0.0 else -1]
+    feature = _feature(frame, "Polygon", ring, name=area.name, what=words.area(area))
+    feature["geometry"]["coordinates"] = [feature["geometry"]["coordinates"]]
+    return feature
 
 
 def _standing_at(here: Point, t: float) -> Estimate:
