@@ -45,7 +45,8 @@ export function routesOf(map, frame) {
   const features = /** @type {any[]} */ (map?.features ?? []);
   return features.filter((f) => !['home', 'radius'].includes(f.properties.name)).map((f) => {
     const { type, coordinates } = f.geometry;
-    const places = /** @type {Pair[]} */ (type === 'Point' ? [coordinates] : coordinates);
+    const forms = { Point: [coordinates], Polygon: coordinates[0] }; // an area: its ring
+    const places = /** @type {Pair[]} */ (forms[/** @type {'Point'} */ (type)] ?? coordinates);
     return { name: f.properties.name, what: f.properties.what,
       points: places.map(([lon, lat]) => frame.toLocal(lat, lon)) };
   });

@@ -208,7 +208,7 @@ DERIVED: tuple[Topic, ...] = (
     _known(FIXES, "the fixes as places", LOCATION_FIX),
     _known(POSE, "position and attitude, metres from home", POSE_IN_FRAME),
     _known(JOURNAL, "what happened, in words", LOG),
-    _known(PLAN, "the mission's places and lines", GEO_JSON),
+    _known(PLAN, "the mission's places, lines and areas", GEO_JSON),
 )  # fmt: skip
 
 TOPICS: Mapping[str, Topic] = {topic.name: topic for topic in (*RAW, *DERIVED)}
