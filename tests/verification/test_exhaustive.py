@@ -172,6 +172,10 @@ def _limits_sleep(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(LimitMonitor, "look", lambda self, reported, fixed: [])
 
 
+def _areas_are_open(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr("mission.engine.limits.breached", lambda *_: "")
+
+
 def _believe_all(patch: pytest.MonkeyPatch) -> None:
     observe = _Monitor.observe
 
@@ -467,6 +471,7 @@ BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_stick_in_emergency, "stopped, stick held", "M takes over at once, in an emergency after 2 s of silence"),
     (_never_blind, "autonomous/dive , quiet", "a set whose reading is unknown is given up"),
     (_limits_sleep, "autonomous/dive , quiet", "a breach leads to its response where it acts, and only there"),
+    (_areas_are_open, "autonomous/dive , quiet", "a breach leads to its response where it acts, and only there"),
     (_limits_sleep, "autonomous/dive , quiet", "who is left alone comes up"),
     (_limits_sleep, "autonomous/dive , quiet", "not sure of the radius: the mission's own way"),
     (_limits_sleep, "autonomous/dive , quiet", "after a brown-out the set leaves once more"),

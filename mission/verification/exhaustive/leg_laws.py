@@ -35,7 +35,7 @@ _TRIES = 3  # R1
 _PERIOD, _BLIND, _LATE = 2.0, 6.0, 0.1  # s: between reports; without a reading (design: the states)
 _LOST = 3  # R8
 _SEEN = 0.5  # m: noise of a depth and an altitude
-_UNHEARD = _BLIND + ECHOES_MISSED + 2 * _PERIOD
+_UNHEARD = ECHOES_MISSED + 2 * _PERIOD
 # What a guard asks about, by the sensor without which it is not known.
 _OF = {
     "depth": frozenset({"depth", "depth_rate"}),
@@ -178,7 +178,7 @@ def _kept_above(cell: Cell) -> Verdict:
     gone = gone and cell.world.now - cell.before.t - cell.event.after > _UNHEARD
     return wrong(
         (any(level > max(seen, blind) for level in here), f"held at {here}, clear is {seen:.1f}"),
-        (gone and levels[-1:] != [blind], f"held at {levels[-1:]} without an altitude"),
+        (gone and levels[-1] > blind, f"held at {levels[-1]} without an altitude"),
     )
 
 

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import math
 
-from mission.model import Chart
+from mission.engine.areas import Fence
+from mission.model import Area, Chart, Local
 from mission.verification.exhaustive.cell import Configuration, Event
 from mission.verification.exhaustive.commands import Play, script
 from mission.verification.exhaustive.configurations import DEEP, SHALLOW, doubt
@@ -130,6 +131,25 @@ def _doubts(world: World) -> None:
     doubt(world)
 
 
+def _area(name: str, out: bool, off: float, half: float) -> Play:
+    """A square ``off`` m east of where it is, as if the mission had named it."""
+
+    def play(world: World) -> None:
+        here = world.engine.estimate
+        if here is None:
+            return
+        east = here.east + off
+        corners = tuple(
+            Local(here.north + n * half, east + e * half)
+            for n, e in ((-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0))
+        )
+        places = [(corner.north, corner.east) for corner in corners]
+        world.engine.core.watch.fences = (Fence(Area(name, out, corners), tuple(places)),)
+        world.wait(4.5)
+
+    return script(play)
+
+
 def _nobody_answers(world: World, configuration: Configuration, chart: Chart) -> None:
     world.answers = ""
     end_leg(world, configuration, chart)
@@ -138,6 +158,8 @@ def _nobody_answers(world: World, configuration: Configuration, chart: Chart) ->
 
 LIMITS = (
     Event("limit radius", _tightens(SetSafety(radius=1.0)), "SP", limit="radius"),
+    Event("in an area that is kept out of", _area("wreck", True, 0.0, 50.0), limit="radius"),
+    Event("out of all that is kept in", _area("bay", False, 500.0, 50.0), limit="radius"),
     Event("limit time", _tightens(SetSafety(time=0.6), 1.0), "SP", limit="time"),
     Event("limit depth", script(_too_deep), "SP", limit="depth"),
     Event("limit hard depth", script(_hard_depth), limit="hard depth"),
