@@ -22,6 +22,9 @@ test: $(READY)          ## every test but the long proofs; more workers than cor
 coverage: $(READY)      ## the same tests, with the branches that those of single rooms cover; twice as long
 	$(BIN)/pytest -n 4 --dist worksteal --cov --cov-report=term:skip-covered
 
+browser: $(READY)       ## the cockpit driven in a real Chromium; skipped where none is installed
+	$(BIN)/pytest -m browser -rs
+
 proofs: $(READY)        ## the long proofs: flights, states crossed with events, broken rules, recordings
 	$(BIN)/pytest -m proof -n 4 --dist worksteal $$(grep -rl --include='*.py' mark.proof tests | grep -v ^tests/sea)
 

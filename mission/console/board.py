@@ -52,11 +52,12 @@ class Board:
         self._monitor.event(line)
 
     def frame(
-        self, page: str, watched: Watched, extras: Mapping[str, Any], t: float, now: float
+        self, page: str, watched: Watched, state: Mapping[str, Any], t: float, now: float
     ) -> bytes:
-        """b"" where nothing is new. ``t``: the vehicle's time now."""
+        """b"" where nothing is new. ``state``: that of ``watched``, and more; ``t``: the vehicle's
+        time now, read after the state, so that no age is too small."""
         self._follow(watched, now)
-        return self._monitor.frame(page, {**watched.state, **extras}, t, now)
+        return self._monitor.frame(page, state, t, now)
 
     def _follow(self, watched: Watched, now: float) -> None:
         t = -math.inf if watched.at is None else watched.at[0]

@@ -13,6 +13,7 @@ What does not live here: what is said (topside), who may say it (vehicle).
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import time
 from collections import deque
 from dataclasses import dataclass
@@ -237,10 +238,9 @@ class Line:
         elif self.acoustics is None:
             dues.append(self._beat)
         due = min(due for due in dues if due is not None)
-        try:
-            await asyncio.wait_for(self._stir.wait(), max(0.001, due - now))
-        except TimeoutError:
-            return
+        with contextlib.suppress(TimeoutError):  # wait_for of 3.11 may lose a cancellation
+            async with asyncio.timeout(max(0.001, due - now)):
+                await self._stir.wait()
 
     def _send(self, link: Link, frames: list[bytes], now: float) -> None:
         for frame in frames:

@@ -47,7 +47,9 @@ class Recorded:
             "plan": self._plan["digest"],
             "review": recording.as_object(),
         }
-        return self.board.frame(page, recording.watched, extras, recording.t, now)
+        watched = recording.watched
+        state = {**watched.state, **extras}
+        return self.board.frame(page, watched, state, recording.t, now)
 
     def steer(self, said: dict[str, Any]) -> None:
         """Raises ValueError, KeyError, TypeError for what no page says."""

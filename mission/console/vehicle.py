@@ -103,17 +103,17 @@ class Vehicle:
 
     def frame(self, page: str, now: float) -> bytes:
         """b"" where nothing is new."""
-        watched = self.watched
-        t = 0.0
+        watched, t = self.watched, 0.0
+        state = {**watched.state, **self._extras(watched, now)}
         if watched.at is not None:
             t = watched.at[0] + (now - watched.at[1]) * self.given.speed
-        return self.board.frame(page, watched, self._extras(watched, now), t, now)
+        return self.board.frame(page, watched, state, t, now)
 
     def _extras(self, watched: Watched, now: float) -> dict[str, Any]:
         silence, state = watched.silence(now), self.commands.state
         return {
             "wall": int(time.time()),
-            "silence": None if silence is None else round(silence),
+            "silence": _rounded(silence),
             "problem": self._problem,
             "alarms": [*self._mine, *(watched.state.get("alarms") or ())],
             "command": {

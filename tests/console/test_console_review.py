@@ -98,7 +98,7 @@ def test_what_is_no_recording_is_refused() -> None:
 
 
 def frame(board: Board, watched: Watched, t: float) -> dict[str, object]:
-    said = board.frame("a", watched, {"wall": t}, t, t)
+    said = board.frame("a", watched, {**watched.state, "wall": t}, t, t)
     return dict(json.loads(said)) if said else {}
 
 

@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import uvicorn
-from served import PATIENCE, Running, soon
+from served import PATIENCE, Running, running, silent_board, soon
+from served import simulated as simulated_board
 from websockets.sync.client import ClientConnection, connect
 
 from mission.console.app import Shown
@@ -151,3 +152,27 @@ def monitor_of(pi: Running) -> str:
     viewing = pi.server.viewing
     soon(lambda: viewing is not None and viewing.port.link is not None, "the monitor's port")
     return f"tcp://127.0.0.1:{viewing.port.link.port}"  # type: ignore[union-attr]
+
+
+@contextmanager
+def cockpit(folder: Path, **more: object) -> Iterator[tuple[Running, Console, Vehicle]]:
+    """A serve with a board that says nothing, and its console."""
+    with silent_board() as (_, board):
+        url = f"serial://{board}"
+        with (
+            running(folder, url, monitor="tcp://127.0.0.1:0", **more) as pi,
+            console_of(pi.url, folder, monitor_of(pi)) as (console, vehicle),
+        ):
+            yield pi, console, vehicle
+
+
+@contextmanager
+def at_sea(folder: Path) -> Iterator[tuple[Running, Console, Vehicle]]:
+    """The same with a simulated vehicle, in real time."""
+    with simulated_board(1.0) as sea:
+        stm32, gps = (f"serial://{path}" for path in sea.paths)
+        with (
+            running(folder, stm32, gps=gps, monitor="tcp://127.0.0.1:0") as pi,
+            console_of(pi.url, folder, monitor_of(pi)) as (console, vehicle),
+        ):
+            yield pi, console, vehicle

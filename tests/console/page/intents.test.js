@@ -27,8 +27,17 @@ test('an order without a connection leaves as soon as there is one', () => {
   intents.opened();
   assert.deepEqual(orders.said.map((m) => [m.id, m.do]), [[order.id, 'stop']]);
   assert.equal(order.is, 'sent');
+});
+
+test('an order that nobody has acknowledged leaves again by the next connection, and then no more', () => {
+  const { intents, orders } = made();
+  const order = intents.order('surface');
+  intents.heard({ id: order.id, is: 'unanswered', says: '' });
   intents.opened();
-  assert.equal(orders.said.length, 1);
+  assert.deepEqual(orders.said.map((m) => [m.id, m.do]), [[order.id, 'surface'], [order.id, 'surface']]);
+  intents.heard({ id: order.id, is: 'acknowledged', says: '' });
+  intents.opened();
+  assert.equal(orders.said.length, 2);
 });
 
 test('of two orders that wait the newer one leaves', () => {

@@ -99,6 +99,14 @@ test('a vehicle whose place is not known stands where it was, and looks old', ()
   assert.deepEqual([here.at, here.isOld, here.ellipse], [[0, 0], true, null]);
 });
 
+test('another vehicle is shown where it is, by its name', () => {
+  const [own, far] = [vehicle({ latitude: 30, longitude: 120 }), vehicle({ latitude: 30, longitude: 120.001 })];
+  far.setup.name = 'auv-2';
+  const [other] = sceneOf(own, frameOf(own), 6, 0, [far]).others;
+  assert.equal(other.name, 'auv-2');
+  assert.ok(Math.abs(other.at[0] - 96.5) < 0.2);
+});
+
 test('the limit that is in force is drawn, and not the mission\'s wider one', () => {
   const tight = vehicle({ to_radius: [80, 100] });
   assert.equal(sceneOf(tight, frameOf(tight), 6, 0).radius, 100);

@@ -1,0 +1,220 @@
+"""The cockpit in a real Chromium, against the real serve and a simulated vehicle.
+
+It has to be there: apt-get install chromium. Without one these tests are skipped.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import http.server
+import re
+import shutil
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+from console_world import Console, at_sea, console, console_of
+from served import PATIENCE, TEXT
+
+from mission.authoring.prepare import prepare
+from mission.console.recorded import Recorded
+from mission.console.recording import Recording
+from mission.onboard.runtime.records import ListRecorder
+from mission.verification.simulation.flight import fly
+
+playwright = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.skipif(CHROMIUM is None, reason="no chromium here: apt-get install chromium"),
+]
+FLAGS = ("--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run",
+         "--disable-sync", "--disable-component-update",
+         "--host-resolver-rules=MAP evil.example 127.0.0.1")  # fmt: skip
+
+
+@dataclass
+class Seat:
+    """A page, and what its browser said and asked for."""
+
+    page: playwright.Page  # type: ignore[name-defined]
+    said: list[str] = field(default_factory=list)
+    hosts: set[str] = field(default_factory=set)
+
+    def shows(self, where: str, what: str | re.Pattern[str]) -> None:
+        playwright.expect(self.page.locator(where)).to_contain_text(what)
+
+    def press_twice(self, button: str) -> None:
+        """What asks before it acts."""
+        self.page.get_by_role("button", name=button, exact=True).click()
+        again = self.page.get_by_role("button", name=re.compile("^Press again"))
+        playwright.expect(again).to_be_visible()
+        self.page.wait_for_timeout(400)  # two presses, and no double click
+        again.click()
+
+    def start(self) -> None:
+        """It is refused while the filter is loaded, without a fix, and 2 s after the stick (R6)."""
+        for _ in range(15):
+            self.press_twice("Start")
+            with contextlib.suppress(AssertionError):
+                state = playwright.expect(self.page.locator("#state"))
+                state.to_contain_text("autonomous/dive", timeout=3000)
+                return
+        raise AssertionError(self.page.locator("#command").inner_text())
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[object]:
+    playwright.expect.set_options(timeout=1000 * PATIENCE)
+    with playwright.sync_playwright() as running:
+        browser = running.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
+        yield browser
+        browser.close()
+
+
+@contextmanager
+def seated(chromium: object, running: Console) -> Iterator[Seat]:
+    """It says nothing on its console, and asks no host but ours."""
+    context = chromium.new_context(  # type: ignore[attr-defined]
+        viewport={"width": 1400, "height": 900}, locale="en-GB"
+    )
+    seat = Seat(context.new_page())
+    seat.page.on("console", lambda message: seat.said.append(message.text))
+    seat.page.on("pageerror", lambda error: seat.said.append(str(error)))
+    seat.page.on("request", lambda request: seat.hosts.add(request.url.split("/")[2]))
+    seat.page.on("websocket", lambda socket: seat.hosts.add(socket.url.split("/")[2]))
+    seat.page.goto(running.address)
+    try:
+        yield seat
+        assert (seat.said, seat.hosts) == ([], {running.host})
+    finally:
+        context.close()
+
+
+def test_a_dive_from_the_first_start_to_the_ascent(chromium: object, tmp_path: Path) -> None:
+    (tmp_path / "pool.mission").write_text(TEXT)
+    with at_sea(tmp_path) as (_, running, _), seated(chromium, running) as seat:
+        page = seat.page
+        seat.shows("#state", "idle/empty")
+        assert "#" not in page.url  # the token is out of sight
+        page.locator("input[type=file]").set_input_files(tmp_path / "pool.mission")
+        seat.press_twice("Upload")
+        seat.shows("#state", "idle/ready")
+        seat.start()
+        page.get_by_role("tab", name="Legs").first.click()
+        playwright.expect(page.locator('[data-path="dive"]')).to_be_visible()
+        page.get_by_role("tab", name="Stick").first.click()
+        page.get_by_role("button", name="Take the stick").click()
+        page.keyboard.down("Shift")
+        page.keyboard.down("ArrowUp")
+        seat.shows("#state", "manual/driving")
+        page.keyboard.up("ArrowUp")
+        page.keyboard.up("Shift")
+        seat.shows("#state", "manual/waiting")
+        page.get_by_role("tab", name="Command").first.click()
+        seat.start()
+        page.keyboard.press("w")
+        seat.shows("#state", re.compile("emergency/surfac"))
+        seat.shows("#surface .became", re.compile("acknowledged|confirmed|obeyed", re.IGNORECASE))
+        page.locator("#stop").click()
+        seat.shows("#state", "emergency/stopped")
+
+
+def test_a_browser_that_is_gone_lets_the_vehicle_go(chromium: object, tmp_path: Path) -> None:
+    with at_sea(tmp_path) as (_, running, _), seated(chromium, running) as watching:
+        watching.shows("#state", "idle")
+        with seated(chromium, running) as seat:
+            seat.shows("#commander", re.compile("nobody", re.IGNORECASE))
+            seat.page.get_by_role("tab", name="Stick").first.click()
+            seat.page.get_by_role("button", name="Take the stick").click()
+            seat.page.keyboard.down("Shift")
+            seat.page.keyboard.down("ArrowUp")
+            seat.shows("#state", "manual/driving")
+        watching.shows("#state", "manual/waiting")
+
+
+def test_a_recording_is_played_and_scrubbed(chromium: object) -> None:
+    prepared, recorder = prepare("float-test"), ListRecorder()
+    fly(prepared.mission, prepared.vehicle, recorder=recorder)
+    recorded = [Recorded("1", "dive.mcap", Recording(recorder.records), None)]
+    with console(lambda: recorded) as running, seated(chromium, running) as seat:
+        review = seat.page.locator("#review")
+        playwright.expect(review).to_be_visible()
+        review.locator("select").select_option("100")
+        seat.shows("#state", "autonomous")
+        seat.shows("#state", "idle/ready")
+        review.locator("input[type=range]").fill("1")
+        seat.shows("#review .at", "0:0")
+        playwright.expect(seat.page.locator("#stop")).to_be_disabled()
+
+
+# --- others ---------------------------------------------------------------------------------------
+
+STEAL = """async ([host, token]) => {
+  const tried = {};
+  const shown = {headers: {Authorization: `Bearer ${token}`}};
+  for (const [name, how] of Object.entries({plain: {}, token: shown, blind: {mode: 'no-cors'}})) {
+    try {
+      const answer = await fetch(`http://${host}/api/setup`, how);
+      tried[name] = answer.type === 'opaque' ? 'opaque' : await answer.text();
+    } catch (error) { tried[name] = 'refused'; }
+  }
+  tried.socket = await new Promise((done) => {
+    const socket = new WebSocket(`ws://${host}/ws/orders?vehicle=1`, ['auvmission', `token.${token}`]);
+    socket.onopen = () => { socket.send('{"id": 1, "at": 0, "do": "stop"}'); done('open'); };
+    socket.onerror = () => done('refused');
+  });
+  return tried;
+}"""
+
+
+@contextmanager
+def elsewhere() -> Iterator[str]:
+    """Another server of this computer."""
+
+    class Bare(http.server.BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            self.send_response(200)
+            self.send_header("Content-Type", "text/html")
+            self.end_headers()
+            self.wfile.write(b"<!doctype html><title>other</title>")
+
+        def log_message(self, *said: object) -> None:
+            """Not told."""
+
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Bare) as server:
+        threading.Thread(target=server.serve_forever).start()
+        try:
+            yield f"http://127.0.0.1:{server.server_port}/"
+        finally:
+            server.shutdown()
+
+
+def test_a_page_of_another_origin_gets_nothing_even_with_the_token(
+    chromium: object, tmp_path: Path
+) -> None:
+    with console_of("tcp://127.0.0.1:1", tmp_path) as (running, vehicle), elsewhere() as other:
+        page = chromium.new_page()  # type: ignore[attr-defined]
+        page.goto(other)
+        tried = page.evaluate(STEAL, [running.host, running.token])
+        assert tried == {
+            "plain": "refused", "token": "refused", "blind": "refused", "socket": "refused",
+        }  # fmt: skip
+        page.close()
+        assert vehicle.orders.as_objects(0.0) == []
+
+
+def test_another_name_and_a_missing_token_open_nothing(chromium: object, tmp_path: Path) -> None:
+    with console_of("tcp://127.0.0.1:1", tmp_path) as (running, _):
+        page = chromium.new_page()  # type: ignore[attr-defined]
+        port = running.host.partition(":")[2]
+        answer = page.goto(f"http://evil.example:{port}/#{running.token}")
+        assert answer.status == 421
+        page.goto(f"http://{running.host}/")
+        alarm = page.locator("#banner [role=alert]")
+        playwright.expect(alarm).to_be_visible()
+        assert page.locator("#state").inner_text() == "—"
+        page.close()
