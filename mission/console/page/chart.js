@@ -52,7 +52,8 @@ export class Chart {
     if (drawn === null) return;
     Object.assign(this._view, { width: drawn.width, height: drawn.height });
     this._frame = frameOf(vehicle);
-    this._scene = sceneOf(vehicle, this._frame, page.stale.report, now);
+    const others = page.stations.filter((s) => s !== page.chosen).map((s) => s.vehicle);
+    this._scene = sceneOf(vehicle, this._frame, page.stale.report, now, others);
     this._aim(`${vehicle.setup.id} ${this._frame?.lat} ${this._frame?.lon} ${vehicle.plan?.digest}`);
     const inks = inksOf(NAMES);
     for (const layer of LAYERS) layer(drawn.pen, this._view, this._scene, inks);

@@ -2,7 +2,8 @@
 /**
  * What the operator has told a vehicle, and what became of each.
  *
- *     orders     X and W: never too old; without a connection they leave as soon as there is one
+ *     orders     X and W: never too old; the newest leaves again with each new connection until
+ *                somebody has acknowledged it
  *     commands   everything else: what cannot leave now is not sent, and said so
  */
 
@@ -16,7 +17,7 @@
  */
 
 export const KEPT = 50;
-const ENDS = new Set(['acknowledged', 'refused', 'confirmed', 'contradicted']);
+const OPEN = new Set(['waiting', 'sent', 'unanswered']);
 
 export class Intents {
   /** @param {{orders: Way, commands: Way}} ways @param {() => number} now ms
@@ -28,18 +29,12 @@ export class Intents {
     this._id = Math.floor(wall()); // another page, or this one loaded anew, has others
     /** @type {Intent[]} newest last */
     this.list = [];
-    /** @type {Intent | null} an order that has not left */
-    this._waiting = null;
   }
 
   /** X or W, at once. @param {'stop' | 'surface'} order @param {number} [moved] ms, of the finger */
   order(order, moved) {
     const made = this._make(order, order, moved);
-    this._waiting = null;
-    if (!this._leave(this._ways.orders, made, {})) {
-      this._waiting = made;
-      made.is = 'waiting';
-    }
+    if (!this._leave(this._ways.orders, made, {})) made.is = 'waiting';
     return made;
   }
 
@@ -51,9 +46,10 @@ export class Intents {
     return made;
   }
 
-  /** The orders' connection is there: what waits leaves. */
+  /** The orders' connection is there, perhaps to another server than before. */
   opened() {
-    if (this._waiting && this._leave(this._ways.orders, this._waiting, {})) this._waiting = null;
+    const order = this.last('stop', 'surface');
+    if (order && OPEN.has(order.is)) this._leave(this._ways.orders, order, {});
   }
 
   /** The commands' connection is gone: nobody knows what became of what was under way. */
@@ -77,12 +73,6 @@ export class Intents {
   /** The newest of a kind. @param {...string} names */
   last(...names) {
     return this.list.findLast((one) => names.includes(one.do)) ?? null;
-  }
-
-  /** Is a command under way? */
-  get isBusy() {
-    return this.list.some((one) => one.do !== 'stop' && one.do !== 'surface'
-      && (one.is === 'sent' || one.is === 'progress'));
   }
 
   /** @param {string} name @param {string} what @param {number} [moved] @returns {Intent} */
@@ -109,9 +99,4 @@ export class Intents {
     intent.says = says;
     intent.since = this._now();
   }
-}
-
-/** Is nothing more to come? @param {Fate} fate */
-export function isOver(fate) {
-  return ENDS.has(fate);
 }

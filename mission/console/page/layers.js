@@ -19,7 +19,8 @@ import { word } from './words.js';
  * @typedef {{at: Pair, heading: number | null, isOld: boolean,
  *   ellipse: readonly [number, number, number] | null}} Here
  * @typedef {{hasPlace: boolean, home: Pair | null, radius: number | null, routes: Route[],
- *   leg: string, target: Pair | null, track: Pair[], here: Here | null}} Scene
+ *   leg: string, target: Pair | null, track: Pair[], here: Here | null, others: Other[]}} Scene
+ * @typedef {{name: string, at: Pair, isOld: boolean}} Other
  * @typedef {Record<'paper' | 'grid' | 'ink' | 'soft' | 'track' | 'plan' | 'target' | 'limit'
  *   | 'vehicle' | 'old', string>} Inks
  */
@@ -32,7 +33,7 @@ const CROSS = [[1, 0], [-1, 0], [0, 1], [0, -1]];
 const TURN = 2 * Math.PI;
 
 /** @type {ReadonlyArray<(pen: Pen, view: View, scene: Scene, inks: Inks) => void>} */
-export const LAYERS = [paper, grid, limit, plan, homeMark, trackLine, targetMark, uncertainty,
+export const LAYERS = [paper, grid, limit, plan, homeMark, trackLine, targetMark, others, uncertainty,
   vehicle, scaleBar, northArrow];
 
 /** @param {Pen} pen @param {View} view @param {Scene} _ @param {Inks} inks */
@@ -198,6 +199,18 @@ function uncertainty(pen, view, scene, inks) {
   pen.strokeStyle = pen.fillStyle;
   pen.lineWidth = 1.5;
   pen.stroke();
+}
+
+/** Vehicles that are not the one that is commanded: small, and by name. @param {Pen} pen
+ * @param {View} view @param {Scene} scene @param {Inks} inks */
+function others(pen, view, scene, inks) {
+  for (const { name, at, isOld } of scene.others) {
+    const [x, y] = view.toScreen(at);
+    pen.strokeStyle = isOld ? inks.old : inks.ink;
+    pen.lineWidth = 2;
+    pen.strokeRect(x - 6, y - 6, 12, 12);
+    label(pen, name, x + 11, y + 5, isOld ? inks.old : inks.ink, inks.paper);
+  }
 }
 
 /** @param {Pen} pen @param {View} view @param {Scene} scene @param {Inks} inks */

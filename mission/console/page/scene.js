@@ -22,8 +22,9 @@ export function frameOf(vehicle) {
 }
 
 /** @param {Vehicle} vehicle @param {Frame | null} frame @param {number} stale s, of a report
- * @param {number} now ms @returns {Scene} */
-export function sceneOf(vehicle, frame, stale, now) {
+ * @param {number} now ms @param {readonly Vehicle[]} [others] that are shown by name
+ * @returns {Scene} */
+export function sceneOf(vehicle, frame, stale, now, others = []) {
   const { state, plan } = vehicle;
   const routes = frame ? routesOf(plan?.map, frame) : [];
   const leg = state['leg'] ?? '';
@@ -36,6 +37,7 @@ export function sceneOf(vehicle, frame, stale, now) {
     target: routes.find((route) => route.name === leg)?.points.at(-1) ?? null,
     track: frame ? vehicle.track.map(([, lat, lon]) => frame.toLocal(lat, lon)) : [],
     here: frame ? here(vehicle, frame, stale, now) : null,
+    others: frame ? others.flatMap((one) => other(one, frame, stale, now)) : [],
   };
 }
 
@@ -50,6 +52,13 @@ export function routesOf(map, frame) {
     return { name: f.properties.name, what: f.properties.what,
       points: places.map(([lon, lat]) => frame.toLocal(lat, lon)) };
   });
+}
+
+/** @param {Vehicle} vehicle @param {Frame} frame @param {number} stale @param {number} now
+ * @returns {import('./layers.js').Other[]} none where it has no place */
+function other(vehicle, frame, stale, now) {
+  const found = here(vehicle, frame, stale, now);
+  return found ? [{ name: vehicle.setup.name, at: found.at, isOld: found.isOld }] : [];
 }
 
 /** @param {Vehicle} vehicle @param {Frame} frame @param {number} stale @param {number} now
