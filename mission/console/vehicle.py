@@ -20,6 +20,7 @@ from typing import Any
 
 from mission.console import plans
 from mission.console.board import Board
+from mission.console.clock import VehicleClock
 from mission.console.line import Line
 from mission.console.log import Log
 from mission.console.orders import Orders
@@ -32,6 +33,7 @@ from mission.topside.upload import OperatorError
 
 TICK_S = 0.1
 LEAVE_S = 3.0  # behind the last page
+FRAME = 4000  # bytes: 3 s of a radio of 12 kbit/s
 COMMANDERS = {"asker": "us", "nobody": "nobody", "network": "other", "modem": "other"}
 
 
@@ -62,8 +64,9 @@ class Vehicle:
         self.steering = Steering(self.commands)
         self.contacts = Contacts(given.to, memory)
         self.checked: dict[str, float] = {}
-        self._source = from_monitor(given.monitor) if given.monitor else None
+        self._source = from_monitor(given.monitor, FRAME) if given.monitor else None
         self._looked = Watched()
+        self._heard, self._clock = self._looked, VehicleClock(given.speed)
         self._look_problem = ""
         self._plan = dict(plans.EMPTY)
         self._planned: tuple[str, tuple[str, ...]] | None = None
@@ -103,11 +106,13 @@ class Vehicle:
 
     def frame(self, page: str, now: float) -> bytes:
         """b"" where nothing is new."""
-        watched, t = self.watched, 0.0
+        watched = self.watched
+        if watched is not self._heard:
+            self._heard, self._clock = watched, VehicleClock(self.given.speed)
         state = {**watched.state, **self._extras(watched, now)}
         if watched.at is not None:
-            t = watched.at[0] + (now - watched.at[1]) * self.given.speed
-        return self.board.frame(page, watched, state, t, now)
+            self._clock.hear(watched.at)
+        return self.board.frame(page, watched, state, self._clock.now(now), now)
 
     def _extras(self, watched: Watched, now: float) -> dict[str, Any]:
         silence, state = watched.silence(now), self.commands.state

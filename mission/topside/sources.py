@@ -47,10 +47,12 @@ class Source:
             self.stopped.wait(AGAIN_S)
 
 
-def from_monitor(url: str) -> Source:
+def from_monitor(url: str, most: int = 16_000) -> Source:
+    """``most``: bytes of a frame, which are how late it is behind a thin link."""
+
     def fill(source: Source) -> None:
         source.watched.plan = ()
-        for frame in observe(url, wish(), source.watched):
+        for frame in observe(url, wish(most=most), source.watched):
             if frame is not None:
                 source.problem = ""
             if source.stopped.is_set():
