@@ -22,6 +22,7 @@ mission small vehicle auv
 home 30.2874595 120.1535765
 safety radius 400 time 20min depth 10
 assume current 0.1
+keep out wreck: north 300 east 200, north 300 east 260, north 340 east 230 between 4 and 9
 dive: depth 4 heading 0 gear 6 until depth >= 3.5 timeout 60
 mow: rows 2 bearing 90 length 60 spacing 20 side starboard from north 30 east 10 within 5 gear 6 timeout 8min
 up: surface until fix timeout 3min
@@ -74,6 +75,15 @@ def test_every_format_is_what_its_suffix_says(plan: Plan) -> None:
     assert b"<svg" in drawn[".html"]
     assert b"<td>mow</td>" in drawn[".html"]
     assert json.loads(drawn[".geojson"])["type"] == "FeatureCollection"
+
+
+def test_areas_are_drawn_and_on_the_map(plan: Plan) -> None:
+    (fence,) = plan.fences
+    assert fence.area.name == "wreck"
+    assert b"keep out wreck (4 to 9 m)" in FORMATS[".svg"].write(plan)
+    features = json.loads(FORMATS[".geojson"].write(plan))["features"]
+    told = next(f["properties"] for f in features if f["properties"]["is"] == "keep out")
+    assert told == {"is": "keep out", "name": "wreck", "top_m": 4.0, "bottom_m": 9.0}
 
 
 def test_the_map_layer_lies_where_home_is(plan: Plan) -> None:

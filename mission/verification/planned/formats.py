@@ -58,6 +58,12 @@ def geojson(plan: Plan) -> bytes:
 
 
 def _features(plan: Plan, frame: LocalFrame) -> Iterator[dict[str, Any]]:
+    for fence in plan.fences:
+        known: dict[str, Any] = {"is": "keep out" if fence.area.out else "keep in"}
+        known["name"] = fence.area.name
+        if fence.area.limited:
+            known |= {"top_m": fence.area.top, "bottom_m": fence.area.bottom}
+        yield _feature("Polygon", [_ring(fence.polygon, frame)], known)
     for leg in plan.stretches:
         told = {"leg": leg.name, "begin_s": round(leg.begin, 1), "end_s": round(leg.end, 1)}
         line = [_degrees((s.north, s.east), frame, s.depth) for s in leg.spots]
