@@ -361,7 +361,8 @@ def test_a_guard_that_can_never_be_known_is_refused():
 
 def test_turn_and_heading_in_one_line_exclude_each_other():
     assert "axis-clash" in rules(leg("a", settings=sets(turn=0.5, heading=1.0)))
-    assert "axis-clash" in rules(leg("a", settings=sets(depth=5.0, altitude=3.0)))
+    assert "axis-clash" in rules(leg("a", settings=sets(depth=5.0, heave=0.5)))
+    assert "axis-clash" in rules(leg("a", settings=sets(depth=5.0, altitude=3.0, heave=0.5)))
     go = leg("go", kind=Goto(Local(1, 0), 5.0), settings=sets(surge=0.5, heading=1.0))
     assert rules(go) == ["axis-clash"]
 
