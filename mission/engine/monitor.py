@@ -78,7 +78,8 @@ class LimitMonitor(Watch):
         return count >= row.samples
 
     def _fade(self, row: Limit) -> None:
-        """Notes a sample within the bound. Noise may produce one, so a count is not lost by it."""
+        """Counts a sample within the bound: it takes one from the breach's count, because noise may
+        produce it."""
         if row.seconds:
             self._lasting.breaks(row.name, self.vehicle_state.now)
         elif count := self.samples.pop(row.name, 0):

@@ -363,7 +363,8 @@ class Server:
         )
 
     def _see(self) -> Seen | None:
-        """Shows the viewers what has changed."""
+        """What viewers are shown: the time, the state, the lines of the stored mission; None
+        without a runtime."""
         if self._runtime is None:
             return None
         state = view(self._runtime, self._alarms.standing)
