@@ -238,7 +238,6 @@ COMMANDS = (
     Event("AW, a whole mission", script(_uploads), "AW", "whole"),
     Event("AW, a line out of place", _says(encode(MissionLine(9, 4, POOL[0]))), "AW", "misplaced"),
     Event("AQ", _says(b"@AQ$"), "AQ"),
-    Event("AE", _says(b"@AE$"), "AE"),
     Event("DU", _says(b"@DU$"), "DU"),
     Event("NI", _says(b"@NI$"), "NI"),
     Event("ST", _says(_TIME), "ST"),
