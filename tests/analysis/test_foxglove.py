@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import math
 import struct
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,6 +16,7 @@ import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from served import PATIENCE, running, silent_board, soon
 from websockets import Subprotocol
 from websockets.sync.client import ClientConnection, connect
 
@@ -30,7 +33,6 @@ from mission.onboard.stream.derived import Message
 from mission.topside.monitor import Watched
 
 SHORT = Path(__file__).parent / "recorded" / "short-time.mcap"
-PATIENCE = 60.0
 
 
 @pytest.fixture(scope="module")
@@ -252,3 +254,37 @@ def test_a_dive_is_played_at_its_speed_and_ends_when_it_is_told_to() -> None:
     )
     assert ran.exit_code == 0, ran.output
     assert ran.stdout.startswith("viewers connect to ws://127.0.0.1:")
+
+
+def test_a_vehicle_under_way_is_served_from_its_monitor(tmp_path: Path) -> None:
+    with (
+        silent_board() as (_, board),
+        running(tmp_path, f"serial://{board}", monitor="tcp://127.0.0.1:0") as pi,
+    ):
+        assert pi.server is not None
+        viewing: Any = pi.server.viewing
+        soon(lambda: viewing.port.link is not None, "the monitor's port")
+        words = ["--to", f"tcp://127.0.0.1:{viewing.port.link.port}", "--listen", "127.0.0.1:0"]
+        command = [sys.executable, "-m", "mission", "foxglove", *words]
+        served = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        try:
+            assert served.stdout is not None
+            with joined(served.stdout.readline().split()[-1]) as socket:
+                viewer = Viewer(socket)
+                assert {one["topic"] for one in viewer.channels.values()} == set(live.TOPICS)
+                viewer.subscribe()
+                assert _state_of(viewer) == "idle/empty"
+                with pi.boat() as boat:
+                    boat.sendall(b"@ZAX0$")
+                    while _state_of(viewer) != "emergency/stopped":
+                        pass
+        finally:
+            served.terminate()
+            served.communicate()
+
+
+def _state_of(viewer: Viewer) -> str:
+    """As it is told next."""
+    while (told := viewer.next())[0] != topics.STATE:
+        pass
+    return str(told[2]["state"])
