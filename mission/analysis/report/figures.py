@@ -37,6 +37,7 @@ class Picture:
     rows: int
     size: tuple[float, float]
     draw: Callable[[Any], None]
+    box: str | None = None  # "tight" where its frame leaves room beside it
 
 
 def pictures_of(dive: Dive) -> Iterator[Picture]:
@@ -66,7 +67,7 @@ def map_of(dive: Dive) -> Picture:
         f"Map: plan, estimated track by legs, smoothed track, fixes{of}. "
         "95 % ellipses that would bury the track are left out."
     )
-    return Picture("map", caption, 1, (8.5, 6.5), lambda axes: draw_map(axes[0], dive))
+    return Picture("map", caption, 1, (8.5, 6.5), lambda axes: draw_map(axes[0], dive), "tight")
 
 
 def _values_of(dive: Dive, name: str, rows: Rows, unit: str) -> Picture:
@@ -99,7 +100,7 @@ def as_svg(picture: Picture) -> str:
     picture.draw(axes)
     text = io.StringIO()
     with mpl.rc_context({"svg.hashsalt": "auvmission"}):
-        figure.savefig(text, format="svg", metadata={"Date": None}, bbox_inches="tight")
+        figure.savefig(text, format="svg", metadata={"Date": None}, bbox_inches=picture.box)
     inner = text.getvalue()[text.getvalue().index("<svg") :]
     inner = re.sub(r"<metadata>.*?</metadata>", "", inner, count=1, flags=re.DOTALL)
     return re.sub(r' xmlns(:\w+)?="[^"]*"', "", inner)
