@@ -198,7 +198,7 @@ _RULES: Mapping[str, Broken] = {
         instead(Clearance, "_within", lambda _self, held, _bottom: held.depth),
         alike=same,
     ),
-    "areas": Broken("R5: the mission's areas", instead(core, "fences", lambda *_: ())),
+    "areas": Broken("R5: the mission's areas", instead(core, "fences", lambda *_: ()), alike=same),
     "gap": Broken("20 ms between two frames", instead(frontseat, "GAP_S", 0.0)),
     "unasked": Broken("nothing that nothing asked for", breaks.stop_every_five_seconds),
 }
