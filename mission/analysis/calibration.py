@@ -1,41 +1,47 @@
-"""Calibration from dives with fixes: speed scale, compass bias, its deviation, noise figures.
+"""Calibration from dives with fixes: speed, compass, current, noise of the motion and the sensors.
 
-Each log is filtered with wide priors; what its fixes taught about scale, bias and deviation is
-the information that its posterior has beyond the prior (Maybeck, Stochastic Models, Estimation,
-and Control 1, 1979, ch. 5.7: information adds over independent data), so logs of any length add
-up. White noise of a sensor is what is left of its third differences (a ramp and a bend of it
-cancel; Brockwell and Davis, Time Series, 1991, ch. 1.4).
+Each log is filtered with wide priors; what its fixes taught about speed scale, compass bias, its
+deviation and the current is the information that its posterior has beyond the prior (Maybeck,
+Stochastic Models, Estimation, and Control 1, 1979, ch. 5.7). A scale, a bias and a current are not
+the same every day: by how much they differ is found first (pooling), and one day's log counts
+as an estimate of the mean with that variance on top. What is written as a sigma is how far
+another day may be from the mean. A current is that of the waters of the last log.
 
 A figure is taken over only where the logs know it better than the vehicle file says it is known, or
 contradict that; else it stays as it was, and so does its sigma (FIGURES: what would teach it).
 
-The proof is the error with which each dive ends: the estimate against the first fix that comes
-again, with the vehicle file before and after; with several logs, "after" is calibrated on the
-others. What does not live here: the texts (lessons).
+What does not live here: noise (courses, noise), the proof by dives (missed), the texts (lessons).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from statistics import median
 
 import numpy as np
 
+from mission.analysis.courses import KEPT, Inputs, Motion, courses, motion
 from mission.analysis.floating import Rise, rise_of
-from mission.model.vehicle import Sensors, Vehicle
+from mission.analysis.missed import Stretch, compare, trust
+from mission.analysis.noise import sensed
+from mission.analysis.pooling import FEW, Pooled, pool
+from mission.model import Position
+from mission.model.vehicle import Vehicle
 from mission.navigation.filter import Array
-from mission.navigation.model import COMPASS, COS, SCALE, SIN, STATES
+from mission.navigation.geodesy import LocalFrame
+from mission.navigation.model import CE, CN, COMPASS, COS, SCALE, SIN, STATES
 from mission.navigation.navigator import Navigation
-from protocol.messages import Fix, Telemetry
+from protocol.messages import Fix
 
-Inputs = Sequence[Telemetry | Fix]
-
-_FITTED = (SCALE, COMPASS, SIN, COS)
+_FITTED = (SCALE, COMPASS, SIN, COS, CN, CE)
 _CONTRADICTS = 3.0  # sigmas between logs and vehicle file
-_DIVE = 60.0  # s without a fix
-ENOUGH = 20  # differences without which a noise figure stays as it was
+_SAME_WATERS = 20_000.0  # m between two logs
+_DAY = 0.05  # m/s: no current is known better for another day
+_TAUGHT = 0.5  # of the width at which a log may look: what it knows worse it does not know
+_NEXT = 1.5  # s between two fixes of which one is soon after the other
+_DIVES = 4  # so many may narrow the figures; any may widen them
 
 
 class CalibrationError(ValueError):
@@ -45,23 +51,27 @@ class CalibrationError(ValueError):
 @dataclass(frozen=True, slots=True)
 class Figure:
     """A row of what is fitted: which of ``_FITTED``, how wide the logs may look for it, the least
-    sigma that is believed, and what a log must hold to teach it."""
+    sigma that is believed, what a log must hold to teach it, and whether days differ in it."""
 
     name: str
     states: tuple[int, ...]
     wide: float
     least: float
     fly: str
+    daily: bool = True
 
 
 FIGURES = (
-    Figure("speed_scale", (0,), 0.3, 0.02,
+    Figure("speed_scale", (0,), 0.5, 0.02,
            "legs of a minute or more there and back at the gears of the missions"),
     Figure("heading_bias", (1,), math.radians(15.0), math.radians(1.0),
            "legs of a minute or more on two headings or more"),
     Figure("deviation", (2, 3), math.radians(4.0), math.radians(0.5),
-           "legs of a minute or more on four headings or more, all round"),
+           "legs of a minute or more on four headings or more, all round", daily=False),
+    Figure("current", (4, 5), 0.5, _DAY,
+           "surface-shakedown on two days or more in the same waters"),
 )  # fmt: skip
+_CURRENT = len(FIGURES) - 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,26 +85,18 @@ class Lesson:
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
-    """A dive from one fix to another: what was missed at its end, of what was swum (m)."""
-
-    log: int
-    begin: float
-    end: float
-    distance: float
-    before: float
-    after: float
-
-
-@dataclass(frozen=True, slots=True)
 class Calibrated:
     vehicle: Vehicle
     sigmas: tuple[float, float, float, float]  # of scale, bias, and the deviation's sin and cos
     stretches: tuple[Stretch, ...]
     held_out: bool  # "after" was calibrated on other logs
     lessons: tuple[Lesson, ...]
-    unheard: tuple[str, ...]  # sensors of which the logs hold too little for a noise figure
+    unheard: tuple[str, ...]  # of which the logs hold too little for a noise figure
     rise: Rise | None  # by buoyancy alone; None: no float test in the logs
+    apart: tuple[tuple[int, str], ...] = ()  # logs that stand apart from the others, and in what
+    copies: tuple[tuple[int, int], ...] = ()  # logs that were left out, and of which they are
+    waters: Position | None = None  # where the current was found
+    trusted: float = 1.0  # what moves a position was multiplied by, after the dives
 
     def percent(self) -> tuple[float, float]:
         """Median error before and after, in % of distance."""
@@ -110,19 +112,96 @@ def calibrate(logs: Sequence[Inputs], vehicle: Vehicle) -> Calibrated:
     logs = [sorted(log, key=lambda item: item.t) for log in logs]
     if not any(len([i for i in log if isinstance(i, Fix)]) >= 2 for log in logs):
         raise CalibrationError("no log has two fixes: there is nothing to compare with")
-    taught = [_information(log, vehicle) for log in logs]
-    fit = _fit(vehicle, taught)
-    done, unheard = _noise(fit.vehicle, logs)
+    copies = _copies(logs)
+    once = [i for i in range(len(logs)) if i not in dict(copies)]
+    logs = [logs[i] for i in once]
+    moved = motion([course for log in logs for course in courses(log, vehicle)])
+    begun, quiet = _moving(vehicle, moved)
+    taught = [_information(log, begun) for log in logs]
+    fit = _fit(begun, vehicle, taught)
+    done, unheard = sensed(fit.vehicle, logs, [s for t in taught for s in t.squares])
     held_out = len(logs) > 1
     stretches: list[Stretch] = []
     for i, log in enumerate(logs):
         others = [t for j, t in enumerate(taught) if j != i]
-        tried = _fit(vehicle, others).vehicle if held_out else fit.vehicle
-        stretches += _compare(i, log, vehicle, tried)
+        tried = _fit(begun, vehicle, others).vehicle if held_out else fit.vehicle
+        stretches += compare(once[i], log, vehicle, tried)
+    share = _share(stretches, held_out)
     rise = rise_of(logs, vehicle.sensors.depth)
+    done = _widened(done, share)
     if rise is not None:
         done = replace(done, ascent_buoyancy=rise.at_least, ascent_measured=rise.day)
-    return Calibrated(done, fit.sigmas, tuple(stretches), held_out, fit.lessons, unheard, rise)
+    return Calibrated(
+        vehicle=done,
+        sigmas=fit.sigmas,
+        stretches=tuple(stretches),
+        held_out=held_out,
+        lessons=fit.lessons,
+        unheard=(*unheard, *quiet),
+        rise=rise,
+        apart=tuple((once[i], name) for i, name in fit.apart),
+        copies=copies,
+        waters=taught[-1].origin,
+        trusted=share,
+    )
+
+
+def _copies(logs: Sequence[Inputs]) -> tuple[tuple[int, int], ...]:
+    """Logs of which a tenth of the places are in one before: they would count twice."""
+    places = [{(i.latitude, i.longitude) for i in log if isinstance(i, Fix)} for log in logs]
+    found: dict[int, int] = {}
+    for i, one in enumerate(places):
+        for j in range(i):
+            fewer = min(len(one), len(places[j]))
+            if j not in found and i not in found and 10 * len(one & places[j]) > max(fewer, 20):
+                found[i] = j
+    return tuple(found.items())
+
+
+def _moving(vehicle: Vehicle, moved: Motion | None) -> tuple[Vehicle, tuple[str, ...]]:
+    """With the noise of the motion, and the speed to begin with; what is not taught of it."""
+    known = vehicle.calibration
+    if moved is None:
+        return vehicle, ("motion",)
+    if moved.sure > _TAUGHT * max(moved.along, known.speed_noise):
+        return vehicle, ("motion",)
+    scale = known.speed_scale * min(max(moved.scale, 0.3), 4.0)
+    known = replace(
+        known,
+        speed_scale=scale,
+        speed_noise=max(moved.along, 0.02),
+        speed_time=KEPT,
+        sway_noise=min(max(moved.across, 0.005), 0.2),
+    )
+    return replace(vehicle, calibration=known), ()
+
+
+def _share(stretches: Sequence[Stretch], held_out: bool) -> float:
+    """By dives that were not calibrated on; else, or where they are few, it never narrows."""
+    share = trust([s.miss for s in stretches])
+    return share if held_out and len(stretches) >= _DIVES else max(share, 1.0)
+
+
+def _widened(vehicle: Vehicle, share: float) -> Vehicle:
+    """All that moves a position ``share`` times as far off."""
+    known = vehicle.calibration
+    current = vehicle.current if known.current_sigma is None else known.current_sigma
+    if share == 1.0:
+        return vehicle
+    return replace(
+        vehicle,
+        sensors=replace(vehicle.sensors, heading_bias=share * vehicle.sensors.heading_bias),
+        calibration=replace(
+            known,
+            speed_scale_sigma=share * known.speed_scale_sigma,
+            speed_noise=share * known.speed_noise,
+            sway_noise=share * known.sway_noise,
+            deviation_sigma=share * known.deviation_sigma,
+            compass_wander=share * known.compass_wander,
+            current_sigma=share * current,
+            surface_drift=share * known.surface_drift,
+        ),
+    )
 
 
 # --- fit -----------------------------------------------------------------------------------------
@@ -130,43 +209,66 @@ def calibrate(logs: Sequence[Inputs], vehicle: Vehicle) -> Calibrated:
 
 @dataclass(frozen=True, slots=True)
 class _Information:
-    matrix: Array  # 4 x 4
+    """Of one log, about (scale - 1, bias, sin, cos, current north, east), beyond the prior;
+    ``found`` and ``variances``: by this log alone. ``squares``: see ``noise.sensed``."""
+
+    matrix: Array  # 6 x 6
     vector: Array
+    found: Array
+    variances: Array
     declination: float
+    origin: Position | None
+    squares: tuple[float, ...]
 
 
-def _believed(vehicle: Vehicle) -> tuple[float, float, float]:
+def _believed(vehicle: Vehicle) -> tuple[float, float, float, float]:
     """One sigma of each of ``FIGURES`` in the vehicle file."""
     known = vehicle.calibration
-    return known.speed_scale_sigma, vehicle.sensors.heading_bias, known.deviation_sigma
+    current = vehicle.current if known.current_sigma is None else known.current_sigma
+    return known.speed_scale_sigma, vehicle.sensors.heading_bias, known.deviation_sigma, current
 
 
 def _precision(sigmas: Sequence[float]) -> Array:
-    """Diagonal, of the four; ``sigmas`` of ``FIGURES``."""
+    """Diagonal, of the six; ``sigmas`` of ``FIGURES``."""
     wide = [s for row, s in zip(FIGURES, sigmas, strict=True) for _ in row.states]
     return np.diag([1.0 / s**2 for s in wide])
 
 
 def _information(log: Inputs, vehicle: Vehicle) -> _Information:
-    """Of the four, about (scale - 1, bias, sin, cos), beyond the prior."""
-    scale, bias, deviation = (row.wide for row in FIGURES)
+    scale, bias, deviation, current = (row.wide for row in FIGURES)
     wide = replace(
         vehicle,
         sensors=replace(vehicle.sensors, heading_bias=bias),
         calibration=replace(
-            vehicle.calibration, speed_scale_sigma=scale, deviation_sigma=deviation
+            vehicle.calibration, speed_scale_sigma=scale, deviation_sigma=deviation,
+            current=(0.0, 0.0), current_sigma=current,
         ),
-    )
-    nav = Navigation(wide)
+    )  # fmt: skip
+    nav, squares = Navigation(wide), list[float]()
     for item in log:
-        if isinstance(item, Fix):
-            nav.fix(item)
-        else:
+        if not isinstance(item, Fix):
             nav.telemetry(item)
-    x = nav.core.filter.x - np.eye(STATES)[SCALE]
+            continue
+        last = nav.core.last_fix
+        nav.fix(item)
+        if last is not None and item.t - last < _NEXT and nav.core.fix_nis is not None:
+            squares.append(item.accuracy**2 * nav.core.fix_nis)
+    x = (nav.core.filter.x - np.eye(STATES)[SCALE])[list(_FITTED)]
     p = nav.core.filter.covariance[np.ix_(_FITTED, _FITTED)]
     matrix, prior = np.linalg.inv(p), _precision([row.wide for row in FIGURES])
-    return _Information(matrix - prior, matrix @ x[list(_FITTED)], nav.declination)
+    origin = None if nav.frame is None else nav.frame.origin
+    return _Information(
+        matrix - prior, matrix @ x, x, np.diag(p).copy(), nav.declination, origin, tuple(squares)
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Days:
+    """By how much days differ in each of the six (variances), and the logs that stand apart."""
+
+    between: Array
+    apart: frozenset[tuple[int, str]]
+    near: tuple[int, ...]  # logs that teach the current of the last one's waters
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,18 +276,55 @@ class _Fit:
     vehicle: Vehicle
     sigmas: tuple[float, float, float, float]
     lessons: tuple[Lesson, ...]
+    apart: tuple[tuple[int, str], ...]
 
 
-def _fit(vehicle: Vehicle, taught: Sequence[_Information]) -> _Fit:
+def _days(taught: Sequence[_Information]) -> _Days:
+    between, apart = np.zeros(len(_FITTED)), set[tuple[int, str]]()
+    near = tuple(i for i, t in enumerate(taught) if _same_waters(t.origin, taught[-1].origin))
+    for row in (row for row in FIGURES if row.daily):
+        among = near if row.name == "current" else tuple(range(len(taught)))
+        pools = [_pooled(row, state, among, taught) for state in row.states]
+        for ids, pooled in pools:
+            apart |= {(ids[i], row.name) for i in pooled.apart}
+        if pools:
+            between[list(row.states)] = np.mean([pooled.between for _, pooled in pools])
+    return _Days(between, frozenset(apart), near)
+
+
+def _pooled(
+    row: Figure, state: int, among: Sequence[int], taught: Sequence[_Information]
+) -> tuple[tuple[int, ...], Pooled]:
+    """Of the logs that teach it, by their indices."""
+    ids = tuple(i for i in among if taught[i].variances[state] < (_TAUGHT * row.wide) ** 2)
+    found = [float(taught[i].found[state]) for i in ids]
+    return ids, pool(found, [float(taught[i].variances[state]) for i in ids])
+
+
+def _same_waters(one: Position | None, other: Position | None) -> bool:
+    if one is None or other is None:
+        return False
+    lat, lon = math.radians(other.latitude_deg), math.radians(other.longitude_deg)
+    return math.hypot(*LocalFrame(one).to_local(lat, lon)) < _SAME_WATERS
+
+
+def _fit(begun: Vehicle, vehicle: Vehicle, taught: Sequence[_Information]) -> _Fit:
     """What is kept counts as sure as the vehicle file says while the others are fitted; of those
     that the logs do not teach the least taught is kept first, the others may be clear then."""
+    days = _days(taught) if taught else _Days(np.zeros(len(_FITTED)), frozenset(), ())
+    good = [t for i, t in enumerate(taught) if i not in {i for i, _ in days.apart}]
     before = [max(s, 1e-4) for s in _believed(vehicle)]
+    was = np.zeros(len(_FITTED))
+    was[0] = vehicle.calibration.speed_scale / begun.calibration.speed_scale - 1.0
     kept: dict[int, Lesson] = {}
+    if len(days.near) < 2:
+        row = FIGURES[_CURRENT]
+        kept[_CURRENT] = Lesson(row, before[_CURRENT], row.wide, taken=False)
     while True:
         priors = [before[i] if i in kept else row.wide for i, row in enumerate(FIGURES)]
-        x, sigmas = _solved(priors, taught)
+        x, sigmas, mean = _solved(priors, good, days, current_known=_CURRENT not in kept)
         free = [i for i in range(len(FIGURES)) if i not in kept]
-        heard = {i: _lesson(FIGURES[i], before[i], x, sigmas) for i in free}
+        heard = {i: _lesson(FIGURES[i], before[i], x - was, sigmas, mean) for i in free}
         open_ = [i for i in free if not heard[i].taken]
         if not open_:
             break
@@ -193,141 +332,65 @@ def _fit(vehicle: Vehicle, taught: Sequence[_Information]) -> _Fit:
         kept[least] = heard[least]
     for i in kept:
         states = list(FIGURES[i].states)
-        x[states], sigmas[states] = 0.0, before[i]
+        x[states], sigmas[states] = was[states], before[i]
     lessons = tuple((heard | kept)[i] for i in range(len(FIGURES)))
     turn = taught[0].declination - vehicle.compass_bias if taught else 0.0
-    a, b, c, d = sigmas.tolist()
-    return _Fit(_with(vehicle, lessons, x, turn), (a, b, c, d), lessons)
+    a, b, c, d = sigmas.tolist()[:4]
+    done = _with(begun, vehicle, lessons, x, turn, len(days.near))
+    return _Fit(done, (a, b, c, d), lessons, tuple(sorted(days.apart)))
 
 
-def _solved(priors: Sequence[float], taught: Sequence[_Information]) -> tuple[Array, Array]:
-    """The four and their sigmas."""
-    matrix = _precision(priors) + sum((t.matrix for t in taught), np.zeros((4, 4)))
+def _solved(
+    priors: Sequence[float], taught: Sequence[_Information], days: _Days, *, current_known: bool
+) -> tuple[Array, Array, Array]:
+    """The six, and their sigmas for another day and as a mean of all days. Where the current is not
+    to be known, each log had one of its own."""
+    between = days.between.copy()
+    now = list(FIGURES[_CURRENT].states)
+    between[now] = max(between[now][0], _DAY**2) if current_known else priors[_CURRENT] ** 2
+    matrix, vector = _precision(priors), np.zeros(len(_FITTED))
+    for t in taught:
+        other = np.eye(len(_FITTED)) + t.matrix * between
+        matrix = matrix + np.linalg.solve(other, t.matrix)
+        vector = vector + np.linalg.solve(other, t.vector)
     covariance = np.linalg.inv(matrix)
-    x: Array = covariance @ sum((t.vector for t in taught), np.zeros(4))
-    return x, np.sqrt(np.diag(covariance))
+    spread = FEW**2 * days.between if len(taught) > 1 else 0.0
+    own = np.diag(covariance)
+    return covariance @ vector, np.sqrt(own + spread), np.sqrt(own)
 
 
-def _lesson(row: Figure, before: float, x: Array, sigmas: Array) -> Lesson:
+def _lesson(row: Figure, before: float, off_by: Array, sigmas: Array, mean: Array) -> Lesson:
+    """``off_by``: from the vehicle file; ``mean``: how well that is known."""
     logs = max(float(sigmas[i]) for i in row.states)
-    off = max(abs(float(x[i])) / math.hypot(before, float(sigmas[i])) for i in row.states)
+    off = max(abs(float(off_by[i])) / math.hypot(before, float(mean[i])) for i in row.states)
     return Lesson(row, before, logs, logs < before or off > _CONTRADICTS)
 
 
-def _with(vehicle: Vehicle, lessons: Sequence[Lesson], x: Array, turn: float) -> Vehicle:
-    """``turn``: the filter's phase of the deviation is the corrected heading's."""
-    scale, bias, a, b = x.tolist()
-    known, old = vehicle.calibration, vehicle.calibration.deviation
+def _with(
+    begun: Vehicle, vehicle: Vehicle, lessons: Sequence[Lesson], x: Array, turn: float, near: int
+) -> Vehicle:
+    """``turn``: the filter's phase of the deviation is the corrected heading's. ``near``: so many
+    logs teach the current; while they are few it is shrunk towards none."""
+    scale, bias, a, b, north, east = x.tolist()
+    known, old = begun.calibration, vehicle.calibration.deviation
     c, s = math.cos(turn), math.sin(turn)
     told = [
         max(lesson.logs, min(lesson.figure.least, lesson.before)) if lesson.taken else before
         for lesson, before in zip(lessons, _believed(vehicle), strict=True)
     ]
+    done = replace(
+        known,
+        speed_scale=known.speed_scale * (1.0 + scale),
+        speed_scale_sigma=told[0],
+        deviation=replace(old, sin1=old.sin1 + a * c - b * s, cos1=old.cos1 + a * s + b * c),
+        deviation_sigma=told[2],
+    )
+    if lessons[_CURRENT].taken:
+        few = near / (near + 1.0)
+        done = replace(done, current=(few * north, few * east), current_sigma=max(told[3], _DAY))
     return replace(
         vehicle,
         compass_bias=vehicle.compass_bias + bias,
         sensors=replace(vehicle.sensors, heading_bias=told[1]),
-        calibration=replace(
-            known,
-            speed_scale=known.speed_scale * (1.0 + scale),
-            speed_scale_sigma=told[0],
-            deviation=replace(old, sin1=old.sin1 + a * c - b * s, cos1=old.cos1 + a * s + b * c),
-            deviation_sigma=told[2],
-        ),
+        calibration=done,
     )
-
-
-# --- noise ---------------------------------------------------------------------------------------
-
-
-def _noise(vehicle: Vehicle, logs: Sequence[Inputs]) -> tuple[Vehicle, tuple[str, ...]]:
-    """And the sensors of which there is too little to tell."""
-    reports = [[i for i in log if isinstance(i, Telemetry)] for log in logs]
-    depth = _white(reports, lambda t: t.depth)
-    found = {
-        "depth": (None if depth is None else depth * math.sqrt(2.0), 0.01),
-        "altitude": (_white(reports, lambda t: t.altitude), 0.01),
-        "heading": (_white(reports, lambda t: t.heading, circular=True), 2e-3),
-        "fix": (_fix_noise(logs, vehicle), 0.01),
-    }
-    heard = {name: max(s, least) for name, (s, least) in found.items() if s is not None}
-    sensors: Sensors = replace(vehicle.sensors, **heard)
-    return replace(vehicle, sensors=sensors), tuple(n for n in found if n not in heard)
-
-
-def _white(
-    logs: Sequence[Sequence[Telemetry]],
-    read: Callable[[Telemetry], float | None],
-    *,
-    circular: bool = False,
-) -> float | None:
-    """Sigma of white noise by the median of third differences: bends and repeats do not count."""
-    found: list[float] = []
-    for log in logs:
-        for window in zip(*(log[i:] for i in range(4)), strict=False):
-            values = [read(t) for t in window]
-            if any(v is None for v in values) or len(set(values)) < 4:
-                continue
-            a, b, c, d = (float(v) for v in values if v is not None)
-            third = d - 3.0 * c + 3.0 * b - a
-            found.append(abs(math.remainder(third, 2.0 * math.pi) if circular else third))
-    if len(found) < ENOUGH:
-        return None
-    return median(found) / 0.6745 / math.sqrt(20.0)  # of |normal|; 1 + 9 + 9 + 1
-
-
-def _fix_noise(logs: Sequence[Inputs], vehicle: Vehicle) -> float | None:
-    """By the innovations of fixes one second after another (the filter adds little to them)."""
-    squares: list[float] = []
-    for log in logs:
-        nav = Navigation(vehicle)
-        for item in log:
-            if isinstance(item, Telemetry):
-                nav.telemetry(item)
-                continue
-            last = nav.core.last_fix
-            nav.fix(item)
-            if last is not None and item.t - last < 1.5 and nav.core.fix_nis is not None:
-                squares.append(item.accuracy**2 * nav.core.fix_nis / 2.0)
-    return math.sqrt(sum(squares) / len(squares)) if len(squares) >= ENOUGH else None
-
-
-# --- proof ---------------------------------------------------------------------------------------
-
-
-def _compare(log_number: int, log: Inputs, before: Vehicle, after: Vehicle) -> list[Stretch]:
-    one, two = (_missed(log, vehicle) for vehicle in (before, after))
-    return [
-        Stretch(log_number, a.begin, a.end, a.distance, a.error, b.error)
-        for a, b in zip(one, two, strict=True)
-    ]
-
-
-@dataclass(frozen=True, slots=True)
-class _Dive:
-    begin: float
-    end: float
-    distance: float
-    error: float
-
-
-def _missed(log: Inputs, vehicle: Vehicle) -> list[_Dive]:
-    """How far the estimate is from the first fix after each dive, before it is used."""
-    nav, found = Navigation(vehicle), []
-    last, swum, seen = -math.inf, 0.0, 0.0
-    for item in log:
-        if isinstance(item, Telemetry):
-            nav.telemetry(item)
-            estimate = nav.estimate(item.t)
-            swum += abs(estimate.speed) * (item.t - seen) if estimate and seen else 0.0
-            seen = item.t
-            continue
-        estimate = nav.estimate(item.t)
-        if estimate is not None and nav.frame is not None and item.t - last >= _DIVE:
-            north, east = nav.frame.to_local(item.latitude, item.longitude)
-            if last > -math.inf:
-                error = math.hypot(north - estimate.north, east - estimate.east)
-                found.append(_Dive(last, item.t, swum, error))
-        nav.fix(item)
-        last, swum = item.t, 0.0
-    return found

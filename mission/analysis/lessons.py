@@ -6,10 +6,12 @@ What does not live here: how it is found (calibration).
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 
-from mission.analysis.calibration import ENOUGH, FIGURES, Calibrated, Lesson
+from mission.analysis.calibration import FIGURES, Calibrated, Lesson
 from mission.analysis.floating import ENOUGH as RISES
+from mission.analysis.noise import ENOUGH
+from mission.model import Position
 from mission.model.vehicle import Calibration, Deviation, Vehicle
 
 _HEARD = {
@@ -17,6 +19,8 @@ _HEARD = {
     "altitude": "a minute of reports with an echo",
     "heading": "a minute of reports under way",
     "fix": "half a minute at the surface with a fix every second",
+    "motion": "legs of a minute or more at the surface with a fix every second, by a receiver that "
+    "is good to some decimetres (speed_noise and sway_noise)",
 }
 _NAMES = (*_HEARD, *(row.name for row in FIGURES))
 
@@ -56,7 +60,38 @@ ascent_measured: {found.day}    # by {found.rises} rises
 
 
 def _said(lesson: Lesson, sigma: float) -> str:
-    return f"{100.0 * sigma:.1f} %" if lesson.figure.name == "speed_scale" else _deg(sigma)
+    name = lesson.figure.name
+    if name == "speed_scale":
+        return f"{100.0 * sigma:.1f} %"
+    return f"{sigma:.2f} m/s" if name == "current" else _deg(sigma)
+
+
+def taught(done: Calibrated) -> list[str]:
+    """A line for each figure that is taken over: how sure it is; then what was left out, and how
+    far the dives themselves were from what the figures say."""
+    lines = [
+        f"{o.figure.name}: one sigma {_said(o, o.logs)} by these logs, "
+        f"{_said(o, o.before)} in the vehicle file"
+        for o in done.lessons
+        if o.taken
+    ]
+    if done.trusted != 1.0:
+        lines.append(
+            f"the dives ended {done.trusted:.2f} times as far off as these figures say: all that "
+            "moves a position is written so much wider"
+        )
+    return lines
+
+
+def left_out(done: Calibrated, names: Sequence[str]) -> list[str]:
+    """A line for each log of ``names`` that does not count, and why."""
+    lines = [
+        f"{names[i]}: a copy of {names[j]}, or a piece of it: counted once" for i, j in done.copies
+    ]
+    return lines + [
+        f"{names[i]}: stands apart from the other logs in {name}: not counted"
+        for i, name in done.apart
+    ]
 
 
 def kept(done: Calibrated) -> frozenset[str]:
@@ -64,10 +99,13 @@ def kept(done: Calibrated) -> frozenset[str]:
     return frozenset(o.figure.name for o in done.lessons if not o.taken) | set(done.unheard)
 
 
-def section(vehicle: Vehicle, kept: Collection[str] = ()) -> str:
-    """The part of a vehicle file that calibration replaces; ``kept`` is marked as not taught."""
+def section(vehicle: Vehicle, kept: Collection[str] = (), waters: Position | None = None) -> str:
+    """The part of a vehicle file that calibration replaces; ``kept`` is marked as not taught.
+    ``waters``: where the current was found, for whoever reads the file."""
     s, c = vehicle.sensors, vehicle.calibration
     old = {name: "   # as it was: not taught" if name in kept else "" for name in _NAMES}
+    if waters is not None and "current" not in kept:
+        old["current"] = f"   # near {waters.latitude_deg:.2f}, {waters.longitude_deg:.2f} alone"
     deviation = ", ".join(f"{name}: {_deg(value)}" for name, value in _harmonics(c.deviation))
     declination = "auto" if vehicle.declination is None else f"{_deg(vehicle.declination)}"
     return f"""sensors:                     # one sigma (calibrated)
@@ -83,28 +121,30 @@ calibration:
   speed_scale_sigma: {c.speed_scale_sigma:.4f}{old["speed_scale"]}
   deviation: {{{deviation}}}
   deviation_sigma: {_deg(c.deviation_sigma)}{old["deviation"]}
-{_others(c)}"""
+{_others(c, old)}"""
 
 
 def _harmonics(deviation: Deviation) -> list[tuple[str, float]]:
     return [(name, getattr(deviation, name)) for name in ("sin1", "cos1", "sin2", "cos2")]
 
 
-def _others(known: Calibration) -> str:
-    """What calibration leaves as it was, so that the section is whole."""
-    current = f"{{north: {known.current[0]:g}, east: {known.current[1]:g}}}"
-    sigma = "" if known.current_sigma is None else f"  current_sigma: {known.current_sigma:g} m/s\n"
-    return f"""  speed_noise: {known.speed_noise:g} m/s
+def _others(known: Calibration, old: Mapping[str, str]) -> str:
+    """Motion and water. What calibration leaves as it was is there, too: the section is whole."""
+    north, east = known.current
+    sigma = (
+        "" if known.current_sigma is None else f"  current_sigma: {known.current_sigma:.3f} m/s\n"
+    )
+    return f"""  speed_noise: {known.speed_noise:.3f} m/s{old["motion"]}
   speed_time: {known.speed_time:g} s
   surge_length: {known.surge_length:g} m
   turn_loss: {known.turn_loss:g} s
   turn_slip: {known.turn_slip:g} s
   turn_slip_time: {known.turn_slip_time:g} s
-  sway_noise: {known.sway_noise:g}
+  sway_noise: {known.sway_noise:.4f}{old["motion"]}
   compass_wander: {_deg(known.compass_wander)}
   compass_wander_time: {known.compass_wander_time:g} s
-  surface_drift: {known.surface_drift:g} m/s
-  current: {current}
+  surface_drift: {known.surface_drift:.4f} m/s
+  current: {{north: {north:.3f}, east: {east:.3f}}}{old["current"]}
 {sigma}"""
 
 

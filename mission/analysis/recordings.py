@@ -13,7 +13,7 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -37,6 +37,9 @@ _SURFACE = 0.5  # m: the antenna is out of the water
 SHORTEST, NEAREST = 30.0, 20.0  # s and m of a run that can be scored
 _FASTEST, _BESIDE = 10.0, 20.0  # m/s, m: what is farther than that from a track is not of it
 UNUSABLE = "without numbers, out of range, of order or of the track"
+ADRIFT = "at the surface or not under way: what drove it there is not known, cut off"
+_SLOW, _WINDOW = 0.4, 10.0  # of the median speed; s to each side over which it is taken
+_EARTH = 6371008.8  # m, mean radius
 _TRACKS = 8  # that are gone on with at once
 _UNDATED = datetime(2024, 1, 1, tzinfo=UTC)  # runs count from 0
 CRUISE_PWM, NEUTRAL_PWM = 1500 + round(500 * 8 / 12), 1500  # gear 8, and none
@@ -69,6 +72,13 @@ class Recording:
     own_speed: Array  # what the vehicle itself believed, m/s
     places: frozenset[tuple[int, int]] = frozenset()  # 1e-7 deg
     skipped: int = 0  # rows that could not be used
+    adrift: int = 0  # rows that were cut off: at the surface, or not under way
+
+    def rows(self, begin: int, end: int) -> Recording:
+        """These alone; times and places are counted from where they were."""
+        columns = {f.name: getattr(self, f.name) for f in fields(self)}
+        arrays = {n: v[begin:end] for n, v in columns.items() if isinstance(v, np.ndarray)}
+        return replace(self, **arrays)
 
     def overlaps(self, other: Recording) -> bool:
         """Both were cut from one: a tenth of the places of the shorter are in the other as well."""
@@ -150,6 +160,7 @@ def _recording(where: str, name: str, glider: bool, raw: dict[str, Array]) -> Re
     good, skipped = _usable(glider, raw)
     table = {n: v[good] for n, v in raw.items()}
     time, lat, lon = (_GLIDER[0], *_GLIDER[-2:]) if glider else _RUN[:3]
+    adrift = 0 if glider else _cut(table)
     at = np.flatnonzero(np.isfinite(table[lat]) & np.isfinite(table[lon]))
     if len(at) < 2:
         raise RecordingError(_too_few(where, raw, skipped))
@@ -181,7 +192,27 @@ def _recording(where: str, name: str, glider: bool, raw: dict[str, Array]) -> Re
         own_speed=table.get("speed_est_mps", unknown),
         places=frozenset(zip(_fine(table[lat][at]), _fine(table[lon][at]), strict=True)),
         skipped=skipped,
+        adrift=adrift,
     )
+
+
+def _cut(table: dict[str, Array]) -> int:
+    """Leaves of a run the longest piece on which it swims: not where it has come up from a dive,
+    nor where it drifts. How many rows that costs."""
+    t, lat, lon, depth = (table[name] for name in _RUN[:4])
+    if len(t) < 2:
+        return 0
+    east = np.radians(np.diff(lon)) * np.cos(np.radians(lat[1:]))
+    steps = _EARTH * np.hypot(np.radians(np.diff(lat)), east)
+    path = np.concatenate(([0.0], np.cumsum(steps)))
+    begin, end = np.maximum(t - _WINDOW, t[0]), np.minimum(t + _WINDOW, t[-1])
+    speed = (np.interp(end, t, path) - np.interp(begin, t, path)) / (end - begin)
+    up = (depth < _SURFACE) & (float(np.median(depth)) > 2.0 * _SURFACE)
+    swims = ~up & (speed >= _SLOW * float(np.median(speed)))
+    pieces = np.split(np.arange(len(t)), np.flatnonzero(np.diff(swims.astype(int))) + 1)
+    longest = max((piece for piece in pieces if swims[piece[0]]), key=len)
+    table |= {name: column[longest] for name, column in table.items()}
+    return len(t) - len(longest)
 
 
 def _fine(degrees: Array) -> list[int]:

@@ -5,9 +5,12 @@
     gliders   naive    the vehicle's own speed along its compass
               true     the same with the declination
               causal   the same with the current that the dive before was found to have
+              glide    the same with the speed by depth rate and pitch, as the estimate has it
 
-The least squares weigh a position with 5 m, and pull the speed to the other runs' mean and the
-current to none with 0.2 m/s.
+Of runs each is told a second time with equal knowledge: the speed through the water, the current
+and the compass's bias that `calibrate` found by the other runs, as the estimate is given them.
+The least squares weigh a position with 5 m, and pull speed and current to what is given with
+0.2 m/s.
 """
 
 from __future__ import annotations
@@ -24,28 +27,33 @@ from mission.analysis.recordings import NEAREST, Recording, held
 Array = NDArray[np.float64]
 
 _POSITION, _VELOCITY = 5.0, 0.2  # m, m/s
+_ATTACK, _LEAST = np.radians(3.0), np.radians(8.0)  # of a glider's path, rad
+_SLOWEST, _FASTEST = 0.03, 0.6  # m/s of its depth rate; ahead
 
 
 def ground_speed(run: Recording) -> float:
     return float(run.path[-1] / (run.t[-1] - run.t[0]))
 
 
-def constant_speed(run: Recording, heading: Array, others: Sequence[Recording]) -> float | None:
-    """End error; None where no other run says how fast it is."""
-    if not others:
-        return None
-    ahead = _ahead(run.t, heading)
-    error = np.mean([ground_speed(o) for o in others]) * ahead[-1] - _place(run)[-1]
+@dataclass(frozen=True, slots=True)
+class Known:
+    """What is given before the run: m/s, and the compass's bias, rad."""
+
+    speed: float
+    current: tuple[float, float] = (0.0, 0.0)
+    bias: float = 0.0
+
+
+def constant_speed(run: Recording, heading: Array, given: Known) -> float:
+    """End error."""
+    moved = given.speed * _ahead(run.t, heading - given.bias)[-1]
+    error = moved + run.t[-1] * np.array(given.current) - _place(run)[-1]
     return float(100.0 * np.hypot(*error) / run.path[-1])
 
 
-def least_squares(
-    run: Recording, heading: Array, others: Sequence[Recording], until: float
-) -> float | None:
+def least_squares(run: Recording, heading: Array, given: Known, until: float) -> float:
     """End error in % of the path since the last fix at ``until``."""
-    if not others:
-        return None
-    prior = np.mean([ground_speed(o) for o in others])
+    heading = heading - given.bias
     ahead, place, known = _ahead(run.t, heading), _place(run), run.t <= until
     n, last = int(known.sum()), int(known.sum()) - 1
     rows = np.zeros((2 * n + 3, 3))
@@ -53,7 +61,7 @@ def least_squares(
     rows[:n, 1] = rows[n : 2 * n, 2] = run.t[known]
     rows[: 2 * n] /= _POSITION
     rows[2 * n :] = np.eye(3) / _VELOCITY
-    pulled = np.array((prior / _VELOCITY, 0.0, 0.0))
+    pulled = np.array((given.speed, *given.current)) / _VELOCITY
     values = np.concatenate((*(place[known].T / _POSITION), pulled))
     speed, *current = np.linalg.lstsq(rows, values, rcond=None)[0]
     moved = speed * (ahead[-1] - ahead[last]) + (run.t[-1] - run.t[last]) * np.array(current)
@@ -101,11 +109,17 @@ def dives(glider: Recording, fixes: Sequence[int], deep: float, long: float) -> 
 
 
 def glider_errors(
-    glider: Recording, found: Sequence[Dive], declination: float, *, causal: bool
+    glider: Recording,
+    found: Sequence[Dive],
+    declination: float,
+    *,
+    causal: bool,
+    speed: Array | None = None,
 ) -> list[float]:
     """One figure a dive that was reckoned; with ``causal``, the current of the dive before is taken
-    for this one."""
-    speed, heading = held(glider.own_speed), held(glider.heading) + declination
+    for this one. ``speed``: ahead over ground; by default the vehicle's own."""
+    heading = held(glider.heading) + declination
+    speed = held(glider.own_speed) if speed is None else speed
     errors, current = [], np.zeros(2)
     for dive in (d for d in found if d.reckoned):
         rows = slice(dive.begin, dive.end)
@@ -118,3 +132,15 @@ def glider_errors(
         if causal:
             current = missed / duration
     return errors
+
+
+def glide_speed(glider: Recording) -> Array:
+    """Horizontal, m/s, by depth rate over the tangent of the path (as mission.navigation.model)."""
+    known = np.isfinite(glider.depth)
+    rate = np.gradient(np.interp(glider.t, glider.t[known], glider.depth[known]), glider.t)
+    pitch = np.abs(held(glider.pitch))
+    glides = (np.abs(rate) > _SLOWEST) & (pitch > _LEAST)
+    path = np.where(glides, pitch + _ATTACK, 0.5 * np.pi)
+    forward = np.minimum(np.abs(rate) / np.sin(path), _FASTEST)
+    speed: Array = np.where(glides, forward * np.cos(path), 0.0)
+    return speed

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
@@ -23,8 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mission.analysis import references
-from mission.analysis.learning import Learned, learn, spread
+from mission.analysis.calibration import CalibrationError
+from mission.analysis.missed import trust
 from mission.analysis.recordings import (
+    ADRIFT,
     CRUISE_PWM,
     NEAREST,
     NEUTRAL_PWM,
@@ -35,6 +37,8 @@ from mission.analysis.recordings import (
     surfaced,
     wire,
 )
+from mission.analysis.scores import Score
+from mission.analysis.teaching import calibrate_by
 from mission.model import Estimate
 from mission.model.vehicle import Calibration, Curve, Vehicle
 from mission.navigation.declination import declination
@@ -46,22 +50,14 @@ Array = NDArray[np.float64]
 CHI2_95 = 5.991  # 2 degrees of freedom
 _LEARNING = 150.0  # s of fixes
 _DEEP, _LONG = 5.0, 1000.0  # m and s of a dive
+_HALVED = 8  # dives: fewer teach too little in halves
+_CRUISE = 8.0  # gear of the runs
 _RUN_HEADING = 0.0  # the runs' heading is true: their declination
-
-
-@dataclass(frozen=True, slots=True)
-class Score:
-    """One recording under one scoring; percentages as the module says."""
-
-    file: str
-    scoring: str
-    end_pct: float
-    median_pct: float
-    coverage: float
-    samples: int
-    ellipse_pct: float
-    reference_pct: float | None
-    references: dict[str, float]
+# of a run of which nothing else was recorded
+_UNKNOWN_SPEED = Curve((0.0, 8.0, 12.0), (0.0, 1.5, 1.5))
+_UNKNOWN = Calibration(
+    speed_scale_sigma=0.4, speed_noise=0.3, speed_time=200.0, sway_noise=0.05, current_sigma=0.2
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +109,8 @@ def score_folder(
         recordings.append(found)
         if found.skipped:
             refused.append(f"{file}: {found.skipped} rows {UNUSABLE}")
+        if found.adrift:
+            refused.append(f"{file}: {found.adrift} rows {ADRIFT}")
     if not recordings:
         refused.append(f"{folder}: no recording (.csv) in it or below it")
     scores = score(recordings, vehicle, without)
@@ -154,19 +152,30 @@ def _run(
     scores = []
     for suffix, compass in (("", lambda h: h), ("+noise", noisy)):
         heading = compass(run.heading)
-        alike = [replace(o, heading=compass(o.heading)) for o in others]  # the same compass
-        known = _deprived(run_vehicle(vehicle, learn(alike, run), run.period), without)
+        known = _deprived(run_vehicle(vehicle, others, compass, run.period), without)
         for name, until in (("start", 0.0), ("150s", _LEARNING)):
             samples = _reckon_run(run, heading, until, known)
             if not samples:
                 continue
-            reference = (
-                references.constant_speed(run, heading, others)
+            reckoned = [
+                references.constant_speed(run, heading, given)
                 if until == 0.0
-                else references.least_squares(run, heading, others, until)
-            )
-            scores.append(_sum_up(run.name, name + suffix, samples, reference, {}))
+                else references.least_squares(run, heading, given, until)
+                for given in _given(others, known)
+            ]
+            reference, equal = reckoned or (None, None)
+            scores.append(_sum_up(run.name, name + suffix, samples, reference, {}, equal))
     return scores
+
+
+def _given(others: Sequence[Recording], known: Vehicle) -> list[references.Known]:
+    """What the references are given: a speed over ground alone, or all that `calibrate` found."""
+    if not others:
+        return []
+    ground = references.Known(float(np.mean([references.ground_speed(o) for o in others])))
+    speed = known.calibration.speed_scale * known.speed_by_gear.at(_CRUISE)
+    equal = references.Known(speed, known.calibration.current, known.compass_bias)
+    return [ground, equal]
 
 
 def noisy(heading: Array) -> Array:
@@ -177,30 +186,24 @@ def noisy(heading: Array) -> Array:
     return noised
 
 
-def run_vehicle(vehicle: Vehicle, learned: Learned, period: float) -> Vehicle:
-    """The vehicle file with what the other runs taught; cruising is gear 8. ``period`` is that of
-    the reports."""
-    return replace(
+def run_vehicle(
+    vehicle: Vehicle,
+    others: Sequence[Recording],
+    compass: Callable[[Array], Array],
+    period: float,
+) -> Vehicle:
+    """What `calibrate` makes of the vehicle file by the other runs; where there is none, figures
+    that are wide. ``period`` is that of the reports."""
+    known = replace(
         vehicle,
-        speed_by_gear=Curve((0.0, 8.0, 12.0), (0.0, learned.speed, learned.speed)),
         declination=_RUN_HEADING,
         glides=False,
-        sensors=replace(
-            vehicle.sensors,
-            telemetry_period=period,
-            heading_bias=vehicle.sensors.heading_bias
-            if learned.compass is None
-            else learned.compass,
-        ),
-        calibration=Calibration(
-            speed_scale_sigma=learned.speed_sigma,
-            speed_noise=learned.speed_noise,
-            speed_time=learned.speed_time,
-            sway_noise=learned.sway,
-            current=learned.current,
-            current_sigma=learned.current_sigma,
-        ),
+        sensors=replace(vehicle.sensors, telemetry_period=period),
     )
+    try:
+        return calibrate_by(others, known, compass).vehicle
+    except CalibrationError:
+        return replace(known, speed_by_gear=_UNKNOWN_SPEED, calibration=_UNKNOWN)
 
 
 def _reckon_run(run: Recording, heading: Array, until: float, known: Vehicle) -> list[_Sample]:
@@ -247,16 +250,34 @@ def _glider(glider: Recording, vehicle: Vehicle) -> list[Score]:
     naive = references.glider_errors(glider, found, 0.0, causal=False)
     turned = references.glider_errors(glider, found, true, causal=False)
     causal = references.glider_errors(glider, found, true, causal=True)
-    rows = {"naive": naive, "declination": turned, "causal_current": causal}
-    medians = {name: float(np.median(v)) for name, v in rows.items() if v}
-    one = _sum_up(glider.name, "dives", samples, medians.get("causal_current"), medians)
-    return [replace(one, end_pct=one.median_pct)]
+    glide = references.glider_errors(
+        glider, found, true, causal=True, speed=references.glide_speed(glider)
+    )
+    errors = {"naive": naive, "declination": turned, "causal_current": causal, "glide": glide}
+    medians = {name: float(np.median(v)) for name, v in errors.items() if v}
+    reference, equal = medians.get("causal_current"), medians.get("glide")
+    scored = {"dives": samples}
+    if len(found) >= _HALVED:
+        scored["dives by the other half"] = _halves(glider, found, vehicle)
+    return [
+        replace(
+            _sum_up(glider.name, name, dives, reference, medians, equal),
+            end_pct=float(np.median([100.0 * s.error / s.path for s in dives])),
+            nees=0.5 * float(np.mean([s.nees for s in dives])),
+        )
+        for name, dives in scored.items()
+    ]
 
 
 def _reckon_glider(
-    glider: Recording, at: Sequence[int], ends: Mapping[float, references.Dive], vehicle: Vehicle
+    glider: Recording,
+    at: Sequence[int],
+    ends: Mapping[float, references.Dive],
+    vehicle: Vehicle,
+    *,
+    learning: bool = True,
 ) -> list[_Sample]:
-    """One sample a dive; what each missed tells the next ones how far to trust the figures."""
+    """One sample a dive; ``learning``: what each missed tells how far to trust the figures."""
     nav = Navigation(vehicle, glider.origin, date=glider.start.isoformat())
     believed, share = nav.core.figures, 1.0
     samples: list[_Sample] = []
@@ -270,9 +291,23 @@ def _reckon_glider(
         truth = float(glider.north[dive.end]), float(glider.east[dive.end])
         samples.append(_sample(estimate, *truth, dive.path, item.accuracy**2))
         _feed(nav, item)
-        misses.append(0.5 * samples[-1].nees * share * share)
-        nav.core.filter.trust(believed.times(spread(misses)), spread(misses) / share)
-        share = spread(misses)
+        if learning:
+            misses.append(0.5 * samples[-1].nees * share * share)
+            nav.core.filter.trust(believed.times(trust(misses)), trust(misses) / share)
+            share = trust(misses)
+    return samples
+
+
+def _halves(glider: Recording, found: Sequence[references.Dive], vehicle: Vehicle) -> list[_Sample]:
+    """The dives of each half by what `calibrate` makes of the other half."""
+    middle = found[len(found) // 2].begin
+    halves = glider.rows(0, middle + 1), glider.rows(middle, len(glider.t))
+    samples: list[_Sample] = []
+    for half, other in (halves, halves[::-1]):
+        at = surfaced(half)
+        ends = {float(half.t[d.end]): d for d in references.dives(half, at, _DEEP, _LONG)}
+        known = calibrate_by([other], vehicle).vehicle
+        samples += _reckon_glider(half, at, ends, known, learning=False)
     return samples
 
 
@@ -302,6 +337,7 @@ def _sum_up(
     samples: Sequence[_Sample],
     reference: float | None,
     others: dict[str, float],
+    equal: float | None = None,
 ) -> Score:
     relative = [100.0 * s.error / s.path for s in samples]
     return Score(
@@ -312,36 +348,8 @@ def _sum_up(
         coverage=float(np.mean([s.nees < CHI2_95 for s in samples])),
         samples=len(samples),
         ellipse_pct=float(np.mean([100.0 * s.radius / s.path for s in samples[-20:]])),
+        nees=0.5 * samples[-1].nees,
         reference_pct=reference,
         references=others,
+        equal_pct=equal,
     )
-
-
-def as_object(scores: Sequence[Score]) -> dict[str, object]:
-    """What the command prints: every run, and the medians and pooled coverage over them."""
-    samples = sum(s.samples for s in scores)
-    summary = []
-    for name in dict.fromkeys(s.scoring for s in scores):
-        rows = [s for s in scores if s.scoring == name]
-        known = [s.reference_pct for s in rows if s.reference_pct is not None]
-        summary.append(
-            {
-                "scoring": name,
-                "runs": len(rows),
-                "end_pct": _median([s.end_pct for s in rows]),
-                "reference_pct": _median(known) if known else None,
-                "coverage": sum(s.coverage * s.samples for s in rows)
-                / sum(s.samples for s in rows),
-                "ellipse_pct": float(np.mean([s.ellipse_pct for s in rows])),
-            }
-        )
-    return {
-        "runs": [asdict(s) for s in scores],
-        "summary": summary,
-        "coverage": sum(s.coverage * s.samples for s in scores) / samples if samples else None,
-        "ellipse_pct": float(np.mean([s.ellipse_pct for s in scores])) if scores else None,
-    }
-
-
-def _median(values: Sequence[float]) -> float:
-    return float(np.median(values))

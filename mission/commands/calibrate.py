@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from mission.commands.options import LOGGED_VEHICLE
 from mission.commands.output import write, writing
+
+if TYPE_CHECKING:
+    from mission.analysis.calibration import Calibrated
 
 
 @click.command()
@@ -19,8 +23,9 @@ from mission.commands.output import write, writing
               help="PNG with the errors before and after, and the compass's error.")  # fmt: skip
 def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
               plot: Path | None) -> None:  # fmt: skip
-    """Fit speed scale, compass and noise from black boxes LOGS that hold fixes.
+    """Fit speed, compass, current and noise from black boxes LOGS that hold fixes.
 
+    Instead of black boxes, recordings (CSV) as `score` reads them may be given, with --vehicle.
     Prints the sections of a vehicle file that replace sensors, compass and calibration, and, where
     a float test is among the logs, ascent_buoyancy and ascent_measured. How good they are goes to
     stderr: the error at the end of each dive, before and after; with two logs or more, after
@@ -28,19 +33,16 @@ def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
     it, and is told with what would teach it. Exit 2 where the logs cannot be used.
     """
     from mission.analysis.calibration import CalibrationError
-    from mission.analysis.calibration import calibrate as fit
-    from mission.analysis.lessons import kept, rise, section, untaught
+    from mission.analysis.lessons import kept, left_out, rise, section, taught, untaught
+    from mission.analysis.recordings import RecordingError
     from mission.model.buoyancy import heavy
-    from mission.model.shipped import load_vehicle
     from mission.model.vehicle import VehicleError
     from mission.onboard.blackbox import BlackBoxError
-    from mission.onboard.serve.heard import LogError, read_log
+    from mission.onboard.serve.heard import LogError
 
     try:
-        heard = [read_log(path) for path in logs]
-        known = load_vehicle(vehicle) if vehicle else heard[0].vehicle
-        done = fit([log.inputs for log in heard], known)
-    except (BlackBoxError, LogError, CalibrationError, VehicleError) as error:
+        done = _calibrated(logs, vehicle)
+    except (BlackBoxError, LogError, CalibrationError, RecordingError, VehicleError) as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
     click.echo("dive            distance   before    after", err=True)
@@ -51,13 +53,17 @@ def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
             err=True,
         )
     before, after = done.percent()
+    if not done.stretches:
+        click.echo("no dive between two fixes: nothing proves these figures", err=True)
     how = "calibrated on the other logs" if done.held_out else "on the log it was fitted to"
-    click.echo(f"median of distance: {before:.1f} % before, {after:.1f} % after ({how})", err=True)
+    if done.stretches:
+        said = f"median of distance: {before:.1f} % before, {after:.1f} % after ({how})"
+        click.echo(said, err=True)
     if after > before:
         click.echo("the error has grown: keep the old figures, calibrate with more logs", err=True)
-    for line in untaught(done):
+    for line in (*left_out(done, [log.name for log in logs]), *taught(done), *untaught(done)):
         click.echo(line, err=True)
-    text = rise(done) + section(done.vehicle, kept(done))
+    text = rise(done) + section(done.vehicle, kept(done), done.waters)
     if why := heavy(done.vehicle):
         click.echo(why, err=True)
     write(output, text)
@@ -66,3 +72,23 @@ def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
 
         with writing(plot):
             draw_calibration(done, plot)
+
+
+def _calibrated(logs: tuple[Path, ...], vehicle: str | None) -> Calibrated:
+    """Raises what reading and fitting raise."""
+    from mission.analysis.calibration import calibrate as fit
+    from mission.analysis.recordings import read
+    from mission.analysis.teaching import calibrate_by
+    from mission.model.shipped import load_vehicle
+    from mission.onboard.serve.heard import read_log
+
+    recordings = [log.suffix.lower() == ".csv" for log in logs]
+    if not any(recordings):
+        heard = [read_log(path) for path in logs]
+        known = load_vehicle(vehicle) if vehicle else heard[0].vehicle
+        return fit([log.inputs for log in heard], known)
+    if not all(recordings):
+        raise click.UsageError("black boxes and recordings (.csv) are given: give one kind")
+    if vehicle is None:
+        raise click.UsageError("no recording (.csv) says what vehicle it is: add --vehicle")
+    return calibrate_by([read(path) for path in logs], load_vehicle(vehicle))

@@ -24,7 +24,8 @@ def score(folder: Path, vehicle: str, without: tuple[str, ...]) -> None:
     import json
     import sys
 
-    from mission.analysis.scoring import WITHOUT, as_object, score_folder
+    from mission.analysis.scores import as_object, summed
+    from mission.analysis.scoring import WITHOUT, score_folder
     from mission.model.shipped import load_vehicle
     from mission.model.vehicle import VehicleError
 
@@ -38,13 +39,21 @@ def score(folder: Path, vehicle: str, without: tuple[str, ...]) -> None:
     scores, refused = score_folder(folder, known, without)
     for reason in refused:
         click.echo(f"left out: {reason}", err=True)
-    click.echo("file, scoring: end %, reference %, coverage, ellipse %", err=True)
+    click.echo(
+        "file, scoring: end %, reference %, equal knowledge %, coverage, ellipse %", err=True
+    )
     for s in scores:
-        reference = "-" if s.reference_pct is None else f"{s.reference_pct:.1f}"
+        reference, equal = (_said(v) for v in (s.reference_pct, s.equal_pct))
         click.echo(
-            f"{s.file}, {s.scoring}: {s.end_pct:.1f}, {reference}, "
+            f"{s.file}, {s.scoring}: {s.end_pct:.1f}, {reference}, {equal}, "
             f"{s.coverage:.2f}, {s.ellipse_pct:.0f}",
             err=True,
         )
+    for line in summed(as_object(scores)):
+        click.echo(line, err=True)
     click.echo(json.dumps(as_object(scores)))
     sys.exit(0 if scores else 2)
+
+
+def _said(percent: float | None) -> str:
+    return "-" if percent is None else f"{percent:.1f}"

@@ -3,7 +3,8 @@
 A place that it has said lately, to the last bit, is no news: a receiver that got stuck says one
 place, two in turn or a few, with or without pauses, under water too. And one that wanders under
 water says a new place each second: only where nothing contradicts it, and it behaves for some
-seconds as a receiver at the surface does, may it speak of the surface at all.
+seconds as a receiver at the surface does, may it speak of the surface at all. Places of before a
+dive that are said again after it (some receivers' buffers do) are *stale* until a new one comes.
 
 What does not live here: what contradicts a fix (engine, navigation), the sentences (protocol.nmea).
 """
@@ -20,6 +21,7 @@ FIX_DEPTH = 0.8  # m: the surface's 0.5 m and three sigma of a depth; deeper, a 
 SETTLED = 5.0  # s of fixes without a gap that behave as at the surface
 _REMEMBERED = 32  # places
 _NEWS, _RECENT = 4, 20.0  # new places within such a run, and s ago that the first of them may be
+_SILENT = 60.0  # s without a fix: what is said again after it is stale
 _GAP = 2.5  # s between fixes: one second's may be missing
 _HDOP, _SATELLITES = 5.0, 4
 _FASTEST = 4.0  # m/s over ground: a current, the thrusters and a wave together
@@ -28,10 +30,11 @@ _LEAP = 15.0  # m beside that between two fixes: six sigma of a plain receiver
 
 
 class Receiver:
-    __slots__ = ("_good", "_last", "_news", "_places", "_since", "fresh")
+    __slots__ = ("_good", "_last", "_news", "_places", "_since", "fresh", "stale")
 
     def __init__(self) -> None:
         self.fresh = False  # the last fix said a place that it had not said lately
+        self.stale = False  # it says again what it said before it was silent
         self._places: dict[tuple[float, float], None] = {}  # oldest first
         self._last: Fix | None = None
         self._good = False  # by what the last one says of itself
@@ -44,6 +47,8 @@ class Receiver:
     def take(self, fix: Fix) -> None:
         place = fix.latitude, fix.longitude
         self.fresh = place not in self._places
+        silent = self._last is not None and fix.t - self._last.t >= _SILENT
+        self.stale = not self.fresh and (self.stale or silent)
         if self.fresh:
             self._places[place] = None
             if len(self._places) > _REMEMBERED:

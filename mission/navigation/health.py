@@ -205,7 +205,8 @@ class SensorHealth:
         known = 0.0 if math.isnan(monitor.value) else monitor.value
         value = known + 1.0 if self.receiver.fresh else known
         good = monitor.observe(CHANNELS["position"], f.t, value, self.moving, False)
-        return good and not (f.accuracy < math.inf and self._under_water(f.t))
+        believed = good and not self.receiver.stale
+        return believed and not (f.accuracy < math.inf and self._under_water(f.t))
 
     def _under_water(self, now: float) -> bool:
         """By a depth that is believed: a receiver that says a place there made it up. What the

@@ -65,6 +65,7 @@ class Navigation:
             here = self.frame.to_geodetic(float(x[0]), float(x[1]))
             north, east = new.to_local(*here)
             core.filter.shift(north - float(x[0]), east - float(x[1]))
+            core.settle()
         self._settle(new)
 
     def start_here(self, now: float, sigma: float = 0.1) -> None:
@@ -76,6 +77,7 @@ class Navigation:
         """A mission starts in a current of up to ``most`` m/s, whatever was learned of it before:
         a vehicle that is held by hand, or moored, has found that there is none."""
         self.core.filter.doubt_current(most / PLANE_95)
+        self.core.settle()
         self._history.clear()
 
     def _settle(self, frame: LocalFrame) -> None:

@@ -5,7 +5,9 @@
 
 A fix whose normalised innovation squared is beyond the gate is rejected. A wrong gate is undone:
 three rejected fixes in a row that agree with each other widen the covariance (of all that moves
-the position, so that the jump also teaches current, scale and compass) until the fix fits.
+the position, so that the jump also teaches current, scale and compass) until the fix fits. What
+the filter was before the first fix after a dive, and before its gate was opened, is remembered for
+a while: where that fits the fixes that agree, those between were wrong, and it goes back instead.
 
 What does not live here: sensors' health, frames, what arrives late.
 """
@@ -25,6 +27,7 @@ from mission.navigation.model import RATE, Figures, propulsion
 
 GATE = 13.816  # chi-square, 2 degrees of freedom, 99.9 %
 _AGREEING = 3  # rejected fixes in a row that win against the gate
+_GAP, _MEMORY = 60.0, 120.0  # s without a fix; for which the filter before it is remembered
 _FASTEST = 4.0  # m/s, between two fixes that agree
 _WIDEST = 25.0  # factor on the covariance; what is missing then is given to the position alone
 _EXTRAPOLATE = 1.0  # s beyond a report for which its yaw rate is believed
@@ -49,6 +52,7 @@ _KEPT = (
     "_rejected",
     "_pending",
     "_used",
+    "_before",
 )
 _kept = operator.attrgetter(*_KEPT)
 
@@ -87,6 +91,7 @@ class Reckoner:
         self._rejected: tuple[GroundFix, ...] = ()
         self._pending: tuple[GroundFix, ...] = ()  # velocities wait for the next report
         self._used: GroundFix | None = None
+        self._before: tuple[float, Any] | None = None  # when, and the filter then
 
     def save(self) -> tuple[Any, ...]:
         return self.filter.save(), self._propulsion.speed, _kept(self)
@@ -217,12 +222,19 @@ class Reckoner:
         self.filter.place(north, east, variance)
         self.located = True
         self._rejected = ()
+        self.settle()
+
+    def settle(self) -> None:
+        """There is no way back to before this: another frame, or another current."""
+        self._before = None
 
     def _fix(self, f: GroundFix) -> None:
         self._advance(f.t)
         self._pending = (*self._pending, f)[-_PENDING:]
         if self._repeats(f):
             return
+        if self.last_fix is not None and f.t - self.last_fix >= _GAP:
+            self._before = f.t, self.filter.save()
         if not self.located:
             self.place(f.t, f.north, f.east, f.variance)
         elif not self._admit(f):
@@ -247,7 +259,26 @@ class Reckoner:
         self.nis, self.fix_nis = (nis, 2), nis
         return True
 
+    def _goes_back(self, f: GroundFix) -> bool:
+        """To what is remembered, if ``f`` fits that: as far as it can have moved since."""
+        if self._before is None or f.t - self._before[0] > _MEMORY:
+            return False
+        (began, before), now = self._before, self.filter.save()
+        self.filter.load(before)
+        if f.t > began:
+            run = self.run(began, f.t)
+            self.filter.predict(f.t - began, run)
+            self.filter.loosen((run.expected * (f.t - began)) ** 2)  # by any way
+        if self.filter.innovation(f.north, f.east, f.variance)[2] <= GATE:
+            self._before = None
+            return True
+        self.filter.load(now)
+        return False
+
     def _open_gate(self, f: GroundFix) -> None:
+        if self._goes_back(f):
+            return
+        self._before = f.t, self.filter.save()
         factor = 1.0
         while factor < _WIDEST:
             self.filter.widen(1.5)

@@ -13,9 +13,10 @@ import pytest
 from click.testing import CliRunner
 
 from mission.analysis import scoring
-from mission.analysis.learning import spread
+from mission.analysis.missed import trust
 from mission.analysis.recordings import RecordingError, read
-from mission.analysis.scoring import Score, as_object, score_folder
+from mission.analysis.scores import Score, as_object
+from mission.analysis.scoring import score_folder
 from mission.commands.score import score as command
 from mission.model import Position
 from mission.model.shipped import load_vehicle
@@ -197,17 +198,23 @@ def test_a_glider_that_did_not_record_its_speed_has_figures_and_no_reference(
 
 
 def test_a_few_dives_tell_little_of_how_far_to_trust_the_figures_and_many_tell_it() -> None:
-    assert spread([]) == 1.0
-    assert 0.85 < spread([0.0]) < 1.0
-    assert spread([0.25] * 100) == pytest.approx(0.5, abs=0.05)
-    assert spread([4.0] * 100) == pytest.approx(2.0, abs=0.05)
+    right = math.log(2.0)  # the median of chi-square with two degrees of freedom, over them
+    assert trust([]) == 1.0
+    assert 0.85 < trust([0.0]) < 1.0
+    assert trust([0.25 * right] * 100) == pytest.approx(0.5, abs=0.05)
+    assert trust([4.0 * right] * 100) == pytest.approx(2.0, abs=0.05)
+
+
+def test_one_wild_dive_tells_nothing_of_the_figures() -> None:
+    misses = [0.3, 0.5, 0.7, 0.9, 1.2, 0.4]
+    assert trust([*misses, 1e4]) == pytest.approx(trust([*misses, 1.0]), rel=0.02)
 
 
 def test_dives_that_missed_little_narrow_the_ellipse_of_later_ones_and_move_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     learned, _ = scored(tmp_path, ("g.csv", glider(HOME, 5.0)))
-    monkeypatch.setattr(scoring, "spread", lambda misses: 1.0)
+    monkeypatch.setattr(scoring, "trust", lambda misses: 1.0)
     believed, _ = scored(tmp_path, ("g.csv", glider(HOME, 5.0)))
     assert learned[0].ellipse_pct < 0.97 * believed[0].ellipse_pct
     assert learned[0].coverage == 1.0

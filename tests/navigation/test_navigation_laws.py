@@ -128,6 +128,62 @@ def test_fixes_that_agree_win_against_a_wrong_estimate(vehicle: Vehicle, dive: l
     assert error(nav, shifted[-1][0]) < 10.0
 
 
+def with_fixes_of_before(dive: list[Item], stale: int, jitter: float) -> list[Item]:
+    """At each surfacing the receiver first says ``stale`` places of before the dive again, each
+    ``jitter`` m beside what it was."""
+    items, last, frame = list[Item](), list[Fix](), LocalFrame(HOME)
+    for truth, item in dive:
+        if isinstance(item, Fix):
+            if last and item.t - last[-1].t > 60.0:
+                for i, old in enumerate(last[-stale:]):
+                    n, e = frame.to_local(old.latitude, old.longitude)
+                    lat, lon = frame.to_geodetic(n + jitter * (i + 1), e)
+                    again = replace(item, t=item.t - 0.08 + 0.01 * i, latitude=lat, longitude=lon)
+                    items.append((truth, again))
+            last.append(item)
+        items.append((truth, item))
+    return items
+
+
+def moved_by(nav: Navigation) -> list[float]:
+    """Sigmas of current, speed scale and compass."""
+    return [math.sqrt(v) for v in nav.core.filter.covariance.diagonal()[[2, 3, 6, 8]].tolist()]
+
+
+def test_places_of_before_the_dive_that_are_said_again_after_it_change_nothing(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    clean = feed(Navigation(vehicle, HOME), dive)
+    stale = feed(Navigation(vehicle, HOME), with_fixes_of_before(dive, 2, 0.0))
+    end = dive[-1][0].t
+    assert stale.estimate(end) == clean.estimate(end)
+
+
+def test_a_gate_that_was_opened_by_wrong_fixes_has_a_way_back(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    """Four places near where it dived agree with each other, and then the true ones come."""
+    clean = feed(Navigation(vehicle, HOME), dive)
+    misled = feed(Navigation(vehicle, HOME), with_fixes_of_before(dive, 4, 1.0))
+    assert error(misled, dive[-1][0]) < 8.0
+    for wide, known in zip(moved_by(misled), moved_by(clean), strict=True):
+        assert wide < 1.3 * known
+
+
+def test_there_is_no_way_back_behind_a_new_home(vehicle: Vehicle, dive: list[Item]) -> None:
+    """The same, and home is set while the wrong places are believed: what is remembered is of
+    another frame."""
+    nav, home = Navigation(vehicle, HOME), Position(HOME.latitude_deg + 1e-5, HOME.longitude_deg)
+    misled = with_fixes_of_before(dive, 4, 1.0)
+    at = next(i for i, (t, item) in enumerate(misled) if t.t > 400.0 and isinstance(item, Fix))
+    feed(nav, misled[: at + 4])
+    nav.set_origin(home, misled[at + 3][1].t)
+    nav.assume_current(0.2)
+    doubted = moved_by(nav)[0]
+    feed(nav, misled[at + 4 : at + 12])
+    assert moved_by(nav)[0] > 0.5 * doubted
+
+
 def test_a_jump_after_a_long_dive_does_not_collapse_the_filter(
     vehicle: Vehicle, dive: list[Item]
 ) -> None:

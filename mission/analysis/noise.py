@@ -1,0 +1,62 @@
+"""Noise of the sensors, by what logs hold of them: white noise, of each report by itself.
+
+White noise of a sensor is what is left of its third differences: a ramp and a bend of it cancel
+(Brockwell and Davis, Time Series, 1991, ch. 1.4). A figure of which a log holds too little stays.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from statistics import median
+
+from mission.analysis.courses import Inputs
+from mission.model.vehicle import Sensors, Vehicle
+from protocol.messages import Telemetry
+
+_MEDIAN = 1.3863  # of chi-square with two degrees of freedom
+ENOUGH = 20  # differences without which a noise figure stays as it was
+
+
+def sensed(
+    vehicle: Vehicle, logs: Sequence[Inputs], squares: Sequence[float]
+) -> tuple[Vehicle, tuple[str, ...]]:
+    """And the sensors of which there is too little to tell. ``squares``: normalised innovations of
+    fixes one second after another (the filter adds little to them), times the fixes' variance."""
+    reports = [[i for i in log if isinstance(i, Telemetry)] for log in logs]
+    depth = white_noise(reports, lambda t: t.depth)
+    found = {
+        "depth": (None if depth is None else depth * math.sqrt(2.0), 0.01),
+        "altitude": (white_noise(reports, lambda t: t.altitude), 0.01),
+        "heading": (white_noise(reports, lambda t: t.heading, circular=True), 2e-3),
+        "fix": (_fix_noise(squares), 0.01),
+    }
+    heard = {name: max(s, least) for name, (s, least) in found.items() if s is not None}
+    sensors: Sensors = replace(vehicle.sensors, **heard)
+    return replace(vehicle, sensors=sensors), tuple(n for n in found if n not in heard)
+
+
+def white_noise(
+    logs: Sequence[Sequence[Telemetry]],
+    read: Callable[[Telemetry], float | None],
+    *,
+    circular: bool = False,
+) -> float | None:
+    """Sigma of white noise by the median of third differences: bends and repeats do not count."""
+    found: list[float] = []
+    for log in logs:
+        for window in zip(*(log[i:] for i in range(4)), strict=False):
+            values = [read(t) for t in window]
+            if any(v is None for v in values) or len(set(values)) < 4:
+                continue
+            a, b, c, d = (float(v) for v in values if v is not None)
+            third = d - 3.0 * c + 3.0 * b - a
+            found.append(abs(math.remainder(third, 2.0 * math.pi) if circular else third))
+    if len(found) < ENOUGH:
+        return None
+    return median(found) / 0.6745 / math.sqrt(20.0)  # of |normal|; 1 + 9 + 9 + 1
+
+
+def _fix_noise(squares: Sequence[float]) -> float | None:
+    return math.sqrt(median(squares) / _MEDIAN) if len(squares) >= ENOUGH else None

@@ -1,0 +1,97 @@
+"""What scoring found, as a table: each run, and over all of them medians, intervals, coverage.
+
+What does not live here: how it is found (scoring).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+_DRAWS = 2000
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """One recording under one scoring; percentages as the module says."""
+
+    file: str
+    scoring: str
+    end_pct: float
+    median_pct: float
+    coverage: float
+    samples: int
+    ellipse_pct: float
+    nees: float  # at the end, over its two degrees of freedom
+    reference_pct: float | None
+    references: dict[str, float]
+    equal_pct: float | None = None  # of the reference with equal knowledge
+
+
+def as_object(scores: Sequence[Score]) -> dict[str, object]:
+    """What the command prints: every run, and the medians and pooled coverage over them."""
+    samples = sum(s.samples for s in scores)
+    summary = []
+    for name in dict.fromkeys(s.scoring for s in scores):
+        rows = [s for s in scores if s.scoring == name]
+        known = [s.reference_pct for s in rows if s.reference_pct is not None]
+        pairs = [(s.end_pct, s.equal_pct) for s in rows if s.equal_pct is not None]
+        summary.append(
+            {
+                "scoring": name,
+                "runs": len(rows),
+                "end_pct": _median([s.end_pct for s in rows]),
+                "end_interval": interval([s.end_pct for s in rows]),
+                "reference_pct": _median(known) if known else None,
+                "equal_pct": _median([b for _, b in pairs]) if pairs else None,
+                "lead_interval": interval([b - a for a, b in pairs]),
+                "nees": float(np.mean([s.nees for s in rows])),
+                "coverage": sum(s.coverage * s.samples for s in rows)
+                / sum(s.samples for s in rows),
+                "ellipse_pct": float(np.mean([s.ellipse_pct for s in rows])),
+            }
+        )
+    return {
+        "runs": [asdict(s) for s in scores],
+        "summary": summary,
+        "coverage": sum(s.coverage * s.samples for s in scores) / samples if samples else None,
+        "ellipse_pct": float(np.mean([s.ellipse_pct for s in scores])) if scores else None,
+    }
+
+
+def interval(values: Sequence[float]) -> tuple[float, float] | None:
+    """95 % of the medians of samples drawn anew from ``values`` (bootstrap: Efron, Ann. Statist. 7,
+    1979, 1-26; always the same draws). None for fewer than three: it would say nothing."""
+    if len(values) < 3:
+        return None
+    rng = np.random.default_rng(0)
+    drawn = rng.choice(np.array(values), (_DRAWS, len(values)))
+    low, high = np.percentile(np.median(drawn, axis=1), (2.5, 97.5))
+    return float(low), float(high)
+
+
+def _median(values: Sequence[float]) -> float:
+    return float(np.median(values))
+
+
+def summed(found: dict[str, object]) -> list[str]:
+    """Lines of ``as_object``: a scoring each."""
+    rows = found["summary"]
+    assert isinstance(rows, list)
+    return [
+        f"{row['scoring']} ({row['runs']} recordings): median {row['end_pct']:.1f} % "
+        f"{_from_to(row['end_interval'])}, with equal knowledge {_said(row['equal_pct'])}; "
+        f"lead {_from_to(row['lead_interval'])}; ellipse holds {100.0 * row['coverage']:.0f} %, "
+        f"mean NEES at the end {row['nees']:.1f}"
+        for row in rows
+    ]
+
+
+def _from_to(found: tuple[float, float] | None) -> str:
+    return "(too few for an interval)" if found is None else f"({found[0]:.1f} to {found[1]:.1f})"
+
+
+def _said(percent: float | None) -> str:
+    return "-" if percent is None else f"{percent:.1f} %"
