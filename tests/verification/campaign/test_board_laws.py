@@ -12,8 +12,10 @@ from programs import run
 
 from links.simulated.settings import Settings
 from mission.authoring.language import parse
-from mission.model import MANUAL_DRIVING, Mission, Step, Tx
+from mission.model import MANUAL_DRIVING, Action, Mission, Outcome, Step, Tx
 from mission.model.shipped import load_vehicle
+from mission.onboard.runtime import repeater
+from mission.onboard.runtime.repeater import Repeater
 from mission.verification.campaign.draw import (
     INCIDENTS,
     body_of,
@@ -227,3 +229,50 @@ def test_the_commands_fly_the_other_vehicles_and_say_how_to_fly_one_again() -> N
 )
 def test_what_is_of_the_auv_alone_is_refused_for_the_others(words: tuple[str, ...]) -> None:
     assert run(*words).exit_code == 2
+
+
+# --- a program that breaks a rule ------------------------------------------------------------------
+
+
+def _half_the_pace(monkeypatch: pytest.MonkeyPatch) -> None:
+    poll = Repeater.poll
+
+    def late(self: Repeater, now: float) -> tuple[list[Tx], list[Outcome]]:
+        out = poll(self, now)
+        self.__dict__["_due"] += self.__dict__["_period"] * bool(out[0])
+        return out
+
+    monkeypatch.setattr(Repeater, "poll", late)
+
+
+def _a_stick_that_is_never_let_go(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(repeater, "STICK_S", 60.0)
+
+
+def _a_stop_that_drives(monkeypatch: pytest.MonkeyPatch) -> None:
+    command = Repeater.command
+
+    def driven(self: Repeater, action: Action) -> Outcome | None:
+        drives = action.command is Order.STOP
+        return command(self, replace(action, command=Setpoint(surge=0.3)) if drives else action)
+
+    monkeypatch.setattr(Repeater, "command", driven)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize(
+    ("breaks", "kind"),
+    [
+        (_half_the_pace, SPURIOUS),
+        (_a_stick_that_is_never_let_go, SPURIOUS),
+        (_a_stop_that_drives, LOST),
+    ],
+)
+def test_a_program_that_breaks_a_rule_is_noticed(
+    breaks: Callable[[pytest.MonkeyPatch], None], kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    breaks(monkeypatch)
+    flown.cache_clear()
+    mission, trace = flown("robot")
+    flown.cache_clear()
+    assert kind in {violation.kind for violation in judged("robot", trace, mission)}
