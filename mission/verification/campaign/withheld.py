@@ -14,9 +14,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from random import Random
 
-from links.simulated.plant import Body
 from links.simulated.sea import Sea
 from links.simulated.sensors import Health, Sensor, SensorErrors
 from links.simulated.settings import FaultEvent, Settings
@@ -29,7 +29,7 @@ from mission.legs import LEGS
 from mission.legs.base import WAY
 from mission.legs.guidance import GIVES
 from mission.model.vehicle import Vehicle
-from mission.verification.campaign.draw import PROFILES
+from mission.verification.campaign.draw import body_of, faults_of, profiles_of
 from mission.verification.campaign.proofs import BIAS, SPEED, Claim, Draw, Proof, draw_proof
 from mission.verification.campaign.trial import FOREVER
 
@@ -144,13 +144,16 @@ def draw_withheld(claim: Claim, vehicle: Vehicle, seed: int, flight: int) -> Pro
     allowed = claim.mission.safety.depth or vehicle.limits.depth
     assume = Assumptions.of(claim.mission, vehicle, min(allowed, vehicle.limits.depth))
     sea = Sea((assume.current, _direction(rng)), None, assume.floor)
-    edge = math.sqrt(Body().main_thrust) * (1.0 + 2.0 * SPEED * rng.choice((-1.0, 0.0, 1.0)))
+    of, body = claim.mission.vehicle, body_of(claim.mission.vehicle)
+    edge = math.sqrt(body.main_thrust) * (1.0 + 2.0 * SPEED * rng.choice((-1.0, 0.0, 1.0)))
     errors = SensorErrors(compass_bias=2.0 * BIAS * rng.choice((-1.0, 0.0, 1.0)))
     away, towards = 0.9 * assume.start, _direction(rng)
+    of_vehicle = rng.randrange(1 << 31)
+    lost = [fault for fault in _withheld(rng, claim) if fault.name in faults_of(of)]
     return Proof(
-        PROFILES[flight % len(PROFILES)],
-        rng.randrange(1 << 31),
-        Settings(sea, errors, Body(main_thrust=edge * edge), tuple(_withheld(rng, claim))),
+        profiles_of(of)[flight % len(profiles_of(of))],
+        of_vehicle,
+        Settings(sea, errors, replace(body, main_thrust=edge * edge), tuple(lost)),
         (),
         (away * math.cos(towards), away * math.sin(towards)),
         rng.uniform(0.0, math.tau),

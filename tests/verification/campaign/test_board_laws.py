@@ -12,6 +12,7 @@ from programs import run
 
 from links.simulated.settings import Settings
 from mission.authoring.language import parse
+from mission.authoring.prepare import check_prepared, prepare
 from mission.model import MANUAL_DRIVING, Action, Mission, Outcome, Step, Tx
 from mission.model.shipped import load_vehicle
 from mission.onboard.runtime import repeater
@@ -25,10 +26,12 @@ from mission.verification.campaign.draw import (
 )
 from mission.verification.campaign.faults import fitting
 from mission.verification.campaign.laws import IGNORED, LOST, SPURIOUS, Violation, violations
+from mission.verification.campaign.proofs import Claim
 from mission.verification.campaign.scene import repeated, say
 from mission.verification.campaign.speech import MOTION, Speech
 from mission.verification.campaign.trial import try_out
 from mission.verification.campaign.whole_flight import SUNK, UNLAWFUL, throughout
+from mission.verification.campaign.withheld import drawn_for
 from mission.verification.rig.trace import Event, Said, Trace
 from protocol.messages import Order, Setpoint
 
@@ -185,6 +188,18 @@ def test_what_is_drawn_for_a_board_is_what_it_can_have(name: str) -> None:
     assert set(faults_of(name)) <= kinds_drawn
     assert {plan.profile for plan in drawn} == set(profiles_of(name)) == {"documented"}
     assert {plan.vehicle.name for plan in drawn} == {name}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_is_withheld_or_lost_within_a_proof_is_what_the_board_can_lack(name: str) -> None:
+    subject, vehicle = fitting(name)[0], load_vehicle(name)
+    report = check_prepared(prepare(subject.path, name))
+    assert report.proved is not None
+    claim = Claim(str(subject.path), subject.mission, report.proved)
+    for flight in range(60):
+        proof = drawn_for(claim, flight)(claim, vehicle, 1, flight)
+        assert {fault.name for fault in proof.settings.faults} <= set(faults_of(name))
+        assert proof.profile == "documented"
 
 
 def test_sunk_and_unlawful_are_asked_of_boards_too() -> None:
