@@ -22,8 +22,8 @@ test('a number that rounds to zero has no sign', () => {
 });
 
 test('a heading has three figures, and north is 000', () => {
-  assert.deepEqual([0, 5, 359.4, 359.6, -90, 360].map(bearing),
-    ['000°', '005°', '359°', '000°', '270°', '000°']);
+  assert.deepEqual([0, 5, 359.4, 359.6, -90, 360, -450].map(bearing),
+    ['000°', '005°', '359°', '000°', '270°', '000°', '270°']);
 });
 
 test('a place has degrees and minutes, and 60 minutes are a degree', () => {

@@ -58,7 +58,9 @@ test('a key that was down when the page went away is not down when it is back', 
 test('a pad that is pulled lets go', () => {
   const hand = new Hand();
   assert.ok(hand.held(pad(1), true, 0).axes);
-  assert.equal(hand.held(null, true, 100).axes, null);
+  hand.press('ShiftLeft', true);
+  assert.deepEqual(hand.held(null, true, 100), { axes: null, why: 'gone' });
+  assert.deepEqual(hand.held(pad(2), true, 200), { axes: null, why: 'gone' });
 });
 
 test('a pad that says nothing new lets go, and counts again when it does', () => {

@@ -23,6 +23,7 @@ test('a guard has come as far as its value from the leg\'s begin to the bound', 
   assert.deepEqual(progress(['depth >= 10 m', { depth: 4 }], { depth: 2 }), [{ text: 'depth 4.0', share: 0.25 }]);
   assert.equal(progress(['altitude < 1.5', { altitude: 6 }], { altitude: 10.5 })[0].share, 0.5);
   assert.equal(progress(['depth >= 10 m', { depth: 11 }], { depth: 2 })[0].share, 1);
+  assert.equal(progress(['depth >= 10 m', { depth: 11 }], {})[0].share, 1);
   assert.equal(progress(['depth >= 10 m', { depth: null }], { depth: 2 })[0].share, null);
 });
 
@@ -59,6 +60,7 @@ test('X and W are their letters on every keyboard', () => {
   assert.equal(of('ч', 'KeyX'), 'x'); // a Russian one
   assert.equal(of('Process', 'KeyW'), 'w'); // while Chinese is written
   assert.equal(of('é', 'Digit2'), '');
+  assert.equal(of('ç', 'KeyX'), '');
   assert.equal(of('ArrowUp', 'ArrowUp'), '');
 });
 
@@ -87,6 +89,7 @@ test('the target is the end of the leg that is flown', () => {
   const flown = vehicle({ leg: 'rows/out', latitude: 30, longitude: 120.0005, heading: 90 });
   const scene = sceneOf(flown, frameOf(flown), 6, 0);
   assert.ok(Math.abs(scene.target[0] - 96.5) < 0.2);
+  assert.equal(sceneOf(vehicle({ leg: 'up' }), frameOf(flown), 6, 0).target, null);
   assert.deepEqual(scene.home, [0, 0]);
   assert.equal(scene.radius, 500);
   assert.equal(scene.here.isOld, false);

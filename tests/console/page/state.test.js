@@ -83,6 +83,12 @@ test('a report is one sample, however many frames tell of it', () => {
   assert.deepEqual(vehicle.strips.depth, [[9, 7], [11, 8]]);
 });
 
+test('a report that comes late does not turn a strip back', () => {
+  const vehicle = heard({ n: 1, t: 10, state: { depth: 7, report_at: 9 } },
+    { n: 2, t: 11, state: { depth: 8, report_at: 8 } });
+  assert.deepEqual(vehicle.strips.depth, [[9, 7]]);
+});
+
 test('a page that joins late has the depth of the track', () => {
   const vehicle = heard({ n: 1, t: 50, state: { depth: 9, report_at: 50 },
     track: [[10, 1, 2, 1], [20, 1, 2, null]] });
