@@ -15,7 +15,7 @@ const FIRST = 3;
 /** @typedef {{surge: number, turn: number, heave: number}} Axes ahead, to starboard, up: -1 to 1
  * @typedef {{id: string, timestamp: number, buttons: readonly {pressed: boolean}[],
  *   axes: readonly number[], connected: boolean}} Pad
- * @typedef {{axes: Axes | null, why: '' | 'hidden' | 'still' | 'gone'}} Held
+ * @typedef {{axes: Axes | null, why: '' | 'hidden' | 'still' | 'gone' | 'first'}} Held
  *   ``axes``: null while the dead man's button is let go */
 
 /** @type {Readonly<Record<string, Partial<Axes>>>} */
@@ -25,20 +25,22 @@ const KEYS = {
 };
 
 export class Hand {
-  constructor() {
-    /** @type {Set<string>} */
-    this._down = new Set();
-    this._shift = false;
-    this.strength = FIRST;
-    this._stamp = -1;
-    this._stampAt = 0; // ms
-    this._hadPad = false;
-    this._locked = /** @type {Held['why']} */ ('');
-  }
+  /** @type {Set<string>} */
+  _down = new Set();
+  _shift = false;
+  _stamp = -1;
+  _stampAt = 0; // ms
+  _hadPad = false;
+  _why = /** @type {Held['why']} */ ('');
+  _areKeysFree = true; // the dead man's key has been let go since the page was away
+  _isPadFree = false; // and the pad's button, since the pad came
+  strength = FIRST;
 
-  /** Is the key one of the stick's? @param {string} code @param {boolean} shift */
-  press(code, shift) {
+  /** Is the key one of the stick's? @param {string} code @param {boolean} shift
+   * @param {boolean} [isRepeat] */
+  press(code, shift, isRepeat = false) {
     this._shift = shift;
+    if (!shift || (code.startsWith('Shift') && !isRepeat)) this._areKeysFree = true;
     const digit = /^(?:Digit|Numpad)([1-9])$/.exec(code)?.[1];
     if (digit) this.strength = Number(digit);
     if (code in KEYS) this._down.add(code);
@@ -48,6 +50,7 @@ export class Hand {
   /** @param {string} code @param {boolean} shift */
   release(code, shift) {
     this._shift = shift;
+    if (!shift) this._areKeysFree = true;
     this._down.delete(code);
   }
 
@@ -56,11 +59,11 @@ export class Hand {
     this.strength = Math.min(STRENGTHS, Math.max(1, this.strength + by));
   }
 
-  /** The page is away, or was: no key is known to be down. @param {Held['why']} why */
+  /** No key is known to be down, and what is held has to be let go. @param {Held['why']} why */
   drop(why) {
     this._down.clear();
-    this._shift = false;
-    this._locked = why;
+    this._shift = this._areKeysFree = this._isPadFree = false;
+    this._why = why;
   }
 
   /** @param {Pad | null} pad @param {boolean} isInFront @param {number} now ms @returns {Held} */
@@ -68,13 +71,20 @@ export class Hand {
     if (!isInFront) this.drop('hidden');
     if (this._hadPad && pad === null) this.drop('gone');
     this._hadPad = pad !== null;
-    const onPad = pad !== null && (pad.buttons[DEAD_MAN]?.pressed ?? false);
+    const onPad = pad?.buttons[DEAD_MAN]?.pressed ?? false;
     const isStill = pad !== null && this._isStill(pad, now);
-    if (!onPad && !this._shift && isInFront) this._locked = '';
-    if (this._locked) return { axes: null, why: this._locked };
-    if (onPad && !isStill && pad !== null) return { axes: this._ofPad(pad), why: '' };
-    if (this._shift) return { axes: this._ofKeys(), why: '' };
-    return { axes: null, why: onPad && isStill ? 'still' : '' };
+    if (pad !== null && !onPad && isInFront) this._isPadFree = true;
+    if (pad !== null && onPad && this._isPadFree && !isStill) return this._counted(this._ofPad(pad));
+    if (this._shift && this._areKeysFree) return this._counted(this._ofKeys());
+    const isAway = !isInFront || (pad === null && this._why === 'gone');
+    if (!onPad && !this._shift) return { axes: null, why: isAway ? this._why : '' };
+    return { axes: null, why: onPad && this._isPadFree ? 'still' : this._why || 'first' };
+  }
+
+  /** @param {Axes} axes @returns {Held} */
+  _counted(axes) {
+    this._why = '';
+    return { axes, why: '' };
   }
 
   /** @param {Pad} pad @param {number} now */

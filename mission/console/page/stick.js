@@ -61,7 +61,7 @@ export class Stick {
   _listen() {
     document.addEventListener('keydown', (event) => {
       if (!this._line || isWriting(event.target) || event.ctrlKey || event.altKey || event.metaKey) return;
-      if (this._hand.press(event.code, event.shiftKey) && event.shiftKey) {
+      if (this._hand.press(event.code, event.shiftKey, event.repeat) && event.shiftKey) {
         event.preventDefault();
         event.stopPropagation(); // an arrow that steers moves no chart and no list
       }

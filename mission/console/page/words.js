@@ -184,6 +184,7 @@ export const WORDS = {
   stick_hidden: ['Let go: the page is not in front', '已松开：页面不在前台'],
   stick_still: ['Let go: the pad says nothing new', '已松开：手柄无新数据'],
   stick_gone: ['Let go: the pad is gone', '已松开：手柄已断开'],
+  stick_first: ['Let go of the dead man\'s button first', '请先松开安全键'],
   stick_cut: ['Let go: the console does not answer', '已松开：控制台无应答'],
   stick_not_ours: ['Another commands: {0}', '他人指挥中：{0}'],
   stick_live_only: ['Only with a live vehicle', '仅限实时航行器'],
