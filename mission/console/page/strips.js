@@ -111,7 +111,7 @@ export class Strips {
     say(this._title, word('strips'));
     [...this._spans.children].forEach((button, i) => {
       const span = SPANS_S[i] ?? 0;
-      say(button, span ? `${span / 60} min` : word('all'));
+      say(button, span ? word('minutes', span / 60) : word('all'));
       button.setAttribute('aria-pressed', String(span === this._span));
     });
   }
