@@ -30,7 +30,7 @@ class Steering:
 
     def axes(self, page: str, push: Push | None, moved: float, now: float) -> None:
         """``moved``: when the hand was there. None: it is let go."""
-        if push is None or now - moved > FRESH_S:
+        if push is None:
             self.let_go(page)
             return
         if self.holder not in ("", page):

@@ -117,10 +117,10 @@ def said(socket: ClientConnection, **intent: Any) -> None:
 
 def heard(socket: ClientConnection, *wanted: str) -> dict[str, Any]:
     """The first answer that ``is`` one of these."""
-    while True:
-        answer = json.loads(socket.recv(PATIENCE))
-        if answer["is"] in wanted:
-            return dict(answer)
+    end = time.monotonic() + PATIENCE
+    while (answer := json.loads(socket.recv(PATIENCE)))["is"] not in wanted:
+        assert time.monotonic() < end, f"not within {PATIENCE} s: {wanted}: {answer}"
+    return dict(answer)
 
 
 @contextmanager
