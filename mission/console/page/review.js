@@ -15,6 +15,7 @@ const SPEEDS = [1, 2, 5, 10, 20, 50, 100];
 const WARNING = 3; // levels of events
 const ERROR = 4;
 const MARKS = 300; // that are drawn at most
+const NEAR_S = 0.5;
 const SLACK_S = 1.5; // to the event before: not the one that has just been
 
 /** The next event in a direction, of those somebody should look at where there are any.
@@ -24,6 +25,26 @@ export function eventNear(events, t, way) {
   const among = worth.length ? worth : events;
   return way > 0 ? among.find((e) => e.t > t + 0.05) ?? null
     : among.findLast((e) => e.t < t - SLACK_S) ?? null;
+}
+
+/** A jump that is under way: a long recording is run again up to there, which takes its time. */
+export class Goal {
+  /** @type {number | null} s */
+  to = null;
+  _wasBelow = false;
+
+  /** @param {number} t s */
+  set(t) {
+    [this.to, this._wasBelow] = [t, false];
+  }
+
+  /** Where the operator wants to be, until it is there. @param {number} t where it stands, s */
+  at(t) {
+    if (this.to === null) return t;
+    this._wasBelow ||= t <= this.to;
+    if (this._wasBelow && t >= this.to - NEAR_S) this.to = null;
+    return this.to ?? t;
+  }
 }
 
 export class Review {
@@ -40,6 +61,7 @@ export class Review {
     this._marks = el('div', { class: 'marks', 'aria-hidden': 'true' });
     this._at = el('span', { class: 'at' });
     this._isDragged = false;
+    this._goal = new Goal();
     this._marked = '';
     root.replaceChildren(
       el('div', { class: 'buttons' }, this._before, this._play, this._after, this._speed),
@@ -67,10 +89,12 @@ export class Review {
     this._slider.setAttribute('aria-valuetext', clock(t - review.begin));
     this._slider.min = String(review.begin);
     this._slider.max = String(review.end);
-    if (!this._isDragged) this._slider.value = String(t);
+    const goal = this._goal.at(t);
+    if (!this._isDragged) this._slider.value = String(goal);
     if (document.activeElement !== this._speed) this._speed.value = String(nearest(review.speed));
     const utc = new Date((review.wall + t) * 1000).toISOString().slice(11, 19);
-    say(this._at, `${clock(t - review.begin)} / ${clock(review.end - review.begin)}  ${utc} UTC`);
+    const way = goal === t ? '' : ` → ${clock(goal - review.begin)}`;
+    say(this._at, `${clock(t - review.begin)}${way} / ${clock(review.end - review.begin)}  ${utc} UTC`);
     this._mark(happened, review.begin, review.end, vehicle.setup.id);
   }
 
@@ -104,13 +128,15 @@ export class Review {
 
   /** @param {number} t s */
   _seek(t) {
+    this._goal.set(t);
     this._say({ do: 'seek', t });
   }
 
   /** @param {1 | -1} way */
   _jump(way) {
     const { chosen } = this._page();
-    const event = eventNear(chosen.happened, timeOf(chosen.vehicle, performance.now()), way);
+    const from = this._goal.at(timeOf(chosen.vehicle, performance.now()));
+    const event = eventNear(chosen.happened, from, way);
     if (event) this._seek(event.t);
   }
 

@@ -60,7 +60,8 @@ export class Stick {
 
   _listen() {
     document.addEventListener('keydown', (event) => {
-      if (!this._line || isWriting(event.target) || event.ctrlKey || event.altKey || event.metaKey) return;
+      if (!this._line || event.ctrlKey || event.altKey || event.metaKey) return;
+      if (isWriting(event.target) || event.target instanceof HTMLInputElement) return; // a limit
       if (this._hand.press(event.code, event.shiftKey, event.repeat) && event.shiftKey) {
         event.preventDefault();
         event.stopPropagation(); // an arrow that steers moves no chart and no list

@@ -4,7 +4,7 @@ import test from 'node:test';
 import { Frame } from '../../../mission/console/page/geo.js';
 import { levelOf } from '../../../mission/console/page/journal.js';
 import { level } from '../../../mission/console/page/margins.js';
-import { eventNear } from '../../../mission/console/page/review.js';
+import { Goal, eventNear } from '../../../mission/console/page/review.js';
 import { frameOf, routesOf, sceneOf } from '../../../mission/console/page/scene.js';
 import { Vehicle, update } from '../../../mission/console/page/state.js';
 import { progress } from '../../../mission/console/page/states.js';
@@ -71,6 +71,19 @@ test('one jumps to what matters before and after, and not to where one stands', 
   assert.equal(eventNear(events, 30.5, -1).t, 10);
   assert.equal(eventNear(events, 5, -1), null);
   assert.equal(eventNear([], 5, 1), null);
+});
+
+test('a jump forward stands at its goal until the recording is there', () => {
+  const goal = new Goal();
+  assert.equal(goal.at(10), 10);
+  goal.set(600);
+  assert.deepEqual([10, 300, 599.7, 601].map((t) => goal.at(t)), [600, 600, 599.7, 601]);
+});
+
+test('a jump back is not over before the recording has gone back', () => {
+  const goal = new Goal();
+  goal.set(60);
+  assert.deepEqual([700, 701, 0, 30, 60, 61].map((t) => goal.at(t)), [60, 60, 60, 60, 60, 61]);
 });
 
 const PLAN = { digest: 'a', home: [30, 120], radius: 500, map: { features: [
