@@ -216,7 +216,7 @@ def test_dives_that_missed_little_narrow_the_ellipse_of_later_ones_and_move_noth
     learned, _ = scored(tmp_path, ("g.csv", glider(HOME, 5.0)))
     monkeypatch.setattr(scoring, "trust", lambda misses: 1.0)
     believed, _ = scored(tmp_path, ("g.csv", glider(HOME, 5.0)))
-    assert learned[0].ellipse_pct < 0.97 * believed[0].ellipse_pct
+    assert learned[0].ellipse_pct < 0.99 * believed[0].ellipse_pct  # by a median of two
     assert learned[0].coverage == 1.0
     assert learned[0].end_pct == pytest.approx(believed[0].end_pct, abs=1.0)
 
