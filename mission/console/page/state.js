@@ -82,7 +82,7 @@ export function update(vehicle, frame, now) {
   vehicle.gap += frame.gap ?? 0;
   const track = frame.track ?? [];
   vehicle.track = [...vehicle.track, ...track].slice(-TRACK);
-  if (frame.n === 1) for (const [t, , , depth] of track) sample(vehicle, 'depth', t, depth);
+  for (const [t, , , depth] of track) sample(vehicle, 'depth', t, depth);
   const reported = vehicle.state['report_at'];
   if (typeof reported === 'number' && reported !== before) remember(vehicle, reported);
 }

@@ -10,7 +10,7 @@ import { inksOf, sheet } from './canvas.js';
 import { el, say } from './dom.js';
 import { clock, number } from './format.js';
 import { font } from './layers.js';
-import { timeOf } from './state.js';
+import { pace, timeOf } from './state.js';
 import { extent, roundUp, ticks } from './view.js';
 import { word } from './words.js';
 
@@ -36,8 +36,9 @@ const NAMES = { ink: 'ink', soft: 'soft', grid: 'edge', line: 'track', fill: 'de
   paper: 'panel', at: 'target' };
 
 /** Runs of samples without a gap, within the times. @param {readonly Sample[]} samples
- * @param {number} from @param {number} to s @returns {Array<Array<[number, number]>>} */
-export function runs(samples, from, to) {
+ * @param {number} from @param {number} to s @param {number} [gap] s
+ * @returns {Array<Array<[number, number]>>} */
+export function runs(samples, from, to, gap = GAP_S) {
   /** @type {Array<Array<[number, number]>>} */
   const found = [];
   let before = -Infinity;
@@ -47,7 +48,7 @@ export function runs(samples, from, to) {
       before = -Infinity;
       continue;
     }
-    if (t - before > GAP_S) found.push([]);
+    if (t - before > gap) found.push([]);
     found.at(-1)?.push([t, value]);
     before = t;
   }
@@ -120,8 +121,9 @@ export class Strips {
    * @param {import('./state.js').Vehicle} vehicle @param {Axis} axis
    * @param {[number, number]} box top and height, px @param {Record<keyof NAMES, string>} inks */
   _strip(pen, spec, vehicle, axis, [top, high], inks) {
-    const own = runs(vehicle.strips[spec.name] ?? [], axis.from, axis.to);
-    const other = spec.with ? runs(vehicle.strips[spec.with] ?? [], axis.from, axis.to) : [];
+    const gap = GAP_S + pace(vehicle); // a second of the page more
+    const own = runs(vehicle.strips[spec.name] ?? [], axis.from, axis.to, gap);
+    const other = spec.with ? runs(vehicle.strips[spec.with] ?? [], axis.from, axis.to, gap) : [];
     const [low, up] = bounds([...own, ...other].flat().map((p) => p[1]), spec);
     const y = (/** @type {number} */ v) => {
       const share = (v - low) / (up - low);

@@ -37,6 +37,7 @@ test('a line of a strip breaks where nothing was known, or for long', () => {
   const samples = [[0, 1], [1, 2], [2, null], [3, 4], [30, 5]];
   assert.deepEqual(runs(samples, 0, 40), [[[0, 1], [1, 2]], [[3, 4]], [[30, 5]]]);
   assert.deepEqual(runs(samples, 2, 10), [[[3, 4]]]);
+  assert.equal(runs(samples, 3, 40, 50).length, 1);
 });
 
 test('depth begins at the surface, and a voltage does not begin at zero', () => {

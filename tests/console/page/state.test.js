@@ -95,6 +95,12 @@ test('a page that joins late has the depth of the track', () => {
   assert.deepEqual(vehicle.strips.depth, [[10, 1], [20, null], [50, 9]]);
 });
 
+test('what a fast recording flies past is in the strip of the depth, by the track', () => {
+  const vehicle = heard({ n: 1, t: 10, state: { depth: 1, report_at: 10 } },
+    { n: 2, t: 40, state: { depth: 4, report_at: 40 }, track: [[20, 1, 2, 2], [30, 1, 2, 3], [40, 1, 2, 4]] });
+  assert.deepEqual(vehicle.strips.depth, [[10, 1], [20, 2], [30, 3], [40, 4]]);
+});
+
 test('the floor is known where depth and altitude are', () => {
   const vehicle = heard({ n: 1, t: 10, state: { depth: 7, altitude: 3, report_at: 9 } },
     { n: 2, t: 11, state: { altitude: null, report_at: 11 } });
