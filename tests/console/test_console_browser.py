@@ -9,6 +9,7 @@ import contextlib
 import http.server
 import re
 import shutil
+import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,7 +18,8 @@ from pathlib import Path
 
 import pytest
 from console_world import Console, at_sea, console, console_of
-from served import PATIENCE, TEXT
+from programs import process
+from served import PATIENCE, TEXT, running, silent_board
 
 from mission.authoring.prepare import prepare
 from mission.console.recorded import Recorded
@@ -134,6 +136,27 @@ def test_a_browser_that_is_gone_lets_the_vehicle_go(chromium: object, tmp_path: 
             seat.page.keyboard.down("ArrowUp")
             seat.shows("#state", "manual/driving")
         watching.shows("#state", "manual/waiting")
+
+
+def test_a_console_that_hangs_is_noticed_and_told_its_orders_when_it_goes_on(
+    chromium: object, tmp_path: Path
+) -> None:
+    with silent_board() as (_, board), running(tmp_path, f"serial://{board}") as pi:
+        words = ["--to", pi.url, "--monitor", "none", "--no-browser"]
+        with process("console", *words) as hanging:
+            assert hanging.stdout is not None
+            page = chromium.new_page()  # type: ignore[attr-defined]
+            page.goto(hanging.stdout.readline().removeprefix("open ").strip())
+            playwright.expect(page.locator("#state")).to_contain_text("idle")
+            hung = page.locator("#banner").get_by_text("The console does not answer")
+            playwright.expect(hung.first).to_be_hidden()
+            hanging.send_signal(signal.SIGSTOP)
+            playwright.expect(hung.first).to_be_visible()
+            page.keyboard.press("x")
+            hanging.send_signal(signal.SIGCONT)
+            playwright.expect(page.locator("#state")).to_contain_text("emergency/stopped")
+            playwright.expect(hung.first).to_be_hidden()
+            page.close()
 
 
 def test_a_recording_is_played_and_scrubbed(chromium: object) -> None:
