@@ -16,6 +16,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,7 +78,9 @@ class Recording:
     def rows(self, begin: int, end: int) -> Recording:
         """These alone; times and places are counted from where they were."""
         columns = {f.name: getattr(self, f.name) for f in fields(self)}
-        arrays = {n: v[begin:end] for n, v in columns.items() if isinstance(v, np.ndarray)}
+        arrays: dict[str, Any] = {
+            n: v[begin:end] for n, v in columns.items() if isinstance(v, np.ndarray)
+        }
         return replace(self, **arrays)
 
     def overlaps(self, other: Recording) -> bool:
