@@ -209,7 +209,7 @@ function others(pen, view, scene, inks) {
     pen.strokeStyle = isOld ? inks.old : inks.ink;
     pen.lineWidth = 2;
     pen.strokeRect(x - 6, y - 6, 12, 12);
-    label(pen, name, x + 11, y + 5, isOld ? inks.old : inks.ink, inks.paper);
+    label(pen, name, x + 11, y - 9, isOld ? inks.old : inks.ink, inks.paper);
   }
 }
 
