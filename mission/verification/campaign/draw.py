@@ -12,6 +12,7 @@ What does not live here: what a fault or an incident does (links.simulated.fault
 from __future__ import annotations
 
 import math
+from collections import ChainMap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -49,9 +50,7 @@ STAGED, BESIDE = 0.7, 0.4  # shares: of the flights, and of those with something
 SCENE_TIME, SCENE_FLOOR = 160.0, 30.0  # s that matter, m
 IDLE = ("temperature_", "magnetometer_", "battery_")  # nothing on this vehicle decides by them
 PROFILES = ("as-built", "documented")
-ANY: Mapping[str, Fault] = {
-    name: row for rows in OF_BOARDS.values() for name, row in rows.items()
-} | FAULTS
+ANY: Mapping[str, Fault] = ChainMap(FAULTS, *OF_BOARDS.values())
 
 
 @dataclass(frozen=True, slots=True)
