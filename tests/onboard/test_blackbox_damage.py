@@ -140,6 +140,23 @@ def test_whatever_bytes_are_damaged_all_that_is_whole_is_read_and_the_rest_is_to
     try_many(boxes, tmp_path, form, 36)
 
 
+def test_a_chunk_whose_length_is_wrong_costs_no_chunk_behind_it(
+    boxes: dict[str, Path], tmp_path: Path
+) -> None:
+    """The compressed records end where they end, whatever length is said around them."""
+    whole = boxes["closed"].read_bytes()
+    known = spans(whole)
+    chunks = sorted({at for at, _, _ in known})
+    hit = chunks[2]
+    data = bytearray(whole)
+    length = int.from_bytes(data[hit + 1 : hit + 9], "little")
+    data[hit + 1 : hit + 9] = (length + chunks[5] - chunks[3]).to_bytes(8, "little")
+    path = tmp_path / "longer.mcap"
+    path.write_bytes(data)
+    read = [item for item in recording(path) if isinstance(item, Record)]
+    assert read == [record for at, _, record in known if at != hit]
+
+
 @pytest.mark.proof
 @pytest.mark.parametrize("form", FORMS)
 def test_so_it_is_ten_thousand_times(boxes: dict[str, Path], tmp_path: Path, form: str) -> None:

@@ -230,8 +230,10 @@ def _unpacked(body: bytes) -> bytes | None:
         return None
     size, check = int.from_bytes(body[16:24], "little"), int.from_bytes(body[24:28], "little")
     name = int.from_bytes(body[28:32], "little")
-    data = body[32 + name + 8 :]
+    length, data = body[32 + name : 32 + name + 8], body[32 + name + 8 :]
     if body[32 : 32 + name] != b"zstd" or size > _LARGEST:
+        return None
+    if int.from_bytes(length, "little") != len(data):  # or more than itself would be passed over
         return None
     try:
         if zstandard.frame_content_size(data) != size:

@@ -29,7 +29,7 @@ LAWNMOWER = next(path for path in SHIPPED if path.stem == "lawnmower")
 
 def claim(number: int) -> Claim:
     if number < len(SHIPPED):
-        return _claim(SHIPPED[number])
+        return _claim(SHIPPED[number], "auv")
     made = generate(0, number, VEHICLE)
     return Claim(f"--generated {number}", made.mission, made.proved)
 
@@ -52,7 +52,7 @@ def test_a_generated_mission_is_told_by_its_seed_and_passes_the_check() -> None:
 
 
 def test_a_flight_stays_within_what_is_assumed() -> None:
-    proved = _claim(LAWNMOWER)
+    proved = _claim(LAWNMOWER, "auv")
     for flight in range(50):
         sea = draw_proof(proved, VEHICLE, 1, flight).settings.sea
         assert sea.current[0] <= 0.2
@@ -60,7 +60,7 @@ def test_a_flight_stays_within_what_is_assumed() -> None:
 
 
 def test_a_dive_whose_depth_freezes_stays_above_the_depth_proved_for_that() -> None:
-    proved = _claim(LAWNMOWER)
+    proved = _claim(LAWNMOWER, "auv")
     drawn = draw_proof(proved, VEHICLE, 5, 1)
     deepest = 0.0
     for begin in (14.0, 17.0, 20.0):
@@ -73,7 +73,7 @@ def test_a_dive_whose_depth_freezes_stays_above_the_depth_proved_for_that() -> N
 
 
 def test_what_was_proved_too_low_is_found() -> None:
-    honest = _claim(LAWNMOWER)
+    honest = _claim(LAWNMOWER, "auv")
     low = replace(
         honest.proved,
         worst_time=100.0,

@@ -113,7 +113,7 @@ def test_a_proof_in_which_the_way_on_stops_at_once_is_seen_to_be_false() -> None
     tight = replace(claim.proved, max_range=claim.proved.max_range - 2.0 * 10.0 * 1.2)
     false = replace(claim, proved=tight)
     kinds = {
-        v.kind for n in range(20) for v in show(false, VEHICLE, 7, n, draw_withheld).violations
+        v.kind for n in range(20, 40) for v in show(false, VEHICLE, 7, n, draw_withheld).violations
     }
     assert RANGE in kinds
 
