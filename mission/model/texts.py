@@ -245,11 +245,15 @@ class Area:
         return self.bottom < math.inf
 
     def counts_at(self, depth: float | None) -> bool:
-        """An unknown depth may be any."""
-        return depth is None or self.top <= depth <= self.bottom
+        """An unknown depth may be any; one that is less than 0 is a sensor's word for the
+        surface."""
+        return depth is None or self.top <= max(depth, 0.0) <= self.bottom
 
     def counts_between(self, shallow: float, deep: float) -> bool:
-        return self.top <= deep and shallow <= self.bottom
+        return self.top <= max(deep, 0.0) and shallow <= self.bottom
+
+    def counts_throughout(self, shallow: float, deep: float) -> bool:
+        return self.counts_at(shallow) and self.counts_at(deep)
 
 
 NEVER_BELOW = "never below"  # a depth with an altitude, one setting

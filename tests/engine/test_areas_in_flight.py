@@ -73,6 +73,13 @@ def test_it_counts_between_its_depths(depth: float, state: str) -> None:
     assert world.state == state
 
 
+@pytest.mark.parametrize("out", [True, False])
+def test_at_the_surface_it_counts_whatever_little_above_it_the_sensor_says(out: bool) -> None:
+    world = under_way(box("wreck", 100.0 if out else 0.0, 0.0, 20.0, out=out))
+    world.depth = -0.1
+    assert go(world, 100.0, 0.0) == "emergency/surfacing"
+
+
 def test_out_of_what_is_kept_in_it_surfaces() -> None:
     world = under_way(box("harbour", 0.0, 0.0, 100.0, out=False))
     assert go(world, 90.0, 0.0) == "autonomous/a"

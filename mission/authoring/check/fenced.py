@@ -111,7 +111,7 @@ def _in(fences: Iterable[Fence], leg: Swept) -> _Found | None:
     counting = [f for f in fences if not f.area.out and f.area.counts_between(*leg.depth)]
     worst: _Found | None = None
     for fence in counting:
-        whole = fence.area.top <= leg.depth[0] and leg.depth[1] <= fence.area.bottom
+        whole = fence.area.counts_throughout(*leg.depth)
         outside = [point for point in leg.body if not inside(fence.polygon, point)]
         near = 0.0 if outside else gap(leg.body, fence.polygon)
         if whole and near > leg.margin:

@@ -73,6 +73,14 @@ def test_a_leg_must_be_surely_within_what_is_kept_in() -> None:
     assert why(f"keep in harbour: {box(100, 0, 110)}\n").startswith("go may leave keep in harbour")
 
 
+def test_a_yoyo_from_the_surface_may_be_within_what_is_kept_in() -> None:
+    """What it overshoots at its shallow end is no depth above the surface."""
+    yoyo = "y: yoyo 2 shallow 2 deep 6 heading 0 gear 4 timeout 5min\nup: surface timeout 3min\n"
+    assert judged(f"keep in harbour: {box(100, 0, 800)}\n", yoyo).ok
+    assert judged(f"keep in harbour: {box(100, 0, 800)} between 0 and 12\n", yoyo).ok
+    assert not judged(f"keep in harbour: {box(100, 0, 800)} between 1 and 12\n", yoyo).ok
+
+
 def test_of_several_one_is_enough_that_holds_the_leg_whole() -> None:
     assert judged(f"keep in near: {box(0, 0, 90)}\nkeep in wide: {box(100, 0, 600)}\n").ok
     assert not judged(f"keep in near: {box(0, 0, 90)}\nkeep in off: {box(900, 0, 90)}\n").ok
