@@ -158,6 +158,12 @@ class Filter:
     def load(self, saved: tuple[Array, Array]) -> None:
         self.kalman.x, self.kalman.P = saved
 
+    def load_vertical(self, saved: tuple[Array, Array]) -> None:
+        """Depth, its rate and the bottom as they were saved; nothing couples them to the rest."""
+        x, p = self.kalman.x.copy(), self.kalman.P.copy()
+        x[DEPTH:], p[DEPTH:, DEPTH:] = saved[0][DEPTH:], saved[1][DEPTH:, DEPTH:]
+        self.kalman.x, self.kalman.P = x, p
+
     def trust(self, figures: Figures, share: float) -> None:
         """Uses ``figures`` from now on, and takes all of them to be ``share`` times as
         uncertain."""

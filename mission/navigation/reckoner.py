@@ -269,6 +269,7 @@ class Reckoner:
             run = self.run(began, f.t)
             self.filter.predict(f.t - began, run)
             self.filter.loosen((run.expected * (f.t - began)) ** 2)  # by any way
+        self.filter.load_vertical(now)  # of the depth no fix says anything
         if self.filter.innovation(f.north, f.east, f.variance)[2] <= GATE:
             self._before = None
             return True

@@ -170,6 +170,22 @@ def test_a_gate_that_was_opened_by_wrong_fixes_has_a_way_back(
         assert wide < 1.3 * known
 
 
+def test_the_way_back_leaves_depth_and_bottom_as_they_are(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    """What the filter was before knows nothing of the depths since, and guards go by them."""
+    nav = Navigation(vehicle, HOME)
+    leaps = []
+    for pair in with_fixes_of_before(dive, 4, 1.0):
+        before = nav.estimate(pair[1].t)
+        feed(nav, [pair])
+        after = nav.estimate(pair[1].t)
+        if isinstance(pair[1], Fix) and before is not None and after is not None:
+            leaps.append((after.depth, after.altitude) != (before.depth, before.altitude))
+    assert len(leaps) > 100
+    assert not any(leaps)
+
+
 def test_there_is_no_way_back_behind_a_new_home(vehicle: Vehicle, dive: list[Item]) -> None:
     """The same, and home is set while the wrong places are believed: what is remembered is of
     another frame."""
