@@ -112,6 +112,7 @@ class Climb:
     def _change(self, climbs: bool, now: float) -> None:
         self._climbs, self._turn, self._start = climbs, 0, self._known(now)
         self._since, self._due, self._left = now, now, TIMES
+        self._shallow = None  # looked for anew, where it climbs again
 
     def _take_turns(self, now: float) -> None:
         before, depth, self._since = self._start, self._known(now), now

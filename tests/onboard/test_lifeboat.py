@@ -85,6 +85,14 @@ def test_for_the_last_way_up_what_was_shallow_before_a_silence_is_no_surface() -
     assert climb.words(14.1) == (X,)
 
 
+def test_a_second_climb_proves_the_surface_anew() -> None:
+    """One shallow report behind the deep ones is none, whatever the first climb ended with."""
+    climb = Climb(Plan(), 0.0)
+    for t, depth in enumerate((0.6, 0.2, 0.2, 0.2, 0.2, 2.1, 2.1, 2.1, 0.3)):
+        climb.hear(depth, 2.0 * t)
+    assert climb.words(16.0) == (X, U)
+
+
 def test_at_rest_it_stops_and_turns_no_thruster_until_three_reports_say_deep() -> None:
     climb = Climb(Plan(climbs=False), 0.0)
     assert said(climb, 20.0, None, 0.0) == [(X,)]
