@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from mission.authoring.compiler.granularity import rounded
 from mission.engine.clearance import Clearance, is_guarded
+from mission.engine.limits import LIMITS
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, Chart, Mission, buoyancy
 from mission.model.vehicle import Vehicle
 from mission.navigation.declination import declination
@@ -75,9 +76,19 @@ def told(chart: Chart, vehicle: Vehicle, assume: Assumptions, floor: bool) -> It
     if floor:
         why = "" if "floor" in given else ", the depth allowed; state assume floor where it is"
         yield f"sea floor nowhere deeper than {assume.floor:g} m{why}"
-    if vehicle.constant_batteries:
-        yield "the battery is watched from outside: this vehicle reports constants"
+    yield from _off(chart.mission, vehicle)
     yield "a dead Pi, or an STM32 that hangs with its thrusters on, does not happen"
+
+
+def _off(mission: Mission, vehicle: Vehicle) -> Iterator[str]:
+    """Limits that can never act, by why (R5): somebody else has to watch for them."""
+    off: dict[str, list[str]] = {}
+    for row in LIMITS.values():
+        if why := row.disarmed(vehicle):
+            areas = row.name == "radius" and mission.areas
+            off.setdefault(why, []).append("radius and all areas" if areas else row.name)
+    for why, names in off.items():
+        yield f"{why}: limits that are off, to be watched from outside: {', '.join(names)}"
 
 
 def _kept_clear(chart: Chart, vehicle: Vehicle) -> Iterator[str]:

@@ -135,3 +135,18 @@ def test_across_the_antimeridian_an_area_is_as_large_as_it_is() -> None:
     assert judged(far, head=head).ok
     across = "keep out reef: 0.0005 179.999, 0.0005 -179.999, 0.001 -179.999, 0.001 179.999\n"
     assert [r.code for r in judged(across, head=head).refusals] == ["area"]
+
+
+def test_where_a_vehicle_never_says_where_it_is_the_check_says_that_areas_are_off() -> None:
+    rov = load_vehicle("rov")
+    head = "mission m vehicle rov\nstart without fix\nsafety radius 900 time 20min depth 12\n"
+    legs = "a: gear 4 for 30\nup: surface timeout 3min\n"
+
+    def off(areas: str) -> list[str]:
+        mission = parse(head + areas + legs)
+        report = check_mission(compile_mission(mission, rov, digest(mission)), rov)
+        return [line for line in report.assumed if "position" in line and "off" in line]
+
+    (with_area,), (without,) = off(f"keep out wreck: {box(400, 0)}\n"), off("")
+    assert "radius and all areas" in with_area
+    assert "radius, " in without
