@@ -121,7 +121,7 @@ def _area(kind: Rows, named: tuple[Point, ...]) -> tuple[Point, ...]:
 def _room(kind: Rows) -> float:
     if kind.start is not None:
         return 0.0
-    return math.hypot(kind.length, kind.spacing * (kind.count - 1))
+    return math.hypot(kind.length, kind.spacing * (kind.skip + kind.count - 1))
 
 
 def _shown(kind: Rows) -> str:

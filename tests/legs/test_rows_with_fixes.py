@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, parse, to_lines, to_yaml
-from mission.legs import Hold, Rows, Surface
+from mission.legs import LEGS, Hold, Rows, Surface
 from mission.legs.rows import FIX_S, corners
 from mission.model import Chart
 from mission.model.diagnostics import MissionErrors
@@ -123,3 +125,10 @@ def test_both_texts_say_the_rule_and_nothing_where_there_is_none(rule: str) -> N
 def test_rows_that_are_skipped_are_those_that_were_flown() -> None:
     whole, rest = (Rows(None, 0.5, 60.0, 20.0, n, -1, 5.0, skip=s) for n, s in ((4, 0.0), (2, 2.0)))
     assert corners(rest, (1.0, 2.0)) == corners(whole, (1.0, 2.0))[4:]
+
+
+@pytest.mark.parametrize("skip", [0.0, 1.0, 10.0])
+def test_rows_from_where_it_is_lead_no_farther_than_the_check_takes_them_to(skip: float) -> None:
+    rows = Rows(None, 0.5, 60.0, 20.0, 3, 1, 5.0, skip=skip)
+    far = max(math.hypot(*corner) for corner in corners(rows, (0.0, 0.0)))
+    assert LEGS[Rows].room(rows) == pytest.approx(far)
