@@ -82,9 +82,9 @@ def _fault(kind: Loiter) -> str:
 
 
 def _square(kind: Loiter, named: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Two corners of the square about the circle."""
+    """The four corners of the square about the circle."""
     (north, east), radius = named[0], kind.radius
-    return ((north - radius, east - radius), (north + radius, east + radius))
+    return tuple((north + n, east + e) for n in (-radius, radius) for e in (-radius, radius))
 
 
 def _shown(kind: Loiter) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from mission.authoring.check import check_mission
@@ -99,6 +101,25 @@ def test_a_leg_that_holds_a_heading_is_judged_by_where_it_may_lead() -> None:
     east = "a: heading 90 gear 8 depth 4 for 3min\nup: surface timeout 3min\n"
     assert not judged(f"keep out wreck: {box(0, 120)}\n", east).ok
     assert judged(f"keep out wreck: {box(0, -400)}\n", east).ok
+
+
+@pytest.mark.parametrize("north", [-200, 200])
+@pytest.mark.parametrize("east", [-200, 200])
+def test_a_circle_is_judged_all_the_way_round(north: int, east: int) -> None:
+    circle = "a: loiter north 0 east 0 radius 283 gear 4 depth 4 for 2min\nsurface timeout 3min\n"
+    assert judged("", circle).ok
+    assert "a leads through keep out wreck" in why(f"keep out wreck: {box(north, east)}\n", circle)
+
+
+def test_a_circle_reaches_as_far_on_either_side() -> None:
+    def reach(side: int) -> float:
+        circle = f"a: loiter north 200 east {side} radius 100 gear 4 depth 4 for 4min\n"
+        proved = judged("", f"{circle}surface timeout 3min\n").proved
+        assert proved is not None
+        return proved.max_range
+
+    assert reach(-200) == pytest.approx(reach(200))
+    assert reach(200) > math.hypot(300, 300)
 
 
 def test_a_handler_may_interrupt_a_leg_anywhere() -> None:
