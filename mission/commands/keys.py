@@ -9,8 +9,9 @@ import click
 
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
-@click.option("--boat", "boats", multiple=True, default=("boat",), metavar="NAME",
-              help="A boat that may command the vehicle; repeatable.  [default: boat]")  # fmt: skip
+@click.option("--boat", "boats", multiple=True, metavar="NAME",
+              help="A boat that may command the vehicle; repeatable.  [default: boat, "
+                   "and with --viewer none]")  # fmt: skip
 @click.option("--viewer", "viewers", multiple=True, metavar="NAME",
               help="Who may look at the monitor and command nothing; repeatable.")  # fmt: skip
 def keys(folder: Path, boats: tuple[str, ...], viewers: tuple[str, ...]) -> None:
@@ -21,6 +22,7 @@ def keys(folder: Path, boats: tuple[str, ...], viewers: tuple[str, ...]) -> None
     from mission.onboard.serve.keys import KeysError, make_keys
 
     made: list[Path] = []
+    boats = boats or (() if viewers else ("boat",))
     try:
         make_keys(folder, boats, made.append, viewers)
     except KeysError as error:
@@ -31,9 +33,17 @@ def keys(folder: Path, boats: tuple[str, ...], viewers: tuple[str, ...]) -> None
     if not made:
         click.echo(f"{folder} has them all already; nothing was changed")
         return
+    if boats:
+        _tell(folder, "topside", 4000, "on the boat:", boats[0], "status --to")
+    if viewers:
+        _tell(folder, "monitor", 4001, "who looks on:", viewers[0], "monitor")
+    click.echo(f"ashore:          keep {folder / 'authority'} there; it can sign more")
+
+
+def _tell(folder: Path, link: str, port: int, who: str, end: str, command: str) -> None:
+    """Where the folders go, and what to configure and run there."""
     click.echo(f"""
 on the vehicle:  copy {folder / "vehicle"} to e.g. /etc/auvmission/keys, and configure
-                 topside: tls-listen://0.0.0.0:4000?keys=/etc/auvmission/keys
-on the boat:     copy {folder / boats[0]} to ~/.config/auvmission/keys, then run
-                 auvmission status --to tls://VEHICLE:4000
-ashore:          keep {folder / "authority"} there; it can sign further boats""")
+                 {link}: tls-listen://0.0.0.0:{port}?keys=/etc/auvmission/keys
+{who:15}  copy {folder / end} to ~/.config/auvmission/keys, then run
+                 auvmission {command} tls://VEHICLE:{port}""")

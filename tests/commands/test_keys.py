@@ -37,6 +37,15 @@ def test_secret_keys_are_readable_by_their_owner_alone(tmp_path: Path) -> None:
     assert {p.name for p in tmp_path.iterdir()} == {"authority", "vehicle", "boat"}
 
 
+@needs_openssl
+def test_who_asks_for_a_viewer_gets_nothing_that_commands(tmp_path: Path) -> None:
+    ran = CliRunner().invoke(keys, [str(tmp_path / "k"), "--viewer", "guest"])
+    assert ran.exit_code == 0, ran.output
+    assert {p.name for p in (tmp_path / "k").iterdir()} == {"authority", "vehicle", "guest"}
+    assert "monitor: tls-listen://" in ran.output
+    assert "topside" not in ran.output
+
+
 @pytest.mark.parametrize("name", ["../boat", "", "authority", "vehicle", "a b"])
 def test_a_name_that_is_no_folder_of_its_own_is_refused(tmp_path: Path, name: str) -> None:
     with pytest.raises(KeysError):
