@@ -11,6 +11,7 @@ from pathlib import Path
 import click
 import pytest
 
+from links import LINKS
 from mission.cli import COMMANDS, main
 from mission.onboard.configuration import LinkUrls
 from protocol.errata import ERRATA
@@ -77,6 +78,13 @@ def test_a_rule_or_reading_that_a_page_cites_is_defined(page: Path) -> None:
         assert rule in RULES, rule
     for reading in re.findall(r"\bE-[A-Z]\d+\b", text):
         assert reading in errata, reading
+
+
+def test_every_option_of_a_link_is_explained() -> None:
+    page = (ROOT / "docs" / "reference" / "configuration.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (`[^|]+) \|", page.partition("## Links")[2], re.MULTILINE)
+    explained = set(re.findall(r"`(\w+)`", " ".join(rows)))
+    assert explained == {name for row in LINKS.values() for name in row.options}
 
 
 def option_names(command: click.Command) -> set[str]:
