@@ -13,7 +13,9 @@ import pytest
 
 from links import LINKS
 from mission.cli import COMMANDS, main
+from mission.console.log import BEFORE, FILE
 from mission.onboard.configuration import LinkUrls
+from mission.onboard.kept import WORKING
 from protocol.errata import ERRATA
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -85,6 +87,14 @@ def test_every_option_of_a_link_is_explained() -> None:
     rows = re.findall(r"^\| (`[^|]+) \|", page.partition("## Links")[2], re.MULTILINE)
     explained = set(re.findall(r"`(\w+)`", " ".join(rows)))
     assert explained == {name for row in LINKS.values() for name in row.options}
+
+
+def test_the_page_of_files_says_where_each_is() -> None:
+    page = (ROOT / "docs" / "reference" / "files.md").read_text(encoding="utf-8")
+    on_the_pi, elsewhere = page.split("## Elsewhere")
+    assert f"| `{WORKING}` |" in on_the_pi
+    assert f"boat/{FILE}` |" in elsewhere
+    assert f"`{BEFORE}`" in elsewhere
 
 
 def option_names(command: click.Command) -> set[str]:
