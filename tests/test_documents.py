@@ -6,6 +6,7 @@ import configparser
 import dataclasses
 import pkgutil
 import re
+import tomllib
 from pathlib import Path
 
 import click
@@ -80,6 +81,16 @@ def test_a_rule_or_reading_that_a_page_cites_is_defined(page: Path) -> None:
         assert rule in RULES, rule
     for reading in re.findall(r"\bE-[A-Z]\d+\b", text):
         assert reading in errata, reading
+
+
+@by_name
+def test_a_page_installs_from_the_project_what_the_project_has(page: Path) -> None:
+    """By its bare name an index would be asked, which has it not, or another's."""
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    for what in re.findall(r"pip install (?:-\S+ )*'?([^\s'`]+)", page.read_text(encoding="utf-8")):
+        assert what.startswith("."), what
+        extra = re.fullmatch(r"\.\[(\w+)\]", what)
+        assert not extra or extra[1] in extras["optional-dependencies"], what
 
 
 def test_every_option_of_a_link_is_explained() -> None:
