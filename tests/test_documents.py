@@ -83,6 +83,13 @@ def test_a_rule_or_reading_that_a_page_cites_is_defined(page: Path) -> None:
         assert reading in errata, reading
 
 
+def test_a_version_has_each_kind_of_change_once() -> None:
+    text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    for version in text.split("\n## ")[1:]:
+        kinds = re.findall(r"^### (.+)$", version, re.MULTILINE)
+        assert len(kinds) == len(set(kinds)), kinds
+
+
 @by_name
 def test_a_page_installs_from_the_project_what_the_project_has(page: Path) -> None:
     """By its bare name an index would be asked, which has it not, or another's."""
