@@ -83,6 +83,15 @@ def test_a_rule_or_reading_that_a_page_cites_is_defined(page: Path) -> None:
         assert reading in errata, reading
 
 
+def test_what_is_told_of_the_cockpit_has_the_words_of_its_page() -> None:
+    text = (ROOT / "docs" / "operation.md").read_text(encoding="utf-8")
+    told = text.partition("### The cockpit")[2].partition("\n### ")[0]
+    words = (ROOT / "mission" / "console" / "page" / "words.js").read_text(encoding="utf-8")
+    buttons = re.findall(r"(?<!\*)\*([^*\n]+)\*(?!\*)", told)
+    assert buttons
+    assert [word for word in buttons if f"['{word}'," not in words] == []
+
+
 def test_a_version_has_each_kind_of_change_once() -> None:
     text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     for version in text.split("\n## ")[1:]:
