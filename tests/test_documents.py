@@ -149,6 +149,21 @@ def test_a_command_that_is_shown_exists_with_its_options(page: Path) -> None:
                 assert word in known, shown
 
 
+def test_the_table_of_exit_codes_names_whoever_has_one_of_its_own() -> None:
+    page = (ROOT / "docs" / "reference" / "commands.md").read_text(encoding="utf-8")
+    rows = dict(re.findall(r"^\| (\d+) \| (.+) \|$", page, re.MULTILINE))
+    theirs: dict[str, set[str]] = {}
+    for name in COMMANDS:
+        command = main.get_command(click.Context(main), name)
+        assert command is not None, name
+        for code in re.findall(
+            r"[,;:] ([3-9]) (?:if|when|where)\b", " ".join((command.help or "").split())
+        ):
+            theirs.setdefault(code, set()).add(name)
+    assert len(theirs) >= 2
+    assert {code: set(re.findall(r"`(\w+)`", rows[code])) for code in theirs} == theirs
+
+
 def test_every_rule_that_code_cites_is_defined() -> None:
     assert len(RULES) == 23
     for path in CODE:
