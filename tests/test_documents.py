@@ -109,6 +109,15 @@ def test_a_page_installs_from_the_project_what_the_project_has(page: Path) -> No
         assert not extra or extra[1] in extras["optional-dependencies"], what
 
 
+def test_every_key_of_a_shipped_vehicle_file_is_explained() -> None:
+    page = (ROOT / "docs" / "reference" / "vehicle-file.md").read_text(encoding="utf-8")
+    auv = (ROOT / "missions" / "vehicles" / "auv.yaml").read_text(encoding="utf-8")  # shown in it
+    said = set(re.findall(r"^(\w+):", auv, re.MULTILINE)) | set(re.findall(r"`(\w+)`", page))
+    for path in sorted((ROOT / "missions" / "vehicles").glob("*.yaml")):
+        keys = set(re.findall(r"^(\w+):", path.read_text(encoding="utf-8"), re.MULTILINE))
+        assert keys <= said, f"{path.name}: {keys - said}"
+
+
 def test_every_option_of_a_link_is_explained() -> None:
     page = (ROOT / "docs" / "reference" / "configuration.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (`[^|]+) \|", page.partition("## Links")[2], re.MULTILINE)
