@@ -2,7 +2,8 @@
 
     closed --open--> open --lost: nothing came for ``LOST_S`` (steering: ``STEERING_S``)--> closed
                      one conversation at a time, the beat (@AE) every second between them;
-                     what is urgent goes before all, and goes on over the next connection
+                     what is urgent goes before all, and goes on over the next connection;
+                     a look goes behind all
 
 A link that is lost is aborted, and with it what waits in it: a stick of some seconds ago is no
 command. By modem, where one speaks at a time and seconds are usual, there is neither beat nor loss.
@@ -40,12 +41,17 @@ class NotSent(OperatorError):
 
 @dataclass(slots=True)
 class _Job:
-    """``done`` is None for a beat."""
+    """``done`` is None for a beat. ``idle``: a look, which nobody has asked for."""
 
     talk: Talk
     done: asyncio.Future[str] | None = None
     urgent: bool = False
+    idle: bool = False
     begun: bool = False
+
+    @property
+    def is_meant(self) -> bool:
+        return self.done is not None and not self.idle
 
 
 class Line:
@@ -74,8 +80,9 @@ class Line:
 
     @property
     def is_busy(self) -> bool:
-        own = self._job is not None and self._job.done is not None
-        return own or bool(self._waiting) or not self.helm.is_silent
+        """With what somebody has asked for."""
+        jobs = (self._job, *self._waiting)
+        return any(job and job.is_meant for job in jobs) or not self.helm.is_silent
 
     def silence(self, now: float) -> float | None:
         """s since it was answered; None: it is not open, or has not been answered."""
@@ -89,20 +96,22 @@ class Line:
 
     # --- what is said ------------------------------------------------------------------------
 
-    async def say(self, script: Script, *, urgent: bool = False) -> str:
+    async def say(self, script: Script, *, urgent: bool = False, idle: bool = False) -> str:
         """What was achieved. Raises OperatorError, NotSent where there is no connection; what is
-        urgent waits for one."""
+        urgent waits for one, what is idle breaks off for all else."""
         if self.acoustics is None:
-            return await self.hold(Conversation(script), urgent=urgent)
-        return await self.hold(Submerged(script, self.acoustics), urgent=urgent)
+            return await self.hold(Conversation(script), urgent=urgent, idle=idle)
+        return await self.hold(Submerged(script, self.acoustics), urgent=urgent, idle=idle)
 
-    async def hold(self, talk: Talk, *, urgent: bool = False) -> str:
+    async def hold(self, talk: Talk, *, urgent: bool = False, idle: bool = False) -> str:
         if self._link is None and not urgent:
             raise NotSent(self.problem)
-        job = _Job(talk, asyncio.get_running_loop().create_future(), urgent)
+        job = _Job(talk, asyncio.get_running_loop().create_future(), urgent, idle)
         assert job.done is not None
         if urgent:
             self._give_way()
+        elif not idle:
+            self._look_no_more()
         self._waiting.append(job)
         self._stir.set()
         return await job.done
@@ -113,6 +122,14 @@ class Line:
         self._job = None
         while self._waiting:
             _fail(self._waiting.popleft(), "not said: an order came before it")
+
+    def _look_no_more(self) -> None:
+        """What is asked for leaves now, and not behind a look over a slow radio."""
+        for job in [job for job in (self._job, *self._waiting) if job and job.idle]:
+            _fail(job, "the look broke off: something else is said")
+        self._waiting = deque(job for job in self._waiting if not job.idle)
+        if self._job is not None and self._job.idle:
+            self._job = None
 
     async def renew(self) -> None:
         """The next connection is open before this one is closed: the vehicle takes it for somebody

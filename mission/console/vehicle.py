@@ -207,7 +207,7 @@ class Vehicle:
         found: list[Looked] = []
         script = look(found.append, under_water=self.under_water, now=time.monotonic)
         try:
-            await self.commands.say(script)
+            await self.commands.say(script, idle=True)
         except OperatorError as error:
             self._look_problem = str(error)
             return

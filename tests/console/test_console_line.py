@@ -1,0 +1,76 @@
+"""The line of a console: what goes before what on one connection."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import socket
+from collections.abc import AsyncIterator, Callable
+
+import pytest
+from served import PATIENCE
+
+from mission.console.line import Line
+from mission.topside.upload import Ask, OperatorError, Script
+from protocol.messages import DataQuery
+
+
+@contextlib.asynccontextmanager
+async def line_to_nobody_who_answers() -> AsyncIterator[Line]:
+    with socket.create_server(("127.0.0.1", 0)) as vehicle:
+        line = Line(f"tcp://127.0.0.1:{vehicle.getsockname()[1]}")
+        keeping = asyncio.ensure_future(line.keep())
+        await until(lambda: line.is_open)
+        try:
+            yield line
+        finally:
+            keeping.cancel()
+            await asyncio.gather(keeping, return_exceptions=True)
+
+
+async def until(holds: Callable[[], bool]) -> None:
+    async with asyncio.timeout(PATIENCE):
+        while not holds():
+            await asyncio.sleep(0.01)
+
+
+def without_end(begun: list[str]) -> Script:
+    begun.append("begun")
+    while True:
+        yield Ask("status", DataQuery(), lambda _: False)
+
+
+def at_once() -> Script:
+    yield from ()
+    return "done"
+
+
+def test_what_is_asked_for_does_not_wait_for_a_look() -> None:
+    async def told() -> None:
+        async with line_to_nobody_who_answers() as line:
+            begun: list[str] = []
+            looks = [
+                asyncio.ensure_future(line.say(without_end(begun), idle=True)) for _ in range(2)
+            ]
+            await until(lambda: begun == ["begun"])
+            assert not line.is_busy
+            async with asyncio.timeout(PATIENCE):
+                assert await line.say(at_once()) == "done"
+            for look in looks:
+                with pytest.raises(OperatorError, match="look broke off"):
+                    await look
+
+    asyncio.run(told())
+
+
+def test_a_look_waits_for_what_is_asked_for() -> None:
+    async def told() -> None:
+        async with line_to_nobody_who_answers() as line:
+            asked = asyncio.ensure_future(line.say(without_end([])))
+            look = asyncio.ensure_future(line.say(at_once(), idle=True))
+            await asyncio.sleep(1.0)
+            assert (asked.done(), look.done(), line.is_busy) == (False, False, True)
+            asked.cancel()
+            look.cancel()
+
+    asyncio.run(told())
