@@ -13,7 +13,8 @@ import asyncio
 import contextlib
 import threading
 import time
-from collections.abc import Mapping
+import traceback
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -33,6 +34,7 @@ from mission.topside.upload import OperatorError
 
 TICK_S = 0.1
 LEAVE_S = 3.0  # behind the last page
+AGAIN_S = 1.0  # after a failure
 FRAME = 4000  # bytes: 3 s of a radio of 12 kbit/s
 COMMANDERS = {"asker": "us", "nobody": "nobody", "network": "other", "modem": "other"}
 
@@ -146,23 +148,33 @@ class Vehicle:
         """Until it is cancelled."""
         if self._source is not None:
             threading.Thread(target=self._source.run, daemon=True).start()
-        parts = [self._orders_line.keep(), self._tick(), self._follow()]
+        parts = [self._orders_line.keep, self._tick, self._follow]
         if not self.under_water:
-            parts.append(self._keep_commands())
+            parts.append(self._keep_commands)
         try:
             async with asyncio.TaskGroup() as group:
                 for part in parts:
-                    group.create_task(part)
+                    group.create_task(self._again(part))
         finally:
             self.orders.end()
             if self._source is not None:
                 self._source.stopped.set()
 
+    async def _again(self, part: Callable[[], Awaitable[None]]) -> None:
+        """For ever: a part that fails is told and begun anew; the others, X and W, go on."""
+        while True:
+            try:
+                await part()
+            except Exception as error:
+                traceback.print_exc()
+                self.log.note(self.given.name, failed=repr(error))
+            await asyncio.sleep(AGAIN_S)
+
     async def _keep_commands(self) -> None:
         while True:
             while not self.board.pages:
                 await asyncio.sleep(TICK_S)
-            keeping = asyncio.get_running_loop().create_task(self.commands.keep())
+            keeping = asyncio.get_running_loop().create_task(self._again(self.commands.keep))
             try:
                 await self._nobody_looks()
             finally:
