@@ -92,7 +92,6 @@ async def serve_commands(socket: WebSocket, vehicle: Vehicle) -> None:
 
 async def serve_stick(socket: WebSocket, vehicle: Vehicle) -> None:
     page, steering = f"stick {next(_numbers)}", vehicle.steering
-    answers = _Answers(socket)
 
     async def hear(said: Said) -> None:
         now = time.monotonic()
@@ -107,16 +106,11 @@ async def serve_stick(socket: WebSocket, vehicle: Vehicle) -> None:
             says = steering.told(page, now)
             if now >= due or {**says, "age": 0} != {**last, "age": 0}:
                 last, due = says, now + BEAT_S
-                answers.put(says)
+                await socket.send_json(says)
             await asyncio.sleep(LOOK_S)
 
-    async def send() -> None:
-        async with asyncio.TaskGroup() as group:
-            group.create_task(told())
-            group.create_task(answers.send())
-
     try:
-        await _both(socket, hear, send)
+        await _both(socket, hear, told)
     finally:
         steering.let_go(page)
 
@@ -151,10 +145,7 @@ class _Answers:
         self._queue: asyncio.Queue[Mapping[str, Any] | Exception] = asyncio.Queue()
 
     def tell(self, ident: object, is_now: str, says: str, **more: Any) -> None:
-        self.put({"id": ident, "is": is_now, "says": says, **more})
-
-    def put(self, answer: Mapping[str, Any]) -> None:
-        self._queue.put_nowait(answer)
+        self._queue.put_nowait({"id": ident, "is": is_now, "says": says, **more})
 
     def fail(self, error: BaseException) -> None:
         self._queue.put_nowait(Malformed(str(error)))
@@ -180,16 +171,21 @@ async def _both(
     await asyncio.gather(*waiting, return_exceptions=True)
     for task in done:
         error = task.exception()
-        if isinstance(error, ValueError | TypeError | KeyError):
+        if isinstance(error, ValueError | TypeError | KeyError | OverflowError):
             await socket.close(POLICY, str(error)[:100])
         elif error is not None and not isinstance(error, WebSocketDisconnect | RuntimeError):
             raise error
 
 
+def _no_number(name: str) -> float:
+    """What JSON does not know, and Python reads."""
+    raise Malformed(f"{name} is no number")
+
+
 async def _hear(socket: WebSocket, hear: Callable[[Said], Awaitable[None]]) -> None:
     while True:
         try:
-            said = json.loads(await socket.receive_text())
+            said = json.loads(await socket.receive_text(), parse_constant=_no_number)
         except RecursionError:
             raise Malformed("that is nested too deeply") from None
         except KeyError:

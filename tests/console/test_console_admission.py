@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import socket
+import time
 from collections import deque
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 import pytest
@@ -152,6 +154,16 @@ def test_a_page_that_says_what_no_page_says_is_closed(
         assert closed.value.rcvd is not None
         assert closed.value.rcvd.code == 1008
         assert closed.value.rcvd.reason
+
+
+@pytest.mark.parametrize("odd", ["NaN", "-Infinity", "1" + 400 * "0"])
+def test_what_is_no_number_moves_no_stick(console: Console, odd: str) -> None:
+    with console.socket("stick") as page:
+        page.send(f'{{"at": {time.time()}, "surge": {odd}, "turn": 0, "heave": 0}}')
+        with pytest.raises(ConnectionClosed) as closed:
+            deque(islice(page, 30), 0)
+        assert closed.value.rcvd is not None
+        assert closed.value.rcvd.code == 1008
 
 
 def test_a_vehicle_that_is_not_there_has_no_sockets(console: Console) -> None:
