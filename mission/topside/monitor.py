@@ -18,6 +18,10 @@ EVENTS, TRACK = 1000, 10_000  # that are kept
 
 
 Frame = Mapping[str, Any]
+_PARTS: Mapping[str, tuple[type, ...]] = {
+    "n": (int,), "t": (int, float), "state": (dict,), "gap": (int,),
+    "events": (list,), "track": (list,), "plan": (list,),
+}  # fmt: skip
 
 
 class NoMonitor(ValueError):
@@ -80,9 +84,9 @@ class Watched:
 
 def _frame(line: bytes) -> Frame:
     try:
-        said = json.loads(line)
-        if isinstance(said["n"], int) and isinstance(said["t"], int | float):
-            return dict(said)
+        said: dict[str, Any] = {"n": None, "t": None} | json.loads(line)
+        if all(isinstance(said[name], kind) for name, kind in _PARTS.items() if name in said):
+            return said
     except (ValueError, TypeError, KeyError, RecursionError):
         pass
     raise NoMonitor("no monitor answers there: is it the operator's port?")

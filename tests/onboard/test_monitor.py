@@ -178,7 +178,8 @@ def test_who_says_anything_else_is_sent_away(said: bytes) -> None:
 
 
 def test_a_client_knows_what_is_no_monitor() -> None:
-    for said in (b"@ACK_AAN$\n", b"{}\n", b"x" * (1 << 21)):
+    odd = [b'{"n":1,"t":0.0,"%s":7.5}\n' % name for name in (b"state", b"events", b"track", b"gap")]
+    for said in (b"@ACK_AAN$\n", b"{}\n", b"[]\n", b"x" * (1 << 21), *odd):
         with pytest.raises(NoMonitor):
             Watched().receive(said, 0.0)
 
