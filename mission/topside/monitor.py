@@ -49,6 +49,10 @@ class Watched:
         self.at: tuple[float, float] | None = None
         self._heard = b""
 
+    def connected(self) -> None:
+        """What comes from here on begins with a whole frame, and tells the whole plan."""
+        self._heard, self.plan = b"", ()
+
     def receive(self, data: bytes, now: float) -> tuple[list[Frame], bytes]:
         """The frames that are whole, and the answers that leave. Raises NoMonitor."""
         *lines, self._heard = (self._heard + data).split(b"\n")

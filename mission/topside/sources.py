@@ -51,7 +51,7 @@ def from_monitor(url: str, most: int = 16_000) -> Source:
     """``most``: bytes of a frame, which are how late it is behind a thin link."""
 
     def fill(source: Source) -> None:
-        source.watched.plan = ()
+        source.watched.connected()
         for frame in observe(url, wish(most=most), source.watched):
             if frame is not None:
                 source.problem = ""

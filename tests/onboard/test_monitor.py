@@ -184,6 +184,14 @@ def test_a_client_knows_what_is_no_monitor() -> None:
             Watched().receive(said, 0.0)
 
 
+def test_a_frame_that_was_cut_off_spoils_none_of_the_next_connection() -> None:
+    watched = Watched()
+    assert watched.receive(b'{"n":1,"t":1.0,"sta', 0.0)[0] == []
+    watched.connected()
+    (frame,), _ = watched.receive(b'{"n":1,"t":3.0,"state":{"depth":2.0}}\n', 3.0)
+    assert (frame["t"], watched.state) == (3.0, {"depth": 2.0})
+
+
 # --- on real sockets -----------------------------------------------------------------------------
 
 
