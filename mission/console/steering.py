@@ -3,7 +3,8 @@
     axes of a page, with the time of the hand --> Push, while they are fresh, ours and answered
     none for ``FRESH_S``, let go, refused      --> None: the helm ends, and the vehicle's 2 s (R6)
 
-A reason to refuse holds until the hand is let go. One page has the stick at a time.
+A reason to refuse holds until the hand is let go: a page that was silent for a while, and goes on
+with the hand where it was, has not let go. One page has the stick at a time.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ class Steering:
         """To be called while time passes."""
         if self._push is None:
             return
-        if now - self._moved > FRESH_S:
+        if now - self._moved > FRESH_S and not self._why:
             self.let_go(self.holder)
             return
         self._why = self._why or self._refusal(now)
@@ -78,6 +79,8 @@ class Steering:
             return "it is not known who commands: the vehicle tells no state"
         if line.state.commander not in OURS:
             return f"another commands ({line.state.commander})"
+        if line.helm.is_locked:
+            return "an order was given, or the connection was lost"
         return ""
 
     def told(self, page: str, now: float) -> dict[str, Any]:

@@ -65,6 +65,11 @@ class Helm:
     def is_silent(self) -> bool:
         return not self._driving and not self._ends
 
+    @property
+    def is_locked(self) -> bool:
+        """It was dropped, and the dead man has not been let go since."""
+        return self._locked
+
     def hold(self, push: Push | None) -> None:
         """None: the dead man is let go, or nobody knows."""
         self._locked = self._locked and push is not None
