@@ -17,6 +17,7 @@ import asyncio
 import contextlib
 import time
 from collections import deque
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 from links import open_link
@@ -33,6 +34,7 @@ LOST_S = 6.0
 BEAT_S, STEERING_BEAT_S = 1.0, 0.5
 AGAIN_S = 1.0
 TICK_S = 0.25
+OPENING = 2  # at a time: the one that is kept, and the next
 
 
 class NotSent(OperatorError):
@@ -67,6 +69,7 @@ class Line:
         self.state: StateReport | None = None
         self.sent = b""  # by the stick, last
         self.is_uploading = False
+        self._opener = ThreadPoolExecutor(OPENING)  # its own: others may wait for a name or a peer
         self._link: Link | None = None
         self._next: Link | None = None
         self._job: _Job | None = None
@@ -155,9 +158,12 @@ class Line:
             self._job = None
             self._waiting.clear()
 
+    def _link_to(self) -> Link:
+        return open_link(NAME, self._url)
+
     async def _open(self) -> Link | None:
         try:
-            return await asyncio.to_thread(open_link, NAME, self._url)
+            return await asyncio.get_running_loop().run_in_executor(self._opener, self._link_to)
         except LinkError as error:
             self.problem = str(error)
             return None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import socket
+import threading
 from collections.abc import AsyncIterator, Callable
 
 import pytest
@@ -72,5 +73,19 @@ def test_a_look_waits_for_what_is_asked_for() -> None:
             assert (asked.done(), look.done(), line.is_busy) == (False, False, True)
             asked.cancel()
             look.cancel()
+
+    asyncio.run(told())
+
+
+def test_a_line_opens_while_whatever_else_runs_in_threads_waits() -> None:
+    async def told() -> None:
+        over = threading.Event()
+        waiting = [asyncio.ensure_future(asyncio.to_thread(over.wait)) for _ in range(64)]
+        try:
+            async with line_to_nobody_who_answers() as line:
+                assert line.is_open
+        finally:
+            over.set()
+            await asyncio.gather(*waiting)
 
     asyncio.run(told())
