@@ -11,7 +11,8 @@ import re
 import shutil
 import signal
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -123,6 +124,36 @@ def test_a_dive_from_the_first_start_to_the_ascent(chromium: object, tmp_path: P
         seat.shows("#surface .became", re.compile("acknowledged|confirmed|obeyed", re.IGNORECASE))
         page.locator("#stop").click()
         seat.shows("#state", "emergency/stopped")
+
+
+def until(page: playwright.Page, holds: Callable[[], bool]) -> None:  # type: ignore[name-defined]
+    end = time.monotonic() + PATIENCE
+    while not holds():
+        assert time.monotonic() < end
+        page.wait_for_timeout(20)
+
+
+def test_of_two_missions_the_one_that_was_chosen_last_is_uploaded(
+    chromium: object, tmp_path: Path
+) -> None:
+    files = [tmp_path / f"{name}.mission" for name in ("first", "second")]
+    for file in files:
+        file.write_text(TEXT.replace("mission pool", f"mission {file.stem}"))
+    checks: list[playwright.Route] = []  # type: ignore[name-defined]
+    nobody = console_of("tcp://127.0.0.1:1", tmp_path)
+    with nobody as (running, _), seated(chromium, running) as seat:
+        seat.page.route("**/api/check", lambda route: checks.append(route))
+        for number, file in enumerate(files, 1):
+            seat.page.locator("input[type=file]").set_input_files(file)
+            until(seat.page, lambda number=number: len(checks) == number)
+        checks[1].continue_()
+        playwright.expect(seat.page.get_by_role("button", name="Upload")).to_be_enabled()
+        with seat.page.expect_response("**/api/check"):
+            checks[0].continue_()
+        seat.page.wait_for_timeout(500)
+        seat.page.get_by_role("button", name="Upload").click()
+        again = seat.page.get_by_role("button", name=re.compile("^Press again"))
+        playwright.expect(again).to_contain_text("second")
 
 
 def test_a_browser_that_is_gone_lets_the_vehicle_go(chromium: object, tmp_path: Path) -> None:

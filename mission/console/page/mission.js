@@ -18,6 +18,7 @@ export class Mission {
   chosen = null;
   digest = '';
   title = '';
+  _wanted = 0; // counts what was chosen: an answer of before is of another mission
 
   /** @param {() => Page} page @param {HTMLElement} upload the button that does it */
   constructor(page, upload) {
@@ -61,21 +62,24 @@ export class Mission {
     const file = this._file.files?.[0];
     if (file === undefined) return;
     this._shipped.value = '';
+    await this._check(null);
     if (file.size > MOST) return this._refuse(word('too_large', file.name));
-    await this._check({ text: await file.text(), source: file.name });
+    const wanted = this._wanted;
+    const text = await file.text();
+    if (wanted === this._wanted) await this._check({ text, source: file.name });
   }
 
   /** @param {{text: string, source: string} | null} mission */
   async _check(mission) {
     this._refuse('');
+    const wanted = this._wanted += 1;
     if (mission === null) return;
-    try {
-      const said = await ask('/api/check', this._page().token, mission);
-      if (said.ok) this._accept(mission, said);
-      else this._refuse(said.refusals.map(refusal).join('\n') || said.problem);
-    } catch (error) {
-      this._refuse(String(error instanceof Error ? error.message : error));
-    }
+    const token = this._page().token;
+    const said = await ask('/api/check', token, mission).catch((error) => ({ ok: false, refusals: [],
+      problem: String(error instanceof Error ? error.message : error) }));
+    if (wanted !== this._wanted) return;
+    if (said.ok) this._accept(mission, said);
+    else this._refuse(said.refusals.map(refusal).join('\n') || said.problem);
     this._page().redraw();
   }
 
