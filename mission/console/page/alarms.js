@@ -1,6 +1,7 @@
 // @ts-check
 /**
  * What is wrong, worst first, with a sound until it is silenced; an alarm that comes anew sounds again.
+ * Of several vehicles that are live the alarms of all stand, whichever is looked at.
  *
  * The browser allows no sound before the first press on the page: until then the button says so.
  */
@@ -12,7 +13,9 @@ import { named, word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page
  * @typedef {import('./station.js').Station} Station
- * @typedef {import('./state.js').Alarm} Alarm */
+ * @typedef {import('./state.js').Alarm} Alarm
+ * @typedef {Alarm & {of: string, whose: string}} Owned ``of``: the vehicle's id; ``whose``: its name,
+ *   "" where there is but one */
 
 const EVERY_MS = { danger: 1500, warning: 10_000 };
 const TONES = { danger: [880, 660, 880], warning: [520] }; // Hz
@@ -40,6 +43,17 @@ export function standing(station, quietFor, now) {
   return alarms.sort((a, b) => rank(a) - rank(b));
 }
 
+/** Of the vehicle that is looked at, and of all that are live. @param {Page} page
+ * @param {number} now ms @returns {Owned[]} */
+export function standingOfAll({ stations, chosen, stale }, now) {
+  const watched = stations.filter((one) => one === chosen || isLive(one.vehicle));
+  return watched.flatMap((station) => {
+    const { id: of, name } = station.vehicle.setup;
+    const whose = stations.length > 1 ? name : '';
+    return standing(station, stale.silence, now).map((alarm) => ({ ...alarm, of, whose }));
+  }).sort((a, b) => rank(a) - rank(b));
+}
+
 /** @param {Alarm} alarm */
 function rank(alarm) {
   return alarm.level === 'danger' ? 0 : 1;
@@ -59,7 +73,7 @@ export class Alarms {
 
   /** @param {Page} page @param {number} now ms */
   show(page, now) {
-    const alarms = standing(page.chosen, page.stale.silence, now);
+    const alarms = standingOfAll(page, now);
     const keys = alarms.map(keyOf);
     this._silenced = new Set([...this._silenced].filter((key) => keys.includes(key)));
     const shown = keys.map((key) => key + this._silenced.has(key)).join();
@@ -73,7 +87,7 @@ export class Alarms {
     this._showButton();
   }
 
-  /** @param {Alarm} alarm */
+  /** @param {Owned} alarm */
   _row(alarm) {
     const key = keyOf(alarm);
     const hushed = this._silenced.has(key);
@@ -103,15 +117,15 @@ export class Alarms {
   }
 }
 
-/** Numbers in it count on. @param {Alarm} alarm */
+/** Numbers in it count on. @param {Owned} alarm */
 function keyOf(alarm) {
-  return alarm.level + alarm.name.replace(/[\d.]+/g, '');
+  return alarm.of + alarm.level + alarm.name.replace(/[\d.]+/g, '');
 }
 
-/** @param {Element | undefined} row @param {Alarm} alarm */
+/** @param {Element | undefined} row @param {Owned} alarm */
 function tellRow(row, alarm) {
   const [name, words] = row?.children ?? [];
-  if (name) say(name, alarm.name);
+  if (name) say(name, [alarm.whose, alarm.name].filter(Boolean).join(': '));
   const more = [alarm.words, alarm.do].filter(Boolean).join(' — ');
   if (words) say(words, more);
 }

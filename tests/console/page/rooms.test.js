@@ -1,6 +1,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
+import { standingOfAll } from '../../../mission/console/page/alarms.js';
 import { Frame } from '../../../mission/console/page/geo.js';
 import { levelOf } from '../../../mission/console/page/journal.js';
 import { level } from '../../../mission/console/page/margins.js';
@@ -50,6 +51,21 @@ test('the journal shows what somebody should look at', () => {
   assert.equal(levelOf('41.0 s ALARM limit: depth'), 'danger');
   assert.equal(levelOf('41.0 s warning: N to @AA'), 'warning');
   assert.equal(levelOf('41.0 s info: now idle/ready'), null);
+});
+
+test('the alarms of every live vehicle stand, worst first, whichever is looked at', () => {
+  const station = (id, to, level) => {
+    const vehicle = new Vehicle({ id, name: `auv-${id}`, to, source: to ? 'monitor' : 'recording', speed: 1 });
+    const alarms = level ? [{ name: 'limit', level, words: '', do: '' }] : [];
+    update(vehicle, { n: 1, t: 1, state: { silence: 0, alarms } }, 0);
+    return { vehicle, problem: '' };
+  };
+  const stations = [station('1', 'tcp://a:1', 'warning'), station('2', 'tcp://b:1', 'danger'), station('3', '', 'danger')];
+  const stale = { silence: 5 };
+  const told = (page) => standingOfAll(page, 0).map((one) => `${one.whose} ${one.level}`);
+  assert.deepEqual(told({ stations, chosen: stations[0], stale }), ['auv-2 danger', 'auv-1 warning']);
+  assert.deepEqual(told({ stations, chosen: stations[2], stale }), ['auv-2 danger', 'auv-3 danger', 'auv-1 warning']);
+  assert.deepEqual(told({ stations: [stations[0]], chosen: stations[0], stale }), [' warning']);
 });
 
 test('X and W are their letters on every keyboard', () => {
