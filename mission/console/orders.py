@@ -4,6 +4,9 @@
                ^ |
     unanswered + <-- no answer, or no connection        a newer order takes the place of an older
 
+A page that is connected anew says its last order again: it is the same one, by its ``key``, and
+takes no other's place.
+
 Whoever gives an order gets the vehicle's command by it (R12). So once it is acknowledged the
 connection is given up for a new one: the stick need not wait for it.
 """
@@ -34,6 +37,7 @@ class Given:
     name: str
     told: Told
     at: float  # monotonic
+    key: object = None
     is_now: str = "sent"
     says: str = ""
 
@@ -55,8 +59,14 @@ class Orders:
             for g in self._given
         ]
 
-    def give(self, name: str, told: Told) -> None:
-        given = Given(name, told, time.monotonic())
+    def give(self, name: str, told: Told, key: object = None) -> None:
+        """``key``: of the press; None: it is a new one."""
+        for known in self._given:
+            if key is not None and (known.name, known.key) == (name, key):
+                known.told = told
+                told(known.is_now, known.says)
+                return
+        given = Given(name, told, time.monotonic(), key)
         self._given.append(given)
         given.become("sent")
         task = asyncio.get_running_loop().create_task(self._pursue(given))

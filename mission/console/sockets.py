@@ -64,7 +64,9 @@ async def serve_orders(socket: WebSocket, vehicle: Vehicle) -> None:
             vehicle.log.note(vehicle.given.name, order=name, became=is_now, says=says)
             answers.tell(said.get("id"), is_now, says)
 
-        vehicle.orders.give(str(name), told)
+        ident, at = said.get("id"), said.get("at")
+        pressed = isinstance(ident, int) and isinstance(at, int | float)
+        vehicle.orders.give(str(name), told, (ident, at) if pressed else None)
 
     await _both(socket, hear, answers.send)
 

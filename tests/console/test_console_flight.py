@@ -307,6 +307,23 @@ def test_a_newer_order_takes_the_place_of_one_that_nobody_has_answered(tmp_path:
         assert (gone["id"], "newer order" in gone["says"]) == (1, True)
 
 
+def test_an_order_that_a_page_says_again_takes_no_newer_ones_place(tmp_path: Path) -> None:
+    with console_of("tcp://127.0.0.1:1", tmp_path) as (console, vehicle):
+        at = time.time()
+        with console.socket("orders") as lost:
+            said(lost, do="stop", id=1, at=at)
+            heard(lost, "sent")
+        with console.socket("orders") as other, console.socket("orders") as again:
+            said(other, do="surface", id=1, at=at)
+            heard(other, "sent")
+            said(again, do="stop", id=1, at=at)
+            heard(again, "sent", "unanswered", "refused")
+            assert [o["order"] for o in vehicle.orders.as_objects(0.0)] == ["stop", "surface"]
+            said(again, do="stop", id=2, at=at)
+            heard(again, "sent")
+            assert vehicle.orders.as_objects(0.0)[-1]["order"] == "stop"
+
+
 # --- the stick ------------------------------------------------------------------------------------
 
 
