@@ -93,12 +93,16 @@ def _logged(said: Said) -> dict[str, Any]:
     return {name: value for name, value in said.items() if name not in ("id", "text")}
 
 
-async def _say(asked: Asked, what: Script) -> str:
-    commands = asked.vehicle.commands
-    if commands.is_busy:
+def _demand_idle(asked: Asked) -> None:
+    """Raises Refused."""
+    if asked.vehicle.commands.is_busy:
         raise Refused("something else is under way: wait for its end")
+
+
+async def _say(asked: Asked, what: Script) -> str:
+    _demand_idle(asked)
     asked.told("sent", "")
-    return await commands.say(what)
+    return await asked.vehicle.commands.say(what)
 
 
 async def _start(asked: Asked) -> str:
@@ -139,6 +143,7 @@ async def _take(asked: Asked) -> str:
 async def _leave(asked: Asked) -> str:
     if asked.vehicle.under_water:
         raise Refused("by modem there is one connection: it is let go of by 10 s of silence")
+    _demand_idle(asked)
     await asked.vehicle.commands.renew()
     return "the command is free"
 
@@ -158,8 +163,7 @@ async def _upload(asked: Asked) -> str:
     vehicle, text, source = asked.vehicle, asked.text("text"), asked.text("source")
     prepared, proved = await asyncio.to_thread(_judged, text, source, vehicle.given.vehicle)
     lines, digest, line = script(prepared.mission), prepared.chart.digest, vehicle.commands
-    if line.is_busy:
-        raise Refused("something else is under way: wait for its end")
+    _demand_idle(asked)
 
     def progress(have: int, of: int) -> None:
         asked.told("progress", "", have=have, of=of)

@@ -232,6 +232,24 @@ def test_the_command_is_taken_kept_and_left(tmp_path: Path) -> None:
             page.until(lambda s: s["command"]["is"] == "nobody", "left")
 
 
+def test_the_command_is_not_left_in_the_middle_of_an_upload(tmp_path: Path) -> None:
+    rows = "".join(f"a{n}: heading 90 gear 4 for 2s\n" for n in range(60))
+    with cockpit(tmp_path) as (_, console, _), console.socket("frames") as frames:
+        Page(frames).until(is_ours, "the line of commands")
+        with console.socket("commands") as commands:
+            said(
+                commands,
+                do="upload",
+                text=TEXT.replace("up: ", f"{rows}up: "),
+                source="long.mission",
+            )
+            assert heard(commands, "progress", "refused", "acknowledged")["is"] == "progress"
+            said(commands, do="leave", id=2)
+            while (no := heard(commands, "acknowledged", "refused"))["id"] != 2:
+                pass
+            assert (no["is"], "under way" in no["says"]) == ("refused", True)
+
+
 def test_the_command_is_free_once_no_page_looks(tmp_path: Path) -> None:
     with cockpit(tmp_path) as (pi, console, vehicle):
         with console.socket("frames") as frames, console.socket("commands") as commands:
