@@ -49,13 +49,13 @@ def letters_of(mask: int, count: int) -> str:
 
 # --- 1.1 to the Pi, 1.2.1 power ---
 
-NS = TextFrame("auv.NS", "000 table 1.1.1", "@NS", (Letters("switches", 6, "OC"),))
-NI = TextFrame("auv.NI", "000 table 1.1.1", "@NI")
-AA = TextFrame("auv.AA", "000 table 1.1.2", "@AA")
-AC = TextFrame("auv.AC", "000 table 1.1.2", "@AC")
-AQ = TextFrame("auv.AQ", "000 table 1.1.2, a reserved code (R4)", "@AQ")
-AE = TextFrame("auv.AE", "000 table 1.1.2, a reserved code (R4)", "@AE")
-DU = TextFrame("auv.DU", "000 table 1.1.4", "@DU")
+NS: TextFrame = TextFrame("auv.NS", "000 table 1.1.1", "@NS", (Letters("switches", 6, "OC"),))
+NI: TextFrame = TextFrame("auv.NI", "000 table 1.1.1", "@NI")
+AA: TextFrame = TextFrame("auv.AA", "000 table 1.1.2", "@AA")
+AC: TextFrame = TextFrame("auv.AC", "000 table 1.1.2", "@AC")
+AQ: TextFrame = TextFrame("auv.AQ", "000 table 1.1.2, a reserved code (R4)", "@AQ")
+AE: TextFrame = TextFrame("auv.AE", "000 table 1.1.2, a reserved code (R4)", "@AE")
+DU: TextFrame = TextFrame("auv.DU", "000 table 1.1.4", "@DU")
 
 
 def _effective(values: Values) -> None:

@@ -314,20 +314,19 @@ def _said_by(name: str) -> tuple[Mapping[str, Any], ...]:
 
 def _tests(name: str, field: str) -> list[str]:
     """At most two, those of the protocol first."""
-    words = [rf"\b{re.escape(field)}\b"] if field and not re.fullmatch(r"\d:\d+|.", field) else []
-    for word in (*words, re.escape(name)):
-        found = [file for file, text in _texts().items() if re.search(word, text)]
-        if found:
-            return found[:2]
-    return []
+    texts = _texts()
+    by_word = [file for file, (_, words) in texts.items() if len(field) > 1 and field in words]
+    return (by_word or [file for file, (text, _) in texts.items() if name in text])[:2]
 
 
 @functools.cache
-def _texts() -> Mapping[str, str]:
+def _texts() -> Mapping[str, tuple[str, frozenset[str]]]:
+    """The text of each test file, and its words."""
     paths = sorted(
         (ROOT / "tests").rglob("test_*.py"), key=lambda p: (p.parent.name != "protocol", p)
     )
-    return {path.stem: path.read_text(encoding="utf-8") for path in paths}
+    texts = {path.stem: path.read_text(encoding="utf-8") for path in paths}
+    return {file: (text, frozenset(re.findall(r"\w+", text))) for file, text in texts.items()}
 
 
 def _row(name: str) -> VehicleRow:

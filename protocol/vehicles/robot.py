@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 from protocol.checksum import Checksum, sum255, sum256
 from protocol.codec import CannotEncode, Received
@@ -61,7 +61,12 @@ KEYS: Keys = (
     Key("speed_step", 1, 0.1, 1000, "mm/s that 1 of command 20 and of its report is", whole=False),
 )
 
-STOP, FORWARD, BACK, SPIN_RIGHT, SPIN_LEFT, SPEED = 0, 1, 2, 9, 10, 0x20
+STOP: Final = 0
+FORWARD: Final = 1
+BACK: Final = 2
+SPIN_RIGHT: Final = 9
+SPIN_LEFT: Final = 10
+SPEED: Final = 0x20
 USER = 6  # bytes
 
 
