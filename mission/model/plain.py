@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import enum
+import functools
 import types
 import typing
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin
 
@@ -30,27 +31,33 @@ def to_plain(value: Any) -> Any:
 
 
 def from_plain(kind: type[_D], data: Any) -> _D:
-    result: _D = _from_plain(kind, data)
+    result: _D = _reader(kind)(data)
     return result
 
 
-def _from_plain(kind: Any, data: Any) -> Any:
+@functools.cache  # hints are looked up once for a type, not once for a value
+def _reader(kind: Any) -> Callable[[Any], Any]:
     origin, args = get_origin(kind), get_args(kind)
     named = dataclasses.is_dataclass(kind) or hasattr(kind, "_fields")  # or a named tuple
     if named and isinstance(kind, type):
         hints = typing.get_type_hints(kind)
-        return kind(**{name: _from_plain(hints[name], value) for name, value in data.items()})
+        return lambda data: kind(**{name: _reader(hints[name])(v) for name, v in data.items()})
     if origin in (types.UnionType, typing.Union):
-        if data is None:
-            return None
-        return _from_plain(next(a for a in args if a is not type(None)), data)
+        some = next(a for a in args if a is not type(None))
+        return lambda data: None if data is None else _reader(some)(data)
     if origin is tuple:
-        kinds = args[:1] * len(data) if args[-1] is Ellipsis else args
-        return tuple(_from_plain(k, v) for k, v in zip(kinds, data, strict=True))
+        return _tuple_reader(args)
     if origin in (frozenset, set):
-        return origin(_from_plain(args[0], v) for v in data)
+        return lambda data: origin(_reader(args[0])(v) for v in data)
     if origin is Counter:
-        return Counter(data)
+        return Counter
     if isinstance(origin, type) and issubclass(origin, Mapping):
-        return {k: _from_plain(args[1], v) for k, v in data.items()}
-    return kind(data) if isinstance(kind, type) and issubclass(kind, Path | enum.Enum) else data
+        return lambda data: {k: _reader(args[1])(v) for k, v in data.items()}
+    is_made = isinstance(kind, type) and issubclass(kind, Path | enum.Enum)
+    return kind if is_made else lambda data: data
+
+
+def _tuple_reader(kinds: tuple[Any, ...]) -> Callable[[Any], Any]:
+    if kinds[-1] is Ellipsis:
+        return lambda data: tuple(_reader(kinds[0])(v) for v in data)
+    return lambda data: tuple(_reader(k)(v) for k, v in zip(kinds, data, strict=True))
