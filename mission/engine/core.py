@@ -228,6 +228,8 @@ class Core(EngineState):
         self._to_emergency()
         self.stop_at = self.stopped_at = None
         self.watch.set_sent(None)
+        if begun is None:
+            vehicle_state.rising_since = self.now
         self.ascent = begun or Ascent(
             self.now,
             vehicle_state.moving_depth,
@@ -295,6 +297,7 @@ class Core(EngineState):
         self.ascent = self.stop_at = self.stopped_at = None
         self._sank = False
         self.watch.set_sent(None)
+        self.vehicle_state.rising_since = None
         self._move("stick", MANUAL_DRIVING, "the stick was moved", (), By.OPERATOR)
 
     def stick_silent(self) -> None:

@@ -116,6 +116,7 @@ class Run:
             if before is not None and ascended:
                 return self._stay_up(before, stopped, why)
             self._pilot, self.sent = None, None
+            vehicle_state.rising_since = now
             over = vehicle_state.overturned
             self.ascent = Ascent(
                 now,
@@ -126,7 +127,7 @@ class Run:
                 upward=vehicle_state.depth is None,
             )
             return self.ascent.first()
-        self.ascent = None
+        self.ascent = vehicle_state.rising_since = None
         self._clearance.begin()
         view = self._view(vehicle_state)
         begin = self._plan.kind.begin

@@ -34,6 +34,8 @@ class EngineState:
             grounded=vehicle.drives,
             stale_after=vehicle.stale_after,
             rise=vehicle.ascent_buoyancy,
+            sink=vehicle.limits.descent_rate,
+            deepest=vehicle.limits.depth,
         )
         self.ways = vehicle_row(vehicle.codec).ways
         self.machine = Machine()

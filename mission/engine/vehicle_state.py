@@ -41,8 +41,7 @@ _MEDIAN_OF = 5  # fixes (R9)
 _SCATTER = 10.0  # m (R9)
 _HDOP = 3.0  # (R9)
 FIX_AGE = 5.0  # s: an older fix is none (R9)
-_NEARLY_UP = 1.2  # m: 0.8, and a sensor that is a little off
-_UNSEEN = 3.0  # m: a dive that goes on for the 6 s until an unknown depth acts (R5)
+WRONG_FOR = 20.0  # s that a depth may have been wrong and was believed (R5)
 
 
 class Frame(Protocol):
@@ -87,11 +86,15 @@ class VehicleState:
         grounded: bool = False,
         stale_after: float = STALE_AFTER,
         rise: float = math.inf,
+        sink: float = 0.0,
+        deepest: float = 0.0,
     ) -> None:
         """``grounded``: the vehicle drives on the ground, where the depth is 0. ``stale_after``:
-        s, the age at which a report is believed no more. ``rise``: m/s by buoyancy alone."""
+        s, the age at which a report is believed no more. ``rise``: m/s by buoyancy alone;
+        ``sink``: m/s at most; ``deepest``: m, its own depth."""
         self.navigation = navigation
         self._stale_after, self._rise = stale_after, rise
+        self._sink, self._deepest = sink, deepest
         self._grounded = grounded
         self.now = 0.0
         self.telemetry: Telemetry | None = None
@@ -102,6 +105,7 @@ class VehicleState:
         self.attitude = Attitude()
         self.believed_depth: float | None = None  # the last one that could be believed
         self._believed_at = -math.inf
+        self.rising_since: float | None = None  # the ascent's first word, and no other leg since
         self.command: Setpoint | None = None  # in force at the vehicle
         self._position_at = -math.inf  # of the vehicle's own positions, the last one used
         self._shallow_since: float | None = -math.inf if grounded else None
@@ -143,9 +147,10 @@ class VehicleState:
         if report.position is not None:
             self._take_position(report, report.position)
         depth = self.depth
-        if depth is not None:
+        changed = depth is not None and self._has_changed(depth)
+        if changed:
             self.believed_depth, self._believed_at = depth, report.t
-        if depth is None or depth >= SURFACE_DEPTH or not self._has_changed(depth):
+        if depth is None or depth >= SURFACE_DEPTH or not changed:
             self._shallow_since = None
         elif self._shallow_since is None or (silent and not self._grounded):
             self._shallow_since = report.t
@@ -209,18 +214,27 @@ class VehicleState:
 
     def _proves_surface(self, fix: Fix) -> bool:
         """R7: a place that is news, unless a depth that is believed says otherwise. Where none is
-        believed, only some seconds of fixes as at the surface."""
+        believed, or it has not changed yet, only some seconds of fixes as at the surface."""
         depth = self.depth
-        if depth is None:
-            return self.receiver.settled(fix.t) >= SETTLED and self._may_be_up(fix.t)
-        return self.receiver.fresh and depth < FIX_DEPTH
+        if depth is not None and (depth >= FIX_DEPTH or self._may_stand):
+            return self.receiver.fresh and depth < FIX_DEPTH
+        return self.receiver.settled(fix.t) >= SETTLED and self._may_be_up(fix.t)
 
     def _may_be_up(self, now: float) -> bool:
-        """It has had the time that the way up takes from where it was last believed to be."""
+        """An ascent has had the time that buoyancy takes from the deepest it can have begun at."""
+        begun = self.rising_since
+        if begun is None or self._rise <= 0.0:
+            return begun is not None
+        return now - max(begun, self._believed_at) >= self._deepest_at(begun) / self._rise
+
+    def _deepest_at(self, begun: float) -> float:
+        """m: it may have sunk, but never beyond its own depth, since what was last believed was
+        true; where nothing was believed since the program began, its own depth."""
         depth = self.believed_depth
-        if depth is None or depth < _NEARLY_UP or self._rise <= 0.0:
-            return True
-        return now - self._believed_at >= (depth + _UNSEEN) / self._rise
+        if depth is None:
+            return self._deepest
+        unseen = WRONG_FOR + max(begun - self._believed_at, 0.0)
+        return max(depth, min(depth + self._sink * unseen, self._deepest))
 
     # --- out ---------------------------------------------------------------------------------
 

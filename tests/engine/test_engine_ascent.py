@@ -5,11 +5,11 @@ from __future__ import annotations
 from itertools import pairwise
 
 import pytest
-from engine_world import VEHICLE, W, World, leg, mission, when
+from engine_world import VEHICLE, M, W, World, leg, mission, when
 
 from mission.engine.ascent import DOWNWARD, Ascent
 from mission.legs import Surface
-from mission.model import IDLE_READY, SURFACED, SURFACING
+from mission.model import IDLE_READY, SURFACED, SURFACING, Restarted
 from protocol.messages import UPWARD, Order, Setpoint
 
 LONG = 20000.0
@@ -250,7 +250,7 @@ def fixes(world: World, seconds: int, **changes: object) -> None:
 def test_seconds_of_fixes_are_the_surface_too_where_no_depth_is_believed():
     world = surfacing(0.6)
     world.nav.doubt["depth"] = "contradicted: it stands"
-    world.wait(5.0)
+    world.wait(60.0)
     fixes(world, 5)
     assert world.state == SURFACING
     fixes(world, 2)
@@ -258,18 +258,110 @@ def test_seconds_of_fixes_are_the_surface_too_where_no_depth_is_believed():
     assert world.commands()[-1] is Order.STOP
 
 
-@pytest.mark.parametrize("depth", [1.3, 3.0, 20.0])
+RISE, SINK = VEHICLE.ascent_buoyancy, VEHICLE.limits.descent_rate
+OWN_DEPTH = VEHICLE.limits.depth
+
+
+def surfaces_after(world: World, seconds: float) -> bool:
+    """By fixes alone, and not before: two fixes are a second apart, two reports two seconds."""
+    fixes(world, int(seconds) - 3)
+    if world.state != SURFACING:
+        return False
+    fixes(world, 6)
+    return world.state == SURFACED
+
+
+@pytest.mark.parametrize("depth", [0.3, 3.0, 20.0])
 def test_without_a_depth_no_fix_proves_the_surface_before_it_can_have_come_up(depth: float):
-    """From where it was last believed to be, and the 3 m of a dive that nobody saw."""
+    """From where it was last believed to be, and what it sinks in the 20 s for which that may have
+    been wrong already."""
     world = surfacing(depth)
     world.nav.doubt["depth"] = "absurd"
+    assert surfaces_after(world, (depth + 20.0 * SINK) / RISE)
+
+
+@pytest.mark.parametrize("unseen", [4.0, 30.0])
+def test_it_comes_up_from_where_a_dive_that_nobody_saw_has_led(unseen: float):
+    """The time of the way up begins with the ascent's first word, not with the last belief."""
+    world = World(mission(leg("a", timeout=LONG)))
+    assert world.start()
+    world.depth = 5.0
+    world.wait(4.0)
     believed = world.t
-    way_up = (depth + 3.0) / VEHICLE.ascent_buoyancy
-    fixes(world, int(way_up) - 4)
+    world.nav.doubt["depth"] = "frozen"
+    while world.state != SURFACING and world.t < believed + unseen:
+        world.wait(0.5)
+    if world.state != SURFACING:
+        world.tell(W)
+    sunk = SINK * (20.0 + world.t - believed)
+    assert surfaces_after(world, (5.0 + sunk) / RISE)
+
+
+def test_whatever_nobody_saw_it_is_up_after_the_way_from_its_own_depth():
+    """So that an ascent without a depth ends, at the surface, however long the depth was unknown."""
+    world = World()
+    world.depth = 5.0
+    world.wait(4.0)
+    world.nav.doubt["depth"] = "frozen"
+    world.wait(3600.0)
+    world.tell(W)
+    assert surfaces_after(world, OWN_DEPTH / RISE)
+
+
+def test_a_program_that_never_believed_a_depth_counts_from_the_vehicles_own():
+    world = World()
+    world.nav.doubt["depth"] = "absurd"
+    world.wait(10.0)
+    world.tell(W)
+    assert surfaces_after(world, OWN_DEPTH / RISE)
+
+
+def test_a_stick_ends_the_way_up_and_the_next_ascent_counts_anew():
+    world = surfacing(3.0)
+    world.nav.doubt["depth"] = "absurd"
+    way_up = (3.0 + 20.0 * SINK) / RISE
+    world.wait(way_up)
+    world.tell(M)
+    world.wait(1.0)
+    world.tell(W)
+    fixes(world, 30)
     assert world.state == SURFACING
-    fixes(world, 8)
+
+
+@pytest.mark.parametrize("depth", [0.2, 0.7, None])
+def test_after_a_restart_fixes_beside_a_depth_that_has_not_changed_wait_for_the_way_up(
+    depth: float | None,
+):
+    """It may be stuck, under water, and the receiver make its places up: nothing is known but how
+    deep the vehicle can be."""
+    world = World(navigation=False)
+    world.depth = depth
+    world.tell(Restarted(SURFACING))
+    assert surfaces_after(world, OWN_DEPTH / RISE)
+
+
+def test_after_a_restart_a_fix_beside_a_depth_that_has_changed_is_the_surface():
+    world = World(navigation=False)
+    world.depth = 0.6
+    world.tell(Restarted(SURFACING))
+    world.wait(6.5)
+    world.depth = 0.7
+    world.wait(2.0)
+    fixes(world, 1)
     assert world.state == SURFACED
-    assert world.t - believed >= way_up
+
+
+@pytest.mark.parametrize("moves", [True, False])
+def test_after_a_restart_a_depth_counts_as_believed_once_it_has_changed(moves: bool):
+    world = World()
+    world.depth = 8.0
+    world.tell(Restarted(SURFACING))
+    world.wait(2.0)
+    world.depth = 7.9 if moves else 8.0
+    world.wait(2.0)
+    world.nav.doubt["depth"] = "frozen"
+    fixes(world, int((8.0 + 20.0 * SINK) / RISE) + 10)
+    assert (world.state == SURFACED) is moves
 
 
 @pytest.mark.parametrize("changes", [{"hdop": 9.0}, {"satellites": 3}, {"speed": 12.0}])

@@ -207,9 +207,12 @@ def test_submerged_is_what_was_last_believed_and_no_fix_since_that_proves_the_su
     assert vehicle_state.submerged
     for second in range(7):
         vehicle_state.take_fix(fix(73.0 + second, north=second + 1.0))
+    assert vehicle_state.submerged  # nothing has told it to come up
+    vehicle_state.rising_since = 79.5
+    vehicle_state.take_fix(fix(80.0, north=8.0))
     assert not vehicle_state.submerged
     navigation.doubt.clear()
-    told(vehicle_state, 80.0, depth=5.0)
+    told(vehicle_state, 82.0, depth=5.0)
     assert vehicle_state.submerged
 
 

@@ -449,6 +449,11 @@ def _what_stands_is_proof(patch: pytest.MonkeyPatch) -> None:
     patch.setattr("mission.verification.exhaustive.world._BEGUN", {})
 
 
+def _up_at_once(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(vehicle_state.VehicleState, "_may_be_up", lambda self, now: True)
+    patch.setattr("mission.verification.exhaustive.world._BEGUN", {})
+
+
 def _goes_by_belief_alone(patch: pytest.MonkeyPatch) -> None:
     believed = property(lambda self: self.depth)
     patch.setattr(vehicle_state.VehicleState, "moving_depth", believed)
@@ -519,6 +524,8 @@ BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_silence_is_nothing, "surfacing", "what was shallow before a silence proves no surface"),
     (_one_report_is_enough, "surfacing", "what was shallow before a silence proves no surface"),
     (_what_stands_is_proof, "autonomous/dive , quiet", "a restart surfaces what was under way and leaves the rest at rest"),
+    (_up_at_once, "surfacing", "without a depth no fix proves the surface too soon"),
+    (_up_at_once, "autonomous/dive , quiet", "a restart surfaces what was under way and leaves the rest at rest"),
     (_goes_by_belief_alone, "surfacing", "what makes a depth fall of which the zero is doubted is kept"),
     (_pushes_down_again, "surfacing", "upside down no push that led deeper is tried again"),
     (_pushes_in_the_dark, "surfacing", "upside down and blind it is let go"),

@@ -17,13 +17,12 @@ from mission.model.regions import EMERGENCY
 from mission.model.vehicle import STALE_AFTER
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.laws import Violation
-from mission.verification.campaign.story import Stay, Story
+from mission.verification.campaign.story import AGAIN, Stay, Story
 
 UNLAWFUL = "unlawful"
 _SHALLOW, _AFLOAT, _FIXED = 1.0, 4.0, 0.4  # m within s before, m that allow a fix
 _REPORTS = 2.0  # s between two
 _NEARLY = 1.2  # m: 0.8 (R7), and the sensor
-_DEEP, _GARBAGE = 1.6, ("depth_full_scale",)  # m: 1.2 (R7), and the sensor
 _START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
 _CLEAR_AGAIN = 4.5, 30.5  # s
 _AC = re.compile(rb"@AC\$")
@@ -58,7 +57,7 @@ def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
     fixed = story.deepest(t - 2.0, t) <= _FIXED
     unknown = not story.told_in(t - 6.0, t) or story.faulty(DEPTH_FAULTS, t - 20.0, t)
     wanders = story.faulty(("gps_wanders",), t - 20.0, t)
-    if wanders and ((unknown and _may_be_up(story, t)) or story.depth(t) < _NEARLY):
+    if wanders and ((unknown and _may_be_up(story, stay)) or story.depth(t) < _NEARLY):
         return  # nothing contradicts fixes as at the surface
     if not (shallow or fixed) and not story.faulty(_UNDETECTED, t - 10.0, t):
         says = (
@@ -67,13 +66,23 @@ def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
         yield Violation(UNLAWFUL, t, says)
 
 
-def _may_be_up(story: Story, t: float) -> bool:
-    """By the time since a depth was known last, and the rise by buoyancy (R7)."""
-    since = min((f.begin for f in story.faults(_GARBAGE, t, t) if f.begin <= t), default=t)
-    depth = story.depth(since)
-    if depth < _DEEP or story.hindered(since, t):
+def _may_be_up(story: Story, stay: Stay) -> bool:
+    """Its ascent has lasted as long as buoyancy takes from where it truly began (R7); or a cable
+    or a program that stood still kept the words of it back."""
+    begin = _ascends_since(story, stay)
+    if story.hindered(begin + 2.0 * AGAIN, stay.begin):  # behind a restart it begins anew
         return True
-    return t - since >= depth / story.vehicle.ascent_buoyancy
+    return stay.begin - begin >= story.depth(begin) / story.vehicle.ascent_buoyancy
+
+
+def _ascends_since(story: Story, stay: Stay) -> float:
+    """The begin of the ascent that ended in this stay: a leg's, which an emergency goes on with."""
+    begin = stay.begin
+    for before in reversed(story.stays[: story.stays.index(stay)]):
+        if not before.ascends:
+            break
+        begin = before.begin
+    return begin
 
 
 def _is_cleared(story: Story, stay: Stay) -> Iterator[Violation]:

@@ -31,6 +31,13 @@ def _not_proved_again(cell: Cell) -> Verdict:
     return wrong((cell.state != SURFACING, f"the state is {cell.state}"))
 
 
+def _not_proved_by_fixes(cell: Cell) -> Verdict:
+    """R7: without a depth fixes prove nothing before the vehicle can have come up."""
+    if cell.event.path != "fixes":
+        return None
+    return wrong((cell.state != SURFACING, f"the state is {cell.state}"))
+
+
 def _not_pushed_again(cell: Cell) -> Verdict:
     """R7: upside down a push that has led a metre deeper is not tried again."""
     if cell.event.path != "over":
@@ -68,6 +75,7 @@ def _kept_by_its_change(cell: Cell) -> Verdict:
 
 DOUBT_LAWS: tuple[Law, ...] = (
     Law("what was shallow before a silence proves no surface", "R7", _not_proved_again),
+    Law("without a depth no fix proves the surface too soon", "R7", _not_proved_by_fixes),
     Law("upside down no push that led deeper is tried again", "R7", _not_pushed_again),
     Law("upside down and blind it is let go", "R7", _not_pushed_blind),
     Law("what makes a depth fall of which the zero is doubted is kept", "R7", _kept_by_its_change),

@@ -1,7 +1,8 @@
 """Events of a depth that cannot be believed, and of a push that leads down.
 
 Each begins with a W or a restart, so that there is an ascent that could be taken in: by a depth
-that stands, by one from before a silence, by pushes of what is upside down, by a leap.
+that stands, by one from before a silence, by fixes that are made up, by pushes of what is upside
+down, by a leap.
 
 What does not live here: what must follow (doubt_laws), sensors that are ill by themselves (events).
 """
@@ -17,6 +18,7 @@ from mission.verification.exhaustive.world import World
 _PERIOD = 2.0  # s between reports
 _OVER_DEG = (170.0, 172.0, -178.0, 171.0, 169.0)  # it moves, as what lies in the water does
 _LEAP, _RISE = 25.0, 0.8  # m; m in a period
+_MADE_UP = 40  # s of fixes: less than the way up takes
 
 
 def _ordered_up(world: World) -> None:
@@ -36,6 +38,31 @@ def _restarts_and_stands(world: World) -> None:
     world.wait(_PERIOD)
     world.sea.frozen.add("depth")
     world.wait(9.5)
+
+
+def _wanders(world: World) -> None:
+    """The receiver says a new place each second, wherever the vehicle is."""
+    for _ in range(_MADE_UP):
+        world.sea.north += 0.5
+        world.fix()
+        world.wait(1.0)
+
+
+def _wanders_without_a_depth(world: World) -> None:
+    _ordered_up(world)
+    world.sea.unknown.add("depth")
+    _wanders(world)
+
+
+def _restarts_and_wanders(world: World) -> None:
+    """Under water, while the depth stands at that of the surface."""
+    world.wait(0.05)
+    world.sea.depth = SHALLOW
+    world.sea.report()
+    world.sea.frozen.add("depth")
+    world.sea.depth = DEEP
+    world.restart()
+    _wanders(world)
 
 
 def _shallow_once(world: World) -> None:
@@ -80,6 +107,12 @@ DOUBTS = (
     Event(
         "restart, and the depth stands", script(_restarts_and_stands), also=frozenset({"restart"})
     ),
+    Event(
+        "restart, the depth stands, and fixes are made up",
+        script(_restarts_and_wanders),
+        also=frozenset({"restart"}),
+    ),
+    Event("W, no depth, and fixes are made up", script(_wanders_without_a_depth), "W", "fixes"),
     Event("W, and shallow before a silence", script(_shallow_once), "W", "quiet"),
     Event("W, upside down", _pushed_down(blind=False), "W", "over"),
     Event("W, upside down and the depth unknown", _pushed_down(blind=True), "W", "over, blind"),
