@@ -19,11 +19,12 @@ from dataclasses import dataclass
 from random import Random
 from typing import Any, Protocol, Self
 
+from mission.legs.pattern import Pattern
+from mission.legs.pattern import Point as Point
 from mission.legs.words import NO_HEAD, Head, LegClause, Misfit
 from mission.model import Axis, Estimate, Leg, LegKind, Place
 from protocol.messages import Setpoint
 
-Point = tuple[float, float]  # m north and east of home
 WAY = "heading 0 gear 8 depth 4"  # in trials: a set that any leg may hold which steers nothing
 
 
@@ -100,8 +101,10 @@ class LegType:
     while it is steered, m from home, of the named ones in m (none are named: none are asked for;
     ``straight``: those themselves; none: it may go anywhere, as fast as it goes);
     ``room`` the m that it takes about where it was entered; ``within`` its arrival radius, m.
-    ``ends_at_last``: it is done at the last of its corners, not at any. ``surveys``: it is flown
-    for what is seen along it, and may say what it is to ``achieve``.
+    ``ends_at_last``: it is done at the last of its corners, not at any. ``encloses``: the places
+    that it names are the corners of an area. ``pattern``: it is flown for what is seen along its
+    rows, and may say what it is to ``achieve``; of the points that it names, and where it is
+    entered.
 
     On pictures, ``shown`` is what it does beside holding its set and ``done`` how it ended.
 
@@ -134,7 +137,8 @@ class LegType:
     room: Callable[[Any], float] = lambda kind: 0.0
     within: Callable[[Any], float] = lambda kind: 0.0
     ends_at_last: bool = False
-    surveys: bool = False
+    pattern: Callable[[Any, tuple[Point, ...], Point], Pattern] | None = None
+    encloses: bool = False
     shown: Callable[[Any], str] = lambda kind: ""
     done: Callable[[Any], str] = lambda kind: "done"
     parts: Callable[[Leg], tuple[Leg, ...]] = lambda leg: ()
@@ -146,6 +150,10 @@ class LegType:
     def plain(self) -> bool:
         """Whether the leg holds its set and nothing else, until it is left."""
         return self.begin is None and not self.ascends
+
+    @property
+    def surveys(self) -> bool:
+        return self.pattern is not None
 
     def awaits_fix(self, kind: LegKind) -> bool:
         """Whether only a position fix ends it."""

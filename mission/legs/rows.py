@@ -2,10 +2,7 @@
 
 start -> end of row 1, across by the spacing, back along row 2, across, ...
 
-With ``resurface`` it parts into runs of so many rows with a fix at the surface between them; with
-``unsure`` into single rows, each followed by a look at the estimate's uncertainty and,
-where that is too much, a fix. The estimate learns the current from each two fixes, and the next
-rows are steered with it.
+With ``resurface`` or ``unsure`` it parts into runs with fixes between them (resurfacing.py).
 """
 
 from __future__ import annotations
@@ -15,40 +12,25 @@ from dataclasses import dataclass, replace
 
 from mission.legs.base import Author, LegType, Point, View
 from mission.legs.guidance import GIVES, NEEDS, SIDE, STEERS
-from mission.legs.hold import Hold
-from mission.legs.surface import Surface
+from mission.legs.pattern import Pattern
+from mission.legs.resurfacing import RESURFACE, UNSURE, Run, parted, parting_fault
 from mission.legs.waypoints import WITHIN, Waypoints, arrival_fault
 from mission.legs.words import Head, Measure, Shape, Spot
-from mission.model import Comparison, Exit, Guard, Leg, LegKind, Place, Setting
+from mission.model import Leg, LegKind, Place
 from mission.model.shown import bearing, number, place
 from protocol.messages import Setpoint
 
-_BEARING = Measure(
+BEARING = Measure(
     "bearing", "deg", 0, 360, "direction of the first row", example="90", circular=True
 )
 _LENGTH = Measure("length", "m", 1, 20000, "length of each row")
-_SPACING = Measure("spacing", "m", 0.5, 2000, "distance between rows", example="20")
-_SWATH = Measure(
+SPACING = Measure("spacing", "m", 0.5, 2000, "distance between rows", example="20")
+SWATH = Measure(
     "swath", "m", 0.5, 2000, "seen along each row; its coverage is told", 0.0, "20", silent=True
 )
-_RESURFACE = Measure(
-    "resurface", "", 1, 9999, "up for a fix after so many rows", 0.0, "2", silent=True
-)
-_ABOVE = Measure(
-    "unsure",
-    "m",
-    1,
-    10000,
-    "up for a fix after a row where `uncertainty` is more",
-    0.0,
-    "15",
-    silent=True,
-)
-_SKIP = Measure(
+SKIP = Measure(
     "skip", "", 1, 9999, "rows of the area passed over: flown before", 0.0, "2", silent=True
 )
-FIX_S = 300.0  # that a way up may take until there is a fix; then the mission's on timeout
-_LOOK_S = 4.0  # two reports: so long the estimate is looked at between two rows
 _FROM = Spot("from", "start", "where the first row begins; where it is, unless said")
 
 
@@ -83,6 +65,28 @@ def corners(kind: Rows, start: Point) -> tuple[Point, ...]:
             east = start[1] + reach * ahead[1] + offset * across[1]
             points.append((north, east))
     return tuple(points)
+
+
+def _pattern(kind: Rows, named: tuple[Point, ...], here: Point) -> Pattern:
+    """The area reaches beyond its outer rows by half of what is seen, at most half the spacing."""
+    start = named[0] if named else here
+    points = corners(kind, start)
+    spacing = kind.spacing if kind.count > 1 else max(kind.spacing, kind.swath)
+    edge = min(kind.swath, spacing) / 2.0
+    first, last = kind.skip * kind.spacing, (kind.skip + kind.count - 1) * kind.spacing
+    ends = points[-2:] if kind.count % 2 == 0 else points[-1:-3:-1]
+    return Pattern(
+        origin=start,
+        bearing=kind.bearing,
+        side=kind.side,
+        rows=tuple(zip(points[::2], points[1::2], strict=True)),
+        spacing=spacing,
+        swath=kind.swath,
+        within=kind.within,
+        along=(0.0, kind.length),
+        across=(first - edge, last + edge),
+        outline=(points[0], points[1], *ends),
+    )
 
 
 def _begin(kind: Rows, base: Setpoint, view: View) -> Waypoints:
@@ -138,46 +142,21 @@ def _shown(kind: Rows) -> str:
 # --- fixes on the way -----------------------------------------------------------------------------
 
 
-def _runs(kind: Rows) -> int:
-    """Rows between two places at which it may surface; all of them where it does not."""
-    if kind.unsure > 0.0:
-        return 1
-    return int(kind.resurface) or kind.count
-
-
 def _parts(leg: Leg) -> tuple[Leg, ...]:
     kind = leg.kind
-    if not isinstance(kind, Rows) or _runs(kind) >= kind.count:
+    assert isinstance(kind, Rows)
+    each = 1 if kind.unsure > 0.0 else int(kind.resurface) or kind.count
+    if each >= kind.count:
         return ()
-    parts: list[Leg] = []
-    for row in range(0, kind.count, _runs(kind)):
-        if row:
-            parts += _between(leg, kind, row)
-        count = min(_runs(kind), kind.count - row)
-        run = replace(kind, count=count, skip=kind.skip + row, resurface=0.0, unsure=0.0)
-        share = count / kind.count
-        timeout = None if leg.timeout is None else leg.timeout * share
-        parts.append(replace(leg, name=_run(row), kind=run, timeout=timeout, achieve=()))
-    return tuple(parts)
+    return parted(leg, (_run(kind, row, each) for row in range(0, kind.count, each)), kind.unsure)
 
 
-def _run(row: int) -> str:
-    return f"row{row + 1}"
-
-
-def _between(leg: Leg, kind: Rows, row: int) -> list[Leg]:
-    """Before ``row``: a fix, or a look at whether one is needed."""
-    fix = Leg(f"fix{row}", Surface(until_fix=True), timeout=FIX_S, otherwise=leg.otherwise,
-              where=leg.where)  # fmt: skip
-    if kind.unsure <= 0.0:
-        return [fix]
-    known = Comparison("uncertainty", "<=", kind.unsure, where=leg.where)
-    back = math.pi if (row + int(kind.skip)) % 2 == 0 else 0.0  # as the row before leads
-    heading = Setting("heading", (kind.bearing + back) % math.tau, leg.where)
-    look = Leg(f"look{row}", Hold(), (*leg.settings, heading),
-               (Exit(Guard(known), _run(row), leg.where),), duration=_LOOK_S,
-               otherwise=leg.otherwise, where=leg.where)  # fmt: skip
-    return [look, fix]
+def _run(kind: Rows, row: int, each: int) -> Run:
+    count = min(each, kind.count - row)
+    skip = kind.skip + row
+    back = math.pi if (skip + count) % 2 == 0 else 0.0
+    flown = replace(kind, count=count, skip=skip, resurface=0.0, unsure=0.0)
+    return Run(row, flown, count / kind.count, (kind.bearing + back) % math.tau)
 
 
 def _parts_fault(leg: Leg) -> str:
@@ -185,18 +164,9 @@ def _parts_fault(leg: Leg) -> str:
     assert isinstance(kind, Rows)
     if why := _fault(kind):
         return why
-    said = {setting.word for setting in leg.settings}
-    if kind.resurface and kind.unsure:
-        return "resurface and unsure are two rules for one thing: keep one"
     if kind.start is None:
         return "rows that resurface drift off: say with from where they begin"
-    if "surge" not in said or said.isdisjoint({"depth", "altitude"}):
-        return "at the surface all is off: say gear, and depth or altitude, in this leg"
-    if leg.duration is not None:
-        return "rows that resurface end by themselves: say timeout, not for"
-    if any(way.target is None for way in leg.exits):
-        return "until would lead to the next part of the rows: say until ... -> NAME"
-    return ""
+    return parting_fault(leg, kind.resurface, kind.unsure)
 
 
 def _draw(author: Author) -> str:
@@ -226,14 +196,14 @@ TYPE: LegType = LegType(
     kind=Rows,
     description="a lawnmower: so many parallel rows",
     head=Head(Shape.COUNT, "count"),
-    clauses=(_BEARING, _LENGTH, _SPACING, SIDE, _FROM, WITHIN, _SKIP, _SWATH, _RESURFACE, _ABOVE),
+    clauses=(BEARING, _LENGTH, SPACING, SIDE, _FROM, WITHIN, SKIP, SWATH, RESURFACE, UNSURE),
     begin=_begin,
     steers=STEERS,
     needs=NEEDS,
     gives=GIVES,
     ends=True,
     makes_way=True,
-    surveys=True,
+    pattern=_pattern,
     fault=_fault,
     places=lambda kind: (kind.start,) if kind.start is not None else (),
     corners=_area,

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 
@@ -96,6 +96,13 @@ class Choice:
 
 
 LegClause = Measure | Spot | Choice
+
+
+def meaning(clause: LegClause) -> LegClause:
+    """What a word says whichever leg has it; whether it must be said there is each leg's own."""
+    if isinstance(clause, Measure):
+        return replace(clause, usual=None, silent=False)
+    return clause
 
 
 class Misfit(NamedTuple):

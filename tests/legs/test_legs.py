@@ -14,6 +14,7 @@ from mission.authoring.language import MissionErrors, parse, to_yaml
 from mission.authoring.language.manual import PARTS
 from mission.legs import (
     LEGS,
+    Cover,
     Follow,
     Goto,
     Hold,
@@ -28,15 +29,17 @@ from mission.legs import (
 )
 from mission.legs.rows import corners
 from mission.legs.words import Choice, Measure, Spot
-from mission.model import Axis, LegKind, Local, Place
+from mission.model import Axis, LegKind, Local, Place, Position
 from protocol.messages import Setpoint, Telemetry
 
+SQUARE = (Local(0.0, 0.0), Local(0.0, 60.0), Local(60.0, 60.0), Local(60.0, 0.0))
 KINDS = (
     Hold(),
     Wait(),
     Goto(Local(100.0, 0.0), 5.0),
     Follow((Local(50.0, 0.0), Local(50.0, 50.0)), 5.0),
     Rows(None, 0.0, 60.0, 10.0, 3, 1, 5.0),
+    Cover(SQUARE, -1.0, 10.0, 0.0, 5.0),
     Yoyo(3.0, 9.0, 2),
     Loiter(None, 15.0, 1),
     Surface(),
@@ -46,6 +49,11 @@ BROKEN = (
     Follow((), 5.0),
     Rows(None, 0.0, 60.0, 10.0, 0, 1, 5.0),
     Rows(None, 0.0, -1.0, 10.0, 2, 1, 5.0),
+    Cover(SQUARE, -1.0, 0.0, 0.0, 5.0),
+    Cover(SQUARE[:2], -1.0, 10.0, 0.0, 5.0),
+    Cover(SQUARE, -1.0, 0.1, 0.0, 5.0),
+    Cover((*SQUARE[:3], Position(30.0, 120.0)), -1.0, 10.0, 0.0, 5.0),
+    Cover(SQUARE, -1.0, 10.0, 0.0, 5.0, skip=6.0),
     Yoyo(9.0, 3.0, 2),
     Yoyo(3.0, 9.0, 0),
     Loiter(None, 1.0, 1),

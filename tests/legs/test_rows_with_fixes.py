@@ -9,7 +9,8 @@ import pytest
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, parse, to_lines, to_yaml
 from mission.legs import LEGS, Hold, Rows, Surface
-from mission.legs.rows import FIX_S, corners
+from mission.legs.resurfacing import FIX_S
+from mission.legs.rows import corners
 from mission.model import Chart
 from mission.model.diagnostics import MissionErrors
 from mission.model.shipped import load_vehicle

@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from links.simulated.settings import parse_settings
 from mission.authoring.prepare import prepare
 from mission.cli import main
-from mission.legs import Rows
+from mission.legs import LEGS, Rows
 from mission.legs.rows import corners
 from mission.verification.simulation.coverage import coverage_of, seen
 from mission.verification.simulation.flight import fly
@@ -37,7 +37,8 @@ def flown(kind: Rows, aside: float = 0.0) -> list[Any]:
 
 
 def share(kind: Rows, track: list[Any]) -> float:
-    return seen(kind, START, [track], lambda point: (point.north, point.east))
+    pattern = LEGS[Rows].pattern(kind, (START,), START)
+    return seen(pattern, [track], lambda point: (point.north, point.east))
 
 
 def test_rows_flown_as_they_are_written_see_all_of_their_area() -> None:

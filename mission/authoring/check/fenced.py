@@ -19,8 +19,9 @@ from mission.authoring.check.bounds import Bounds, LegBounds
 from mission.authoring.check.intervals import Interval
 from mission.authoring.check.places import local_of
 from mission.engine.areas import Fence
+from mission.legs import LEGS
 from mission.legs.base import Point
-from mission.model import Mission, Position, Where
+from mission.model import Mission, Position, Where, legs_of
 from mission.model.shown import number
 from mission.navigation.geodesy import LocalFrame
 from mission.navigation.polygons import fault, gap, hull, inside
@@ -68,6 +69,12 @@ def area_faults(mission: Mission) -> Iterator[tuple[Where, str, str]]:
         elif why := fault(fence.polygon):
             hint = "name its corners one after the other, either way round"
             yield area.where, f"area {area.name}: {why}", hint
+    frame = LocalFrame(mission.home) if mission.home is not None else None
+    for leg in legs_of(mission.body):
+        corners = tuple(local_of(place, frame) for place in LEGS[type(leg.kind)].places(leg.kind))
+        if LEGS[type(leg.kind)].encloses and (why := fault(corners)):
+            hint = "name its corners one after the other, either way round"
+            yield leg.where, f"the area of {leg.name or 'this leg'}: {why}", hint
 
 
 def swept(leg: LegBounds, entry: Bounds, sweep: Bounds) -> Swept:

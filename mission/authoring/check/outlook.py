@@ -12,7 +12,8 @@ for as long as its clock says. The current is taken to be anywhere in the disc t
 its sigma is half of that on each axis. Kalman's covariance needs no readings, only the way (Gelb,
 Applied Optimal Estimation, 1974, ch. 4.2); the figures are those of mission/navigation/model.py.
 
-What does not live here: what is demanded, refused and advised (purpose.py).
+What does not live here: what is seen of an area then (covered.py), what is demanded, refused and
+advised (purpose.py).
 """
 
 from __future__ import annotations
@@ -24,55 +25,43 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from mission.authoring.check.bounds import ascent_time
-from mission.authoring.check.places import local_of, places_of
-from mission.legs import LEGS, Rows, Surface
+from mission.authoring.check.covered import PIECES, Row, covered
+from mission.authoring.check.places import pattern_of, places_of
+from mission.legs import LEGS, Surface
 from mission.legs.base import Point
-from mission.legs.rows import corners
+from mission.legs.pattern import Pattern
 from mission.model import Group, Leg, Mission, Node, Set
 from mission.model.units import GEARS
 from mission.model.vehicle import Vehicle
-from mission.navigation.distribution import PLANE_95, along, below, principal, radius_95
+from mission.navigation.distribution import PLANE_95, along, principal, radius_95
 from mission.navigation.geodesy import LocalFrame
 from mission.navigation.model import figures
 
 _N, _E, _CN, _CE, _SCALE, _BIAS, _SIN, _COS, _WANDER = range(9)
 _STATES = 9
-_PIECES = 6  # of a row
-_ACROSS = 9  # places looked at across the spacing
 MOST = 1000  # rows looked at, rounds included
 _SLOWEST = 0.2  # share of its speed that is counted on against the current
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
-    """One row as expected: ``across`` are sigmas of the place across it, in its pieces from the
-    beginning of the area on; ``ends`` the m that are missed of its length; ``error`` the radius
-    that 95 % of dives stay within at its end, m."""
-
-    across: tuple[float, ...]
-    ends: float
-    error: float
-
-
 @dataclass(slots=True)
 class Expected:
-    """The rows of one leg; of rounds, one after another. ``kind`` is as its author wrote it."""
+    """The rows of one leg; of rounds, one after another. ``pattern`` is as its author wrote it."""
 
-    kind: Rows
+    pattern: Pattern
     rows: list[Row] = field(default_factory=list)
 
     @property
     def errors(self) -> tuple[float, ...]:
         """By row, m: the worst of the rounds."""
-        count = self.kind.count
+        count = len(self.pattern.rows)
         return tuple(max(row.error for row in self.rows[k::count]) for k in range(count))
 
     @property
     def coverage(self) -> float:
         """The share of the area (coverage.py) that is seen on average: the least of the rounds."""
-        count = self.kind.count
+        count = len(self.pattern.rows)
         rounds = range(0, len(self.rows), count)
-        return min(_covered(self.kind, self.rows[at : at + count]) for at in rounds)
+        return min(covered(self.pattern, self.rows[at : at + count]) for at in rounds)
 
 
 class TooManyError(Exception):
@@ -174,8 +163,8 @@ class _Course:
         self._holds |= {setting.word: setting.value for setting in node.settings}
         if not isinstance(node, Leg):
             return
-        if isinstance(node.kind, Rows):
-            self.found.setdefault(path, Expected(node.kind))
+        if (pattern := pattern_of(node.kind, self._frame, self._at)) is not None:
+            self.found.setdefault(path, Expected(pattern))
         parts = LEGS[type(node.kind)].parts(node) or (node,)
         for part in self._flown(parts):
             self._holds |= {setting.word: setting.value for setting in part.settings}
@@ -199,8 +188,8 @@ class _Course:
 
     def _leg(self, leg: Leg, path: str) -> None:
         row, kind = LEGS[type(leg.kind)], leg.kind
-        if isinstance(kind, Rows):
-            self._survey(kind, path)
+        if (pattern := pattern_of(kind, self._frame, self._at)) is not None:
+            self._survey(pattern, path)
         elif row.ascends:
             self._ascend(fixed=row.awaits_fix(kind))
         elif row.ends_at_last or row.places(kind):
@@ -233,58 +222,25 @@ class _Course:
             self._drift.go(math.atan2(east, north), speed, way / made)
         self._at = point
 
-    def _survey(self, kind: Rows, path: str) -> None:
-        start = self._at if kind.start is None else local_of(kind.start, self._frame)
-        points = corners(kind, start)
-        self._rows += kind.count
+    def _survey(self, pattern: Pattern, path: str) -> None:
+        self._rows += len(pattern.rows)
         if self._rows > MOST:
             raise TooManyError
-        for begin, end in zip(points[::2], points[1::2], strict=True):
+        for begin, end in pattern.rows:
             self._to(begin)
-            self.found[path].rows.append(self._row(kind, begin, end))
+            self.found[path].rows.append(self._row(pattern, begin, end))
 
-    def _row(self, kind: Rows, begin: Point, end: Point) -> Row:
-        across, bearing = [], kind.bearing
+    def _row(self, pattern: Pattern, begin: Point, end: Point) -> Row:
+        across, bearing = [], pattern.bearing
         ends = [along(self._drift.place, bearing)]
-        for piece in range(1, _PIECES + 1):
-            share = piece / _PIECES
+        for piece in range(1, PIECES + 1):
+            share = piece / PIECES
             before = along(self._drift.place, bearing + math.pi / 2.0)
             self._to(tuple(a + share * (b - a) for a, b in zip(begin, end, strict=True)))  # type: ignore[arg-type]
             after = along(self._drift.place, bearing + math.pi / 2.0)
             across.append((before + after) / 2.0)
         ends.append(along(self._drift.place, bearing))
-        missed = sum(ends) / math.sqrt(2.0 * math.pi) + kind.within / 2.0
-        forth = (end[0] - begin[0]) * math.cos(bearing) + (end[1] - begin[1]) * math.sin(bearing)
-        pieces = tuple(across if forth > 0.0 else reversed(across))
-        return Row(pieces, min(missed, kind.length), radius_95(self._drift.place))
-
-
-def _covered(kind: Rows, rows: list[Row]) -> float:
-    """On average over the area; the errors of neighbouring rows are taken to be independent."""
-    edge = min(kind.swath, kind.spacing) if kind.count > 1 else kind.swath
-    seen = wide = 0.0
-    for at, row in enumerate(rows):
-        near = [(k - at, rows[k]) for k in (at - 1, at, at + 1) if 0 <= k < len(rows)]
-        low = -(kind.spacing if at else edge) / 2.0
-        high = (kind.spacing if at + 1 < len(rows) else edge) / 2.0
-        wide += high - low
-        mean = _seen_about(kind, near, low, high)
-        seen += mean * (high - low) * (1.0 - row.ends / kind.length)
-    return seen / wide
-
-
-def _seen_about(kind: Rows, near: list[tuple[int, Row]], low: float, high: float) -> float:
-    """The share seen of the strip between ``low`` and ``high``, m across from a row; ``near`` are
-    it and its neighbours, by how many spacings they lie aside."""
-    total = 0.0
-    for step in range(_ACROSS):
-        y = low + (high - low) * (step + 0.5) / _ACROSS
-        for piece in range(_PIECES):
-            missed = 1.0
-            for aside, row in near:
-                off = y - aside * kind.spacing
-                sigma = row.across[piece]
-                half = kind.swath / 2.0
-                missed *= 1.0 - below(half, off, sigma) + below(-half, off, sigma)
-            total += 1.0 - missed
-    return total / (_ACROSS * _PIECES)
+        missed = sum(ends) / math.sqrt(2.0 * math.pi) + pattern.within / 2.0
+        forth = pattern.framed(end)[0] > pattern.framed(begin)[0]
+        pieces = tuple(across if forth else reversed(across))
+        return Row(pieces, min(missed, math.dist(begin, end)), radius_95(self._drift.place))

@@ -9,6 +9,7 @@ import math
 
 from mission.legs import LEGS
 from mission.legs.base import Point
+from mission.legs.pattern import Pattern
 from mission.model import LegKind, Local, Place, Position
 from mission.navigation.geodesy import LocalFrame
 
@@ -23,6 +24,14 @@ def places_of(kind: LegKind, frame: LocalFrame | None) -> tuple[Point, ...]:
     begins wherever it is entered. ``frame`` None: no home is named, and no latitude."""
     named = tuple(local_of(place, frame) for place in places_named(kind))
     return LEGS[type(kind)].corners(kind, named) if named else ()
+
+
+def pattern_of(kind: LegKind, frame: LocalFrame | None, here: Point) -> Pattern | None:
+    """The rows of a leg that is entered ``here``; None where it is no survey."""
+    row = LEGS[type(kind)]
+    if row.pattern is None:
+        return None
+    return row.pattern(kind, tuple(local_of(place, frame) for place in row.places(kind)), here)
 
 
 def local_of(place: Place, frame: LocalFrame | None) -> Point:

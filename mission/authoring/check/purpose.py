@@ -16,7 +16,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from mission.authoring.check.outlook import MOST, Expected, TooManyError, expected
-from mission.legs import LEGS, Rows
+from mission.legs import LEGS, Cover, Rows
+from mission.legs.pattern import Pattern
 from mission.model import Aims, Group, Leg, Mission, Node, aims_of
 from mission.model.diagnostics import Diagnostic, Stage
 from mission.model.units import number_text
@@ -75,7 +76,7 @@ def _idle(mission: Mission) -> Iterator[Diagnostic]:
     scopes: list[Mission | Group] = [mission, *_groups(mission.body)]
     for scope in scopes:
         legs = [leg for _, leg, _ in aims_of(scope.body, ())]
-        if scope.achieve and not any(isinstance(leg.kind, Rows) for leg in legs):
+        if scope.achieve and not any(LEGS[type(leg.kind)].surveys for leg in legs):
             message = f"{scope.name} has no rows that could achieve anything"
             yield _refusal(scope, message, "leave achieve out, or add rows")
 
@@ -88,7 +89,7 @@ def _groups(body: tuple[Node, ...]) -> Iterator[Group]:
 
 
 def _outlook(path: str, one: Expected, aims: dict[str, float]) -> Outlook:
-    coverage = one.coverage if one.kind.swath else None
+    coverage = one.coverage if one.pattern.swath else None
     return Outlook(path, coverage, one.errors, tuple(sorted(aims.items())))
 
 
@@ -139,30 +140,38 @@ def _by_row(errors: tuple[float, ...]) -> str:
 
 def _cures(mission: Mission, vehicle: Vehicle, leg: Leg, path: str) -> Iterator[str]:
     """Of each kind of change the least that is enough."""
-    kind = leg.kind
-    assert isinstance(kind, Rows)
+    kind, pattern = leg.kind, expected(mission, vehicle)[path].pattern
+    assert isinstance(kind, Rows | Cover)
     if sum(len(one.rows) for one in expected(mission, vehicle).values()) > _TRIED:
         return
-    for changes in (_fixes(kind), _nearer(kind), _shorter(kind)):
+    each: tuple[Iterator[tuple[str, Rows | Cover]], ...] = (
+        _fixes(kind, len(pattern.rows)),
+        _nearer(kind, pattern),
+        _shorter(kind),
+    )
+    for changes in each:
         for told, changed in changes:
             if _does(mission, vehicle, path, replace(leg, kind=changed)):
                 yield told
                 break
 
 
-def _fixes(kind: Rows) -> Iterator[tuple[str, Rows]]:
-    most = int(kind.resurface) or kind.count
-    for rows in range(min(most - 1, kind.count - 1, _FIXES), 0, -1):
+def _fixes(kind: Rows | Cover, count: int) -> Iterator[tuple[str, Rows | Cover]]:
+    most = int(kind.resurface) or count
+    for rows in range(min(most - 1, count - 1, _FIXES), 0, -1):
         yield f"resurface {rows}", replace(kind, resurface=float(rows), unsure=0.0)
 
 
-def _nearer(kind: Rows) -> Iterator[tuple[str, Rows]]:
+def _nearer(kind: Rows | Cover, pattern: Pattern) -> Iterator[tuple[str, Rows | Cover]]:
     for share in _SHARES:
-        spacing = max(0.5, round(kind.spacing * share, 1))
+        spacing = max(0.5, round(pattern.spacing * share, 1))
         yield f"spacing {number_text(spacing)} m", replace(kind, spacing=spacing)
 
 
-def _shorter(kind: Rows) -> Iterator[tuple[str, Rows]]:
+def _shorter(kind: Rows | Cover) -> Iterator[tuple[str, Rows]]:
+    """Of an area that is named nobody can say which part to leave out."""
+    if not isinstance(kind, Rows):
+        return
     for share in _SHARES:
         length = max(1.0, float(round(kind.length * share)))
         yield f"length {number_text(length)} m", replace(kind, length=length)

@@ -116,7 +116,8 @@ class Assembly:
         parameters = read_parameters(statements, self._given, self._problems)
         vehicle = self._vehicle(statements)
         self._values = Values(self._problems, parameters, vehicle, self._readings)
-        self._legs = Legs(self._values)
+        areas = {s.name.text: s for s in statements if isinstance(s, AreaText)}
+        self._legs = Legs(self._values, areas)
         for index, statement in enumerate(statements):
             self._take(statement, first=index == 0)
         while len(self._scopes) > 1:

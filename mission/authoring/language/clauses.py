@@ -124,6 +124,14 @@ class Places:
 
 
 @dataclass(frozen=True, slots=True)
+class OfArea:
+    """The corners of an area of the mission, in the place of places."""
+
+    word: Name
+    area: Name
+
+
+@dataclass(frozen=True, slots=True)
 class Chosen:
     """A word with one of its own words behind it: side port."""
 
@@ -164,7 +172,7 @@ class Named:
     where: Where
 
 
-Clause = Wire | Value | Guarded | Places | Chosen | Until | Else | OutputText | Named
+Clause = Wire | Value | Guarded | Places | OfArea | Chosen | Until | Else | OutputText | Named
 
 # --- the other statements -------------------------------------------------------------------
 

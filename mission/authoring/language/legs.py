@@ -7,11 +7,13 @@ What does not live here: names and groups (assembly.py), what this vehicle can f
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from mission.authoring.language.clauses import (
     Amount,
+    AreaText,
     Chosen,
     Clause,
     Else,
@@ -20,6 +22,7 @@ from mission.authoring.language.clauses import (
     LegText,
     Name,
     Named,
+    OfArea,
     OutputText,
     Places,
     Until,
@@ -57,6 +60,7 @@ from mission.model import (
     Where,
 )
 from mission.model.extent import PLACES
+from mission.model.likeness import suggestion
 
 _COUNT_MOST = 9999
 
@@ -83,8 +87,9 @@ class _Parts:
 class Legs:
     """Builds legs for one file; ``values`` knows the vehicle, the parameters and the problems."""
 
-    def __init__(self, values: Values) -> None:
-        self._values = values
+    def __init__(self, values: Values, areas: Mapping[str, AreaText]) -> None:
+        """``areas``: those of the mission, by name."""
+        self._values, self._areas = values, areas
         self._problems = values.problems
         self._settings = Settings(values)
 
@@ -128,6 +133,8 @@ class Legs:
                 self._guarded(parts, clause)
             case Places():
                 self._places(parts, clause)
+            case OfArea():
+                self._of_area(parts, clause)
             case Chosen(word, choice):
                 self._chosen(parts, word, choice)
             case Until():
@@ -217,6 +224,20 @@ class Legs:
             message = f"{word.text} needs several places"
             self._problems.add("one-place", word.where, message, hint)
         self._same_places(clause)
+
+    def _of_area(self, parts: _Parts, clause: OfArea) -> None:
+        if not kinds()[clause.word.text].encloses:
+            hint = f"name its places, or write cover area {clause.area.text}"
+            message = f"{clause.word.text} goes along places, not over an area"
+            self._problems.add("foreign-word", clause.area.where, message, hint)
+        elif (area := self._areas.get(clause.area.text)) is None:
+            hint = suggestion(clause.area.text, list(self._areas), "areas")
+            hint = hint or "keep in and keep out name areas; else write its corners here"
+            self._begin(parts, clause.word)
+            message = f"there is no area {clause.area.text!r}"
+            self._problems.add("unknown-area", clause.area.where, message, hint)
+        else:
+            self._places(parts, Places(clause.word, area.corners))
 
     def _same_places(self, clause: Places) -> None:
         places = [self._values.place(p, here=True) for p in clause.places]

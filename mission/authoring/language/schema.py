@@ -217,13 +217,10 @@ def _kind(row: LegType) -> Schema:
         case Shape.PLACE | Shape.ABOUT:
             return _ref("place", row.description)
         case Shape.PLACES:
-            places = {"$ref": "#/definitions/place"}
-            return {
-                "type": "array",
-                "minItems": 2,
-                "items": places,
-                "description": row.description,
-            }
+            places = {"type": "array", "minItems": 2, "items": {"$ref": "#/definitions/place"}}
+            area = {"type": "string", "pattern": r"^area\s+[A-Za-z_][A-Za-z0-9_-]*$"}
+            forms = [places, area] if row.encloses else [places]
+            return {"anyOf": forms, "description": row.description}
 
 
 def _leg() -> Schema:

@@ -40,6 +40,7 @@ from mission.authoring.language.clauses import (
     Name,
     Named,
     Negation,
+    OfArea,
     Offset,
     On,
     Opening,
@@ -303,6 +304,9 @@ class _Clauses:
 
     def placed(self, word: Token, *places: PlaceText | None) -> Places:
         return Places(self._name(word), tuple(p for p in places if p is not None))
+
+    def borrowed(self, word: Token, area: Token) -> OfArea:
+        return OfArea(self._name(word), self._name(area))
 
     def chosen(self, word: Token, choice: Token) -> Chosen:
         return Chosen(self._name(word), self._name(choice))

@@ -247,6 +247,8 @@ class _Form:
             place = self._place(node)
             if place is not None:
                 yield Places(word, (place,))
+        elif shape is Shape.PLACES and isinstance(node, ScalarNode):
+            yield from self._as_in_a_line(word, node)
         elif shape is Shape.PLACES:
             places = [
                 self._place(item) or Offset(Amount(str(i), "", word.where), _NO_METRES)
@@ -273,12 +275,12 @@ class _Form:
 
     def _sized(self, word: Name, node: Node) -> Iterator[Clause]:
         if word.text in GUARDED and isinstance(node, ScalarNode) and NEVER_BELOW in node.value:
-            yield from self._guarded(word, node)
+            yield from self._as_in_a_line(word, node)
         elif (amount := self._nodes.amount(node)) is not None:
             yield Value(word, amount)
 
-    def _guarded(self, word: Name, node: ScalarNode) -> Iterator[Clause]:
-        """``8 m never below altitude 3 m`` reads as in a line, behind its word."""
+    def _as_in_a_line(self, word: Name, node: ScalarNode) -> Iterator[Clause]:
+        """``8 m never below altitude 3 m`` and ``area bay``, behind their words."""
         strip = strip_of(node)
         (_, line, column), ahead = strip.parts[0], f"{word.text} "
         read = self._syntax.leg(Strip.at(ahead + strip.text, line, column - len(ahead)))
@@ -286,7 +288,7 @@ class _Form:
             return
         if len(read.clauses) > 1:
             hint = f"each word of a leg is a key of its own beside {word.text}"
-            message = f"{word.text} has more behind it than one setting"
+            message = f"{word.text} has more behind it than belongs to it"
             self._problems.add("yaml-type", where_of(node), message, hint)
         yield read.clauses[0]
 

@@ -17,11 +17,11 @@ from links.simulated.sea import Sea
 from links.simulated.sensors import SensorErrors
 from links.simulated.settings import Settings
 from mission.authoring.check.fenced import fenced
+from mission.authoring.check.places import local_of, pattern_of, places_of
 from mission.engine.areas import Fence
-from mission.legs import Follow, Loiter, Rows
+from mission.legs import Follow, Loiter
 from mission.legs.base import Point
-from mission.legs.rows import corners
-from mission.model import Leg, LegKind, Local, Mission, Place, Position, State
+from mission.model import Leg, LegKind, Mission, Position, State
 from mission.model.chart import Chart
 from mission.model.vehicle import Vehicle
 from mission.navigation.distribution import PLANE_95
@@ -119,34 +119,20 @@ def _nearest(spots: tuple[Spot, ...], point: Point) -> Spot:
 
 
 def _turns(kind: LegKind | None, begin: Point, frame: LocalFrame | None) -> tuple[Point, ...]:
-    match kind:
-        case Rows(start):
-            return corners(kind, begin if start is None else _local(start, frame))
-        case Follow(places):
-            return tuple(_local(place, frame) for place in places)
-        case _:
-            return ()
+    if kind is not None and (pattern := pattern_of(kind, frame, begin)) is not None:
+        return pattern.points
+    return places_of(kind, frame) if isinstance(kind, Follow) else ()
 
 
 def _area(kind: LegKind | None, begin: Point, frame: LocalFrame | None) -> tuple[Point, ...]:
+    if kind is not None and (pattern := pattern_of(kind, frame, begin)) is not None:
+        return pattern.outline
     match kind:
-        case Rows(start):
-            points = corners(kind, begin if start is None else _local(start, frame))
-            along = points[-2:] if kind.count % 2 == 0 else points[-1:-3:-1]
-            return (points[0], points[1], *along)
         case Loiter(place, radius):
-            centre = begin if place is None else _local(place, frame)
+            centre = begin if place is None else local_of(place, frame)
             turns = (math.tau * step / _CIRCLE for step in range(_CIRCLE))
             return tuple(
                 (centre[0] + radius * math.cos(a), centre[1] + radius * math.sin(a)) for a in turns
             )
         case _:
             return ()
-
-
-def _local(place: Place, frame: LocalFrame | None) -> Point:
-    if isinstance(place, Local):
-        return place.north, place.east
-    if isinstance(place, Position) and frame is not None:
-        return frame.to_local(math.radians(place.latitude_deg), math.radians(place.longitude_deg))
-    return 0.0, 0.0

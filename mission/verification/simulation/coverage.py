@@ -1,6 +1,6 @@
 """What rows with a swath have really seen of their area, by truth and by estimate.
 
-    area      length x ((count - 1) spacing + min(swath, spacing)), about the rows
+    area      length x ((count - 1) spacing + min(swath, spacing)), about the rows; or a polygon
     seen      at each step along the rows, half a swath to either side, across them
 
 A step that leads more across the rows than along them turns, and sees nothing. What the estimate
@@ -10,14 +10,16 @@ says is what the vehicle would report; what is true is what the author brings ho
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 
-from mission.legs import Rows
+from mission.authoring.check.places import pattern_of
 from mission.legs.base import Point
-from mission.model import Local, Mission, Position, aims_of
+from mission.legs.pattern import Pattern
+from mission.model import Mission, aims_of
 from mission.navigation.geodesy import LocalFrame
+from mission.navigation.polygons import inside
 from mission.verification.simulation.flightlog import Flight, Sample
 
 _CELLS = 200  # along the longer side of the area, at most
@@ -37,56 +39,47 @@ def coverage_of(flight: Flight, mission: Mission) -> tuple[Coverage, ...]:
     """For each leg of rows that says a swath, in the mission's order."""
     frame = LocalFrame(mission.home) if mission.home is not None else None
     found = []
-    for path, kind in _surveys(mission):
+    for path, leg, _ in aims_of(mission.body, ()):
         begun = next((leg for leg in flight.legs if is_of(leg.name, path)), None)
-        start = _start(kind, frame, flight, begun.entered if begun else math.inf)
+        here = _entered(flight, begun.entered if begun else math.inf)
+        pattern = pattern_of(leg.kind, frame, here)
+        if pattern is None or not pattern.swath:
+            continue
         runs = [
             [s for s in flight.samples if leg.entered <= s.t <= leg.left]
             for leg in flight.legs
             if is_of(leg.name, path)
         ]
-        true, estimated = (seen(kind, start, runs, place) for place in (_truth, _belief))
+        true, estimated = (seen(pattern, runs, place) for place in (_truth, _belief))
         found.append(Coverage(path, true, estimated))
     return tuple(found)
 
 
 def seen(
-    kind: Rows,
-    start: Point,
+    pattern: Pattern,
     runs: Iterable[Iterable[Sample]],
     place: Callable[[Sample], Point],
 ) -> float:
     """The share of the area that was seen from the places of the samples of each run."""
     import numpy as np
 
-    edge = min(kind.swath, kind.spacing) if kind.count > 1 else kind.swath
-    wide = (kind.count - 1) * kind.spacing + edge
-    cell = max(max(kind.length, wide) / _CELLS, min(kind.swath / _FINE, 1.0))
-    along = (np.arange(max(1, int(kind.length / cell))) + 0.5) * cell
-    across = (np.arange(max(1, int(wide / cell))) + 0.5) * cell - edge / 2.0
-    across += kind.skip * kind.spacing
+    long, wide = (axis[1] - axis[0] for axis in (pattern.along, pattern.across))
+    cell = max(max(long, wide) / _CELLS, min(pattern.swath / _FINE, 1.0))
+    along = (np.arange(max(1, int(long / cell))) + 0.5) * cell + pattern.along[0]
+    across = (np.arange(max(1, int(wide / cell))) + 0.5) * cell + pattern.across[0]
     grid = np.zeros((len(along), len(across)), dtype=bool)
     for run in runs:
-        for (a, b), (c, d) in pairwise(_in_rows(kind, start, place(s)) for s in run):
+        for (a, b), (c, d) in pairwise(pattern.framed(place(s)) for s in run):
             if abs(c - a) <= abs(d - b):
                 continue
-            inside = (along >= min(a, c)) & (along < max(a, c))
-            middle = b + (d - b) * (along[inside] - a) / (c - a)
-            grid[inside] |= np.abs(across[None, :] - middle[:, None]) <= kind.swath / 2.0
-    return float(grid.mean())
-
-
-def _in_rows(kind: Rows, start: Point, here: Point) -> Point:
-    """Metres along the first row, and from it to the side of the next ones."""
-    north, east = here[0] - start[0], here[1] - start[1]
-    c, s = math.cos(kind.bearing), math.sin(kind.bearing)
-    return north * c + east * s, kind.side * (east * c - north * s)
-
-
-def _surveys(mission: Mission) -> Iterator[tuple[str, Rows]]:
-    for path, leg, _ in aims_of(mission.body, ()):
-        if isinstance(leg.kind, Rows) and leg.kind.swath > 0.0:
-            yield path, leg.kind
+            between = (along >= min(a, c)) & (along < max(a, c))
+            middle = b + (d - b) * (along[between] - a) / (c - a)
+            grid[between] |= np.abs(across[None, :] - middle[:, None]) <= pattern.swath / 2.0
+    if pattern.whole:
+        return float(grid.mean())
+    outline = [pattern.framed(corner) for corner in pattern.outline]
+    area = np.array([[inside(outline, (a, b)) for b in across] for a in along])
+    return float(grid[area].mean()) if area.any() else 0.0
 
 
 def is_of(name: str, path: str) -> bool:
@@ -95,16 +88,10 @@ def is_of(name: str, path: str) -> bool:
     return plain == path or plain.startswith(f"{path}/row")
 
 
-def _start(kind: Rows, frame: LocalFrame | None, flight: Flight, begun: float) -> Point:
-    place = kind.start
-    if isinstance(place, Local):
-        return place.north, place.east
-    if isinstance(place, Position) and frame is not None:
-        return frame.to_local(math.radians(place.latitude_deg), math.radians(place.longitude_deg))
-    if place is None:  # where the leg was entered, as the vehicle took it
-        here = next((s for s in flight.samples if s.t >= begun), None)
-        return _belief(here) if here is not None else (0.0, 0.0)
-    return 0.0, 0.0
+def _entered(flight: Flight, begun: float) -> Point:
+    """Where a leg was entered, as the vehicle took it."""
+    here = next((s for s in flight.samples if s.t >= begun), None)
+    return _belief(here) if here is not None else (0.0, 0.0)
 
 
 def _truth(sample: Sample) -> Point:

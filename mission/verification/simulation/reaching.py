@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from mission.legs import Rows
+from mission.legs import LEGS
 from mission.model import Aims, Mission, aims_of
 from mission.verification.simulation.coverage import coverage_of, is_of
 from mission.verification.simulation.flightlog import Flight
@@ -42,7 +42,7 @@ def achieved_by(flight: Flight, mission: Mission) -> tuple[Achieved, ...]:
     return tuple(
         Achieved(path, tuple(sorted(aims.items())), tuple(_figures(flight, path, seen, aims)))
         for path, leg, aims in aims_of(mission.body, mission.achieve)
-        if isinstance(leg.kind, Rows) and aims
+        if LEGS[type(leg.kind)].surveys and aims
     )
 
 

@@ -1,0 +1,90 @@
+"""Rows with fixes at the surface between them: a leg of rows in runs, a way up before each next.
+
+    resurface N   a fix after every N rows
+    unsure M      single rows, each followed by a look at the estimate's uncertainty, and a fix
+                  where that is more than M m
+
+The estimate learns the current from each two fixes, and the next rows are steered with it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+from mission.legs.hold import Hold
+from mission.legs.surface import Surface
+from mission.legs.words import Measure
+from mission.model import Comparison, Exit, Guard, Leg, LegKind, Setting
+
+RESURFACE = Measure(
+    "resurface", "", 1, 9999, "up for a fix after so many rows", 0.0, "2", silent=True
+)
+UNSURE = Measure(
+    "unsure",
+    "m",
+    1,
+    10000,
+    "up for a fix after a row where `uncertainty` is more",
+    0.0,
+    "15",
+    silent=True,
+)
+FIX_S = 300.0  # that a way up may take until there is a fix; then the mission's on timeout
+_LOOK_S = 4.0  # two reports: so long the estimate is looked at between two rows
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """Rows between two looks: the ``first`` of them counted in the leg from 0, what is flown, its
+    share of the leg's timeout, and the direction of its last row (rad)."""
+
+    first: int
+    kind: LegKind
+    share: float
+    heading: float
+
+
+def parted(leg: Leg, runs: Iterable[Run], unsure: float) -> tuple[Leg, ...]:
+    """``unsure``: m of uncertainty, 0 for a fix in any case."""
+    runs = tuple(runs)
+    parts = [_flown(leg, runs[0])]
+    for before, run in pairwise(runs):
+        parts += [*_between(leg, run.first, before.heading, unsure), _flown(leg, run)]
+    return tuple(parts)
+
+
+def _flown(leg: Leg, run: Run) -> Leg:
+    timeout = None if leg.timeout is None else leg.timeout * run.share
+    return replace(leg, name=_name(run.first), kind=run.kind, timeout=timeout, achieve=())
+
+
+def _name(row: int) -> str:
+    return f"row{row + 1}"
+
+
+def _between(leg: Leg, row: int, heading: float, unsure: float) -> Iterator[Leg]:
+    """Before ``row``: a fix, or a look at whether one is needed."""
+    if unsure > 0.0:
+        known = Comparison("uncertainty", "<=", unsure, where=leg.where)
+        kept = (*leg.settings, Setting("heading", heading, leg.where))
+        onwards = (Exit(Guard(known), _name(row), leg.where),)
+        yield Leg(f"look{row}", Hold(), kept, onwards, duration=_LOOK_S,
+                  otherwise=leg.otherwise, where=leg.where)  # fmt: skip
+    yield Leg(f"fix{row}", Surface(until_fix=True), timeout=FIX_S, otherwise=leg.otherwise,
+              where=leg.where)  # fmt: skip
+
+
+def parting_fault(leg: Leg, resurface: float, unsure: float) -> str:
+    """What keeps rows from coming up between; "" if nothing does."""
+    said = {setting.word for setting in leg.settings}
+    if resurface and unsure:
+        return "resurface and unsure are two rules for one thing: keep one"
+    if "surge" not in said or said.isdisjoint({"depth", "altitude"}):
+        return "at the surface all is off: say gear, and depth or altitude, in this leg"
+    if leg.duration is not None:
+        return "rows that resurface end by themselves: say timeout, not for"
+    if any(way.target is None for way in leg.exits):
+        return "until would lead to the next part of the rows: say until ... -> NAME"
+    return ""
