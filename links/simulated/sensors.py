@@ -80,6 +80,8 @@ class SensorErrors:
     altitude_drop: float = 0.1  # share of samples without an echo
     temperature: float = 18.0  # deg C at the surface, 0.05 less per metre
     temperature_noise: float = 0.02
+    thermocline: tuple[float, float] = (0.0, 0.0)  # deg C colder below, m
+    warm_layer: tuple[float, float] = (0.0, 0.0)  # deg C warmer in the middle of it, m
     magnetic_noise: float = 0.1e-6  # T
     fix_noise: float = 2.5  # m per axis
     speed_noise: float = 0.05  # m/s per axis, of the GPS
@@ -90,6 +92,18 @@ class SensorErrors:
 def _half_circle(angle: float) -> float:
     """As a sensor says it: within half a turn either way."""
     return angle if -pi <= angle <= pi else remainder(angle, TWO_PI)
+
+
+def warmth(errors: SensorErrors, depth: float) -> float:
+    """Of the water at a depth, deg C. A thermocline is 4 m thick, a warm layer 10 m."""
+    degrees = errors.temperature - 0.05 * depth
+    colder, below = errors.thermocline
+    if colder:
+        degrees -= colder / (1.0 + exp(min(2.0 * (below - depth), 700.0)))
+    warmer, middle = errors.warm_layer
+    if warmer:
+        degrees += warmer * exp(-(((depth - middle) / 2.5) ** 2))
+    return degrees
 
 
 def normals(rng: Random, count: int) -> list[float]:
@@ -178,7 +192,7 @@ class Sensors:
             _half_circle(plant.roll + roll * noise),
             plant.pitch + pitch * noise,
             (yaw + error + compass * errors.compass_noise) % TWO_PI,
-            errors.temperature - 0.05 * plant.depth + warm * errors.temperature_noise,
+            warmth(errors, plant.depth) + warm * errors.temperature_noise,
             plant.depth + self.depth_bias + deep * errors.depth_noise,
             height + high * errors.altitude_noise if self._echo else self._without(5),
             *self._magnetic(plant, magnetic),

@@ -3,6 +3,7 @@
     SettingError      (the operator must act: which text, what instead, which keys there are)
 
     current=0.3@45        m/s towards 45 deg          deep_current=0.1@200   the same at the floor
+    thermocline=4@12      deg C colder below 12 m
     floor=25              m                           declination=-6.1       deg, east positive
     compass_bias=4        deg                         buoyancy=15            N, net
     fault=depth_frozen@120+60                         a row of FAULTS from 120 s for 60 s
@@ -88,6 +89,18 @@ def _errors(name: str, scale: float, low: float = 0.0, high: float = inf) -> App
     return apply
 
 
+def _layer(name: str) -> Apply:
+    def apply(settings: Settings, text: str) -> Settings:
+        degrees, at, depth = text.partition("@")
+        if not at:
+            raise SettingError(f"write degrees@depth, e.g. 4@12, not {text!r}")
+        layer = _number(degrees, -30.0, 30.0), _number(depth, 0.0, 11000.0)
+        changed: SensorErrors = replace(settings.errors, **{name: layer})  # type: ignore[arg-type]
+        return replace(settings, errors=changed)
+
+    return apply
+
+
 def _buoyancy(settings: Settings, text: str) -> Settings:
     return replace(settings, body=replace(settings.body, buoyancy=_number(text, -50.0, 100.0)))
 
@@ -140,6 +153,8 @@ SETTINGS: dict[str, Setting] = {
     "depth_noise": Setting("M", "one sigma", _errors("depth_noise", 1.0)),
     "altitude_range": Setting("M", "no echo beyond", _errors("altitude_range", 1.0)),
     "altitude_drop": Setting("SHARE", "without an echo", _errors("altitude_drop", 1.0, 0.0, 1.0)),
+    "thermocline": Setting("DEG@DEPTH", "C colder below m", _layer("thermocline")),
+    "warm_layer": Setting("DEG@DEPTH", "C warmer at m", _layer("warm_layer")),
     "fix_noise": Setting("M", "one sigma per axis", _errors("fix_noise", 1.0)),
     "first_fix": Setting("S", "after power-on", _errors("first_fix", 1.0)),
     "buoyancy": Setting("N", "net, upward", _buoyancy),

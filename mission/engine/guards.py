@@ -6,25 +6,25 @@ Unknown never opens anything and ends ``held``. An expression is compiled once i
 a row of values; a Sheet says which variables all guards of one leg need, so that each is read once
 and no other is read at all.
 
-What does not live here: what a variable is (variables), which guard is looked at when (run).
+What does not live here: what a variable is (variables), what is remembered of it (memory), which
+guard is looked at when (run).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from mission.engine.variables import (
-    VARIABLES,
     Scope,
     Value,
     Variable,
     difference,
-    reading_row,
+    row_of,
     value_of,
 )
-from mission.model import And, Comparison, Expression, Guard, Not
+from mission.model import And, Back, Comparison, Expression, Guard, Not, Trend, terms
 from mission.navigation import distribution
 from protocol.vehicles.channels import Source
 
@@ -54,19 +54,6 @@ class Compiled:
         return due
 
 
-def comparisons(expression: Expression) -> Iterator[Comparison]:
-    """As written, from left to right."""
-    stack = [expression]
-    while stack:
-        node = stack.pop()
-        if isinstance(node, Comparison):
-            yield node
-        elif isinstance(node, Not):
-            stack.append(node.operand)
-        else:
-            stack.extend(reversed(node.operands))
-
-
 class Sheet:
     """The variables of a set of guards, each read once however many ask for it."""
 
@@ -86,12 +73,12 @@ class Sheet:
         return tuple((self.rows[i].name, values[i]) for i in guard.reads)
 
     def add(self, guard: Guard) -> Compiled:
-        found = list(comparisons(guard.expression))
-        places = tuple(dict.fromkeys(self._place(c.variable) for c in found))
+        found = list(terms(guard.expression))
+        places = tuple(dict.fromkeys(self._place(name) for term in found for name in term.asks))
         timed = tuple(
             (self._place(c.variable), c.bound + (STRICT_S if c.operator in (">", "<=") else 0.0))
             for c in found
-            if self._row(c.variable).timed
+            if isinstance(c, Comparison) and self._row(c.variable).timed
         )
         ages = {row.max_age for row in self.rows if row.max_age < math.inf}
         self.stale_after = tuple(sorted(ages))
@@ -104,12 +91,16 @@ class Sheet:
         return self._places[name]
 
     def _row(self, name: str) -> Variable:
-        source = self._sources.get(name)
-        return VARIABLES[name] if source is None else reading_row(name, source)
+        return row_of(name, self._sources)
 
     def _test(self, expression: Expression) -> Test:
         if isinstance(expression, Comparison):
             return self._comparison(expression)
+        if isinstance(expression, Trend):
+            return _trend(tuple(self._place(name) for name in expression.asks), expression)
+        if isinstance(expression, Back):
+            place = self._place(expression.variable)
+            return _back(place, self._row(expression.variable), expression)
         if isinstance(expression, Not):
             return _negation(self._test(expression.operand))
         tests = tuple(self._test(part) for part in expression.operands)
@@ -196,6 +187,28 @@ def _sure(place: int, row: Variable, operator: str, bound: float, sure: float) -
                 return _PLAIN[operator](0, 0.0)([off], scope)
             share = distribution.below(0.0, off, sigma)
         return (share if wants_less else 1.0 - share) >= sure
+
+    return test
+
+
+def _trend(places: tuple[int, ...], term: Trend) -> Test:
+    sign = 1.0 if term.rises else -1.0
+
+    def test(values: list[Value], scope: Scope) -> bool | None:
+        value, extreme = values[places[0]], scope.memory.extreme(term) if scope.memory else None
+        if value is None or extreme is None or values[places[-1]] is None:
+            return None
+        return sign * (value - extreme) >= term.amount
+
+    return test
+
+
+def _back(place: int, row: Variable, term: Back) -> Test:
+    def test(values: list[Value], scope: Scope) -> bool | None:
+        value, there = values[place], scope.memory.peak(term) if scope.memory else None
+        if value is None or there is None:
+            return None
+        return abs(difference(row, value, there)) <= term.within
 
     return test
 

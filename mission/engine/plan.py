@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from mission.engine.guards import Compiled, Sheet
 from mission.legs import LEGS, LegType
-from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, Leg
+from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, Leg, Trend, terms
 from protocol.messages import Setpoint
 
 
@@ -26,6 +26,7 @@ class Plan:
     sheet: Sheet
     groups: tuple[str, ...]  # around it, innermost first
     repeated: str  # the innermost that repeats, or ""
+    trends: tuple[Trend, ...]  # that its guards watch
 
 
 def plan_of(chart: Chart, path: str) -> Plan:
@@ -41,6 +42,8 @@ def plan_of(chart: Chart, path: str) -> Plan:
         handlers = [e for g in (*groups, AUTONOMOUS) for e in chart.leaving(g)]
         edges = [e for e in handlers if e.by is By.ON] + edges
     sheet = Sheet(chart.sources)
+    watched = [e.guard for e in edges if e.guard is not None]
+    asked = dict.fromkeys(t for guard in watched for t in terms(guard.expression))
     guarded = tuple((e, sheet.add(e.guard)) for e in edges if e.guard is not None)
     return Plan(
         path,
@@ -52,6 +55,7 @@ def plan_of(chart: Chart, path: str) -> Plan:
         sheet,
         tuple(groups),
         next((g for g in groups if repeat_of(chart, g) > 1), ""),
+        tuple(term for term in asked if isinstance(term, Trend)),
     )
 
 

@@ -18,6 +18,7 @@ from typing import Self
 from mission.engine.ascent import Ascent, Way
 from mission.engine.clearance import Clearance, is_guarded
 from mission.engine.lasting import Lasting
+from mission.engine.memory import Memory
 from mission.engine.plan import Plan, name_of, plan_of, repeat_of
 from mission.engine.variables import VARIABLES, Scope, Value, value_of
 from mission.engine.vehicle_state import VehicleState
@@ -66,6 +67,7 @@ class Run:
         self._pilot: Pilot | None = None
         self._steered_by: Estimate | None = None
         self._held = Lasting()
+        self._memory = Memory(chart)
         self._spent: dict[str, str] = {}  # handlers that acted and were not seen false since
         self._taken: set[str] = set()  # handlers that acted at all
         self._blind: dict[str, float] = {}
@@ -106,6 +108,7 @@ class Run:
         self.travelled, self.refused = 0.0, False
         self.at_surface = False
         self._blind, self._needed_by = {}, None
+        self._memory.begin(self._plan.trends, again=history)
         if not history:
             self.rounds.update(dict.fromkeys((g for g in self._plan.groups if g in entered), 1))
             self._spent = {h: source for h, source in self._spent.items() if source not in entered}
@@ -312,7 +315,9 @@ class Run:
         return ascent.act(vehicle_state.now, vehicle_state.moving_depth, vehicle_state.overturned)
 
     def reckon(self, vehicle_state: VehicleState) -> None:
-        """Adds a new estimate to the path over ground."""
+        """Adds a new estimate to the path over ground, and a new report to what is remembered."""
+        if self._memory.watching:
+            self._memory.take(self.scope(vehicle_state))
         e = vehicle_state.estimate
         if e is None or e.t <= self._reckoned:
             return
@@ -339,6 +344,7 @@ class Run:
             self.travelled,
             self.round,
             self._track_from(vehicle_state),
+            self._memory,
         )
 
     def value(self, name: str, vehicle_state: VehicleState) -> Value:

@@ -15,12 +15,13 @@ What does not live here: comparisons and Kleene's logic (guards), how a text is 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from random import Random
+from typing import Protocol
 
 from mission.legs.base import Track, wrap
-from mission.model import Estimate, Health, NavigationMode, Reading
+from mission.model import Back, Estimate, Health, NavigationMode, Reading, Trend
 from mission.model.tables import Table
 from mission.model.vehicle import REPORTS, STALE_AFTER
 from mission.navigation import distribution
@@ -31,6 +32,14 @@ CLOCK = "clock"
 SOURCES = REPORTS | {CLOCK}  # what a variable may be known by
 
 _TRACK = ("heading", "position")  # what dead reckoning needs
+
+
+class Recall(Protocol):
+    """What is remembered of readings, in SI; None: not known (mission.engine.memory)."""
+
+    def extreme(self, trend: Trend) -> float | None: ...
+
+    def peak(self, back: Back) -> float | None: ...
 
 
 @dataclass(slots=True)
@@ -46,6 +55,7 @@ class Scope:
     travelled: float
     round: int
     track: Callable[[], Track | None]
+    memory: Recall | None = None
 
 
 Value = float | None
@@ -341,6 +351,12 @@ def reading_row(name: str, source: Source) -> Variable:
         source.meaning,
         read=lambda scope: None if scope.telemetry is None else read(scope.telemetry),
     )
+
+
+def row_of(name: str, sources: Mapping[str, Source]) -> Variable:
+    """``sources``: those of the vehicle's readings, by name."""
+    source = sources.get(name)
+    return VARIABLES[name] if source is None else reading_row(name, source)
 
 
 def value_of(row: Variable, scope: Scope) -> Value:

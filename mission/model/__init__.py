@@ -53,6 +53,7 @@ from mission.model.texts import (
     And,
     Area,
     Axis,
+    Back,
     Comparison,
     Exit,
     Expression,
@@ -72,9 +73,12 @@ from mission.model.texts import (
     Safety,
     Set,
     Setting,
+    Term,
+    Trend,
     Where,
     aims_of,
     legs_of,
+    terms,
 )
 
 __all__ = [
@@ -98,6 +102,7 @@ __all__ = [
     "Area",
     "AutoNode",
     "Axis",
+    "Back",
     "By",
     "Chart",
     "Comparison",
@@ -135,10 +140,13 @@ __all__ = [
     "Setting",
     "State",
     "Step",
+    "Term",
+    "Trend",
     "Tx",
     "Verdict",
     "Vertical",
     "Where",
     "aims_of",
     "legs_of",
+    "terms",
 ]

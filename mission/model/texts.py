@@ -39,6 +39,46 @@ class Comparison:
     sure: float | None = None
     where: Where = field(default=NOWHERE, compare=False)
 
+    @property
+    def asks(self) -> tuple[str, ...]:
+        return (self.variable,)
+
+
+@dataclass(frozen=True, slots=True)
+class Trend:
+    """``variable`` falls, or ``rises``, by ``amount`` (SI) within the last ``window`` s, or
+    within ``window`` m of the depth that it is at (``of_depth``); infinite: since the leg began."""
+
+    variable: str
+    rises: bool
+    amount: float
+    window: float = math.inf
+    of_depth: bool = False
+    where: Where = field(default=NOWHERE, compare=False)
+
+    @property
+    def asks(self) -> tuple[str, ...]:
+        return (self.variable, "depth") if self.of_depth else (self.variable,)
+
+
+@dataclass(frozen=True, slots=True)
+class Back:
+    """``variable`` is within so much (SI) of what it was where ``peak`` was ``highest``, or else
+    lowest, in the leg before."""
+
+    variable: str
+    highest: bool
+    peak: str
+    within: float
+    where: Where = field(default=NOWHERE, compare=False)
+
+    @property
+    def asks(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys((self.variable, self.peak)))
+
+
+Term = Comparison | Trend | Back
+
 
 @dataclass(frozen=True, slots=True)
 class Not:
@@ -55,7 +95,7 @@ class Or:
     operands: tuple[Expression, ...]
 
 
-Expression = Comparison | Not | And | Or
+Expression = Term | Not | And | Or
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +104,19 @@ class Guard:
 
     expression: Expression
     held: float = 0.0
+
+
+def terms(expression: Expression) -> Iterator[Term]:
+    """What is joined by and, or, not; as written, from left to right."""
+    stack = [expression]
+    while stack:
+        node = stack.pop()
+        if isinstance(node, Not):
+            stack.append(node.operand)
+        elif isinstance(node, And | Or):
+            stack.extend(reversed(node.operands))
+        else:
+            yield node
 
 
 # --- the mission as its author wrote it -----------------------------------------------------------

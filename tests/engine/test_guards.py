@@ -11,10 +11,10 @@ from engine_world import Navigation
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mission.engine.guards import Sheet, comparisons
+from mission.engine.guards import Sheet
 from mission.engine.variables import VARIABLES, Scope, reading_of, value_of
 from mission.legs import Track
-from mission.model import And, Comparison, Guard, Health, NavigationMode, Not, Or
+from mission.model import And, Comparison, Guard, Health, NavigationMode, Not, Or, terms
 from mission.navigation import distribution
 from protocol.messages import Telemetry
 
@@ -268,9 +268,9 @@ def test_each_variable_of_a_leg_is_read_once_and_no_other():
     assert [row.name for row in sheet.rows] == ["depth"]
 
 
-def test_comparisons_are_found_in_the_order_of_the_text():
+def test_terms_are_found_in_the_order_of_the_text():
     expression = Or((And((TRUE, Not(UNKNOWN))), FALSE))
-    assert list(comparisons(expression)) == [TRUE, UNKNOWN, FALSE]
+    assert list(terms(expression)) == [TRUE, UNKNOWN, FALSE]
 
 
 # --- one contract over all rows -----------------------------------------------------------

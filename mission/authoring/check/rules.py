@@ -5,6 +5,7 @@
     no-way-up      a state from which clocks alone do not lead to the surface
     unreachable    a leg that no way leads to
     unknowable     a guard on what this vehicle never reports
+    no-leg-before  a guard of the first leg that asks what the one before it found
     no-home        a latitude and longitude, in a mission that does not say where home is
     time           the worst case, with the ascent, exceeds the safety time
     radius         the swept path, widened by current and uncertainty, leaves the radius
@@ -39,6 +40,7 @@ from mission.model import (
     AUTONOMOUS,
     IMPLICIT_SURFACE,
     And,
+    Back,
     By,
     Chart,
     Comparison,
@@ -49,9 +51,11 @@ from mission.model import (
     Or,
     Position,
     State,
+    Trend,
     Where,
     buoyancy,
     legs_of,
+    terms,
 )
 from mission.model.diagnostics import Diagnostic, Stage
 from mission.model.vehicle import Vehicle
@@ -94,7 +98,7 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     assume = Assumptions.of(mission, vehicle, limits.depth)
     early = [*before_the_proof(mission, vehicle), *_no_bound(chart)]
     unbounded = bool(early)
-    early += [*_unknowable(chart, vehicle), *_not_clear(chart, vehicle)]
+    early += [*_unknowable(chart, vehicle), *_not_clear(chart, vehicle), *_none_before(chart)]
     if unbounded:
         return Report(tuple(early), None, tuple(told(chart, vehicle, assume, False)))
     flow = _flow(chart, vehicle, assume, limits)
@@ -205,27 +209,14 @@ def no_home(mission: Mission) -> Iterator[Diagnostic]:
             yield _refused("no-home", leg.where, message, "add home, or write north .. east ..")
 
 
-def _variables(expression: Expression) -> Iterator[Comparison]:
-    match expression:
-        case Comparison():
-            yield expression
-        case Not(operand):
-            yield from _variables(operand)
-        case And(operands) | Or(operands):
-            for operand in operands:
-                yield from _variables(operand)
-
-
 def _known(guard: Guard | Expression, vehicle: Vehicle) -> bool:
     """Whether this vehicle's readings can decide the guard (of an ``or``, one side is enough)."""
     match guard:
         case Guard(expression):
             return _known(expression, vehicle)
-        case Comparison(name):
-            if name not in VARIABLES:  # a reading that the vehicle file names
-                return True
-            sources = VARIABLES[name].source
-            return all(s == CLOCK or s in vehicle.reports for s in sources)
+        case Comparison() | Trend() | Back():
+            asked = [VARIABLES[name] for name in guard.asks if name in VARIABLES]  # or a reading
+            return all(s == CLOCK or s in vehicle.reports for row in asked for s in row.source)
         case Not(operand):
             return _known(operand, vehicle)
         case And(operands):
@@ -240,9 +231,19 @@ def _unknowable(chart: Chart, vehicle: Vehicle) -> Iterator[Diagnostic]:
         if edge.guard is None or edge.where in seen or _known(edge.guard, vehicle):
             continue
         seen.add(edge.where)
-        names = sorted({c.variable for c in _variables(edge.guard.expression)})
+        names = sorted({name for term in terms(edge.guard.expression) for name in term.asks})
         message = f"{vehicle.name} never reports what this guard needs ({', '.join(names)})"
         yield _refused("unknowable", edge.where, message, "ask what this vehicle reports")
+
+
+def _none_before(chart: Chart) -> Iterator[Diagnostic]:
+    if any(edge.target == chart.initial for edge in chart.edges):
+        return
+    for edge in chart.leaving(chart.initial):
+        asked = terms(edge.guard.expression) if edge.guard is not None else ()
+        if any(isinstance(term, Back) for term in asked):
+            message = f"{_name(chart.initial)} is the first leg: none before it has found a peak"
+            yield _refused("no-leg-before", edge.where, message, "let a leg before it look for it")
 
 
 def _ways(chart: Chart, proof: Proof) -> Iterator[Diagnostic]:

@@ -15,14 +15,14 @@ from mission.authoring.compiler.granularity import granularity_problems
 from mission.authoring.compiler.outputs import output_problems
 from mission.authoring.compiler.refusing import refused
 from mission.engine.clearance import at_depth, is_guarded
-from mission.engine.guards import comparisons
 from mission.engine.variables import CLOCK, VARIABLES
 from mission.legs import LEGS
-from mission.model import Axis, Expression, Leg, Where
+from mission.model import Axis, Expression, Leg, Trend, Where, terms
 from mission.model.diagnostics import Diagnostic
 from mission.model.tables import derived
 from mission.model.units import GEARS
 from mission.model.vehicle import CLOSED, Vehicle
+from mission.navigation.health import CHANNELS
 from protocol.codec import CannotEncode, VehicleCodec
 from protocol.messages import Setpoint
 from protocol.vehicles import codec
@@ -207,35 +207,61 @@ def guard_problems(
     expression: Expression, vehicle: Vehicle, where: Where, gives: frozenset[str] | None
 ) -> Iterator[Diagnostic]:
     """``gives``: the variables that only some leg types have and this one has; None: not a leg."""
-    for comparison in comparisons(expression):
-        place = comparison.where if comparison.where.line else where
-        variable = VARIABLES.get(comparison.variable)
-        if variable is None and comparison.variable in vehicle.readings:
-            continue
-        if variable is None:
+    for term in terms(expression):
+        place = term.where if term.where.line else where
+        for name in term.asks:
+            yield from _asked(name, vehicle, place, gives)
+        if isinstance(term, Trend):
+            yield from _never_true(term, place)
+
+
+def _asked(
+    name: str, vehicle: Vehicle, place: Where, gives: frozenset[str] | None
+) -> Iterator[Diagnostic]:
+    variable = VARIABLES.get(name)
+    if variable is None:
+        if name not in vehicle.readings:
             yield refused(
                 "unknown-variable",
                 place,
-                f"there is no variable {comparison.variable!r}",
+                f"there is no variable {name!r}",
                 f"known ones: {', '.join([*VARIABLES, *vehicle.readings])}",
             )
-            continue
-        absent = [s for s in variable.source if s != CLOCK and s not in vehicle.reports]
-        if absent:
-            yield refused(
-                "never-known",
-                place,
-                f"{comparison.variable} can never be known: {vehicle.name} does not report "
-                f"{' nor '.join(absent)}",
-                "use a variable that this vehicle reports",
-            )
-        elif gives is not None and comparison.variable in _given() - gives:
-            yield refused(
-                "never-known",
-                place,
-                f"{comparison.variable} is known only in legs that go to a place",
-                "use travelled, range or elapsed",
-            )
+        return
+    absent = [s for s in variable.source if s != CLOCK and s not in vehicle.reports]
+    if absent:
+        yield refused(
+            "never-known",
+            place,
+            f"{name} can never be known: {vehicle.name} does not report {' nor '.join(absent)}",
+            "use a variable that this vehicle reports",
+        )
+    elif gives is not None and name in _given() - gives:
+        yield refused(
+            "never-known",
+            place,
+            f"{name} is known only in legs that go to a place",
+            "use travelled, range or elapsed",
+        )
+
+
+def _never_true(term: Trend, place: Where) -> Iterator[Diagnostic]:
+    """A change that no believable reading makes: it would be taken for a broken sensor."""
+    row = CHANNELS.get(term.variable)
+    if row is None:
+        return
+    most = row.high - row.low
+    if not term.of_depth:
+        most = min(most, row.rate * term.window)
+    if term.amount > most:
+        moves = "rises" if term.rises else "falls"
+        yield refused(
+            "never-true",
+            place,
+            f"{term.variable} never {moves} by so much: readings are believed to {most:g} "
+            f"{VARIABLES[term.variable].unit}",
+            "ask for less, or give it longer",
+        )
 
 
 _Check = Callable[[Leg, Setpoint, Vehicle], Iterator[Diagnostic]]

@@ -35,7 +35,6 @@ from mission.authoring.compiler.outputs import (
 from mission.authoring.compiler.parts import parts_fault
 from mission.authoring.compiler.refusing import refused
 from mission.authoring.compiler.ways import Way, Ways
-from mission.engine.guards import comparisons
 from mission.legs import LEGS, Surface
 from mission.model import (
     AUTONOMOUS,
@@ -54,6 +53,7 @@ from mission.model import (
     State,
     Where,
     legs_of,
+    terms,
 )
 from mission.model.diagnostics import Diagnostic, MissionErrors, ordered
 from mission.model.extent import WATCHED
@@ -227,4 +227,4 @@ class _Compiler:
 
 
 def _watched(guarded: Iterable[Exit | Handler]) -> int:
-    return sum(1 for each in guarded for _ in comparisons(each.guard.expression))
+    return sum(1 for each in guarded for _ in terms(each.guard.expression))

@@ -12,7 +12,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 from mission.authoring.compiler.refusing import refused
-from mission.engine.guards import comparisons
 from mission.engine.variables import VARIABLES
 from mission.legs import LEGS
 from mission.model import (
@@ -25,6 +24,7 @@ from mission.model import (
     OutputSetting,
     Set,
     State,
+    terms,
 )
 from mission.model.diagnostics import Diagnostic
 from mission.model.vehicle import Vehicle
@@ -113,7 +113,7 @@ def complete(
 def sources_of(edges: Iterable[Edge], vehicle: Vehicle) -> tuple[tuple[str, Source], ...]:
     """The readings of the vehicle file that guards ask for."""
     guards = (edge.guard.expression for edge in edges if edge.guard is not None)
-    asked = {c.variable for guard in guards for c in comparisons(guard)}
+    asked = {name for guard in guards for term in terms(guard) for name in term.asks}
     rows = {source.name: source for source in vehicle_row(vehicle.codec).sources}
     names = sorted(name for name in asked if name not in VARIABLES and name in vehicle.readings)
     return tuple((name, rows[vehicle.readings[name]]) for name in names)

@@ -6,11 +6,24 @@
 from __future__ import annotations
 
 import json
+import math
 from typing import Any
 
 from mission.authoring.graph import words
 from mission.legs import LEGS
-from mission.model import And, Chart, Comparison, Edge, Expression, Guard, Not, Or, State
+from mission.model import (
+    And,
+    Back,
+    Chart,
+    Comparison,
+    Edge,
+    Expression,
+    Guard,
+    Not,
+    Or,
+    State,
+    Trend,
+)
 from mission.model.plain import to_plain
 from mission.model.regions import REGION_EDGES
 
@@ -86,6 +99,14 @@ def _expression(value: Expression) -> dict[str, Any]:
         case Comparison(variable, operator, bound, sure):
             row: dict[str, Any] = {"variable": variable, "operator": operator, "bound": bound}
             return row if sure is None else row | {"sure": sure}
+        case Trend(variable, rises, amount, window, of_depth):
+            reach = "depth" if of_depth else "time"
+            bounds = {reach: window} if math.isfinite(window) else {}
+            return {"variable": variable, "moves": "rises" if rises else "falls",
+                    "amount": amount, **bounds}  # fmt: skip
+        case Back(variable, highest, peak, within):
+            extreme = "highest" if highest else "lowest"
+            return {"variable": variable, "back at": extreme, "of": peak, "within": within}
         case Not(operand):
             return {"not": _expression(operand)}
         case And(operands):

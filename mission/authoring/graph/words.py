@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from mission.authoring.language.render import trend_text
 from mission.authoring.language.words import AIMS, ASSUMPTIONS
 from mission.engine.variables import VARIABLES
 from mission.legs import LEGS
@@ -16,6 +17,7 @@ from mission.model import (
     Aims,
     And,
     Area,
+    Back,
     By,
     Comparison,
     Edge,
@@ -26,6 +28,7 @@ from mission.model import (
     Not,
     Or,
     State,
+    Trend,
 )
 from mission.model.shown import bearing, duration, number
 from mission.model.texts import NEVER_BELOW
@@ -39,6 +42,8 @@ def expression(value: Expression) -> str:
     match value:
         case Comparison():
             return _comparison(value)
+        case Trend() | Back():
+            return trend_text(value, units=True)
         case Not(operand):
             return f"not ({expression(operand)})"
         case And(operands):

@@ -67,6 +67,26 @@ class ComparisonText:
 
 
 @dataclass(frozen=True, slots=True)
+class TrendText:
+    """``moves``: falls or rises; ``window`` None: since the leg began."""
+
+    variable: Name
+    moves: str
+    amount: Amount
+    window: Amount | None
+
+
+@dataclass(frozen=True, slots=True)
+class BackText:
+    """``extreme``: highest or lowest, of ``peak``."""
+
+    variable: Name
+    extreme: str
+    peak: Name
+    within: Amount
+
+
+@dataclass(frozen=True, slots=True)
 class Negation:
     operand: ExpressionText
 
@@ -79,7 +99,7 @@ class Several:
     operands: tuple[ExpressionText, ...]
 
 
-ExpressionText = ComparisonText | Negation | Several
+ExpressionText = ComparisonText | TrendText | BackText | Negation | Several
 
 
 @dataclass(frozen=True, slots=True)

@@ -39,6 +39,8 @@ _EXPECTED = {
     "WORD": "a name",
     "LABEL": "a name with a colon",
     "OPERATOR": "one of < <= > >=",
+    "MOVES": "falls or rises",
+    "EXTREME": "highest or lowest",
     "DIGEST": "8 hex digits",
     "_FIX": "fix",
     "_WITHOUT": "without fix",
@@ -76,6 +78,7 @@ _KEYWORDS = {
     "AT_HOME": "home", "HERE": "here", "_NORTH": "north", "_EAST": "east",
     "UNCERTAIN": "uncertain", "UNTIL": "until", "FOR": "for", "TIMEOUT": "timeout", "ELSE": "else",
     "OUTPUT": "output", "_ACHIEVE": "achieve",
+    "_BACK": "back", "_AT": "at", "WITHIN": "within",
 }  # fmt: skip
 
 _PART = re.compile(r"->|[<>=!]=?|[^\s<>=!(),:]+|\S")

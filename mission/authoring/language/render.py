@@ -8,6 +8,7 @@ What does not live here: how the pairs are laid out (canonical.py, yaml_text.py)
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -26,6 +27,7 @@ from mission.model import (
     Aims,
     And,
     Area,
+    Back,
     Comparison,
     Exit,
     Expression,
@@ -43,6 +45,7 @@ from mission.model import (
     Safety,
     Set,
     Setting,
+    Trend,
 )
 from mission.model.texts import NEVER_BELOW
 from mission.model.units import GEARS, degrees_text, number_text
@@ -93,6 +96,8 @@ def expression_text(expression: Expression, units: bool) -> str:
             unit = VARIABLES[variable].unit if variable in VARIABLES else ""
             text = f"{variable} {operator} {quantity_text(bound, unit, units)}"
             return text if sure is None else f"{text} sure {share_text(sure, units)}"
+        case Trend() | Back():
+            return trend_text(expression, units)
         case Not(operand):
             inner = expression_text(operand, units)
             return f"not ({inner})" if isinstance(operand, And | Or) else f"not {inner}"
@@ -100,6 +105,17 @@ def expression_text(expression: Expression, units: bool) -> str:
             return " and ".join(_within(o, units, Or) for o in operands)
         case Or(operands):
             return " or ".join(expression_text(o, units) for o in operands)
+
+
+def trend_text(term: Trend | Back, units: bool) -> str:
+    unit = VARIABLES[term.variable].unit if term.variable in VARIABLES else ""
+    if isinstance(term, Back):
+        extreme, within = "highest" if term.highest else "lowest", term.within
+        near = quantity_text(within, unit, units)
+        return f"{term.variable} back at {extreme} {term.peak} within {near}"
+    moves, amount = "rises" if term.rises else "falls", quantity_text(term.amount, unit, units)
+    reach = f" within {number_text(term.window)} {'m' if term.of_depth else 's'}"
+    return f"{term.variable} {moves} {amount}{reach if term.window < math.inf else ''}"
 
 
 def _within(operand: Expression, units: bool, weaker: type[Or]) -> str:

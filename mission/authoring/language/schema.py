@@ -53,7 +53,9 @@ def schema() -> Schema:
             "target": _name("a leg or a group of this group or an outer one, or surface"),
             "place": _place(),
             "coordinates": _coordinates(),
-            "guard": _text("variable, < <= > >=, value; joined by and, or, not; held, sure"),
+            "guard": _text(
+                "variable, < <= > >=, value; falls, rises, back at; joined by and, or, not; held, sure"
+            ),
             "body": {"type": "array", "minItems": 1, "items": {"$ref": "#/definitions/node"}},
             "node": _node(),
             "leg": _leg(),

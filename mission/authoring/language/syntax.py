@@ -24,6 +24,7 @@ from mission.authoring.language.clauses import (
     Amount,
     AreaText,
     AtHome,
+    BackText,
     Chosen,
     Clause,
     ComparisonText,
@@ -50,6 +51,7 @@ from mission.authoring.language.clauses import (
     PlaceText,
     Several,
     Statement,
+    TrendText,
     Until,
     Value,
     Wire,
@@ -73,6 +75,7 @@ from mission.model.extent import DEEPEST_GUARD
 from mission.model.tables import derived
 from mission.model.units import UNITS
 
+WITHIN = "within"
 _NESTING = re.compile(r"[()]|\b(?:not|and|or|until|on)\b")
 
 
@@ -110,7 +113,7 @@ def grammar() -> str:
     terminals = {
         "SETTING": SETTINGS,
         **{_SHAPED[shape]: _of_shape(shape) for shape in Shape},
-        "MEASURE": measures(),
+        "MEASURE": [word for word in measures() if word != WITHIN],  # a guard has it, too
         "SPOT": spots(),
         "CHOICE": choices(),
         "CHOSEN": dict.fromkeys(value for row in choices().values() for value in row.values),
@@ -347,6 +350,21 @@ class _Clauses:
         whole = Where(name.where.line, name.where.column, length)
         where = whole if end.line == name.where.line else name.where
         return ComparisonText(name, str(operator), bound, sure, where)
+
+    def trend(
+        self,
+        variable: Token,
+        moves: Token,
+        amount: Amount,
+        within: Token | None,
+        window: Amount | None,
+    ) -> TrendText:
+        return TrendText(self._name(variable), str(moves), amount, window)
+
+    def back(
+        self, variable: Token, extreme: Token, peak: Token, within: Token, near: Amount
+    ) -> BackText:
+        return BackText(self._name(variable), str(extreme), self._name(peak), near)
 
     # places and amounts
 

@@ -13,6 +13,7 @@ from mission.authoring.language.clauses import (
     Amount,
     AreaText,
     AtHome,
+    BackText,
     ComparisonText,
     Coordinates,
     ExpressionText,
@@ -24,13 +25,15 @@ from mission.authoring.language.clauses import (
     Offset,
     PlaceText,
     Several,
+    TrendText,
 )
-from mission.authoring.language.words import NamedValue
+from mission.authoring.language.words import WINDOWS, NamedValue
 from mission.engine.variables import VARIABLES, Variable
 from mission.model import (
     HOME,
     And,
     Area,
+    Back,
     Comparison,
     Expression,
     Guard,
@@ -39,6 +42,7 @@ from mission.model import (
     Or,
     Place,
     Position,
+    Trend,
     Where,
 )
 from mission.model.diagnostics import Diagnostics
@@ -132,7 +136,7 @@ class Values:
             return int(value)
         return low
 
-    def bare(self, amount: Amount, what: str) -> float:
+    def bare(self, amount: Amount, what: str, positive: bool = False) -> float:
         """A number whose unit is said elsewhere; NaN where it is none."""
         given = self._parameters.get(amount.text, amount) if amount.is_name else amount
         if given.unit:
@@ -140,7 +144,7 @@ class Values:
             hint = f"write {given.text}; the vehicle file says the unit"
             self.problems.add("unit", amount.where, message, hint)
             return math.nan
-        return self.number(amount, "", -1e6, 1e6)
+        return self.number(amount, "", 0.0 if positive else -1e6, 1e6, above=positive)
 
     def seconds(self, amount: Amount, zero: bool = False) -> float:
         return self.number(amount, "s", 0.0 if zero else _SHORTEST, 1e6)
@@ -229,6 +233,10 @@ class Values:
         match text:
             case ComparisonText():
                 return self._comparison(text)
+            case TrendText():
+                return self._trend(text)
+            case BackText():
+                return self._back(text)
             case Negation(operand):
                 return Not(self.expression(operand))
             case Several(every, operands):
@@ -250,6 +258,62 @@ class Values:
         if text.sure is not None:
             sure = self._share(text.sure)
         return Comparison(text.variable.text, text.operator, bound, sure, text.where)
+
+    def _trend(self, text: TrendText) -> Trend:
+        name = text.variable
+        self._has_extremes(name)
+        amount, window, of_depth = self._difference(name, text.amount), math.inf, False
+        if text.window is not None:
+            window, of_depth = self._reach(text.window)
+        if of_depth and name.text == "depth":
+            message = f"the depth {text.moves} by all of the way within which it is asked for"
+            hint = f"write within 20 s, or {name.text} {text.moves} .. alone: since the leg began"
+            self.problems.add("no-trend", text.window.where, message, hint)  # type: ignore[union-attr]
+        return Trend(name.text, text.moves == "rises", amount, window, of_depth, name.where)
+
+    def _back(self, text: BackText) -> Back:
+        row = VARIABLES.get(text.variable.text)
+        if row is not None and row.timed:
+            hint = "write depth, heading, or the reading itself"
+            self.problems.add("no-trend", text.variable.where, f"{row.name} never comes back", hint)
+        self._has_extremes(text.peak)
+        if text.peak.text not in VARIABLES and text.peak.text not in self._readings:
+            self._unknown_variable(text.peak)
+        within = self._difference(text.variable, text.within)
+        where = text.variable.where
+        return Back(text.variable.text, text.extreme == "highest", text.peak.text, within, where)
+
+    def _has_extremes(self, name: Name) -> None:
+        """What goes round or only grows has no highest, and falls nowhere."""
+        row = VARIABLES.get(name.text)
+        if row is not None and (row.circular or row.timed):
+            message = f"{row.name} {'goes round' if row.circular else 'only grows'}: it has no peak"
+            hint = f"compare it, as in {row.name} > 60"
+            self.problems.add("no-trend", name.where, message, hint)
+
+    def _difference(self, name: Name, amount: Amount) -> float:
+        """Between two values of a variable: more than 0."""
+        row = VARIABLES.get(name.text)
+        if row is not None:
+            most = 180.0 if row.unit == "deg" else 1e6
+            return self.number(amount, row.unit, 0.0, most, above=True)
+        if name.text in self._readings:
+            return self.bare(amount, name.text, positive=True)
+        self._unknown_variable(name)
+        return math.nan
+
+    def _reach(self, amount: Amount) -> tuple[float, bool]:
+        """How far a trend looks; and whether that is m of depth, not s."""
+        given = self._parameters.get(amount.text, amount) if amount.is_name else amount
+        unit = UNITS.get(given.unit)
+        row = WINDOWS.get(unit.si) if unit is not None else None
+        if row is None and not given.is_name:
+            message = f"within {amount.text}: of what?"
+            hint = "write within 20 s, or within 5 m: of depth"
+            self.problems.add("unit", amount.where, message, hint)
+            return math.nan, False
+        row = row or WINDOWS["s"]
+        return self.number(amount, row.unit, row.low, row.high), row.unit == "m"
 
     def _bound(self, row: Variable, amount: Amount) -> float:
         if row.unit == "V" and amount.unit == "%":

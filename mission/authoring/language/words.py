@@ -197,6 +197,14 @@ _AIMS = (
 )
 AIMS: Mapping[str, NamedValue] = MappingProxyType({row.name: row for row in _AIMS})
 
+# Of what a trend reaches over: s, or m of depth.
+WINDOWS: Mapping[str, NamedValue] = MappingProxyType(
+    {
+        "s": NamedValue("s", "s", 2, 3600, "of the leg's last time", above=False),
+        "m": NamedValue("m", "m", 0.5, 1000, "of the depth that it is at", above=False),
+    }
+)
+
 # Words that hold a leg's clauses together, with what they say.
 CLAUSES: Mapping[str, str] = MappingProxyType(
     {

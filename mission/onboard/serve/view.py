@@ -14,9 +14,11 @@ from dataclasses import asdict
 from typing import Any
 
 from mission.authoring.language.render import guard_text
-from mission.engine.guards import comparisons
 from mission.engine.variables import VARIABLES
-from mission.model import Guard
+from mission.model import (
+    Guard,
+    terms,
+)
 from mission.model.alarms import Alarm
 from mission.navigation import distribution
 from mission.onboard.runtime.runtime import Runtime
@@ -92,7 +94,7 @@ def _leg(runtime: Runtime) -> dict[str, Any]:
 
 def _guard(runtime: Runtime, guard: Guard) -> list[Any]:
     """As the mission has it, and what it looks at as that is now, in the unit of a bare number."""
-    names = dict.fromkeys(comparison.variable for comparison in comparisons(guard.expression))
+    names = dict.fromkeys(name for term in terms(guard.expression) for name in term.asks)
     return [guard_text(guard, True), {name: _bare(runtime, name) for name in names}]
 
 

@@ -12,8 +12,14 @@ import math
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
-from mission.engine.guards import comparisons
-from mission.model import And, By, Chart, Comparison, Guard
+from mission.model import (
+    And,
+    By,
+    Chart,
+    Comparison,
+    Guard,
+    terms,
+)
 from mission.verification.exhaustive.cell import Configuration
 from mission.verification.exhaustive.world import World
 
@@ -61,7 +67,10 @@ def wish(configuration: Configuration, chart: Chart) -> Guard | None:
     for edge in chart.leaving(configuration.leaf):
         if edge.by is By.UNTIL and edge.guard is not None:
             plain = isinstance(edge.guard.expression, Comparison | And)
-            known = all(c.variable in _BRING for c in comparisons(edge.guard.expression))
+            known = all(
+                isinstance(c, Comparison) and c.variable in _BRING
+                for c in terms(edge.guard.expression)
+            )
             return edge.guard if plain and known else None
     return None
 
@@ -71,7 +80,8 @@ def come_true(world: World, configuration: Configuration, chart: Chart) -> None:
     world.answers = "Y"
     if guard is None:
         return
-    for c in comparisons(guard.expression):
+    for c in terms(guard.expression):
+        assert isinstance(c, Comparison)
         _BRING[c.variable](world, c.bound + (BEYOND if c.operator[0] == ">" else -BEYOND))
     world.wait(WAIT + guard.held)
 

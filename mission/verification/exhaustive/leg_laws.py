@@ -17,11 +17,13 @@ from mission.model import (
     SURFACED,
     SURFACING,
     And,
+    Back,
     By,
     Comparison,
     Expression,
     Not,
     Step,
+    Trend,
 )
 from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.configurations import DEEP
@@ -184,8 +186,8 @@ def _kept_above(cell: Cell) -> Verdict:
 
 def _can_hold(expression: Expression, unknown: frozenset[str], wanted: bool = True) -> bool:
     """Whether it could be ``wanted`` while nothing is known of these (Kleene)."""
-    if isinstance(expression, Comparison):
-        return expression.variable not in unknown
+    if isinstance(expression, Comparison | Trend | Back):
+        return unknown.isdisjoint(expression.asks)
     if isinstance(expression, Not):
         return _can_hold(expression.operand, unknown, not wanted)
     every = isinstance(expression, And) is wanted

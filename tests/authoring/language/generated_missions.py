@@ -9,12 +9,13 @@ from hypothesis import strategies as st
 
 from mission.authoring.language.canonical import numbered
 from mission.authoring.language.words import FIELD_ORDER, LIMITS
-from mission.engine.variables import VARIABLES
+from mission.engine.variables import VARIABLES, Variable
 from mission.legs import Follow, Goto, Hold, Loiter, Rows, Surface, Wait, Yoyo
 from mission.model import (
     Aims,
     And,
     Area,
+    Back,
     Comparison,
     Exit,
     Expression,
@@ -33,6 +34,7 @@ from mission.model import (
     Safety,
     Set,
     Setting,
+    Trend,
 )
 from mission.model.units import GEARS, compass
 
@@ -86,6 +88,34 @@ def comparisons(draw: st.DrawFn) -> Comparison:
     return Comparison(row.name, draw(st.sampled_from(["<", "<=", ">", ">="])), bound, sure)
 
 
+STEADY = [row for row in VARIABLES.values() if not (row.circular or row.timed)]
+BACK = [row for row in VARIABLES.values() if not row.timed]
+
+
+def differences(row: Variable) -> st.SearchStrategy[float]:
+    return numbers(1e-3, 150).map(math.radians if row.unit == "deg" else float)
+
+
+@st.composite
+def trends(draw: st.DrawFn) -> Trend:
+    row, rises = draw(st.sampled_from(STEADY)), draw(st.booleans())
+    amount = draw(differences(row))
+    window, of_depth = draw(
+        st.one_of(
+            st.just((math.inf, False)),
+            st.tuples(numbers(2, 3600), st.just(False)),
+            st.tuples(numbers(0.5, 1000), st.just(row.name != "depth")),
+        )
+    )
+    return Trend(row.name, rises, amount, max(window, 2.0), of_depth)
+
+
+@st.composite
+def backs(draw: st.DrawFn) -> Back:
+    row, peak = draw(st.sampled_from(BACK)), draw(st.sampled_from(STEADY))
+    return Back(row.name, draw(st.booleans()), peak.name, draw(differences(row)))
+
+
 def _joined(kind: type[And] | type[Or], operands: list[Expression]) -> Expression:
     flat: list[Expression] = []
     for operand in operands:
@@ -102,7 +132,9 @@ def _combined(inner: st.SearchStrategy[Expression]) -> st.SearchStrategy[Express
     )
 
 
-expressions: st.SearchStrategy[Expression] = st.recursive(comparisons(), _combined, max_leaves=4)
+expressions: st.SearchStrategy[Expression] = st.recursive(
+    st.one_of(comparisons(), trends(), backs()), _combined, max_leaves=4
+)
 guards = st.builds(Guard, expressions, st.one_of(st.just(0.0), seconds))
 
 
