@@ -26,7 +26,7 @@ from mission.engine.limits import Limit, Response
 from mission.engine.machine import Machine
 from mission.engine.orders import STICK_QUIET, obey, why_not_clear
 from mission.engine.restart import begin_again, doubt, under_way
-from mission.engine.variables import VARIABLES, Scope, reading_of
+from mission.engine.variables import VARIABLES, Scope, reading_of, reading_row
 from mission.engine.vehicle_state import Navigator
 from mission.engine.words import event_of, short
 from mission.model import (
@@ -383,10 +383,12 @@ class Engine:
 
     @property
     def readings(self) -> Mapping[str, Reading]:
-        """Every variable as a guard would see it now."""
+        """Every variable, and what the mission asks of the vehicle file's, as a guard sees it."""
         core = self.core
         vehicle_state = core.vehicle_state
         idle = vehicle_state.telemetry, vehicle_state.health, core.now, core.now, 0.0, 1
         scope = core.run.scope(vehicle_state) if core.run else None
         scope = scope or Scope(core.now, vehicle_state.estimate, *idle, lambda: None)
-        return {name: reading_of(row, scope) for name, row in VARIABLES.items()}
+        told = core.chart.sources if core.chart is not None else ()
+        rows = (*VARIABLES.values(), *(reading_row(*each) for each in told))
+        return {row.name: reading_of(row, scope) for row in rows}

@@ -268,6 +268,11 @@ def _draw_range(rng: Random, deep: int) -> str:
     return f"range > {rng.randint(20, 300)}{rng.choice(['', ' sure 90%'])}"
 
 
+def _draw_warmth(n: int) -> str:
+    """Of what falls with the depth by 0.05 C a metre."""
+    return f"temperature < {n}" if n % 2 else f"temperature falls {0.05 * n:g} within {n} m"
+
+
 # fmt: off
 _ROWS = (
     Variable("depth", "m", ("depth",), STALE_AFTER, "below the surface",
@@ -315,7 +320,7 @@ _ROWS = (
              read=_fix_age, timed=True, trial="fix_age > 900"),
     Variable("temperature", "C", ("temperature",), 30.0, "of the water",
              read=_reported("temperature_c"), trial="temperature < -3",
-             draw=lambda rng, deep: f"temperature < {rng.randint(5, 20)}"),
+             draw=lambda rng, deep: _draw_warmth(rng.randint(5, 20))),
     Variable("battery", "V", ("battery",), 30.0, "control battery", read=_battery(0),
              trial="battery < 1"),
     Variable("battery_power", "V", ("battery",), 30.0, "power battery", read=_battery(1),

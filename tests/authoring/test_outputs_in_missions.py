@@ -14,9 +14,10 @@ from mission.authoring.graph.outline import outline
 from mission.authoring.graph.tables import tables
 from mission.authoring.language import MissionErrors, digest, parse, to_lines, to_yaml
 from mission.authoring.language.schema import schema
+from mission.engine.engine import Engine
 from mission.engine.guards import Sheet
 from mission.engine.variables import Scope, reading_row, value_of
-from mission.model import Chart, Health
+from mission.model import Chart, Health, Loaded
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Vehicle
 from protocol.messages import Telemetry
@@ -188,3 +189,18 @@ def test_the_vehicle_that_flies_says_which_readings_there_are() -> None:
     other = replace(ROV, readings={"iron": "metal_pct"})
     assert chart_of(LINES.replace("metal", "iron"), other).sources[0][0] == "iron"
     assert refused(LINES, other)[0] == "unknown-variable"
+
+
+def test_what_a_mission_asks_of_the_vehicle_file_is_told_like_every_variable() -> None:
+    engine = Engine(ROV, None)
+    engine.step(1.0, [Loaded(chart_of(LINES))])
+    engine.step(2.0, [Telemetry(2.0, board=(("metal_pct", 60.0),))])
+    assert (engine.readings["metal"].value, engine.readings["metal"].valid) == (60.0, True)
+
+
+def test_a_trend_of_a_reading_is_known_to_the_vehicle_that_has_it() -> None:
+    rising = LINES.replace("metal > 50", "metal rises 20 within 30 s")
+    assert chart_of(rising).sources[0][0] == "metal"
+    assert to_lines(parse(rising, readings=ROV.readings)).count("metal rises 20 within 30 s") == 1
+    assert refused(rising.replace("20 within", "20 m within"))[0] == "unit"
+    assert refused(rising.replace("20 within", "-1 within"))[0] == "range"

@@ -244,3 +244,5 @@ def test_a_copy_of_the_engine_remembers_by_itself():
     world.engine.restore(kept)
     world.see(*[(5.0, 17.0)] * 2)
     assert legs_of(world)[-1] == "a"
+    world.see((5.0, 15.5))
+    assert legs_of(world)[-1] == "b"

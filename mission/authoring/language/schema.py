@@ -54,7 +54,7 @@ def schema() -> Schema:
             "place": _place(),
             "coordinates": _coordinates(),
             "guard": _text(
-                "variable, < <= > >=, value; falls, rises, back at; joined by and, or, not; held, sure"
+                "variable, < <= > >=, value; falls, rises, back at; and, or, not; held, sure"
             ),
             "body": {"type": "array", "minItems": 1, "items": {"$ref": "#/definitions/node"}},
             "node": _node(),

@@ -103,7 +103,8 @@ def _bare(runtime: Runtime, name: str) -> float | None:
     reading = runtime.engine.readings[name]
     if not reading.valid or not math.isfinite(reading.value):
         return None
-    is_angle = VARIABLES[name].unit == "deg"
+    row = VARIABLES.get(name)  # or a reading that the vehicle file names
+    is_angle = row is not None and row.unit == "deg"
     return _rounded(math.degrees(reading.value) if is_angle else reading.value)
 
 
