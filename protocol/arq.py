@@ -8,6 +8,8 @@ Rules:
         2 x slant range / 1500 m/s + airtime of request and of the longest answer + 2 s
     and given up after ``tries``: then it is ``NoAnswer``, nothing is assumed. What is asked must
     be harmless twice; the envelope has no number that would tell a repetition.
+  * A request may be several contents in one burst, each in an envelope of its own: a wrong bit
+    spoils one of them, and the vehicle does not speak while the next is coming in.
   * The vehicle speaks when asked: what it has to say within ``FLOOR`` of a request goes out as one
     content; what comes later waits for the next request. R11's status on surfacing is the one
     exception (``unasked``), and it waits for a quiet moment.
@@ -21,7 +23,7 @@ What does not live here: the envelope (protocol.modem), what is asked (protocol.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from protocol.messages import FrameFault
@@ -84,6 +86,7 @@ Heard = Answered | NoAnswer | Unasked | FrameFault
 @dataclass(slots=True)
 class _Outstanding:
     content: bytes
+    burst: bytes
     wait: float
     matches: Callable[[bytes], bool]
     tries: int  # left
@@ -117,13 +120,15 @@ class Initiator:
         *,
         tries: int = TRIES,
         matches: Callable[[bytes], bool] = bool,
+        ahead: Sequence[bytes] = (),
     ) -> None:
-        """Only while ``idle``. A content for which ``matches`` is false is no answer to this."""
+        """Only while ``idle``. A content for which ``matches`` is false is no answer to this.
+        ``ahead``: contents that go before it in the same burst, each in an envelope of its own."""
         if self._request is not None:
             raise ValueError("one request at a time: the one before is not answered yet")
-        wrap(content, self._address)  # refuses what no envelope can hold
-        wait = self.acoustics.patience(len(content), longest_answer)
-        self._request = _Outstanding(content, wait, matches, tries)
+        burst = b"".join(wrap(each, self._address) for each in (*ahead, content))
+        wait = self.acoustics.patience(len(burst) - OVERHEAD, longest_answer)
+        self._request = _Outstanding(content, burst, wait, matches, tries)
 
     def outgoing(self, now: float) -> list[bytes]:
         """What is to be sent now. A request that is out of tries is told by ``receive``."""
@@ -132,7 +137,7 @@ class Initiator:
             return []
         request.sent, request.tries = True, request.tries - 1
         request.deadline = now + request.wait
-        return [wrap(request.content, self._address)]
+        return [request.burst]
 
     def receive(self, data: bytes, now: float) -> list[Heard]:
         out: list[Heard] = []
@@ -204,7 +209,7 @@ class Responder:
     def outgoing(self, now: float) -> list[bytes]:
         if now > self._floor:
             self._floor = -1.0  # too late: the other side may be asking again
-        if self._waiting and self._complete <= now <= self._floor:
+        if self._may_answer() and self._complete <= now <= self._floor:
             self._floor = -1.0
             return [wrap(self._take(), self._address)]
         if self._unasked is not None and now >= max(self._quiet, self._floor):
@@ -214,11 +219,15 @@ class Responder:
 
     def next_timer(self) -> float | None:
         due = None
-        if self._waiting and self._complete <= self._floor:
+        if self._may_answer() and self._complete <= self._floor:
             due = self._complete
         elif self._unasked is not None:
             due = max(self._quiet, self._floor)
         return _first(due, self._codec.next_timer())
+
+    def _may_answer(self) -> bool:
+        """There is something to say, and no further content is on its way in."""
+        return bool(self._waiting) and self._codec.next_timer() is None
 
     def _take(self) -> bytes:
         """As many whole frames as one content holds, the oldest first."""

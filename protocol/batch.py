@@ -1,15 +1,19 @@
 """A mission over the acoustic modem: whole batches of lines, one question, then what is missing.
 
-    content = @AW line 1, @AW ..., as many as pay, @AQ$      -->
-                                                             <-- @AR state, missing, digest
+    burst = [@AW line 1, @AW ...] [@AW ...] [@AW line 1, @AQ$]   -->
+                                                                 <-- @AR state, missing, digest
+    each [ ] is a block: a modem frame with a CRC of its own
 
 Rules:
   * Line 1 goes first until the vehicle has reported our set: what it holds is ours only after that
-    (R3), and a line that is already held has no effect.
-  * No answer leaves open whether request or answer was lost. Where the content takes longer on the
-    water than asking, a short question comes first.
-  * A content is as long as pays (protocol.sizing): up to 3200 bytes on a channel that loses frames
-    whatever their length, shorter on one that spoils bits.
+    (R3), and a line that is already held has no effect. With several blocks it goes last as well,
+    beside the question: a report is of our set only where line 1 is known to have come.
+  * No answer leaves open whether request or answer was lost. Lines that were in no burst yet go
+    with the next question; where there are none, a short question comes first if that takes less
+    time than the burst once more is likely to waste.
+  * Burst and blocks are as long as pays (protocol.sizing): up to 3200 bytes, in long blocks on a
+    channel that loses bursts whatever their length, a line a block on one that spoils bits. A
+    wrong bit costs its block alone: the vehicle says which lines it lacks.
   * The vehicle's report is waited for as long as it should take, and after three silences as long
     as the longest one (with a refusal in it) takes.
   * Done is what the vehicle's digest proves, nothing else.
@@ -25,7 +29,8 @@ from dataclasses import dataclass
 from protocol.arq import Acoustics, Answered, Initiator, NoAnswer
 from protocol.framing import Framer
 from protocol.messages import FrameFault, MissionLine, StoreQuery, StoreReport
-from protocol.sizing import Channel
+from protocol.modem import OVERHEAD
+from protocol.sizing import Channel, Plan, Task
 from protocol.tolerances import Tolerances
 from protocol.topside import encode, to_topside_frames
 from protocol.topside_frames import LONG
@@ -34,6 +39,7 @@ SILENCE = 24  # requests in a row without an answer: nobody is there (1 in 10^4 
 _QUESTION = encode(StoreQuery())
 _USUAL = 50  # bytes of an @AR beside its list of missing lines
 _GROWTH = 12  # bytes: the next report's list may have one range more
+_AHEAD = 2  # silences in a row in which lines still go that were in no burst yet
 _DOUBTS = 3  # silences after which the answer may have been longer than expected
 
 
@@ -57,6 +63,14 @@ class Silent:
 Outcome = Stored | Declined | Silent
 
 
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Lines by number, but for a line 1 that leads the burst, and the frames of all."""
+
+    numbers: tuple[int, ...]
+    content: bytes
+
+
 class BatchUpload:
     """Drive it like an Initiator until ``outcome`` is there. ``digest``: 16 hex digits."""
 
@@ -76,11 +90,11 @@ class BatchUpload:
         self._silence = 0
         self._usual = _USUAL  # bytes of answer to reckon with
         self._ours = False  # the vehicle has reported a set that began with our line 1
-        self._content = b""  # the last one with lines
+        self._bursts: list[list[Block]] = []  # with lines, since the last report
         self._asking = False  # the outstanding request is the short question
         self.missing: tuple[int, ...] = tuple(range(1, total + 1))
         self.outcome: Outcome | None = None
-        self._send_lines()
+        self._send_lines(self.missing)
 
     def outgoing(self, now: float) -> list[bytes]:
         return self._arq.outgoing(now)
@@ -95,7 +109,7 @@ class BatchUpload:
                 faults.append(heard)
             elif isinstance(heard, Answered):
                 self._channel.learn(len(heard.request), len(heard.content), came=True)
-                self._answered(heard.request, heard.content)
+                self._answered(heard.content)
             elif isinstance(heard, NoAnswer):
                 self._channel.learn(len(heard.request), self._usual, came=False)
                 self._unanswered()
@@ -106,65 +120,111 @@ class BatchUpload:
     def _head(self) -> bytes:
         return b"" if self._ours else self.frames[0]
 
-    def _send_lines(self) -> None:
-        content = self._head()
-        wanted = [self.frames[n - 1] for n in self.missing if n > 1 or self._ours]
-        left, overhead = sum(map(len, wanted)), len(content) + len(_QUESTION)
-        size = self._channel.best_size(left, overhead, self._usual, self._longest())
-        for frame in wanted:
-            room = size - len(content) - len(frame)
-            if frame is not wanted[0] and room < len(_QUESTION):
+    def _send_lines(self, numbers: Sequence[int]) -> None:
+        """As many of them as pay, in blocks as long as pays."""
+        head = self._head()
+        wanted = [n for n in numbers if n > 1 or not head]
+        left = sum(len(self.frames[n - 1]) for n in wanted)
+        line = left // max(len(wanted), 1) or 1
+        task = Task(left, line, len(head), self._usual, self._longest())
+        plan = self._channel.best(task)
+        blocks = self._packed(wanted, plan)
+        self._bursts.append(blocks)
+        self._asking = False
+        if len(blocks) == 1:
+            self._ask([], blocks[0].content + _QUESTION)
+        else:  # line 1 once more, where it proves whose set is reported
+            self._ask([block.content for block in blocks], head + _QUESTION)
+
+    def _packed(self, wanted: Sequence[int], plan: Plan) -> list[Block]:
+        head = self._head()
+        blocks = [Block((), head)]
+        room = plan.size - len(head) - len(_QUESTION)
+        room -= (len(head) + OVERHEAD) * (plan.block < plan.size)
+        for n in wanted:
+            frame, last = self.frames[n - 1], blocks[-1]
+            fits = len(last.content) + len(frame) // 2 <= plan.block
+            room -= len(frame) + (0 if fits else OVERHEAD)
+            if room < 0 and n != wanted[0]:
                 break
-            content += frame
-        self._content = content + _QUESTION
-        self._ask(self._content, asking=False)
+            if fits or not last.content:
+                blocks[-1] = Block((*last.numbers, n), last.content + frame)
+            else:
+                blocks.append(Block((n,), frame))
+        return blocks
 
     def _send_question(self) -> None:
-        self._ask(self._head() + _QUESTION, asking=True)
+        self._asking = True
+        self._ask([], self._head() + _QUESTION)
 
-    def _ask(self, content: bytes, *, asking: bool) -> None:
-        self._asking = asking
-        self._arq.ask(content, self._longest(), tries=1, matches=lambda a: b"@AR," in a)
+    def _ask(self, ahead: list[bytes], content: bytes) -> None:
+        longest = self._longest()
+        self._arq.ask(content, longest, tries=1, matches=lambda a: b"@AR," in a, ahead=ahead)
 
     def _longest(self) -> int:
         return LONG if self._silence >= _DOUBTS else self._usual
 
-    def _costs_more_than_asking(self) -> bool:
-        acoustics = self._arq.acoustics
-        question = len(self._head()) + len(_QUESTION)
-        return acoustics.airtime(len(self._content)) > acoustics.patience(question, self._longest())
-
     # --- what came ------------------------------------------------------------------------
 
-    def _answered(self, request: bytes, content: bytes) -> None:
+    def _answered(self, content: bytes) -> None:
         self._silence, self._usual = 0, max(_USUAL, len(content) + _GROWTH)
         report = _report(content)
         if report is not None:
-            self._judge(report, self._ours or request.startswith(self.frames[0]))
+            self._judge(report)
         if self.outcome is None:
-            self._send_lines()
+            self._send_lines(self.missing)
 
-    def _judge(self, report: StoreReport, heard_line_1: bool) -> None:
+    def _judge(self, report: StoreReport) -> None:
+        """The question went with line 1 in one block, unless the set is known to be ours."""
         total = len(self.frames)
         if report.digest == self._digest and report.state in ("ready", "running"):
             self.missing, self.outcome = (), Stored()
         elif report.state == "running":
             self.outcome = Declined("the vehicle is not idle")
-        elif report.state == "staging" and report.total == total and heard_line_1:
+        elif report.state == "staging" and report.total == total:
             self._ours, self.missing = True, _numbers(report.missing, total)
+            self._learn_blocks(report.have)
         elif report.refusal and not self._ours:
             self.outcome = Declined(report.refusal)
         else:  # the set was dropped: from the beginning
             self._ours, self.missing = False, tuple(range(1, total + 1))
+        self._bursts = []
+
+    def _learn_blocks(self, have: int) -> None:
+        """What became of each block, where the report tells it of lines that were sent once."""
+        missing = set(self.missing)
+        is_whole = have + len(missing) == len(self.frames)  # else the list of the rest is cut
+        known = len(self.frames) if is_whole else max(missing, default=0)
+        for burst in self._bursts:
+            told = [block for block in burst if block.numbers and block.numbers[-1] <= known]
+            came = [not missing.intersection(block.numbers) for block in told]
+            if have == 1 or not any(came):
+                continue  # line 1 or the burst was lost: that says nothing of the others
+            for block, whole in zip(told, came, strict=True):
+                self._channel.learn_block(len(block.content), came=whole)
 
     def _unanswered(self) -> None:
         self._silence += 1
         if self._silence >= SILENCE:
             self.outcome = Silent()
-        elif self._asking or self._costs_more_than_asking():
+        elif self._silence <= _AHEAD and (unsent := self._unsent()):
+            self._send_lines(unsent)
+        elif not self._bursts or self._asking_pays():
             self._send_question()
         else:
-            self._send_lines()
+            self._send_lines([n for block in self._bursts[-1] for n in block.numbers])
+
+    def _asking_pays(self) -> bool:
+        """Before the last burst is said again."""
+        last = self._bursts[-1]
+        size, sent = sum(len(block.content) for block in last), self._bursts.count(last)
+        task = Task(size, size, len(self._head()), self._usual, self._longest())
+        return self._channel.asking_pays(size + OVERHEAD * len(last), sent, task)
+
+    def _unsent(self) -> list[int]:
+        """Missing lines that no burst had since the last report."""
+        sent = {n for blocks in self._bursts for block in blocks for n in block.numbers}
+        return [n for n in self.missing if n not in sent and (n > 1 or self._ours)]
 
 
 def _report(content: bytes) -> StoreReport | None:

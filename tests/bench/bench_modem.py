@@ -2,9 +2,18 @@
 
     python tests/bench/bench_modem.py [flights per cell]
 
-The limit is what no protocol beats on this channel: the bytes of all lines once, in one burst, sent
-on average 1 / (1 - loss) times without waiting for any answer, and one way through the water. Where
-bits are wrong it is not reachable with whole frames; it stays as it is, for comparison.
+The limit is what no stop and wait in whole blocks beats on average: every line once, in blocks of the
+length b that suits the wrong bits best, each as often as it takes; the N bursts of at most 3200 bytes
+that this is, each as often as it takes to come, the last as often as it takes to be answered; after
+each of them the way through the water and the report, or R1's time where none comes.
+
+    came(n) = (1 - loss) (1 - errors)^(8 (n + 7))       both = came(4) came(A)
+    E = (N - 1) / (1 - loss) + 1 / both
+    limit = min over b of  8 L (b + 7) / b / rate / came(b)
+          + E both (2 range / sound speed + 8 (A + 7) / rate)
+          + E (1 - both) R1's time of question and report
+
+L bytes of lines as frames, A of the shortest report, 4 of a question, 7 of an envelope; b <= L.
 """
 
 from __future__ import annotations
@@ -20,13 +29,14 @@ from modem_rig import OneLineUpload, Vehicle, acoustics_of, digest, fly  # noqa:
 
 from links.acoustic import Water  # noqa: E402
 from protocol.batch import BatchUpload, Stored  # noqa: E402
-from protocol.modem import OVERHEAD  # noqa: E402
+from protocol.modem import MOST, OVERHEAD  # noqa: E402
 
 LINES = [
     "mission harbour-survey vehicle auv sum 01234567",
     *(f"leg{n}: heading {n} ZAF6 until travelled >= {100 + n} timeout 4min" for n in range(59)),
 ]
 CONTENT = sum(8 + len(line) for line in LINES)
+QUESTION, REPORT = 4, len("@AR,ready,60,60,,0123456789abcdef,,$")
 HEAD = "bit/s loss  errors |  limit s   batch s  lines s |  batch B  lines B | x sooner  x limit"
 
 
@@ -54,7 +64,7 @@ def row(water: Water, flights: int) -> str:
             assert vehicle.stored == tuple(LINES)
             seconds[n].append(flight.seconds)
             sizes[n].append(flight.size)
-    limit = water.airtime(CONTENT + OVERHEAD) / (1.0 - water.loss) + water.delay
+    limit = limit_of(water)
     batch, single = map(statistics.median, seconds)
     size, single_size = map(statistics.median, sizes)
     return (
@@ -62,6 +72,21 @@ def row(water: Water, flights: int) -> str:
         f" {limit:8.1f} {batch:9.1f} {single:8.1f} | {size:8.0f} {single_size:8.0f} |"
         f" {single / batch:8.1f} {batch / limit:8.2f}"
     )
+
+
+def limit_of(water: Water) -> float:
+    """Seconds; the formula above."""
+
+    def came(content: int) -> float:
+        bits = 8 * (content + OVERHEAD)
+        return (1.0 - water.loss) * (1.0 - water.bit_error_rate) ** bits
+
+    lines = min(CONTENT / b * water.airtime(b + OVERHEAD) / came(b) for b in range(1, CONTENT + 1))
+    both, bursts = came(QUESTION) * came(REPORT), -(-CONTENT // MOST)
+    exchanges = (bursts - 1) / (1.0 - water.loss) + 1.0 / both
+    answered = 2.0 * water.delay + water.airtime(REPORT + OVERHEAD)
+    wait = acoustics_of(water).patience(QUESTION, REPORT)
+    return lines + exchanges * (both * answered + (1.0 - both) * wait)
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ from protocol.arq import (
 )
 from protocol.codec import CannotEncode
 from protocol.messages import FrameFault
-from protocol.modem import Envelope, Sender, wrap
+from protocol.modem import IDLE, OVERHEAD, Envelope, Sender, wrap
 
 FAR = Acoustics(range_m=1500.0, bit_rate=800.0)
 ANSWER = wrap(b"@ACK_AAA$", Sender.VEHICLE)
@@ -71,6 +71,37 @@ def test_what_no_envelope_holds_is_refused_before_anything_is_sent() -> None:
     with pytest.raises(CannotEncode):
         boat.ask(bytes(3201), 9)
     assert boat.idle
+
+
+def test_what_goes_ahead_is_in_the_same_burst_in_an_envelope_of_its_own() -> None:
+    boat = Initiator(FAR)
+    boat.ask(b"@AQ$", 100, ahead=(b"@DU$", b"@NI$"))
+    (burst,) = boat.outgoing(0.0)
+    assert burst == b"".join(wrap(each, Sender.TOPSIDE) for each in (b"@DU$", b"@NI$", b"@AQ$"))
+    due = boat.next_timer()
+    assert due == pytest.approx(FAR.patience(len(burst) - OVERHEAD, 100))
+
+
+def test_the_vehicle_does_not_speak_while_the_next_content_comes_in() -> None:
+    diver = Responder()
+    first, second = (wrap(each, Sender.TOPSIDE) for each in (b"@DU$", b"@AQ$"))
+    diver.receive(first + second[:4], 10.0)
+    diver.answer(b"@ACK_AAA$", 10.0)
+    assert diver.outgoing(10.0 + 2 * GATHER) == []
+    diver.receive(second[4:], 10.5)
+    due = diver.next_timer()
+    assert due == pytest.approx(10.5 + GATHER)
+    assert diver.outgoing(due) == [wrap(b"@ACK_AAA$", Sender.VEHICLE)]
+
+
+def test_a_content_that_never_ends_keeps_no_answer_back_for_longer_than_it_is_waited_for() -> None:
+    diver = Responder()
+    diver.receive(wrap(b"@DU$", Sender.TOPSIDE) + b"\x23\x02\x00\x0c", 10.0)
+    diver.answer(b"@ACK_AAA$", 10.0)
+    due = diver.next_timer()
+    assert due == pytest.approx(10.0 + IDLE)
+    diver.receive(b"", due)
+    assert diver.outgoing(due) == [wrap(b"@ACK_AAA$", Sender.VEHICLE)]
 
 
 def test_what_was_not_asked_for_answers_nothing() -> None:

@@ -8,8 +8,8 @@ from modem_rig import Flight, OneLineUpload, Vehicle, acoustics_of, digest, fly
 from links.acoustic import Water
 from protocol.arq import Acoustics
 from protocol.batch import SILENCE, BatchUpload, Declined, Silent, Stored
-from protocol.modem import MOST, Sender, wrap
-from protocol.sizing import Channel
+from protocol.modem import MOST, OVERHEAD, Sender, wrap
+from protocol.sizing import Channel, Plan, Task
 
 LINES = [
     "mission harbour-survey vehicle auv sum 01234567",
@@ -30,19 +30,17 @@ def uploaded(lines: list[str], water: Water, seed: int = 1) -> tuple[Vehicle, Fl
     return vehicle, flight
 
 
-def test_a_short_mission_is_one_frame_and_one_answer() -> None:
+def test_a_short_mission_is_one_burst_and_one_answer() -> None:
     vehicle, flight = uploaded(LINES[:9], Water())
-    (request,) = vehicle.requests
-    assert request.count(b"@AW") == 9
-    assert request.endswith(b"@AQ$")
-    assert flight.vehicle.bursts == 1
+    assert b"".join(vehicle.requests).count(b"@AW") == 9 + 1  # line 1 first, and with the question
+    assert vehicle.requests[-1].endswith(b"@AQ$")
+    assert (flight.topside.bursts, flight.vehicle.bursts) == (1, 1)
 
 
 def test_what_the_vehicle_holds_already_costs_one_question() -> None:
     water, vehicle = Water(), Vehicle()
     vehicle.stored = tuple(LINES)
-    fly(batch(LINES, water), vehicle, water, 1)
-    assert len(vehicle.requests) == 1
+    assert fly(batch(LINES, water), vehicle, water, 1).topside.bursts == 1
 
 
 @pytest.mark.parametrize("loss", [0.1, 0.4])
@@ -72,10 +70,11 @@ def test_only_what_is_missing_is_sent_again() -> None:
     assert sent_twice == []
 
 
-def test_a_lost_answer_to_a_long_content_is_asked_for_and_not_sent_again() -> None:
-    acoustics = Acoustics(1000.0, 300.0)
-    sender = BatchUpload(LINES, digest(LINES), acoustics)
+def test_a_lost_answer_to_a_long_burst_is_asked_for_and_not_sent_again() -> None:
+    acoustics, lines = Acoustics(1000.0, 300.0), LINES[:40]
+    sender = BatchUpload(lines, digest(lines), acoustics)
     (content,) = sender.outgoing(0.0)
+    assert content.count(b"@AW") >= 40
     due = sender.next_timer()
     assert due is not None
     sender.receive(b"", due)
@@ -145,24 +144,94 @@ def test_a_report_beyond_the_total_and_a_torn_answer_do_no_harm() -> None:
     assert len(torn.missing) == 60
 
 
-def test_a_clean_channel_earns_the_longest_content_and_one_with_errors_a_short_one() -> None:
+def test_lines_that_were_in_no_burst_go_with_the_question_for_the_answer_that_was_lost() -> None:
+    sender = BatchUpload(LINES, digest(LINES), Acoustics(1000.0, 300.0))
+    (first,) = sender.outgoing(0.0)
+    due = sender.next_timer()
+    assert due is not None
+    sender.receive(b"", due)
+    (second,) = sender.outgoing(due)
+    assert sum(frame in second for frame in sender.frames) > 10
+    assert not any(frame in first and frame in second for frame in sender.frames[1:])
+    assert second[5:].startswith(sender.frames[0])
+    assert second[:-2].endswith(b"@AQ$")
+
+
+def test_a_wrong_bit_costs_its_block_alone() -> None:
+    sender, vehicle = BatchUpload(LINES, digest(LINES), Acoustics(100.0, 1000.0)), Vehicle()
+    (burst,) = sender.outgoing(0.0)
+    at = burst.index(sender.frames[20])
+    vehicle.receive(burst[:at] + b"\x00" + burst[at + 1 :], 1.0)
+    (answer,) = vehicle.responder.outgoing(2.0)
+    sent = [n for n, frame in enumerate(sender.frames, 1) if frame in burst]
+    sender.receive(answer, 3.0)
+    lacking = set(sender.missing) & set(sent)
+    assert 21 in lacking
+    assert len(lacking) <= 5
+
+
+def test_a_damaged_line_1_is_noticed_and_no_refusal_of_the_mission() -> None:
+    sender, vehicle = BatchUpload(LINES, digest(LINES), Acoustics(100.0, 1000.0)), Vehicle()
+    (burst,) = sender.outgoing(0.0)
+    vehicle.receive(burst[:6] + b"x" + burst[7:], 1.0)
+    (answer,) = vehicle.responder.outgoing(2.0)
+    sender.receive(answer, 3.0)
+    assert sender.outcome is None
+    assert sender.missing == tuple(range(2, len(LINES) + 1))
+
+
+def test_every_burst_fits_what_a_modem_sends_at_once() -> None:
+    for errors in (0.0, 1e-4, 1e-3):
+        water = Water(range_m=1000.0, bit_rate=5000.0, loss=0.2, bit_error_rate=errors)
+        uploaded(LINES * 5, water, 3)  # the link refuses what is longer
+
+
+FULL = 100_000
+
+
+def blocks_of(channel: Channel) -> Plan:
+    return channel.best(Task(left=FULL, line=70, head=0, answer=60, longest=60))
+
+
+def test_a_clean_channel_earns_the_longest_block_and_one_with_errors_a_line_a_block() -> None:
     water = Acoustics(1000.0, 1000.0)
     clean, noisy = Channel(water), Channel(water)
-    for _ in range(6):
-        clean.learn(MOST, 60, came=True)
-        noisy.learn(1500, 60, came=False)
-        noisy.learn(100, 60, came=True)
-    assert clean.best_size(100_000, 50, 60, 400) == MOST
-    assert noisy.best_size(100_000, 50, 60, 400) <= 500
+    for n in range(40):
+        clean.learn_block(700, came=True)
+        noisy.learn_block(100, came=n % 10 > 0)
+    assert blocks_of(clean).size == blocks_of(noisy).size == MOST
+    assert blocks_of(clean).block >= 900
+    assert blocks_of(noisy).block <= 140
 
 
-def test_frames_lost_whatever_their_length_do_not_shorten_the_content_for_ever() -> None:
+def test_bursts_lost_whatever_their_length_do_not_shorten_them_for_ever() -> None:
     channel = Channel(Acoustics(1000.0, 1000.0))
     for _ in range(10):
         for size in (100, 2300):
             channel.learn(size, 60, came=False)
             channel.learn(size, 60, came=True)
-    assert channel.best_size(100_000, 50, 60, 400) >= 2300
+    assert blocks_of(channel).size >= 2300
+
+
+def test_a_long_burst_without_an_answer_is_asked_for_and_a_short_one_said_again() -> None:
+    channel = Channel(Acoustics(1000.0, 300.0))
+    task = Task(left=3000, line=70, head=0, answer=60, longest=60)
+    assert channel.asking_pays(3000, 1, task)
+    assert not channel.asking_pays(60, 1, task)
+    assert channel.asking_pays(60, 12, task)  # by now one of them will have come
+
+
+@pytest.mark.parametrize("bit_rate", [300.0, 1000.0])
+@pytest.mark.parametrize("errors", [1e-4, 3e-4])
+def test_wrong_bits_cost_little_more_than_the_blocks_they_spoil(
+    errors: float, bit_rate: float
+) -> None:
+    water = Water(range_m=1000.0, bit_rate=bit_rate, bit_error_rate=errors)
+    block = max(map(len, BatchUpload(LINES, "", acoustics_of(water)).frames)) + OVERHEAD
+    spoilt = 1.0 - (1.0 - errors) ** (8 * block)
+    clean = uploaded(LINES, Water(range_m=1000.0, bit_rate=bit_rate))[1].seconds
+    seconds = [uploaded(LINES, water, seed)[1].seconds for seed in range(8)]
+    assert sum(seconds) / len(seconds) < 1.35 * clean / (1.0 - spoilt)
 
 
 def test_other_words_beside_or_before_the_report_are_passed_over() -> None:
