@@ -21,6 +21,7 @@ from mission.commands.options import MISSION, SEED, SETTINGS, VEHICLE
 if TYPE_CHECKING:
     from mission.authoring.prepare import Prepared
     from mission.console.app import Shown
+    from mission.console.charts.shelf import Shelf
     from mission.console.recording import Recording
     from mission.console.vehicle import Given
 
@@ -43,6 +44,9 @@ _NAMED = re.compile(r"(?:(?P<name>[\w.-]+)=)?(?P<url>[a-z][a-z+.-]*://.+)")
 @VEHICLE
 @click.option("--checklist", type=click.Path(path_type=Path, dir_okay=False, exists=True),
               help="A text file, a manual point a line, to be ticked before a start.")  # fmt: skip
+@click.option("--chart", "charts", multiple=True, type=click.Path(path_type=Path), metavar="FILE",
+              help="Under the vehicle: GeoJSON, MBTiles, PMTiles, a picture with its corners, a "
+                   "grid of depths (.asc); repeatable.")  # fmt: skip
 @click.option("--port", type=click.IntRange(0, 65535), default=0,
               help="Of the page, on this computer alone.  [default: any free one]")  # fmt: skip
 @click.option("--browser/--no-browser", default=True, help="Open the page.  [default: yes]")
@@ -59,6 +63,7 @@ def console(
     settings: tuple[str, ...],
     vehicle: str | None,
     checklist: Path | None,
+    charts: tuple[Path, ...],
     port: int,
     browser: bool,
     out: Path,
@@ -75,7 +80,7 @@ def console(
         from mission.console.serving import listen
     except ImportError as error:
         _end(f"console needs its extra: pip install 'auvmission[console]' ({error})")
-    points = _points(checklist)
+    points, shelf = _points(checklist), _shelf(charts)
     given = [] if recordings and not urls else _given(urls, monitors, vehicle, points)
     replayed = [(name, _recording(name, seed, settings)) for name in recordings]
     try:
@@ -84,18 +89,19 @@ def console(
         _end(f"port {port} of this computer: {error.strerror}: give another --port")
     with listening:
         if simulate is None:
-            _run(listening, given, replayed, vehicle, browser)
+            _run(listening, given, replayed, shelf, vehicle, browser)
             return
         prepared = _prepared(simulate, vehicle, settings)
         with _simulated(prepared, vehicle, out, (speed, seed, settings), points) as simulated:
             more = [] if not urls else given
-            _run(listening, [simulated, *more], replayed, vehicle, browser)
+            _run(listening, [simulated, *more], replayed, shelf, vehicle, browser)
 
 
 def _run(
     listening: socket.socket,
     given: Sequence[Given],
     replayed: Sequence[tuple[str, Recording]],
+    shelf: Shelf,
     vehicle: str | None,
     browser: bool,
 ) -> None:
@@ -114,7 +120,7 @@ def _run(
         if browser:
             _open(address)
 
-    asyncio.run(serve(listening, made, ready))
+    asyncio.run(serve(listening, made, ready, charts=shelf))
 
 
 def _open(address: str) -> None:
@@ -140,6 +146,17 @@ def _points(checklist: Path | None) -> tuple[str, ...]:
         return ()
     lines = checklist.read_text(encoding="utf-8", errors="replace").splitlines()[:100]
     return tuple(line.strip()[:200] for line in lines if line.strip())
+
+
+def _shelf(charts: tuple[Path, ...]) -> Shelf:
+    from mission.console.charts.layer import ChartError
+    from mission.console.charts.shelf import Shelf
+    from mission.topside.dives import default_folder
+
+    try:
+        return Shelf(default_folder(), charts)
+    except ChartError as error:
+        _end(f"--chart {error}")
 
 
 def _given(

@@ -20,6 +20,8 @@ from starlette.websockets import WebSocket
 from mission import __version__
 from mission.console import plans
 from mission.console.admission import Admission
+from mission.console.charts.shelf import Shelf
+from mission.console.charts.web import chart_routes
 from mission.console.intents import FRESH_S
 from mission.console.recorded import Recorded
 from mission.console.sockets import (
@@ -44,7 +46,7 @@ Shown = Vehicle | Recorded
 Serve = Callable[[WebSocket, Any], Awaitable[None]]
 
 
-def application(shown: Sequence[Shown], port: int, token: str) -> ASGIApp:
+def application(shown: Sequence[Shown], charts: Shelf, port: int, token: str) -> ASGIApp:
     console = _Console({one.ident: one for one in shown})
     live, recorded, both = (Vehicle,), (Recorded,), (Vehicle, Recorded)
     routes = [
@@ -55,6 +57,7 @@ def application(shown: Sequence[Shown], port: int, token: str) -> ASGIApp:
         Route("/api/check", console.check, methods=["POST"]),
         Route("/api/vehicles/{ident}/plan", console.plan),
         Route("/api/vehicles/{ident}/events", console.events),
+        *chart_routes(charts),
         WebSocketRoute("/ws/frames", partial(console.socket, serve_frames, both)),
         WebSocketRoute("/ws/orders", partial(console.socket, serve_orders, live)),
         WebSocketRoute("/ws/commands", partial(console.socket, serve_commands, live)),

@@ -10,6 +10,8 @@ from collections.abc import Callable, Sequence
 import uvicorn
 
 from mission.console.app import Shown, application
+from mission.console.charts.shelf import Shelf
+from mission.topside.dives import default_folder
 
 HOST = "127.0.0.1"
 SAID = 2 << 20  # bytes of one message of a page: an upload
@@ -26,11 +28,13 @@ async def serve(
     made: Callable[[], Sequence[Shown]],
     ready: Callable[[str], None],
     server: Callable[[uvicorn.Server], None] = lambda server: None,
+    charts: Shelf | None = None,
 ) -> None:
     """Until SIGINT or SIGTERM. ``made`` is called in the event loop; ``ready`` gets the address of
     the page once it answers, ``server`` what can be told to end."""
     port, token = listening.getsockname()[1], secrets.token_urlsafe(24)
-    app = application(made(), port, token)
+    shelf = charts or Shelf(default_folder())
+    app = application(made(), shelf, port, token)
     config = uvicorn.Config(
         app, log_level="warning", access_log=False, server_header=False, ws_max_size=SAID,
         ws_per_message_deflate=False, timeout_graceful_shutdown=LEAVE_S, lifespan="on",
@@ -43,3 +47,4 @@ async def serve(
     if running.started:
         ready(f"http://{HOST}:{port}/#{token}")
     await serving
+    shelf.close()

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import http.server
+import json
 import re
 import shutil
 import signal
@@ -23,6 +24,7 @@ from programs import process
 from served import PATIENCE, TEXT, running, silent_board
 
 from mission.authoring.prepare import prepare
+from mission.console.charts.shelf import Shelf
 from mission.console.recorded import Recorded
 from mission.console.recording import Recording
 from mission.onboard.runtime.records import ListRecorder
@@ -203,6 +205,33 @@ def test_a_recording_is_played_and_scrubbed(chromium: object) -> None:
         review.locator("input[type=range]").fill("1")
         seat.shows("#review .at", "0:0")
         playwright.expect(seat.page.locator("#stop")).to_be_disabled()
+
+
+def test_charts_lie_under_the_vehicle_and_tell_the_depth_there(
+    chromium: object, tmp_path: Path
+) -> None:
+    prepared, recorder = prepare("first-dive"), ListRecorder()
+    home = prepared.mission.home
+    assert home is not None
+    lat, lon = home.latitude_deg, home.longitude_deg
+    head = f"ncols 2\nnrows 2\nxllcorner {lon - 1}\nyllcorner {lat - 1}\ncellsize 1\n"
+    (tmp_path / "floor.asc").write_text(head + "-7 -7 -7 -7")
+    near = {"type": "Point", "coordinates": [lon, lat]}
+    (tmp_path / "rock.geojson").write_text(json.dumps(near))
+    fly(prepared.mission, prepared.vehicle, recorder=recorder)
+    recorded = [Recorded("1", "dive.mcap", Recording(recorder.records), None)]
+    shelf = Shelf(tmp_path, (tmp_path / "floor.asc",))
+    with console(lambda: recorded, shelf) as running, seated(chromium, running) as seat:
+        page = seat.page
+        playwright.expect(page.locator("#review")).to_be_visible()
+        page.locator("#layers").click()
+        page.locator("#chart-layers input[type=file]").set_input_files(tmp_path / "rock.geojson")
+        seat.shows("#chart-layers", "rock.geojson")
+        seat.shows("#chart-layers", "heights turned to depths")
+        page.mouse.move(300, 400)
+        seat.shows("#chart-pointer", "charted 7.0 m")
+        page.get_by_label("floor.asc", exact=True).uncheck()
+        playwright.expect(page.locator("#chart-pointer")).not_to_contain_text("charted")
 
 
 # --- others ---------------------------------------------------------------------------------------

@@ -18,6 +18,7 @@ from served import simulated as simulated_board
 from websockets.sync.client import ClientConnection, connect
 
 from mission.console.app import Shown
+from mission.console.charts.shelf import Shelf
 from mission.console.serving import listen, serve
 from mission.console.vehicle import Given, Vehicle
 
@@ -25,8 +26,8 @@ from mission.console.vehicle import Given, Vehicle
 class Console:
     """``made`` is called in the console's own event loop."""
 
-    def __init__(self, made: Callable[[], Sequence[Shown]]) -> None:
-        self._made, self._server = made, list[uvicorn.Server]()
+    def __init__(self, made: Callable[[], Sequence[Shown]], charts: Shelf | None = None) -> None:
+        self._made, self._charts, self._server = made, charts, list[uvicorn.Server]()
         self._listening = listen(0)
         self.address = ""
         self.thread = threading.Thread(target=self._run)
@@ -34,7 +35,8 @@ class Console:
         soon(lambda: bool(self.address) or not self.thread.is_alive(), "the page's address")
 
     def _run(self) -> None:
-        asyncio.run(serve(self._listening, self._made, self._ready, self._server.append))
+        end = self._server.append
+        asyncio.run(serve(self._listening, self._made, self._ready, end, self._charts))
 
     def _ready(self, address: str) -> None:
         self.address = address
@@ -124,8 +126,8 @@ def heard(socket: ClientConnection, *wanted: str) -> dict[str, Any]:
 
 
 @contextmanager
-def console(made: Callable[[], Sequence[Shown]]) -> Iterator[Console]:
-    running = Console(made)
+def console(made: Callable[[], Sequence[Shown]], charts: Shelf | None = None) -> Iterator[Console]:
+    running = Console(made, charts)
     try:
         yield running
     finally:

@@ -9,6 +9,7 @@ import { inksOf, sheet } from './canvas.js';
 import { mark, say } from './dom.js';
 import { bearing, lasting, length, place } from './format.js';
 import { between, ellipse } from './geo.js';
+import { LayerBox } from './layerbox.js';
 import { LAYERS, font } from './layers.js';
 import { frameOf, sceneOf } from './scene.js';
 import { age } from './state.js';
@@ -17,6 +18,7 @@ import { word } from './words.js';
 
 /** @typedef {import('./geo.js').Pair} Pair
  * @typedef {import('./station.js').Page} Page
+ * @typedef {import('./charts.js').Charts} Charts
  * @typedef {import('./layers.js').Scene} Scene */
 
 const NAMES = { paper: 'sea', grid: 'grid', ink: 'ink', soft: 'soft', track: 'track', plan: 'plan',
@@ -26,8 +28,10 @@ const NEARER = 1.4;
 const EDGE = 0.3; // of the screen: a vehicle that is followed stays within
 
 export class Chart {
-  /** @param {(id: string) => HTMLElement} at @param {() => void} redraw */
-  constructor(at, redraw) {
+  /** @param {(id: string) => HTMLElement} at @param {Charts} charts @param {() => void} redraw */
+  constructor(at, charts, redraw) {
+    this._charts = charts;
+    this._box = new LayerBox(at, charts, redraw);
     this._canvas = /** @type {HTMLCanvasElement} */ (at('chart-canvas'));
     this._place = at('chart-place');
     this._pointed = at('chart-pointer');
@@ -51,9 +55,12 @@ export class Chart {
     const drawn = sheet(this._canvas);
     if (drawn === null) return;
     Object.assign(this._view, { width: drawn.width, height: drawn.height });
-    this._frame = frameOf(vehicle);
+    this._frame = frameOf(vehicle) ?? this._charts.frame();
     const others = page.stations.filter((s) => s !== page.chosen).map((s) => s.vehicle);
     this._scene = sceneOf(vehicle, this._frame, page.stale.report, now, others);
+    const frame = this._frame;
+    if (frame) this._scene.charts = { draw: (pen, view) => this._charts.draw(pen, view, frame) };
+    this._box.show();
     this._aim(`${vehicle.setup.id} ${this._frame?.lat} ${this._frame?.lon} ${vehicle.plan?.digest}`);
     const inks = inksOf(NAMES);
     for (const layer of LAYERS) layer(drawn.pen, this._view, this._scene, inks);
@@ -69,7 +76,7 @@ export class Chart {
     if (scene === null || !scene.hasPlace) return;
     if (this._isFitted !== of) {
       this._isFitted = of;
-      this._view.fit(pointsOf(scene));
+      this._view.fit(this._points(scene));
     }
     if (!this._isFollowing || scene.here === null) return;
     const [x, y] = this._view.toScreen(scene.here.at);
@@ -77,6 +84,13 @@ export class Chart {
     const outside = Math.abs(x - this._view.width / 2) > wide
       || Math.abs(y - this._view.height / 2) > high;
     if (outside && this._view.scale * 200 > 1) this._view.centre(scene.here.at);
+  }
+
+  /** All that ought to be on the screen: the charts where there is nothing else.
+   * @param {Scene} scene */
+  _points(scene) {
+    const points = pointsOf(scene);
+    return points.length || !this._frame ? points : this._charts.corners(this._frame);
   }
 
   /** @param {CanvasRenderingContext2D} pen @param {string} ink */
@@ -113,7 +127,8 @@ export class Chart {
       const way = between(point, at);
       return `${length(way.range)} ${bearing(way.bearing)} ${word(name)}`;
     };
-    say(this._pointed, [place(...this._frame.toEarth(...at)), from(scene.here?.at, 'of_vehicle'),
+    const depth = this._charts.depthAt(at, this._view, this._frame);
+    say(this._pointed, [place(...this._frame.toEarth(...at)), depth && word('charted', depth), from(scene.here?.at, 'of_vehicle'),
       from(scene.home ?? undefined, 'of_home')].filter(Boolean).join(' · '));
   }
 
@@ -146,7 +161,7 @@ export class Chart {
 
   _fit() {
     this._isFollowing = false;
-    if (this._scene) this._view.fit(pointsOf(this._scene));
+    if (this._scene) this._view.fit(this._points(this._scene));
   }
 
   /** @param {boolean} on */
@@ -220,7 +235,7 @@ export class Chart {
   }
 }
 
-/** All that ought to be on the screen; the radius only where nothing else is large.
+/** The vehicle, its way and its plan; the radius only where nothing else is large.
  * @param {Scene} scene @returns {Pair[]} */
 function pointsOf(scene) {
   const { here, home } = scene;

@@ -19,7 +19,8 @@ import { word } from './words.js';
  * @typedef {{at: Pair, heading: number | null, isOld: boolean,
  *   ellipse: readonly [number, number, number] | null}} Here
  * @typedef {{hasPlace: boolean, home: Pair | null, radius: number | null, routes: Route[],
- *   leg: string, target: Pair | null, track: Pair[], here: Here | null, others: Other[]}} Scene
+ *   leg: string, target: Pair | null, track: Pair[], here: Here | null, others: Other[],
+ *   charts?: {draw: (pen: Pen, view: View) => void}}} Scene
  * @typedef {{name: string, at: Pair, isOld: boolean}} Other
  * @typedef {Record<'paper' | 'grid' | 'ink' | 'soft' | 'track' | 'plan' | 'target' | 'limit'
  *   | 'vehicle' | 'old', string>} Inks
@@ -33,13 +34,18 @@ const CROSS = [[1, 0], [-1, 0], [0, 1], [0, -1]];
 const TURN = 2 * Math.PI;
 
 /** @type {ReadonlyArray<(pen: Pen, view: View, scene: Scene, inks: Inks) => void>} */
-export const LAYERS = [paper, grid, limit, plan, homeMark, trackLine, targetMark, others, uncertainty,
+export const LAYERS = [paper, charts, grid, limit, plan, homeMark, trackLine, targetMark, others, uncertainty,
   vehicle, scaleBar, northArrow];
 
 /** @param {Pen} pen @param {View} view @param {Scene} _ @param {Inks} inks */
 function paper(pen, view, _, inks) {
   pen.fillStyle = inks.paper;
   pen.fillRect(0, 0, view.width, view.height);
+}
+
+/** @param {Pen} pen @param {View} view @param {Scene} scene */
+function charts(pen, view, scene) {
+  scene.charts?.draw(pen, view);
 }
 
 /** @param {Pen} pen @param {View} view @param {Scene} scene @param {Inks} inks */

@@ -8,6 +8,7 @@
 import { Alarms } from './alarms.js';
 import { Bar } from './bar.js';
 import { Chart } from './chart.js';
+import { Charts } from './charts.js';
 import { Checklist } from './checklist.js';
 import { Command } from './command.js';
 import { byId, el } from './dom.js';
@@ -50,6 +51,7 @@ function open(setup, token) {
   const page = { stations, chosen: stations[0], stale: setup.stale_s, token, redraw };
   const here = () => page;
   const alarms = new Alarms(byId('banner'), byId('sound'));
+  const charts = new Charts(token, redraw);
   const tabs = [
     new Tabs(byId('centre'), ['chart', 'legs'], 'wide-off', redraw),
     new Tabs(byId('side'), ['command', 'stick', 'checklist'], 'wide-off', redraw),
@@ -61,7 +63,7 @@ function open(setup, token) {
       page.chosen = station;
       redraw();
     }),
-    alarms, new Values(byId('values')), new Chart(byId, redraw), new Legs(byId('legs')),
+    alarms, new Values(byId('values')), new Chart(byId, charts, redraw), new Legs(byId('legs')),
     new States(byId('states')), new Margins(byId('margins')), new Strips(byId('strips'), redraw),
     new Journal(byId('journal'), redraw), new Command(byId('command'), here),
     new Stick(byId('stick'), here), new Checklist(byId('checklist'), here),

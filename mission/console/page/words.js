@@ -69,6 +69,13 @@ export const WORDS = {
 
   // chart
   chart: ['Chart', '海图'],
+  charts: ['Charts', '底图'],
+  no_charts: ['None: open a file, or drop it on the chart', '无：请打开文件，或将其拖到海图上'],
+  open_chart: ['Open …', '打开……'],
+  opacity: ['Opacity of', '不透明度'],
+  higher: ['Higher', '上移'],
+  lower: ['Lower', '下移'],
+  charted: ['charted {0}', '图载水深 {0}'],
   chart_keys: ['Chart: arrow keys move it, + and - zoom, 0 shows all, F follows the vehicle',
     '海图：方向键移动，+ 和 - 缩放，0 显示全部，F 跟随航行器'],
   zoom_in: ['Nearer', '放大'],
