@@ -76,10 +76,25 @@ def prepare_text(
     parameters: Mapping[str, str] | None = None,
 ) -> Prepared:
     """The same of a text that is at hand; ``source`` is what messages call it."""
+    return prepare_draft(drafted(text, source, vehicle, parameters), text, source, vehicle)
+
+
+def drafted(
+    text: str,
+    source: str,
+    vehicle: str | None = None,
+    parameters: Mapping[str, str] | None = None,
+) -> Draft:
+    """What the text says, as far as it could be read. Raises Unreadable where reading ended early
+    (a text too large)."""
     try:
-        read = draft(text, source, parameters or {}, _readings(vehicle))
+        return draft(text, source, parameters or {}, _readings(vehicle))
     except MissionErrors as error:
         raise Unreadable(error.diagnostics, source) from None
+
+
+def prepare_draft(read: Draft, text: str, source: str, vehicle: str | None) -> Prepared:
+    """Of what was read of the text. Raises Unreadable."""
     try:
         chosen = load_vehicle(vehicle or read.mission.vehicle)
     except VehicleError as error:

@@ -63,6 +63,7 @@ class Draft:
     problems: Diagnostics
     lines: tuple[int, ...]  # in which its statements begin, rising
     says_home: bool = False  # whether it could be read or not
+    statements: tuple[Statement, ...] = ()  # as written, those that could be read
 
     def sound(self, where: Where) -> bool:
         """Whether nothing is wrong in the statement that begins there."""
@@ -122,13 +123,13 @@ def _drafted(
     mission, claimed = assembly.Assembly(found, parameters, readings).read(statements)
     begins = tuple(sorted({statement.where.line for statement in statements}))
     if len(found):
-        return Draft(mission, found, begins, bool(_HOME.search(text)))
+        return Draft(mission, found, begins, bool(_HOME.search(text)), tuple(statements))
     mission = canonical.numbered(mission)
     canonical.check_length(mission, found)
     if claimed is not None and claimed.text != canonical.total(mission):
         hint = f"the lines make {canonical.total(mission)}: send them again, or drop the sum"
         found.add("sum", claimed.where, "the sum does not fit the lines", hint)
-    return Draft(mission, found, begins)
+    return Draft(mission, found, begins, statements=tuple(statements))
 
 
 def _bounded(statements: Iterable[Statement], found: Diagnostics) -> Iterator[Statement]:
