@@ -91,37 +91,25 @@ def import_(
     is named with its line or path. Exit 0 if the mission is proved, 1 if the check refuses it (it
     is written all the same), 2 if FILE cannot be taken over.
     """
-    from mission.authoring.importing import Findings, ImportErrors, chosen, format_of, load
-    from mission.authoring.importing.writing import Answers, mission_of
-    from mission.authoring.language import to_yaml
+    from mission.authoring.importing import Findings, ImportErrors, data_of
+    from mission.authoring.importing.taking import taken
+    from mission.authoring.importing.writing import Answers
     from mission.model.shipped import load_vehicle
     from mission.model.vehicle import VehicleError
 
-    found = Findings(str(file))
     try:
         boat = load_vehicle(vehicle)
         gear = boat.gear_near(speed) if speed is not None else gear
         place = None if home == "first" else home
         answers = Answers(place, home == "first", swap, depth, altitude, gear, within)
-        source = load(file, format_of(file, found), found)
-        route = chosen(source, pick, found)
-        steps = route.steps()
-        found.complain()
-        mission = mission_of(route.name or file.stem, steps, source, answers, boat, found)
+        found = taken(file, data_of(file, Findings(str(file))), answers, pick, boat)
     except (ImportErrors, VehicleError) as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
-    text = "".join(f"# {line}\n" for line in _comment(file, route.name, found.left_out))
-    write(output, text + to_yaml(mission))
+    write(output, found.text)
     for line in found.left_out:
         click.echo(f"{file}: left out: {line}", err=True)
-    raise SystemExit(_judged(text + to_yaml(mission), str(output or "the mission"), vehicle))
-
-
-def _comment(file: Path, route: str, left_out: tuple[str, ...]) -> list[str]:
-    named = f", route {route}" if route else ""
-    printable = [f"Imported from {file.name}{named}.", *(f"Left out: {line}" for line in left_out)]
-    return ["".join(c if c.isprintable() else "?" for c in line) for line in printable]
+    raise SystemExit(_judged(found.text, str(output or "the mission"), vehicle))
 
 
 def _judged(text: str, source: str, vehicle: str) -> int:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import json
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from functools import partial
 from importlib.resources import files
@@ -18,15 +17,18 @@ from starlette.types import ASGIApp
 from starlette.websockets import WebSocket
 
 from mission import __version__
-from mission.console import plans
+from mission.console import planning, plans
 from mission.console.admission import Admission
+from mission.console.asked import Refused, Said, answered
 from mission.console.charts.shelf import Shelf
 from mission.console.charts.web import chart_routes
+from mission.console.ghost import Ghosts
 from mission.console.intents import FRESH_S
 from mission.console.recorded import Recorded
 from mission.console.sockets import (
     serve_commands,
     serve_frames,
+    serve_ghost,
     serve_orders,
     serve_review,
     serve_stick,
@@ -36,7 +38,6 @@ from mission.model.shipped import shipped_missions
 from mission.topside.contacts import SILENT_S
 from mission.topside.panels import FIX_S, REPORT_S
 
-BODY = 1 << 20  # bytes
 KINDS = {
     "html": "text/html", "js": "text/javascript", "css": "text/css", "svg": "image/svg+xml",
     "png": "image/png",
@@ -54,7 +55,11 @@ def application(shown: Sequence[Shown], charts: Shelf, port: int, token: str) ->
         Route("/page/{name:path}", _file),
         Route("/api/setup", console.setup),
         Route("/api/missions", _missions),
+        Route("/api/words", _words),
         Route("/api/check", console.check, methods=["POST"]),
+        Route("/api/edit", _edit, methods=["POST"]),
+        Route("/api/import", console.take, methods=["POST"]),
+        Route("/api/vehicles/{ident}/diff", console.diff, methods=["POST"]),
         Route("/api/vehicles/{ident}/plan", console.plan),
         Route("/api/vehicles/{ident}/events", console.events),
         *chart_routes(charts),
@@ -62,6 +67,7 @@ def application(shown: Sequence[Shown], charts: Shelf, port: int, token: str) ->
         WebSocketRoute("/ws/orders", partial(console.socket, serve_orders, live)),
         WebSocketRoute("/ws/commands", partial(console.socket, serve_commands, live)),
         WebSocketRoute("/ws/stick", partial(console.socket, serve_stick, live)),
+        WebSocketRoute("/ws/ghost", console.ghost),
         WebSocketRoute("/ws/review", partial(console.socket, serve_review, recorded)),
     ]
     return Admission(Starlette(routes=routes, lifespan=console.lifespan), port, token)
@@ -69,7 +75,7 @@ def application(shown: Sequence[Shown], charts: Shelf, port: int, token: str) ->
 
 class _Console:
     def __init__(self, shown: Mapping[str, Shown]) -> None:
-        self._shown = shown
+        self._shown, self._ghosts = shown, Ghosts()
 
     @contextlib.asynccontextmanager
     async def lifespan(self, app: Starlette) -> AsyncIterator[None]:
@@ -95,18 +101,39 @@ class _Console:
             return _nothing("a recording has these, a vehicle under way has not")
         return JSONResponse(await asyncio.to_thread(one.recording.events))
 
+    @property
+    def _vehicle(self) -> str | None:
+        """The file of the first that has one: what missions are checked for."""
+        live = (one for one in self._shown.values() if isinstance(one, Vehicle))
+        return next((one.given.vehicle for one in live), None)
+
     async def check(self, request: Request) -> Response:
-        try:
-            said = json.loads(await _body(request))
+        async def judged(said: Said) -> Any:
             text, source = str(said["text"]), str(said["source"])
-        except (ValueError, TypeError, KeyError, RecursionError):
-            return JSONResponse({"says": "a check needs text and source"}, 400)
-        except _TooLarge:
-            return JSONResponse({"says": f"more than {BODY} bytes are no mission"}, 413)
-        vehicle = next(
-            (o.given.vehicle for o in self._shown.values() if isinstance(o, Vehicle)), None
-        )
-        return JSONResponse(await asyncio.to_thread(plans.checked, text, source, vehicle))
+            return await asyncio.to_thread(plans.checked, text, source, self._vehicle)
+
+        return await answered(request, judged)
+
+    async def take(self, request: Request) -> Response:
+        async def taken(said: Said) -> Any:
+            return await planning.imported(said, self._vehicle)
+
+        return await answered(request, taken, planning.IMPORT)
+
+    async def diff(self, request: Request) -> Response:
+        one = self._shown.get(request.path_params["ident"])
+
+        async def compared(said: Said) -> Any:
+            text, source = str(said["text"]), str(said["source"])
+            board = "" if one is None else str(one.plan()["text"])
+            if not board:
+                raise Refused("what is on board is not known here", 404)
+            return await asyncio.to_thread(planning.difference, text, source, board, self._vehicle)
+
+        return await answered(request, compared)
+
+    async def ghost(self, socket: WebSocket) -> None:
+        await serve_ghost(socket, self._ghosts, self._vehicle)
 
     async def socket(self, serve: Serve, of: tuple[type[Shown], ...], socket: WebSocket) -> None:
         one = self._shown.get(socket.query_params.get("vehicle", ""))
@@ -116,17 +143,12 @@ class _Console:
             await socket.close()
 
 
-class _TooLarge(Exception):
-    pass
+async def _edit(request: Request) -> Response:
+    return await answered(request, planning.edited)
 
 
-async def _body(request: Request) -> bytes:
-    body = b""
-    async for piece in request.stream():
-        body += piece
-        if len(body) > BODY:
-            raise _TooLarge
-    return body
+async def _words(request: Request) -> Response:
+    return JSONResponse(await planning.words())
 
 
 async def _missions(request: Request) -> Response:

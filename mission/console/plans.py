@@ -12,10 +12,19 @@ from collections.abc import Sequence
 from typing import Any
 
 from mission.authoring.check.show import as_object, unreadable_object
+from mission.authoring.editing.handles import handles
 from mission.authoring.graph.outline import TooLarge, outline
 from mission.authoring.graph.svg import svg
-from mission.authoring.language import script
-from mission.authoring.prepare import Prepared, Unreadable, check_prepared, prepare_text
+from mission.authoring.language import Draft, script
+from mission.authoring.language.clauses import LegText, Opening
+from mission.authoring.prepare import (
+    Prepared,
+    Unreadable,
+    check_prepared,
+    drafted,
+    prepare_draft,
+    prepare_text,
+)
 from mission.onboard.stream.plan import plan_geojson
 
 EMPTY: dict[str, Any] = {
@@ -37,12 +46,23 @@ def on_board(lines: Sequence[str], vehicle: str | None) -> dict[str, Any]:
 
 
 def checked(text: str, source: str, vehicle: str | None) -> dict[str, Any]:
-    """With ``ok``, ``refusals`` and what is ``proved``."""
+    """With ``ok``, ``refusals``, what is ``proved``, and the ``places`` that can be moved."""
+    named = dict[str, Any](places=[], names=[])
     try:
-        prepared = prepare_text(text, source, vehicle)
+        read = drafted(text, source, vehicle)
+        named = {"places": [h.as_object() for h in handles(read, text)], "names": _names(read)}
+        prepared = prepare_draft(read, text, source, vehicle)
     except Unreadable as error:
-        return {**EMPTY, "text": text, **unreadable_object(error.diagnostics)}
-    return {**shown(prepared), **as_object(check_prepared(prepared))}
+        home = next((p["at"] for p in named["places"] if p["kind"] == "home"), None)
+        wrong = unreadable_object(error.diagnostics)
+        return {**EMPTY, "text": text, "home": home, **wrong, **named}
+    return {**shown(prepared), **as_object(check_prepared(prepared)), **named}
+
+
+def _names(read: Draft) -> list[str]:
+    """Of legs and groups: what an exit may lead to."""
+    named = (s.name for s in read.statements if isinstance(s, LegText | Opening))
+    return sorted({name.text for name in named if name is not None})
 
 
 def shown(prepared: Prepared) -> dict[str, Any]:

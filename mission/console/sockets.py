@@ -17,6 +17,7 @@ from typing import Any
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from mission.console.admission import PROTOCOL
+from mission.console.ghost import Ghosts
 from mission.console.intents import Malformed, obey
 from mission.console.orders import ORDERS
 from mission.console.recorded import Recorded
@@ -137,6 +138,40 @@ async def serve_review(socket: WebSocket, recorded: Recorded) -> None:
         await asyncio.Event().wait()
 
     await _both(socket, hear, nothing)
+
+
+async def serve_ghost(socket: WebSocket, ghosts: Ghosts, vehicle: str | None) -> None:
+    """One at a time for a page: another, a word or its end takes the one that flies."""
+    flying: set[asyncio.Task[None]] = set()
+
+    async def stop() -> None:
+        for task in flying:
+            task.cancel()
+        await asyncio.gather(*flying, return_exceptions=True)
+        flying.clear()
+
+    async def hear(said: Said) -> None:
+        await stop()
+        if said.get("do") == "fly":
+            flight = ghosts.fly(said, vehicle, socket.send_json)
+            flying.add(asyncio.ensure_future(flight))
+        elif said.get("do") == "cancel":
+            await socket.send_json({"is": "cancelled"})
+        else:
+            raise Malformed("of a ghost one says fly, or cancel")
+
+    async def fail() -> None:
+        """What a flight raises is the page's mistake, and told."""
+        while True:
+            for task in [task for task in flying if task.done()]:
+                flying.discard(task)
+                task.result()
+            await asyncio.sleep(LOOK_S)
+
+    try:
+        await _both(socket, hear, fail)
+    finally:
+        await stop()
 
 
 class _Answers:

@@ -27,6 +27,7 @@ Change = tuple[Span, str]
 
 _FAR = 20_000.0  # m from home
 _CLOSE = 0.5  # m: a place that was written stands so near to where it was wanted, whatever its unit
+_UNUSUAL = "the text says it in a way that cannot be edited here: write it there"
 _LEAST = {"corner": 3, "place": 2}  # places of a row
 
 
@@ -71,16 +72,18 @@ def add(text: str, source: str, what: str, to: Position, after: int | None = Non
     if what == "point" and (one is None or one.count == 1):
         raise EditError("choose a place in a row of places, or a corner of an area, first")
     if what == "point" and one is not None:
-        changes = [_into_row(one, layout, to, frame_of(read))]
+        ways = [_into_row(one, layout, to, frame_of(read))]
     elif what in writing.AREAS:
-        changes = [writing.area(read, layout, what, to)]
+        ways = [writing.area(read, layout, what, to)]
     elif what in writing.LEGS:
-        changes = [_leg(read, layout, what, to, one, known)]
+        ways = [_leg(read, layout, what, to, one, like) for like in _likes(what, one, known)]
     else:
         raise EditError(f"{what!r} is none of point, {', '.join((*writing.LEGS, *writing.AREAS))}")
-    made = _applied(text, changes)
-    _verify_added(made, source, [h.position for h in known])
-    return made
+    for way in ways:
+        made = _applied(text, [way])
+        if _is_added(made, source, [h.position for h in known]):
+            return made
+    raise EditError(_UNUSUAL)
 
 
 def _read(text: str, source: str) -> Draft:
@@ -201,12 +204,10 @@ def _break(text: str) -> str:
 
 
 def _leg(
-    read: Draft, layout: Layout, what: str, to: Position, one: Handle | None,
-    known: Sequence[Handle],
-) -> Change:  # fmt: skip
-    """Behind the leg of ``one``, or before the last. A copy of a leg of its kind if there is one:
-    its depth, its gear and its layout."""
-    like = _like(what, one, known)
+    read: Draft, layout: Layout, what: str, to: Position, one: Handle | None, like: Handle | None
+) -> Change:
+    """Behind the leg of ``one``, or before the last: a copy of ``like``, with its depth, its gear
+    and its layout; where that is None, a new one."""
     fresh = writing.fresh_name(read, what)
     seconds = writing.timeout(read, what, to, one or like)
     code = (
@@ -214,22 +215,22 @@ def _leg(
         if like is None
         else _likeness(like, layout, fresh, to, frame_of(read), seconds)
     )
-    if one is not None and isinstance(one.statement, LegText):
-        block = layout.statement(_where(one))
-        lead = layout.text[block.lines.begin : block.code.begin]
-        return Span(block.lines.end, block.lines.end), f"{_break(layout.text)}{lead}{code}"
-    block = layout.statement(writing.last_leg(read))
+    behind = one is not None and isinstance(one.statement, LegText)
+    block = layout.statement(_where(one) if one and behind else writing.last_leg(read))
     lead = layout.text[block.lines.begin : block.code.begin]
+    if behind:
+        return Span(block.lines.end, block.lines.end), f"{_break(layout.text)}{lead}{code}"
     begin = block.lines.begin
     return Span(begin, begin), f"{lead}{code}{_break(layout.text)}"
 
 
-def _like(what: str, one: Handle | None, known: Sequence[Handle]) -> Handle | None:
-    """The nearest before, else the first: a leg of that kind, with a name and one place."""
+def _likes(what: str, one: Handle | None, known: Sequence[Handle]) -> tuple[Handle | None, ...]:
+    """Of that kind, with a name and one place: the nearest before, or the first, if there is one;
+    and none, for where a copy of it has no place (its exits are those of another group)."""
     legs = [h for h in known if h.word == writing.LEGS[what] and h.count == 1 and not h.fixed]
     legs = [h for h in legs if isinstance(h.statement, LegText) and h.statement.name is not None]
     before = [h for h in legs if one is not None and _line(h) <= _line(one)]
-    return (before or legs[:1] or [None])[-1]
+    return (*before[-1:], None) if before else (*legs[:1], None)
 
 
 def _line(one: Handle) -> int:
@@ -272,18 +273,18 @@ def _longer(clause: Value, lines: Lines, seconds: float) -> list[Change]:
 def _verify(made: str, source: str, wanted: Sequence[Position | None]) -> None:
     found = [handle.position for handle in handles(_read(made, source), made)]
     if len(found) != len(wanted) or not all(map(_near, found, wanted)):
-        raise EditError("the text says it in a way that cannot be edited here: write it there")
+        raise EditError(_UNUSUAL)
 
 
-def _verify_added(made: str, source: str, before: Sequence[Position | None]) -> None:
+def _is_added(made: str, source: str, before: Sequence[Position | None]) -> bool:
+    """Whether it can be read, with all that was there, and more."""
     read = _read(made, source)
     left = [handle.position for handle in handles(read, made)]
     for place in before:
         same = next((i for i, there in enumerate(left) if _near(there, place)), None)
         if same is not None:
             del left[same]
-    if len(read.problems) or not left:
-        raise EditError("the text says it in a way that cannot be edited here: write it there")
+    return not len(read.problems) and bool(left)
 
 
 def _near(one: Position | None, other: Position | None) -> bool:

@@ -66,8 +66,8 @@ class LineLayout:
             line += 1
         first = self.lines.start(where.line)
         end = self.lines.end(last)
-        code = Span(first, self.lines.start(last) + len(self._raw(last).rstrip()))
-        return Block(code, Span(first, end))
+        ends = self.lines.start(last) + len(self._raw(last).rstrip())
+        return Block(Span(first, ends), Span(first, end))
 
     def _raw(self, line: int) -> str:
         text = self.text[self.lines.start(line) : self.lines.end(line)]
@@ -126,7 +126,7 @@ class YamlLayout:
         """An item of a block list."""
         above = self._above(where)
         items = [i for i, node in enumerate(above) if isinstance(node, SequenceNode)]
-        if not items or above[items[-1]].flow_style:
+        if not items or _flows(above[items[-1]]):
             raise EditError(f"it has no line of its own: {_IN_TEXT}")
         code = self.span(above[items[-1] + 1])
         first = self.line_of(code.begin)
@@ -199,6 +199,10 @@ def _children(node: Node) -> Iterator[Node]:
             yield from (key, value)
 
 
+def _flows(node: Node) -> bool:
+    return isinstance(node, SequenceNode | MappingNode) and bool(node.flow_style)
+
+
 def _start(node: Node) -> tuple[int, int]:
     return node.start_mark.line, node.start_mark.column
 
@@ -209,7 +213,7 @@ def _holds(node: Node, at: tuple[int, int]) -> bool:
 
 def _ends(node: Node) -> Iterator[object]:
     """The ends of what a block is made of; a block's own is where the next begins."""
-    if isinstance(node, ScalarNode) or node.flow_style:
+    if isinstance(node, ScalarNode) or _flows(node):
         yield node.end_mark
         return
     for child in _children(node):

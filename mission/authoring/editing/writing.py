@@ -104,7 +104,7 @@ def place_text(read: Draft, at: tuple[float, float], is_yaml: bool) -> str:
         words, values, decimals, unit = ("latitude", "longitude"), at, 7, ""
     else:
         there = frame.to_local(math.radians(at[0]), math.radians(at[1]))
-        words, values, decimals, unit = ("north", "east"), there, 0, " m"
+        words, values, decimals, unit = ("north", "east"), there, 1, " m"
     texts = [plain(value, decimals) + unit for value in values]
     if is_yaml:
         return f"{{{words[0]}: {texts[0]}, {words[1]}: {texts[1]}}}"

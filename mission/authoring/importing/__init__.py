@@ -17,7 +17,10 @@ from mission.authoring.importing import geojson, gpx, kml, moos, neptus, qgc, sl
 from mission.authoring.importing.route import Findings, ImportErrors, Route, Source, said
 from mission.model.extent import BYTES
 
-__all__ = ["FORMATS", "Findings", "Format", "ImportErrors", "chosen", "format_of", "load"]
+__all__ = [
+    "FORMATS", "Findings", "Format", "ImportErrors", "bounded", "chosen", "data_of", "format_of",
+    "load",
+]  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,16 +57,26 @@ def format_of(path: Path, found: Findings) -> Format:
 
 def load(path: Path, format_: Format, found: Findings) -> Source:
     """Raises ImportErrors, also for a file that cannot be read."""
+    return format_.read(data_of(path, found), found)
+
+
+def data_of(path: Path, found: Findings) -> bytes:
+    """Of the file. Raises ImportErrors."""
     try:
         with path.open("rb") as file:
             data = file.read(BYTES.most + 1)
     except OSError as error:
         why = error.strerror or str(error)
         raise found.refusal("unreadable", "", f"cannot be read: {why}") from None
+    return bounded(data, found)
+
+
+def bounded(data: bytes, found: Findings) -> bytes:
+    """Raises ImportErrors for more than any plan has."""
     found.read_in(data)
     if len(data) > BYTES.most:
         raise found.refusal("too-long", "", f"it has {BYTES.exceeded}, which no plan has")
-    return format_.read(data, found)
+    return data
 
 
 def chosen(source: Source, name: str | None, found: Findings) -> Route:

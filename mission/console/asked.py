@@ -1,0 +1,44 @@
+"""What a page posts: one JSON object of a bounded size, and what it is told where that is wrong."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+
+BODY = 1 << 20  # bytes
+Said = dict[str, Any]
+Answer = Callable[[Said], Awaitable[Any]]
+
+
+class Refused(Exception):
+    """What the page asks for cannot be done; it says why, and what instead."""
+
+    def __init__(self, says: str, status: int = 400) -> None:
+        super().__init__(says)
+        self.status = status
+
+
+async def answered(request: Request, answer: Answer, most: int = BODY) -> Response:
+    """``answer`` gets what was posted; it may raise Refused, KeyError, TypeError and ValueError for
+    what no page says."""
+    try:
+        said = json.loads(await _body(request, most))
+        return JSONResponse(await answer(said))
+    except Refused as error:
+        return JSONResponse({"says": str(error)}, error.status)
+    except (ValueError, TypeError, KeyError, RecursionError):
+        path = request.url.path
+        return JSONResponse({"says": f"{path} needs what docs/design/console.md says"}, 400)
+
+
+async def _body(request: Request, most: int) -> bytes:
+    body = b""
+    async for piece in request.stream():
+        body += piece
+        if len(body) > most:
+            raise Refused(f"more than {most} bytes are no mission", 413)
+    return body

@@ -1,0 +1,231 @@
+"""The plan of the console on its wire: places of a text, edits, imports, differences, ghosts."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import json
+import math
+import time
+from typing import Any
+
+import pytest
+from console_world import Console, console
+from served import PATIENCE
+from websockets.exceptions import ConnectionClosed
+
+from mission.authoring.prepare import prepare
+from mission.console import plans
+from mission.console.asked import Refused
+from mission.console.ghost import Ghosts
+from mission.console.planning import difference
+from mission.model.shipped import shipped_missions
+
+HOME = [30.2874595, 120.1535765]
+TRANSECT = prepare("transect").text
+DIP = """mission dip
+home 30.2874595 120.1535765
+safety time 10min depth 10
+dive: depth 3 heading 0 gear 4 until depth > 2.5 timeout 60s
+up: surface until fix timeout 3min
+"""
+GPX = b"""<?xml version="1.0"?><gpx version="1.1" xmlns="http://www.topografix.com/GPX/1/1">
+<rte><name>bay</name><rtept lat="30.288" lon="120.154"><ele>0</ele></rtept>
+<rtept lat="30.289" lon="120.154"/></rte></gpx>"""
+
+
+def offset_of(text: str, line: int, column: int) -> int:
+    return sum(len(row) + 1 for row in text.split("\n")[: line - 1]) + column - 1
+
+
+def test_every_shipped_mission_is_answered_with_its_places_and_where_their_numbers_stand() -> None:
+    for name, path in shipped_missions().items():
+        text = path.read_text(encoding="utf-8")
+        found = plans.checked(text, path.name, None)
+        assert found["ok"], name
+        assert [p["kind"] for p in found["places"]].count("home") <= 1
+        for place in found["places"]:
+            for line, column, length in place["spans"]:
+                begin = offset_of(text, line, column)
+                float(text[begin : begin + length].split()[0])
+
+
+def test_a_text_with_errors_keeps_its_places_and_its_home() -> None:
+    found = plans.checked(TRANSECT.replace("surface: true", "surfaec: true"), "t.yaml", None)
+    assert not found["ok"]
+    assert found["home"] == HOME
+    assert len(found["places"]) == 4
+    assert found["refusals"][0]["line"] > 0
+
+
+def test_the_names_that_an_exit_may_lead_to_are_told() -> None:
+    assert {"first", "dive", "run", "fix", "up"} <= set(plans.checked(TRANSECT, "", None)["names"])
+
+
+def test_an_edit_is_made_by_the_server_and_read_again() -> None:
+    with console(list) as running:
+        to = [HOME[0] + 0.002, HOME[1]]
+        said = {"text": TRANSECT, "source": "t.yaml"}
+        moved = running.get("/api/edit", {**said, "do": "move", "at": 1, "to": to})["text"]
+        rows = zip(TRANSECT.split("\n"), moved.split("\n"), strict=True)
+        assert sum(a != b for a, b in rows) == 1
+        grown = running.get("/api/edit", {**said, "do": "add", "what": "goto", "to": to})["text"]
+        places = running.get("/api/check", {"text": grown, "source": "t.yaml"})["places"]
+        fresh = next(i for i, place in enumerate(places) if place["path"] == "goto_1")
+        assert math.dist(places[fresh]["at"], to) < 1e-6
+        less = {"text": grown, "source": "t.yaml", "do": "remove", "at": fresh}
+        assert running.get("/api/edit", less)["text"] == TRANSECT
+
+
+@pytest.mark.parametrize(
+    ("path", "body", "status", "says"),
+    [
+        ("/api/edit", {"text": TRANSECT, "source": "t.yaml", "do": "remove", "at": 0}, 400, "home"),
+        ("/api/edit", {"text": TRANSECT, "source": "t.yaml", "do": "paint"}, 400, "an edit is"),
+        ("/api/edit", {"text": TRANSECT, "source": "t.yaml", "do": "move"}, 400, "needs"),
+        ("/api/edit", {"text": TRANSECT, "source": "", "do": "move", "at": "0", "to": HOME}, 400,
+         "needs"),
+        ("/api/edit", {"text": TRANSECT, "source": "", "do": "move", "at": 0, "to": [1]}, 400,
+         "needs"),
+        ("/api/edit", {"text": "x" * (1 << 20), "source": "", "do": "move", "at": 0, "to": HOME},
+         413, "bytes"),
+        ("/api/edit", [], 400, "needs"),
+        ("/api/import", {"name": "a.gpx", "data": "?"}, 400, "needs"),
+        ("/api/import", {"name": "a.doc", "data": ""}, 400, "suffix"),
+        ("/api/import", {"name": "a.gpx", "data": base64.b64encode(GPX).decode()}, 400, "home"),
+        ("/api/vehicles/1/diff", {"text": TRANSECT, "source": "t.yaml"}, 404, "on board"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_done_is_answered_with_the_reason(
+    path: str, body: Any, status: int, says: str
+) -> None:
+    with console(list) as running:
+        found, _, answer = running.ask(path, body)
+        assert found == status
+        assert says in json.loads(answer)["says"]
+
+
+def test_nothing_of_the_plan_is_told_without_the_token() -> None:
+    with console(list) as running:
+        for path in ("/api/words", "/api/edit", "/api/import", "/api/vehicles/1/diff"):
+            body = None if path == "/api/words" else {}
+            assert running.ask(path, body, Authorization="")[0] == 403
+
+
+def test_the_words_of_the_language_come_with_what_they_say() -> None:
+    with console(list) as running:
+        words = running.get("/api/words")
+    of = {(row["of"], row["word"]) for row in words}
+    assert {("leg", "goto"), ("mission", "home"), ("guard", "battery"), ("safety", "radius")} <= of
+    assert all(row["says"] for row in words)
+
+
+def test_a_plan_of_another_program_is_imported_with_what_was_left_out() -> None:
+    said = {"name": "../bay.gpx", "data": base64.b64encode(GPX).decode(), "home": "first",
+            "depth": 3.0, "gear": 6}  # fmt: skip
+    with console(list) as running:
+        found = running.get("/api/import", said)
+        assert found["source"] == "bay.yaml"
+        assert "p2" in found["text"]
+        assert plans.checked(found["text"], found["source"], None)["places"]
+
+
+def test_a_difference_is_what_changes_for_the_vehicle_and_line_by_line() -> None:
+    after = TRANSECT.replace("north: 600 m", "north: 500 m")
+    found = difference(after, "t.yaml", TRANSECT, None)
+    assert not found["same"]
+    marked = [row for row in found["rows"] if row[0] != " "]
+    assert [row[0] for row in marked] == ["-", "+"]
+    commented = difference("# a note\n" + TRANSECT, "t.yaml", TRANSECT, None)
+    assert commented["same"]
+    assert {row[0] for row in commented["rows"]} == {" "}
+    with pytest.raises(Refused, match="mend the text"):
+        difference("legs: [", "t.yaml", TRANSECT, None)
+
+
+# --- ghosts ---------------------------------------------------------------------------------------
+
+FLY = {"do": "fly", "text": DIP, "source": "dip.mission", "settings": ["current=0.1@90"], "seed": 4}
+
+
+def told(socket: Any, *wanted: str) -> dict[str, Any]:
+    end = time.monotonic() + PATIENCE
+    while (answer := json.loads(socket.recv(PATIENCE)))["is"] not in wanted:
+        assert time.monotonic() < end
+    return dict(answer)
+
+
+def test_a_ghost_flies_in_the_sea_that_was_chosen_and_says_which() -> None:
+    with console(list) as running, running.socket("ghost") as socket:
+        socket.send(json.dumps(FLY))
+        assert told(socket, "flying", "refused")["is"] == "flying"
+        done = told(socket, "done", "refused")
+        assert (done["outcome"], done["seed"]) == ("completed", 4)
+        assert done["settings"] == ["current=0.1@90"]
+        assert len(done["up"]) == 1
+        t, latitude, longitude, ellipse = done["believed"][-1]
+        assert t > 0.0
+        assert math.dist([latitude, longitude], HOME) < 0.01
+        assert ellipse[0] >= ellipse[1] > 0.0
+        assert len(done["track"]) == len(done["believed"])
+
+
+def test_a_ghost_that_cannot_fly_says_why() -> None:
+    with console(list) as running, running.socket("ghost") as socket:
+        socket.send(json.dumps({**FLY, "settings": ["moon=1"]}))
+        assert "moon" in told(socket, "done", "refused")["says"]
+
+
+@pytest.mark.parametrize("said", [{"do": "swim"}, {"do": "fly"}, {**FLY, "text": "x" * 2_000_000}])
+def test_a_page_that_asks_a_ghost_for_what_is_none_is_closed(said: dict[str, Any]) -> None:
+    with console(list) as running, running.socket("ghost") as socket:
+        socket.send(json.dumps(said))
+        with pytest.raises(ConnectionClosed) as closed:
+            told(socket, "done")
+        assert closed.value.rcvd is not None
+        assert closed.value.rcvd.code in (1008, 1009)
+
+
+def test_a_ghost_is_cancelled_and_its_process_ends() -> None:
+    async def flown() -> tuple[list[str], int]:
+        ghosts, said = Ghosts(), list[str]()
+
+        async def tell(answer: dict[str, Any]) -> None:
+            said.append(answer["is"])
+
+        flight = asyncio.ensure_future(ghosts.fly(FLY, None, tell))
+        while not said:
+            await asyncio.sleep(0.01)
+        flight.cancel()
+        await asyncio.gather(flight, return_exceptions=True)
+        return said, ghosts.under_way
+
+    assert asyncio.run(flown()) == (["flying"], 0)
+
+
+def test_a_ghost_that_takes_too_long_is_ended_and_no_more_than_two_fly_at_once() -> None:
+    async def flown() -> list[dict[str, Any]]:
+        ghosts, said = Ghosts(longest=0.05), list[dict[str, Any]]()
+
+        async def tell(answer: dict[str, Any]) -> None:
+            said.append(answer)
+
+        await asyncio.gather(*(ghosts.fly(FLY, None, tell) for _ in range(3)))
+        return said
+
+    says = sorted(answer.get("says", "") for answer in asyncio.run(flown()))
+    assert says == ["", "", "2 flights are under way already", *["it takes longer than 0.05 s"] * 2]
+
+
+def test_the_console_goes_on_while_a_ghost_flies() -> None:
+    with console(list) as running, running.socket("ghost") as socket:
+        socket.send(json.dumps(FLY))
+        told(socket, "flying")
+        for _ in range(3):
+            assert setup(running)["vehicles"] == []
+        socket.send(json.dumps({"do": "cancel"}))
+        assert told(socket, "cancelled", "done")["is"] == "cancelled"
+
+
+def setup(running: Console) -> dict[str, Any]:
+    return dict(running.get("/api/setup"))
