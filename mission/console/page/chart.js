@@ -11,6 +11,7 @@ import { bearing, lasting, length, place } from './format.js';
 import { between, ellipse } from './geo.js';
 import { LayerBox } from './layerbox.js';
 import { LAYERS, font } from './layers.js';
+import { NEARER, Panning } from './panning.js';
 import { frameOf, sceneOf } from './scene.js';
 import { age } from './state.js';
 import { View } from './view.js';
@@ -23,8 +24,6 @@ import { word } from './words.js';
 
 const NAMES = { paper: 'sea', grid: 'grid', ink: 'ink', soft: 'soft', track: 'track', plan: 'plan',
   target: 'target', limit: 'limit', vehicle: 'craft', old: 'old' };
-const STEP_PX = 60; // of an arrow key
-const NEARER = 1.4;
 const EDGE = 0.3; // of the screen: a vehicle that is followed stays within
 
 export class Chart {
@@ -36,14 +35,14 @@ export class Chart {
     this._place = at('chart-place');
     this._pointed = at('chart-pointer');
     this._following = at('follow');
-    this._redraw = redraw;
     this._view = new View();
     this._isFollowing = true;
     this._isFitted = '';
-    /** @type {Map<number, Pair>} fingers that are down, px */
-    this._fingers = new Map();
-    /** @type {Pair | null} px */
-    this._pointer = null;
+    this._panning = new Panning(this._canvas, this._view, { redraw, fit: () => this._fit(),
+      moved: () => {
+        this._isFollowing = false;
+      },
+      keys: { f: () => this._follow(!this._isFollowing) } });
     /** @type {Scene | null} */
     this._scene = null;
     this._listen(at);
@@ -120,8 +119,8 @@ export class Chart {
   /** What is under the pointer, and how far from vehicle and home. */
   _tellPointer() {
     const scene = this._scene;
-    if (this._pointer === null || scene === null || !this._frame) return say(this._pointed, '');
-    const at = this._view.toWorld(this._pointer);
+    if (this._panning.pointer === null || scene === null || !this._frame) return say(this._pointed, '');
+    const at = this._view.toWorld(this._panning.pointer);
     const from = (/** @type {Pair | undefined} */ point, /** @type {string} */ name) => {
       if (point === undefined) return '';
       const way = between(point, at);
@@ -137,26 +136,11 @@ export class Chart {
   /** @param {(id: string) => HTMLElement} at */
   _listen(at) {
     const on = (/** @type {string} */ id, /** @type {() => void} */ act) =>
-      at(id).addEventListener('click', () => this._moved(act));
+      at(id).addEventListener('click', () => this._panning.moved(act));
     on('zoom-in', () => this._view.zoom(NEARER));
     on('zoom-out', () => this._view.zoom(1 / NEARER));
     on('fit', () => this._fit());
     on('follow', () => this._follow(!this._isFollowing));
-    const canvas = this._canvas;
-    canvas.addEventListener('keydown', (event) => this._key(event));
-    canvas.addEventListener('wheel', (event) => this._wheel(event), { passive: false });
-    canvas.addEventListener('pointerdown', (event) => this._down(event));
-    canvas.addEventListener('pointermove', (event) => this._drag(event));
-    for (const name of ['pointerup', 'pointercancel', 'pointerleave']) {
-      canvas.addEventListener(name, (event) => this._up(/** @type {PointerEvent} */ (event)));
-    }
-    new ResizeObserver(() => this._redraw()).observe(canvas);
-  }
-
-  /** @param {() => void} act */
-  _moved(act) {
-    act();
-    this._redraw();
   }
 
   _fit() {
@@ -168,70 +152,6 @@ export class Chart {
   _follow(on) {
     this._isFollowing = on;
     if (on && this._scene?.here) this._view.centre(this._scene.here.at);
-  }
-
-  /** @param {KeyboardEvent} event */
-  _key(event) {
-    if (event.ctrlKey || event.altKey || event.metaKey || event.shiftKey && event.key !== '+') return;
-    const far = STEP_PX;
-    /** @type {Record<string, () => void>} */
-    const acts = {
-      ArrowLeft: () => this._pan(far, 0),
-      ArrowRight: () => this._pan(-far, 0),
-      ArrowUp: () => this._pan(0, far),
-      ArrowDown: () => this._pan(0, -far),
-      '+': () => this._view.zoom(NEARER),
-      '=': () => this._view.zoom(NEARER),
-      '-': () => this._view.zoom(1 / NEARER),
-      0: () => this._fit(),
-      f: () => this._follow(!this._isFollowing),
-    };
-    const act = acts[event.key];
-    if (act === undefined) return;
-    event.preventDefault();
-    this._moved(act);
-  }
-
-  /** @param {number} x @param {number} y px */
-  _pan(x, y) {
-    this._isFollowing = false;
-    this._view.pan(x, y);
-  }
-
-  /** @param {WheelEvent} event */
-  _wheel(event) {
-    event.preventDefault();
-    const factor = Math.exp(-event.deltaY * (event.ctrlKey ? 0.01 : 0.0015));
-    this._moved(() => this._view.zoom(factor, [event.offsetX, event.offsetY]));
-  }
-
-  /** @param {PointerEvent} event */
-  _down(event) {
-    this._canvas.setPointerCapture(event.pointerId);
-    this._fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
-  }
-
-  /** One finger moves it, two draw it nearer. @param {PointerEvent} event */
-  _drag(event) {
-    /** @type {Pair} */
-    const to = [event.offsetX, event.offsetY];
-    this._pointer = to;
-    const before = this._fingers.get(event.pointerId);
-    if (before === undefined) return this._redraw();
-    const other = [...this._fingers].find(([id]) => id !== event.pointerId)?.[1];
-    if (other !== undefined) {
-      const far = (/** @type {Pair} */ p) => Math.hypot(p[0] - other[0], p[1] - other[1]);
-      this._view.zoom(far(to) / Math.max(1, far(before)), other);
-    } else this._pan(to[0] - before[0], to[1] - before[1]);
-    this._fingers.set(event.pointerId, to);
-    this._redraw();
-  }
-
-  /** @param {PointerEvent} event */
-  _up(event) {
-    this._fingers.delete(event.pointerId);
-    if (event.type === 'pointerleave' || event.pointerType === 'touch') this._pointer = null;
-    this._redraw();
   }
 }
 
