@@ -10,7 +10,7 @@ import typing
 from collections import Counter
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, TypeVar, get_args, get_origin
+from typing import Any, TypeVar, cast, get_args, get_origin
 
 _D = TypeVar("_D")
 
@@ -31,8 +31,8 @@ def to_plain(value: Any) -> Any:
 
 
 def from_plain(kind: type[_D], data: Any) -> _D:
-    result: _D = _reader(kind)(data)
-    return result
+    read: Callable[[Any], _D] = _reader(cast("Any", kind))
+    return read(data)
 
 
 @functools.cache  # hints are looked up once for a type, not once for a value
