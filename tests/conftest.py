@@ -40,6 +40,10 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object
         controller.resume()
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: item.get_closest_marker("minutes") is None)
+
+
 @pytest.fixture(scope="session")
 def recordings() -> Path:
     """The folder of real recordings; AUVMISSION_DATA, or ../shared/data beside the project."""

@@ -211,6 +211,7 @@ def test_a_state_that_is_not_there_is_refused(folder: Path) -> None:
     assert "waters" in result.output
 
 
+@pytest.mark.minutes
 def test_every_reference_is_met_and_the_ellipses_hold(recordings: Path) -> None:
     scores, _ = score_folder(recordings / "trajectories", load_vehicle("auv"))
     found = as_object(scores)

@@ -91,6 +91,7 @@ def test_flights_in_several_processes_end_with_their_processes() -> None:
     assert rest == ["interrupted"]
 
 
+@pytest.mark.proof
 def test_flights_that_were_interrupted_are_kept_and_the_rest_flown_later(tmp_path: Path) -> None:
     kept = tmp_path / "kept.jsonl"
     call = ("-m", "mission", "faults", "--seed", "4", "--workers", "2", "--resume", str(kept))

@@ -21,7 +21,7 @@ PAGES = [
 
 
 def row(page: Path) -> ParameterSet:
-    marks = [pytest.mark.proof] if LONG & {page.parent.name, page.name} else []
+    marks = [pytest.mark.proof, pytest.mark.minutes] if LONG & {page.parent.name, page.name} else []
     return pytest.param(page, marks=marks, id=str(page.relative_to(ROOT)))
 
 

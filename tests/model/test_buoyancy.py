@@ -85,6 +85,7 @@ def test_nothing_is_measured_where_the_logs_hold_no_float_test(log: list[Telemet
     assert rise_of([log], noise=0.1) is None
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("profile", ["as-built", "documented"])
 @pytest.mark.parametrize("newtons", [15.0, 5.0])
 def test_the_shipped_float_test_measures_the_simulated_vehicle(

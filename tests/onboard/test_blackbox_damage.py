@@ -158,6 +158,7 @@ def test_a_chunk_whose_length_is_wrong_costs_no_chunk_behind_it(
 
 
 @pytest.mark.proof
+@pytest.mark.minutes
 @pytest.mark.parametrize("form", FORMS)
 def test_so_it_is_ten_thousand_times(boxes: dict[str, Path], tmp_path: Path, form: str) -> None:
     try_many(boxes, tmp_path, form, 3334)

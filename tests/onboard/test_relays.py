@@ -137,6 +137,7 @@ def test_whatever_comes_however_fast_the_vehicle_ends_as_it_was_told(script) -> 
     assert sorted(increments) == sorted(f for f in sent if f.startswith((b"@DA", b"@MDA")))
 
 
+@pytest.mark.proof
 @settings(max_examples=150, deadline=None)
 @given(st.lists(st.tuples(WORDS, st.booleans()), min_size=60, max_size=120))
 def test_no_thruster_or_servo_waits_for_ever_however_the_others_are_moved(script) -> None:

@@ -90,6 +90,7 @@ def among_squares(job: Job, at: Place) -> Any:
     return outcome
 
 
+@pytest.mark.proof
 def test_a_scheduler_without_a_worker_is_told(
     scheduler: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -98,24 +99,29 @@ def test_a_scheduler_without_a_worker_is_told(
         list(results(do, SQUARES, place(f"dask://{scheduler}")))
 
 
+@pytest.mark.proof
 def test_results_come_in_the_order_of_their_jobs(cluster: Place) -> None:
     assert list(results(do, SQUARES, cluster)) == [do(square) for square in SQUARES]
 
 
+@pytest.mark.proof
 def test_the_same_flights_are_the_same_to_the_bit_on_a_cluster(cluster: Place) -> None:
     work = functools.partial(fly_numbered, 9, known=KNOWN)
     assert list(results(work, range(4), cluster)) == list(results(work, range(4), place("local")))
 
 
+@pytest.mark.proof
 def test_a_worker_that_is_killed_costs_no_job(cluster: Place, tmp_path: Path) -> None:
     assert among_squares(("dies_once", tmp_path), cluster) == "lived"
 
 
+@pytest.mark.proof
 def test_a_job_that_kills_its_workers_is_told_by_its_name(cluster: Place) -> None:
     lost = among_squares(("dies", 0), cluster)
     assert lost == Lost("('dies', 0)", "4 workers died of it")
 
 
+@pytest.mark.proof
 def test_a_job_that_hangs_ends_its_worker_and_is_tried_again(
     cluster: Place, tmp_path: Path
 ) -> None:
@@ -123,11 +129,13 @@ def test_a_job_that_hangs_ends_its_worker_and_is_tried_again(
     assert among_squares(("hangs_once", tmp_path), impatient) == "answered"
 
 
+@pytest.mark.proof
 def test_a_job_that_raises_is_told_at_once(cluster: Place, tmp_path: Path) -> None:
     lost = among_squares(("fails", tmp_path), cluster)
     assert (lost.why, len(list(tmp_path.iterdir()))) == ("raised KeyError: 'no such leg'", 1)
 
 
+@pytest.mark.proof
 def test_a_job_that_is_out_of_memory_is_tried_again_and_told(
     cluster: Place, tmp_path: Path
 ) -> None:
@@ -145,6 +153,7 @@ def other_program(folder: Path) -> Path:
     return folder
 
 
+@pytest.mark.proof
 def test_a_worker_with_another_program_is_refused_before_the_first_job(
     cluster: Place, tmp_path: Path
 ) -> None:
@@ -156,6 +165,7 @@ def test_a_worker_with_another_program_is_refused_before_the_first_job(
         list(results(do, SQUARES, cluster))
 
 
+@pytest.mark.proof
 def test_a_worker_that_joins_later_with_another_program_does_no_job(
     cluster: Place, tmp_path: Path
 ) -> None:
@@ -166,6 +176,7 @@ def test_a_worker_that_joins_later_with_another_program_does_no_job(
         assert {first, *found} == {code()["sources"]}
 
 
+@pytest.mark.proof
 def test_a_worker_with_several_threads_is_refused(cluster: Place, tmp_path: Path) -> None:
     with (
         worker(cluster.address, tmp_path, threads=2),
@@ -174,6 +185,7 @@ def test_a_worker_with_several_threads_is_refused(cluster: Place, tmp_path: Path
         list(results(do, SQUARES, cluster))
 
 
+@pytest.mark.proof
 def test_the_command_flies_on_the_cluster_as_it_flies_here(cluster: Place) -> None:
     call = ["faults", "--flights", "4", "--seed", "4", "--json", "--on"]
     there = CliRunner().invoke(main, [*call, f"dask://{cluster.address}"])

@@ -78,6 +78,7 @@ def coverages(name: str, current: str, seed: int, parameters: dict[str, str]) ->
     return found, table(flight, ready.chart)
 
 
+@pytest.mark.proof
 def test_the_lawnmower_sees_nine_tenths_of_its_area_in_the_current_that_it_assumes() -> None:
     found = []
     for seed, direction in enumerate((30.0, 120.0, 210.0, 300.0)):

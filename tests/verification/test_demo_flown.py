@@ -11,7 +11,7 @@ from programs import run
 from mission.authoring.prepare import Unreadable, check_prepared, prepare
 from mission.model.shipped import shipped_missions
 
-pytestmark = pytest.mark.proof
+pytestmark = [pytest.mark.proof, pytest.mark.minutes]
 OTHERS = ("coreboard", "rov", "robot")
 FLIES = {
     "coreboard": {"coreboard-dive", "first-dive", "lawnmower", "loiter"},

@@ -101,6 +101,7 @@ def test_the_worst_flights_come_with_the_command_that_flies_them_again(
     assert round(max(s.error for s in flight.samples), 1) == first["error_m"]
 
 
+@pytest.mark.proof
 def test_a_rehearsal_says_the_same_whatever_works_on_it(
     told: tuple[dict[str, object], Path],
 ) -> None:

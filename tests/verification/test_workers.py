@@ -44,6 +44,7 @@ def test_results_come_in_the_order_of_their_jobs(at: Place) -> None:
     assert list(results(do, [], at)) == []
 
 
+@pytest.mark.proof
 def test_the_same_flights_are_the_same_to_the_bit_in_whichever_process() -> None:
     work = functools.partial(fly_numbered, 9, known=KNOWN)
     here = list(results(work, range(4), LOCAL))

@@ -125,6 +125,7 @@ def test_the_radius_of_an_ellipse_holds_95_of_100(ratio: float) -> None:
     assert within(radius_95(c), 0.0, 0.0, c) == pytest.approx(0.95, abs=6e-4)
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("parameters", [{}, {"row_length": "200", "row_spacing": "25"}])
 def test_flights_bring_home_what_the_check_expects(parameters: dict[str, str]) -> None:
     """Truth in seas of the mission's own assumptions: no worse, and not better by far."""

@@ -217,6 +217,7 @@ def test_sunk_and_unlawful_are_asked_of_boards_too() -> None:
     assert found & {UNLAWFUL, SUNK}
 
 
+@pytest.mark.proof
 def test_the_commands_fly_the_other_vehicles_and_say_how_to_fly_one_again() -> None:
     ran = run("faults", "--vehicle", "robot", "--seed", "1", "--flights", "2", "--json")
     assert ran.exit_code == 0, ran.output

@@ -151,6 +151,7 @@ def test_what_has_broken_a_law_is_told_and_not_steered_by() -> None:
 
 
 @pytest.mark.proof
+@pytest.mark.minutes
 def test_what_is_flown_does_not_depend_on_who_works() -> None:
     def names(workers: int) -> list[str]:
         found = flown(Search(3, KNOWN), 3, len(ROWS) + 20, KNOWN, place(workers=workers))
