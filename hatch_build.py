@@ -54,20 +54,33 @@ LEFT = {".git", ".venv", ".mypy_cache", ".ruff_cache", ".pytest_cache", "build",
 def compile_in(folder: Path) -> list[Path]:
     """Compiles in place what stands in ``folder``. The extensions, relative to it; the one that
     holds the code of all is at its top. CompileError of setuptools where no compiler is."""
-    from mypyc.build import mypycify
     from setuptools import Distribution
 
     with chdir(folder), marked(_sources(folder)) as sources:
-        extensions = mypycify(
-            [*CHECKING, *map(str, sources)], opt_level="1", debug_level="0", group_name="auvmission"
-        )
-        for extension in extensions:
-            extension.extra_compile_args += FLAGS
+        extensions = translated(sources)
         command: Any = Distribution({"ext_modules": extensions}).get_command_obj("build_ext")
         command.inplace = True
         command.ensure_finalized()
         command.run()
     return [Path(command.get_ext_filename(extension.name)) for extension in extensions]
+
+
+def translate_in(folder: Path) -> None:
+    """The C code alone, in ``folder``: whether mypyc takes the sources, in a tenth of the time."""
+    with chdir(folder), marked(_sources(folder)) as sources:
+        translated(sources)
+
+
+def translated(sources: list[Path]) -> list[Any]:
+    """Extensions to be compiled. Ends the program with mypyc's words where it takes them not."""
+    from mypyc.build import mypycify
+
+    extensions = mypycify(
+        [*CHECKING, *map(str, sources)], opt_level="1", debug_level="0", group_name="auvmission"
+    )
+    for extension in extensions:
+        extension.extra_compile_args += FLAGS
+    return extensions
 
 
 def _sources(folder: Path) -> list[Path]:

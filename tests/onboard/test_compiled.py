@@ -8,6 +8,7 @@ import importlib.machinery
 import importlib.util
 import os
 import runpy
+import shutil
 import subprocess
 import sys
 import typing
@@ -160,6 +161,22 @@ def test_a_compiled_flight_with_faults_records_the_same_bytes(number: int, tmp_p
     words = ("faults", "--seed", "3", "--flight", str(number), "--json")
     pure, quick = both(*words, folder=tmp_path)
     assert pure == quick
+
+
+@pytest.mark.proof
+def test_mypyc_takes_the_sources_as_they_are(tmp_path: Path) -> None:
+    for name in PACKAGES:
+        shutil.copytree(ROOT / name, tmp_path / name)
+    words = "import pathlib, hatch_build; hatch_build.translate_in(pathlib.Path.cwd())"
+    told = subprocess.run(
+        [sys.executable, "-c", words],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert told.returncode == 0, told.stdout + told.stderr
 
 
 @pytest.mark.proof
