@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from itertools import pairwise
 
-from mission.model import SURFACED, SURFACING
+from mission.model import SURFACED, SURFACING, By
 from mission.model.regions import EMERGENCY
 from mission.model.vehicle import STALE_AFTER
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
@@ -33,7 +34,8 @@ def surface_laws(story: Story) -> Iterator[Violation]:
     for stay in story.stays:
         if stay.autonomous:
             yield from _starts_at_surface(story, stay)
-        if stay.state == SURFACED and stay.before == SURFACING:
+    for before, stay in pairwise(story.stays):
+        if before.ascends and _is_told_surfaced(before, stay):
             yield from _is_at_surface(story, stay)
         if stay.state.startswith("idle"):
             yield from _is_cleared(story, stay)
@@ -47,6 +49,13 @@ def _starts_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
     depth = story.depth(stay.begin)
     if depth > (_START_FREE if story.mission.start_without_fix else _START):
         yield Violation(UNLAWFUL, stay.begin, f"a mission begins {depth:.1f} m deep")
+
+
+def _is_told_surfaced(before: Stay, stay: Stay) -> bool:
+    """The emergency's ascent is over, or a leg's: it did what it is for."""
+    if stay.state == SURFACED:
+        return before.state == SURFACING
+    return before.autonomous and stay.step is not None and stay.step.by is By.END
 
 
 def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:

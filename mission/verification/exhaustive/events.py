@@ -18,7 +18,7 @@ from mission.verification.exhaustive.commands import COMMANDS, SETTLE, Play, of_
 from mission.verification.exhaustive.configurations import DEEP, SHALLOW
 from mission.verification.exhaustive.doubts import DOUBTS
 from mission.verification.exhaustive.exit_inputs import come_true, end_leg
-from mission.verification.exhaustive.limit_events import LIMITS
+from mission.verification.exhaustive.limit_events import LIMITS, sinks
 from mission.verification.exhaustive.world import World
 from protocol.messages import SetSafety
 from protocol.operator_words import WORDS
@@ -185,15 +185,6 @@ def _unanswered_stop(world: World) -> None:
     world.wait(2.0)
 
 
-def _sinks_slowly(world: World) -> None:
-    """0.15 m/s, to 2.5 m and more."""
-    world.wait(2.0)
-    for _ in range(10):
-        world.sea.depth += 0.3
-        world.wait(2.0)
-    world.wait(0.1)
-
-
 def _restarts(world: World) -> None:
     world.wait(0.05)
     world.restart()
@@ -241,7 +232,7 @@ OTHERS = (
     Event("the program is to end, deep", _ends(DEEP), also=frozenset({"end"})),
     Event("the program is to end, at the surface", _ends(SHALLOW), also=frozenset({"end"})),
     Event("the program ends at once", script(_ends_at_once), also=frozenset({"end", "last"})),
-    Event("it sinks slowly", script(_sinks_slowly), also=frozenset({"sinks"})),
+    Event("it sinks slowly", sinks(0.3, 10), also=frozenset({"sinks"})),
     Event("restart", script(_restarts), also=frozenset({"restart"})),
 )
 

@@ -43,12 +43,17 @@ def _pushes_in_vain(world: World) -> None:
     world.wait(18.5)
 
 
-def _sinks(world: World) -> None:
-    world.wait(2.0)
-    for _ in range(3):
-        world.sea.depth += 3.0
+def sinks(metres: float, reports: int) -> Play:
+    """So much deeper with each of so many reports."""
+
+    def play(world: World) -> None:
         world.wait(2.0)
-    world.wait(0.1)
+        for _ in range(reports):
+            world.sea.depth += metres
+            world.wait(2.0)
+        world.wait(0.1)
+
+    return script(play)
 
 
 def _overturned(world: World) -> None:
@@ -163,7 +168,7 @@ LIMITS = (
     Event("limit time", _tightens(SetSafety(time=0.6), 1.0), "SP", limit="time"),
     Event("limit depth", script(_too_deep), "SP", limit="depth"),
     Event("limit hard depth", script(_hard_depth), limit="hard depth"),
-    Event("limit unexplained descent", script(_sinks), limit="unexplained descent"),
+    Event("limit unexplained descent", sinks(3.0, 3), limit="unexplained descent"),
     Event("limit no progress", script(_stuck), limit="no progress", also=frozenset({"minute"})),
     Event("limit depth contradicted", script(_pushes_in_vain), limit="depth contradicted"),
     Event(

@@ -5,10 +5,12 @@ from __future__ import annotations
 import functools
 import json
 from collections import Counter
+from dataclasses import replace
 
 import pytest
 from click.testing import CliRunner
 
+from links.simulated.settings import FaultEvent
 from mission.authoring.check import check_mission
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest
@@ -102,6 +104,17 @@ def test_a_scene_tells_a_rule_from_its_absence_by_its_law(
     with broken(rule):
         found = judged(stage(scene, seed))
     assert any(k == kind and says in words for k, words in found) == bool(kind), found
+
+
+def test_a_depth_that_freezes_in_a_dive_lets_no_made_up_fix_end_the_ascent_below() -> None:
+    """As in flight 595 of seed 81; here it is the mission's own ascent, behind the leg's else."""
+    plan = stage("blind_and_wandering", 0)
+    faults = (FaultEvent("gps_wanders", 5.1, 1e6), FaultEvent("depth_frozen", 17.7, 154.5))
+    frozen = replace(plan, settings=replace(plan.settings, faults=faults), incidents=())
+    assert judged(frozen) == set()
+    with broken("fixes too early"):
+        found = judged(frozen)
+    assert any(kind == "unlawful" and "surfaced, said" in says for kind, says in found)
 
 
 def test_a_push_that_led_deeper_upside_down_is_seen_when_it_comes_again() -> None:
