@@ -49,10 +49,7 @@ class Admission:
         status, why = self._refusal(scope)
         if not status:
             await self._app(scope, receive, _with_headers(send))
-        elif scope["type"] == "websocket":
-            await receive()
-            await send({"type": "websocket.close", "code": 1008, "reason": why})  # 403
-        else:
+        else:  # of a WebSocket, too: it is answered instead of opened
             await JSONResponse({"says": why}, status)(scope, receive, _with_headers(send))
 
     def _refusal(self, scope: Scope) -> tuple[int, str]:
@@ -87,7 +84,7 @@ def _all(headers: Headers, name: bytes) -> list[str]:
 
 def _with_headers(send: Send) -> Send:
     async def sent(message: Message) -> None:
-        if message["type"] == "http.response.start":
+        if message["type"].endswith("http.response.start"):
             own = [(k.encode(), v.encode()) for k, v in HEADERS.items()]
             message = {**message, "headers": [*message["headers"], *own]}
         await send(message)

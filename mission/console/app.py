@@ -35,14 +35,13 @@ from mission.console.sockets import (
 )
 from mission.console.vehicle import Vehicle
 from mission.model.shipped import shipped_missions
-from mission.topside.contacts import SILENT_S
 from mission.topside.panels import FIX_S, REPORT_S
 
 KINDS = {
     "html": "text/html", "js": "text/javascript", "css": "text/css", "svg": "image/svg+xml",
     "png": "image/png",
 }  # fmt: skip
-STALE = {"intent": FRESH_S, "report": REPORT_S, "fix": FIX_S, "silence": SILENT_S}
+STALE = {"intent": FRESH_S, "report": REPORT_S, "fix": FIX_S}
 Shown = Vehicle | Recorded
 Serve = Callable[[WebSocket, Any], Awaitable[None]]
 
@@ -62,6 +61,7 @@ def application(shown: Sequence[Shown], charts: Shelf, port: int, token: str) ->
         Route("/api/vehicles/{ident}/diff", console.diff, methods=["POST"]),
         Route("/api/vehicles/{ident}/plan", console.plan),
         Route("/api/vehicles/{ident}/events", console.events),
+        Route("/api/vehicles/{ident}/hindsight", console.hindsight),
         *chart_routes(charts),
         WebSocketRoute("/ws/frames", partial(console.socket, serve_frames, both)),
         WebSocketRoute("/ws/orders", partial(console.socket, serve_orders, live)),
@@ -96,10 +96,16 @@ class _Console:
         return _nothing("no such vehicle") if one is None else JSONResponse(one.plan())
 
     async def events(self, request: Request) -> Response:
+        return await self._of_recording(request, lambda one: one.recording.events())
+
+    async def hindsight(self, request: Request) -> Response:
+        return await self._of_recording(request, lambda one: one.hindsight())
+
+    async def _of_recording(self, request: Request, ask: Callable[[Recorded], Any]) -> Response:
         one = self._shown.get(request.path_params["ident"])
         if not isinstance(one, Recorded):
-            return _nothing("a recording has these, a vehicle under way has not")
-        return JSONResponse(await asyncio.to_thread(one.recording.events))
+            return _nothing("a recording has this, a vehicle under way has not")
+        return JSONResponse(await asyncio.to_thread(ask, one))
 
     @property
     def _vehicle(self) -> str | None:

@@ -9,7 +9,9 @@ from typing import Any
 
 from mission.console import plans
 from mission.console.board import Board
+from mission.console.hindsight import hindsight
 from mission.console.recording import Recording
+from mission.topside.contacts import SILENT_S
 
 EVERY_S = 0.2
 
@@ -21,6 +23,8 @@ class Recorded:
         self._vehicle = vehicle
         self._plan = dict(plans.EMPTY)
         self._planned: tuple[str, ...] | None = None
+        self._hindsight: dict[str, Any] | None = None
+        self._asked = threading.Lock()
 
     def about(self) -> dict[str, Any]:
         return {
@@ -31,11 +35,19 @@ class Recorded:
             "under_water": False,
             "simulated": False,
             "speed": 1.0,
+            "silent_s": SILENT_S,
             "checklist": [],
         }
 
     def plan(self) -> dict[str, Any]:
         return self._plan
+
+    def hindsight(self) -> dict[str, Any]:
+        """Once; of a long dive it takes its time."""
+        with self._asked:
+            if self._hindsight is None:
+                self._hindsight = hindsight(self.recording.records)
+            return self._hindsight
 
     def frame(self, page: str, now: float) -> bytes:
         """b"" where nothing is new."""
@@ -43,13 +55,13 @@ class Recorded:
         extras = {
             "wall": int(time.time()),
             "silence": 0,
-            "problem": "",
+            "problem": recording.problem,
             "plan": self._plan["digest"],
             "review": recording.as_object(),
         }
-        watched = recording.watched
+        t, watched = recording.shown
         state = {**watched.state, **extras}
-        return self.board.frame(page, watched, state, recording.t, now)
+        return self.board.frame(page, watched, state, t, now)
 
     def steer(self, said: dict[str, Any]) -> None:
         """Raises ValueError, KeyError, TypeError for what no page says."""

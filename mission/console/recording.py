@@ -1,8 +1,9 @@
 """A recording under the page's hand: it plays, stands, and goes to any time. A thread of its own.
 
-    records --Playback (run again)--> Watched, as if it were a vehicle's monitor
+    records --Film (run again, once)--> Watched, as if it were a vehicle's monitor
 
-Backward is from the beginning again. What does not live here: what a recording is (replay).
+While nothing else is to do the film is run ahead; a time that it has passed is there at once. What
+does not live here: what a recording is (replay).
 """
 
 from __future__ import annotations
@@ -12,14 +13,13 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
-from mission.analysis.replay.playback import Playback
+from mission.console.film import Film
 from mission.model import Record
 from mission.onboard.runtime.records import read_start
 from mission.onboard.stream.events import events_of
 from mission.topside.monitor import Watched
 
 STEP_S = 0.2  # real
-STRIDE_S = 1.0  # of the recording, on the way to a time: a point of the track each
 SLOWEST, FASTEST = 1.0, 100.0
 
 
@@ -27,15 +27,27 @@ class Recording:
     """Raises ValueError where the records begin with no start of this version."""
 
     def __init__(self, records: Sequence[Record]) -> None:
-        self._records = records
-        self._playback = Playback(records)
+        self.records = records
+        self._film = Film(records)
         self.wall = read_start(records[0]).wall
-        self.end = self._playback.end
-        self.watched = Watched()
+        self.end = self._film.end
+        self.shown = 0.0, Watched()  # where it stands, s, and what stood then
         self.playing, self.speed = True, SLOWEST
-        self.t = 0.0
-        self._wanted: float | None = None
+        self._failed = ""
+        self._wanted: float | None = 0.0
         self._stirred, self._over = threading.Event(), False
+
+    @property
+    def t(self) -> float:
+        return self.shown[0]
+
+    @property
+    def watched(self) -> Watched:
+        return self.shown[1]
+
+    @property
+    def problem(self) -> str:
+        return self._failed or self._film.problem
 
     def as_object(self) -> dict[str, Any]:
         return {
@@ -47,7 +59,7 @@ class Recording:
         }
 
     def events(self) -> list[dict[str, Any]]:
-        found = (event for record in self._records for event in events_of(record))
+        found = (event for record in self.records for event in events_of(record))
         return [{"t": e.t, "level": e.level, "of": e.of, "says": e.says} for e in found]
 
     # --- from other threads --------------------------------------------------------------------
@@ -74,31 +86,48 @@ class Recording:
     # --- in its own ------------------------------------------------------------------------------
 
     def run(self) -> None:
+        try:
+            self._run()
+        except Exception as error:
+            self._failed, self.playing = f"the recording stands still: {error!r}", False
+
+    def _run(self) -> None:
         before = time.monotonic()
         while not self._over:
-            self._stirred.wait(STEP_S)
+            self._ahead(STEP_S)
             self._stirred.clear()
             now = time.monotonic()
             passed, before = now - before, now
             if (wanted := self._wanted) is not None:
                 self._wanted = None
-                self._go(wanted)
+                self._jump(wanted)
                 before = time.monotonic()
             elif self.playing:
-                self._go(min(self.end, self.t + passed * self.speed))
-                self.playing = self.playing and self.t < self.end
+                self._play(self.t + passed * self.speed)
 
-    def _go(self, t: float) -> None:
-        if t < self.t:
-            self._playback, self.watched, self.t = Playback(self._records), Watched(), 0.0
-        while self.t < t and not self._over and self._wanted is None:
-            then = min(t, self.t + STRIDE_S)
-            self._take(self._playback.until(then))
-            self.t = then
-        if t == 0.0:
-            self._take(self._playback.until(0.0))
+    def _ahead(self, seconds: float) -> None:
+        """Runs the film on; where it is over waits. Until somebody stirs."""
+        end = time.monotonic() + seconds
+        while not self._stirred.is_set() and time.monotonic() < end:
+            if self._film.over:
+                self._stirred.wait(end - time.monotonic())
+            self._film.extend()
 
-    def _take(self, frame: bytes) -> None:
-        _, answers = self.watched.receive(frame, time.monotonic())
-        if answers:
-            self._playback.answer(answers)
+    def _reach(self, t: float) -> float:
+        """As far as it can be reached before somebody wants another time."""
+        film = self._film
+        while film.until < t and not (film.over or self._over or self._wanted is not None):
+            film.extend()
+        return min(t, film.until)
+
+    def _jump(self, t: float) -> None:
+        reached = self._reach(t)
+        self.shown = reached, self._film.at(reached, time.monotonic())
+
+    def _play(self, t: float) -> None:
+        reached = self._reach(min(t, self.end))
+        for frame in self._film.between(self.t, reached):
+            self.watched.take(frame, time.monotonic())
+        self.shown = reached, self.watched
+        if self._film.over and reached >= self._film.until:
+            self.playing = False

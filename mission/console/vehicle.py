@@ -100,6 +100,7 @@ class Vehicle:
             "under_water": self.under_water,
             "simulated": self.given.simulated,
             "speed": self.given.speed,
+            "silent_s": self.contacts.silent_s,
             "checklist": list(self.given.checklist),
         }
 

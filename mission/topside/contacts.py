@@ -12,9 +12,12 @@ from mission.model.alarms import Alarm, Condition, standing
 from mission.topside.dives import Dives
 from mission.topside.monitor import Watched
 from mission.topside.overdue import contact_with, overdue
+from mission.topside.sources import ASK_UNDER_WATER_S
+from mission.topside.underwater import PREFIX
 
 KEEP_S = 10.0  # between two contacts that are kept
 SILENT_S = 5.0  # without a frame: nothing shown is of now
+SILENT_UNDER_WATER_S = 2 * ASK_UNDER_WATER_S + SILENT_S  # of the modem: two looks that failed
 
 
 class Contacts:
@@ -23,6 +26,7 @@ class Contacts:
     def __init__(self, to: str, memory: Path) -> None:
         self.dives = Dives(memory)
         self._to, self._kept = to, -KEEP_S
+        self.silent_s = SILENT_UNDER_WATER_S if to.startswith(PREFIX) else SILENT_S
 
     def remember(self, watched: Watched, now: float) -> None:
         """Now and then, for whoever has to search."""
@@ -36,5 +40,5 @@ class Contacts:
         """What the boat alone knows: silence, overdue."""
         silent = watched.silence(now) if live else None
         late = overdue(self.dives.of(self._to), time.time()) if self._to else ""
-        gone = silent if silent is not None and silent > SILENT_S else None
+        gone = silent if silent is not None and silent > self.silent_s else None
         return standing(Condition(silent=gone, overdue=late))

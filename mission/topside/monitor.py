@@ -9,8 +9,8 @@ What does not live here: sockets (console), how it is shown (watch).
 from __future__ import annotations
 
 import json
-from collections import deque
-from collections.abc import Mapping
+from collections import Counter, deque
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 MOST = 1 << 20  # bytes of one frame
@@ -48,10 +48,13 @@ class Watched:
         self.gap = self.told = 0  # events that are missing, and that came
         self.at: tuple[float, float] | None = None
         self._heard = b""
+        self._told_before: Counter[str] = Counter()  # lines that may be told again
 
     def connected(self) -> None:
-        """What comes from here on begins with a whole frame, and tells the whole plan."""
+        """What comes from here on begins with a whole frame, and tells the whole plan; the newest
+        events are told again, and are none."""
         self._heard, self.plan = b"", ()
+        self._told_before = Counter(self.events)
 
     def receive(self, data: bytes, now: float) -> tuple[list[Frame], bytes]:
         """The frames that are whole, and the answers that leave. Raises NoMonitor."""
@@ -64,15 +67,26 @@ class Watched:
         return frames, b"".join(b'{"ack":%d}\n' % frame["n"] for frame in frames)
 
     def take(self, frame: Mapping[str, Any], now: float) -> None:
+        if self.at is not None and frame["t"] < self.at[0]:
+            self._told_before.clear()  # it began anew, and so do its lines
         self.at = (frame["t"], now)
         self.state.update(frame.get("state", {}))
-        events = frame.get("events", ())
+        events = self._new(frame.get("events", ()))
         self.events += events
         self.told += len(events)
         self.gap += frame.get("gap", 0)
         self.track = (self.track + frame.get("track", []))[-TRACK:]
         for line in frame.get("plan", ()):  # "" begins another
             self.plan = (*self.plan, line) if line else ()
+
+    def _new(self, events: Sequence[str]) -> Sequence[str]:
+        """From the first that was not told before on all are new."""
+        for number, line in enumerate(events):
+            if not self._told_before[line]:
+                self._told_before.clear()
+                return events[number:]
+            self._told_before[line] -= 1
+        return ()
 
     def silence(self, now: float) -> float | None:
         """s since the last frame; None: none came."""

@@ -29,17 +29,19 @@ class Line(NamedTuple):
     style: str = PLAIN
 
 
-def banner(watched: Watched, now: float, mine: Sequence[Alarm] = ()) -> Iterator[Line]:
+def banner(
+    watched: Watched, now: float, mine: Sequence[Alarm] = (), silent_s: float = SILENT_S
+) -> Iterator[Line]:
     """Alarms, worst first; ``mine`` are those of the boat. One line where nothing is wrong."""
     silence = watched.silence(now)
     if silence is None:
         yield Line("nothing has been heard of the vehicle so far", CAREFUL)
-    elif silence > SILENT_S:
+    elif silence > silent_s:
         yield Line(f"NOTHING NEW for {silence:.0f} s: all below is of that time", BAD)
     alarms = [*mine, *(Alarm(**plain) for plain in watched.state.get("alarms") or ())]
     for alarm in sorted(alarms, key=lambda a: a.level != DANGER):
         yield Line(f"ALARM {alarm}", BAD if alarm.level == DANGER else CAREFUL)
-    if silence is not None and silence <= SILENT_S and not alarms:
+    if silence is not None and silence <= silent_s and not alarms:
         yield Line("no alarm", GOOD)
 
 

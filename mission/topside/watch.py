@@ -101,7 +101,7 @@ class WatchApp(App[None]):
         watched, now = self.source.watched, time.monotonic()
         self._contacts.remember(watched, now)
         mine = self._contacts.alarms(watched, now, self.source.live)
-        banner = list(panels.banner(watched, now, mine))
+        banner = list(panels.banner(watched, now, mine, self._contacts.silent_s))
         if self.source.problem:
             banner.insert(0, Line(self.source.problem, panels.CAREFUL))
         self._put("banner", banner)

@@ -93,7 +93,8 @@ def test_a_socket_by_another_name_is_not_opened(console: Console, kind: str) -> 
         connect(url, sock=reached, subprotocols=shown, origin=f"http://evil.example:{port}"),
     ):
         pass
-    assert refused.value.response.status_code == 403
+    assert refused.value.response.status_code == 421
+    assert b"127.0.0.1 and localhost" in (refused.value.response.body or b"")
 
 
 def test_whatever_is_served_forbids_to_load_from_elsewhere(console: Console) -> None:

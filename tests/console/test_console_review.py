@@ -10,11 +10,18 @@ import pytest
 from console_world import Console, Page, console
 from websockets.sync.client import ClientConnection
 
+from mission.analysis.replay.playback import Playback
+from mission.analysis.report.dive import Dive
+from mission.analysis.report.words import figures
 from mission.authoring.prepare import prepare
+from mission.console import film as film_module
 from mission.console.board import Board
+from mission.console.film import EVERY_S, Film
+from mission.console.hindsight import hindsight
 from mission.console.recorded import Recorded
 from mission.console.recording import Recording
 from mission.model import Record
+from mission.navigation.geodesy import LocalFrame
 from mission.onboard.runtime.records import ListRecorder
 from mission.topside.monitor import Watched
 from mission.verification.simulation.flight import fly
@@ -92,6 +99,111 @@ def test_a_speed_that_there_is_not_is_refused(records: list[Record], speed: floa
 def test_what_is_no_recording_is_refused() -> None:
     with pytest.raises(ValueError, match="no whole start record"):
         Recording([])
+
+
+# --- the film ---------------------------------------------------------------------------------
+
+
+def whole(records: list[Record]) -> Film:
+    film = Film(records)
+    while not film.over:
+        film.extend()
+    return film
+
+
+def test_what_stood_at_a_time_is_the_same_by_the_film_as_by_running_up_to_it(
+    records: list[Record], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(film_module, "KEY", 7)
+    film = whole(records)
+    for t in (0.0, 3.0, 20.5, 41.0, film.end):
+        ran, playback = Watched(), Playback(records)
+        for to in (*(n * EVERY_S for n in range(int(t / EVERY_S) + 1)), t):
+            _, answers = ran.receive(playback.until(to), 0.0)
+            playback.answer(answers)
+        found = film.at(t, 0.0)
+        assert (found.state, list(found.events)) == (ran.state, list(ran.events))
+        assert (found.track, found.plan, found.told) == (ran.track, ran.plan, ran.told)
+
+
+def test_playing_on_from_a_time_ends_where_a_jump_would(records: list[Record]) -> None:
+    film = whole(records)
+    watched = film.at(10.0, 0.0)
+    for frame in film.between(10.0, 30.0):
+        watched.take(frame, 0.0)
+    there = film.at(30.0, 0.0)
+    assert (watched.state, watched.track, watched.told) == (there.state, there.track, there.told)
+
+
+def test_a_jump_runs_nothing_again(records: list[Record], monkeypatch: pytest.MonkeyPatch) -> None:
+    """However long the recording is: the film has been run once."""
+    ran = list[float]()
+    until = Playback.until
+    monkeypatch.setattr(Playback, "until", lambda self, t: [ran.append(t), until(self, t)][1])
+    film = whole(records)
+    before = len(ran)
+    for t in (film.end, 1.0, 30.0, 0.0):
+        film.at(t, 0.0)
+    assert before == len(ran) == len(set(ran))
+
+
+def test_a_recording_that_cannot_be_run_stands_and_says_why(
+    records: list[Record], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    until = Playback.until
+
+    def broken(self: Playback, t: float) -> bytes:
+        if t > 5.0:
+            raise KeyError("leg")
+        return until(self, t)
+
+    monkeypatch.setattr(Playback, "until", broken)
+    recorded = Recorded("1", "dive.mcap", Recording(records), None)
+    with console(lambda: [recorded]) as running, running.socket("frames") as frames:
+        page = Page(frames)
+        page.until(lambda s: s.get("problem"), "the problem")
+        assert page.state["problem"] == "it cannot be run beyond 5.0 s: KeyError('leg')"
+        page.until(lambda s: not s["review"]["playing"] and page.t == 5.0, "it stands")
+        with running.socket("review") as hand:
+            says(hand, do="seek", t=40.0)
+            says(hand, do="seek", t=2.0)
+            page.until(lambda _: page.t == 2.0, "the part that there is")
+
+
+def test_a_thread_that_fails_plays_no_more(
+    records: list[Record], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    recording = Recording(records)
+    monkeypatch.setattr(Film, "at", lambda *asked: 1 / 0)
+    recording.run()
+    assert not recording.playing
+    assert "division by zero" in recording.problem
+
+
+# --- afterwards -----------------------------------------------------------------------------------
+
+
+def test_afterwards_the_track_is_known_as_it_was_estimated_and_smoothed(
+    review: Console, records: list[Record]
+) -> None:
+    found = review.get("/api/vehicles/1/hindsight")
+    dive = Dive.of(records, None)
+    assert dive.smoothed is not None
+    assert found["begin"] == dive.stays()[0].begin
+    assert [point[0] for point in found["then"]] == [round(t, 1) for t, _, _ in dive.places]
+    assert len(found["now"]) == len(dive.smoothed.t)
+    assert found["apart"]["max"] == figures(dive.smoothed)["filtered_from_smoothed_m"]["max"]
+    assert dive.origin is not None
+    plane = LocalFrame(dive.origin)
+    _, lat, lon = found["now"][-1]
+    back = plane.to_local(math.radians(lat), math.radians(lon))
+    assert back == pytest.approx(tuple(dive.smoothed.smoothed[-1]), abs=0.05)
+
+
+def test_without_a_fix_there_is_no_smoothed_track_and_it_says_so(records: list[Record]) -> None:
+    dry = [record for record in records if b"$G" not in record.payload]
+    found = hindsight(dry)
+    assert (found["now"], "no fix" in found["problem"]) == ([], True)
 
 
 # --- the board ------------------------------------------------------------------------------------

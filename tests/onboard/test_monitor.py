@@ -192,6 +192,42 @@ def test_a_frame_that_was_cut_off_spoils_none_of_the_next_connection() -> None:
     assert (frame["t"], watched.state) == (3.0, {"depth": 2.0})
 
 
+def test_what_is_told_again_after_a_dropout_is_no_second_event() -> None:
+    """A monitor tells its newest events to whoever comes."""
+    monitor, watched = Monitor(), Watched()
+
+    def look(now: float, t: float) -> None:
+        """By a new connection."""
+        watched.connected()
+        monitor.connected("a", now)
+        monitor.receive("a", wish(most=300), now)
+        while line := monitor.frame("a", {"wall": now}, t, now):
+            _, answers = watched.receive(line, now)
+            monitor.receive("a", answers, now)
+
+    told = [f"{t:8.1f} s  info: now here" for t in (1.0, 2.0, 2.0, 3.0, 4.0, 5.0, 6.0)]
+    for line in told[:5]:
+        monitor.event(line)
+    look(0.0, 4.5)
+    assert list(watched.events) == told[:5]
+    for line in told[5:]:
+        monitor.event(line)
+    look(10.0, 6.5)
+    look(20.0, 7.0)
+    assert (list(watched.events), watched.told) == (told, 7)
+    monitor.event(told[-1])
+    look(30.0, 7.5)
+    assert list(watched.events) == [*told, told[-1]]
+
+
+def test_a_program_that_began_anew_tells_the_same_first_lines_and_they_are_events() -> None:
+    watched = Watched()
+    for t in (50.0, 0.5):
+        watched.connected()
+        watched.take({"n": 1, "t": t, "events": ["     0.0 s  info: now idle/empty"]}, t)
+    assert watched.told == 2
+
+
 # --- on real sockets -----------------------------------------------------------------------------
 
 

@@ -27,6 +27,7 @@ from mission.model.alarms import Alarm
 from mission.onboard.runtime.records import ListRecorder
 from mission.onboard.serve.viewing import Viewing
 from mission.topside import panels, watch
+from mission.topside.contacts import Contacts
 from mission.topside.monitor import Watched
 from mission.topside.panels import BAD, CAREFUL, DIM, GOOD
 from mission.topside.sources import Source, from_frames, from_monitor, from_recording
@@ -93,6 +94,17 @@ def test_silence_is_told_first_and_alarms_by_their_danger() -> None:
     assert [line.style for line in lines] == [BAD, BAD, CAREFUL]
     assert texts(panels.banner(watched(), 0.0)) == "no alarm"
     assert texts(panels.banner(Watched(), 0.0)) == "nothing has been heard of the vehicle so far"
+
+
+def test_a_vehicle_under_water_is_silent_after_two_looks_that_failed_and_not_between_them() -> None:
+    known = Watched()
+    known.take({"n": 1, "t": 1.0, "state": {}}, 0.0)
+    for to, quiet in (("modem+serial:///dev/ttyUSB0", 30.0), ("tcp://vehicle:4000", 4.0)):
+        boat = Contacts(to, Path("/nonexistent"))
+        for now, silent in ((quiet, False), (quiet + 6.0, True)):
+            said = "NOTHING NEW" in texts(panels.banner(known, now, (), boat.silent_s))
+            names = [str(alarm.name) for alarm in boat.alarms(known, now, True)]
+            assert (said, len(names) > 0) == (silent, silent)
 
 
 def test_the_strip_hangs_from_the_surface() -> None:

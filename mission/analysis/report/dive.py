@@ -49,6 +49,7 @@ class Dive:
     states: list[Mapping[str, Any]] = field(default_factory=list)
     telemetry: list[Mapping[str, Any]] = field(default_factory=list)
     fixes: list[Mapping[str, Any]] = field(default_factory=list)
+    places: list[tuple[float, float, float]] = field(default_factory=list)  # t, degrees
     covariances: list[tuple[float, Array]] = field(default_factory=list)  # of north and east, m^2
     standing: list[rec.Standing] = field(default_factory=list)
     plan: list[dict[str, Any]] = field(default_factory=list)
@@ -81,6 +82,8 @@ class Dive:
         if message.topic in kept:
             kept[message.topic].append(message.value)
         elif message.topic == POSITION:
+            where = message.value["latitude"], message.value["longitude"]
+            self.places.append((message.t, *where))
             ee, ne, _, _, nn = message.value["position_covariance"][:5]
             self.covariances.append((message.t, np.array([[nn, ne], [ne, ee]])))
         elif message.topic == PLAN:

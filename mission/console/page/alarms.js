@@ -21,9 +21,9 @@ const EVERY_MS = { danger: 1500, warning: 10_000 };
 const TONES = { danger: [880, 660, 880], warning: [520] }; // Hz
 const TONE_S = 0.16;
 
-/** What stands, worst first. @param {Station} station @param {number} quietFor s
+/** What stands, worst first. @param {Station} station
  * @param {number} now ms @returns {Alarm[]} */
-export function standing(station, quietFor, now) {
+export function standing(station, now) {
   const { vehicle } = station;
   /** @type {Alarm[]} */
   const alarms = [];
@@ -35,8 +35,11 @@ export function standing(station, quietFor, now) {
     tell(word('lost', lasting((now - vehicle.heardAt) / 1000)), 'danger', station.problem);
   } else if (isLive(vehicle) && quiet === null) {
     tell(word('unheard'), 'warning', vehicle.state['problem'] ?? '');
-  } else if (isLive(vehicle) && quiet !== null && quiet > quietFor) {
+  } else if (isLive(vehicle) && quiet !== null && quiet > vehicle.setup.silent_s) {
     tell(word('silent', lasting(quiet)), 'danger', vehicle.state['problem'] ?? '');
+  }
+  if (vehicle.setup.source === 'recording' && vehicle.state['problem']) {
+    tell(word('review'), 'danger', vehicle.state['problem']);
   }
   const told = /** @type {Alarm[]} */ (vehicle.state['alarms'] ?? []);
   alarms.push(...told.map((one) => ({ ...one, name: named(one.name) })));
@@ -45,12 +48,12 @@ export function standing(station, quietFor, now) {
 
 /** Of the vehicle that is looked at, and of all that are live. @param {Page} page
  * @param {number} now ms @returns {Owned[]} */
-export function standingOfAll({ stations, chosen, stale }, now) {
+export function standingOfAll({ stations, chosen }, now) {
   const watched = stations.filter((one) => one === chosen || isLive(one.vehicle));
   return watched.flatMap((station) => {
     const { id: of, name } = station.vehicle.setup;
     const whose = stations.length > 1 ? name : '';
-    return standing(station, stale.silence, now).map((alarm) => ({ ...alarm, of, whose }));
+    return standing(station, now).map((alarm) => ({ ...alarm, of, whose }));
   }).sort((a, b) => rank(a) - rank(b));
 }
 

@@ -28,7 +28,7 @@ export class Bar {
     const { vehicle } = page.chosen;
     this._showVehicles(page);
     const quiet = silence(vehicle, now);
-    const old = isOld(vehicle, page.stale.silence, now) ? '' : null;
+    const old = isOld(vehicle, now) ? '' : null;
     const state = vehicle.state['state'];
     say(this._state, state || word('unknown'));
     mark(this._state, 'data-level', /^emergency/.test(state ?? '') ? 'bad' : null);

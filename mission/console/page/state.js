@@ -8,8 +8,9 @@
 
 /**
  * @typedef {{id: string, name: string, to: string, source: 'monitor' | 'frames' | 'recording',
- *   under_water: boolean, simulated: boolean, speed: number, checklist: string[]}} Setup
- * @typedef {{intent: number, report: number, fix: number, silence: number}} Stale s
+ *   under_water: boolean, simulated: boolean, speed: number, silent_s: number,
+ *   checklist: string[]}} Setup
+ * @typedef {{intent: number, report: number, fix: number}} Stale s
  * @typedef {[number, number, number, number | null]} Point t, latitude, longitude, depth
  * @typedef {{n: number, t: number, state?: Record<string, any>, events?: string[],
  *   track?: Point[], gap?: number}} Frame
@@ -165,11 +166,10 @@ export function freshness(vehicle, value, at, stale, now) {
   return old > late || isHung(vehicle, now) ? 'old' : 'fresh';
 }
 
-/** Is what is shown of another time than now? @param {Vehicle} vehicle
- * @param {number} stale s of silence @param {number} now ms */
-export function isOld(vehicle, stale, now) {
+/** Is what is shown of another time than now? @param {Vehicle} vehicle @param {number} now ms */
+export function isOld(vehicle, now) {
   const quiet = silence(vehicle, now);
-  return isHung(vehicle, now) || (isLive(vehicle) && (quiet === null || quiet > stale));
+  return isHung(vehicle, now) || (isLive(vehicle) && (quiet === null || quiet > vehicle.setup.silent_s));
 }
 
 /** Can it be commanded? @param {Vehicle} vehicle */

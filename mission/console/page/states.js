@@ -47,7 +47,7 @@ export class States {
   show(page, now) {
     const { vehicle } = page.chosen;
     const state = vehicle.state;
-    mark(this._root, 'data-old', isOld(vehicle, page.stale.silence, now) ? '' : null);
+    mark(this._root, 'data-old', isOld(vehicle, now) ? '' : null);
     /** @type {Array<[string, string]>} */
     const rows = [];
     for (const name of ['reason', 'setpoint']) if (state[name]) rows.push([word(name), state[name]]);

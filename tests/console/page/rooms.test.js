@@ -55,17 +55,35 @@ test('the journal shows what somebody should look at', () => {
 
 test('the alarms of every live vehicle stand, worst first, whichever is looked at', () => {
   const station = (id, to, level) => {
-    const vehicle = new Vehicle({ id, name: `auv-${id}`, to, source: to ? 'monitor' : 'recording', speed: 1 });
+    const vehicle = new Vehicle({ id, name: `auv-${id}`, to, source: to ? 'monitor' : 'recording', speed: 1, silent_s: 5 });
     const alarms = level ? [{ name: 'limit', level, words: '', do: '' }] : [];
     update(vehicle, { n: 1, t: 1, state: { silence: 0, alarms } }, 0);
     return { vehicle, problem: '' };
   };
   const stations = [station('1', 'tcp://a:1', 'warning'), station('2', 'tcp://b:1', 'danger'), station('3', '', 'danger')];
-  const stale = { silence: 5 };
   const told = (page) => standingOfAll(page, 0).map((one) => `${one.whose} ${one.level}`);
-  assert.deepEqual(told({ stations, chosen: stations[0], stale }), ['auv-2 danger', 'auv-1 warning']);
-  assert.deepEqual(told({ stations, chosen: stations[2], stale }), ['auv-2 danger', 'auv-3 danger', 'auv-1 warning']);
-  assert.deepEqual(told({ stations: [stations[0]], chosen: stations[0], stale }), [' warning']);
+  assert.deepEqual(told({ stations, chosen: stations[0] }), ['auv-2 danger', 'auv-1 warning']);
+  assert.deepEqual(told({ stations, chosen: stations[2] }), ['auv-2 danger', 'auv-3 danger', 'auv-1 warning']);
+  assert.deepEqual(told({ stations: [stations[0]], chosen: stations[0] }), [' warning']);
+});
+
+test('a recording that cannot go on says why', () => {
+  const vehicle = new Vehicle({ id: '1', name: 'dive', to: '', source: 'recording', speed: 1, silent_s: 5 });
+  update(vehicle, { n: 1, t: 1, state: { silence: 0, problem: 'it cannot be run beyond 3.0 s' } }, 0);
+  const station = { vehicle, problem: '' };
+  const told = standingOfAll({ stations: [station], chosen: station }, 0);
+  assert.deepEqual(told.map((one) => [one.level, one.words]), [['danger', 'it cannot be run beyond 3.0 s']]);
+});
+
+test('how long a vehicle may be silent is its own: by modem longer', () => {
+  const station = (silent) => {
+    const vehicle = new Vehicle({ id: '1', name: 'auv', to: 'x', source: 'frames', speed: 1, silent_s: silent });
+    update(vehicle, { n: 1, t: 1, state: { silence: 14 } }, 0);
+    return { vehicle, problem: '' };
+  };
+  const told = (one) => standingOfAll({ stations: [one], chosen: one }, 0).map((a) => a.level);
+  assert.deepEqual(told(station(35)), []);
+  assert.deepEqual(told(station(5)), ['danger']);
 });
 
 test('X and W are their letters on every keyboard', () => {
