@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
-from console_world import Console, at_sea, console, console_of
+from console_world import Console, at_sea, cockpit, console, console_of
 from programs import process
 from served import PATIENCE, TEXT, running, silent_board
 
@@ -232,6 +232,72 @@ def test_charts_lie_under_the_vehicle_and_tell_the_depth_there(
         seat.shows("#chart-pointer", "charted 7.0 m")
         page.get_by_label("floor.asc", exact=True).uncheck()
         playwright.expect(page.locator("#chart-pointer")).not_to_contain_text("charted")
+
+
+GPX = """<gpx xmlns="http://www.topografix.com/GPX/1/1"><rte><name>bay</name>
+<rtept lat="30.288" lon="120.154"/><rtept lat="30.289" lon="120.154"/></rte></gpx>"""
+DROP = """([name, text]) => {
+  const carried = new DataTransfer();
+  carried.items.add(new File([text], name));
+  const drop = new DragEvent('drop', {dataTransfer: carried, bubbles: true, cancelable: true});
+  document.getElementById('planner').dispatchEvent(drop);
+}"""
+
+
+def test_a_plan_from_a_template_to_the_vehicle_and_another_by_drop(
+    chromium: object, tmp_path: Path
+) -> None:
+    with cockpit(tmp_path) as (_, running, _), seated(chromium, running) as seat:
+        page, expect = seat.page, playwright.expect
+        page.get_by_role("tab", name="Plan").first.click()
+        plan = page.locator("#planner")
+        code, verdict = plan.locator("textarea"), plan.locator(".verdict")
+        plan.get_by_label("Template …").select_option("transect")
+        expect(verdict).to_contain_text("from home")
+        first = code.input_value()
+        code.press("Control+End")
+        page.keyboard.type("wrong")
+        expect(plan.locator(".marks .wrong")).to_be_visible()
+        expect(verdict).to_contain_text("Refused: 1")
+        expect(plan.get_by_role("button", name="Upload")).to_be_disabled()
+        code.press("Control+z")
+        expect(code).to_have_value(first)
+        expect(verdict).to_contain_text("from home")
+        chart = plan.locator("canvas")
+        box = chart.bounding_box()
+        assert box is not None
+        middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        chart.press("n")  # home
+        chart.press("n")  # what is chosen stands in the middle
+        page.mouse.move(*middle)
+        page.mouse.down()
+        page.mouse.move(middle[0] + 40, middle[1] + 30, steps=4)
+        page.mouse.up()
+        expect(code).not_to_have_value(first)
+        moved = code.input_value()
+        rows = zip(first.split("\n"), moved.split("\n"), strict=True)
+        assert sum(before != after for before, after in rows) == 1
+        chart.press("Control+z")
+        expect(code).to_have_value(first)
+        chart.press("Control+y")
+        expect(code).to_have_value(moved)
+        expect(verdict).to_contain_text("from home")
+        plan.get_by_role("button", name="Fly").click()
+        expect(plan.locator(".ghost-says")).to_contain_text("COMPLETED")
+        expect(plan.locator(".ghost-says")).to_contain_text("current=0.2@45")
+        seat.press_twice("Upload")
+        seat.shows("#state", "idle/ready")
+        expect(plan.locator(".digests")).to_contain_text("the same")
+        chart.press("Control+z")
+        expect(plan.locator(".digests")).to_contain_text("DIFFERENT")
+        plan.get_by_role("button", name="Compare").click()
+        expect(plan.locator(".changes li").first).to_contain_text("first/run")
+        page.evaluate(DROP, ["bay.gpx", GPX])
+        expect(plan.locator(".importing .why")).to_contain_text("where the vehicle starts")
+        plan.locator(".importing").get_by_role("button", name="Import").click()
+        expect(code).to_have_value(re.compile("Imported from bay.gpx"))
+        code.press("Control+z")
+        expect(code).to_have_value(first)
 
 
 # --- others ---------------------------------------------------------------------------------------

@@ -16,6 +16,7 @@ import { Journal } from './journal.js';
 import { Legs } from './legs.js';
 import { keepLight } from './light.js';
 import { Margins } from './margins.js';
+import { planRoom } from './plan.js';
 import { Review } from './review.js';
 import { States } from './states.js';
 import { Station } from './station.js';
@@ -53,10 +54,10 @@ function open(setup, token) {
   const alarms = new Alarms(byId('banner'), byId('sound'));
   const charts = new Charts(token, redraw);
   const tabs = [
-    new Tabs(byId('centre'), ['chart', 'legs'], 'wide-off', redraw),
+    new Tabs(byId('centre'), ['chart', 'legs', 'planner'], 'wide-off', redraw),
     new Tabs(byId('side'), ['command', 'stick', 'checklist'], 'wide-off', redraw),
     new Tabs(byId('tabs'), ['chart', 'status', 'command', 'stick', 'strips', 'journal', 'legs',
-      'checklist'], 'narrow-off', redraw),
+      'planner', 'checklist'], 'narrow-off', redraw),
   ];
   const rooms = [
     new Bar(byId, (station) => {
@@ -67,7 +68,7 @@ function open(setup, token) {
     new States(byId('states')), new Margins(byId('margins')), new Strips(byId('strips'), redraw),
     new Journal(byId('journal'), redraw), new Command(byId('command'), here),
     new Stick(byId('stick'), here), new Checklist(byId('checklist'), here),
-    new Review(byId('review'), here), new Urgent(byId, here), ...tabs,
+    new Review(byId('review'), here), new Urgent(byId, here), planRoom(here), ...tabs,
   ];
   const show = () => {
     const now = performance.now();

@@ -1,0 +1,74 @@
+// @ts-check
+/**
+ * What may stand where the caret is: words of the language, variables of guards, names of legs.
+ *
+ * The table is the server's (``/api/words``); here is only which part of it fits what stands before
+ * the caret. Nothing is ever refused by it: the check judges, this helps to write.
+ */
+
+/** @typedef {{word: string, says: string, of: string}} Word */
+
+const SHOWN = 12;
+const BEFORE = 400; // characters that are looked at
+const NAME = /[A-Za-z_][\w-]*$/;
+/** The table that the caret is in, by the last word that opens one. */
+const TABLES = /\b(safety|assume|achieve)\b\s*:?\s*(?:\{[^{}]*|(?:\s+[\w.%/-]+)*\s*)$/;
+const GUARD = /(?:\b(?:until|when|on)\b|\band\b|\bor\b|\bnot\b|\()\s*:?\s*\(?\s*$/;
+const TARGET = /(?:->|\belse\b\s*:?|\bdo\b\s*:)\s*$/;
+
+/** The word that ends at the caret. @param {string} text @param {number} at */
+export function prefixAt(text, at) {
+  return NAME.exec(text.slice(Math.max(0, at - 60), at))?.[0] ?? '';
+}
+
+/** The word that the place is in. @param {string} text @param {number} at */
+export function wordAt(text, at) {
+  const rest = /^[\w-]*/.exec(text.slice(at, at + 60))?.[0] ?? '';
+  return prefixAt(text, at) + rest;
+}
+
+/** Which parts of the table fit. @param {string} text @param {number} at of the word's begin
+ * @param {boolean} isYaml */
+export function contextAt(text, at, isYaml) {
+  const start = text.lastIndexOf('\n', at - 1) + 1;
+  const line = text.slice(start, at);
+  const before = text.slice(Math.max(0, at - BEFORE), at);
+  if (line.includes('#')) return [];
+  if (TARGET.test(line)) return ['name'];
+  if (GUARD.test(line)) return ['guard'];
+  const table = TABLES.exec(line)?.[1];
+  if (table) return [table];
+  if (!isYaml) return line.trim() === '' ? ['mission', 'leg'] : ['leg'];
+  if (line === '') return ['mission'];
+  if (/\{[^}]*\bwhen\b[^}]*,\s*$/.test(line)) return ['handler'];
+  if (/\bon:\s*\n(?:.*\n)*?\s*-\s*\{?\s*$/.test(before)) return ['handler'];
+  return ['leg', 'group'];
+}
+
+/** @param {readonly Word[]} words @param {readonly string[]} names of legs @param {string} text
+ * @param {number} at the caret @param {boolean} isYaml @param {boolean} all without a prefix, too
+ * @returns {Word[]} */
+export function completions(words, names, text, at, isYaml, all) {
+  const prefix = prefixAt(text, at);
+  if (!prefix && !all) return [];
+  const parts = contextAt(text, at - prefix.length, isYaml);
+  const own = parts.includes('name') ? names.map((word) => ({ word, says: '', of: 'name' })) : [];
+  const fits = [...own, ...words.filter((one) => parts.includes(one.of))];
+  const found = fits.filter((one) => one.word.startsWith(prefix)
+    && (all || one.word !== prefix));
+  return [...new Map(found.map((one) => [one.word, one])).values()].slice(0, SHOWN);
+}
+
+/** What is put in: a key of YAML with its colon, unless it has one. @param {Word} chosen
+ * @param {string} text @param {number} at @param {boolean} isYaml */
+export function written(chosen, text, at, isYaml) {
+  const isKey = isYaml && !['guard', 'name'].includes(chosen.of);
+  const rest = text.slice(at, at + 2);
+  return isKey && !rest.startsWith(':') ? `${chosen.word}: ` : chosen.word;
+}
+
+/** One line on a word. @param {readonly Word[]} words @param {string} word */
+export function helpOn(words, word) {
+  const found = words.filter((one) => one.word === word);
+  return [...new Set(found.map((one) => `${one.word}: ${one.says}`))].slice(0, 2).join(' · ');
+}

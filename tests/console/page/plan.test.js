@@ -1,0 +1,116 @@
+import assert from 'node:assert/strict';
+import test from 'node:test';
+
+import { completions, contextAt, helpOn, wordAt, written } from '../../../mission/console/page/completing.js';
+import { near } from '../../../mission/console/page/differing.js';
+import { Frame } from '../../../mission/console/page/geo.js';
+import { History } from '../../../mission/console/page/history.js';
+import { base64 } from '../../../mission/console/page/importing.js';
+import { placeNear } from '../../../mission/console/page/places.js';
+import { lineAt, linesOf, rangeOf } from '../../../mission/console/page/texts.js';
+import { View } from '../../../mission/console/page/view.js';
+
+const WORDS = [
+  { word: 'goto', says: 'to a place', of: 'leg' }, { word: 'gear', says: 'ahead', of: 'leg' },
+  { word: 'depth', says: 'hold', of: 'leg' }, { word: 'depth', says: 'below (m)', of: 'guard' },
+  { word: 'safety', says: 'limits', of: 'mission' }, { word: 'radius', says: 'from home', of: 'safety' },
+  { word: 'when', says: 'a guard', of: 'handler' }, { word: 'legs', says: 'in order', of: 'group' },
+];
+
+test('what is typed in one go is one step, and an edit of the chart is one of its own', () => {
+  const history = new History({ text: '', at: 0 });
+  history.add({ text: 'a', at: 1 }, 1000);
+  history.add({ text: 'ab', at: 2 }, 1100);
+  history.add({ text: 'ab!', at: 0 });
+  history.add({ text: 'abc', at: 3 }, 1200);
+  assert.deepEqual([history.undo().text, history.undo().text, history.undo().text, history.undo().text],
+    ['ab!', 'ab', '', '']);
+  assert.deepEqual([history.redo().text, history.canUndo, history.canRedo], ['ab', true, true]);
+  history.add({ text: 'x', at: 1 }, 9000);
+  assert.equal(history.canRedo, false);
+});
+
+test('the first typing after a pause begins another step', () => {
+  const history = new History({ text: 'a', at: 0 });
+  history.add({ text: 'ab', at: 2 }, 1000);
+  history.add({ text: 'abc', at: 3 }, 5000);
+  assert.equal(history.undo().text, 'ab');
+});
+
+test('a history is bounded in steps and in characters', () => {
+  const history = new History({ text: '', at: 0 });
+  for (let i = 0; i < 30; i += 1) history.add({ text: String(i % 10).repeat(1 << 20), at: 0 });
+  let steps = 0;
+  for (; history.canUndo; steps += 1) history.undo();
+  assert.ok(steps >= 1 && steps <= 8, `${steps}`);
+});
+
+test('a place of the text is found by line and column in characters', () => {
+  const text = '# Ä 😀 1\nhome: 30.28\n\nlast';
+  const starts = linesOf(text);
+  const of = (/** @type {[number, number, number]} */ span) => text.slice(...rangeOf(text, starts, span));
+  assert.equal(of([1, 7, 1]), '1');
+  assert.equal(of([2, 7, 5]), '30.28');
+  assert.equal(of([2, 7, 99]), '30.28');
+  assert.equal(of([4, 1, 4]), 'last');
+  assert.equal(of([3, 1, 4]), '');
+  assert.deepEqual([0, 9, 10, 21, 23, 99].map((at) => lineAt(starts, at)), [1, 2, 2, 3, 4, 4]);
+});
+
+test('what is offered fits where the caret is', () => {
+  const of = (/** @type {string} */ text, yaml = true) => contextAt(text, text.length, yaml);
+  assert.deepEqual(of('legs:\n  - a: {'), ['leg', 'group']);
+  assert.deepEqual(of(''), ['mission']);
+  assert.deepEqual(of('safety: {radius: 3 m, '), ['safety']);
+  assert.deepEqual(of('  - a: {depth: 3 m, until: '), ['guard']);
+  assert.deepEqual(of('  - a: {until: depth > 3 or '), ['guard']);
+  assert.deepEqual(of('  - a: {until: depth > 3 -> '), ['name']);
+  assert.deepEqual(of('  - {when: depth > 3, '), ['handler']);
+  assert.deepEqual(of('  - a: {depth: 3 m, else: '), ['name']);
+  assert.deepEqual(of('# a note: '), []);
+  assert.deepEqual(of('on ', false), ['guard']);
+  assert.deepEqual(of('dive: ', false), ['leg']);
+});
+
+test('a completion is offered for what has begun, or for everything by the key', () => {
+  const offered = (/** @type {string} */ text, all = false) =>
+    completions(WORDS, ['home_run'], text, text.length, true, all).map((one) => one.word);
+  assert.deepEqual(offered('  - a: {g'), ['goto', 'gear']);
+  assert.deepEqual(offered('  - a: {'), []);
+  assert.deepEqual(offered('  - a: {', true), ['goto', 'gear', 'depth', 'legs']);
+  assert.deepEqual(offered('  - a: {goto'), []);
+  assert.deepEqual(offered('  - a: {gear: 3, else: h'), ['home_run']);
+  assert.equal(written(WORDS[0], 'g', 1, true), 'goto: ');
+  assert.equal(written(WORDS[0], 'g: x', 1, true), 'goto');
+  assert.equal(written(WORDS[0], 'g', 1, false), 'goto');
+  assert.equal(written(WORDS[3], 'd', 1, true), 'depth');
+});
+
+test('a word is explained wherever the caret is in it', () => {
+  assert.equal(wordAt('  goto: home', 4), 'goto');
+  assert.equal(helpOn(WORDS, 'depth'), 'depth: hold · depth: below (m)');
+  assert.equal(helpOn(WORDS, 'nothing'), '');
+});
+
+test('the nearest place is taken, within reach of a finger', () => {
+  const view = Object.assign(new View(), { width: 400, height: 400 });
+  const frame = new Frame(30, 120);
+  const place = (/** @type {string} */ kind, /** @type {number} */ east) =>
+    ({ path: '', kind, word: '', at: frame.toEarth(east, 0), row: [0, 1], spans: [], fixed: '' });
+  const places = /** @type {any} */ ([place('home', 0), place('place', 0), place('corner', 30)]);
+  assert.equal(placeNear(places, frame, view, [201, 200], false), 1);
+  assert.equal(placeNear(places, frame, view, [228, 200], false), 2);
+  assert.equal(placeNear(places, frame, view, [250, 200], false), -1);
+  assert.equal(placeNear(places, frame, view, [250, 200], true), 2);
+  assert.equal(placeNear([{ ...places[0], at: null }], frame, view, [200, 200], false), -1);
+});
+
+test('of a difference the lines that differ are shown, with some around them', () => {
+  const rows = Array.from({ length: 20 }, (_, i) => /** @type {[string, string]} */ ([i === 9 ? '-' : ' ', `${i}`]));
+  assert.deepEqual(near(rows).map(([, line]) => line), ['7', '8', '9', '10', '11']);
+});
+
+test('a file of any bytes goes out whole', () => {
+  const bytes = Uint8Array.from({ length: 70000 }, (_, i) => i % 256);
+  assert.deepEqual(Uint8Array.from(Buffer.from(base64(bytes), 'base64')), bytes);
+});
