@@ -118,13 +118,13 @@ class _Console:
             text, source = str(said["text"]), str(said["source"])
             return await asyncio.to_thread(plans.checked, text, source, self._vehicle)
 
-        return await answered(request, judged)
+        return await answered(request, judged, "a check needs text and source")
 
     async def take(self, request: Request) -> Response:
         async def taken(said: Said) -> Any:
             return await planning.imported(said, self._vehicle)
 
-        return await answered(request, taken, planning.IMPORT)
+        return await answered(request, taken, planning.IMPORT_NEEDS, planning.IMPORT)
 
     async def diff(self, request: Request) -> Response:
         one = self._shown.get(request.path_params["ident"])
@@ -136,7 +136,7 @@ class _Console:
                 raise Refused("what is on board is not known here", 404)
             return await asyncio.to_thread(planning.difference, text, source, board, self._vehicle)
 
-        return await answered(request, compared)
+        return await answered(request, compared, "a difference needs text and source")
 
     async def ghost(self, socket: WebSocket) -> None:
         await serve_ghost(socket, self._ghosts, self._vehicle)
@@ -150,7 +150,7 @@ class _Console:
 
 
 async def _edit(request: Request) -> Response:
-    return await answered(request, planning.edited)
+    return await answered(request, planning.edited, planning.EDIT_NEEDS)
 
 
 async def _words(request: Request) -> Response:

@@ -22,17 +22,16 @@ class Refused(Exception):
         self.status = status
 
 
-async def answered(request: Request, answer: Answer, most: int = BODY) -> Response:
-    """``answer`` gets what was posted; it may raise Refused, KeyError, TypeError and ValueError for
-    what no page says."""
+async def answered(request: Request, answer: Answer, needs: str, most: int = BODY) -> Response:
+    """``answer`` gets what was posted; it may raise Refused, and KeyError, TypeError or ValueError
+    where it is not what it ``needs``."""
     try:
         said = json.loads(await _body(request, most))
         return JSONResponse(await answer(said))
     except Refused as error:
         return JSONResponse({"says": str(error)}, error.status)
     except (ValueError, TypeError, KeyError, RecursionError):
-        path = request.url.path
-        return JSONResponse({"says": f"{path} needs what docs/design/console.md says"}, 400)
+        return JSONResponse({"says": needs}, 400)
 
 
 async def _body(request: Request, most: int) -> bytes:

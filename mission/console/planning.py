@@ -32,6 +32,8 @@ from mission.model.shipped import load_vehicle
 from mission.model.vehicle import VehicleError
 
 IMPORT = BYTES.most * 4 // 3 + 4096  # bytes of a file, as base64, and what is said with it
+IMPORT_NEEDS = "an import needs the file's name, and its data as base64"
+EDIT_NEEDS = "an edit needs text, source, do, the place's number at, and to: [latitude, longitude]"
 
 
 async def words() -> list[dict[str, str]]:

@@ -105,7 +105,7 @@ def test_a_dive_from_the_first_start_to_the_ascent(chromium: object, tmp_path: P
         page = seat.page
         seat.shows("#state", "idle/empty")
         assert "#" not in page.url  # the token is out of sight
-        page.locator("input[type=file]").set_input_files(tmp_path / "pool.mission")
+        page.locator("#command input[type=file]").set_input_files(tmp_path / "pool.mission")
         seat.press_twice("Upload")
         seat.shows("#state", "idle/ready")
         seat.start()
@@ -146,7 +146,7 @@ def test_of_two_missions_the_one_that_was_chosen_last_is_uploaded(
     with nobody as (running, _), seated(chromium, running) as seat:
         seat.page.route("**/api/check", lambda route: checks.append(route))
         for number, file in enumerate(files, 1):
-            seat.page.locator("input[type=file]").set_input_files(file)
+            seat.page.locator("#command input[type=file]").set_input_files(file)
             until(seat.page, lambda number=number: len(checks) == number)
         checks[1].continue_()
         playwright.expect(seat.page.get_by_role("button", name="Upload")).to_be_enabled()
