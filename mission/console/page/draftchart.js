@@ -46,9 +46,10 @@ export class DraftChart {
   /** @type {Frame | null} */
   _frame = null;
 
-  /** @param {Wishes} wishes */
-  constructor(wishes) {
+  /** @param {Wishes} wishes @param {import('./charts.js').Charts} charts what lies under it */
+  constructor(wishes, charts) {
     this._wishes = wishes;
+    this._charts = charts;
     this.canvas = el('canvas', { tabindex: '0', role: 'application' });
     this._pointed = el('p', { class: 'pointed' });
     this._buttons = ['+', '−', '⤢'].map((sign) => el('button', { type: 'button' }, sign));
@@ -113,9 +114,12 @@ export class DraftChart {
   /** @returns {Scene} */
   _scene() {
     const frame = this._frame;
-    return { hasPlace: frame !== null, home: frame && this._home ? frame.toLocal(...this._home) : null,
+    /** @type {Scene} */
+    const made = { hasPlace: frame !== null, home: frame && this._home ? frame.toLocal(...this._home) : null,
       radius: this._radius, routes: frame ? routesOf(this._map, frame) : [], leg: this.places[this.chosen]?.path ?? '',
       target: null, track: [], here: null, others: [] };
+    if (frame) made.charts = { draw: (pen, view) => this._charts.draw(pen, view, frame) };
+    return made;
   }
 
   /** @param {CanvasRenderingContext2D} pen @param {string} ink */
@@ -131,13 +135,14 @@ export class DraftChart {
     const at = this._carried ?? (this._panning.pointer && this._view.toWorld(this._panning.pointer));
     if (!frame || !at) return say(this._pointed, '');
     const chosen = this.places[this.chosen];
-    const parts = [written(...frame.toEarth(...at))];
+    const depth = this._charts.depthAt(at, this._view, frame);
+    const parts = [written(...frame.toEarth(...at)), depth && word('charted', depth)];
     if (this._home) {
       const way = between(frame.toLocal(...this._home), at);
       parts.push(`${length(way.range)} ${bearing(way.bearing)} ${word('of_home')}`);
     }
     if (this._carried && chosen) parts.unshift(chosen.path);
-    say(this._pointed, parts.join(' · '));
+    say(this._pointed, parts.filter(Boolean).join(' · '));
   }
 
   _fit() {

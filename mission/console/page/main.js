@@ -68,7 +68,7 @@ function open(setup, token) {
     new States(byId('states')), new Margins(byId('margins')), new Strips(byId('strips'), redraw),
     new Journal(byId('journal'), redraw), new Command(byId('command'), here),
     new Stick(byId('stick'), here), new Checklist(byId('checklist'), here),
-    new Review(byId('review'), here), new Urgent(byId, here), planRoom(here), ...tabs,
+    new Review(byId('review'), here), new Urgent(byId, here), planRoom(here, charts), ...tabs,
   ];
   const show = () => {
     const now = performance.now();

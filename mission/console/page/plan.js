@@ -38,8 +38,9 @@ export class Plan {
   _template = el('select');
   _confirm = new Confirm('upload', () => this._uploadSays(), (says, moved) => this._upload(says, moved));
 
-  /** @param {HTMLElement} root @param {() => Page} page */
-  constructor(root, page) {
+  /** @param {HTMLElement} root @param {() => Page} page
+   * @param {import('./charts.js').Charts} charts */
+  constructor(root, page, charts) {
     this._root = root;
     this._page = page;
     this._source = 'plan.yaml';
@@ -54,7 +55,7 @@ export class Plan {
       moved: (at, to) => void this._edit({ do: 'move', at, to }),
       removed: (at) => void this._edit({ do: 'remove', at }),
       added: (to) => void this._add(to),
-      chosen: (at) => this._editor.choose(this._chart.places[at]?.spans ?? [], true) });
+      chosen: (at) => this._editor.choose(this._chart.places[at]?.spans ?? [], true) }, charts);
     this._findings = new Findings((fault) => {
       this._editor.reveal([fault.line, fault.column, fault.length]);
       this._editor.area.focus();
@@ -122,6 +123,7 @@ export class Plan {
     root.addEventListener('dragover', (event) => event.preventDefault());
     root.addEventListener('drop', (event) => {
       event.preventDefault();
+      event.stopPropagation();
       const [file] = event.dataTransfer?.files ?? [];
       if (file) void this._importing.open(file);
     });
@@ -326,7 +328,8 @@ export class Plan {
   }
 }
 
-/** The room, in its place of the page. @param {() => Page} page */
-export function planRoom(page) {
-  return new Plan(byId('planner'), page);
+/** The room, in its place of the page. @param {() => Page} page
+ * @param {import('./charts.js').Charts} charts */
+export function planRoom(page, charts) {
+  return new Plan(byId('planner'), page, charts);
 }
