@@ -125,6 +125,7 @@ class SimulatedBoard:
         and ``wire``: how the board was built, as in a vehicle file. Raises SettingError for a
         fault that this board cannot have."""
         chosen = settings or Settings()
+        self._sea = chosen.sea
         self.name, self.seed, self.position = name, seed, position
         built = read_wire(vehicle_row(name).keys, wire)
         self.board = {**BOARDS, **ON_BUS}[name](Random(seed), Tolerances.parse(tolerances), built)
@@ -132,7 +133,7 @@ class SimulatedBoard:
         if isinstance(self.board, WaterBoard):
             speed, direction = chosen.sea.current
             body = replace(self.board.body, buoyancy=chosen.body.buoyancy)
-            self.plant = Plant(body, floor=chosen.sea.floor)
+            self.plant = Plant(body, floor=chosen.sea.floor_under(position))
             self.plant.yaw = heading
             self.plant.current_north = speed * cos(direction)
             self.plant.current_east = speed * sin(direction)
@@ -169,7 +170,10 @@ class SimulatedBoard:
             if self._step % SECOND_STEPS == 0:
                 self.board.used += self._power()
                 self.thrust_used += self._power() - HOTEL_W
-                self._anchor = (*self.place(), self.plant.north, self.plant.east)
+                place = self.place()
+                self._anchor = (*place, self.plant.north, self.plant.east)
+                if isinstance(self.plant, Plant):
+                    self.plant.floor = self._sea.floor_under(place)
                 self.track.append(self.truth())
 
     def answer(self, now: float) -> None:

@@ -96,7 +96,7 @@ class SimulatedVehicle:
         rng = Random(seed)
         as_built = profile == "as-built"
         self.sea = sea = self.settings.sea
-        self.plant = Plant(self.settings.body, floor=sea.floor)
+        self.plant = Plant(self.settings.body, floor=sea.floor_under(position))
         self.plant.yaw = heading
         self.sensors = Sensors(
             self.settings.errors, rng, repeats_when_silent=as_built, declination=declination
@@ -169,6 +169,7 @@ class SimulatedVehicle:
         plant = self.plant
         place, velocity = self.place(), plant.ground_velocity()
         self._anchor = (*place, plant.north, plant.east)
+        plant.floor = self.sea.floor_under(place)
         self.gps.powered = self.stm32.power[2]
         self.track.append(self._truth(now, place, velocity))
         self.gps.report(now, plant.depth, place, velocity)

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+
+FloorAt = Callable[[float, float], float | None]  # latitude, longitude (rad) -> m
+_AFLOAT = 0.5  # m: on land it would lie; the plant has no beach
 
 
 @dataclass(frozen=True, slots=True)
@@ -12,3 +16,10 @@ class Sea:
     current: tuple[float, float] = (0.0, 0.0)
     deep_current: tuple[float, float] | None = None  # at the floor; linear in between
     floor: float = 30.0  # m
+    floor_at: FloorAt | None = None  # by place; where it knows none, ``floor``
+    floor_from: str = ""  # what tells it
+
+    def floor_under(self, place: tuple[float, float]) -> float:
+        """m at a latitude and longitude, rad; no shallower than a vehicle floats."""
+        known = None if self.floor_at is None else self.floor_at(*place)
+        return self.floor if known is None else max(known, _AFLOAT)

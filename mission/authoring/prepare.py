@@ -16,6 +16,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from mission.authoring.bathymetry import Depths
 from mission.authoring.check import Report, before_the_proof, check_mission, check_ways, no_home
 from mission.authoring.compiler.abilities import guard_problems, own_problems
 from mission.authoring.compiler.compiler import compiled
@@ -153,8 +154,9 @@ def mission_file(name: str | Path) -> Path:
     raise Unreadable([whole("unreadable", message, f"there are {', '.join(shipped)}")])
 
 
-def check_prepared(prepared: Prepared) -> Report:
-    report = check_mission(prepared.chart, prepared.vehicle)
+def check_prepared(prepared: Prepared, depths: Depths | None = None) -> Report:
+    """``depths``: of the sea floor, where a file of them is given."""
+    report = check_mission(prepared.chart, prepared.vehicle, depths)
     return replace(report, refusals=placed(report.refusals, prepared.text, prepared.source))
 
 

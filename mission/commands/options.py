@@ -83,6 +83,12 @@ SETTINGS = click.option(
     help="Sea and faults, e.g. current=0.3@45 (m/s towards deg) or "
     "fault=depth_frozen@120+60 (from 120 s, for 60 s); repeatable.",
 )
+BATHYMETRY = click.option(
+    "--bathymetry",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Depths of the sea floor: ESRI ASCII grid, GeoJSON, or a table of soundings.",
+)
 AS_JSON = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object on standard output."
 )

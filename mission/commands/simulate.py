@@ -7,7 +7,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mission.commands.options import AS_JSON, MISSION, PARAMETERS, PROFILE, SEED, SETTINGS, VEHICLE
+from mission.commands.options import (
+    AS_JSON,
+    BATHYMETRY,
+    MISSION,
+    PARAMETERS,
+    PROFILE,
+    SEED,
+    SETTINGS,
+    VEHICLE,
+)
+from mission.commands.seafloor import Clearance, clearance, depths_of, over
 from mission.commands.unreadable import tell_unreadable
 
 if TYPE_CHECKING:
@@ -28,6 +38,7 @@ BLACK_BOX, PAGE = "flight.mcap", "report.html"
 @SETTINGS
 @PARAMETERS
 @VEHICLE
+@BATHYMETRY
 @click.option(
     "--report",
     type=click.Path(path_type=Path, file_okay=False),
@@ -41,10 +52,14 @@ def simulate(
     settings: tuple[str, ...],
     parameters: tuple[str, ...],
     vehicle: str | None,
+    bathymetry: Path | None,
     report: Path | None,
     as_json: bool,
 ) -> None:
     """Fly MISSION on a simulated vehicle: the real runtime, engine and codecs in one process.
+
+    With --bathymetry the sea floor follows the file; where it knows none it is the one that the
+    mission assumes, else that of --set floor.
 
     Exit 0 if the mission was completed, 1 if not, 2 if it cannot be read.
     """
@@ -53,9 +68,12 @@ def simulate(
     from links.simulated.settings import SettingError, parse_settings
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
 
+    depths = None if bathymetry is None else depths_of(bathymetry)
     try:
         prepared = prepare(mission, vehicle, parameters_of(parameters))
         sea = parse_settings(settings)
+        if depths is not None:
+            sea = over(sea, prepared.mission, depths)
         flight, flown = _flown(prepared, profile or "", seed, sea, settings, report)
     except Unreadable as error:
         tell_unreadable(error, as_json)
@@ -63,7 +81,8 @@ def simulate(
     except SettingError as error:
         click.echo(str(error), err=True)
         sys.exit(UNREADABLE)
-    _tell(flight, prepared, flown, as_json)
+    near = None if depths is None else clearance(flight, prepared.mission, depths)
+    _tell(flight, prepared, flown, as_json, near)
     sys.exit(0 if flight.outcome == "completed" else 1)
 
 
@@ -95,7 +114,9 @@ def _flown(
     return flight, flown
 
 
-def _tell(flight: Flight, prepared: Prepared, flown: Flown, as_json: bool) -> None:
+def _tell(
+    flight: Flight, prepared: Prepared, flown: Flown, as_json: bool, near: Clearance | None
+) -> None:
     import json
 
     from mission.verification.simulation import reaching
@@ -103,11 +124,13 @@ def _tell(flight: Flight, prepared: Prepared, flown: Flown, as_json: bool) -> No
     from mission.verification.simulation.legtable import table
 
     if not as_json:
-        click.echo("\n".join([table(flight, prepared.chart), *flown.as_lines()]))
+        least = [] if near is None else [near.told]
+        click.echo("\n".join([table(flight, prepared.chart), *least, *flown.as_lines()]))
         return
     told = flight.as_json() | {
         "coverage": as_json_of(coverage_of(flight, prepared.mission)),
         "purpose": reaching.as_json_of(reaching.achieved_by(flight, prepared.mission)),
+        "clearance": None if near is None else near.as_object(),
         "flown": flown.as_object(),
     }
     click.echo(json.dumps(told))

@@ -284,6 +284,11 @@ class LegBounds:
         return self._above_floor(deepest, deepest + self.vehicle.dive_rate * time)
 
     @property
+    def holds_depth(self) -> bool:
+        """It goes down to where it is told, whatever the floor is there."""
+        return self._pushes_down and not self.ascends and self.setpoint.altitude is None
+
+    @property
     def _pushes_down(self) -> bool:
         s = self.setpoint
         held = s.depth is not None or s.altitude is not None or self.dives

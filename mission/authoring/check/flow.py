@@ -20,6 +20,7 @@ from typing import TypeVar
 from mission.authoring.check.assumptions import Assumptions
 from mission.authoring.check.bounds import Bounds, LegBounds, Trail, ascent_time, goes_on
 from mission.authoring.check.fenced import Broken, broken, swept
+from mission.authoring.check.seabed import Over
 from mission.engine.areas import Fence
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, Loop, State
 from mission.model.vehicle import Vehicle
@@ -48,6 +49,7 @@ class Proof:
     out_of_radius: tuple[str, Bounds] | None = None  # the first leg in which it may be
     out_of_depth: tuple[str, Bounds] | None = None
     breaks: Broken | None = None  # the first leg that may break an area
+    over: dict[str, Over] = field(default_factory=dict)  # what legs sweep, where that is asked for
     reached: set[str] = field(default_factory=set)
     taken: set[str] = field(default_factory=set)
     backward: dict[str, Edge] = field(default_factory=dict)
@@ -65,11 +67,12 @@ class Flow:
         radius: float,
         depth: float,
         fences: tuple[Fence, ...] = (),
+        sweeps: bool = False,
     ) -> None:
         """``radius`` and ``depth`` in m: the first leg that may be beyond them is kept, and the
-        first that may break one of the ``fences``."""
+        first that may break one of the ``fences``. ``sweeps``: what legs sweep is kept, too."""
         self.chart, self.vehicle, self.assume = chart, vehicle, assume
-        self.radius, self.depth, self.fences = radius, depth, fences
+        self.radius, self.depth, self.fences, self.sweeps = radius, depth, fences, sweeps
         self.proof = Proof()
         self.legs = {
             s.path: bounds_of(s) for s in chart.states if s.leg and s.path != IMPLICIT_SURFACE
@@ -186,6 +189,9 @@ class Flow:
         self._note(path, sweep)
         self._look_at_areas(path, leg, entry, sweep)
         proof.blind = max(proof.blind, leg.blind(entry))
+        if self.sweeps:
+            over = Over(swept(leg, entry, sweep), leg.blind(entry), leg.holds_depth)
+            proof.over[path] = proof.over[path].joined(over) if path in proof.over else over
         self._surface(path, sweep)
         for scope in above:
             for handler in self.handlers.get(scope, ()):

@@ -15,6 +15,8 @@
     energy         the worst case exceeds the battery
     heavy          the vehicle does not rise by itself, and X rests on that
     too-long       more rounds than can be walked
+    grounding      with a file of depths: a leg that may be deeper than the sea floor (seabed.py)
+    floor          the same: a sea floor deeper than the one that is assumed
     purpose        rows that are not expected to achieve what the mission says (purpose.py)
 
 What does not live here: the bounds (bounds.py) and the walk (flow.py).
@@ -26,13 +28,15 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from mission.authoring.check import remedy
+from mission.authoring.bathymetry import Depths
+from mission.authoring.check import remedy, seabed
 from mission.authoring.check.assumptions import Assumptions, not_clear, told
 from mission.authoring.check.bounds import Bounds, LegBounds, Trail
 from mission.authoring.check.fenced import area_faults, fenced, words
 from mission.authoring.check.flow import Flow, Proof, TooLongError, trail
 from mission.authoring.check.places import places_named
 from mission.authoring.check.purpose import Outlook, judged
+from mission.authoring.check.seabed import Ground
 from mission.engine import bounds as envelope
 from mission.engine.limits import DEPTH_MARGIN
 from mission.engine.variables import CLOCK, VARIABLES
@@ -85,13 +89,14 @@ class Report:
     proved: Proved | None
     assumed: tuple[str, ...]
     outlook: tuple[Outlook, ...] = ()  # of its rows, where a purpose is stated
+    grounds: tuple[Ground, ...] = ()  # under its legs, where a file of depths is given
 
     @property
     def ok(self) -> bool:
         return not self.refusals
 
 
-def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
+def check_mission(chart: Chart, vehicle: Vehicle, depths: Depths | None = None) -> Report:
     """Everything that refuses this chart on this vehicle; linear in legs times rounds."""
     mission = chart.mission
     limits = envelope.in_force(vehicle, mission.safety, SetSafety())
@@ -101,7 +106,7 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     early += [*_unknowable(chart, vehicle), *_not_clear(chart, vehicle), *_none_before(chart)]
     if unbounded:
         return Report(tuple(early), None, tuple(told(chart, vehicle, assume, False)))
-    flow = _flow(chart, vehicle, assume, limits)
+    flow = _flow(chart, vehicle, assume, limits, sweeps=depths is not None)
     try:
         proof = flow.walk(_start(vehicle, assume))
     except TooLongError:
@@ -111,9 +116,22 @@ def check_mission(chart: Chart, vehicle: Vehicle) -> Report:
     purpose = judged(mission, vehicle)
     found = [*early, *_ways(chart, proof), *_bounds(chart, vehicle, proof, limits, assume)]
     found += purpose.refusals
+    under: dict[str, Ground] = {}
+    if depths is not None:
+        found += _homeless(mission)
+        under = seabed.grounds(proof.over, depths, mission.home) if mission.home else {}
+        found += seabed.refusals(under, proof.over, chart)
+        proof.blind = seabed.blind(under, proof.over) if under else proof.blind
     floor = any(leg.leans_on_floor for leg in flow.legs.values())
     assumed = tuple(told(chart, vehicle, assume, floor))
-    return Report(tuple(found), _proved(proof, chart, vehicle), assumed, purpose.outlook)
+    proved, ground = _proved(proof, chart, vehicle), tuple(under.values())
+    return Report(tuple(found), proved, assumed, purpose.outlook, ground)
+
+
+def _homeless(mission: Mission) -> Iterator[Diagnostic]:
+    if mission.home is None:
+        message = "what lies under a leg cannot be known: the mission names no home"
+        yield _refused("no-home", mission.where, message, "add home")
 
 
 def before_the_proof(mission: Mission, vehicle: Vehicle) -> Iterator[Diagnostic]:
@@ -137,7 +155,14 @@ def check_ways(chart: Chart, vehicle: Vehicle) -> Iterator[Diagnostic]:
     yield from _ways(chart, proof)
 
 
-def _flow(chart: Chart, vehicle: Vehicle, assume: Assumptions, limits: envelope.Bounds) -> Flow:
+def _flow(
+    chart: Chart,
+    vehicle: Vehicle,
+    assume: Assumptions,
+    limits: envelope.Bounds,
+    *,
+    sweeps: bool = False,
+) -> Flow:
     frame = LocalFrame(chart.mission.home) if chart.mission.home else None
     return Flow(
         chart,
@@ -147,6 +172,7 @@ def _flow(chart: Chart, vehicle: Vehicle, assume: Assumptions, limits: envelope.
         radius=limits.radius,
         depth=limits.depth + DEPTH_MARGIN,
         fences=fenced(chart.mission),
+        sweeps=sweeps,
     )
 
 

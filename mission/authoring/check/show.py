@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from mission.authoring.check import seabed
 from mission.authoring.check.purpose import Outlook
 from mission.authoring.check.rules import Report
+from mission.authoring.check.seabed import Ground
 from mission.model.diagnostics import Diagnostic
 
 _ROWS = 12  # of an outlook, that are told to people
@@ -33,6 +35,18 @@ def as_object(report: Report) -> dict[str, Any]:
         },
         "assumed": list(report.assumed),
         "expected": [_outlook(one) for one in report.outlook],
+        "sea_floor": [_ground(one) for one in report.grounds],
+    }
+
+
+def _ground(one: Ground) -> dict[str, Any]:
+    place = one.place
+    return {
+        "leg": one.leg,
+        "shallowest_m": None if one.shallowest is None else round(one.shallowest, 2),
+        "deepest_m": None if one.deepest is None else round(one.deepest, 2),
+        "shallowest_at": None if place is None else [place.latitude_deg, place.longitude_deg],
+        "known": round(one.known, 3),
     }
 
 
@@ -53,6 +67,7 @@ def unreadable_object(found: Iterable[Diagnostic]) -> dict[str, Any]:
         "proved": None,
         "assumed": [],
         "expected": [],
+        "sea_floor": [],
     }
 
 
@@ -78,6 +93,7 @@ def as_text(source: str, report: Report, digest: str) -> str:
             *(f"  {step}" for step in proved.path),
         ]
     rows += [f"expected of {one.leg}  {_expected(one)}" for one in report.outlook]
+    rows += [f"sea floor under {one.leg}  {seabed.told(one)}" for one in report.grounds]
     rows += ["assumed", *(f"  {line}" for line in report.assumed)]
     rows.append(f"{source}: {'ok' if report.ok else 'refused'}, digest {digest[:16]}")
     return "\n".join(rows)

@@ -40,6 +40,7 @@ class Flown:
                 "current": _current_object(self.sea.current),
                 "deep_current": _current_object(self.sea.deep_current or self.sea.current),
                 "floor_m": self.sea.floor,
+                "bathymetry": self.sea.floor_from or None,
             },
             "compass_bias_deg": None if bias is None else round(math.degrees(bias), 3),
         }
@@ -75,7 +76,8 @@ def _current_object(current: Current) -> dict[str, float]:
 
 def _sea(sea: Sea) -> str:
     deep = "" if sea.deep_current is None else f" ({_current(sea.deep_current)} at the floor)"
-    return f"{_current(sea.current)}{deep}, floor at {sea.floor:g} m"
+    other = f" where {sea.floor_from} knows none" if sea.floor_from else ""
+    return f"{_current(sea.current)}{deep}, floor at {sea.floor:g} m{other}"
 
 
 def _current(current: Current) -> str:

@@ -1,0 +1,186 @@
+"""The sea floor under each leg, from a file of depths: the shallowest and the deepest of it.
+
+A leg sweeps the hull of where it means to be, widened by its error (fenced.py); every cell of the
+file that this touches counts. Where the file knows nothing the floor is the one that is assumed.
+
+    grounding   a leg that may be deeper than the shallowest floor that it may be over
+    floor       a floor deeper than the one that the mission assumes
+
+A leg that keeps an altitude follows the floor and is not judged by it.
+What does not live here: the formats (authoring.bathymetry), the sea that is simulated (links).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from mission.authoring.bathymetry import Depths
+from mission.authoring.bathymetry.grid import Numbers
+from mission.authoring.check.fenced import Swept
+from mission.legs.pattern import Point
+from mission.model import AUTONOMOUS, Chart, Position
+from mission.model.diagnostics import Diagnostic, Stage
+from mission.model.units import number_text
+from mission.navigation.geodesy import LocalFrame
+from mission.navigation.polygons import edges, hull, signed_area
+
+_STEP = 1e-6  # rad: by which the plane's scale is taken
+_WHOLE = 0.995  # share known that counts as all of it: the edge cuts cells
+
+
+@dataclass(frozen=True, slots=True)
+class Over:
+    """One leg and all that it sweeps, however often it is flown; ``blind`` is how deep it may be
+    if the sensor of a hold fails. ``holds_depth``: it goes down, and not by the floor."""
+
+    swept: Swept
+    blind: float
+    holds_depth: bool
+
+    def joined(self, other: Over) -> Over:
+        one, two = self.swept, other.swept
+        depth = (min(one.depth[0], two.depth[0]), max(one.depth[1], two.depth[1]))
+        body = hull((*one.body, *two.body))
+        swept = Swept(body, max(one.margin, two.margin), depth)
+        return Over(swept, max(self.blind, other.blind), self.holds_depth)
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """Under one leg: m; ``place`` (degrees) is that of the shallowest; ``known`` the share that
+    the file knows. None where it knows nothing of it."""
+
+    leg: str
+    shallowest: float | None
+    deepest: float | None
+    place: Position | None
+    known: float
+
+    @property
+    def at(self) -> str:
+        place = self.place
+        return "" if place is None else f"{place.latitude_deg:.6f} {place.longitude_deg:.6f}"
+
+
+def grounds(over: Mapping[str, Over], depths: Depths, home: Position) -> dict[str, Ground]:
+    frame = LocalFrame(home)
+    return {
+        path: _under(path.removeprefix(f"{AUTONOMOUS}/"), one.swept, depths, frame)
+        for path, one in over.items()
+    }
+
+
+def _under(path: str, swept: Swept, depths: Depths, frame: LocalFrame) -> Ground:
+    box = _box(swept, depths, frame)
+    lat, lon = depths.middles(box)
+    low, high = depths.shallow[box], depths.deep[box]
+    if not low.size:
+        return Ground(path, None, None, None, 0.0)
+    (north, east), (high_m, wide_m) = _plane(frame, float(lat[0]), float(lon[0]))
+    n = north + (lat - lat[0])[:, None] * high_m
+    e = east + (lon - lon[0])[None, :] * wide_m
+    half = math.hypot(depths.step[0] * high_m, depths.step[1] * wide_m) / 2.0
+    touched = _distance(swept.body, n, e) <= swept.margin + half
+    cells, known = int(touched.sum()), touched & np.isfinite(low)
+    if not known.any():
+        return Ground(path, None, None, None, 0.0)
+    row, column = np.unravel_index(int(np.where(known, low, np.inf).argmin()), low.shape)
+    place = Position(float(lat[row]), float(lon[column]))
+    share = float(known.sum()) / max(cells, _cells_of(swept, half))
+    return Ground(path, float(low[row, column]), float(high[known].max()), place, min(share, 1.0))
+
+
+def _box(swept: Swept, depths: Depths, frame: LocalFrame) -> tuple[slice, slice]:
+    """Of the file, what the swept body and its margin lie within."""
+    norths, easts = zip(*swept.body, strict=True)
+    corners = [
+        frame.to_geodetic(n + i * swept.margin, e + j * swept.margin)
+        for n in (min(norths), max(norths))
+        for e in (min(easts), max(easts))
+        for i in (-1.0, 1.0)
+        for j in (-1.0, 1.0)
+    ]
+    lats, lons = ([math.degrees(value) for value in axis] for axis in zip(*corners, strict=True))
+    return depths.box(min(lats), max(lats), min(lons), max(lons))
+
+
+def _cells_of(swept: Swept, half: float) -> int:
+    """So many cells the body alone has at least, in the file or not."""
+    area = abs(signed_area(swept.body))
+    around = sum(math.dist(a, b) for a, b in edges(swept.body)) * swept.margin
+    return int((area + around + math.pi * swept.margin**2) / max(2.0 * half * half, 1e-9))
+
+
+def _plane(frame: LocalFrame, latitude: float, longitude: float) -> tuple[Point, Point]:
+    """m from home of a place in degrees, and m of a degree there, north and east."""
+    lat, lon = math.radians(latitude), math.radians(longitude)
+    here = frame.to_local(lat, lon)
+    up, aside = frame.to_local(lat + _STEP, lon), frame.to_local(lat, lon + _STEP)
+    scale = math.radians(1.0) / _STEP
+    return here, ((up[0] - here[0]) * scale, (aside[1] - here[1]) * scale)
+
+
+def _distance(body: tuple[Point, ...], north: Numbers, east: Numbers) -> Numbers:
+    """m of each cell from a hull (or a point, or a line); 0 within."""
+    nearest = np.full(np.broadcast_shapes(north.shape, east.shape), np.inf)
+    within = np.full(nearest.shape, len(body) > 2)
+    turn = math.copysign(1.0, signed_area(body))
+    for a, b in edges(body):
+        dn, de = b[0] - a[0], b[1] - a[1]
+        length = dn * dn + de * de
+        share = ((north - a[0]) * dn + (east - a[1]) * de) / length if length else 0.0 * nearest
+        share = np.clip(share, 0.0, 1.0)
+        off = np.hypot(north - a[0] - share * dn, east - a[1] - share * de)
+        nearest = np.minimum(nearest, off)
+        within &= turn * (dn * (east - a[1]) - de * (north - a[0])) >= 0.0
+    return np.where(within, 0.0, nearest)
+
+
+# --- what is refused, and what is told --------------------------------------------------------
+
+
+def refusals(
+    found: Mapping[str, Ground], over: Mapping[str, Over], chart: Chart
+) -> Iterator[Diagnostic]:
+    assumed = dict(chart.mission.assume).get("floor")
+    for path, ground in found.items():
+        leg = chart.state(path).leg
+        if ground.shallowest is None or ground.deepest is None or leg is None:
+            continue
+        deep = over[path].swept.depth[1]
+        if over[path].holds_depth and deep > ground.shallowest:
+            message = (
+                f"{ground.leg} may be {deep:.1f} m deep over a sea floor at "
+                f"{ground.shallowest:.1f} m ({ground.at})"
+            )
+            hint = "stay shallower or farther off, keep an altitude, or take fixes on the way"
+            yield Diagnostic(Stage.CHECK, "grounding", leg.where, message, hint)
+        if assumed is not None and ground.deepest > assumed:
+            message = (
+                f"under {ground.leg} the sea floor is down to {ground.deepest:.1f} m; the "
+                f"mission assumes none deeper than {number_text(assumed)} m"
+            )
+            hint = f"write assume floor {math.ceil(ground.deepest)}"
+            yield Diagnostic(Stage.CHECK, "floor", leg.where, message, hint)
+
+
+def blind(found: Mapping[str, Ground], over: Mapping[str, Over]) -> float:
+    """m deep at most if the sensor of a hold fails: where the file knows all of it, the floor."""
+    return max((_above(found[path], one.blind) for path, one in over.items()), default=0.0)
+
+
+def _above(ground: Ground, deep: float) -> float:
+    whole = ground.deepest is not None and ground.known >= _WHOLE
+    return min(deep, ground.deepest) if whole and ground.deepest is not None else deep
+
+
+def told(ground: Ground) -> str:
+    """For people."""
+    if ground.shallowest is None or ground.deepest is None:
+        return "not known: the floor that is assumed"
+    part = f", {1.0 - ground.known:.0%} of it not known" if ground.known < _WHOLE else ""
+    return f"{ground.shallowest:.1f} to {ground.deepest:.1f} m, shallowest at {ground.at}{part}"
