@@ -138,7 +138,8 @@ class Lines:
 
 
 def restart(before: Sequence[Record | Gap], after: Sequence[Record | Gap]) -> str:
-    """Between two recordings, in words."""
+    """Between two recordings, in words. One that began before the other ended is no program that
+    began again: another vehicle's, another simulation's, or a clock was set back."""
     start, earlier = start_of(after), start_of(before)
     if start is None or earlier is None:
         return "another recording, without its start"
@@ -147,6 +148,8 @@ def restart(before: Sequence[Record | Gap], after: Sequence[Record | Gap]) -> st
     away = began.wall - rec.read_start(earlier).wall - last
     kept = began.store.under_way
     what = f"under way was {kept}" if kept else "nothing was under way"
+    if away < 0.0:
+        return f"--- another recording: its clock began {-away:.1f} s before this one ended ---"
     return f"--- the program began again {away:.1f} s later: {what} ---"
 
 

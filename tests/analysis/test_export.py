@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import math
 import re
@@ -23,6 +24,9 @@ from shapely.geometry import shape
 
 from mission.analysis.export import FORMS
 from mission.analysis.export.columns import ExportError, sheets
+from mission.analysis.export.gpx import gpx
+from mission.analysis.export.kml import kml
+from mission.analysis.export.places import Places, Plan
 from mission.analysis.journal import Line, Wanted, lines, recordings
 from mission.authoring.importing import Findings, format_of, load
 from mission.commands.export import export
@@ -208,6 +212,45 @@ def test_a_reader_of_kml_finds_track_fixes_and_plan(
     marks = list(find_all(read, of_type=features.Placemark))
     assert len([m for m in marks if m.times is not None]) == len(said["fix"])
     assert {"home", "radius"} <= {mark.name for mark in marks}
+
+
+RINGS = {
+    "wreck": [[120.1, 30.1], [120.2, 30.1], [120.2, 30.2], [120.1, 30.1]],
+    "bay": [[120.0, 30.0], [120.5, 30.0], [120.5, 30.5], [120.0, 30.5], [120.0, 30.0]],
+}
+
+
+@pytest.fixture(scope="module")
+def fenced() -> Places:
+    areas = [
+        {"type": "Feature", "properties": {"name": name, "what": f"keep out {name}"},
+         "geometry": {"type": "Polygon", "coordinates": [ring]}}
+        for name, ring in RINGS.items()
+    ]  # fmt: skip
+    return Places("2026-01-01T00:00:00.000Z", "auv", plans={"0": Plan("fenced", areas)})
+
+
+def test_gpxpy_reads_areas_as_closed_tracks_that_nobody_steers_along(fenced: Places) -> None:
+    read = gpxpy.parse(gpx(fenced).decode())
+    seen = {
+        track.name: [[p.longitude, p.latitude] for p in track.segments[0].points]
+        for track in read.tracks
+    }
+    assert seen == RINGS
+    assert read.routes == []
+    assert {track.description for track in read.tracks} == {
+        "fenced: keep out wreck", "fenced: keep out bay",
+    }  # fmt: skip
+
+
+def test_a_reader_of_kml_finds_the_areas_as_polygons(fenced: Places) -> None:
+    read = fastkml.KML.parse(io.BytesIO(kml(fenced)))
+    marks = {mark.name: mark for mark in find_all(read, of_type=features.Placemark)}
+    seen = {
+        name: [list(at) for at in mark.geometry.exterior.coords] for name, mark in marks.items()
+    }
+    assert seen == RINGS
+    assert marks["bay"].description == "keep out bay"
 
 
 def test_a_reader_of_geojson_finds_track_fixes_and_plan(

@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from links.simulated.settings import parse_settings
-from mission.analysis.journal import Wanted, follow, recordings
+from mission.analysis.journal import Wanted, follow, recordings, restart
 from mission.analysis.story import Chapter, Table, story
 from mission.analysis.tell import as_html, as_markdown, as_text
 from mission.analysis.unsaid import Unsaid
@@ -19,7 +19,7 @@ from mission.authoring.prepare import prepare
 from mission.commands.log import log
 from mission.commands.story import story as story_command
 from mission.model import Position, Record, Tx
-from mission.onboard.blackbox import BlackBox
+from mission.onboard.blackbox import BlackBox, Gap
 from mission.onboard.runtime.records import ListRecorder, tx_record
 from mission.onboard.stream.derived import Message
 from mission.onboard.stream.topics import FIX, STATE, TELEMETRY
@@ -143,15 +143,33 @@ def test_fixes_from_under_water_are_told_as_such() -> None:
     assert said.startswith("2 fixes came from more than 2 m of depth, from 0:01.0 to 1:10.0")
 
 
+def begun(seconds: float, path: Path) -> list[Record | Gap]:
+    """That recording, as if it had begun so long after 2026 did."""
+    (items,) = recordings([path])
+    start = items[0]
+    assert isinstance(start, Record)
+    said = json.loads(start.payload) | {"wall": 1767225600.0 + seconds}
+    return [Record(start.t, start.kind, json.dumps(said).encode()), *items[1:]]
+
+
 def test_two_runs_of_the_program_are_told_in_their_order_with_what_was_under_way() -> None:
-    chapters = story(recordings([AGAIN, HEAVY]))
+    chapters = story([begun(0.0, HEAVY), begun(200.0, AGAIN)])
     titles = [one.title for one in chapters]
     assert titles.count("What happened") == 2
     between = chapters[titles.index("Between two recordings")]
-    assert re.search(r"the program began again -?[\d.]+ s later: ", between.says[0])
+    assert re.search(r"the program began again 118\.7 s later: ", between.says[0])
     assert "was under way" in between.says[0] or "under way was" in between.says[0]
     first = [says for one in chapters[:1] for says in one.says]
     assert first[0].startswith("The program (version")
+
+
+def test_recordings_of_the_same_time_are_two_and_no_program_that_began_again() -> None:
+    for one, other in ((HEAVY, AGAIN), (SHORT, HEAVY)):
+        said = restart(begun(0.0, one), begun(10.0, other))
+        assert "began again" not in said
+        assert re.fullmatch(
+            r"--- another recording: its clock began \d+\.\d s before this one ended ---", said
+        )
 
 
 def test_what_is_missing_is_told_by_log_and_story(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """Places as GPX 1.1 (topografix.com/GPX/1/1): legs as routes, estimated track and fixes as tracks.
 
-``ele`` is metres above the surface: under water negative. The radius is no route and stays out.
+``ele`` is metres above the surface: under water negative. GPX knows no areas: they are closed
+tracks without times, so that no plotter steers along them. The radius is no route and stays out.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ def gpx(found: Places) -> bytes:
         _routes(root, plan)
     _track(root, "track, as estimated", found.track)
     _track(root, "fixes", found.fixes)
+    for plan in found.plans.values():
+        _areas(root, plan)
     indent(root)
     text: bytes = tostring(root, "utf-8", xml_declaration=True)
     return text + b"\n"
@@ -46,6 +49,16 @@ def _routes(root: Element, plan: Plan) -> None:
         SubElement(route, "desc").text = f"{plan.mission}: {what}"
         for corner in corners:
             _place(route, "rtept", corner)
+
+
+def _areas(root: Element, plan: Plan) -> None:
+    for name, what, corners in plan.lines("Polygon"):
+        track = SubElement(root, "trk")
+        SubElement(track, "name").text = name
+        SubElement(track, "desc").text = f"{plan.mission}: {what}"
+        segment = SubElement(track, "trkseg")
+        for corner in corners:
+            _place(segment, "trkpt", corner)
 
 
 def _track(root: Element, name: str, points: Sequence[Point]) -> None:

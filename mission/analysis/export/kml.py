@@ -31,14 +31,18 @@ def kml(found: Places) -> bytes:
 
 def _plan(document: Element, plan: Plan) -> None:
     folder = _folder(document, f"plan: {plan.mission}")
-    for form in ("Point", "LineString"):
+    for form in ("Point", "LineString", "Polygon"):
         for name, what, corners in plan.lines(form):
             mark = SubElement(folder, "Placemark")
             SubElement(mark, "name").text = name
             SubElement(mark, "description").text = what
+            if form == "Polygon":  # seen through
+                SubElement(SubElement(SubElement(mark, "Style"), "PolyStyle"), "fill").text = "0"
             drawn = SubElement(mark, form)
-            if form == "LineString":
+            if form != "Point":
                 SubElement(drawn, "tessellate").text = "1"
+            if form == "Polygon":
+                drawn = SubElement(SubElement(drawn, "outerBoundaryIs"), "LinearRing")
             places = (f"{longitude:.8f},{latitude:.8f}" for longitude, latitude in corners)
             SubElement(drawn, "coordinates").text = " ".join(places)
 

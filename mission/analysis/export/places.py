@@ -47,11 +47,14 @@ class Plan:
     features: Sequence[dict[str, Any]]
 
     def lines(self, form: str) -> Iterator[tuple[str, str, list[list[float]]]]:
-        """Name, meaning and corners (longitude, latitude) of what is a Point or a LineString."""
+        """Name, meaning and corners (longitude, latitude) of what is a Point, a LineString or a
+        Polygon; of that the outer ring, whose last corner is its first."""
         for feature in self.features:
             said, drawn = feature["properties"], feature["geometry"]
             if drawn["type"] == form:
-                corners = [drawn["coordinates"]] if form == "Point" else drawn["coordinates"]
+                places = drawn["coordinates"]
+                corners = [places] if form == "Point" else places
+                corners = places[0] if form == "Polygon" else corners
                 yield printable(said["name"]), printable(said["what"]), corners
 
 
