@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mission.analysis.ellipses import draw_ellipses, width_of
 from mission.model.shown import clock
-from mission.navigation.distribution import PLANE_95
-from mission.navigation.filter import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -77,14 +76,17 @@ def timed(axes: Sequence[Axes]) -> None:
 
 def _plan(axes: Axes, track: Track) -> None:
     axes.plot(track.raw[:, 1], track.raw[:, 0], color=_RAW, lw=0.9, label="raw: compass, thrusters")
+    width = width_of(track.smoothed[:, ::-1].tolist())
     rows = (
         (track.filtered, track.filtered_covariance, _FILTERED, "filtered"),
         (track.smoothed, track.smoothed_covariance, _SMOOTHED, "smoothed"),
     )
     for place, covariance, colour, name in rows:
-        axes.plot(place[:, 1], place[:, 0], color=colour, lw=1.2, label=f"{name}, 95 % ellipses")
-        for i in np.linspace(0, len(place) - 1, _ELLIPSES).astype(int).tolist():
-            _ellipse(axes, place[i], covariance[i], colour)
+        axes.plot(place[:, 1], place[:, 0], color=colour, lw=1.2, label=name)
+        shown = np.linspace(0, len(place) - 1, _ELLIPSES).astype(int)
+        spread = covariance[shown][:, (0, 0, 1), (0, 1, 1)]
+        placed = zip(place[shown, 1], place[shown, 0], map(tuple, spread), strict=True)
+        draw_ellipses(axes, placed, width, colour, f"{name}, 95 %")
     used = [f for f in track.fixes if f.used]
     axes.plot([f.east for f in used], [f.north for f in used], ".", color=_FIX, ms=5, label="fixes")
     refused = [f for f in track.fixes if not f.used]
@@ -99,17 +101,6 @@ def _plan(axes: Axes, track: Track) -> None:
     axes.set_ylabel("north, m")
     axes.legend(fontsize=8)
     axes.grid(alpha=0.3)
-
-
-def _ellipse(axes: Axes, place: Array, covariance: Array, colour: str) -> None:
-    from matplotlib.patches import Ellipse
-
-    values, vectors = np.linalg.eigh(covariance)
-    long_, short = (2.0 * PLANE_95 * math.sqrt(max(v, 0.0)) for v in values[::-1])
-    angle = math.degrees(math.atan2(vectors[0, 1], vectors[1, 1]))  # of the axes east, north
-    axes.add_patch(
-        Ellipse((place[1], place[0]), long_, short, angle=angle, fill=False, ec=colour, lw=0.6)
-    )
 
 
 def _innovations(axes: Axes, track: Track) -> None:

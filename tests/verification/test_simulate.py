@@ -42,7 +42,6 @@ from mission.verification.simulation import plot
 from mission.verification.simulation.flight import fly
 from mission.verification.simulation.flightlog import Flight, LegFlown
 from mission.verification.simulation.legtable import table
-from mission.verification.simulation.plot import ellipse
 
 ROOT = Path(__file__).resolve().parents[2]
 PROFILES = ("as-built", "documented")
@@ -364,26 +363,6 @@ def test_a_report_that_cannot_be_written_is_told(short: Path, tmp_path: Path) ->
     result = run(short, "--report", tmp_path / "file" / "report")
     assert result.exit_code == 2
     assert "file/report" in result.stderr
-
-
-# --- the ellipse ------------------------------------------------------------------------------------
-
-
-def test_the_ellipse_of_equal_sigmas_is_a_circle_of_the_95_percent_radius() -> None:
-    along, across, _ = ellipse((4.0, 0.0, 4.0))
-    assert along == across == pytest.approx(2 * 2.0 * 2.4477, rel=1e-4)
-
-
-@pytest.mark.parametrize(
-    ("covariance", "bearing"),
-    [((9.0, 0.0, 1.0), 0.0), ((1.0, 0.0, 9.0), 90.0), ((5.0, 4.0, 5.0), 45.0)],
-)
-def test_the_ellipse_points_where_the_doubt_is(
-    covariance: tuple[float, float, float], bearing: float
-) -> None:
-    along, across, found = ellipse(covariance)
-    assert along == pytest.approx(3.0 * across)
-    assert math.degrees(found) == pytest.approx(bearing)
 
 
 def test_the_table_names_the_guard_and_what_it_saw(short: Path) -> None:

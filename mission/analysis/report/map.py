@@ -1,7 +1,7 @@
 """The map of a dive: plan, track by legs, fixes, some 95 % ellipses, scale, graticule, north.
 
-The track and the plan's lines fill the frame. An ellipse that is larger than a quarter of it would
-bury them, and is left out; its size is in the page's figures.
+The track and the plan's lines fill the frame. The size of an ellipse that would bury them is in the
+page's figures.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mission.analysis.ellipses import draw_ellipses
 from mission.analysis.report.dive import Dive, Point, Stay
-from mission.navigation.distribution import PLANE_95
 from mission.navigation.filter import Array
 from mission.navigation.geodesy import LocalFrame
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _PALETTE = ("#88ccee", "#ddcc77", "#44aa99", "#cc6677", "#999933", "#aa4499", "#6699cc", "#117733")
 _PLAN, _SMOOTHED, _FIX, _AREA = "#888888", "#222222", "#117733", "#aa4400"
 _DISC = {"boxstyle": "circle,pad=0.15", "fc": "w", "lw": 0.5}
-_ELLIPSES = 10
+_ELLIPSES, _ELLIPSE = 10, "#555555"
 _MARGIN, _NARROWEST = 0.08, 0.6  # of the frame, of its long side
 
 
@@ -58,7 +58,7 @@ def draw_map(axes: Axes, dive: Dive) -> None:
     shown = [*zip(east[known], north[known], strict=True), *(p for line in lines for p in line)]
     shown += [(e, n) for n, e in dive.smoothed.smoothed] if dive.smoothed is not None else []
     width = _frame(axes, shown or [(0.0, 0.0)])
-    _ellipses(axes, dive, t, np.column_stack([east, north]), width / 4.0)
+    _ellipses(axes, dive, t, np.column_stack([east, north]), width)
     axes.plot(0.0, 0.0, "*", color="k", ms=9, mfc="w", label="home", zorder=5)
     if known.any():
         at = np.flatnonzero(known)[-1]
@@ -110,26 +110,19 @@ def _track(axes: Axes, dive: Dive, t: Array, places: Array) -> None:
         axes.plot(east, north, color=_SMOOTHED, lw=0.8, label="smoothed", zorder=3)
 
 
-def _ellipses(axes: Axes, dive: Dive, t: Array, places: Array, largest: float) -> None:
-    from matplotlib.patches import Ellipse
-
+def _ellipses(axes: Axes, dive: Dive, t: Array, places: Array, width: float) -> None:
     if not dive.covariances:
         return
     times = np.array([time for time, _ in dive.covariances])
     flown = [stay for stay in dive.stays() if stay.end > times[0]]
     if not flown:
         return
-    label = "95 % ellipses"
+    placed = []
     for at in np.linspace(flown[0].begin, flown[-1].end, _ELLIPSES):
         i = int(np.argmin(np.abs(times - at)))
-        place = places[int(np.argmin(np.abs(t - times[i])))]
-        values, vectors = np.linalg.eigh(dive.covariances[i][1])
-        long_, short = (2.0 * PLANE_95 * math.sqrt(max(v, 0.0)) for v in values[::-1])
-        if long_ <= largest and np.isfinite(place).all():
-            angle = math.degrees(math.atan2(vectors[0, 1], vectors[1, 1]))
-            axes.add_patch(Ellipse((place[0], place[1]), long_, short, angle=angle, fill=False,
-                                   ec="#555555", lw=0.5, label=label, zorder=2.5))  # fmt: skip
-            label = ""
+        (east, north), spread = places[int(np.argmin(np.abs(t - times[i])))], dive.covariances[i][1]
+        placed.append((east, north, (spread[0, 0], spread[0, 1], spread[1, 1])))
+    draw_ellipses(axes, placed, width, _ELLIPSE)
 
 
 def _frame(axes: Axes, shown: Sequence[Point]) -> float:

@@ -24,6 +24,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from links.simulated.geodesy import local
+from mission.analysis.ellipses import ellipse
 from mission.authoring.language import script
 from mission.authoring.prepare import Prepared
 from mission.model import Estimate, NavigationMode, Position, Step
@@ -32,7 +33,6 @@ from mission.onboard.runtime.records import ESTIMATE, START, STEP, estimate_of, 
 from mission.topside.console import converse
 from mission.topside.upload import OperatorError, start, status, upload
 from mission.verification.simulation.flightlog import Flight, FlightEnd, FlightLog, TruePlace
-from mission.verification.simulation.plot import ellipse
 from mission.verification.simulation.staged import READY_S, DemoError, Lines, Stage, told_to_end
 from protocol.messages import Status, StoreReport
 

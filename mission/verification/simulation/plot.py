@@ -1,4 +1,4 @@
-"""The picture of a flight: plan view with 95 % ellipses, depth over time with the legs coloured.
+"""The picture of a flight: plan view with its 95 % ellipses, depth over time, the legs coloured.
 
 Legs have a colour and a number, because there are more legs than colours that can be told apart:
 the number stands at the leg's middle in the plan, over its share of the profile, and in the key.
@@ -12,18 +12,18 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from mission.analysis.ellipses import Placed, draw_ellipses, width_of
 from mission.verification.simulation.flightlog import Flight, LegFlown, Sample
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_QUANTILE_95 = math.sqrt(-2.0 * math.log(0.05))  # of the plane: chi-square, two degrees of freedom
 _ELLIPSES = 12
 _DIGIT = 0.011  # width of a number's digit over the profile, as a share of the mission
 _NEAR = 0.04  # of the plan's width: a number nearer than this to another would hide it
@@ -66,18 +66,6 @@ def title_of(flight: Flight, title: str) -> str:
             "at the end"
         )
     return "\n".join(rows)
-
-
-def ellipse(covariance: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Full axes (m, along and across) of the 95 % ellipse and its major axis's bearing (rad).
-
-    ``covariance`` is (nn, ne, ee) of north and east.
-    """
-    nn, ne, ee = covariance
-    middle, spread = (nn + ee) / 2.0, math.hypot((nn - ee) / 2.0, ne)
-    bearing = 0.5 * math.atan2(2.0 * ne, nn - ee)
-    long_, short = math.sqrt(middle + spread), math.sqrt(max(middle - spread, 0.0))
-    return 2.0 * _QUANTILE_95 * long_, 2.0 * _QUANTILE_95 * short, bearing
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,15 +111,20 @@ def _draw_plan(axes: Axes, flight: Flight, marks: dict[str, _Mark]) -> None:
         color=_ESTIMATE,
         linewidth=1.0,
         linestyle="--",
-        label="estimate, with 95 % ellipses",
+        label="estimate",
         marker="s",
         markersize=5.0,
         markevery=[len(samples) - 1] if samples else [],
     )
-    for sample in _spread(samples, _ELLIPSES):
-        _draw_ellipse(axes, sample)
+    flown_at = [(s.true.east, s.true.north) for s in samples]
+    width = width_of([*flown_at, *((s.estimate.east, s.estimate.north) for s in samples)])
+    draw_ellipses(axes, _placed(_spread(samples, _ELLIPSES)), width, _ESTIMATE)
     _number_legs(axes, flown, marks)
     as_map(axes)
+
+
+def _placed(samples: Sequence[Sample]) -> Iterator[Placed]:
+    return ((s.estimate.east, s.estimate.north, s.estimate.covariance) for s in samples)
 
 
 def as_map(axes: Axes) -> None:
@@ -178,23 +171,6 @@ def _number_legs(
             color=_TRUE,
             bbox={"boxstyle": "circle,pad=0.2", "fc": "white", "ec": mark.colour, "alpha": 0.85},
         )
-
-
-def _draw_ellipse(axes: Axes, sample: Sample) -> None:
-    from matplotlib.patches import Ellipse
-
-    along, across, bearing = ellipse(sample.estimate.covariance)
-    patch: Any = Ellipse(
-        (sample.estimate.east, sample.estimate.north),
-        along,
-        across,
-        angle=90.0 - math.degrees(bearing),
-        fill=False,
-        edgecolor=_ESTIMATE,
-        linewidth=0.7,
-        alpha=0.6,
-    )
-    axes.add_patch(patch)
 
 
 def _draw_profile(axes: Axes, flight: Flight, marks: dict[str, _Mark]) -> None:

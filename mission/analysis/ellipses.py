@@ -1,0 +1,50 @@
+"""95 % ellipses on a plan, east to the right and north up, in m; of flights, dives and tracks.
+
+An ellipse that is larger than a quarter of the frame would bury the track, and is left out; none
+makes the frame larger.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from mission.navigation.distribution import PLANE_95, Covariance, principal
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+LARGEST = 0.25  # of the frame's long side
+
+Placed = tuple[float, float, Covariance]  # east, north, m, and of north and east, m^2
+
+
+def ellipse(covariance: Covariance) -> tuple[float, float, float]:
+    """Full axes (m, along and across) of the 95 % ellipse and its long axis's bearing (rad)."""
+    great, small, bearing = principal(covariance)
+    return 2.0 * PLANE_95 * great, 2.0 * PLANE_95 * small, bearing
+
+
+def draw_ellipses(
+    axes: Axes, places: Iterable[Placed], width: float, colour: str, label: str = "95 % ellipses"
+) -> None:
+    """Those that a frame of ``width`` m has room for; the legend gets the label if one is drawn."""
+    from matplotlib.patches import Ellipse
+
+    for east, north, covariance in places:
+        along, across, bearing = ellipse(covariance)
+        if along > LARGEST * width or not math.isfinite(east + north):
+            continue
+        angle = 90.0 - math.degrees(bearing)
+        axes.add_artist(Ellipse((east, north), along, across, angle=angle, fill=False, ec=colour,
+                                lw=0.6, alpha=0.7, label=label, zorder=2.5))  # fmt: skip
+        label = ""
+
+
+def width_of(places: Iterable[tuple[float, float]]) -> float:
+    """The long side, m, of the frame around what is finite of places (east, north)."""
+    known = [place for place in places if math.isfinite(place[0] + place[1])]
+    if not known:
+        return 0.0
+    return max(max(side) - min(side) for side in zip(*known, strict=True))
