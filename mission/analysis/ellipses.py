@@ -47,4 +47,5 @@ def width_of(places: Iterable[tuple[float, float]]) -> float:
     known = [place for place in places if math.isfinite(place[0] + place[1])]
     if not known:
         return 0.0
-    return max(max(side) - min(side) for side in zip(*known, strict=True))
+    east, north = [e for e, _ in known], [n for _, n in known]
+    return max(max(east) - min(east), max(north) - min(north))
