@@ -113,6 +113,7 @@ CODES: Mapping[str, str] = MappingProxyType(
         "unheard": "a vehicle that reports nothing",
         "unit": "a unit of another kind",
         "unknowable": "a guard that nothing this vehicle reports can decide",
+        "unknown-area": "an area that the mission does not name",
         "unknown-output": "an output that the vehicle file does not name",
         "unknown-parameter": "a name that is no parameter",
         "unknown-target": "a target that is no leg",

@@ -86,6 +86,7 @@ def test_the_map_is_a_file_of_its_own_as_its_suffix_says(
     assert not (tmp_path / "p.html").exists()
 
 
+@pytest.mark.proof
 def test_several_dives_are_on_one_page_in_the_order_of_their_starts(tmp_path: Path) -> None:
     ran = reported(AGAIN, HEAVY, "-o", tmp_path / "day.html", "--json")
     assert ran.exit_code == 0, ran.output

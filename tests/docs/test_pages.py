@@ -13,7 +13,7 @@ import pytest
 from _pytest.mark import ParameterSet
 from blocks import ROOT, Page
 
-LONG = frozenset({"tutorial", "how-to", "commands.md"})
+LONG = frozenset({"tutorial", "how-to", "commands.md", "black-box.md"})
 PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md")),
     *sorted((ROOT / "docs").rglob("*.md")),

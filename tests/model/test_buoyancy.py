@@ -105,6 +105,7 @@ def test_the_shipped_float_test_measures_the_simulated_vehicle(
     assert load_vehicle(mine).ascent_measured == day == "2025-06-01"
 
 
+@pytest.mark.proof
 def test_logs_without_a_float_test_leave_the_figure_and_say_what_to_fly(tmp_path: Path) -> None:
     fly = ["simulate", "first-dive", "--report", str(tmp_path)]
     assert CliRunner().invoke(main, fly).exit_code == 0

@@ -81,6 +81,7 @@ def test_the_operator_drops_the_weight_by_name_in_any_state(tmp_path: Path) -> N
     assert next(s.true.depth for s in flight.samples if s.t >= at) < 1.0, "it rises against thrust"
 
 
+@pytest.mark.proof
 def test_an_ascent_that_gains_nothing_lets_it_go_where_the_vehicle_file_arms_it(
     tmp_path: Path,
 ) -> None:

@@ -25,6 +25,8 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+import pytest
+
 from links.simulated.link import SimulatedVehicle
 from links.simulated.pty import PtyVehicle
 from links.simulated.settings import Settings
@@ -122,6 +124,7 @@ def quiet(have: int, total: int) -> None:
     """Nobody watches."""
 
 
+@pytest.mark.proof
 def test_killed_at_any_moment_of_an_upload_the_store_holds_one_mission_whole(
     tmp_path: Path,
 ) -> None:

@@ -219,6 +219,7 @@ def checksummed() -> list[tuple[str, bytes]]:
     return frames + [(name, raw) for name, _, raw in AUV if name == "auv.MODEM"]
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize(("name", "raw"), checksummed(), ids=["SD", "SD random", "deck", "vehicle"])
 def test_every_single_wrong_byte_of_a_checksummed_frame_is_refused(name: str, raw: bytes) -> None:
     row = link("auv.modem" if name == "auv.MODEM" else "auv.from_stm32")
