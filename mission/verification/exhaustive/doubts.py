@@ -50,6 +50,7 @@ def _wanders(world: World) -> None:
 
 def _wanders_without_a_depth(world: World) -> None:
     _ordered_up(world)
+    world.wait(_PERIOD)
     world.sea.unknown.add("depth")
     _wanders(world)
 
