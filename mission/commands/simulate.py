@@ -130,9 +130,10 @@ def _tell(
     told = flight.as_json() | {
         "coverage": as_json_of(coverage_of(flight, prepared.mission)),
         "purpose": reaching.as_json_of(reaching.achieved_by(flight, prepared.mission)),
-        "clearance": None if near is None else near.as_object(),
         "flown": flown.as_object(),
     }
+    if near is not None:
+        told["clearance"] = near.as_object()
     click.echo(json.dumps(told))
 
 

@@ -40,7 +40,7 @@ class Flown:
                 "current": _current_object(self.sea.current),
                 "deep_current": _current_object(self.sea.deep_current or self.sea.current),
                 "floor_m": self.sea.floor,
-                "bathymetry": self.sea.floor_from or None,
+                **({"bathymetry": self.sea.floor_from} if self.sea.floor_from else {}),
             },
             "compass_bias_deg": None if bias is None else round(math.degrees(bias), 3),
         }
