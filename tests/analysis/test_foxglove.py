@@ -176,6 +176,34 @@ def test_a_monitor_tells_the_same_of_a_dive_as_its_black_box(
     assert a == pytest.approx(b, rel=0.1, abs=0.5)
 
 
+def test_a_monitor_tells_the_fixes_and_poses_that_the_black_box_has(
+    watched: list[Message], dive: list[Message]
+) -> None:
+    for topic in (topics.FIX, topics.FIXES):
+        live_, box = ([m for m in told if m.topic == topic] for told in (watched, dive))
+        by_time = {round(m.t, 6): dict(m.value) for m in box}
+        assert len(live_) > 3
+        for message in live_:
+            wanted, got = by_time[round(message.t, 6)], dict(message.value)
+            if topic == topics.FIXES:  # at the time of the viewer's computer
+                assert wanted.pop("timestamp")
+                assert got.pop("timestamp")
+                spread = got.pop("position_covariance")
+                assert spread == pytest.approx(wanted.pop("position_covariance"), abs=1e-3)
+            same = {name: pytest.approx(v, abs=1e-4) if isinstance(v, float) else v
+                    for name, v in wanted.items()}  # fmt: skip
+            assert got == same
+    poses, box = ([m for m in told if m.topic == topics.POSE] for told in (watched, dive))
+    assert len(poses) > 10
+    for message in poses[5:]:
+        near = min(box, key=lambda one: abs(one.t - message.t)).value["pose"]
+        here = message.value["pose"]
+        for axis in "xyz":
+            assert here["position"][axis] == pytest.approx(near["position"][axis], abs=2.5)
+        turned = sum(here["orientation"][a] * near["orientation"][a] for a in "xyzw")
+        assert abs(turned) > 0.98
+
+
 def test_the_ellipse_of_a_monitor_lies_on_the_map_as_it_lies_on_the_sea() -> None:
     """20 m towards 30 degrees, 5 m across: so much along each, and nothing between them."""
     state = {

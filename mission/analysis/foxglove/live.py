@@ -1,6 +1,6 @@
 """What a monitor tells of a vehicle under way, as messages of the same topics as its black box.
 
-A monitor sends less than is recorded: no fixes, no poses. What it does not tell is null.
+A monitor sends less than is recorded, five times a second at most. What it does not tell is null.
 """
 
 from __future__ import annotations
@@ -13,15 +13,21 @@ from typing import Any
 
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import MissionErrors, digest, parse_script
+from mission.model import Position
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import VehicleError
 from mission.navigation.distribution import PLANE_95, of_principal
+from mission.navigation.geodesy import LocalFrame
 from mission.onboard.stream import topics, wellknown
 from mission.onboard.stream.derived import VEHICLE_FRAME, Message
+from mission.onboard.stream.places import fix_place, pose_value
 from mission.onboard.stream.plan import plan_geojson
 from mission.topside.monitor import Frame, Watched
 
-TOPICS = (topics.STATE, topics.TELEMETRY, topics.POSITION, topics.JOURNAL, topics.PLAN)
+TOPICS = (
+    topics.STATE, topics.TELEMETRY, topics.POSITION, topics.POSE, topics.FIX, topics.FIXES,
+    topics.JOURNAL, topics.PLAN,
+)  # fmt: skip
 _LIMITS = ("depth", "radius", "time", "voltage")
 
 
@@ -30,6 +36,7 @@ class Live:
 
     def __init__(self) -> None:
         self._reported: float | None = None
+        self._fixed: float | None = None
         self._plan: Sequence[str] = ()
         self._state, self._since = "", 0.0
 
@@ -47,9 +54,18 @@ class Live:
             self._state, self._since = seen.get("state", ""), t
         yield Message(topics.STATE, t, self._situation(t, seen))
         yield from _placed(t, wall, seen)
+        yield from self._fix(t, wall, seen)
         if (at := seen.get("report_at")) is not None and at != self._reported:
             self._reported = at
             yield Message(topics.TELEMETRY, t, _telemetry(at, seen))
+
+    def _fix(self, t: float, wall: float, seen: Mapping[str, Any]) -> Iterator[Message]:
+        fix = seen.get("fix")
+        if fix is None or fix["t"] == self._fixed:
+            return
+        self._fixed = fix["t"]
+        yield Message(topics.FIX, fix["t"], fix)
+        yield Message(topics.FIXES, fix["t"], fix_place(fix, wall + fix["t"] - t))
 
     def _situation(self, t: float, seen: Mapping[str, Any]) -> Mapping[str, Any]:
         began, fixed = seen.get("mission_began"), seen.get("fix_at")
@@ -65,8 +81,10 @@ class Live:
             "digest": seen.get("mission") or "",
             "latitude_deg": seen.get("latitude"),
             "longitude_deg": seen.get("longitude"),
+            **dict(zip(("north_m", "east_m"), _local(seen) or (None, None), strict=True)),
             "depth_m": seen.get("depth"),
             "altitude_m": seen.get("altitude"),
+            "heading_deg": seen.get("heading"),
             "speed_m_s": seen.get("speed"),
             "current_north_m_s": north,
             "current_east_m_s": east,
@@ -115,6 +133,21 @@ def _placed(t: float, wall: float, seen: Mapping[str, Any]) -> Iterator[Message]
     depth = seen.get("depth") or 0.0
     said = wellknown.location(wall, VEHICLE_FRAME, latitude, longitude, -depth, covariance)
     yield Message(topics.POSITION, t, said)
+    heading, pitch, roll = (_radians(seen.get(name)) for name in ("heading", "pitch", "roll"))
+    if heading is not None and (local := _local(seen)) is not None:
+        yield Message(topics.POSE, t, pose_value(wall, *local, depth, heading, pitch, roll))
+
+
+def _local(seen: Mapping[str, Any]) -> tuple[float, float] | None:
+    """North and east of home, m."""
+    latitude, longitude, origin = (seen.get(n) for n in ("latitude", "longitude", "origin"))
+    if latitude is None or longitude is None or origin is None:
+        return None
+    return LocalFrame(Position(*origin)).to_local(math.radians(latitude), math.radians(longitude))
+
+
+def _radians(value: float | None) -> float | None:
+    return None if value is None else math.radians(value)
 
 
 def _planned(t: float, lines: Sequence[str]) -> Iterator[Message]:

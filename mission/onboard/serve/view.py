@@ -22,6 +22,7 @@ from mission.model import (
 from mission.model.alarms import Alarm
 from mission.navigation import distribution
 from mission.onboard.runtime.runtime import Runtime
+from mission.onboard.stream.places import fix_value
 from protocol.state_frame import setpoint_words
 
 _READINGS = ("depth", "altitude", "heading", "pitch", "roll", "speed", "battery")
@@ -46,7 +47,18 @@ def view(runtime: Runtime, alarms: Iterable[Alarm]) -> dict[str, Any]:
         "mission_began": _rounded(engine.core.run.started) if engine.core.run else None,
         **_leg(runtime),
         **{name: _bare(runtime, name) for name in _READINGS if name != "depth"},
+        "fix": fix_value(known.fix) if known.fix else None,
+        "origin": _origin(runtime),
     }
+
+
+def _origin(runtime: Runtime) -> list[float] | None:
+    """Home, degrees: what north and east are counted from."""
+    navigation = runtime.engine.core.vehicle_state.navigation
+    if navigation is None or navigation.frame is None:
+        return None
+    origin = navigation.frame.origin
+    return [origin.latitude_deg, origin.longitude_deg]
 
 
 def _place(runtime: Runtime) -> dict[str, Any]:

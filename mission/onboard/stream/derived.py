@@ -26,12 +26,13 @@ from mission.navigation.geodesy import LocalFrame
 from mission.onboard.runtime import records as rec
 from mission.onboard.stream import topics, wellknown
 from mission.onboard.stream.events import events_of
+from mission.onboard.stream.places import degrees, finite, fix_place, fix_value, pose_value
 from mission.onboard.stream.plan import plan_geojson
 from mission.onboard.stream.senses import Senses
 from protocol.messages import Fix, Telemetry
 from protocol.vehicles import auv, rov
 
-HOME, VEHICLE_FRAME = "home", "vehicle"
+VEHICLE_FRAME = "vehicle"
 _ACTUATORS: Mapping[str, tuple[str, ...]] = {"auv": auv.ACTUATORS, "rov": rov.THRUSTERS}
 _DIGITS: Mapping[str, int] = {
     **dict.fromkeys(("latitude", "longitude", "latitude_deg", "longitude_deg"), 8),
@@ -151,18 +152,18 @@ class Derivation:
         place = seen.position or (None, None)
         return {
             "t": seen.t,
-            "depth_m": _finite(seen.depth),
-            "altitude_m": _finite(seen.altitude),
-            "heading_deg": _degrees(seen.heading),
-            "pitch_deg": _degrees(seen.pitch),
-            "roll_deg": _degrees(seen.roll),
-            "temperature_c": _finite(seen.temperature_c),
-            "control_v": _finite(volts[0]),
-            "power_v": _finite(volts[1]),
+            "depth_m": finite(seen.depth),
+            "altitude_m": finite(seen.altitude),
+            "heading_deg": degrees(seen.heading),
+            "pitch_deg": degrees(seen.pitch),
+            "roll_deg": degrees(seen.roll),
+            "temperature_c": finite(seen.temperature_c),
+            "control_v": finite(volts[0]),
+            "power_v": finite(volts[1]),
             "actuators": self._actuators(seen),
             "magnetic_ut": _list(seen.magnetic, 1e6),
-            "latitude_deg": _degrees(place[0]),
-            "longitude_deg": _degrees(place[1]),
+            "latitude_deg": degrees(place[0]),
+            "longitude_deg": degrees(place[1]),
             "velocity_m_s": _list(seen.velocity),
             "leak": seen.leak,
             "faults": list(seen.faults),
@@ -176,25 +177,9 @@ class Derivation:
         return {n: s for n, s in zip(names, shares, strict=True) if math.isfinite(s)}
 
     def _fix(self, fix: Fix) -> Iterator[Message]:
-        latitude, longitude = math.degrees(fix.latitude), math.degrees(fix.longitude)
-        said = {
-            "t": fix.t,
-            "latitude_deg": latitude,
-            "longitude_deg": longitude,
-            "accuracy_m": _finite(fix.accuracy),
-            "speed_m_s": _finite(fix.speed),
-            "course_deg": _degrees(fix.course),
-            "hdop": _finite(fix.hdop),
-            "elevation_m": _finite(fix.elevation),
-            "satellites": fix.satellites,
-            "utc": fix.utc,
-        }
+        said = fix_value(fix)
         yield Message(topics.FIX, fix.t, said)
-        known = math.isfinite(fix.accuracy)
-        spread = (fix.accuracy**2, 0.0, fix.accuracy**2) if known else None
-        wall = self.wall(fix.t)
-        place = wellknown.location(wall, "gps", latitude, longitude, 0.0, spread)
-        yield Message(topics.FIXES, fix.t, place)
+        yield Message(topics.FIXES, fix.t, fix_place(said, self.wall(fix.t)))
 
     def _estimate(self, seen: Estimate) -> Iterator[Message]:
         place = self._place(seen)
@@ -206,9 +191,8 @@ class Derivation:
         yield Message(topics.POSITION, seen.t, where)
         if seen.heading is not None:
             report = self._report
-            tilt = (report.pitch or 0.0, report.roll or 0.0) if report else (0.0, 0.0)
-            at = (seen.north, seen.east, depth)
-            pose = wellknown.pose(wall, HOME, at, (seen.heading, *tilt))
+            tilt = (report.pitch, report.roll) if report else (None, None)
+            pose = pose_value(wall, seen.north, seen.east, seen.depth, seen.heading, *tilt)
             yield Message(topics.POSE, seen.t, pose)
 
     def _place(self, seen: Estimate) -> tuple[float, float] | None:
@@ -235,7 +219,7 @@ class Derivation:
             "east_m": seen.east if located else None,
             "depth_m": seen.depth,
             "altitude_m": seen.altitude,
-            "heading_deg": _degrees(seen.heading),
+            "heading_deg": degrees(seen.heading),
             "speed_m_s": seen.speed,
             "current_north_m_s": seen.current_north,
             "current_east_m_s": seen.current_east,
@@ -261,7 +245,7 @@ class Derivation:
             "to_depth_m": None if seen.depth is None else standing.depth - seen.depth,
             "to_radius_m": standing.radius - far if located else None,
             "to_time_s": None if mission_time is None else standing.time - mission_time,
-            "to_voltage_v": None if volts is None else _finite(volts - standing.voltage),
+            "to_voltage_v": None if volts is None else finite(volts - standing.voltage),
         }
 
 
@@ -284,14 +268,6 @@ def _rounded(value: Any, digits: int = 4) -> Any:
     if isinstance(value, list):
         return [_rounded(one, digits) for one in value]
     return value
-
-
-def _finite(value: float | None) -> float | None:
-    return value if value is not None and math.isfinite(value) else None
-
-
-def _degrees(value: float | None) -> float | None:
-    return None if value is None or not math.isfinite(value) else math.degrees(value)
 
 
 def _list(values: tuple[float, ...] | None, scale: float = 1.0) -> list[float] | None:

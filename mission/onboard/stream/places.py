@@ -1,0 +1,63 @@
+"""Fixes and poses in the forms of their topics: one conversion for black boxes and live views.
+
+What does not live here: which message is made of which record (derived).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from mission.onboard.stream import wellknown
+from protocol.messages import Fix
+
+HOME, GPS = "home", "gps"  # frames
+
+
+def fix_value(fix: Fix) -> Mapping[str, Any]:
+    """Of the topic ``fix``: degrees and metres, null where nothing is known."""
+    return {
+        "t": fix.t,
+        "latitude_deg": math.degrees(fix.latitude),
+        "longitude_deg": math.degrees(fix.longitude),
+        "accuracy_m": finite(fix.accuracy),
+        "speed_m_s": finite(fix.speed),
+        "course_deg": degrees(fix.course),
+        "hdop": finite(fix.hdop),
+        "elevation_m": finite(fix.elevation),
+        "satellites": fix.satellites,
+        "utc": fix.utc,
+    }
+
+
+def fix_place(said: Mapping[str, Any], wall: float) -> wellknown.Value:
+    """Of the topic ``fixes``, from a value of ``fix``; ``wall`` in s since 1970 UTC."""
+    accuracy = said["accuracy_m"]
+    spread = None if accuracy is None else (accuracy**2, 0.0, accuracy**2)
+    place = said["latitude_deg"], said["longitude_deg"]
+    return wellknown.location(wall, GPS, *place, 0.0, spread)
+
+
+def pose_value(
+    wall: float,
+    north: float,
+    east: float,
+    depth: float | None,
+    heading: float,
+    pitch: float | None,
+    roll: float | None,
+) -> wellknown.Value:
+    """Of the topic ``pose``: m from home, rad; what is not reported is taken to be level."""
+    return wellknown.pose(
+        wall, HOME, (north, east, depth or 0.0), (heading, pitch or 0.0, roll or 0.0)
+    )
+
+
+def finite(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None
+
+
+def degrees(value: float | None) -> float | None:
+    """Of rad."""
+    return None if value is None or not math.isfinite(value) else math.degrees(value)
