@@ -133,7 +133,7 @@ class _Console:
             text, source = str(said["text"]), str(said["source"])
             board = "" if one is None else str(one.plan()["text"])
             if not board:
-                raise Refused("what is on board is not known here", 404)
+                raise Refused("what is on board is not known here")
             return await asyncio.to_thread(planning.difference, text, source, board, self._vehicle)
 
         return await answered(request, compared, "a difference needs text and source")

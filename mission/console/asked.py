@@ -15,9 +15,10 @@ Answer = Callable[[Said], Awaitable[Any]]
 
 
 class Refused(Exception):
-    """What the page asks for cannot be done; it says why, and what instead."""
+    """What somebody asks for cannot be done; it says why, and what instead. No fault of the page:
+    a browser tells faults on its console."""
 
-    def __init__(self, says: str, status: int = 400) -> None:
+    def __init__(self, says: str, status: int = 200) -> None:
         super().__init__(says)
         self.status = status
 

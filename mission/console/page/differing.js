@@ -4,7 +4,7 @@
  */
 
 import { el, mark, say } from './dom.js';
-import { ask } from './wire.js';
+import { want } from './wire.js';
 import { word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page */
@@ -55,7 +55,7 @@ export class Differing {
     const { chosen, token } = this._page();
     const id = encodeURIComponent(chosen.vehicle.setup.id);
     try {
-      const found = await ask(`/api/vehicles/${id}/diff`, token, this._plan());
+      const found = await want(`/api/vehicles/${id}/diff`, token, this._plan());
       if (wanted === this._wanted) this._tell(found);
     } catch (error) {
       if (wanted === this._wanted) this._say([error instanceof Error ? error.message : String(error)]);

@@ -5,7 +5,7 @@
  */
 
 import { el, say } from './dom.js';
-import { ask } from './wire.js';
+import { want } from './wire.js';
 import { word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page
@@ -72,7 +72,7 @@ export class Importing {
   async _send(answers) {
     const wanted = this._wanted;
     try {
-      const found = await ask('/api/import', this._page().token, { ...this._file, ...answers });
+      const found = await want('/api/import', this._page().token, { ...this._file, ...answers });
       if (wanted !== this._wanted) return;
       this._close();
       this._opened(found.text, found.source, found.left_out);

@@ -17,7 +17,7 @@ import { Findings } from './findings.js';
 import { GhostBox } from './ghost.js';
 import { Importing } from './importing.js';
 import { isLive } from './state.js';
-import { ask } from './wire.js';
+import { ask, want } from './wire.js';
 import { word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page
@@ -302,7 +302,7 @@ export class Plan {
     const { text } = this._editor;
     if (this._judged !== text) return; // the places are of another text
     try {
-      const found = await ask('/api/edit', this._page().token, { text, source: this._source, ...edit });
+      const found = await want('/api/edit', this._page().token, { text, source: this._source, ...edit });
       if (this._editor.text !== text) return; // somebody has written meanwhile
       this._problem = '';
       this._editor.put(found.text);

@@ -114,3 +114,11 @@ export async function ask(path, token, body) {
   if (!answer.ok) throw new Refused(answer.status, said?.says ?? answer.statusText);
   return said;
 }
+
+/** The same of what may be refused with words, which is no fault. @param {string} path
+ * @param {string} token @param {object} body @returns {Promise<any>} Raises Refused. */
+export async function want(path, token, body) {
+  const said = await ask(path, token, body);
+  if (typeof said.says === 'string') throw new Refused(200, said.says);
+  return said;
+}
