@@ -17,7 +17,7 @@ import { Findings } from './findings.js';
 import { GhostBox } from './ghost.js';
 import { Importing } from './importing.js';
 import { isLive } from './state.js';
-import { ask, want } from './wire.js';
+import { Refused, ask, want } from './wire.js';
 import { word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page
@@ -133,7 +133,7 @@ export class Plan {
 
   /** @param {Page} page @param {number} now ms */
   show(page, now) {
-    const isSeen = this._root.clientHeight > 0 && !this._root.classList.contains('wide-off');
+    const isSeen = this._root.clientHeight > 0;
     document.body.classList.toggle('planning', isSeen);
     if (!isSeen) return;
     if (!this._isStarted) void this._start();
@@ -251,7 +251,8 @@ export class Plan {
         this._take(text, await ask('/api/check', this._page().token, { text, source: this._source }));
       } catch (error) {
         this._tell(error);
-        await new Promise((again) => setTimeout(again, AGAIN_MS));
+        if (error instanceof Refused) [this._judged, this._said] = [text, null]; // no use to ask again
+        else await new Promise((again) => setTimeout(again, AGAIN_MS));
       }
     }
   }
@@ -260,6 +261,7 @@ export class Plan {
   _take(text, said) {
     this._said = said;
     this._judged = text;
+    this._problem = '';
     if (text === this._editor.text) {
       this._chart.take(said, this._isNew);
       this._isNew = false;
@@ -300,10 +302,10 @@ export class Plan {
   /** @param {object} edit @param {Pair} [fresh] the place that is to be there then */
   async _edit(edit, fresh) {
     const { text } = this._editor;
-    if (this._judged !== text) return; // the places are of another text
+    if (this._judged !== text) return this._tell(word('plan_changed')); // the places are of another
     try {
       const found = await want('/api/edit', this._page().token, { text, source: this._source, ...edit });
-      if (this._editor.text !== text) return; // somebody has written meanwhile
+      if (this._editor.text !== text) return this._tell(word('plan_changed'));
       this._problem = '';
       this._editor.put(found.text);
       await this._check();

@@ -234,6 +234,7 @@ export const WORDS = {
   plan_proof: ['Proof', '证明'],
   plan_refused: ['Refused: {0}', '未通过：{0}'],
   plan_path: ['Worst case, leg by leg, and what is assumed', '最坏情况（逐航段）与假设'],
+  plan_changed: ['The text has changed meanwhile: do it again', '文本已变，请重做'],
   plan_here: ['here', '此处'],
   plan_compare: ['Compare', '比较'],
   plan_same: ['No difference for the vehicle', '对航行器没有差别'],
