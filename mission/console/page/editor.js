@@ -155,6 +155,7 @@ export class Editor {
   }
 
   _textChanged() {
+    this._tip.hidden = true;
     this._starts = linesOf(this.text);
     this._changed();
     this._caret();

@@ -70,8 +70,8 @@ export class Plan {
     this._tools = this._makeTools();
     this._says = el('p', { class: 'plan-says', role: 'status' });
     this._notes = el('ul', { class: 'notes' });
-    root.replaceChildren(el('div', { class: 'tools' }, ...Object.values(this._tools).map((t) => t.root)),
-      this._importing.root, this._says,
+    root.replaceChildren(el('div', { class: 'tools' }, ...Object.values(this._tools).map((t) => t.root),
+      this._says), this._importing.root,
       el('div', { class: 'sides' }, this._editor.root, this._chart.root),
       el('div', { class: 'below' }, el('div', {}, this._findings.root, this._notes), this._ghost.root,
         this._differing.root));
