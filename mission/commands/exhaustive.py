@@ -7,32 +7,47 @@ from pathlib import Path
 import click
 
 from mission.commands.jobs import Where, job_options
+from mission.commands.options import VEHICLE_NAME
 
 SHARE = 20.0  # a mission on a profile takes as long as so many flights, at most
 
 
 @click.command()
 @click.argument("missions", nargs=-1, type=click.Path(path_type=Path, dir_okay=False))
+@click.option("--vehicle", type=VEHICLE_NAME, metavar="NAME",
+              help="A shipped vehicle: auv, coreboard, rov, robot.")  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="The object alone on stdout.")
 @job_options
-def exhaustive(missions: tuple[Path, ...], as_json: bool, where: Where) -> None:
-    """Cross every configuration of MISSIONS (default: all shipped) with every event.
+def exhaustive(
+    missions: tuple[Path, ...], vehicle: str | None, as_json: bool, where: Where
+) -> None:
+    """Cross every configuration of MISSIONS with every event.
 
-    Both profiles of the vehicle. The last line of stdout is one JSON object.
+    Without MISSIONS, all shipped ones that fly on the vehicle. Without --vehicle the one that each
+    mission names, else the AUV, in both of its profiles. The bytes are those of the vehicle's own
+    document. The last line of stdout is one JSON object.
     """
     import json
     import sys
 
     from mission.authoring.prepare import Unreadable
     from mission.model.shipped import missions_folder
+    from mission.verification.campaign.faults import fitting
     from mission.verification.exhaustive.configurations import Unreachable
     from mission.verification.exhaustive.run import Found, examine, unasked
 
-    chosen = missions or tuple(sorted(p for p in missions_folder().iterdir() if p.is_file()))
+    auvs = (p for p in missions_folder().iterdir() if p.is_file())
+    others = vehicle not in (None, "auv")
+    shipped = [one.path for one in fitting(str(vehicle))] if others else sorted(auvs)
+    chosen = missions or tuple(shipped)
     try:
         with where.keeping({"cells": "all"}, Found) as kept:
             found = examine(
-                chosen, where.lasting(SHARE).place, kept, lambda line: click.echo(line, err=True)
+                chosen,
+                where.lasting(SHARE).place,
+                kept,
+                lambda line: click.echo(line, err=True),
+                vehicle,
             )
     except (Unreadable, Unreachable) as error:
         click.echo(str(error), err=True)

@@ -108,7 +108,7 @@ def faults(
 def _known(vehicle: str) -> tuple[Subject, ...]:
     """What flies. Raises click.BadParameter."""
     from mission.verification.campaign.faults import fitting, shipped, subjects
-    from mission.verification.campaign.speech import MOTION
+    from mission.verification.rig.speech import MOTION
 
     if vehicle == "auv":
         return tuple(subjects(shipped()))

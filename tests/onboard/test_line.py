@@ -20,7 +20,6 @@ from mission.onboard.runtime.frontseat import GAP_S
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.store import MemoryStore, Stored
 from mission.verification.campaign.audit import command_of
-from mission.verification.exhaustive.commands import POOL
 from mission.verification.exhaustive.world import BOAT, TENDER, World
 from protocol.messages import Order
 from protocol.vehicles import codec
@@ -30,7 +29,13 @@ BYTE = 10 / 9600  # s
 FRAME = 17 * BYTE + GAP_S  # the longest that operators have passed on
 TRIES = 0.9  # s that a frame without an answer keeps the next one back
 X, W = b"@ZAX0$", b"@ZAWF$"
-LINES = tuple(script(parse("\n".join(POOL))))
+TEXT = """\
+mission pool vehicle auv
+safety radius 200 time 5min depth 5
+start without fix
+a: depth 2 heading 0 gear 4 for 20
+"""
+LINES = tuple(script(parse(TEXT)))
 SLIDERS = (
     [b"@DS1,%d$" % i for i in range(-15, 23)],
     [b"@DS%d,%d$" % (i % 3 + 1, i) for i in range(20)],

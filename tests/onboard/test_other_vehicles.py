@@ -12,13 +12,16 @@ from pathlib import Path
 
 import pytest
 
-from mission.authoring.language import parse
+from mission.authoring.language import parse, script
 from mission.authoring.prepare import Prepared, Unreadable, prepare
 from mission.engine.engine import Engine
 from mission.engine.vehicle_state import VehicleState
 from mission.engine.watch import Descent
-from mission.model import Health, Vertical
+from mission.model import Health, Position, Vertical
 from mission.model.shipped import load_vehicle
+from mission.navigation import Navigation
+from mission.onboard.store import Stored
+from mission.verification.exhaustive.world import World
 from mission.verification.rig.rehearsal import Cue
 from mission.verification.simulation.flight import fly
 from mission.verification.simulation.flightlog import Flight
@@ -336,3 +339,18 @@ def test_before_the_filter_is_loaded_reports_grow_as_old_as_the_vehicle_file_all
         assert engine.depth == 3.0
         engine.step(1.01 + age)
         assert engine.depth is None
+
+
+def test_what_drives_tells_the_boat_once_that_it_stands() -> None:
+    """R11: it is at the surface wherever it is, so the end of its way is told."""
+    robot = load_vehicle("robot")
+    world = World(robot, Stored(tuple(script(parse(ROBOT)))), Position(30.0, 120.0))
+    world.navigate(Navigation(robot, date="2026-03-01"))
+    world.wait(2.0)
+    world.say(b"@AA$")
+    world.wait(20.0)
+    assert not [t for t in world.sent if t.data.startswith(b"@VS")]
+    world.wait(10.0)
+    told = [t for t in world.sent if t.data.startswith(b"@VS") and t.address == "boat"]
+    assert world.state == "idle/ready"
+    assert [t.reason for t in told] == ["at the surface"]

@@ -80,8 +80,10 @@ class Situation:
         return STICK if self._engine.state == MANUAL_DRIVING else setpoint_text(self._said)
 
     def _afloat(self, now: float) -> bool:
-        """By a report or a fix, and not surfacing any more."""
+        """By a report or a fix, and not surfacing any more; what drives is, wherever it is."""
         depth = self.telemetry.depth if self.telemetry else None
+        if self._vehicle.drives and self.telemetry is not None:
+            depth = 0.0
         fixed = self.fix is not None and now - self.fix.t <= FRESH_FIX_S
         return self._engine.state != SURFACING and (
             fixed or (depth is not None and depth < AT_SURFACE_M)

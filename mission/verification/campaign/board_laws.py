@@ -22,8 +22,8 @@ from mission.model.vehicle import Vehicle
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.verification.campaign.audit import Spurious, commands_of, moves
 from mission.verification.campaign.obedience import Ignored, orders
-from mission.verification.campaign.speech import Motion, Speech, same
 from mission.verification.rig.acts import TOPSIDE, Act
+from mission.verification.rig.speech import Motion, Speech, same
 from mission.verification.rig.trace import Done, Event, Said
 from protocol.codec import CannotEncode
 from protocol.messages import Order, Setpoint

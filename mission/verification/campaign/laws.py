@@ -70,8 +70,8 @@ from mission.verification.campaign.excuses import (
     untamed,
 )
 from mission.verification.campaign.obedience import ignored
-from mission.verification.campaign.speech import MOTION
 from mission.verification.rig.acts import Act
+from mission.verification.rig.speech import MOTION
 from mission.verification.rig.trace import Done, Event, Said, Told, Trace, from_home
 from protocol.messages import SetSafety
 

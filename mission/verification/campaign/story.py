@@ -36,10 +36,10 @@ from mission.model.vehicle import Vehicle
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.verification.campaign.excuses import auto_closed
 from mission.verification.campaign.laws import Span, spans
-from mission.verification.campaign.speech import MOTION, Speech
 from mission.verification.campaign.trial import fault_ends
 from mission.verification.rig.acts import TOPSIDE, Act
 from mission.verification.rig.program import DEAD
+from mission.verification.rig.speech import MOTION, Speech
 from mission.verification.rig.trace import Done, Heard, Said, Told, Trace
 from protocol.vehicles.auv import ACTUATORS, SD
 

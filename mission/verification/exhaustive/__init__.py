@@ -4,13 +4,15 @@
 
 Everything happens at the runtime: telemetry, fixes, acknowledgements and operators' commands are
 bytes that go through the real decoders, and what a law sees is bytes that left, the Steps on
-record, and the state. Laws are written from the design and the rules alone: they never ask the
-engine what is right. Three things reach behind the bytes, because a day would not do otherwise: a
-configuration is put in place by the engine's ``place`` (leg, rounds, time in the leg), a distance
-that a leg waits for is given to it (exit_inputs), and a runtime is copied whole (fork), so that
-each cell begins at the same instant.
+record, and the state. A board of documents 002 to 004 is heard and told in bytes of its own
+(lines). Laws are written from the design and the rules alone: they never ask the engine what is
+right. Three things reach behind the bytes, because a day would not do otherwise: a configuration is
+put in place by the engine's ``place`` (leg, rounds, time in the leg), a distance that a leg waits
+for is given to it (exit_inputs), and a runtime is copied whole (fork), so that each cell begins at
+the same instant.
 
-    wire            what the vehicle and the GPS say, in bytes
+    wire            the sea, and what the AUV and the GPS say of it, in bytes
+    lines           each vehicle's line: its reports, and what it is told in the words of the laws
     world           a runtime with a vehicle on its line, and what was seen of it
     fork            one runtime as many
     configurations  the ways into every configuration

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from mission.model import STOPPED, SURFACING, Chart, State, Step, Tx
+from mission.verification.exhaustive.lines import Line
 from mission.verification.exhaustive.world import World
 
 
@@ -40,7 +41,8 @@ class Event:
     """``play`` lets it happen, and some time pass. ``command`` is the frame type of an operator's
     command, by ``path`` (boat, the commander; tender; modem); ``limit`` the row of R5 and R8 that
     it breaches; ``sensor`` tells nothing that can be believed from ``after`` s on. ``also`` names
-    whatever else of it may have an effect."""
+    whatever else of it may have an effect. ``needs``: what a vehicle has that it can happen to
+    (lines). ``word``: the M that is said."""
 
     name: str
     play: Callable[[World, Configuration, Chart], None]
@@ -50,6 +52,8 @@ class Event:
     sensor: str = ""
     after: float = 0.0
     also: frozenset[str] = frozenset()
+    needs: frozenset[str] = frozenset()
+    word: bytes = b""
 
     @property
     def causes(self) -> frozenset[str]:
@@ -79,6 +83,10 @@ class Cell:
     chart: Chart
     before: Before
     world: World
+
+    @property
+    def line(self) -> Line:
+        return self.world.line
 
     @property
     def sent(self) -> list[Tx]:

@@ -20,12 +20,19 @@ from protocol.operator_words import OperatorWord
 from protocol.topside import encode
 
 Play = Callable[[World, Configuration, Chart], None]
-POOL = (
-    "mission pool vehicle auv",
-    "safety radius 200 time 5min depth 5",
-    "start without fix",
-    "a: depth 2 heading 0 gear 4 for 20",
-)
+
+
+def pool(vehicle: str) -> tuple[str, ...]:
+    """A mission that every vehicle can fly."""
+    return (
+        f"mission pool vehicle {vehicle}",
+        "safety radius 100 time 5min depth 5",
+        "start without fix",
+        "a: gear 4 for 20",
+    )
+
+
+FIRST = pool("auv")[0]
 WIDE = encode(SetSafety(radius=60000.0))
 LOOSE = encode(SetSafety(radius=65000.0))
 FALSE_HEAD = b"#\x02\x80\x0c\x01"  # of a content of 3200 bytes
@@ -87,14 +94,15 @@ def _both(world: World) -> None:
 
 
 def _start_while_staging(world: World) -> None:
-    world.say(encode(MissionLine(2, 1, POOL[0])))
+    world.say(encode(MissionLine(2, 1, FIRST)))
     world.say(b"@AA$")
     world.wait(SETTLE)
 
 
 def _uploads(world: World) -> None:
-    for number, line in enumerate(POOL, 1):
-        world.say(encode(MissionLine(len(POOL), number, line)))
+    lines = pool(world.vehicle.name)
+    for number, line in enumerate(lines, 1):
+        world.say(encode(MissionLine(len(lines), number, line)))
     world.wait(SETTLE)
 
 
@@ -199,6 +207,11 @@ def of_word(word: OperatorWord) -> Iterator[Event]:
         yield Event(f"{word.code}, example {number}", _says(frame), word.code, WORD)
 
 
+def _stick(frame: bytes) -> Event:
+    code = frame[1:3].decode()
+    return Event(code, _says(frame), code, word=frame)
+
+
 _TIME = encode(SetTime("2026-03-01T12:00:00"))
 _STOPS_BEHIND = frozenset({"X", "M", "AA"})
 # fmt: off
@@ -213,12 +226,12 @@ COMMANDS = (
     Event("W by modem", _below(b"@ZAWF$"), "W", "modem"),
     Event("X among others in one burst", _says(b"@AA$@ZAX0$"), "X", also=_STOPS_BEHIND),
     Event("X and W again", _says(b"@ZAX0$@ZAWF$@ZAX0$"), "X", also=frozenset({"W"})),
-    Event("MM", _says(b"@MMF5$"), "MM"),
-    Event("MT", _says(b"@MT1,-10$"), "MT"),
-    Event("MD", _says(b"@MDA2,-2$"), "MD"),
-    Event("MR", _says(b"@MRL5$"), "MR"),
-    Event("MS", _says(b"@MS120,-90$"), "MS"),
-    Event("MP", _says(b"@MP120,-90$"), "MP"),
+    _stick(b"@MMF5$"),
+    _stick(b"@MT1,-10$"),
+    _stick(b"@MDA2,-2$"),
+    _stick(b"@MRL5$"),
+    _stick(b"@MS120,-90$"),
+    _stick(b"@MP120,-90$"),
     Event("M of another connection", _other_says(b"@MMF5$"), "MM", "tender"),
     Event("M by modem", _below(b"@MMF5$"), "MM", "modem"),
     Event("M held for 2 s", script(_holds_the_stick), "MM"),
@@ -234,9 +247,9 @@ COMMANDS = (
           after=2.1, also=frozenset({"blind"})),
     Event("AC of another connection", _other_says(b"@AC$"), "AC", "tender"),
     Event("AC of another, the boat silent", _later_says(b"@AC$"), "AC"),
-    Event("AW, a line", _says(encode(MissionLine(2, 1, POOL[0]))), "AW"),
+    Event("AW, a line", _says(encode(MissionLine(2, 1, FIRST))), "AW"),
     Event("AW, a whole mission", script(_uploads), "AW", "whole"),
-    Event("AW, a line out of place", _says(encode(MissionLine(9, 4, POOL[0]))), "AW", "misplaced"),
+    Event("AW, a line out of place", _says(encode(MissionLine(9, 4, FIRST))), "AW", "misplaced"),
     Event("AQ", _says(b"@AQ$"), "AQ"),
     Event("DU", _says(b"@DU$"), "DU"),
     Event("NI", _says(b"@NI$"), "NI"),

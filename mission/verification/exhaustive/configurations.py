@@ -5,8 +5,8 @@
                 x handlers not acted, acted x no Z outstanding, one, one after two that were lost
     manual      each leg x rounds, interrupted: driving, waiting
 
-The AUV's control battery is taken as measured here, so that its limit can act, too; it reports no
-leak.
+A way that a vehicle does not have (a Z without an answer, water) is left out. The AUV's control
+battery is taken as measured here, so that its limit can act, too; it reports no leak.
 
 What does not live here: what happens next (events).
 """
@@ -15,9 +15,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from mission.authoring.language import script
 from mission.authoring.prepare import Prepared, prepare
@@ -39,15 +40,26 @@ from mission.navigation import Navigation
 from mission.onboard.store import Stored
 from mission.verification.exhaustive.cell import Configuration
 from mission.verification.exhaustive.fork import Fork
+from mission.verification.exhaustive.lines import (
+    ANSWERS,
+    GPS,
+    SPOKEN,
+    THRUSTERS,
+    WATER,
+    Line,
+    line_of,
+)
 from mission.verification.exhaustive.wire import Sea
 from mission.verification.exhaustive.world import World
 from protocol.messages import SetSafety
 from protocol.topside import encode
 
-PROFILES = ("as-built", "documented")
-SPOKEN = "auv"  # the codec whose frames wire and laws know
-DEEP, SHALLOW = 3.0, 0.2  # m
+PROFILES = {"auv": ("as-built", "documented")}  # by codec, where the document has not only its own
+DEEP, SHALLOW = 2.4, 0.2  # m: no shipped leg waits for what is near that
 STICK = b"@MMF5$"
+PROVED = 9  # s until a shallow depth has proved the surface, where a board's own place is a fix
+_ABOVE = 0.5  # V over the limit: what handlers ask for
+DEEPER = 3.2  # m: what tells no thrust is believed to push where it is 1 m short of what it holds
 _NOT_MINE = Position(30.0, 120.0)  # where a mission names no home
 
 
@@ -59,6 +71,7 @@ class Unreachable(RuntimeError):
 class Ground:
     """A mission on a profile, and worlds to begin from."""
 
+    line: Line
     prepared: Prepared
     profile: str
     chart: Chart
@@ -72,23 +85,32 @@ class Ground:
         return Path(self.prepared.source).name
 
 
-def ground(path: Path, profile: str) -> Ground:
-    """Raises Unreadable, or Unreachable where the mission does not start."""
-    prepared = prepare(path)
-    if prepared.vehicle.codec != SPOKEN:
+def profiles_of(path: Path, vehicle: str | None = None) -> tuple[str, ...]:
+    """How the vehicle of this mission may have been built. Raises Unreadable, or Unreachable where
+    this proof has no bytes of it."""
+    named = prepare(path, vehicle).vehicle
+    if named.codec not in SPOKEN:
         raise Unreachable(
-            f"{path}: for {prepared.vehicle.name}, and this proof speaks the bytes of {SPOKEN} "
-            "alone; auvmission check and simulate take every vehicle"
+            f"{path}: for {named.name}, and this proof speaks the bytes of {', '.join(SPOKEN)} "
+            "alone; auvmission check takes every vehicle"
         )
-    vehicle = replace(prepared.vehicle, dialect=profile, constant_batteries=False)
+    return PROFILES.get(named.codec, (named.dialect,))
+
+
+def ground(path: Path, profile: str, vehicle: str | None = None) -> Ground:
+    """Of a profile of ``profiles_of``. Raises Unreadable, or Unreachable where the mission does not
+    start."""
+    prepared = prepare(path, vehicle)
+    line = line_of(replace(prepared.vehicle, dialect=profile, constant_batteries=False))
     home = prepared.mission.home or _NOT_MINE
     worlds = []
-    for lines in ((), tuple(script(_from_afar(prepared.mission)))):
-        world = World(vehicle, Stored(lines), home)
-        world.navigate(Navigation(vehicle, date="2026-03-01"))
-        for _ in range(5):
+    for lines in ((), tuple(script(_from_afar(prepared)))):
+        world = World(line.vehicle, Stored(lines), home, line=line)
+        world.navigate(Navigation(line.vehicle, date="2026-03-01"))
+        for _ in range(5 if GPS in line.has else PROVED):
             world.wait(1.0)
-            world.fix()
+            if "position" in line.has:
+                world.fix()
         world.wait(0.5)
         worlds.append(world)
     empty, idle = (Fork(world) for world in worlds)
@@ -101,11 +123,14 @@ def ground(path: Path, profile: str) -> Ground:
     sink(started)
     under_way = Fork(started)
     _let_handlers_act(started, chart)
-    return Ground(prepared, profile, chart, idle, empty, under_way, Fork(started))
+    return Ground(line, prepared, profile, chart, idle, empty, under_way, Fork(started))
 
 
-def _from_afar(mission: Mission) -> Mission:
+def _from_afar(prepared: Prepared) -> Mission:
     """It may be started where ``Sea`` is, and guards on the range are not open from there."""
+    mission = replace(prepared.mission, vehicle=prepared.vehicle.name)
+    if "position" not in prepared.vehicle.reports:
+        return mission
     away = Sea().north + 2.0
     given = [(name, value) for name, value in mission.assume if name != "start"]
     safety = mission.safety
@@ -116,9 +141,11 @@ def _from_afar(mission: Mission) -> Mission:
 
 def configurations(ground: Ground) -> Iterator[tuple[Configuration, World]]:
     for way in WAYS:
-        yield _by(way, ground)
+        if way.needs <= ground.line.has:
+            yield _by(way, ground)
+    lines = LINES if ANSWERS in ground.line.has else LINES[:1]
     for leaf, rounds in _places(ground.chart):
-        for acted, line in itertools.product((False, True), LINES):
+        for acted, line in itertools.product((False, True), lines):
             yield _in_leg(ground, leaf, rounds, acted, line)
         for state, seconds in ((MANUAL_DRIVING, 0.1), (MANUAL_WAITING, 2.3)):
             yield _interrupted(ground, leaf, rounds, state, seconds)
@@ -127,12 +154,12 @@ def configurations(ground: Ground) -> Iterator[tuple[Configuration, World]]:
 def sink(world: World) -> None:
     """To where one is under water: at a rate that is seen once, which no limit minds."""
     world.wait(2.0)
-    world.sea.depth = DEEP
+    world.put(DEEP if THRUSTERS in world.line.has else DEEPER)
     world.wait(4.0)
 
 
 def rise(world: World) -> None:
-    world.sea.depth = SHALLOW
+    world.put(SHALLOW)
     world.wait(9.0)
 
 
@@ -141,7 +168,7 @@ def rise(world: World) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """``begin`` is a world of the ground."""
+    """``begin`` is a world of the ground; ``needs`` what the vehicle has (lines)."""
 
     name: str
     state: str
@@ -151,6 +178,7 @@ class Way:
     loaded: bool = True
     preceded: bool = False
     quiet: bool = True
+    needs: frozenset[str] = frozenset()
 
 
 def _stay(world: World) -> None:
@@ -195,7 +223,7 @@ def _surfaced(world: World) -> None:
 
 def _deaf_at_the_end(world: World) -> None:
     _surface(world)
-    world.sea.depth = SHALLOW
+    world.put(SHALLOW)
     world.wait(4.0)
     _deaf(world)
     world.wait(5.0)
@@ -213,22 +241,24 @@ def _for(seconds: float) -> Callable[[World], None]:
     return lambda world: world.wait(seconds)
 
 
-_E = {"preceded": True}
+_E: Mapping[str, Any] = {"preceded": True}
+_ANSWERED, _WET = frozenset({ANSWERS}), frozenset({WATER})
 # fmt: off
 WAYS: tuple[Way, ...] = (
     Way("empty", IDLE_EMPTY, "empty", _stay, loaded=False),
-    Way("empty, deep", IDLE_EMPTY, "empty", sink, loaded=False),
+    Way("empty, deep", IDLE_EMPTY, "empty", sink, loaded=False, needs=_WET),
     Way("ready", IDLE_READY, "idle", _stay),
-    Way("ready, deep", IDLE_READY, "idle", sink),
+    Way("ready, deep", IDLE_READY, "idle", sink, needs=_WET),
     Way("ready, AUTO closed", IDLE_READY, "idle", _auto_off, auto=False),
     Way("ended by AUTO", IDLE_READY, "under_way", _auto_off, auto=False),
     Way("driving, empty", MANUAL_DRIVING, "empty", _stick, loaded=False),
     Way("waiting, empty", MANUAL_WAITING, "empty", _let_go, loaded=False),
     Way("driving", MANUAL_DRIVING, "idle", _stick),
     Way("waiting", MANUAL_WAITING, "idle", _let_go),
-    Way("driving, deep", MANUAL_DRIVING, "idle", _chain(sink, _stick)),
-    Way("waiting, deep", MANUAL_WAITING, "idle", _chain(sink, _let_go)),
-    Way("waiting, unanswered", MANUAL_WAITING, "idle", _chain(_deaf, _let_go), quiet=False),
+    Way("driving, deep", MANUAL_DRIVING, "idle", _chain(sink, _stick), needs=_WET),
+    Way("waiting, deep", MANUAL_WAITING, "idle", _chain(sink, _let_go), needs=_WET),
+    Way("waiting, unanswered", MANUAL_WAITING, "idle", _chain(_deaf, _let_go), quiet=False,
+        needs=_ANSWERED),
     Way("driving, AUTO closed", MANUAL_DRIVING, "under_way", _chain(_stick, _auto_off, _stick),
         auto=False),
     Way("waiting, AUTO closed", MANUAL_WAITING, "under_way", _chain(_stick, _auto_off, _for(2.3)),
@@ -239,22 +269,28 @@ WAYS: tuple[Way, ...] = (
         _chain(_stop, _for(2.0), _let_go), **_E),
     Way("stopped, empty", STOPPED, "empty", _stop, loaded=False, preceded=True),
     Way("stopped", STOPPED, "idle", _stop, preceded=True),
-    Way("stopped, deep", STOPPED, "under_way", _stop, preceded=True),
-    Way("stopped, unanswered", STOPPED, "under_way", _chain(_deaf, _stop), quiet=False, **_E),
+    Way("stopped, deep", STOPPED, "under_way", _stop, preceded=True, needs=_WET),
+    Way("stopped, unanswered", STOPPED, "under_way", _chain(_deaf, _stop), quiet=False, **_E,
+        needs=_ANSWERED),
     Way("stopped, stick held", STOPPED, "under_way", _chain(_stick, _stop), preceded=True),
     Way("stopped, AUTO closed", STOPPED, "idle", _chain(_auto_off, _stop), auto=False, **_E),
     Way("stopped out of W", STOPPED, "under_way", _chain(_surface, _stop), preceded=True),
-    Way("surfacing, empty", SURFACING, "empty", _chain(sink, _surface), loaded=False, **_E),
+    Way("surfacing, empty", SURFACING, "empty", _chain(sink, _surface), loaded=False, **_E,
+        needs=_WET),
     Way("surfacing", SURFACING, "under_way", _surface, preceded=True),
-    Way("surfacing out of idle", SURFACING, "idle", _chain(sink, _surface), preceded=True),
-    Way("surfacing by thrust", SURFACING, "under_way", _chain(_surface, _for(10.5)), **_E),
-    Way("surfacing by W again", SURFACING, "under_way", _chain(_surface, _for(20.5)), **_E),
+    Way("surfacing out of idle", SURFACING, "idle", _chain(sink, _surface), preceded=True,
+        needs=_WET),
+    Way("surfacing by thrust", SURFACING, "under_way", _chain(_surface, _for(10.5)), **_E,
+        needs=_WET),
+    Way("surfacing by W again", SURFACING, "under_way", _chain(_surface, _for(20.5)), **_E,
+        needs=_WET),
     Way("surfacing, unanswered", SURFACING, "under_way", _chain(_deaf, _surface), quiet=False,
-        **_E),
+        **_E, needs=_ANSWERED),
     Way("surfacing, stick held", SURFACING, "under_way", _chain(_stick, _surface), **_E),
     Way("surfaced", SURFACED, "under_way", _surfaced, preceded=True),
     Way("surfaced, empty", SURFACED, "empty", _surfaced, loaded=False, preceded=True),
-    Way("surfaced, unanswered", SURFACED, "under_way", _deaf_at_the_end, quiet=False, **_E),
+    Way("surfaced, unanswered", SURFACED, "under_way", _deaf_at_the_end, quiet=False, **_E,
+        needs=_ANSWERED),
 )
 # fmt: on
 
@@ -334,10 +370,13 @@ def _words(rounds: Rounds) -> str:
 def _let_handlers_act(world: World, chart: Chart) -> None:
     """The battery's handler, and ``on uncertain``: each once, from the first leg."""
     world.engine.place(chart.initial, {})
-    world.sea.control_v = 10
+    full, own, hard = world.sea.control_v, chart.mission.safety.voltage, world.vehicle.limits
+    world.sea.control_v = max(own or 0.0, hard.voltage) + _ABOVE
     world.wait(14.0)
-    world.sea.control_v = 12
+    world.sea.control_v = full
     world.wait(2.0)
+    if "position" not in world.line.has:
+        return
     world.engine.place(chart.initial, {})
     doubt(world)
     world.say(encode(SetSafety(radius=60000.0)))

@@ -9,7 +9,8 @@ from itertools import pairwise
 
 from mission.model import SURFACING
 from mission.verification.exhaustive.cell import Cell
-from mission.verification.exhaustive.laws import U12, Law, Verdict, W, X, wrong
+from mission.verification.exhaustive.laws import Law, Verdict, wrong
+from mission.verification.exhaustive.lines import GPS, U12, WATER, W, X, upward
 
 _KNOWN = 10.0  # s until three reports have told of a roll, and a depth that is not told is unknown
 _TOLD = 34.0  # s: the leap, reports that agree, a window of movement, and a turn that had begun
@@ -18,10 +19,11 @@ _TOLD = 34.0  # s: the leap, reports that agree, a window of movement, and a tur
 def _tried(cell: Cell, since: float = 0.0) -> list[bytes]:
     """The ways from ``since`` s on, without what is only said again; W, U12 and D12 stand for
     theirs, X0 for letting go."""
-    begin = cell.before.t + since
+    begin, halves = cell.before.t + since, len(upward(cell.line)) > 1
     said = [t.data for t in cell.frames(b"@ZA") if t.t >= begin and "(try " not in t.reason]
     pairs = pairwise([*said, b""])
-    return [data for data, then in pairs if data != X or then[:4] not in (b"@ZAU", b"@ZAD")]
+    first = (b"@ZAU", b"@ZAD") if halves else ()  # whose X0 belongs to them
+    return [data for data, then in pairs if data != X or then[:4] not in first]
 
 
 def _not_proved_again(cell: Cell) -> Verdict:
@@ -73,10 +75,18 @@ def _kept_by_its_change(cell: Cell) -> Verdict:
     )
 
 
+_WET, _GPS = frozenset({WATER}), frozenset({GPS})
 DOUBT_LAWS: tuple[Law, ...] = (
-    Law("what was shallow before a silence proves no surface", "R7", _not_proved_again),
-    Law("without a depth no fix proves the surface too soon", "R7", _not_proved_by_fixes),
-    Law("upside down no push that led deeper is tried again", "R7", _not_pushed_again),
-    Law("upside down and blind it is let go", "R7", _not_pushed_blind),
-    Law("what makes a depth fall of which the zero is doubted is kept", "R7", _kept_by_its_change),
+    Law("what was shallow before a silence proves no surface", "R7", _not_proved_again, needs=_WET),
+    Law(
+        "without a depth no fix proves the surface too soon", "R7", _not_proved_by_fixes, needs=_GPS
+    ),
+    Law("upside down no push that led deeper is tried again", "R7", _not_pushed_again, needs=_WET),
+    Law("upside down and blind it is let go", "R7", _not_pushed_blind, needs=_WET),
+    Law(
+        "what makes a depth fall of which the zero is doubted is kept",
+        "R7",
+        _kept_by_its_change,
+        needs=_WET,
+    ),
 )

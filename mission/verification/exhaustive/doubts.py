@@ -12,7 +12,7 @@ from __future__ import annotations
 from mission.verification.exhaustive.cell import Event
 from mission.verification.exhaustive.commands import Play, script
 from mission.verification.exhaustive.configurations import DEEP, SHALLOW
-from mission.verification.exhaustive.laws import U12, W
+from mission.verification.exhaustive.lines import GPS, U12, WATER, W
 from mission.verification.exhaustive.world import World
 
 _PERIOD = 2.0  # s between reports
@@ -22,7 +22,8 @@ _MADE_UP = 40  # s of fixes: less than the way up takes
 
 
 def _ordered_up(world: World) -> None:
-    world.answers, world.sea.depth = "Y", DEEP
+    world.answers = "Y"
+    world.put(DEEP)
     world.say(W)
     world.wait(0.5)
 
@@ -35,7 +36,7 @@ def _restarts_and_stands(world: World) -> None:
     world.reports = False
     world.wait(5.0)
     world.reports = True
-    world.wait(_PERIOD)
+    world.wait(world.line.period)
     world.sea.frozen.add("depth")
     world.wait(9.5)
 
@@ -59,7 +60,7 @@ def _restarts_and_wanders(world: World) -> None:
     """Under water, while the depth stands at that of the surface."""
     world.wait(0.05)
     world.sea.depth = SHALLOW
-    world.sea.report()
+    world.sea.told()
     world.sea.frozen.add("depth")
     world.sea.depth = DEEP
     world.restart()
@@ -70,8 +71,8 @@ def _shallow_once(world: World) -> None:
     """A report of the surface, a silence, and another one."""
     _ordered_up(world)
     world.wait(_PERIOD)
-    world.sea.depth = SHALLOW
-    world.wait(_PERIOD)
+    world.put(SHALLOW)
+    world.wait(world.line.period)
     world.reports = False
     world.wait(8.0)
     world.reports = True
@@ -88,8 +89,7 @@ def _pushed_down(*, blind: bool) -> Play:
         for i in range(32):
             world.sea.roll_deg = _OVER_DEG[i % len(_OVER_DEG)]
             orders = [t.data for t in world.sent if t.data.startswith(b"@ZA")]
-            world.sea.depth += 1.0 * (orders[-1] in (W, U12))
-            world.wait(_PERIOD)
+            world.go(1.0 * (orders[-1] in (W, U12)), _PERIOD)
 
     return script(play)
 
@@ -100,22 +100,38 @@ def _rises_elsewhere(world: World) -> None:
     world.wait(_PERIOD)
     world.sea.depth += _LEAP
     for _ in range(24):
-        world.wait(_PERIOD)
-        world.sea.depth -= _RISE
+        world.go(-_RISE, _PERIOD)
 
 
+_WET, _GPS = frozenset({WATER}), frozenset({GPS})
 DOUBTS = (
     Event(
-        "restart, and the depth stands", script(_restarts_and_stands), also=frozenset({"restart"})
+        "restart, and the depth stands",
+        script(_restarts_and_stands),
+        also=frozenset({"restart"}),
+        needs=_WET,
     ),
     Event(
         "restart, the depth stands, and fixes are made up",
         script(_restarts_and_wanders),
         also=frozenset({"restart"}),
+        needs=_GPS,
     ),
-    Event("W, no depth, and fixes are made up", script(_wanders_without_a_depth), "W", "fixes"),
-    Event("W, and shallow before a silence", script(_shallow_once), "W", "quiet"),
-    Event("W, upside down", _pushed_down(blind=False), "W", "over"),
-    Event("W, upside down and the depth unknown", _pushed_down(blind=True), "W", "over, blind"),
-    Event("W, and it rises elsewhere", script(_rises_elsewhere), "W", "elsewhere"),
+    Event(
+        "W, no depth, and fixes are made up",
+        script(_wanders_without_a_depth),
+        "W",
+        "fixes",
+        needs=_GPS,
+    ),
+    Event("W, and shallow before a silence", script(_shallow_once), "W", "quiet", needs=_WET),
+    Event("W, upside down", _pushed_down(blind=False), "W", "over", needs=_WET),
+    Event(
+        "W, upside down and the depth unknown",
+        _pushed_down(blind=True),
+        "W",
+        "over, blind",
+        needs=_WET,
+    ),
+    Event("W, and it rises elsewhere", script(_rises_elsewhere), "W", "elsewhere", needs=_WET),
 )

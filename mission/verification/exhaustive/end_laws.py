@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from mission.model import IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, STOPPED, SURFACED, SURFACING
 from mission.verification.exhaustive.cell import Cell
-from mission.verification.exhaustive.laws import AT_ONCE, AT_SURFACE, U12, Law, Verdict, X, wrong
+from mission.verification.exhaustive.laws import AT_ONCE, AT_SURFACE, Law, Verdict, wrong
+from mission.verification.exhaustive.lines import WATER, X, upward
 
 _AT_REST = (STOPPED, SURFACED)
 
@@ -25,9 +26,10 @@ def _restarts(cell: Cell) -> Verdict:
         return None
     c, first = cell.configuration, [t.data for t in cell.frames(b"@ZA") if t.t < AT_ONCE]
     if _under_way(cell, c.state):
+        up = upward(cell.line)
         return wrong(
             (cell.state != SURFACING, f"the state is {cell.state}"),
-            (first[:2] != [X, U12], f"{first} left"),  # no depth is known yet
+            (first[: len(up)] != up, f"{first} left"),  # no depth is known yet
         )
     idle = IDLE_READY if c.loaded else IDLE_EMPTY
     return wrong(
@@ -80,7 +82,7 @@ def _last_words(cell: Cell) -> Verdict:
     left = [t.data for t in cell.frames(b"@Z", cell.world.ended_after)]
     return wrong(
         (cell.state != SURFACING, f"the state is {cell.state}"),
-        (left != [X, U12], f"{left} left"),
+        (left != upward(cell.line), f"{left} left"),
     )
 
 
@@ -88,5 +90,5 @@ END_LAWS: tuple[Law, ...] = (
     Law("a restart surfaces what was under way and leaves the rest at rest", "R7", _restarts),
     Law("an ordered end brings up what is under way first", "R7", _ends_upward),
     Law("an ordered end turns nothing where nothing is under way", "R7", _ends_at_rest),
-    Law("the last words of a program are X0 and U12", "R7", _last_words),
+    Law("the last words of a program are X0 and U12", "R7", _last_words, needs=frozenset({WATER})),
 )

@@ -19,10 +19,13 @@ from mission.verification.exhaustive.configurations import DEEP, SHALLOW
 from mission.verification.exhaustive.doubts import DOUBTS
 from mission.verification.exhaustive.exit_inputs import come_true, end_leg
 from mission.verification.exhaustive.limit_events import LIMITS, sinks
+from mission.verification.exhaustive.lines import ANSWERS, NO_TEMPERATURE, U12, WATER, Line, ways_of
 from mission.verification.exhaustive.world import World
 from protocol.messages import SetSafety
 from protocol.operator_words import WORDS
 from protocol.topside import encode
+
+TURN = 10.0  # s each way of an ascent is given (R7)
 
 # --- readings ------------------------------------------------------------------------------
 
@@ -73,7 +76,7 @@ def _half_a_minute(world: World) -> None:
 
 
 def _fixes(world: World) -> None:
-    world.sea.depth = SHALLOW
+    world.put(SHALLOW)
     world.wait(2.0)
     world.fix()
     world.wait(1.0)
@@ -83,37 +86,111 @@ def _fixes(world: World) -> None:
 
 def _one_too_deep(world: World) -> None:
     """A single sample beyond the bound: less than R5 asks for."""
-    depth = world.sea.depth
-    world.wait(2.0 - (world.now % 2.0) + 0.1)
+    depth, period = world.sea.depth, world.line.period
+    world.wait(period - world.now % period + 0.05 * period)
     world.sea.depth = depth + 1.0
     world.say(encode(SetSafety(depth=max(depth - 0.5, 0.1))))
-    world.wait(2.0)
+    world.wait(period)
     world.say(encode(SetSafety(depth=60000.0)))
     world.wait(2.0)
+
+
+def _told(sensor: str) -> frozenset[str]:
+    return frozenset({sensor})
 
 
 _AT_SURFACE = frozenset({"surface"})
 READINGS = (
     Event("good reports", script(_reports)),
     Event("good reports for half a minute", script(_half_a_minute)),
-    Event("fixes at the surface", script(_fixes), also=_AT_SURFACE),
-    Event("one sample too deep", script(_one_too_deep), "SP", also=frozenset({"deeper"})),
-    Event("depth missing", _missing("depth"), sensor="depth", after=2.1, also=frozenset({"blind"})),
-    Event("altitude missing", _missing("altitude", 15.0), sensor="altitude", after=2.1),
-    Event("heading missing", _missing("yaw", 15.0), sensor="heading", after=2.1),
-    Event("attitude missing", _missing("roll"), sensor="attitude", after=2.1),
-    Event("all missing", script(_all_missing), sensor="all", after=2.1, also=frozenset({"blind"})),
-    Event("depth missing for 4 s", script(_missing_for_a_while)),
-    Event("temperature missing", _missing("temperature"), sensor="temperature", after=30.0),
-    Event("depth absurd", _absurd("depth", 2000.0), sensor="depth", also=frozenset({"blind"})),
-    Event("altitude absurd", _absurd("altitude", -1.0), sensor="altitude"),
-    Event("heading absurd", _absurd("yaw_offset_deg", 400.0), sensor="heading"),
-    Event("attitude absurd", _absurd("roll_deg", 95.0), sensor="attitude"),
-    Event("temperature absurd", _absurd("temperature", -50.0), sensor="temperature"),
-    Event("depth frozen", _frozen("depth"), sensor="depth", after=11.0, also=frozenset({"blind"})),
-    Event("altitude frozen", _frozen("altitude"), sensor="altitude", after=11.0),
-    Event("heading frozen", _frozen("yaw"), sensor="heading", after=11.0),
-    Event("attitude frozen", _frozen("roll"), sensor="attitude", after=11.0),
+    Event("fixes at the surface", script(_fixes), also=_AT_SURFACE, needs=_told("position")),
+    Event(
+        "one sample too deep",
+        script(_one_too_deep),
+        "SP",
+        also=frozenset({"deeper"}),
+        needs=_told("depth"),
+    ),
+    Event(
+        "depth missing",
+        _missing("depth"),
+        sensor="depth",
+        after=2.1,
+        also=frozenset({"blind"}),
+        needs=_told("depth"),
+    ),
+    Event(
+        "altitude missing",
+        _missing("altitude", 15.0),
+        sensor="altitude",
+        after=2.1,
+        needs=_told("altitude"),
+    ),
+    Event(
+        "heading missing",
+        _missing("yaw", 15.0),
+        sensor="heading",
+        after=2.1,
+        needs=_told("heading"),
+    ),
+    Event(
+        "attitude missing", _missing("roll"), sensor="attitude", after=2.1, needs=_told("attitude")
+    ),
+    Event(
+        "all missing",
+        script(_all_missing),
+        sensor="all",
+        after=2.1,
+        also=frozenset({"blind"}),
+        needs=_told("depth"),
+    ),
+    Event("depth missing for 4 s", script(_missing_for_a_while), needs=_told("depth")),
+    Event(
+        "temperature missing",
+        _missing("temperature"),
+        sensor="temperature",
+        after=30.0,
+        needs=frozenset({NO_TEMPERATURE}),
+    ),
+    Event(
+        "depth absurd",
+        _absurd("depth", 2000.0),
+        sensor="depth",
+        also=frozenset({"blind"}),
+        needs=_told("depth"),
+    ),
+    Event("altitude absurd", _absurd("altitude", -1.0), sensor="altitude", needs=_told("altitude")),
+    Event(
+        "heading absurd", _absurd("yaw_offset_deg", 600.0), sensor="heading", needs=_told("heading")
+    ),
+    Event(
+        "attitude absurd", _absurd("roll_deg", 400.0), sensor="attitude", needs=_told("attitude")
+    ),
+    Event(
+        "temperature absurd",
+        _absurd("temperature", -50.0),
+        sensor="temperature",
+        needs=_told("temperature"),
+    ),
+    Event(
+        "depth frozen",
+        _frozen("depth"),
+        sensor="depth",
+        after=11.0,
+        also=frozenset({"blind"}),
+        needs=_told("depth"),
+    ),
+    Event(
+        "altitude frozen",
+        _frozen("altitude"),
+        sensor="altitude",
+        after=11.0,
+        needs=_told("altitude"),
+    ),
+    Event("heading frozen", _frozen("yaw"), sensor="heading", after=11.0, needs=_told("heading")),
+    Event(
+        "attitude frozen", _frozen("roll"), sensor="attitude", after=11.0, needs=_told("attitude")
+    ),
 )
 
 
@@ -160,19 +237,24 @@ def _rises(world: World) -> None:
     world.answers = "Y"
     world.say(b"@ZAWF$")
     world.wait(2.0)
-    world.sea.depth = SHALLOW
+    world.put(SHALLOW)
     world.wait(10.0)
 
 
 def _rises_by_thrust(world: World) -> None:
-    world.answers, world.sea.depth = "Y", DEEP
+    """Not at once: the second time, where the same bytes say W."""
+    world.answers = "Y"
+    world.put(DEEP)
     world.say(b"@ZAWF$")
-    world.rises_by = b"@ZAU12$"
-    world.wait(24.0)
+    world.wait(SETTLE)
+    world.rises_by = U12
+    ways = ways_of(world.line)
+    world.wait(TURN * (ways.index(U12) or len(ways)) + 14.0)
 
 
 def _sinks_for_ever(world: World) -> None:
-    world.answers, world.sea.depth = "Y", DEEP
+    world.answers = "Y"
+    world.put(DEEP)
     world.say(b"@ZAWF$")
     world.wait(45.0)
 
@@ -199,7 +281,8 @@ def _line_is_back(world: World) -> None:
 
 def _ends(depth: float) -> Play:
     def play(world: World) -> None:
-        world.answers, world.sea.depth = "Y", depth
+        world.answers = "Y"
+        world.put(depth)
         world.wait(8.5)
         world.end()
         world.wait(1.0)
@@ -208,31 +291,40 @@ def _ends(depth: float) -> Play:
 
 
 def _ends_at_once(world: World) -> None:
-    world.answers, world.sea.depth = "Y", DEEP
+    world.answers = "Y"
+    world.put(DEEP)
     world.wait(4.5)
     world.end(at_once=True)
     world.wait(15.0)
 
 
 _SILENCE = frozenset({"silence", "minute"})
+_ANSWERED, _WET = frozenset({ANSWERS}), frozenset({WATER})
 OTHERS = (
-    Event("ACK Y", _answers("Y")),
-    Event("ACK N", _answers("N"), also=frozenset({"deaf"})),
-    Event("no ACK", _answers(""), also=frozenset({"deaf"})),
+    Event("ACK Y", _answers("Y"), needs=_ANSWERED),
+    Event("ACK N", _answers("N"), also=frozenset({"deaf"}), needs=_ANSWERED),
+    Event("no ACK", _answers(""), also=frozenset({"deaf"}), needs=_ANSWERED),
     Event("the leg's time is up", _leg_ends),
     Event("what the leg waits for", come_true),
-    Event("a minute of silence, deep", _minute(DEEP), also=_SILENCE | {"deeper"}),
+    Event("a minute of silence, deep", _minute(DEEP), also=_SILENCE | {"deeper"}, needs=_WET),
     Event("a minute of silence, then at the surface", _minute(SHALLOW), also=_SILENCE),
-    Event("a minute of silence, the depth unknown", script(_minute_blind), also=_SILENCE),
-    Event("W, and nothing helps", script(_sinks_for_ever), "W", "sinks"),
-    Event("W, and it rises", script(_rises), "W", "rises"),
-    Event("W does not stick, U12 does", script(_rises_by_thrust), "W", "rises"),
-    Event("X, answered late", script(_unanswered_stop), "X", also=frozenset({"deaf"})),
+    Event(
+        "a minute of silence, the depth unknown",
+        script(_minute_blind),
+        also=_SILENCE,
+        needs=_told("depth"),
+    ),
+    Event("W, and nothing helps", script(_sinks_for_ever), "W", "sinks", needs=_WET),
+    Event("W, and it rises", script(_rises), "W", "rises", needs=_WET),
+    Event("W does not stick, U12 does", script(_rises_by_thrust), "W", "rises", needs=_WET),
+    Event(
+        "X, answered late", script(_unanswered_stop), "X", also=frozenset({"deaf"}), needs=_ANSWERED
+    ),
     Event("the line is back", script(_line_is_back), also=frozenset({"line"})),
-    Event("the program is to end, deep", _ends(DEEP), also=frozenset({"end"})),
+    Event("the program is to end, deep", _ends(DEEP), also=frozenset({"end"}), needs=_WET),
     Event("the program is to end, at the surface", _ends(SHALLOW), also=frozenset({"end"})),
     Event("the program ends at once", script(_ends_at_once), also=frozenset({"end", "last"})),
-    Event("it sinks slowly", sinks(0.3, 10), also=frozenset({"sinks"})),
+    Event("it sinks slowly", sinks(0.3, 10), also=frozenset({"sinks"}), needs=_WET),
     Event("restart", script(_restarts), also=frozenset({"restart"})),
 )
 
@@ -247,3 +339,8 @@ def events() -> tuple[Event, ...]:
     said = {event.command for event in EVENTS.values()}
     more = (of_word(word) for word in WORDS.values() if word.code not in said)
     return (*EVENTS.values(), *itertools.chain.from_iterable(more))
+
+
+def events_of(line: Line) -> list[Event]:
+    """Those that can happen to its vehicle."""
+    return [event for event in events() if event.needs <= line.has]

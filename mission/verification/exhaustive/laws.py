@@ -11,6 +11,7 @@ are answered (operator_laws).
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -28,8 +29,10 @@ from mission.model import (
     SURFACING,
 )
 from mission.verification.exhaustive.cell import Cell
+from mission.verification.exhaustive.lines import ANSWERS, HELD, LET_GO, WATER, X, surface_word
 
-X, W, U12 = b"@ZAX0$", b"@ZAWF$", b"@ZAU12$"
+_AGAIN = re.compile(r" \((?:try )?\d of \d\)$")  # what is said again (R1, R18)
+_AWAKE = "neutral"  # what the reason of keeping a board awake begins with (R16)
 STICK_QUIET = 2.0  # s (R6)
 AT_ONCE = 0.1  # s: X and W have left (R7)
 AT_SURFACE = 0.5  # m (R7)
@@ -40,12 +43,14 @@ Verdict = str | None
 
 @dataclass(frozen=True, slots=True)
 class Law:
-    """``of_legs``: it asks about a kind of leg, which not every mission has."""
+    """``of_legs``: it asks about a kind of leg, which not every mission has; ``needs``: about what
+    not every vehicle has (lines)."""
 
     name: str
     source: str
     ask: Callable[[Cell], Verdict]
     of_legs: bool = False
+    needs: frozenset[str] = frozenset()
 
 
 def stays_down(cell: Cell) -> bool:
@@ -62,10 +67,11 @@ def wrong(*faults: tuple[bool, str]) -> str:
 # --- X, W, M ---------------------------------------------------------------------------------
 
 
-def _order(letter: str, frame: bytes, target: str) -> Callable[[Cell], Verdict]:
+def _order(letter: str, target: str) -> Callable[[Cell], Verdict]:
     def ask(cell: Cell) -> Verdict:
         if cell.event.command != letter:
             return None
+        frame = X if letter == "X" else surface_word(cell.line)
         left = cell.frames(b"@ZA")
         late = not left or left[0].t > cell.before.t + AT_ONCE
         burst = cell.event.path == "tender"  # something was said just before
@@ -94,11 +100,16 @@ def _taken(cell: Cell) -> bool:
     return cell.event.path == "boat" and not held
 
 
+def _has_word(cell: Cell) -> bool:
+    """Whether the board has frames for this M; for another one nothing changes (R14)."""
+    return not cell.event.word or cell.line.steers(cell.event.word)
+
+
 def _stick(cell: Cell) -> Verdict:
     if not cell.event.command.startswith("M"):
         return None
-    relayed = cell.frames(b"@M")
-    if not _taken(cell):
+    relayed = [t for t in cell.frames(b"@M") if t.reason.startswith("relay of")]
+    if not (_taken(cell) and _has_word(cell)):
         return wrong(
             (cell.world.at_once != cell.configuration.state, f"now {cell.world.at_once}"),
             (bool(relayed), "it was passed on"),
@@ -112,7 +123,7 @@ def _stick(cell: Cell) -> Verdict:
 def _no_z_under_the_stick(cell: Cell) -> Verdict:
     """From the first M on, and while the vehicle was driven before."""
     if cell.event.causes - {"M"} or not (
-        (cell.event.command.startswith("M") and _taken(cell))
+        (cell.event.command.startswith("M") and _taken(cell) and _has_word(cell))
         or cell.configuration.state == MANUAL_DRIVING
     ):
         return None
@@ -179,6 +190,8 @@ def _moves(cell: Cell) -> Verdict:
             continue
         causes = _MOVES.get((here, there), frozenset())
         deaf = not cell.configuration.quiet and (here, there) == ("autonomous", "emergency")
+        if (here, there) == ("manual", "idle") and WATER not in cell.line.has:
+            causes |= {"AA"}  # to its last leg, and at the surface is what drives at once
         if not (causes & cell.event.causes or "" in causes or deaf):
             return f"{here} -> {there}: {cell.world.engine.reason}"
     return ""
@@ -205,6 +218,8 @@ def _emergency(cell: Cell) -> Verdict:
             continue
         if (here, there) == (STOPPED, SURFACING) and stays_down(cell):
             continue
+        if (here, there) == ("manual", "idle") and WATER not in cell.line.has:
+            causes |= {"AA"}  # to its last leg, and at the surface is what drives at once
         if not (causes & cell.event.causes or "" in causes):
             return f"{here} -> {there}"
     return "" if cell.configuration.region == "emergency" else asked
@@ -249,7 +264,9 @@ def _reasons(cell: Cell) -> Verdict:
         return None
     known = {words.split(": ", 1)[1] for s in cell.world.notes.steps for words in s.actions}
     for tx in cell.frames():
-        reason = tx.reason.split(" (try ")[0]
+        reason = _AGAIN.sub("", tx.reason).removesuffix(HELD)
+        if reason.startswith((LET_GO, _AWAKE)) and ANSWERS not in cell.line.has:
+            continue
         relay = reason.startswith("relay of") and not tx.data.startswith(b"@Z")
         if not relay and reason not in known:
             return f"{tx.data!r} left because of {tx.reason!r}"
@@ -263,7 +280,7 @@ def _after_stopped(cell: Cell) -> Verdict:
     if cell.event.causes & {"W", "M", "restart"} or SURFACING in cell.states:
         return None
     others = [t for t in cell.frames(b"@Z") if t.data != X]
-    strange = [t for t in cell.frames() if t.data[:2] not in (b"@Z", b"@R", b"@D")]
+    strange = [t for t in cell.frames() if t.data[:2] not in (b"@Z", b"@R", b"@D", b"@O")]
     return wrong((bool(others + strange), f"{(others + strange)[:1]} left"))
 
 
@@ -343,8 +360,8 @@ def _implicit_end(cell: Cell) -> Verdict:
 
 
 STATE_LAWS: tuple[Law, ...] = (
-    Law("X acts from everywhere within the step", "R7", _order("X", X, STOPPED)),
-    Law("W acts from everywhere within the step", "R7", _order("W", W, SURFACING)),
+    Law("X acts from everywhere within the step", "R7", _order("X", STOPPED)),
+    Law("W acts from everywhere within the step", "R7", _order("W", SURFACING)),
     Law("who gave X or W hears what became of it", "R7, R12", _answered),
     Law("M takes over at once, in an emergency after 2 s of silence", "R6", _stick),
     Law("under the stick no Z leaves", "R6", _no_z_under_the_stick),
@@ -357,10 +374,12 @@ STATE_LAWS: tuple[Law, ...] = (
     Law("what is under way is kept for a restart", "design: the states", _under_way),
     Law("no command without a reason", "design: the states", _reasons),
     Law("after stopped nothing leaves but what is allowed", "R7", _after_stopped),
-    Law("X0 every 500 ms until it is acknowledged", "R7", _stop_repeats),
+    Law(
+        "X0 every 500 ms until it is acknowledged", "R7", _stop_repeats, needs=frozenset({ANSWERS})
+    ),
     Law("in idle nothing leaves that nobody asked for", "design: the states", _quiet_idle),
     Law("behind a line that was away what holds is said again", "R7, R8", _line_was_away),
-    Law("from everywhere to the surface by W", "R7", _to_the_surface),
+    Law("from everywhere to the surface by W", "R7", _to_the_surface, needs=frozenset({WATER})),
     Law("who is left alone comes up", "R6, R8", _comes_up_alone),
     Law("a mission ends out of the implicit leg, stopped", "design: the states", _implicit_end),
 )

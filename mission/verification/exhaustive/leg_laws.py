@@ -6,7 +6,6 @@ What does not live here: the states' own laws (laws), which legs a chart has (th
 from __future__ import annotations
 
 import math
-from functools import cache
 
 from mission.engine.clearance import ECHOES_MISSED, at_depth, is_guarded
 from mission.legs import LEGS
@@ -28,8 +27,7 @@ from mission.model import (
 from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.configurations import DEEP
 from mission.verification.exhaustive.laws import Law, Verdict, wrong
-from protocol.messages import Setpoint
-from protocol.vehicles import codec
+from mission.verification.exhaustive.lines import ANSWERS, THRUSTERS, WATER
 
 _AHEAD = 4 / 12  # share of full thrust: slower, the course over ground tells nothing
 _OFF = 2.0  # m (limits: no progress)
@@ -123,7 +121,8 @@ def _limits(cell: Cell) -> Verdict:
         same = cell.region == region or region == "manual"
         ended = "emergency" if region == "emergency" else cell.region
         return wrong((not same or cell.region != ended, f"{limit} acts in {region}: {cell.state}"))
-    if not _real(cell):
+    ends_at_once = cell.configuration.leaf == IMPLICIT_SURFACE and WATER not in cell.line.has
+    if not _real(cell) or ends_at_once:
         return None
     return wrong((cell.region != "emergency", f"{limit}: the state is {cell.state}"))
 
@@ -267,11 +266,6 @@ def _timed(cell: Cell) -> Verdict:
     return wrong((_stayed(cell), "the leg goes on"))
 
 
-@cache
-def _frames(profile: str, setpoint: Setpoint) -> tuple[bytes, ...]:
-    return tuple(codec("auv", profile, {}).encode(setpoint))
-
-
 def _whole_set(cell: Cell) -> Verdict:
     """On entry of a leg its complete set leaves, in order."""
     entries = [s for s in cell.steps if s.entered and s.entered[-1].startswith("autonomous")]
@@ -289,7 +283,7 @@ def _whole_set(cell: Cell) -> Verdict:
     if is_guarded(held):  # at whichever depth: _kept_above
         told = [int(data[4:-1]) for data in left if data.startswith(b"@ZAS")]
         held = at_depth(held, float(told[0]) if told else None)
-    wanted = list(_frames(cell.configuration.profile, held))
+    wanted = list(cell.line.words(held))
     if left[:1] == [b"@ZAX0$"] != wanted[:1]:
         left = left[1:]
     return wrong((left[: len(wanted)] != wanted, f"{left} left, not {wanted}"))
@@ -306,16 +300,28 @@ def _rounds_go_on(cell: Cell) -> Verdict:
     return wrong((cell.world.engine.round != inner[1], f"round {cell.world.engine.round}"))
 
 
+_ANSWERED = frozenset({ANSWERS})
 LEG_LAWS: tuple[Law, ...] = (
     Law("a breach leads to its response where it acts, and only there", "R5, R8", _limits),
     Law("a limit does not begin a surfacing anew", "R7", _latched),
-    Law("not sure of the radius: the mission's own way", "R5", _uncertain),
-    Law("after a brown-out the set leaves once more", "R8", _brown_out, of_legs=True),
+    Law(
+        "not sure of the radius: the mission's own way",
+        "R5",
+        _uncertain,
+        needs=frozenset({"position"}),
+    ),
+    Law(
+        "after a brown-out the set leaves once more",
+        "R8",
+        _brown_out,
+        of_legs=True,
+        needs=frozenset({THRUSTERS}),
+    ),
     Law("unknown never opens an exit", "design: the states", _unknown),
     Law("a set whose reading is unknown is given up", "design: the states", _blind, of_legs=True),
     Law("a depth is kept above the bottom", "R5", _kept_above, of_legs=True),
-    Law("a refused Z leads to the leg's else", "R8", _refused, of_legs=True),
-    Law("three Z without an answer surface", "R8", _lost),
+    Law("a refused Z leads to the leg's else", "R8", _refused, of_legs=True, needs=_ANSWERED),
+    Law("three Z without an answer surface", "R8", _lost, needs=_ANSWERED),
     Law("every leg is left when its time is up", "design: the states", _timed),
     Law("a leg's whole set leaves on entry", "design: the states", _whole_set, of_legs=True),
     Law("rounds go on after an interruption", "design: the states", _rounds_go_on, of_legs=True),

@@ -13,6 +13,7 @@ from mission.verification.exhaustive.cell import Configuration, Event
 from mission.verification.exhaustive.commands import Play, script
 from mission.verification.exhaustive.configurations import DEEP, SHALLOW, doubt
 from mission.verification.exhaustive.exit_inputs import end_leg
+from mission.verification.exhaustive.lines import ANSWERS, GPS, PUSHES, THRUSTERS
 from mission.verification.exhaustive.world import World
 from protocol.messages import SetSafety
 from protocol.topside import encode
@@ -27,9 +28,9 @@ def _tightens(limits: SetSafety, seconds: float = 4.5) -> Play:
 
 
 def _too_deep(world: World) -> None:
-    world.sea.depth = DEEP
+    world.put(DEEP)
     world.wait(4.0)
-    world.say(encode(SetSafety(depth=1.5)))
+    world.say(encode(SetSafety(depth=1.0)))
     world.wait(4.5)
 
 
@@ -44,13 +45,12 @@ def _pushes_in_vain(world: World) -> None:
 
 
 def sinks(metres: float, reports: int) -> Play:
-    """So much deeper with each of so many reports."""
+    """So much deeper in each 2 s, so often."""
 
     def play(world: World) -> None:
         world.wait(2.0)
         for _ in range(reports):
-            world.sea.depth += metres
-            world.wait(2.0)
+            world.go(metres, 2.0)
         world.wait(0.1)
 
     return script(play)
@@ -161,29 +161,88 @@ def _nobody_answers(world: World, configuration: Configuration, chart: Chart) ->
     world.wait(24.0)
 
 
+def _leaks(world: World) -> None:
+    world.sea.leak = True
+    world.wait(4.5)
+
+
+def _of(sensor: str) -> frozenset[str]:
+    return frozenset({sensor})
+
+
 LIMITS = (
-    Event("limit radius", _tightens(SetSafety(radius=1.0)), "SP", limit="radius"),
-    Event("in an area that is kept out of", _area("wreck", True, 0.0, 50.0), limit="radius"),
-    Event("out of all that is kept in", _area("bay", False, 500.0, 50.0), limit="radius"),
-    Event("limit time", _tightens(SetSafety(time=0.6), 1.0), "SP", limit="time"),
-    Event("limit depth", script(_too_deep), "SP", limit="depth"),
-    Event("limit hard depth", script(_hard_depth), limit="hard depth"),
-    Event("limit unexplained descent", sinks(3.0, 3), limit="unexplained descent"),
-    Event("limit no progress", script(_stuck), limit="no progress", also=frozenset({"minute"})),
-    Event("limit depth contradicted", script(_pushes_in_vain), limit="depth contradicted"),
     Event(
-        "limit depth unknown", script(_blinded), limit="depth unknown", sensor="depth", after=6.0
+        "limit radius",
+        _tightens(SetSafety(radius=1.0)),
+        "SP",
+        limit="radius",
+        needs=_of("position"),
+    ),
+    Event(
+        "in an area that is kept out of",
+        _area("wreck", True, 0.0, 50.0),
+        limit="radius",
+        needs=_of("position"),
+    ),
+    Event(
+        "out of all that is kept in",
+        _area("bay", False, 500.0, 50.0),
+        limit="radius",
+        needs=_of("position"),
+    ),
+    Event("limit time", _tightens(SetSafety(time=0.6), 1.0), "SP", limit="time"),
+    Event("limit depth", script(_too_deep), "SP", limit="depth", needs=_of("depth")),
+    Event("limit hard depth", script(_hard_depth), limit="hard depth", needs=_of("depth")),
+    Event(
+        "limit unexplained descent", sinks(3.0, 3), limit="unexplained descent", needs=_of("depth")
+    ),
+    Event(
+        "limit no progress",
+        script(_stuck),
+        limit="no progress",
+        also=frozenset({"minute"}),
+        needs=_of("depth"),
+    ),
+    Event(
+        "limit depth contradicted",
+        script(_pushes_in_vain),
+        limit="depth contradicted",
+        needs=_of(PUSHES),
+    ),
+    Event(
+        "limit depth unknown",
+        script(_blinded),
+        limit="depth unknown",
+        sensor="depth",
+        after=6.0,
+        needs=_of("depth"),
     ),
     Event("limit telemetry", script(_silent), limit="telemetry"),
     Event("limit telemetry, spoilt reports", script(_spoilt), limit="telemetry"),
-    Event("limit depth, the operator's wider", _own_depth, "SP", limit="depth"),
+    Event("limit leak", script(_leaks), limit="leak", needs=_of("leak")),
+    Event("limit depth, the operator's wider", _own_depth, "SP", limit="depth", needs=_of("depth")),
     Event("limit topside", script(_topside_silent), limit="topside"),
-    Event("limit no answer", _nobody_answers, limit="no answer"),
-    Event("limit roll-over", script(_rolls), limit="roll-over"),
-    Event("limit roll-over, upside down", script(_overturned), limit="roll-over"),
-    Event("limit voltage", script(_low), limit="voltage"),
-    Event("limit heading does not follow", _turns_away, limit="heading does not follow"),
-    Event("limit course against heading", script(_goes_elsewhere), limit="course against heading"),
-    Event("limit brown-out", script(_loses_power), limit="brown-out"),
-    Event("limit uncertain", script(_doubts), "SP", limit="uncertain"),
+    Event("limit no answer", _nobody_answers, limit="no answer", needs=_of(ANSWERS)),
+    Event("limit roll-over", script(_rolls), limit="roll-over", needs=_of("attitude")),
+    Event(
+        "limit roll-over, upside down",
+        script(_overturned),
+        limit="roll-over",
+        needs=_of("attitude"),
+    ),
+    Event("limit voltage", script(_low), limit="voltage", needs=_of("battery")),
+    Event(
+        "limit heading does not follow",
+        _turns_away,
+        limit="heading does not follow",
+        needs=_of("heading"),
+    ),
+    Event(
+        "limit course against heading",
+        script(_goes_elsewhere),
+        limit="course against heading",
+        needs=_of(GPS),
+    ),
+    Event("limit brown-out", script(_loses_power), limit="brown-out", needs=_of(THRUSTERS)),
+    Event("limit uncertain", script(_doubts), "SP", limit="uncertain", needs=_of("position")),
 )

@@ -6,17 +6,20 @@ What does not live here: why a frame leaves (laws), which set a leg has (leg_law
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 from mission.model import STOPPED, SURFACED, SURFACING, Tx
 from mission.verification.exhaustive.cell import Cell
-from mission.verification.exhaustive.laws import U12, Law, Verdict, W, X, wrong
+from mission.verification.exhaustive.laws import Law, Verdict, wrong
+from mission.verification.exhaustive.lines import ANSWERS, D12, U12, W, X
 from mission.verification.rig.line import GAP_S, crowded
+from protocol.vehicles import line_rate
 
-D12 = b"@ZAD12$"  # upside down (R7)
 _ANSWER = 0.3  # s (R1)
 _TRIES = 3  # R1
 _EPS = 1e-6
+BITS_PER_BYTE = 10  # 8N1
+_SLACK = 0.03  # s: what is on the line
 _HALVES = 0.15  # s: an answer, and what is on the line
 
 
@@ -44,7 +47,7 @@ def _only(cell: Cell, state: str, allowed: tuple[bytes, ...]) -> Verdict:
     sent = list(_sent_in(cell, state))
     if state not in cell.states:
         return None
-    relays = (b"@R", b"@D")
+    relays = (b"@R", b"@D", b"@O")
     strange = [t for t in sent if t.data not in allowed and t.data[:2] not in relays]
     return wrong((bool(strange), f"{strange[:1]} left in {state}"))
 
@@ -108,12 +111,38 @@ def _halves(cell: Cell) -> Verdict:
     )
 
 
+def _paced(cell: Cell) -> Verdict:
+    """Of what acknowledges nothing, from its first frame on."""
+    board, said = cell.line.board, cell.world.paced
+    if board is None or len(said) < 2 or "restart" in cell.event.causes:
+        return None
+    worst = max(b[0] - a[0] for a, b in pairwise(said))
+    return wrong((worst > board.period + _SLACK, f"nothing was said for {worst:.2f} s"))
+
+
+def _carried(cell: Cell) -> Verdict:
+    """Of two bursts the later one begins when the line has carried the earlier one."""
+    board = cell.line.board
+    if board is None or "restart" in cell.event.causes:
+        return None
+    byte = BITS_PER_BYTE / line_rate(cell.world.vehicle.codec, cell.world.vehicle.wire)
+    free = -1.0
+    for t, together in groupby(cell.world.paced, key=lambda one: one[0]):
+        if t < free - _EPS:
+            return f"at {t:.4f} s the line is not free before {free:.4f} s"
+        free = t + byte * sum(size for _, size in together)
+    return ""
+
+
+_ANSWERED = frozenset({ANSWERS})
 LINE_LAWS: tuple[Law, ...] = (
     Law("in stopped nothing leaves but X0 and relays", "R7", _stopped),
     Law("in surfacing nothing leaves but W, X0, U12, D12 and relays", "R7", _surfacing),
     Law("in surfaced nothing leaves but X0 and relays", "R7", _surfaced),
-    Law("both halves of an ascent leave under a slider", "R7", _halves),
-    Law("20 ms between two frames to the STM32", "as built", _gap),
-    Law("one Z outstanding", "R1", _one_outstanding),
-    Law("a frame is tried three times", "R1", _tries),
+    Law("both halves of an ascent leave under a slider", "R7", _halves, needs=_ANSWERED),
+    Law("20 ms between two frames to the STM32", "as built", _gap, needs=_ANSWERED),
+    Law("one Z outstanding", "R1", _one_outstanding, needs=_ANSWERED),
+    Law("a frame is tried three times", "R1", _tries, needs=_ANSWERED),
+    Law("what holds is said again within the board's period", "R16, R17", _paced),
+    Law("a board is sent no more than its line carries", "R7", _carried),
 )

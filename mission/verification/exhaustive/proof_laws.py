@@ -10,7 +10,8 @@ from itertools import pairwise
 from mission.model import SURFACED, SURFACING, Chart, Edge
 from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.exit_inputs import wish
-from mission.verification.exhaustive.laws import AT_SURFACE, U12, Law, Verdict, W, X, wrong
+from mission.verification.exhaustive.laws import AT_SURFACE, Law, Verdict, wrong
+from mission.verification.exhaustive.lines import U12, WATER, X, upward, ways_of
 
 _TURN = 10.0  # s each way is given (R7)
 _EPS = 1e-6
@@ -38,14 +39,15 @@ def _at_the_surface(cell: Cell) -> Verdict:
 
 
 def _never_gives_up(cell: Cell) -> Verdict:
-    """While the depth does not fall: W, X0 with U12, and X0 alone in turn, 10 s each, for as long
-    as it takes."""
+    """While the depth does not fall: the vehicle's ways (W, X0 with U12, X0 alone) in turn, 10 s
+    each, for as long as it takes."""
     if cell.event.path != "sinks":
         return None
     ways = _ways(cell)
     turns = [b[0] - a[0] for a, b in pairwise(ways)]
     wanted = int((cell.world.now - cell.before.t) / _TURN)
-    order = [(W, U12, X)[i % 3] for i in range(len(ways))]
+    own = ways_of(cell.line)
+    order = [own[i % len(own)] for i in range(len(ways))]
     return wrong(
         (cell.state != SURFACING, f"the state is {cell.state}"),
         ([way for _, way in ways] != order, f"{ways} were tried"),
@@ -57,12 +59,13 @@ def _never_gives_up(cell: Cell) -> Verdict:
 def _ways(cell: Cell) -> list[tuple[float, bytes]]:
     """What an ascent tried from its W on, and when; the X0 before a U12 belongs to that."""
     said = [(t.t, t.data) for t in cell.frames(b"@ZA") if _first(t.reason)]
-    begun = next((i for i, (_, data) in enumerate(said) if data == W), len(said))
+    own, halves = ways_of(cell.line), len(upward(cell.line)) > 1
+    begun = next((i for i, (_, data) in enumerate(said) if data == own[0]), len(said))
     ways: list[tuple[float, bytes]] = []
     for t, data in said[begun:]:
-        if data == U12 and ways and ways[-1][1] == X:
+        if halves and data == U12 and ways and ways[-1][1] == X:
             ways[-1] = (ways[-1][0], U12)
-        elif data in (W, X, U12):
+        elif data in own:
             ways.append((t, data))
     return ways
 
@@ -162,7 +165,12 @@ def _miscounts(cell: Cell, edge: Edge) -> bool:
 
 PROOF_LAWS: tuple[Law, ...] = (
     Law("at the surface is who is there", "R6, R7", _at_the_surface),
-    Law("an ascent tries every way and never gives up", "R7", _never_gives_up),
+    Law(
+        "an ascent tries every way and never gives up",
+        "R7",
+        _never_gives_up,
+        needs=frozenset({WATER}),
+    ),
     Law("an interruption does not stop the mission's clock", "R6", _clock_goes_on),
     Law("the age of the reports starts again with @AA", "R6", _reports_anew),
     Law("in manual a limit is reported", "R5", _reported_in_manual),

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from mission.model import MANUAL_WAITING, STOPPED, SURFACED, SURFACING
 from mission.verification.exhaustive.cell import Cell
-from mission.verification.exhaustive.laws import DEEP_REST, U12, Law, Verdict, W, stays_down, wrong
+from mission.verification.exhaustive.laws import DEEP_REST, Law, Verdict, stays_down, wrong
+from mission.verification.exhaustive.lines import U12, WATER, W
 
 _BLIND = 6.5  # s after which a depth that is not told is not believed
 _LATE = 3.0  # s: a report, and the line
@@ -57,8 +58,9 @@ def _blind_at_rest(cell: Cell) -> Verdict:
     return wrong((bool(_upward(cell)), f"{_upward(cell)[:1]} left, and the depth is not known"))
 
 
+_WET = frozenset({WATER})
 REST_LAWS: tuple[Law, ...] = (
-    Law("what sinks from rest is brought up by thrust", "R7", _brought_up),
-    Law("a stop leaves nobody below for longer than 20 s", "R7", _not_left_below),
-    Law("an unknown depth at rest turns no thruster", "R7", _blind_at_rest),
+    Law("what sinks from rest is brought up by thrust", "R7", _brought_up, needs=_WET),
+    Law("a stop leaves nobody below for longer than 20 s", "R7", _not_left_below, needs=_WET),
+    Law("an unknown depth at rest turns no thruster", "R7", _blind_at_rest, needs=_WET),
 )

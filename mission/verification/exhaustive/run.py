@@ -18,10 +18,15 @@ from pathlib import Path
 
 from mission.model.tables import Table
 from mission.verification.exhaustive.cell import Cell, Configuration, Event, before
-from mission.verification.exhaustive.configurations import PROFILES, Ground, configurations, ground
+from mission.verification.exhaustive.configurations import (
+    Ground,
+    configurations,
+    ground,
+    profiles_of,
+)
 from mission.verification.exhaustive.doubt_laws import DOUBT_LAWS
 from mission.verification.exhaustive.end_laws import END_LAWS
-from mission.verification.exhaustive.events import events
+from mission.verification.exhaustive.events import events_of
 from mission.verification.exhaustive.fork import Fork
 from mission.verification.exhaustive.laws import STATE_LAWS, Law
 from mission.verification.exhaustive.leg_laws import LEG_LAWS
@@ -60,6 +65,8 @@ class Found:
     missions: set[str] = field(default_factory=set)
     configurations: int = 0
     cells: int = 0
+    events: int = 0  # that can happen to the vehicle
+    has: frozenset[str] = frozenset()  # what its laws may need
     asked: Counter[str] = field(default_factory=Counter)
     broken: Counter[str] = field(default_factory=Counter)
     violations: list[dict[str, str]] = field(default_factory=list)
@@ -69,6 +76,8 @@ class Found:
         self.missions |= other.missions
         self.configurations += other.configurations
         self.cells += other.cells
+        self.events = max(self.events, other.events)
+        self.has |= other.has
         self.asked += other.asked
         self.broken += other.broken
         self.violations = (self.violations + other.violations)[:KEPT]
@@ -78,21 +87,34 @@ class Found:
         return {
             "missions": len(self.missions),
             "configurations": self.configurations,
-            "events": len(events()),
+            "events": self.events,
             "cells": self.cells,
             "violations": self.violations,
             "undone": self.undone,
         }
 
 
-def examine(missions: Sequence[Path], at: Place, kept: Kept[Found], progress: Progress) -> Found:
-    """All cells of these missions on every profile."""
-    shares = [(path, profile) for path in dict.fromkeys(missions) for profile in PROFILES]
+Share = tuple[Path, str, str | None]  # a mission, a profile, the vehicle; None: the mission's own
+
+
+def examine(
+    missions: Sequence[Path],
+    at: Place,
+    kept: Kept[Found],
+    progress: Progress,
+    vehicle: str | None = None,
+) -> Found:
+    """All cells of these missions on every profile. Raises Unreadable or Unreachable."""
+    shares: list[Share] = [
+        (path, profile, vehicle)
+        for path in dict.fromkeys(missions)
+        for profile in profiles_of(path, vehicle)
+    ]
     found = Found()
     done = results(_share, shares, at, _name, kept)
     for share, outcome in zip(shares, done, strict=True):
         found.add(_found(outcome))
-        progress(_words(*share, found))
+        progress(_words(*share[:2], found))
     return found
 
 
@@ -103,15 +125,18 @@ def _found(outcome: Found | Lost) -> Found:
     return had(outcome)
 
 
-def _name(share: tuple[Path, str]) -> str:
-    path, profile = share
+def _name(share: Share) -> str:
+    path, profile, vehicle = share
     content = path.read_bytes() if path.is_file() else b""
-    return f"{path.name} {sha256(content).hexdigest()[:8]} {profile}"
+    on = f" {vehicle}" if vehicle else ""
+    return f"{path.name} {sha256(content).hexdigest()[:8]} {profile}{on}"
 
 
 def unasked(found: Found, *, of_legs: bool = True) -> list[str]:
-    """Laws that no cell asks; ``of_legs`` False: without those that need a kind of leg."""
-    laws = [law for law in LAWS.values() if of_legs or not law.of_legs]
+    """Laws of its vehicles that no cell asks; ``of_legs`` False: without those that need a kind of
+    leg."""
+    own = (law for law in LAWS.values() if law.needs <= found.has)
+    laws = [law for law in own if of_legs or not law.of_legs]
     return [law.name for law in laws if not found.asked[law.name]]
 
 
@@ -119,17 +144,17 @@ def _words(path: Path, profile: str, found: Found) -> str:
     return f"{path.name} {profile}: {found.cells} cells so far, {found.broken.total()} violations"
 
 
-def _share(share: tuple[Path, str]) -> Found:
+def _share(share: Share) -> Found:
     return examine_ground(ground(*share))
 
 
 def examine_ground(on: Ground, every: int = 1) -> Found:
     """``every``: only each n-th configuration, for tests."""
-    found = Found({on.mission})
+    found = Found({on.mission}, events=len(events_of(on.line)), has=on.line.has)
     for configuration, world in itertools.islice(configurations(on), 0, None, every):
         found.configurations += 1
         _examine(configuration, world, on, found)
-    if found.cells != found.configurations * len(events()):
+    if found.cells != found.configurations * found.events:
         raise AssertionError("a cell was skipped")
     return found
 
@@ -137,14 +162,14 @@ def examine_ground(on: Ground, every: int = 1) -> Found:
 def _examine(configuration: Configuration, world: World, on: Ground, found: Found) -> None:
     fork = Fork(world)
     first = ""
-    for event in events():
+    for event in events_of(on.line):
         cell, fault = _played(configuration, event, on, fork)
         found.cells += 1
         first = first or _seen(cell)
         for name, words in _judged(cell, fault, found):
             found.broken[name] += 1
             _keep(found, cell, name, words)
-    again, _ = _played(configuration, events()[0], on, fork)
+    again, _ = _played(configuration, events_of(on.line)[0], on, fork)
     if _seen(again) != first:
         raise AssertionError(f"{configuration.name}: the same event twice is not the same")
 
@@ -154,6 +179,7 @@ def _played(
 ) -> tuple[Cell, str]:
     world = fork.copy()
     world.at_once = ""
+    world.paced.clear()
     cell = Cell(configuration, event, on.chart, before(world), world)
     try:
         event.play(world, configuration, on.chart)
@@ -167,7 +193,7 @@ def _judged(cell: Cell, fault: str, found: Found) -> Iterator[tuple[str, str]]:
         yield "no exception leaves the runtime", fault
         return
     for law in LAWS.values():
-        verdict = law.ask(cell)
+        verdict = law.ask(cell) if law.needs <= cell.line.has else None
         if verdict is not None:
             found.asked[law.name] += 1
         if verdict:

@@ -26,7 +26,7 @@ _NEUTRAL, _AHEAD, _DOWN = 1500, 1700, 1083  # us
 class Sea:
     """The true state of the vehicle, and what of it the sensors do not tell.
 
-    ``unknown`` names values of ``@SD`` that come as NaN, ``frozen`` those that repeat to the bit.
+    ``unknown`` names values of a report that come as NaN, ``frozen`` those that repeat to the bit.
     """
 
     depth: float = 0.2
@@ -34,23 +34,31 @@ class Sea:
     heading_deg: float = 0.0
     roll_deg: float = 1.0
     temperature: float = 15.0
-    control_v: int = 12
+    control_v: float = 12.0
     powered: bool = True
     dives: bool = False  # its verticals push down with all they have
     stopped: bool = False  # by X0, which is obeyed whether it is answered or not
     north: float = 70.0  # m from home: no guard on the range of the shipped missions is open
     east: float = 0.0
+    leak: bool = False
+    placed: bool = False  # the report tells where it is
     yaw_offset_deg: float = 0.0  # as no compass says it
     course_deg: float | None = None  # over ground, where a fix tells it
     unknown: set[str] = field(default_factory=set)
     frozen: set[str] = field(default_factory=set)
     _said: dict[str, float] = field(default_factory=dict)
-    _count: int = 0
+    count: int = 0  # of reports
 
-    def report(self) -> bytes:
-        """One ``@SD``; the last bits move as those of a sensor do."""
-        self._count += 1
-        jitter = (self._count % 5 - 2) * 0.004
+    @property
+    def pushes(self) -> bool:
+        """Whether a thruster, or a wheel, turns."""
+        return self.powered and not self.stopped
+
+    def told(self) -> dict[str, float]:
+        """What the sensors tell, NaN for what they do not; the last bits move as theirs do. m, C,
+        deg as the AUV has them."""
+        self.count += 1
+        jitter = (self.count % 5 - 2) * 0.004
         yaw = -math.degrees(math.remainder(math.radians(self.heading_deg), math.tau))
         values = {
             "roll": self.roll_deg + jitter,
@@ -63,20 +71,12 @@ class Sea:
         for name in self.frozen:
             values[name] = self._said.get(name, values[name])
         self._said = dict(values)
-        told = (math.nan if name in self.unknown else value for name, value in values.items())
-        on = self.powered and not self.stopped
-        ahead = _AHEAD if on else _NEUTRAL
-        vertical = _DOWN if on and self.dives else ahead
-        widths = (ahead, ahead, vertical, vertical, vertical, ahead, ahead)
-        rest = (*_MAGNETIC, *widths, self.control_v, 48)
-        raw = _LAYOUT.pack(SD.lead, *told, *rest, bytes(4), b"$")
-        return raw[:-5] + _SUM.compute(raw[_SUM.first : -5]).to_bytes(4, "little") + b"$"
+        return {n: math.nan if n in self.unknown else value for n, value in values.items()}
 
     def sentences(self, home: Position, now: float) -> bytes:
         """GGA and RMC of one epoch."""
         utc = _BEGIN + timedelta(seconds=round(now, 1))
-        latitude = math.radians(home.latitude_deg) + self.north * _METRE
-        longitude = math.radians(home.longitude_deg) + self.east * _METRE / math.cos(latitude)
+        latitude, longitude = place_of(self, home)
         moving = self.course_deg is not None
         rmc = encode_rmc(
             utc,
@@ -86,6 +86,32 @@ class Sea:
             course=None if self.course_deg is None else math.radians(self.course_deg % 360.0),
         )
         return encode_gga(utc, latitude, longitude) + rmc
+
+
+class Land(Sea):
+    """Of what drives on the ground: it is at the surface, wherever it is put."""
+
+    __slots__ = ()
+
+    def __setattr__(self, name: str, value: object) -> None:
+        super().__setattr__(name, 0.0 if name == "depth" else value)
+
+
+def place_of(sea: Sea, home: Position) -> tuple[float, float]:
+    """Latitude and longitude, rad."""
+    latitude = math.radians(home.latitude_deg) + sea.north * _METRE
+    longitude = math.radians(home.longitude_deg) + sea.east * _METRE / math.cos(latitude)
+    return latitude, longitude
+
+
+def sd(sea: Sea) -> bytes:
+    """One ``@SD``."""
+    ahead = _AHEAD if sea.pushes else _NEUTRAL
+    vertical = _DOWN if sea.pushes and sea.dives else ahead
+    widths = (ahead, ahead, vertical, vertical, vertical, ahead, ahead)
+    rest = (*_MAGNETIC, *widths, int(sea.control_v), 48)
+    raw = _LAYOUT.pack(SD.lead, *sea.told().values(), *rest, bytes(4), b"$")
+    return raw[:-5] + _SUM.compute(raw[_SUM.first : -5]).to_bytes(4, "little") + b"$"
 
 
 def answer(frame: bytes, letter: str, profile: str) -> bytes:

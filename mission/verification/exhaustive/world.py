@@ -8,7 +8,7 @@ What does not live here: physics (the sea is told what it is), simulated firmwar
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from links.base import Rx
 from mission.engine.engine import Engine
@@ -17,16 +17,24 @@ from mission.model.vehicle import Vehicle
 from mission.navigation import Navigation
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.runtime.command_target import MODEM
-from mission.onboard.runtime.runtime import GPS, VEHICLE, Runtime
+from mission.onboard.runtime.runtime import GPS as RECEIVER
+from mission.onboard.runtime.runtime import VEHICLE, Runtime
 from mission.onboard.store import MemoryStore, Stored
 from mission.verification.exhaustive.fork import Fork
-from mission.verification.exhaustive.wire import Sea, answer
+from mission.verification.exhaustive.lines import (
+    ANSWERS,
+    GPS,
+    HELD,
+    OUTPUT,
+    Line,
+    line_of,
+)
 from mission.verification.rig.acts import BOAT, TOPSIDE
 from mission.verification.rig.lockstep import Due, LockStep
 from protocol.modem import Sender, wrap
 
 TENDER = "tender"  # a connection beside that of the boat
-_PERIOD = 2.0  # s between reports
+_SLOW = 1.0  # s between reports: a jump between two of them is no leap
 _LATENCY = 0.02  # s until the STM32 answers
 _STOP = b"@ZAX0$"
 _CONFIGURATION = Configuration(links=LinkUrls(modem="memory://modem"))
@@ -53,12 +61,21 @@ class Notes:
 
 class World(LockStep):
     """``answers`` is the letter of the STM32's acknowledges, "" for none; ``rises_by`` the start
-    of a frame after which the vehicle comes up."""
+    of a word after which the vehicle comes up. ``sent``, as the laws read it: what a board is told
+    again and again stands there once, and in ``paced`` each time. ``line``: by default the
+    vehicle's."""
 
-    def __init__(self, vehicle: Vehicle, stored: Stored, home: Position, now: float = 0.0) -> None:
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        stored: Stored,
+        home: Position,
+        now: float = 0.0,
+        line: Line | None = None,
+    ) -> None:
         super().__init__(now)
-        self.vehicle, self.home = vehicle, home
-        self.sea, self.notes = Sea(), Notes()
+        self.vehicle, self.home, self.line = vehicle, home, line or line_of(vehicle)
+        self.sea, self.notes = self.line.sea(), Notes()
         self.store = MemoryStore(stored)
         self.runtime = Runtime(_CONFIGURATION, vehicle, self.store, observer=self.notes)
         self.answers = "Y"
@@ -73,7 +90,9 @@ class World(LockStep):
         self.ended_in, self.ended_after = "", 0  # told to end: where, behind how many of ``sent``
         self.at_once = ""  # the state right after the first input since it was emptied
         self._owed: list[tuple[float, bytes]] = []
-        self._report_due = now + _PERIOD
+        self.paced: list[tuple[float, int]] = []  # when something left for the vehicle, bytes
+        self._saying: list[bytes] = []  # what holds, and is said again
+        self._report_due = now + self.line.period
         self._take(self.runtime.handle_timer(now))
 
     @property
@@ -97,6 +116,20 @@ class World(LockStep):
         if isinstance(navigation, Navigation):
             navigation.forget_depth()
 
+    def put(self, depth: float) -> None:
+        """Moves it there between two reports; where these are so frequent that no body could, as
+        ``come_to`` does."""
+        if self.line.period < _SLOW:
+            self.come_to(depth)
+        self.sea.depth = depth
+
+    def go(self, deeper: float, seconds: float) -> None:
+        """Evenly, as its reports see it."""
+        parts = max(round(seconds / self.line.period), 1)
+        for _ in range(parts):
+            self.sea.depth += deeper / parts
+            self.wait(seconds / parts)
+
     # --- what comes in -------------------------------------------------------------------------
 
     def say(self, data: bytes, address: str = BOAT) -> None:
@@ -113,16 +146,25 @@ class World(LockStep):
         self._take(self.runtime.receive(Rx(self.now, MODEM, data, "")))
 
     def hear(self, data: bytes) -> None:
-        """Something of the STM32's."""
+        """Something of the vehicle's."""
         self._take(self.runtime.receive(Rx(self.now, VEHICLE, data, "")))
 
     def report(self) -> None:
-        data = self.sea.report()
-        self.hear(data[:40] + bytes([data[40] ^ 1]) + data[41:] if self.spoils else data)
+        data = self.line.report(self.sea, self.home)
+        at = len(data) // 2
+        self.hear(data[:at] + bytes([data[at] ^ 1]) + data[at + 1 :] if self.spoils else data)
 
     def fix(self) -> None:
+        """By its receiver, or as its own report tells it."""
         self.last_fix = self.now
-        self._take(self.runtime.receive(Rx(self.now, GPS, self.sea.sentences(self.home, self.now))))
+        if GPS not in self.line.has:
+            self.sea.placed = True
+            self.report()
+            self.sea.placed = False
+            return
+        self._take(
+            self.runtime.receive(Rx(self.now, RECEIVER, self.sea.sentences(self.home, self.now)))
+        )
 
     def line_is_back(self) -> None:
         """Tells the runtime that the vehicle's port was away, for no time at all."""
@@ -135,9 +177,9 @@ class World(LockStep):
     def restart(self) -> None:
         """The program dies, and begins again with what the store holds; navigation comes later."""
         kept = self.store.content
-        key = (self.vehicle.dialect, kept, self.home)
+        key = (self.line, kept, self.home)
         if key not in _BEGUN:
-            _BEGUN[key] = Fork(World(self.vehicle, kept, self.home))
+            _BEGUN[key] = Fork(World(self.vehicle, kept, self.home, line=self.line))
         again = _BEGUN[key].copy()
         again.left[:] = [*self.left, *(n + len(self.sent) for n in again.left)]
         again.notes.steps[:0] = self.notes.steps
@@ -168,7 +210,7 @@ class World(LockStep):
         self.hear(self._owed.pop(0)[1])
 
     def _report(self) -> None:
-        self._report_due = self.now + _PERIOD
+        self._report_due = self.now + self.line.period
         if self.reports:
             self.report()
 
@@ -176,21 +218,42 @@ class World(LockStep):
 
     def _take(self, sent: list[Tx]) -> None:
         before = len(self.sent)
-        self.sent += sent
         for tx in sent:
-            if tx.link != VEHICLE:
-                continue
-            if self.rises_by and tx.data.startswith(self.rises_by):
-                self.sea.depth, self.rises_by = 0.2, b""
-            if tx.data.startswith((b"@ZA", b"@M")):
-                self.sea.stopped = tx.data == _STOP
-            if tx.data.startswith(b"@ZA") and self.answers:
-                data = answer(tx.data, self.answers, self.vehicle.dialect)
-                self._owed.append((self.now + _LATENCY, data))
-            elif tx.data.startswith(b"@RS"):
-                self._owed.append((self.now + _LATENCY, b"@ACK_RSS$"))
+            said = self._said(tx) if tx.link == VEHICLE else tx
+            if said is not None:
+                self.sent.append(said)
+            if said is not None and tx.link == VEHICLE:
+                self._obey(said.data)
         self.at_once = self.at_once or self.runtime.state
         if self.states[-1][1] != self.runtime.state:
             self.states.append((self.now, self.runtime.state))
             self.depths.append(self.sea.depth)
             self.left.append(before)
+
+    def _said(self, tx: Tx) -> Tx | None:
+        """In the words of the laws; None for what holds, said again."""
+        self.paced.append((tx.t, len(tx.data)))
+        word = self.line.word(tx.data, tx.reason)
+        if tx.reason.endswith(HELD):
+            if word in self._saying:
+                return None
+        elif word.startswith(OUTPUT):
+            return replace(tx, data=word)
+        elif self.paced[-2:-1] and self.paced[-2][0] < tx.t:
+            self._saying = []
+        self._saying.append(word)
+        return replace(tx, data=word)
+
+    def _obey(self, word: bytes) -> None:
+        """What the vehicle does, and answers."""
+        if self.rises_by and word.startswith(self.rises_by):
+            self.put(0.2)
+            self.rises_by = b""
+        if word.startswith((b"@ZA", b"@M")):
+            self.sea.stopped = self.line.stops(word)
+        if ANSWERS not in self.line.has:
+            return
+        if word.startswith(b"@ZA") and self.answers:
+            self._owed.append((self.now + _LATENCY, self.line.answer(word, self.answers)))
+        elif word.startswith(b"@RS"):
+            self._owed.append((self.now + _LATENCY, b"@ACK_RSS$"))

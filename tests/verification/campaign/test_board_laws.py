@@ -28,10 +28,10 @@ from mission.verification.campaign.faults import fitting
 from mission.verification.campaign.laws import IGNORED, LOST, SPURIOUS, Violation, violations
 from mission.verification.campaign.proofs import Claim
 from mission.verification.campaign.scene import repeated, say
-from mission.verification.campaign.speech import MOTION, Speech
 from mission.verification.campaign.trial import try_out
 from mission.verification.campaign.whole_flight import SUNK, UNLAWFUL, throughout
 from mission.verification.campaign.withheld import drawn_for
+from mission.verification.rig.speech import MOTION, Speech
 from mission.verification.rig.trace import Event, Said, Trace
 from protocol.messages import Order, Setpoint
 
