@@ -15,6 +15,7 @@ from typing import Any
 
 MOST = 1 << 20  # bytes of one frame
 EVENTS, TRACK = 1000, 10_000  # that are kept
+SPARE = 1000  # points more, before the oldest are let go
 
 
 Frame = Mapping[str, Any]
@@ -75,7 +76,9 @@ class Watched:
         self.events += events
         self.told += len(events)
         self.gap += frame.get("gap", 0)
-        self.track = (self.track + frame.get("track", []))[-TRACK:]
+        self.track += frame.get("track", ())
+        if len(self.track) > TRACK + SPARE:
+            self.track = self.track[-TRACK:]
         for line in frame.get("plan", ()):  # "" begins another
             self.plan = (*self.plan, line) if line else ()
 

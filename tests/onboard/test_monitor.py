@@ -21,7 +21,8 @@ from mission.commands.monitor import monitor as monitor_command
 from mission.onboard.serve.keys import make_keys
 from mission.onboard.serve.listening import listening_to_viewers
 from mission.onboard.serve.monitor import EVENTS, SILENT_S, TRACK, Monitor, Track, Unwelcome
-from mission.topside.monitor import NoMonitor, Watched, wish
+from mission.topside.monitor import SPARE, NoMonitor, Watched, wish
+from mission.topside.monitor import TRACK as KEPT
 
 STATE = {"state": "idle/ready", "depth": 0.25, "alarms": [], "leg": ""}
 BOAT = "10.0.0.2:1"
@@ -190,6 +191,16 @@ def test_a_frame_that_was_cut_off_spoils_none_of_the_next_connection() -> None:
     watched.connected()
     (frame,), _ = watched.receive(b'{"n":1,"t":3.0,"state":{"depth":2.0}}\n', 3.0)
     assert (frame["t"], watched.state) == (3.0, {"depth": 2.0})
+
+
+def test_of_a_long_track_a_client_keeps_the_newest() -> None:
+    watched = Watched()
+    for t in range(0, 3 * KEPT, 50):
+        points = [[float(t + n), 60.0, 25.0, 3.0] for n in range(50)]
+        watched.take({"n": 1, "t": float(t), "track": points}, 0.0)
+        assert len(watched.track) <= KEPT + SPARE
+    assert watched.track[-1][0] == 3 * KEPT - 1
+    assert len(watched.track) >= KEPT
 
 
 def test_what_is_told_again_after_a_dropout_is_no_second_event() -> None:

@@ -6,6 +6,7 @@
  */
 
 import { inksOf, sheet } from './canvas.js';
+import { besides } from './compare.js';
 import { mark, say } from './dom.js';
 import { bearing, lasting, length, place } from './format.js';
 import { between, ellipse } from './geo.js';
@@ -23,7 +24,7 @@ import { word } from './words.js';
  * @typedef {import('./layers.js').Scene} Scene */
 
 const NAMES = { paper: 'sea', grid: 'grid', ink: 'ink', soft: 'soft', track: 'track', plan: 'plan',
-  target: 'target', limit: 'limit', vehicle: 'craft', old: 'old' };
+  target: 'target', beside: 'careful', known: 'good', limit: 'limit', vehicle: 'craft', old: 'old' };
 const EDGE = 0.3; // of the screen: a vehicle that is followed stays within
 
 export class Chart {
@@ -55,10 +56,12 @@ export class Chart {
     if (drawn === null) return;
     Object.assign(this._view, { width: drawn.width, height: drawn.height });
     this._frame = frameOf(vehicle) ?? this._charts.frame();
-    const others = page.stations.filter((s) => s !== page.chosen).map((s) => s.vehicle);
+    const others = page.stations.filter((s) => s !== page.chosen
+      && s.vehicle.setup.id !== page.compared.other).map((s) => s.vehicle);
     this._scene = sceneOf(vehicle, this._frame, page.stale.report, now, others);
     const frame = this._frame;
     if (frame) this._scene.charts = { draw: (pen, view) => this._charts.draw(pen, view, frame) };
+    Object.assign(this._scene, { beside: besides(page, frame, now) });
     this._box.show();
     this._aim(`${vehicle.setup.id} ${this._frame?.lat} ${this._frame?.lon} ${vehicle.plan?.digest}`);
     const inks = inksOf(NAMES);

@@ -1,14 +1,17 @@
 // @ts-check
 /**
- * The vehicle's own list of points that a person looks at before a dive; what is done is kept in
- * the console's log with its time.
+ * Before a dive: what can be seen from here, and the vehicle's own list of points that a person
+ * looks at; what is done is kept in the console's log with its time.
  */
 
-import { el, say } from './dom.js';
+import { el, mark, say } from './dom.js';
+import { findings } from './seen.js';
 import { isLive } from './state.js';
 import { word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page */
+
+const SIGNS = { good: '✓', careful: '!', bad: '✗', unknown: '?' }; // never by colour alone
 
 export class Checklist {
   /** @param {HTMLElement} root @param {() => Page} page */
@@ -17,12 +20,18 @@ export class Checklist {
     this._title = el('h2');
     this._list = el('ul');
     this._shown = '';
-    root.replaceChildren(this._title, this._list);
+    this._seenTitle = el('h2');
+    this._seen = el('dl', { class: 'seen' });
+    /** @type {Map<number, [HTMLElement, HTMLElement, HTMLElement]>} */
+    this._rows = new Map();
+    root.replaceChildren(this._seenTitle, this._seen, this._title, this._list);
   }
 
-  /** @param {Page} page */
-  show(page) {
+  /** @param {Page} page @param {number} now ms */
+  show(page, now) {
     const { vehicle } = page.chosen;
+    say(this._seenTitle, word('seen_here'));
+    findings(vehicle, page.stale, now).forEach((one, i) => this._find(one, i));
     const points = vehicle.setup.checklist;
     const checked = vehicle.state['checked'] ?? {};
     say(this._title, `${word('checklist')} ${points.filter((p) => p in checked).length} / ${points.length}`);
@@ -31,6 +40,19 @@ export class Checklist {
     this._shown = shown;
     const rows = points.map((point) => this._row(point, checked[point], isLive(vehicle)));
     this._list.replaceChildren(...(rows.length ? rows : [el('li', { class: 'empty' }, word('no_points'))]));
+  }
+
+  /** @param {import('./seen.js').Finding} finding @param {number} i */
+  _find({ name, level, says }, i) {
+    const [row, dt, dd] = this._rows.get(i) ?? [el('div'), el('dt'), el('dd')];
+    if (!this._rows.has(i)) {
+      row.append(dt, dd);
+      this._seen.append(row);
+      this._rows.set(i, [row, dt, dd]);
+    }
+    mark(row, 'data-level', level);
+    say(dt, name);
+    say(dd, `${SIGNS[level]} ${says}`);
   }
 
   /** @param {string} point @param {number | undefined} at s since 1970 UTC

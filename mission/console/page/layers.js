@@ -20,10 +20,11 @@ import { word } from './words.js';
  *   ellipse: readonly [number, number, number] | null}} Here
  * @typedef {{hasPlace: boolean, home: Pair | null, radius: number | null, routes: Route[],
  *   leg: string, target: Pair | null, track: Pair[], here: Here | null, others: Other[],
- *   charts?: {draw: (pen: Pen, view: View) => void}}} Scene
+ *   beside?: {now: Beside | null, other: Beside | null}, charts?: {draw: (pen: Pen, view: View) => void}}} Scene
  * @typedef {{name: string, at: Pair, isOld: boolean}} Other
+ * @typedef {import('./compare.js').Beside} Beside
  * @typedef {Record<'paper' | 'grid' | 'ink' | 'soft' | 'track' | 'plan' | 'target' | 'limit'
- *   | 'vehicle' | 'old', string>} Inks
+ *   | 'vehicle' | 'old' | 'beside' | 'known', string>} Inks
  */
 
 const LINE_PX = 90; // between lines of the grid, at least
@@ -34,7 +35,7 @@ const CROSS = [[1, 0], [-1, 0], [0, 1], [0, -1]];
 const TURN = 2 * Math.PI;
 
 /** @type {ReadonlyArray<(pen: Pen, view: View, scene: Scene, inks: Inks) => void>} */
-export const LAYERS = [paper, charts, grid, limit, plan, homeMark, trackLine, targetMark, others, uncertainty,
+export const LAYERS = [paper, charts, grid, limit, plan, homeMark, besideLines, trackLine, targetMark, others, uncertainty,
   vehicle, scaleBar, northArrow];
 
 /** @param {Pen} pen @param {View} view @param {Scene} _ @param {Inks} inks */
@@ -167,6 +168,30 @@ function homeMark(pen, view, scene, inks) {
   pen.lineTo(x + 7, y - 2);
   pen.stroke();
   label(pen, word('home'), x + 14, y + 13, inks.ink, inks.paper);
+}
+
+/** The track as it is known now, and another dive's. @param {Pen} pen @param {View} view
+ * @param {Scene} scene @param {Inks} inks */
+function besideLines(pen, view, scene, inks) {
+  const { now = null, other = null } = scene.beside ?? {};
+  if (now) besideLine(pen, view, now, inks.known, inks.paper, []);
+  if (other) besideLine(pen, view, other, inks.beside, inks.paper, [8, 5]);
+}
+
+/** @param {Pen} pen @param {View} view @param {Beside} beside @param {string} ink
+ * @param {string} paper @param {number[]} dashes */
+function besideLine(pen, view, { name, line, at }, ink, paper, dashes) {
+  pen.strokeStyle = ink;
+  pen.lineWidth = 2;
+  pen.setLineDash(dashes);
+  stroke(pen, view, line);
+  pen.setLineDash([]);
+  if (at === null) return;
+  const [x, y] = view.toScreen(at);
+  pen.beginPath();
+  pen.arc(x, y, 6, 0, TURN);
+  pen.stroke();
+  label(pen, name, x + 10, y + 16, ink, paper);
 }
 
 /** @param {Pen} pen @param {View} view @param {Scene} scene @param {Inks} inks */

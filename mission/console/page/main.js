@@ -11,6 +11,7 @@ import { Chart } from './chart.js';
 import { Charts } from './charts.js';
 import { Checklist } from './checklist.js';
 import { Command } from './command.js';
+import { ALONE } from './compare.js';
 import { byId, el } from './dom.js';
 import { Journal } from './journal.js';
 import { Legs } from './legs.js';
@@ -49,7 +50,7 @@ function open(setup, token) {
   };
   const stations = setup.vehicles.map((/** @type {any} */ one) => new Station(one, token, changed));
   /** @type {Page} */
-  const page = { stations, chosen: stations[0], stale: setup.stale_s, token, redraw };
+  const page = { stations, chosen: stations[0], stale: setup.stale_s, token, redraw, compared: { ...ALONE } };
   const here = () => page;
   const alarms = new Alarms(byId('banner'), byId('sound'));
   const charts = new Charts(token, redraw);

@@ -3,6 +3,7 @@
  * A recording: where it stands, how fast it runs, and its events to jump to.
  */
 
+import { Compare } from './compare.js';
 import { el, mark, say } from './dom.js';
 import { clock } from './format.js';
 import { timeOf } from './state.js';
@@ -27,22 +28,22 @@ export function eventNear(events, t, way) {
     : among.findLast((e) => e.t < t - SLACK_S) ?? null;
 }
 
-/** A jump that is under way: a long recording is run again up to there, which takes its time. */
+/** A jump that is under way: a time that was not run to so far takes its time. */
 export class Goal {
   /** @type {number | null} s */
   to = null;
-  _wasBelow = false;
+  _since = 0;
 
-  /** @param {number} t s */
-  set(t) {
-    [this.to, this._wasBelow] = [t, false];
+  /** @param {number} t s @param {number} snapshots that have come: it begins with one */
+  set(t, snapshots) {
+    [this.to, this._since] = [t, snapshots];
   }
 
-  /** Where the operator wants to be, until it is there. @param {number} t where it stands, s */
-  at(t) {
+  /** Where the operator wants to be, until it is there. @param {number} t where it stands, s
+   * @param {number} snapshots */
+  at(t, snapshots) {
     if (this.to === null) return t;
-    this._wasBelow ||= t <= this.to;
-    if (this._wasBelow && t >= this.to - NEAR_S) this.to = null;
+    if (snapshots > this._since && t >= this.to - NEAR_S) this.to = null;
     return this.to ?? t;
   }
 }
@@ -63,9 +64,10 @@ export class Review {
     this._isDragged = false;
     this._goal = new Goal();
     this._marked = '';
+    this._compare = new Compare(page);
     root.replaceChildren(
       el('div', { class: 'buttons' }, this._before, this._play, this._after, this._speed),
-      el('div', { class: 'time' }, this._slider, this._marks), this._at);
+      el('div', { class: 'time' }, this._slider, this._marks), this._at, this._compare.root);
     this._slider.addEventListener('input', () => this._seek(this._slider.valueAsNumber));
     this._slider.addEventListener('pointerdown', () => { this._isDragged = true; });
     for (const name of ['pointerup', 'pointercancel']) {
@@ -89,12 +91,13 @@ export class Review {
     this._slider.setAttribute('aria-valuetext', clock(t - review.begin));
     this._slider.min = String(review.begin);
     this._slider.max = String(review.end);
-    const goal = this._goal.at(t);
+    const goal = this._goal.at(t, vehicle.snapshots);
     if (!this._isDragged) this._slider.value = String(goal);
     if (document.activeElement !== this._speed) this._speed.value = String(nearest(review.speed));
     const utc = new Date((review.wall + t) * 1000).toISOString().slice(11, 19);
     const way = goal === t ? '' : ` → ${clock(goal - review.begin)}`;
     say(this._at, `${clock(t - review.begin)}${way} / ${clock(review.end - review.begin)}  ${utc} UTC`);
+    this._compare.show(page, now);
     this._mark(happened, review.begin, review.end, vehicle.setup.id);
   }
 
@@ -128,14 +131,14 @@ export class Review {
 
   /** @param {number} t s */
   _seek(t) {
-    this._goal.set(t);
+    this._goal.set(t, this._page().chosen.vehicle.snapshots);
     this._say({ do: 'seek', t });
   }
 
   /** @param {1 | -1} way */
   _jump(way) {
     const { chosen } = this._page();
-    const from = this._goal.at(timeOf(chosen.vehicle, performance.now()));
+    const from = this._goal.at(timeOf(chosen.vehicle, performance.now()), chosen.vehicle.snapshots);
     const event = eventNear(chosen.happened, from, way);
     if (event) this._seek(event.t);
   }

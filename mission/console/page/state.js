@@ -53,6 +53,7 @@ export class Vehicle {
   /** @type {Record<string, Sample>} the last that was known of each value */
   known = {};
   t = 0;
+  snapshots = 0;
   told = 0; // events, those that are forgotten included
   gap = 0; // events that never came
   /** @type {Plan | null} what is on board */
@@ -66,8 +67,8 @@ export class Vehicle {
   }
 
   forget() {
-    const { setup, plan, heardAt } = this;
-    Object.assign(this, new Vehicle(setup), { plan, heardAt });
+    const { setup, plan, heardAt, snapshots } = this;
+    Object.assign(this, new Vehicle(setup), { plan, heardAt, snapshots: snapshots + 1 });
   }
 }
 

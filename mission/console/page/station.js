@@ -14,7 +14,7 @@ import { Line, ask } from './wire.js';
  * @typedef {import('./state.js').Stale} Stale
  * @typedef {{t: number, level: 2 | 3 | 4, of: string, says: string}} Event
  * @typedef {{stations: Station[], chosen: Station, stale: Stale, token: string,
- *   redraw: () => void}} Page */
+ *   redraw: () => void, compared: import('./compare.js').Compared}} Page */
 
 const NOWHERE = { send: () => false, isOpen: false, close: () => {} };
 
@@ -31,6 +31,9 @@ export class Station {
     this.intents = this._intents(at, live);
     /** @type {Event[]} of a recording */
     this.happened = [];
+    /** @type {import('./compare.js').Hindsight | null} */
+    this.hindsight = null;
+    this._hasAsked = false;
     this.frames = new Line(`/ws/frames?${at}`, token, {
       heard: (frame) => this._heard(frame),
       closed: (why) => this._closed(why),
@@ -90,6 +93,18 @@ export class Station {
     } catch {
       this.vehicle.plan = null; // the next change, or the next snapshot, asks again
     }
+    this._changed();
+  }
+
+  /** Of a recording, once: of a long one it takes its time. */
+  async askHindsight() {
+    if (this._hasAsked) return;
+    this._hasAsked = true;
+    const id = encodeURIComponent(this.vehicle.setup.id);
+    this.hindsight = await ask(`/api/vehicles/${id}/hindsight`, this._token).catch((error) => {
+      this._hasAsked = false;
+      return { begin: null, wall: 0, then: [], now: [], apart: null, problem: String(error.message) };
+    });
     this._changed();
   }
 

@@ -69,6 +69,16 @@ export const WORDS = {
 
   // chart
   chart: ['Chart', '海图'],
+  known_now: ['Known now', '事后已知'],
+  compare: ['Compare with', '对比'],
+  compare_none: ['Compare with …', '对比……'],
+  aligned: ['Aligned by', '对齐方式'],
+  by_start: ['by start', '按起点'],
+  by_clock: ['by clock', '按时钟'],
+  working_out: ['Being worked out …', '正在计算……'],
+  was_off: ['estimate off by {0} here', '此处估计偏差 {0}'],
+  off_in_all: ['{0} in the mean, {1} at most', '平均 {0}，最大 {1}'],
+  apart_at: ['{0} from the other at {1}', '与另一次（{1}）相距 {0}'],
   charts: ['Charts', '底图'],
   no_charts: ['None: open a file, or drop it on the chart', '无：请打开文件，或将其拖到海图上'],
   open_chart: ['Open …', '打开……'],
@@ -177,6 +187,10 @@ export const WORDS = {
   proof_range: ['{0} from home', '离起点 {0}'],
   proof_depth: ['{0} deep', '深 {0}'],
   checklist: ['Checklist', '检查单'],
+  seen_here: ['Seen from here', '由此可见'],
+  limits_off: ['off: {0}', '未启用：{0}'],
+  limits_on: ['on: {0}', '已启用：{0}'],
+  none_stands: ['none', '无'],
   no_points: ['This vehicle has no points to be looked at by hand', '此航行器没有人工检查项'],
 
   // stick

@@ -2,6 +2,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 
 import { standingOfAll } from '../../../mission/console/page/alarms.js';
+import { findings } from '../../../mission/console/page/seen.js';
 import { Frame } from '../../../mission/console/page/geo.js';
 import { levelOf } from '../../../mission/console/page/journal.js';
 import { level } from '../../../mission/console/page/margins.js';
@@ -86,6 +87,25 @@ test('how long a vehicle may be silent is its own: by modem longer', () => {
   assert.deepEqual(told(station(5)), ['danger']);
 });
 
+test('before a dive the page says what it can see of link, sensors, limits, alarms and mission', () => {
+  const stale = { intent: 0.5, report: 6, fix: 5 };
+  const setup = { id: '1', name: 'auv', to: 'x', source: 'monitor', speed: 1, silent_s: 5 };
+  const levels = (state, later = 0) => {
+    const vehicle = new Vehicle(setup);
+    if (state) update(vehicle, { n: 1, t: 100, state }, 0);
+    return findings(vehicle, stale, later).map((one) => one.level).join(' ');
+  };
+  const well = { silence: 0, report_at: 99, fix_at: 98, alarms: [], mission: '',
+    to_depth: [5, 10], to_radius: [90, 100], to_voltage: [2, 10], to_time: [20, 20] };
+  assert.equal(levels(well), 'good good good good good careful');
+  assert.equal(levels(null), 'bad bad bad unknown unknown unknown');
+  assert.equal(levels(well, 10_000), 'bad bad bad good good careful');
+  assert.equal(levels({ ...well, to_radius: [null, null] }).split(' ')[3], 'careful');
+  assert.equal(levels({ ...well, to_depth: [-1, 10] }).split(' ')[3], 'bad');
+  assert.equal(levels({ ...well, alarms: [{ name: 'disk', level: 'danger' }] }).split(' ')[4], 'bad');
+  assert.equal(levels({ ...well, fix_at: 80 }).split(' ')[2], 'bad');
+});
+
 test('X and W are their letters on every keyboard', () => {
   const of = (key, code) => letter({ key, code });
   assert.equal(of('x', 'KeyX'), 'x');
@@ -110,15 +130,15 @@ test('one jumps to what matters before and after, and not to where one stands', 
 
 test('a jump forward stands at its goal until the recording is there', () => {
   const goal = new Goal();
-  assert.equal(goal.at(10), 10);
-  goal.set(600);
-  assert.deepEqual([10, 300, 599.7, 601].map((t) => goal.at(t)), [600, 600, 599.7, 601]);
+  assert.equal(goal.at(10, 1), 10);
+  goal.set(600, 1);
+  assert.deepEqual([[10, 1], [300, 1], [600.2, 2], [601, 2]].map((one) => goal.at(...one)), [600, 600, 600.2, 601]);
 });
 
-test('a jump back is not over before the recording has gone back', () => {
+test('a jump back is over with the snapshot of there, however fast it plays', () => {
   const goal = new Goal();
-  goal.set(60);
-  assert.deepEqual([700, 701, 0, 30, 60, 61].map((t) => goal.at(t)), [60, 60, 60, 60, 60, 61]);
+  goal.set(60, 1);
+  assert.deepEqual([[700, 1], [701, 1], [80, 2], [100, 2]].map((one) => goal.at(...one)), [60, 60, 80, 100]);
 });
 
 const PLAN = { digest: 'a', home: [30, 120], radius: 500, map: { features: [

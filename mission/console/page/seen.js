@@ -1,0 +1,83 @@
+// @ts-check
+/**
+ * What can be seen from here of what `auvmission doctor` examines on the vehicle: a row each.
+ *
+ * What only the vehicle's computer knows (disk, black box, clock, ports) comes as its alarms;
+ * without any it is not known to be well, and doctor there says more.
+ */
+
+import { ago, lasting } from './format.js';
+import { age, freshness, isHung, silence } from './state.js';
+import { named, word } from './words.js';
+
+/** @typedef {import('./state.js').Vehicle} Vehicle
+ * @typedef {import('./state.js').Stale} Stale
+ * @typedef {'good' | 'careful' | 'bad' | 'unknown'} Level
+ * @typedef {{name: string, level: Level, says: string}} Finding */
+
+const LIMITS = ['to_depth', 'to_radius', 'to_voltage', 'to_time'];
+
+/** @param {Vehicle} vehicle @param {Stale} stale @param {number} now ms @returns {Finding[]} */
+export function findings(vehicle, stale, now) {
+  return [
+    contact(vehicle, now),
+    aged(vehicle, 'report', stale.report, now),
+    aged(vehicle, 'fix', stale.fix, now),
+    limits(vehicle),
+    alarms(vehicle),
+    mission(vehicle),
+  ];
+}
+
+/** @param {Vehicle} vehicle @param {number} now @returns {Finding} */
+function contact(vehicle, now) {
+  const quiet = silence(vehicle, now);
+  const is = quiet === null || isHung(vehicle, now) || quiet > vehicle.setup.silent_s ? 'bad' : 'good';
+  return { name: word('link'), level: is, says: vehicle.state['problem'] || `${word('heard')} ${ago(quiet)}` };
+}
+
+/** @param {Vehicle} vehicle @param {'report' | 'fix'} name @param {number} most s
+ * @param {number} now @returns {Finding} */
+function aged(vehicle, name, most, now) {
+  const at = `${name}_at`;
+  const old = age(vehicle, at, now);
+  const is = freshness(vehicle, vehicle.state[at], at, most, now);
+  /** @type {Level} */
+  const level = is === 'fresh' ? 'good' : 'bad';
+  return { name: word(name), level, says: old === null ? word('never') : lasting(old) };
+}
+
+/** Those that are off, or broken already. @param {Vehicle} vehicle @returns {Finding} */
+function limits(vehicle) {
+  const told = LIMITS.filter((name) => Array.isArray(vehicle.state[name]));
+  const off = told.filter((name) => vehicle.state[name][1] === null);
+  const broken = told.filter((name) => (vehicle.state[name][0] ?? 1) < 0);
+  const names = (/** @type {string[]} */ of) => of.map((name) => word(name)).join(', ');
+  const name = word('limits');
+  if (broken.length) return { name, level: 'bad', says: word('beyond', names(broken)) };
+  // by the command port no bound is told
+  if (!told.length || off.length === told.length) return { name, level: 'unknown', says: word('unknown') };
+  return off.length ? { name, level: 'careful', says: word('limits_off', names(off)) }
+    : { name, level: 'good', says: word('limits_on', names(told)) };
+}
+
+/** @param {Vehicle} vehicle @returns {Finding} */
+function alarms(vehicle) {
+  /** @type {import('./state.js').Alarm[] | undefined} */
+  const standing = vehicle.state['alarms'];
+  const name = word('alarms');
+  if (standing === undefined) return { name, level: 'unknown', says: word('unknown') };
+  if (!standing.length) return { name, level: 'good', says: word('none_stands') };
+  const level = standing.some((one) => one.level === 'danger') ? 'bad' : 'careful';
+  return { name, level, says: standing.map((one) => named(one.name)).join(', ') };
+}
+
+/** @param {Vehicle} vehicle @returns {Finding} */
+function mission(vehicle) {
+  const name = word('mission');
+  const digest = vehicle.state['mission'];
+  if (digest === undefined) return { name, level: 'unknown', says: word('unknown') };
+  if (!digest) return { name, level: 'careful', says: word('no_mission') };
+  const says = `${vehicle.plan?.name ?? ''} ${digest.slice(0, 8)}`.trim();
+  return { name, level: vehicle.plan ? 'good' : 'careful', says };
+}
