@@ -24,7 +24,7 @@ import { word } from './words.js';
  * @typedef {import('./layers.js').Scene} Scene */
 
 const NAMES = { paper: 'sea', grid: 'grid', ink: 'ink', soft: 'soft', track: 'track', plan: 'plan',
-  target: 'target', beside: 'careful', known: 'good', limit: 'limit', vehicle: 'craft', old: 'old' };
+  target: 'target', limit: 'limit', vehicle: 'craft', old: 'old' };
 const EDGE = 0.3; // of the screen: a vehicle that is followed stays within
 
 export class Chart {

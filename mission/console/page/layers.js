@@ -24,7 +24,7 @@ import { word } from './words.js';
  * @typedef {{name: string, at: Pair, isOld: boolean}} Other
  * @typedef {import('./compare.js').Beside} Beside
  * @typedef {Record<'paper' | 'grid' | 'ink' | 'soft' | 'track' | 'plan' | 'target' | 'limit'
- *   | 'vehicle' | 'old' | 'beside' | 'known', string>} Inks
+ *   | 'vehicle' | 'old', string>} Inks
  */
 
 const LINE_PX = 90; // between lines of the grid, at least
@@ -174,8 +174,8 @@ function homeMark(pen, view, scene, inks) {
  * @param {Scene} scene @param {Inks} inks */
 function besideLines(pen, view, scene, inks) {
   const { now = null, other = null } = scene.beside ?? {};
-  if (now) besideLine(pen, view, now, inks.known, inks.paper, []);
-  if (other) besideLine(pen, view, other, inks.beside, inks.paper, [8, 5]);
+  if (now) besideLine(pen, view, now, inks.vehicle, inks.paper, []);
+  if (other) besideLine(pen, view, other, inks.target, inks.paper, [8, 5]);
 }
 
 /** @param {Pen} pen @param {View} view @param {Beside} beside @param {string} ink
