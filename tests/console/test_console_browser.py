@@ -204,6 +204,8 @@ def test_a_recording_is_played_and_scrubbed(chromium: object) -> None:
         seat.shows("#state", "idle/ready")
         review.locator("input[type=range]").fill("1")
         seat.shows("#review .at", "0:0")
+        seat.page.get_by_role("button", name="Known now").click()
+        seat.shows("#review .note", "at most")
         playwright.expect(seat.page.locator("#stop")).to_be_disabled()
 
 
