@@ -60,6 +60,17 @@ class Fix:
 
 
 @dataclass(frozen=True, slots=True)
+class Aid:
+    """What a sensor says that was added to the vehicle (protocol.added). ``values``: of ``water``
+    the speed ahead through the water; of ``ground`` the speeds ahead and to starboard over ground,
+    m/s; of ``place`` latitude and longitude, rad."""
+
+    t: float
+    kind: str
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Setpoint:
     """A complete set of what the vehicle shall hold; an axis that is None is not controlled.
 

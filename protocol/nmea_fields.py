@@ -125,6 +125,17 @@ def read_rmc(fields: list[str], not_before: date | None) -> Rmc:
     )
 
 
+def read_gll(fields: list[str]) -> tuple[float, float] | None:
+    """Latitude and longitude, rad; None where it says that they are invalid."""
+    if len(fields) not in (6, 7):  # without and with a mode
+        raise Refused(Refusal.FIELD_COUNT)
+    if fields[5] == "V" or (len(fields) == 7 and fields[6] in NO_MODES):
+        return None
+    if fields[5] != "A":
+        raise Refused(Refusal.LETTER)
+    return _position(fields, 0)
+
+
 def _second(text: str) -> float:
     """Of the day; -1 for a receiver that has no time yet, which can only say that it has no fix."""
     if not text:

@@ -19,6 +19,8 @@ from random import Random
 from typing import NamedTuple
 
 from links.base import LinkClosed, Rx
+from links.simulated.added import COMPLETE as ADDED_COMPLETE
+from links.simulated.added import AddedSensors
 from links.simulated.faults import FAULTS
 from links.simulated.firmware.as_built import AsBuilt
 from links.simulated.firmware.documented import Documented
@@ -106,6 +108,8 @@ class SimulatedVehicle:
             self.stm32.splice = self.settings.splice
         self.usual_splice = self.stm32.splice
         self.gps = GpsReceiver(self.settings.errors, rng, start, self.settings.sentences)
+        self.added = AddedSensors(self.settings.added, seed) if self.settings.added else None
+        self.added_link = None if self.added is None else AddedLink(self, self.added)
         speed, direction = sea.current
         self.current = (speed * cos(direction), speed * sin(direction))
         self._sheared = sea.deep_current is not None
@@ -173,6 +177,8 @@ class SimulatedVehicle:
         self.gps.powered = self.stm32.power[2]
         self.track.append(self._truth(now, place, velocity))
         self.gps.report(now, plant.depth, place, velocity)
+        if self.added is not None:
+            self.added.report(now, plant, place)
 
     def _flow(self) -> None:
         """The current where the vehicle is."""
@@ -236,6 +242,7 @@ class SimulatedVehicle:
         """When the next of each is through, with nothing in its way."""
         self.report_through = self._next_report * TICK + REPORT_TIME
         self.epoch_through = self._next_second * TICK + COMPLETE
+        self.second_through = self._next_second * TICK + ADDED_COMPLETE
 
     def next_start(self) -> float:
         """The earliest time at which something new can begin to be sent."""
@@ -302,3 +309,24 @@ class GpsLink(_Side):
     def next_event(self) -> float | None:
         queue = self._vehicle.gps.queue
         return queue[0].end if queue else self._vehicle.epoch_through
+
+
+class AddedLink(_Side):
+    """The line of the sensors that were added; nothing is ever said to it."""
+
+    name = "sensors"
+
+    def __init__(self, vehicle: SimulatedVehicle, added: AddedSensors) -> None:
+        super().__init__(vehicle)
+        self._added = added
+
+    def receive(self, now: float) -> list[Rx]:
+        self._reach(now)
+        return self._received(self._added.take(now))
+
+    def send(self, data: bytes, now: float, address: str = "") -> None:
+        self._reach(now)
+
+    def next_event(self) -> float | None:
+        queue = self._added.queue
+        return queue[0].end if queue else self._vehicle.second_through

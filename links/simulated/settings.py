@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from math import inf, isfinite, radians
 
+from links.simulated.added import LIES, Fitted
 from links.simulated.board_faults import OF_BOARDS
 from links.simulated.faults import FAULTS
 from links.simulated.plant import Body
@@ -44,6 +45,7 @@ class Settings:
     body: Body = field(default_factory=Body)
     faults: tuple[FaultEvent, ...] = ()
     splice: float | None = None  # chance; None: as the profile says
+    added: Fitted = field(default_factory=Fitted)
     sentences: tuple[str, ...] = ("GGA", "RMC")  # what the GPS receiver says every second
 
 
@@ -101,6 +103,22 @@ def _layer(name: str) -> Apply:
     return apply
 
 
+def _fitted(name: str) -> Apply:
+    def apply(settings: Settings, text: str) -> Settings:
+        changed: Fitted = replace(settings.added, **{name: _number(text, 0.0, 100.0)})  # type: ignore[arg-type]
+        return replace(settings, added=changed)
+
+    return apply
+
+
+def _lie(settings: Settings, text: str) -> Settings:
+    lie, at, begin = text.partition("@")
+    if not at or lie not in LIES:
+        raise SettingError(f"write one of {', '.join(LIES)} and its time, e.g. frozen@100")
+    added = replace(settings.added, lie=lie, lies_from=_number(begin, 0.0))
+    return replace(settings, added=added)
+
+
 def _buoyancy(settings: Settings, text: str) -> Settings:
     return replace(settings, body=replace(settings.body, buoyancy=_number(text, -50.0, 100.0)))
 
@@ -156,6 +174,10 @@ SETTINGS: dict[str, Setting] = {
     "thermocline": Setting("DEG@DEPTH", "C colder below m", _layer("thermocline")),
     "warm_layer": Setting("DEG@DEPTH", "C warmer at m", _layer("warm_layer")),
     "fix_noise": Setting("M", "one sigma per axis", _errors("fix_noise", 1.0)),
+    "speed_log": Setting("M/S", "sigma; an added sensor", _fitted("speed_log")),
+    "doppler": Setting("M/S", "sigma; an added Doppler log", _fitted("doppler")),
+    "acoustic": Setting("M", "sigma; added, every 5 s", _fitted("acoustic")),
+    "added_lie": Setting("HOW@BEGIN", "added sensors: frozen, silent, wild", _lie),
     "first_fix": Setting("S", "after power-on", _errors("first_fix", 1.0)),
     "buoyancy": Setting("N", "net, upward", _buoyancy),
     "thrust": Setting("SHARE", "of what the main thrusters have", _thrust),

@@ -49,6 +49,7 @@ from mission.model import (
 from mission.model.regions import MANUAL
 from mission.model.vehicle import Vehicle
 from protocol.messages import (
+    Aid,
     Command,
     Emergency,
     Fix,
@@ -59,7 +60,9 @@ from protocol.messages import (
 MICROSTEPS = 200
 FORGOTTEN = 60.0  # s without M (R6)
 
-Input = Telemetry | Fix | Outcome | Loaded | AutoNode | LineOpened | Restarted | Ending | Command
+Input = (
+    Telemetry | Fix | Aid | Outcome | Loaded | AutoNode | LineOpened | Restarted | Ending | Command
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,6 +163,8 @@ class Engine:
             elif isinstance(one, Fix):
                 core.vehicle_state.take_fix(one)
                 fixed = True
+            elif isinstance(one, Aid):
+                core.vehicle_state.take_aid(one)
             elif isinstance(one, Outcome):
                 core.take_outcome(one)
             else:
@@ -187,7 +192,7 @@ class Engine:
                 begin_again(core, one)
             elif isinstance(one, Ending):
                 ending.begin(core, one)
-            elif i not in given and not isinstance(one, Telemetry | Fix | Outcome):
+            elif i not in given and not isinstance(one, Telemetry | Fix | Aid | Outcome):
                 given[i] = obey(core, one)
         return [given[i] for i in sorted(given)]
 

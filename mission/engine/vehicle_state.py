@@ -29,7 +29,7 @@ from mission.model import (
 from mission.model.copies import copied
 from mission.model.vehicle import STALE_AFTER
 from mission.navigation.fixes import FIX_DEPTH, SETTLED, Receiver, metres
-from protocol.messages import Fix, Setpoint, Telemetry
+from protocol.messages import Aid, Fix, Setpoint, Telemetry
 
 SURFACE_DEPTH = 0.5  # m (R7)
 SURFACE_TIME = 6.0  # s (R7)
@@ -68,6 +68,8 @@ class Navigator(Protocol):
     def telemetry(self, t: Telemetry, push: Vertical) -> None: ...
 
     def fix(self, f: Fix) -> None: ...
+
+    def aid(self, a: Aid) -> None: ...
 
     def estimate(self, now: float) -> Estimate | None: ...
 
@@ -211,6 +213,12 @@ class VehicleState:
         if self.navigation:
             self.navigation.fix(fix)
             self.estimate = self.navigation.estimate(fix.t)
+
+    def take_aid(self, aid: Aid) -> None:
+        """It helps the estimate, and is no fix: it proves no surface, and starts no mission."""
+        if self.navigation:
+            self.navigation.aid(aid)
+            self.estimate = self.navigation.estimate(aid.t)
 
     def _proves_surface(self, fix: Fix) -> bool:
         """R7: a place that is news, unless a depth that is believed says otherwise. Where none is

@@ -11,6 +11,7 @@ from types import MappingProxyType
 
 from mission.model import AutoNode, Ending, LineOpened, Loaded, Outcome, Restarted
 from protocol.messages import (
+    Aid,
     Emergency,
     Fix,
     Manual,
@@ -25,6 +26,7 @@ _EVENTS: Mapping[type, str] = MappingProxyType(
     {
         Telemetry: "telemetry",
         Fix: "fix",
+        Aid: "aid",
         Manual: "operator M",
         Loaded: "store",
         AutoNode: "node AUTO",

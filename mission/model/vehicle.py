@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from mission.model.diagnostics import Diagnosed
+from mission.model.plain import UNSAID
 from mission.model.units import GEARS
 
 # What a vehicle can report, and the axes it can follow, at all: the keys of those two tables.
@@ -230,6 +231,9 @@ class Vehicle:
     outer_loop: OuterLoop | None = None  # what holds depth and heading, where the board does not
     outputs: tuple[Output, ...] = ()
     readings: Mapping[str, str] = field(default_factory=dict)  # guards' names -> sources
+    added: Mapping[str, float] = field(  # one sigma of sensors that were added, by kind
+        default_factory=dict, metadata=UNSAID
+    )
 
     def output(self, name: str) -> Output | None:
         return next((output for output in self.outputs if output.name == name), None)

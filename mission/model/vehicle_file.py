@@ -78,6 +78,7 @@ _MAY_LACK = (
     "outputs",
     "readings",
     "calibration",
+    "added",
 )  # and what is below
 
 
@@ -312,6 +313,7 @@ def _vehicle(file: _File) -> Vehicle:
         drives=file.flag("drives"),
         wire=file.texts("wire"),
         outer_loop=_outer_loop(file),
+        added={kind: file.number(f"added.{kind}") for kind in file.names("added")},
     )
 
 

@@ -37,6 +37,7 @@ _ANGLE = Range("deg", 0, 90)
 _LAG = Range("s", 0, 600)
 _TIME = Range("s", 0, 1e6, above=True)
 _FLOW = Range("m/s", 0, 5)
+_ADDED_SPEED = Range("m/s", 0.001, 5)
 _DRIFT = Range("m/s", -5, 5)
 _POWER = Range("W", 0, 1e5)
 GEAR = Range("", 0, GEARS)
@@ -70,6 +71,9 @@ RANGES: Mapping[str, Range] = MappingProxyType(
         "sensors.heading_bias": _ANGLE,
         "sensors.fix": Range("m", 0.01, 1000),
         "sensors.telemetry_period": Range("s", 0.01, 60),
+        "added.water": _ADDED_SPEED,
+        "added.ground": _ADDED_SPEED,
+        "added.place": Range("m", 0.01, 1000),
         "compass.declination": Range("deg", -180, 180),
         "compass.bias_deg": Range("deg", -180, 180),
         "calibration.speed_scale": Range("", 0.2, 5),

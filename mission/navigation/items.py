@@ -29,4 +29,13 @@ class GroundFix(NamedTuple):
     velocity: tuple[float, float] | None
 
 
-Item = Report | GroundFix
+class Aiding(NamedTuple):
+    """What an added sensor said; a place in the local frame. ``sigma`` is one of each value."""
+
+    t: float
+    kind: str
+    values: tuple[float, ...]
+    sigma: float
+
+
+Item = Report | GroundFix | Aiding

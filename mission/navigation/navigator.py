@@ -14,13 +14,15 @@ from typing import TYPE_CHECKING, Any
 
 from mission.model import Estimate, Health, NavigationMode, Position, Vertical
 from mission.model.vehicle import Vehicle
+from mission.navigation.added import ADDED
 from mission.navigation.belief import UNPUSHED, DepthBelief
 from mission.navigation.declination import declination
 from mission.navigation.distribution import PLANE_95
 from mission.navigation.geodesy import LocalFrame
 from mission.navigation.health import SensorHealth
-from mission.navigation.items import GroundFix, Item, Report
-from protocol.messages import Fix, Telemetry
+from mission.navigation.items import Aiding, GroundFix, Item, Report
+from protocol.added import PLACE
+from protocol.messages import Aid, Fix, Telemetry
 
 if TYPE_CHECKING:
     from mission.navigation.model import Figures
@@ -143,6 +145,16 @@ class Navigation:
         if f.speed is not None and f.course is not None:
             velocity = f.speed * math.cos(f.course), f.speed * math.sin(f.course)
         self._take(GroundFix(f.t, north, east, sigma * sigma, velocity))
+
+    def aid(self, a: Aid) -> None:
+        """Of a sensor that was added. A place waits for a frame."""
+        sigma = self._vehicle.added.get(a.kind, ADDED[a.kind].sigma)
+        values = a.values
+        if a.kind == PLACE:
+            if self.frame is None:
+                return
+            values = self.frame.to_local(*a.values)
+        self._take(Aiding(a.t, a.kind, values, sigma))
 
     def _frame_through(self, f: Fix) -> LocalFrame:
         """In which the vehicle, started without a fix, is where it believes to be."""

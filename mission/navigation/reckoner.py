@@ -2,6 +2,7 @@
 
     Report  -> predict to its time along its own heading -> correct depth and altitude
     GroundFix -> predict to its time -> gate -> correct position -> correct velocity
+    Aiding -> of a place the same; a speed waits for the next report -> gate -> correct
 
 A fix whose normalised innovation squared is beyond the gate is rejected. A wrong gate is undone:
 three rejected fixes in a row that agree with each other widen the covariance (of all that moves
@@ -17,13 +18,16 @@ from __future__ import annotations
 import itertools
 import math
 import operator
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from mission.model.vehicle import Vehicle
+from mission.navigation.added import Seen
 from mission.navigation.filter import Filter, Motion
-from mission.navigation.items import GroundFix, Item, Report
+from mission.navigation.hull import correct, innovation
+from mission.navigation.items import Aiding, GroundFix, Item, Report
 from mission.navigation.model import RATE, Figures, propulsion
+from protocol.added import PLACE
 
 GATE = 13.816  # chi-square, 2 degrees of freedom, 99.9 %
 _AGREEING = 3  # rejected fixes in a row that win against the gate
@@ -36,6 +40,7 @@ _UNDER_WAY = 0.3  # m/s: slower, the speed's deviation fades with the speed
 _STEADY_SPEED, _STEADY_TURN = 0.1, 0.05  # m/s since the report before; rad/s
 _STEEP = 1.0  # rad of pitch: steeper, a depth rate says nothing of the way ahead
 _PENDING = 4  # velocities that wait for a report
+_WAITING = 16  # the same, of sensors that were added
 _SKID = 0.3  # of the slip in a turn: how far it differs from turn to turn, after one rad
 _LOST_TIME, _LOST_GROWTH, _LOST_MOST = 20.0, 0.05, 1.8  # s; rad per s; rad: no compass
 
@@ -53,6 +58,8 @@ _KEPT = (
     "_pending",
     "_used",
     "_before",
+    "_added",
+    "_waiting",
 )
 _kept = operator.attrgetter(*_KEPT)
 
@@ -92,6 +99,8 @@ class Reckoner:
         self._pending: tuple[GroundFix, ...] = ()  # velocities wait for the next report
         self._used: GroundFix | None = None
         self._before: tuple[float, Any] | None = None  # when, and the filter then
+        self._added: Mapping[str, Seen] = {}  # replaced, never written to
+        self._waiting: tuple[Aiding, ...] = ()
 
     def save(self) -> tuple[Any, ...]:
         return self.filter.save(), self._propulsion.speed, _kept(self)
@@ -105,6 +114,8 @@ class Reckoner:
     def take(self, item: Item) -> None:
         if isinstance(item, Report):
             self._report(item)
+        elif isinstance(item, Aiding):
+            self._aid(item)
         else:
             self._fix(item)
 
@@ -289,6 +300,44 @@ class Reckoner:
         dn, de, _ = self.filter.innovation(f.north, f.east, f.variance)
         self.filter.loosen(dn * dn + de * de)
 
+    # --- sensors that were added -------------------------------------------------------------
+
+    def _aid(self, a: Aiding) -> None:
+        """A place is used at once, a speed with the next report."""
+        self._advance(a.t)
+        if a.kind != PLACE:
+            self._waiting = (*self._waiting, a)[-_WAITING:]
+        else:
+            self._use(a)
+
+    def _use(self, a: Aiding) -> None:
+        run = self.run(a.t, a.t)
+        seen = self._added.get(a.kind, Seen()).heard(a, run)
+        if not seen.frozen(a.kind, run):
+            seen = seen.noted(a.t, tuple(innovation(self.filter, a, run).y.tolist()))
+            if seen.confirmed(a):
+                seen = seen._replace(refused=self._corrected(a, run, seen))
+        self._added = {**self._added, a.kind: seen}
+
+    def _corrected(self, a: Aiding, run: Motion, seen: Seen) -> int:
+        """How many in a row are beyond the gate, then."""
+        if correct(self.filter, a, run):
+            self.located = self.located or a.kind == PLACE
+            return 0
+        if not seen._replace(refused=seen.refused + 1).insists(a):
+            return seen.refused + 1
+        if a.kind == PLACE:
+            self._open_gate(GroundFix(a.t, a.values[0], a.values[1], a.sigma * a.sigma, None))
+        else:
+            self.filter.doubt_current(self.figures.current.sigma)
+        return 0 if correct(self.filter, a, run) else seen.refused + 1
+
+    def _speeds(self, steady: bool) -> None:
+        waiting, self._waiting = self._waiting, ()
+        for a in waiting:
+            if steady and self.run(a.t, a.t).lost == 0.0:
+                self._use(a)
+
     def _velocities(self, before: float) -> None:
         """Takes in what receivers said of speed and course since the report before.
 
@@ -297,7 +346,9 @@ class Reckoner:
         """
         pending, self._pending = self._pending, ()
         steady = abs(self._propulsion.speed - before) < _STEADY_SPEED
-        if not steady or abs(self._motion.yaw_rate) > _STEADY_TURN:
+        steady = steady and abs(self._motion.yaw_rate) <= _STEADY_TURN
+        self._speeds(steady)
+        if not steady:
             return
         for f in pending:
             run = self.run(f.t, f.t)

@@ -10,6 +10,7 @@
                  # tls-listen://0.0.0.0:4000?keys=/etc/auvmission/keys&allow=192.168.1.0/24
       modem: null
       monitor: tcp-listen://127.0.0.1:4001  # for viewers, who command nothing; null: none
+      sensors: serial:///dev/ttyUSB1     # a speed log, an acoustic position; default: none
     folder: ~/.local/state/auvmission    # store/ and log/ below it
     time_zone: "+08:00"                  # of the topside's local time (E-V1)
     answer_no: true                      # R2; false for a topside that cannot bear N
@@ -32,6 +33,7 @@ from reprlib import Repr
 from typing import Any
 
 from mission.model.diagnostics import Diagnosed, Diagnostics, Stage, whole
+from mission.model.plain import UNSAID
 from mission.model.texts import NOWHERE, Where
 from mission.model.units import UnitError, quantity, range_text
 from mission.onboard.kept import default_folder
@@ -56,6 +58,7 @@ class LinkUrls:
     topside: str = "tcp-listen://127.0.0.1:4000"
     modem: str | None = None
     monitor: str | None = "tcp-listen://127.0.0.1:4001"
+    sensors: str | None = field(default=None, metadata=UNSAID)
 
 
 _NO_TOLERANCES: Mapping[str, str] = {}

@@ -2,6 +2,7 @@
 
     vehicle   the rate of its document, or the key ``baud`` of its vehicle file's ``wire``
     gps       9600 bit/s (NMEA 0183 receivers)
+    sensors   9600 bit/s
     modem     115200 bit/s (document 000)
 
 What does not live here: opening them (links), the rate of a vehicle (protocol.vehicles).
@@ -18,6 +19,7 @@ from protocol.modem import BAUD as MODEM_BAUD
 from protocol.vehicles import line_rate
 
 GPS_BAUD = 9600
+SENSORS_BAUD = 9600
 
 
 def rated(configuration: Configuration, vehicle: Vehicle) -> Configuration:
@@ -27,6 +29,7 @@ def rated(configuration: Configuration, vehicle: Vehicle) -> Configuration:
         links,
         vehicle=at_rate(links.vehicle, line_rate(vehicle.codec, vehicle.wire)),
         gps=None if links.gps is None else at_rate(links.gps, GPS_BAUD),
+        sensors=None if links.sensors is None else at_rate(links.sensors, SENSORS_BAUD),
         modem=None if links.modem is None else at_rate(links.modem, MODEM_BAUD),
     )
     return replace(configuration, links=told)

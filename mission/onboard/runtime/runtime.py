@@ -1,7 +1,7 @@
 """The runtime: clock-less and without IO, the one core of the sea and of the simulation.
 
     Rx vehicle --vehicle codec--> Telemetry, Ack --+                +--> Action --> Frontseat --> Tx
-    Rx gps -----NMEA------------> Fix -------------+--> Engine.step +--> Step, Estimate --> record
+    Rx gps, sensors ------------> Fix, Aid --------+--> Engine.step +--> Step, Estimate --> record
     Rx topside, modem --Topside-> commands --------+                +--> Verdict --> Topside --> Tx
     Rx nodes ---Topside
 
@@ -53,8 +53,10 @@ from mission.onboard.runtime.situation import Situation
 from mission.onboard.runtime.standing import StandingChanges
 from mission.onboard.runtime.wallclock import WallClock
 from mission.onboard.store import Store, StoreError, WatchedStore
+from protocol.added import AddedDecoder
 from protocol.codec import Received
 from protocol.messages import (
+    Aid,
     ClearMission,
     Command,
     Fix,
@@ -71,7 +73,7 @@ from protocol.vehicles import codec as vehicle_codec
 if TYPE_CHECKING:
     from mission.navigation import Navigation
 
-VEHICLE, GPS = "vehicle", "gps"
+VEHICLE, GPS, SENSORS = "vehicle", "gps", "sensors"
 MOST_ROUNDS = 10  # of outcomes that lead to commands that lead to outcomes, at one time
 CLOCK = "clock"  # a Tx to it asks the pump to set the system's clock (R10)
 
@@ -99,7 +101,7 @@ class Runtime:
         self._clock = WallClock(wall, configuration.utc_offset)
         self._codec = vehicle_codec(*vehicle.speaks)
         self.meaning_of_no = self._codec.meaning_of_no
-        self._gps, self._now = NmeaDecoder(), 0.0
+        self._gps, self._added, self._now = NmeaDecoder(), AddedDecoder(), 0.0
         links = configuration.links
         self._frontseat = line_to(self._codec, VEHICLE, links.vehicle, vehicle)
         self.gap, self.cannot_relay = self._frontseat.gap, self._frontseat.cannot_relay
@@ -131,7 +133,9 @@ class Runtime:
         if rx.link == VEHICLE:
             self._from_vehicle(self._codec.receive(rx.data, rx.t), now)
         elif rx.link == GPS:
-            self._from_gps(self._gps.receive(rx.data, rx.t), now)
+            self._from_gps(self._gps.receive(rx.data, rx.t), now, GPS)
+        elif rx.link == SENSORS:
+            self._from_gps(self._added.receive(rx.data, rx.t), now, SENSORS)
         elif rx.link == NODES:
             self._topside.changed(rx.data, now)
         else:
@@ -162,7 +166,7 @@ class Runtime:
         if _is_due(self._codec.next_timer(), now):
             self._from_vehicle(self._codec.flush(now), now)
         if _is_due(self._gps.next_timer(), now):
-            self._from_gps(self._gps.flush(now), now)
+            self._from_gps(self._gps.flush(now), now, GPS)
         self._topside.handle_timer(now)
         if _is_due(self._engine.next_timer(), now):
             self._step(now, ())
@@ -257,12 +261,13 @@ class Runtime:
             self._record(rec.estimate_record, estimate)
             self._observer.estimate(estimate)
 
-    def _from_gps(self, messages: Sequence[Fix | FrameFault], now: float) -> None:
-        for message in messages:
+    def _from_gps(self, heard: Sequence[Fix | Aid | FrameFault], now: float, link: str) -> None:
+        for message in heard:
             if isinstance(message, FrameFault):
-                self._record(rec.fault_record, now, GPS, message)
+                self._record(rec.fault_record, now, link, message)
             else:
-                self.situation.take_fix(message)
+                if isinstance(message, Fix):
+                    self.situation.take_fix(message)
                 self._step(now, (message,))
 
     def _step(self, now: float, inputs: Sequence[Input]) -> tuple[Verdict, ...]:

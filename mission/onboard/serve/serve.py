@@ -45,7 +45,7 @@ from mission.onboard.serve.view import view
 from mission.onboard.serve.viewing import Seen, Viewing
 from mission.onboard.serve.watchdog import Watchdog
 
-VEHICLE, GPS, TOPSIDE, MODEM = "vehicle", "gps", "topside", "modem"
+VEHICLE, GPS, TOPSIDE, MODEM, SENSORS = "vehicle", "gps", "topside", "modem", "sensors"
 NODE_OF = {VEHICLE: "STM32", GPS: "BDGPS", MODEM: "UACM"}
 FIRST_S = 1.0  # real time, that the first W of a restart waits for its port
 REBIRTH_S = 1.0  # real time, between a fault of the program and the next runtime
@@ -109,6 +109,7 @@ class Server:
             VEHICLE: links.vehicle,
             GPS: links.gps,
             MODEM: links.modem,
+            SENSORS: links.sensors,
         }
         self._ports = {
             name: Port(name, url, self._readable, self._changed, self._tell)

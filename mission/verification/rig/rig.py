@@ -22,7 +22,7 @@ from links.base import Rx
 from links.simulated.link import SimulatedVehicle
 from mission.model import Estimate, Step, Tx
 from mission.onboard.runtime.device_switches import LINK as NODES
-from mission.onboard.runtime.runtime import GPS, VEHICLE
+from mission.onboard.runtime.runtime import GPS, SENSORS, VEHICLE
 from mission.verification.rig.acts import BOAT, MODEM, PORT, TOPSIDE, Act, Disturbance
 from mission.verification.rig.lockstep import Due, LockStep
 from mission.verification.rig.program import Death, Program
@@ -67,6 +67,8 @@ class Rig(LockStep):
         """Bytes before timers: what has arrived by then is known by then."""
         yield self.sea.vehicle_link.next_event(), self._hear_vehicle
         yield self.sea.gps_link.next_event(), self._hear_gps
+        if isinstance(self.sea, SimulatedVehicle) and self.sea.added_link is not None:
+            yield self.sea.added_link.next_event(), self._hear_added
         if self._planned:
             yield self._planned[0][0], self._do_planned
         yield from self.operators()
@@ -126,6 +128,12 @@ class Rig(LockStep):
         for rx in self.sea.gps_link.receive(self.now):
             if self.gps_open:
                 self._hear(rx)
+
+    def _hear_added(self) -> None:
+        assert isinstance(self.sea, SimulatedVehicle)
+        link = self.sea.added_link
+        for rx in link.receive(self.now) if link is not None else ():
+            self._hear(rx)
 
     def _hear(self, rx: Rx) -> None:
         """Bytes of the vehicle or its GPS."""
@@ -242,7 +250,7 @@ class Rig(LockStep):
         self._notice_line()
         ports: dict[str, bytes] = {}
         for disturbance in held:
-            if disturbance.link in (VEHICLE, GPS):
+            if disturbance.link in (VEHICLE, GPS, SENSORS):
                 ports[disturbance.link] = ports.get(disturbance.link, b"") + disturbance.data
         for link, data in ports.items():
             self._hear(Rx(self.now, link, data))

@@ -1,0 +1,87 @@
+"""What an added sensor says, against what the filter expects.
+
+    through the water  ahead = (scale u + deviation) k
+    over ground        the same, and what sinking brings; plus the current, turned into the hull:
+                       ahead += n cos psi + e sin psi, starboard = sway + e cos psi - n sin psi
+
+What does not live here: which sensors there are and when one is believed (added), F and Q (filter).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from mission.navigation.filter import Array, Filter, Motion
+from mission.navigation.items import Aiding
+from mission.navigation.model import (
+    CE,
+    CN,
+    COMPASS,
+    COS,
+    DEVIATION,
+    SCALE,
+    SIN,
+    STATES,
+    WANDER,
+    WE,
+    WN,
+)
+from protocol.added import GROUND, PLACE
+
+_GATES = (0.0, 10.828, 13.816)  # chi-square, 99.9 %, by degrees of freedom
+
+
+class Innovation(NamedTuple):
+    """By how much a value is off, how it follows from the states, and its noise."""
+
+    y: Array
+    h: Array
+    r: Array
+
+
+def innovation(filter_: Filter, a: Aiding, run: Motion) -> Innovation:
+    n = len(a.values)
+    r = np.eye(n) * a.sigma**2
+    if a.kind == PLACE:
+        return Innovation(np.array(a.values) - filter_.x[:2], np.eye(2, STATES), r)
+    z, h = _of_hull(filter_, run, ground=a.kind == GROUND)
+    if n > 1:  # what pushes it to and fro across is no state
+        r[1, 1] += (filter_.figures.sway.sigma * run.expected) ** 2
+    return Innovation(np.array(a.values) - z[:n], h[:n], r)
+
+
+def correct(filter_: Filter, a: Aiding, run: Motion) -> bool:
+    """Corrects the filter by what a sensor said; False: it is beyond the gate."""
+    y, h, r = innovation(filter_, a, run)
+    inverse = filter_.kalman.inv(h @ filter_.covariance @ h.T + r)
+    if float(y @ inverse @ y) > _GATES[len(y)]:
+        return False
+    filter_.kalman.update(y + h @ filter_.x, r, h)
+    return True
+
+
+def _of_hull(filter_: Filter, run: Motion, *, ground: bool) -> tuple[Array, Array]:
+    """Ahead and to starboard as they are expected, and how they follow from the states."""
+    x = filter_.x
+    sm, cm = math.sin(run.heading), math.cos(run.heading)
+    error = x[COMPASS] + x[WANDER] + x[SIN] * sm + x[COS] * cm
+    c, s = math.cos(run.heading - float(error)), math.sin(run.heading - float(error))
+    way = float(x[SCALE]) * run.expected + float(x[DEVIATION]) * run.driven
+    z, h = np.array((way * run.along, way * run.sway)), np.zeros((2, STATES))
+    for row, share in enumerate((run.along, run.sway)):
+        h[row, SCALE], h[row, DEVIATION] = run.expected * share, run.driven * share
+    if not ground:
+        return z, h
+    north, east = float(x[CN]), float(x[CE])
+    h[:, CN], h[:, CE] = (c, -s), (s, c)
+    if run.surfaced:
+        north, east = north + float(x[WN]), east + float(x[WE])
+        h[:, WN], h[:, WE] = (c, -s), (s, c)
+    ahead, starboard = north * c + east * s, east * c - north * s
+    z += (ahead + run.heave, starboard)
+    for column, share in ((COMPASS, 1.0), (WANDER, 1.0), (SIN, sm), (COS, cm)):
+        h[:, column] = (-starboard * share, ahead * share)
+    return z, h

@@ -1,0 +1,212 @@
+"""Sensors that a user adds: what each is worth by truth, and that one which lies spoils nothing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cache
+from random import Random
+
+import pytest
+from kinematic_truth import HOME, Sea, Truth, sail
+
+from links.simulated.added import LIES
+from links.simulated.settings import parse_settings
+from mission.authoring.language import parse
+from mission.model.shipped import load_vehicle
+from mission.navigation import Navigation
+from mission.navigation.added import ADDED
+from mission.navigation.geodesy import LocalFrame
+from mission.verification.simulation.flight import fly
+from protocol.messages import Aid, Fix, Telemetry
+
+AUV = load_vehicle("auv")
+SEA = Sea(current=(0.25, -0.2))
+FRAME = LocalFrame(HOME)
+Said = Telemetry | Fix | Aid
+
+
+@cache
+def voyage(seed: int = 3) -> tuple[tuple[Truth, Telemetry | Fix], ...]:
+    """A minute of fixes, then 500 s under water."""
+    return tuple(sail(SEA, 60.0, 500.0, seed))
+
+
+def aids(kind: str, truth: Truth, rng: Random) -> tuple[float, ...]:
+    """What an honest sensor says of it, with its noise."""
+    sigma = ADDED[kind].sigma
+    c, s = math.cos(truth.heading), math.sin(truth.heading)
+    north, east = SEA.current
+    exact = {
+        "water": (truth.speed,),
+        "ground": (truth.speed + north * c + east * s, east * c - north * s),
+        "place": (truth.north, truth.east),
+    }[kind]
+    noisy = tuple(value + rng.gauss(0.0, sigma) for value in exact)
+    return FRAME.to_geodetic(*noisy) if kind == "place" else noisy
+
+
+def told(kind: str, lie: str = "", since: float = 0.0, seed: int = 1) -> Iterator[Said]:
+    """Everything that comes in, with this sensor; ``lie`` from ``since`` on."""
+    rng, last = Random(seed), tuple[float, ...]()
+    for truth, item in voyage():
+        yield item
+        if not kind or isinstance(item, Fix) or (kind == "place" and truth.t % 4):
+            continue
+        values, lies = aids(kind, truth, rng), lie if truth.t >= since else ""
+        wild = tuple(v + rng.uniform(-3.0, 3.0) for v in values)
+        if kind == "place":
+            wild = FRAME.to_geodetic(
+                truth.north + rng.uniform(-300, 300), truth.east + rng.uniform(-300, 300)
+            )
+        if lies != "silent":
+            last = {"frozen": last or values, "wild": wild}.get(lies, values)
+            yield Aid(item.t + 0.3, kind, last)
+
+
+def navigated(items: Iterable[Said]) -> Navigation:
+    navigation = Navigation(AUV, HOME)
+    for item in items:
+        if isinstance(item, Telemetry):
+            navigation.telemetry(item)
+        elif isinstance(item, Fix):
+            navigation.fix(item)
+        else:
+            navigation.aid(item)
+    return navigation
+
+
+def under_water(items: Iterable[Said]) -> list[Said]:
+    return [item for item in items if item.t < 555.0]
+
+
+def error(items: Sequence[Said]) -> float:
+    """m, at the end of the dive."""
+    truth = next(truth for truth, item in voyage() if truth.t >= items[-1].t - 0.5)
+    found = navigated(items).estimate(truth.t)
+    assert found is not None
+    return math.hypot(found.north - truth.north, found.east - truth.east)
+
+
+@pytest.mark.parametrize(("kind", "share"), [("ground", 0.35), ("place", 0.15)])
+def test_an_honest_sensor_makes_the_estimate_better(kind: str, share: float) -> None:
+    without = error(under_water(told("")))
+    assert without > 20.0
+    assert error(under_water(told(kind))) < share * without
+
+
+def test_a_speed_log_finds_the_speed_that_the_table_does_not_know() -> None:
+    def off(items: Iterable[Said]) -> float:
+        found = navigated(items).estimate(554.0)
+        assert found is not None
+        return abs(found.speed - 1.05)
+
+    wrong = [i for i in under_water(told("")) if not isinstance(i, Fix) or i.t < 3.0]
+    right = [i for i in under_water(told("water")) if not isinstance(i, Fix) or i.t < 3.0]
+    assert off(right) < 0.6 * off(wrong)
+
+
+@pytest.mark.parametrize("lie", LIES)
+@pytest.mark.parametrize("kind", ADDED)
+def test_a_sensor_that_lies_from_the_first_spoils_nothing(kind: str, lie: str) -> None:
+    assert error(under_water(told(kind, lie))) < 1.3 * error(under_water(told(""))) + 3.0
+
+
+@pytest.mark.parametrize("lie", LIES)
+@pytest.mark.parametrize("kind", ADDED)
+def test_a_sensor_that_begins_to_lie_leaves_what_it_taught(kind: str, lie: str) -> None:
+    assert error(under_water(told(kind, lie, 250.0))) < 1.3 * error(under_water(told(""))) + 3.0
+
+
+@pytest.mark.parametrize("kind", ["ground", "place"])
+def test_an_honest_sensor_that_was_not_believed_is_believed_again(kind: str) -> None:
+    def late() -> Iterator[Said]:
+        for item in under_water(told(kind)):
+            if not isinstance(item, Aid) or item.t > 400.0:
+                yield item
+
+    navigation = Navigation(AUV, HOME)
+    items = list(late())
+    for item in items:
+        if isinstance(item, Telemetry):
+            navigation.telemetry(item)
+            if 390.0 < item.t < 392.0:  # as sure as can be of what is wrong
+                navigation.core.place(item.t, 300.0, -300.0, 0.01)
+                navigation.core.filter.trust(navigation.core.figures, 0.01)
+        elif isinstance(item, Fix):
+            navigation.fix(item)
+        else:
+            navigation.aid(item)
+    found = navigation.estimate(554.0)
+    assert found is not None
+    truth = next(truth for truth, _ in voyage() if truth.t >= 554.0)
+    if kind == "place":
+        assert math.hypot(found.north - truth.north, found.east - truth.east) < 10.0
+    else:
+        off = found.current_north - SEA.current[0], found.current_east - SEA.current[1]
+        assert math.hypot(*off) < 0.15
+
+
+def test_what_comes_late_is_put_in_its_place() -> None:
+    punctual = under_water(told("ground"))
+    late = list(punctual)
+    n = next(n for n, item in enumerate(late) if isinstance(item, Aid) and item.t > 300.0)
+    late.insert(n + 4, late.pop(n))
+    assert navigated(late).estimate(555.0) == navigated(punctual).estimate(555.0)
+
+
+def test_a_snapshot_has_what_is_remembered_of_each() -> None:
+    items = under_water(told("place", "frozen", 200.0))
+    one = navigated(items[:400])
+    kept, other = one.snapshot(), Navigation(AUV, HOME)
+    other.restore(kept)
+    for navigation in (one, other):
+        for item in items[400:]:
+            if isinstance(item, Telemetry):
+                navigation.telemetry(item)
+            elif isinstance(item, Aid):
+                navigation.aid(item)
+    assert one.estimate(555.0) == other.estimate(555.0)
+
+
+def test_a_place_from_outside_is_no_fix() -> None:
+    navigation = Navigation(AUV, HOME)
+    for n in range(8):
+        assert navigation.core.located is (n > 4)
+        navigation.telemetry(Telemetry(1.0 + n, depth=5.0, heading=0.0))
+        place = FRAME.to_geodetic(10.0 + 0.1 * n, 20.0)
+        navigation.aid(Aid(1.5 + n, "place", place))
+    found = navigation.estimate(9.0)
+    assert found is not None
+    assert (found.north, found.east) == pytest.approx((10.5, 20.0), abs=1.0)
+    assert found.fix_age is None
+    assert not navigation.health("position", 9.0).valid
+
+
+# --- flown ----------------------------------------------------------------------------------------
+
+FAR = """mission far vehicle auv
+home 30.2874595 120.1535765
+safety radius 1500 time 60min depth 20
+assume current 0.3
+down: depth 6 heading 40 gear 6 until depth >= 5 timeout 2min
+a: gear 8 heading 40 for 150
+b: heading 130 for 150
+up: surface until fix timeout 4min
+"""
+
+
+def flown(*settings: str) -> float:
+    flight = fly(parse(FAR), AUV, "as-built", 5, parse_settings(["current=0.3@200", *settings]))
+    assert flight.outcome == "completed"
+    deep = [s for s in flight.samples if s.true.depth > 4.0]
+    last = deep[-1]
+    return math.hypot(last.estimate.north - last.true.north, last.estimate.east - last.true.east)
+
+
+def test_flown_by_truth_each_is_worth_what_the_manual_says() -> None:
+    without = flown()
+    assert without > 20.0
+    assert flown("doppler=0.03") < 0.3 * without
+    assert flown("acoustic=3") < 0.2 * without
+    assert flown("doppler=0.03", "added_lie=wild@0") < 1.3 * without

@@ -1,0 +1,116 @@
+"""Laws of the lines of sensors that were added: VHW, VBW, GLL, GGA and PD6."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from protocol.added import LONGEST, AddedDecoder
+from protocol.messages import Aid, FrameFault
+
+KNOT = 1852.0 / 3600.0
+
+
+def nmea(body: str) -> bytes:
+    total = 0
+    for byte in body.encode():
+        total ^= byte
+    return f"${body}*{total:02X}\r\n".encode()
+
+
+def heard(*data: bytes, now: float = 7.0) -> list[Aid | FrameFault]:
+    decoder, out = AddedDecoder(), []
+    for n, piece in enumerate(data):
+        out += decoder.receive(piece, now + n)
+    return out
+
+
+LINES = {
+    nmea("VDVHW,012.0,T,,M,2.00,N,3.70,K"): [("water", (2.0 * KNOT,))],
+    nmea("VDVBW,2.00,-0.10,A,1.50,0.20,A"): [
+        ("water", (2.0 * KNOT,)),
+        ("ground", (1.5 * KNOT, 0.2 * KNOT)),
+    ],
+    nmea("VDVBW,,,V,1.50,0.20,A,,V,,V"): [("ground", (1.5 * KNOT, 0.2 * KNOT))],
+    nmea("INGLL,3018.000000,N,12006.000000,W,081500.00,A"): [
+        ("place", (math.radians(30.3), math.radians(-120.1)))
+    ],
+    nmea("GPGGA,081500.00,3018.000,S,12006.000,E,1,09,1.0,0.0,M,0.0,M,,"): [
+        ("place", (math.radians(-30.3), math.radians(120.1)))
+    ],
+    b":BS,-00120,+01010,+00003,A\r\n": [("ground", (1.01, -0.12))],
+    b":WS,   -12,   980,     3,A\r\n": [("water", (0.98,))],
+}
+SILENT = (
+    nmea("VDVHW,012.0,T,,M,,N,,K"),
+    nmea("VDVBW,2.00,-0.10,V,1.50,0.20,V"),
+    nmea("INGLL,,,,,081500.00,V"),
+    nmea("GPGGA,081500.00,,,,,0,00,,,M,0.0,M,,"),
+    nmea("SDDBT,10.0,f,3.0,M,1.6,F"),
+    b":BS,-32768,-32768,-32768,V\r\n",
+    b":TS,25060108000000,35.0,+18.0,0010.0,1500.0,000\r\n",
+    b":BI,+00012,+00980,+00003,+00001,A\r\n",
+    b"\r\n",
+)
+FAULTY = (
+    b"$VDVHW,012.0,T,,M,2.00,N,3.70,K*00\r\n",
+    b"$VDVHW,012.0,T,,M,2.00,N,3.70,K\r\n",
+    nmea("VDVHW,012.0,T,,M,fast,N,3.70,K"),
+    nmea("VDVBW,2.00,-0.10,X,1.50,0.20,A"),
+    nmea("VDVBW,99.0,-0.10,A,1.50,0.20,A"),
+    nmea("INGLL,9918.0,N,12006.0,W,081500.00,A"),
+    b":BS,-00120,+01010,A\r\n",
+    b":BS,-00120,+0x010,+00003,A\r\n",
+    b"hello\r\n",
+    bytes(range(128, 160)) + b"\n",
+)
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_a_line_says_what_its_standard_means(line: bytes) -> None:
+    found = heard(line)
+    assert [(one.kind, one.t) for one in found] == [(kind, 7.0) for kind, _ in LINES[line]]
+    for one, (_, values) in zip(found, LINES[line], strict=True):
+        assert isinstance(one, Aid)
+        assert one.values == pytest.approx(values, abs=1e-9)
+
+
+@pytest.mark.parametrize("line", SILENT)
+def test_what_a_sensor_calls_invalid_and_other_sentences_say_nothing(line: bytes) -> None:
+    assert heard(line) == []
+
+
+@pytest.mark.parametrize("line", FAULTY)
+def test_what_is_no_line_is_a_fault_and_the_next_line_is_heard(line: bytes) -> None:
+    good = next(iter(LINES))
+    fault, aid = heard(line + good)
+    assert (type(fault), type(aid)) == (FrameFault, Aid)
+
+
+@given(st.lists(st.sampled_from([*LINES, *SILENT, *FAULTY]), max_size=6), st.data())
+def test_how_the_bytes_were_cut_changes_nothing(lines: list[bytes], data: st.DataObject) -> None:
+    whole = b"".join(lines)
+    cuts = sorted(data.draw(st.lists(st.integers(0, len(whole)), max_size=5)))
+    pieces = [whole[a:b] for a, b in zip([0, *cuts], [*cuts, len(whole)], strict=True)]
+
+    def told(found: list[Aid | FrameFault]) -> list[object]:
+        return [(f.kind, f.values) if isinstance(f, Aid) else type(f) for f in found]
+
+    assert told(heard(*pieces)) == told(heard(whole))
+
+
+def test_a_line_bears_the_time_of_its_first_byte() -> None:
+    line = next(iter(LINES))
+    (aid,) = heard(line[:5], line[5:12], line[12:])
+    assert isinstance(aid, Aid)
+    assert aid.t == 7.0
+
+
+@given(st.binary(max_size=4 * LONGEST))
+def test_no_bytes_raise_and_what_never_ends_is_given_up(noise: bytes) -> None:
+    decoder = AddedDecoder()
+    decoder.receive(noise.replace(b"\n", b"x").replace(b"\r", b"x") + b"x" * LONGEST * 2, 0.0)
+    assert [type(one) for one in decoder.receive(b"\n" + next(iter(LINES)), 1.0)] == [Aid]
