@@ -11,7 +11,7 @@ import { mark, say } from './dom.js';
 import { bearing, lasting, length, place } from './format.js';
 import { between, ellipse } from './geo.js';
 import { LayerBox } from './layerbox.js';
-import { LAYERS, font } from './layers.js';
+import { INK_NAMES, LAYERS, font } from './layers.js';
 import { NEARER, Panning } from './panning.js';
 import { frameOf, sceneOf } from './scene.js';
 import { age } from './state.js';
@@ -23,8 +23,6 @@ import { word } from './words.js';
  * @typedef {import('./charts.js').Charts} Charts
  * @typedef {import('./layers.js').Scene} Scene */
 
-const NAMES = { paper: 'sea', grid: 'grid', ink: 'ink', soft: 'soft', track: 'track', plan: 'plan',
-  target: 'target', limit: 'limit', vehicle: 'craft', old: 'old' };
 const EDGE = 0.3; // of the screen: a vehicle that is followed stays within
 
 export class Chart {
@@ -64,7 +62,7 @@ export class Chart {
     Object.assign(this._scene, { beside: besides(page, frame, now) });
     this._box.show();
     this._aim(`${vehicle.setup.id} ${this._frame?.lat} ${this._frame?.lon} ${vehicle.plan?.digest}`);
-    const inks = inksOf(NAMES);
+    const inks = inksOf(INK_NAMES);
     for (const layer of LAYERS) layer(drawn.pen, this._view, this._scene, inks);
     if (!this._scene.hasPlace) this._empty(drawn.pen, inks.soft);
     mark(this._following, 'aria-pressed', String(this._isFollowing));

@@ -9,6 +9,7 @@ import { word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page */
 
+const PLAIN = new Set(['leg', 'heading', 'speed', 'vertical', 'attitude', 'does', 'place']);
 const AROUND = 2; // lines that are the same, beside those that are not
 
 export class Differing {
@@ -80,8 +81,8 @@ export class Differing {
 /** @param {any} one */
 function change(one) {
   const [before, after] = [one.before, one.after];
-  const what = before && after ? `${before} → ${after}` : before || after;
-  return `${one.places.join(', ')}: ${one.what} ${what}`;
+  const what = PLAIN.has(one.what) ? '' : `${one.what} `; // the others say themselves what they are
+  return `${one.places.join(', ')}: ${what}${before && after ? `${before} → ${after}` : before || after}`;
 }
 
 /** Those that differ, and some around them. @param {Array<[string, string]>} rows

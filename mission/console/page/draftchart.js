@@ -9,7 +9,7 @@ import { inksOf, sheet } from './canvas.js';
 import { el, mark, say } from './dom.js';
 import { bearing, length, place as written } from './format.js';
 import { Frame, between } from './geo.js';
-import { LAYERS, font } from './layers.js';
+import { INK_NAMES, LAYERS, font } from './layers.js';
 import { NEARER, Panning } from './panning.js';
 import { drawGhost, drawPlaces, placeNear } from './places.js';
 import { routesOf } from './scene.js';
@@ -23,8 +23,6 @@ import { word } from './words.js';
  *   removed: (index: number) => void, chosen: (index: number) => void, redraw: () => void}} Wishes
  *   places as latitude and longitude */
 
-const NAMES = { paper: 'sea', grid: 'grid', ink: 'ink', soft: 'soft', track: 'track', plan: 'plan',
-  target: 'target', limit: 'limit', vehicle: 'craft', old: 'old' };
 const FAR_M = 20000; // beyond, another frame
 const CARRY_PX = 6; // of an arrow key
 const AROUND_M = 200; // a place alone
@@ -100,7 +98,7 @@ export class DraftChart {
     Object.assign(this._view, { width: drawn.width, height: drawn.height });
     const frame = this._frame;
     if (frame && !this._isFitted) this._fit();
-    const inks = inksOf(NAMES);
+    const inks = inksOf(INK_NAMES);
     const scene = this._scene();
     for (const layer of LAYERS) layer(drawn.pen, this._view, scene, inks);
     if (frame) {

@@ -27,6 +27,10 @@ import { word } from './words.js';
  *   | 'vehicle' | 'old', string>} Inks
  */
 
+/** What a layer draws in, by the colours of the theme. */
+export const INK_NAMES = { paper: 'sea', grid: 'grid', ink: 'ink', soft: 'soft', track: 'track', plan: 'plan',
+  target: 'target', limit: 'limit', vehicle: 'craft', old: 'old' };
+
 const LINE_PX = 90; // between lines of the grid, at least
 /** @type {readonly Pair[]} */
 const HULL = [[0, -15], [9, 11], [0, 6], [-9, 11]]; // px, ahead upward
