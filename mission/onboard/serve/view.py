@@ -22,7 +22,7 @@ from mission.model import (
 from mission.model.alarms import Alarm
 from mission.navigation import distribution
 from mission.onboard.runtime.runtime import Runtime
-from mission.onboard.stream.places import fix_value
+from mission.onboard.stream.places import fix_value, rounded
 from protocol.state_frame import setpoint_words
 
 _READINGS = ("depth", "altitude", "heading", "pitch", "roll", "speed", "battery")
@@ -47,7 +47,7 @@ def view(runtime: Runtime, alarms: Iterable[Alarm]) -> dict[str, Any]:
         "mission_began": _rounded(engine.core.run.started) if engine.core.run else None,
         **_leg(runtime),
         **{name: _bare(runtime, name) for name in _READINGS if name != "depth"},
-        "fix": fix_value(known.fix) if known.fix else None,
+        "fix": rounded(fix_value(known.fix)) if known.fix else None,
         "origin": _origin(runtime),
     }
 
@@ -58,7 +58,7 @@ def _origin(runtime: Runtime) -> list[float] | None:
     if navigation is None or navigation.frame is None:
         return None
     origin = navigation.frame.origin
-    return [origin.latitude_deg, origin.longitude_deg]
+    return [round(origin.latitude_deg, 8), round(origin.longitude_deg, 8)]
 
 
 def _place(runtime: Runtime) -> dict[str, Any]:

@@ -26,7 +26,14 @@ from mission.navigation.geodesy import LocalFrame
 from mission.onboard.runtime import records as rec
 from mission.onboard.stream import topics, wellknown
 from mission.onboard.stream.events import events_of
-from mission.onboard.stream.places import degrees, finite, fix_place, fix_value, pose_value
+from mission.onboard.stream.places import (
+    degrees,
+    finite,
+    fix_place,
+    fix_value,
+    pose_value,
+    rounded,
+)
 from mission.onboard.stream.plan import plan_geojson
 from mission.onboard.stream.senses import Senses
 from protocol.messages import Fix, Telemetry
@@ -34,11 +41,6 @@ from protocol.vehicles import auv, rov
 
 VEHICLE_FRAME = "vehicle"
 _ACTUATORS: Mapping[str, tuple[str, ...]] = {"auv": auv.ACTUATORS, "rov": rov.THRUSTERS}
-_DIGITS: Mapping[str, int] = {
-    **dict.fromkeys(("latitude", "longitude", "latitude_deg", "longitude_deg"), 8),
-    "orientation": 6,
-    "t": 9,
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +76,7 @@ class Derivation:
 
     def receive(self, record: Record) -> Iterator[Message]:
         for message in self._made(record):
-            yield Message(message.topic, message.t, _rounded(message.value))
+            yield Message(message.topic, message.t, rounded(message.value))
 
     def _made(self, record: Record) -> Iterator[Message]:
         yield from self._events(record)
@@ -257,17 +259,6 @@ def radius_95(covariance: tuple[float, float, float]) -> float:
     nn, ne, ee = covariance
     middle, spread = (nn + ee) / 2.0, math.hypot((nn - ee) / 2.0, ne)
     return PLANE_95 * math.sqrt(max(middle + spread, 0.0))
-
-
-def _rounded(value: Any, digits: int = 4) -> Any:
-    """0.1 mm, 0.0001 deg; a place and an attitude finer than that."""
-    if isinstance(value, float):
-        return round(value, digits)
-    if isinstance(value, Mapping):
-        return {name: _rounded(one, _DIGITS.get(name, digits)) for name, one in value.items()}
-    if isinstance(value, list):
-        return [_rounded(one, digits) for one in value]
-    return value
 
 
 def _list(values: tuple[float, ...] | None, scale: float = 1.0) -> list[float] | None:

@@ -13,6 +13,11 @@ from mission.onboard.stream import wellknown
 from protocol.messages import Fix
 
 HOME, GPS = "home", "gps"  # frames
+_DIGITS: Mapping[str, int] = {
+    **dict.fromkeys(("latitude", "longitude", "latitude_deg", "longitude_deg"), 8),
+    "orientation": 6,
+    "t": 9,
+}
 
 
 def fix_value(fix: Fix) -> Mapping[str, Any]:
@@ -61,3 +66,14 @@ def finite(value: float | None) -> float | None:
 def degrees(value: float | None) -> float | None:
     """Of rad."""
     return None if value is None or not math.isfinite(value) else math.degrees(value)
+
+
+def rounded(value: Any, digits: int = 4) -> Any:
+    """0.1 mm, 0.0001 deg; a place and an attitude finer than that."""
+    if isinstance(value, float):
+        return round(value, digits)
+    if isinstance(value, Mapping):
+        return {name: rounded(one, _DIGITS.get(name, digits)) for name, one in value.items()}
+    if isinstance(value, list):
+        return [rounded(one, digits) for one in value]
+    return value
