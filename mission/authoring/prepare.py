@@ -21,6 +21,7 @@ from mission.authoring.check import Report, before_the_proof, check_mission, che
 from mission.authoring.compiler.abilities import guard_problems, own_problems
 from mission.authoring.compiler.compiler import compiled
 from mission.authoring.language import Draft, digest, draft, read_file
+from mission.authoring.language.files import Files, no_files
 from mission.model import Chart, Mission, legs_of
 from mission.model.diagnostics import Diagnosed, Diagnostic, MissionErrors, ordered, placed, whole
 from mission.model.shipped import load_vehicle, shipped_missions
@@ -62,12 +63,14 @@ def prepare(
 ) -> Prepared:
     """``path``: a file or a shipped mission's name. ``vehicle``: likewise; None: the one that the
     mission names. Raises Unreadable."""
+    from mission.authoring.importing.places import beside
+
     file = mission_file(path)
     try:
         text = read_file(file)
     except MissionErrors as error:
         raise Unreadable(error.diagnostics, str(file)) from None
-    return prepare_text(text, str(file), vehicle, parameters)
+    return prepare_text(text, str(file), vehicle, parameters, beside(file))
 
 
 def prepare_text(
@@ -75,9 +78,12 @@ def prepare_text(
     source: str,
     vehicle: str | None = None,
     parameters: Mapping[str, str] | None = None,
+    files: Files = no_files,
 ) -> Prepared:
-    """The same of a text that is at hand; ``source`` is what messages call it."""
-    return prepare_draft(drafted(text, source, vehicle, parameters), text, source, vehicle)
+    """The same of a text that is at hand; ``source`` is what messages call it. ``files`` reads
+    those of places that it names."""
+    read = drafted(text, source, vehicle, parameters, files)
+    return prepare_draft(read, text, source, vehicle)
 
 
 def drafted(
@@ -85,11 +91,12 @@ def drafted(
     source: str,
     vehicle: str | None = None,
     parameters: Mapping[str, str] | None = None,
+    files: Files = no_files,
 ) -> Draft:
     """What the text says, as far as it could be read. Raises Unreadable where reading ended early
     (a text too large)."""
     try:
-        return draft(text, source, parameters or {}, _readings(vehicle))
+        return draft(text, source, parameters or {}, _readings(vehicle), files)
     except MissionErrors as error:
         raise Unreadable(error.diagnostics, source) from None
 

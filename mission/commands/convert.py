@@ -27,12 +27,13 @@ def convert(
     Parameters are resolved and comments stay behind; lines are the canonical text that travels
     to the vehicle.
     """
+    from mission.authoring.importing.places import beside
     from mission.authoring.language import MissionErrors, is_yaml, load, to_lines, to_yaml
     from mission.authoring.prepare import Unreadable, mission_file, parameters_of
 
     try:
         mission = mission_file(mission)
-        model = load(mission, parameters_of(parameters))
+        model = load(mission, parameters_of(parameters), beside(mission))
     except (MissionErrors, Unreadable) as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None

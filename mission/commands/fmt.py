@@ -36,12 +36,13 @@ def fmt(files: tuple[Path, ...], only_check: bool, stdout: bool) -> None:
 
 def _laid_out(path: Path, only_check: bool, stdout: bool) -> bool:
     """True if the file is, or would be, changed."""
+    from mission.authoring.importing.places import beside
     from mission.authoring.language import digest, layout, load, parse
 
-    mission = load(path)
+    mission = load(path, files=beside(path))
     before = path.read_bytes().decode("utf-8")
     after = layout.formatted(before, str(path))
-    if digest(parse(after, str(path))) != digest(mission):
+    if digest(parse(after, str(path), files=beside(path))) != digest(mission):
         raise click.ClickException(f"{path}: left alone: laying it out would change the mission")
     if stdout:
         click.echo(after, nl=False)

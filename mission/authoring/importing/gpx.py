@@ -34,6 +34,22 @@ def read(data: bytes, found: Findings) -> Source:
     return Source(tuple(Route(r.said("name"), r.where, partial(_steps, r, found)) for r in routes))
 
 
+def tracks(data: bytes, found: Findings) -> Source:
+    """Each ``trkseg`` of each ``trk``: where somebody was, for who wants to go there again."""
+    root = elements(data, "gpx", found)
+    return Source(
+        tuple(
+            Route(trk.said("name"), seg.where, partial(_passed, seg, found))
+            for trk in root.all("trk")
+            for seg in trk.all("trkseg")
+        )
+    )
+
+
+def _passed(seg: Element, found: Findings) -> tuple[Step, ...]:
+    return along(_point(element, found) for element in seg.all("trkpt"))
+
+
 def _steps(rte: Element, found: Findings) -> tuple[Step, ...]:
     return along(_point(element, found) for element in rte.all("rtept"))
 

@@ -20,6 +20,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from mission.authoring.language.canonical import digest, script, to_lines
+from mission.authoring.language.files import Files, no_files
 from mission.model import NOWHERE, Mission, Where
 from mission.model.diagnostics import Diagnostics, MissionErrors, Stage
 from mission.model.extent import BYTES, STATEMENTS
@@ -77,9 +78,10 @@ def parse(
     source: str = "",
     parameters: Mapping[str, str] = _NONE,
     readings: Collection[str] | None = None,
+    files: Files = no_files,
 ) -> Mission:
     """Reads either form. Raises MissionErrors with everything that is wrong."""
-    return _whole(draft(text, source, parameters, readings))
+    return _whole(draft(text, source, parameters, readings, files))
 
 
 def _whole(read: Draft) -> Mission:
@@ -92,17 +94,18 @@ def draft(
     source: str = "",
     parameters: Mapping[str, str] = _NONE,
     readings: Collection[str] | None = None,
+    files: Files = no_files,
 ) -> Draft:
     """Reads either form. ``readings``: what guards may ask for beside the variables; None: what the
-    vehicle's shipped file names. Raises MissionErrors where reading ended early (a text too
-    large)."""
+    vehicle's shipped file names. ``files`` reads those of places that it names.
+    Raises MissionErrors where reading ended early (a text too large)."""
     text = text.removeprefix("\ufeff").replace("\r\n", "\n")
-    return _drafted(text, source, parameters, readings, yaml=is_yaml(text, source))
+    return _drafted(text, source, parameters, readings, files, yaml=is_yaml(text, source))
 
 
 def draft_script(lines: Sequence[str], readings: Collection[str] | None = None) -> Draft:
     """What ``@AW`` brought, line by line; ``sum`` in line 1 must fit. Raises as ``draft`` does."""
-    return _drafted("\n".join(lines), "script", _NONE, readings, yaml=False)
+    return _drafted("\n".join(lines), "script", _NONE, readings, no_files, yaml=False)
 
 
 def _drafted(
@@ -110,6 +113,7 @@ def _drafted(
     source: str,
     parameters: Mapping[str, str],
     readings: Collection[str] | None,
+    files: Files,
     yaml: bool,
 ) -> Draft:
     from mission.authoring.language import assembly, canonical
@@ -120,7 +124,7 @@ def _drafted(
     else:
         from mission.authoring.language.lines import statements as read
     statements = list(_bounded(read(text, found), found))
-    mission, claimed = assembly.Assembly(found, parameters, readings).read(statements)
+    mission, claimed = assembly.Assembly(found, parameters, readings, files).read(statements)
     begins = tuple(sorted({statement.where.line for statement in statements}))
     if len(found):
         return Draft(mission, found, begins, bool(_HOME.search(text)), tuple(statements))
@@ -142,9 +146,11 @@ def _bounded(statements: Iterable[Statement], found: Diagnostics) -> Iterator[St
         yield statement
 
 
-def load(path: str | Path, parameters: Mapping[str, str] = _NONE) -> Mission:
+def load(
+    path: str | Path, parameters: Mapping[str, str] = _NONE, files: Files = no_files
+) -> Mission:
     """Raises MissionErrors, also for a file that cannot be read."""
-    return parse(read_file(path), str(path), parameters)
+    return parse(read_file(path), str(path), parameters, files=files)
 
 
 def read_file(path: str | Path) -> str:

@@ -29,6 +29,7 @@ from mission.authoring.language.clauses import (
     Statement,
     WithoutFix,
 )
+from mission.authoring.language.files import Files, no_files
 from mission.authoring.language.legs import Legs
 from mission.authoring.language.parameters import read_parameters
 from mission.authoring.language.values import Values
@@ -101,8 +102,10 @@ class Assembly:
         problems: Diagnostics,
         parameters: Mapping[str, str],
         readings: Collection[str] | None = None,
+        files: Files = no_files,
     ) -> None:
         """``readings``: as of Values."""
+        self._files = files
         self._problems = problems
         self._given, self._readings = parameters, readings
         self._head = _Head()
@@ -117,7 +120,7 @@ class Assembly:
         vehicle = self._vehicle(statements)
         self._values = Values(self._problems, parameters, vehicle, self._readings)
         areas = {s.name.text: s for s in statements if isinstance(s, AreaText)}
-        self._legs = Legs(self._values, areas)
+        self._legs = Legs(self._values, areas, self._files)
         for index, statement in enumerate(statements):
             self._take(statement, first=index == 0)
         while len(self._scopes) > 1:

@@ -152,6 +152,14 @@ class OfArea:
 
 
 @dataclass(frozen=True, slots=True)
+class OfFile:
+    """The places of a file, in the place of places; its path is relative to the mission's."""
+
+    word: Name
+    path: Name
+
+
+@dataclass(frozen=True, slots=True)
 class Chosen:
     """A word with one of its own words behind it: side port."""
 
@@ -192,7 +200,9 @@ class Named:
     where: Where
 
 
-Clause = Wire | Value | Guarded | Places | OfArea | Chosen | Until | Else | OutputText | Named
+Clause = (
+    Wire | Value | Guarded | Places | OfArea | OfFile | Chosen | Until | Else | OutputText | Named
+)
 
 # --- the other statements -------------------------------------------------------------------
 

@@ -23,12 +23,14 @@ from mission.authoring.language.clauses import (
     Name,
     Named,
     OfArea,
+    OfFile,
     OutputText,
     Places,
     Until,
     Value,
     Wire,
 )
+from mission.authoring.language.files import Files, PlacesError
 from mission.authoring.language.settings import Settings
 from mission.authoring.language.values import Values, whole_place
 from mission.authoring.language.words import (
@@ -87,9 +89,9 @@ class _Parts:
 class Legs:
     """Builds legs for one file; ``values`` knows the vehicle, the parameters and the problems."""
 
-    def __init__(self, values: Values, areas: Mapping[str, AreaText]) -> None:
+    def __init__(self, values: Values, areas: Mapping[str, AreaText], files: Files) -> None:
         """``areas``: those of the mission, by name."""
-        self._values, self._areas = values, areas
+        self._values, self._areas, self._files = values, areas, files
         self._problems = values.problems
         self._settings = Settings(values)
 
@@ -135,6 +137,8 @@ class Legs:
                 self._places(parts, clause)
             case OfArea():
                 self._of_area(parts, clause)
+            case OfFile():
+                self._of_file(parts, clause)
             case Chosen(word, choice):
                 self._chosen(parts, word, choice)
             case Until():
@@ -219,11 +223,15 @@ class Legs:
             return
         shape = kinds()[word.text].head.shape
         parts.places = [self._values.place(p, here=shape is Shape.ABOUT) for p in clause.places]
-        if shape is Shape.PLACES and len(clause.places) < 2:
+        if shape is Shape.PLACES:
+            self._several(word, len(clause.places))
+        self._same_places(clause)
+
+    def _several(self, word: Name, count: int) -> None:
+        if count < 2:
             hint = "write goto, or two places and more with a comma between"
             message = f"{word.text} needs several places"
             self._problems.add("one-place", word.where, message, hint)
-        self._same_places(clause)
 
     def _of_area(self, parts: _Parts, clause: OfArea) -> None:
         if not kinds()[clause.word.text].encloses:
@@ -238,6 +246,23 @@ class Legs:
             self._problems.add("unknown-area", clause.area.where, message, hint)
         else:
             self._places(parts, Places(clause.word, area.corners))
+
+    def _of_file(self, parts: _Parts, clause: OfFile) -> None:
+        if not self._once(parts, clause.word):
+            return
+        self._begin(parts, clause.word)
+        try:
+            places = self._files(clause.path.text)
+        except PlacesError as error:
+            self._problems.add("places-file", clause.path.where, error.message, error.hint)
+            return
+        if len(places) > PLACES.most:
+            message = f"{clause.path.text} has {len(places):,} places: {PLACES.exceeded}"
+            hint = "thin it out, or make two files and two legs of it"
+            self._problems.add("too-long", clause.path.where, message, hint)
+        else:
+            parts.places = [*places]
+            self._several(clause.word, len(places))
 
     def _same_places(self, clause: Places) -> None:
         places = [self._values.place(p, here=True) for p in clause.places]

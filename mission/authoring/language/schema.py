@@ -221,7 +221,8 @@ def _kind(row: LegType) -> Schema:
         case Shape.PLACES:
             places = {"type": "array", "minItems": 2, "items": {"$ref": "#/definitions/place"}}
             area = {"type": "string", "pattern": r"^area\s+[A-Za-z_][A-Za-z0-9_-]*$"}
-            forms = [places, area] if row.encloses else [places]
+            file = {"type": "string", "pattern": r"^file\s+\S.*$"}
+            forms = [places, file, area] if row.encloses else [places, file]
             return {"anyOf": forms, "description": row.description}
 
 

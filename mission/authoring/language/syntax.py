@@ -42,6 +42,7 @@ from mission.authoring.language.clauses import (
     Named,
     Negation,
     OfArea,
+    OfFile,
     Offset,
     On,
     Opening,
@@ -310,6 +311,9 @@ class _Clauses:
 
     def borrowed(self, word: Token, area: Token) -> OfArea:
         return OfArea(self._name(word), self._name(area))
+
+    def filed(self, word: Token, path: Token) -> OfFile:
+        return OfFile(self._name(word), Name(str(path).strip('"'), self._where(path)))
 
     def chosen(self, word: Token, choice: Token) -> Chosen:
         return Chosen(self._name(word), self._name(choice))

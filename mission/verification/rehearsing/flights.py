@@ -6,10 +6,12 @@ import functools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 from links.simulated.settings import parse_settings
 from mission.authoring.check.assumptions import Assumptions
 from mission.authoring.check.bounds import LegBounds
+from mission.authoring.importing.places import beside
 from mission.authoring.prepare import Prepared, prepare_text
 from mission.model import Chart
 from mission.model.vehicle import Vehicle
@@ -105,7 +107,7 @@ def _one(job: Job) -> Flown:
 def _prepared(
     text: str, source: str, vehicle: str | None, parameters: tuple[tuple[str, str], ...]
 ) -> Prepared:
-    return prepare_text(text, source, vehicle, dict(parameters))
+    return prepare_text(text, source, vehicle, dict(parameters), beside(Path(source)))
 
 
 def energy_of(flight: Flight, chart: Chart, vehicle: Vehicle) -> float:

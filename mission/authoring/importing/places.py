@@ -1,0 +1,86 @@
+"""Files of places for a leg: the route of a plan (every format of import), a GPX track, or a table.
+
+    table    .csv: a first line that names latitude and longitude, then degrees, one place a line
+
+Only the places are taken, and the same place twice in a row once.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+from pathlib import Path
+
+from mission.authoring.importing import chosen, format_of, gpx, load
+from mission.authoring.importing.route import Findings, Go, ImportErrors, Source, position, text_of
+from mission.authoring.importing.route import number as read_number
+from mission.authoring.language.files import Files, PlacesError
+from mission.model import Place
+from mission.model.extent import BYTES
+
+_LATITUDE, _LONGITUDE = ("latitude", "lat", "y"), ("longitude", "lon", "lng", "long", "x")
+_COLUMNS = "begin with a line such as latitude,longitude"
+
+
+def beside(mission: Path) -> Files:
+    """Reads files by their paths from the folder in which the mission lies."""
+    return lambda name: places_in(mission.parent / name)
+
+
+def places_in(path: Path) -> Sequence[Place]:
+    """Raises PlacesError."""
+    found = Findings(str(path))
+    try:
+        places = list(_table(path, found) if path.suffix.lower() == ".csv" else _route(path, found))
+        found.complain()
+    except ImportErrors as error:
+        first = error.diagnostics[0]
+        line = f":{first.where.line}" if first.where.line else ""
+        raise PlacesError(f"{path}{line}: {first.message}", first.hint) from None
+    return [place for place, _ in groupby(places)]
+
+
+def _route(path: Path, found: Findings) -> Iterator[Place]:
+    format_ = format_of(path, found)
+    source = load(path, format_, found)
+    if not source.routes and format_.name == "gpx":
+        source = _tracks(path, found)
+    route = chosen(source, None, found)
+    for step in route.steps():
+        if not isinstance(step, Go):
+            what = f"a {type(step).__name__.lower()} is no place to go through"
+            raise found.refusal("plan-form", route.where, what, "take it over by import")
+        yield step.point.place
+
+
+def _tracks(path: Path, found: Findings) -> Source:
+    return gpx.tracks(path.read_bytes(), found)
+
+
+def _table(path: Path, found: Findings) -> Iterator[Place]:
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise found.refusal("unreadable", "", f"cannot be read: {error.strerror}") from None
+    found.read_in(data)
+    if len(data) > BYTES.most:
+        raise found.refusal("too-long", "", f"it has {BYTES.exceeded}, which no route has")
+    rows = csv.reader(text_of(data, found).splitlines())
+    head = [word.strip().lower() for word in next(rows, [])]
+    at = [next((head.index(n) for n in names if n in head), None)
+          for names in (_LATITUDE, _LONGITUDE)]  # fmt: skip
+    if at[0] is None or at[1] is None:
+        raise found.refusal("plan-form", 1, "no columns latitude and longitude", _COLUMNS)
+    for row in rows:
+        if not any(map(str.strip, row)):
+            continue
+        where = rows.line_num
+        given = [row[k] if k is not None and k < len(row) else "" for k in at]
+        lat, lon = (
+            read_number(t, n, where, found)
+            for t, n in zip(given, ("latitude", "longitude"), strict=True)
+        )
+        place = None if lat is None or lon is None else position(lat, lon, where, found)
+        if place is not None:
+            yield place
