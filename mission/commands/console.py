@@ -46,7 +46,7 @@ _NAMED = re.compile(r"(?:(?P<name>[\w.-]+)=)?(?P<url>[a-z][a-z+.-]*://.+)")
               help="A text file, a manual point a line, to be ticked before a start.")  # fmt: skip
 @click.option("--chart", "charts", multiple=True, type=click.Path(path_type=Path), metavar="FILE",
               help="Under the vehicle: GeoJSON, MBTiles, PMTiles, a picture with its corners, a "
-                   "grid of depths (.asc); repeatable.")  # fmt: skip
+                   "grid of depths (.asc) or soundings (.xyz, .csv); repeatable.")  # fmt: skip
 @click.option("--port", type=click.IntRange(0, 65535), default=0,
               help="Of the page, on this computer alone.  [default: any free one]")  # fmt: skip
 @click.option("--browser/--no-browser", default=True, help="Open the page.  [default: yes]")

@@ -229,7 +229,7 @@ def test_charts_lie_under_the_vehicle_and_tell_the_depth_there(
         page.locator("#layers").click()
         page.locator("#chart-layers input[type=file]").set_input_files(tmp_path / "rock.geojson")
         seat.shows("#chart-layers", "rock.geojson")
-        seat.shows("#chart-layers", "heights turned to depths")
+        seat.shows("#chart-layers", "heights, turned into depths")
         page.mouse.move(300, 400)
         seat.shows("#chart-pointer", "charted 7.0 m")
         page.get_by_label("floor.asc", exact=True).uncheck()

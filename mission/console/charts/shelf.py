@@ -24,7 +24,8 @@ from mission.console.charts.tiles import read_mbtiles, read_pmtiles
 FILE = "charts.json"
 MOST = 32  # charts
 READERS = {
-    ".geojson": read_shapes, ".json": read_shapes, ".asc": read_grid,
+    ".geojson": read_shapes, ".json": read_shapes,
+    ".asc": read_grid, ".xyz": read_grid, ".csv": read_grid,
     ".mbtiles": read_mbtiles, ".pmtiles": read_pmtiles,
     **dict.fromkeys(PICTURES, read_picture),
 }  # fmt: skip

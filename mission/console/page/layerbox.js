@@ -11,7 +11,7 @@ import { word } from './words.js';
 /** @typedef {import('./charts.js').Charts} Charts
  * @typedef {import('./charts.js').Layer} Layer */
 
-const FILES = '.geojson,.json,.asc,.mbtiles,.pmtiles,.png,.jpg,.jpeg,.webp,.pgw,.jgw,.wld';
+const FILES = '.geojson,.json,.asc,.xyz,.csv,.mbtiles,.pmtiles,.png,.jpg,.jpeg,.webp,.pgw,.jgw,.wld';
 
 export class LayerBox {
   /** @param {(id: string) => HTMLElement} at @param {Charts} charts @param {() => void} redraw */
