@@ -199,11 +199,12 @@ def test_a_recording_is_played_and_scrubbed(chromium: object) -> None:
     with console(lambda: recorded) as running, seated(chromium, running) as seat:
         review = seat.page.locator("#review")
         playwright.expect(review).to_be_visible()
-        review.locator("select").select_option("100")
+        review.get_by_label("Speed", exact=True).select_option("100")
         seat.shows("#state", "autonomous")
         seat.shows("#state", "idle/ready")
         review.locator("input[type=range]").fill("1")
         seat.shows("#review .at", "0:0")
+        seat.page.get_by_text("Compare", exact=True).click()
         seat.page.get_by_role("button", name="Known now").click()
         seat.shows("#review .note", "at most")
         playwright.expect(seat.page.locator("#stop")).to_be_disabled()

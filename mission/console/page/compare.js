@@ -88,7 +88,9 @@ export class Compare {
       el('option', { value: 'start' }), el('option', { value: 'clock' }));
     this._says = el('span', { class: 'note' });
     this._offered = '';
-    this.root = el('div', { class: 'compare' }, this._smoothed, this._other, this._by, this._says);
+    this._title = el('summary');
+    this.root = el('details', { class: 'compare' }, this._title,
+      el('div', {}, this._smoothed, this._other, this._by, this._says));
   }
 
   /** @param {Partial<Compared>} change */
@@ -102,6 +104,7 @@ export class Compare {
   show(page, now) {
     const { compared, chosen, stations } = page;
     const others = stations.filter((s) => s !== chosen && s.vehicle.setup.source === 'recording');
+    say(this._title, word('comparing'));
     say(this._smoothed, word('known_now'));
     mark(this._smoothed, 'aria-pressed', String(compared.smoothed));
     this._other.hidden = !others.length;

@@ -36,6 +36,7 @@ const LINE_PX = 90; // between lines of the grid, at least
 const HULL = [[0, -15], [9, 11], [0, 6], [-9, 11]]; // px, ahead upward
 /** @type {readonly Pair[]} */
 const CROSS = [[1, 0], [-1, 0], [0, 1], [0, -1]];
+const NARROW = 600; // px: the place stands over the whole width
 const TURN = 2 * Math.PI;
 
 /** @type {ReadonlyArray<(pen: Pen, view: View, scene: Scene, inks: Inks) => void>} */
@@ -178,13 +179,13 @@ function homeMark(pen, view, scene, inks) {
  * @param {Scene} scene @param {Inks} inks */
 function besideLines(pen, view, scene, inks) {
   const { now = null, other = null } = scene.beside ?? {};
-  if (now) besideLine(pen, view, now, inks.vehicle, inks.paper, []);
-  if (other) besideLine(pen, view, other, inks.target, inks.paper, [8, 5]);
+  if (now) besideLine(pen, view, now, inks.vehicle, inks.paper, -10);
+  if (other) besideLine(pen, view, other, inks.target, inks.paper, 18, [8, 5]);
 }
 
 /** @param {Pen} pen @param {View} view @param {Beside} beside @param {string} ink
- * @param {string} paper @param {number[]} dashes */
-function besideLine(pen, view, { name, line, at }, ink, paper, dashes) {
+ * @param {string} paper @param {number} down px, of its name @param {number[]} [dashes] */
+function besideLine(pen, view, { name, line, at }, ink, paper, down, dashes = []) {
   pen.strokeStyle = ink;
   pen.lineWidth = 2;
   pen.setLineDash(dashes);
@@ -195,7 +196,7 @@ function besideLine(pen, view, { name, line, at }, ink, paper, dashes) {
   pen.beginPath();
   pen.arc(x, y, 6, 0, TURN);
   pen.stroke();
-  label(pen, name, x + 10, y + 16, ink, paper);
+  label(pen, name, x + 10, y + down, ink, paper);
 }
 
 /** @param {Pen} pen @param {View} view @param {Scene} scene @param {Inks} inks */
@@ -287,7 +288,7 @@ function scaleBar(pen, view, _, inks) {
 
 /** @param {Pen} pen @param {View} view @param {Scene} _ @param {Inks} inks */
 function northArrow(pen, view, _, inks) {
-  const [x, y] = [view.width - 26, 40];
+  const [x, y] = [view.width - 86, view.width > NARROW ? 40 : 92]; // beside the buttons
   pen.fillStyle = inks.ink;
   pen.beginPath();
   pen.moveTo(x, y - 22);

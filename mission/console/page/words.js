@@ -70,6 +70,7 @@ export const WORDS = {
   // chart
   chart: ['Chart', '海图'],
   known_now: ['Known now', '事后已知'],
+  comparing: ['Compare', '对比'],
   compare: ['Compare with', '对比'],
   compare_none: ['Compare with …', '对比……'],
   aligned: ['Aligned by', '对齐方式'],
