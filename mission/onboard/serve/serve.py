@@ -104,13 +104,8 @@ class Server:
     async def run(self) -> None:
         """Until ``stop``."""
         links = self._configuration.links
-        urls = {
-            TOPSIDE: listening(links.topside),
-            VEHICLE: links.vehicle,
-            GPS: links.gps,
-            MODEM: links.modem,
-            SENSORS: links.sensors,
-        }
+        urls = {TOPSIDE: listening(links.topside), VEHICLE: links.vehicle, GPS: links.gps}
+        urls |= {MODEM: links.modem, SENSORS: links.sensors}
         self._ports = {
             name: Port(name, url, self._readable, self._changed, self._tell)
             for name, url in urls.items()
