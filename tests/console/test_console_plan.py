@@ -155,6 +155,7 @@ def told(socket: Any, *wanted: str) -> dict[str, Any]:
     return dict(answer)
 
 
+@pytest.mark.proof
 def test_a_ghost_flies_in_the_sea_that_was_chosen_and_says_which() -> None:
     with console(list) as running, running.socket("ghost") as socket:
         socket.send(json.dumps(FLY))

@@ -119,6 +119,27 @@ def test_a_unit_is_kept_and_so_is_a_number_that_does_not_change() -> None:
     assert "north: 60 m" not in moved
 
 
+def test_a_number_that_does_not_change_stays_as_it_is_written() -> None:
+    text = LINES.replace("north 60 east -50", "north 60.0 east -5e1")
+    index = named(text, "t.mission", "out")
+    place = at(known(text, "t.mission")[index])
+    assert move(text, "t.mission", index, place) == text
+    moved = move(text, "t.mission", index, off(place, 20.0, 0.0))
+    assert "east -5e1" in moved
+    assert "north 60" not in moved.split("\n")[4]
+
+
+def test_a_place_in_the_first_line_is_found_behind_a_byte_order_mark() -> None:
+    text = f"\ufeffhome {HOME[0]} {HOME[1]}\nwait 1s\n"
+    assert move(text, "t.mission", 0, (30.5, 120.5)) == "\ufeffhome 30.5 120.5\nwait 1s\n"
+
+
+def test_a_leg_whose_copy_would_lead_to_another_group_is_written_anew() -> None:
+    text = (missions_folder() / "transect.yaml").read_text(encoding="utf-8")
+    grown = add(text, "transect.yaml", "goto", off(HOME, 50.0, 50.0))
+    assert parse(grown).body[-2].name == "goto_1"
+
+
 def test_a_place_that_a_parameter_sets_is_shown_and_stays() -> None:
     index = named(YAML, "t.yaml", "named")
     one = known(YAML, "t.yaml")[index]
