@@ -181,3 +181,12 @@ def test_a_vehicle_file_with_a_number_spoilt_is_refused_or_is_checked_against() 
             check_mission(compile_mission(mission, vehicle, digest(mission)), vehicle)
         except (VehicleError, MissionErrors):
             continue
+
+
+def test_the_noise_of_added_sensors_may_be_said_and_need_not_be() -> None:
+    said = read_vehicle(AUV + "added: {ground: 0.02 m/s, place: 5 m}\n", "mine")
+    assert said.added == {"ground": 0.02, "place": 5.0}
+    assert read_vehicle(AUV, "mine").added == {}
+    for wrong, hint in (("grund: 1", "ground"), ("ground: 9 m/s", "up to 5"), ("place: 1 V", "m")):
+        with pytest.raises(VehicleError, match=hint):
+            read_vehicle(f"{AUV}added: {{{wrong}}}\n", "mine")
