@@ -149,7 +149,7 @@ def restart(before: Sequence[Record | Gap], after: Sequence[Record | Gap]) -> st
     kept = began.store.under_way
     what = f"under way was {kept}" if kept else "nothing was under way"
     if away < 0.0:
-        return f"--- another recording: its clock began {-away:.1f} s before this one ended ---"
+        return f"--- another recording, begun {-away:.1f} s before the one above ended ---"
     return f"--- the program began again {away:.1f} s later: {what} ---"
 
 

@@ -168,7 +168,7 @@ def test_recordings_of_the_same_time_are_two_and_no_program_that_began_again() -
         said = restart(begun(0.0, one), begun(10.0, other))
         assert "began again" not in said
         assert re.fullmatch(
-            r"--- another recording: its clock began \d+\.\d s before this one ended ---", said
+            r"--- another recording, begun \d+\.\d s before the one above ended ---", said
         )
 
 
