@@ -110,6 +110,14 @@ def test_what_the_file_does_not_know_is_told_and_bounds_nothing() -> None:
     assert "of it not known" in told(part)
 
 
+def test_a_floor_that_is_known_in_part_does_not_bound_a_hold_that_fails() -> None:
+    leg = OVER.replace("depth 6", "depth 4")
+    part, free = judged(leg, depths(8.0, hole=True)), judged(leg, None)
+    assert part.proved is not None
+    assert free.proved is not None
+    assert part.proved.blind_depth == free.proved.blind_depth > 20.0
+
+
 def test_a_leg_beyond_the_edge_of_the_file_is_known_in_part() -> None:
     far = OVER.replace("east 150", "east 330")
     assert 0.5 < ground(judged(far, depths()), "out").known < 1.0
