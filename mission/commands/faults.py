@@ -82,8 +82,8 @@ def faults(
 
     from mission.verification.campaign.faults import Totals
 
-    if vehicle != "auv" and (search or rule or soak is not None):
-        raise click.UsageError("--search, --broken and --soak are of the AUV: leave --vehicle out")
+    if vehicle != "auv" and rule:
+        raise click.UsageError("--broken is of the AUV: leave --vehicle out")
     known = _known(vehicle)
     if rule is not None:
         sys.exit(_break(rule, seed, flights, where, known, as_json, search))
@@ -219,7 +219,10 @@ def _search(
 
     search = Search(seed, known)
     tell = functools.partial(click.echo, err=True)
-    with where.keeping({"flights": "searched", "seed": seed}, Searched) as kept:
+    asked = {"flights": "searched", "seed": seed}
+    if known[0].vehicle != "auv":
+        asked["vehicle"] = known[0].vehicle
+    with where.keeping(asked, Searched) as kept:
         found = flown(search, seed, flights, known, where.place, kept)
         for name, result in with_progress(found, flights, "flights", tell, kept.count):
             _take(totals, result, name, as_json, _again(seed, name, False, known))
@@ -302,14 +305,14 @@ def _soak(days: float, seed: int, known: Sequence[Subject], as_json: bool) -> in
     from mission.verification.campaign import soak
 
     def told(soaked: soak.Soaked, result: FlightResult) -> None:
-        for line in soak.story(soaked, result, seed):
+        for line in soak.story(soaked, result, seed, known[0].vehicle):
             click.echo(line)
         if soaked.missions % 20 == 0:
             words = f"{soaked.days:.2f} of {days:g} days, {soaked.missions} missions"
             click.echo(f"{words}, growth {soaked.growth}", err=True)
 
     with tempfile.TemporaryDirectory(prefix="soak-") as folder:
-        soaked = soak.soak(days, seed, known, load_vehicle("auv"), Path(folder), told)
+        soaked = soak.soak(days, seed, known, load_vehicle(known[0].vehicle), Path(folder), told)
     click.echo(json.dumps(soaked.as_json()))
     if soaked.interrupted:
         raise KeyboardInterrupt
@@ -328,11 +331,14 @@ def _soak_many(
     from mission.verification.workers import results
     from mission.verification.workers.outcome import Lost
 
-    work = functools.partial(soak_alone, days, known, load_vehicle("auv"))
+    work = functools.partial(soak_alone, days, known, load_vehicle(known[0].vehicle))
     place = where.lasting(1.0 + days).place
     found: dict[int, Any] = {}
     held = True
-    with where.keeping({"flights": "soaked", "days": days}, Summary) as kept:
+    asked = {"flights": "soaked", "days": days}
+    if known[0].vehicle != "auv":
+        asked["vehicle"] = known[0].vehicle
+    with where.keeping(asked, Summary) as kept:
         for seed, one in zip(seeds, results(work, seeds, place, kept=kept), strict=True):
             held = held and not isinstance(one, Lost) and one.held
             found[seed] = None if isinstance(one, Lost) else one.found

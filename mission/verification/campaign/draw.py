@@ -149,8 +149,10 @@ def body_of(vehicle: str) -> Body:
 
 
 def rows(subjects: Sequence[Subject]) -> tuple[str, ...]:
-    """Of the tables that flights are drawn from: scenes, and missions by their files' names."""
-    return (*SCENES, *(subject.path.stem for subject in subjects))
+    """Of the tables that flights are drawn from: missions by their files' names, and of the AUV,
+    which flies them, scenes."""
+    scenes = SCENES if subjects[0].vehicle == "auv" else ()
+    return (*scenes, *(subject.path.stem for subject in subjects))
 
 
 def draw_row(row: str, rng: Random, seed: int, number: int, subjects: Sequence[Subject]) -> Plan:

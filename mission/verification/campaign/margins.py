@@ -50,13 +50,18 @@ _FAILS, _CLOSED = 60.0, 6.0  # s
 _SENSORS = ("depth_", "heading_", "attitude_", "altitude_", "roll_", "gps_")
 _STOPPED_ACK = re.compile(rb"@ACK_Z[XA]Y\$")
 _ORDER = re.compile(rb"@ZA(?:X0|WF)\$")
+# What asks for acknowledges, which no board of another document gives, or for a place.
+_ANSWERED, _PLACED = frozenset({"answers", "stop", "order"}), frozenset({"radius", "estimate"})
 Margin = Callable[[Story], Iterable[float]]
 
 
 def margins(story: Story) -> dict[str, float]:
-    """The least margin of each kind that the flight has."""
+    """The least margin of each kind that the flight has, of those that are the vehicle's."""
     found = {}
+    place = "position" in story.vehicle.reports
     for name, law in MARGINS.items():
+        if (name in _ANSWERED and story.board is not None) or (name in _PLACED and not place):
+            continue
         least = min(law(story), default=1.0)
         if least < 1.0:
             found[name] = round(max(least, 0.0), 4)
@@ -240,7 +245,7 @@ def _order(story: Story) -> Iterator[float]:
 
 
 def _stick(story: Story) -> Iterator[float]:
-    sticks = [word.t for word in story.words if word.data[:2] == b"@M"]
+    sticks = story.stick
     for stay in story.stays:
         if stay.state.startswith("manual"):
             last = max((t for t in sticks if t <= stay.end), default=stay.begin)

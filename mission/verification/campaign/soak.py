@@ -137,7 +137,7 @@ def soak_alone(days: float, subjects: Sequence[Subject], vehicle: Vehicle, seed:
     stories: list[str] = []
 
     def told(soaked: Soaked, result: FlightResult) -> None:
-        stories.extend(story(soaked, result, seed))
+        stories.extend(story(soaked, result, seed, vehicle.name))
 
     with tempfile.TemporaryDirectory(prefix="soak-") as folder:
         soaked = soak(days, seed, subjects, vehicle, Path(folder), told)
@@ -146,13 +146,14 @@ def soak_alone(days: float, subjects: Sequence[Subject], vehicle: Vehicle, seed:
     return Summary(soaked.as_json(), tuple(stories), soaked.held)
 
 
-def story(soaked: Soaked, result: FlightResult, seed: int) -> Iterator[str]:
+def story(soaked: Soaked, result: FlightResult, seed: int, vehicle: str) -> Iterator[str]:
     """Of a mission that broke a law."""
     if result.violations:
         yield f"mission {result.number}: {result.words}"
         for v in result.violations:
             yield f"  {v.kind} at {v.t:.1f} s: {v.says}"
-        yield f"  again: auvmission faults --seed {seed} --soak {soaked.days:.2f}"
+        of = "" if vehicle == "auv" else f" --vehicle {vehicle}"
+        yield f"  again: auvmission faults{of} --seed {seed} --soak {soaked.days:.2f}"
 
 
 def _fly_on(

@@ -20,7 +20,7 @@ from dataclasses import replace
 from random import Random
 from typing import TYPE_CHECKING, TypeVar
 
-from mission.verification.campaign.draw import PROFILES, Plan, Subject, draw_row, rows
+from mission.verification.campaign.draw import Plan, Subject, draw_row, profiles_of, rows
 
 if TYPE_CHECKING:
     from _typeshed import SupportsLenAndGetItem
@@ -60,7 +60,8 @@ def plan_of(name: str, seed: int, subjects: Sequence[Subject]) -> Plan:
         raise ValueError(f"no flight {name!r}: a row of the tables, and /0 or more")
     number, *moves = map(int, numbers)
     rng = Steered(f"steered {seed} {name}", _point(seed, row, number, moves))
-    profile = rng.choice(PROFILES)  # how many numbers come before it otherwise is a draw, too
+    # First: how many numbers come before it otherwise is a draw, too.
+    profile = rng.choice(profiles_of(subjects[0].vehicle))
     return replace(draw_row(row, rng, seed, number, subjects), profile=profile)
 
 

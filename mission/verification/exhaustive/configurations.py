@@ -55,11 +55,11 @@ from protocol.messages import SetSafety
 from protocol.topside import encode
 
 PROFILES = {"auv": ("as-built", "documented")}  # by codec, where the document has not only its own
-DEEP, SHALLOW = 2.4, 0.2  # m: no shipped leg waits for what is near that
+SHALLOW = 0.2  # m
 STICK = b"@MMF5$"
 PROVED = 9  # s until a shallow depth has proved the surface, where a board's own place is a fix
 _ABOVE = 0.5  # V over the limit: what handlers ask for
-DEEPER = 3.2  # m: what tells no thrust is believed to push where it is 1 m short of what it holds
+DEEPER = 0.8  # m: what tells no thrust is taken to push in vain 1 m short of what it holds
 _NOT_MINE = Position(30.0, 120.0)  # where a mission names no home
 
 
@@ -154,7 +154,7 @@ def configurations(ground: Ground) -> Iterator[tuple[Configuration, World]]:
 def sink(world: World) -> None:
     """To where one is under water: at a rate that is seen once, which no limit minds."""
     world.wait(2.0)
-    world.put(DEEP if THRUSTERS in world.line.has else DEEPER)
+    world.put(world.deep + (0.0 if THRUSTERS in world.line.has else DEEPER))
     world.wait(4.0)
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from mission.verification.exhaustive.cell import Event
 from mission.verification.exhaustive.commands import Play, script
-from mission.verification.exhaustive.configurations import DEEP, SHALLOW
+from mission.verification.exhaustive.configurations import SHALLOW
 from mission.verification.exhaustive.lines import GPS, U12, WATER, W
 from mission.verification.exhaustive.world import World
 
@@ -23,7 +23,7 @@ _MADE_UP = 40  # s of fixes: less than the way up takes
 
 def _ordered_up(world: World) -> None:
     world.answers = "Y"
-    world.put(DEEP)
+    world.put(world.deep)
     world.say(W)
     world.wait(0.5)
 
@@ -62,7 +62,7 @@ def _restarts_and_wanders(world: World) -> None:
     world.sea.depth = SHALLOW
     world.sea.told()
     world.sea.frozen.add("depth")
-    world.sea.depth = DEEP
+    world.sea.depth = world.deep
     world.restart()
     _wanders(world)
 

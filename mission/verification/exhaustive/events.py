@@ -15,7 +15,7 @@ from mission.model import Chart
 from mission.model.tables import Table, derived
 from mission.verification.exhaustive.cell import Configuration, Event
 from mission.verification.exhaustive.commands import COMMANDS, SETTLE, Play, of_word, script
-from mission.verification.exhaustive.configurations import DEEP, SHALLOW
+from mission.verification.exhaustive.configurations import SHALLOW
 from mission.verification.exhaustive.doubts import DOUBTS
 from mission.verification.exhaustive.exit_inputs import come_true, end_leg
 from mission.verification.exhaustive.limit_events import LIMITS, sinks
@@ -213,13 +213,13 @@ def _leg_ends(world: World, configuration: Configuration, chart: Chart) -> None:
     world.wait(2.0)
 
 
-def _minute(depth: float) -> Play:
+def _minute(*, deep: bool) -> Play:
     """Of silence; the vehicle is heard again just before its end."""
 
     def play(world: World) -> None:
         world.reports = False
         world.wait(56.0)
-        world.sea.depth, world.reports = depth, True
+        world.sea.depth, world.reports = world.deep if deep else SHALLOW, True
         world.wait(7.0)
 
     return script(play)
@@ -244,7 +244,7 @@ def _rises(world: World) -> None:
 def _rises_by_thrust(world: World) -> None:
     """Not at once: the second time, where the same bytes say W."""
     world.answers = "Y"
-    world.put(DEEP)
+    world.put(world.deep)
     world.say(b"@ZAWF$")
     world.wait(SETTLE)
     world.rises_by = U12
@@ -254,7 +254,7 @@ def _rises_by_thrust(world: World) -> None:
 
 def _sinks_for_ever(world: World) -> None:
     world.answers = "Y"
-    world.put(DEEP)
+    world.put(world.deep)
     world.say(b"@ZAWF$")
     world.wait(45.0)
 
@@ -279,10 +279,10 @@ def _line_is_back(world: World) -> None:
     world.wait(2.0)
 
 
-def _ends(depth: float) -> Play:
+def _ends(*, deep: bool) -> Play:
     def play(world: World) -> None:
         world.answers = "Y"
-        world.put(depth)
+        world.put(world.deep if deep else SHALLOW)
         world.wait(8.5)
         world.end()
         world.wait(1.0)
@@ -292,7 +292,7 @@ def _ends(depth: float) -> Play:
 
 def _ends_at_once(world: World) -> None:
     world.answers = "Y"
-    world.put(DEEP)
+    world.put(world.deep)
     world.wait(4.5)
     world.end(at_once=True)
     world.wait(15.0)
@@ -306,8 +306,8 @@ OTHERS = (
     Event("no ACK", _answers(""), also=frozenset({"deaf"}), needs=_ANSWERED),
     Event("the leg's time is up", _leg_ends),
     Event("what the leg waits for", come_true),
-    Event("a minute of silence, deep", _minute(DEEP), also=_SILENCE | {"deeper"}, needs=_WET),
-    Event("a minute of silence, then at the surface", _minute(SHALLOW), also=_SILENCE),
+    Event("a minute of silence, deep", _minute(deep=True), also=_SILENCE | {"deeper"}, needs=_WET),
+    Event("a minute of silence, then at the surface", _minute(deep=False), also=_SILENCE),
     Event(
         "a minute of silence, the depth unknown",
         script(_minute_blind),
@@ -321,8 +321,8 @@ OTHERS = (
         "X, answered late", script(_unanswered_stop), "X", also=frozenset({"deaf"}), needs=_ANSWERED
     ),
     Event("the line is back", script(_line_is_back), also=frozenset({"line"})),
-    Event("the program is to end, deep", _ends(DEEP), also=frozenset({"end"}), needs=_WET),
-    Event("the program is to end, at the surface", _ends(SHALLOW), also=frozenset({"end"})),
+    Event("the program is to end, deep", _ends(deep=True), also=frozenset({"end"}), needs=_WET),
+    Event("the program is to end, at the surface", _ends(deep=False), also=frozenset({"end"})),
     Event("the program ends at once", script(_ends_at_once), also=frozenset({"end", "last"})),
     Event("it sinks slowly", sinks(0.3, 10), also=frozenset({"sinks"}), needs=_WET),
     Event("restart", script(_restarts), also=frozenset({"restart"})),

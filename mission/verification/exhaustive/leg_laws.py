@@ -25,7 +25,6 @@ from mission.model import (
     Trend,
 )
 from mission.verification.exhaustive.cell import Cell
-from mission.verification.exhaustive.configurations import DEEP
 from mission.verification.exhaustive.laws import Law, Verdict, wrong
 from mission.verification.exhaustive.lines import ANSWERS, THRUSTERS, WATER
 
@@ -78,7 +77,7 @@ def _real(cell: Cell) -> bool:
         return kept and plain and state is not None and state.heading is not None
     if limit == "no progress":
         asked = state.depth if state is not None else None
-        return kept and plain and asked is not None and abs(asked - DEEP) > _OFF
+        return kept and plain and asked is not None and abs(asked - cell.world.deep) > _OFF
     if limit == "course against heading":
         return kept and plain and state is not None and state.surge >= _AHEAD
     if limit == "brown-out":

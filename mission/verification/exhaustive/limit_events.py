@@ -11,7 +11,7 @@ from mission.engine.areas import Fence
 from mission.model import Area, Chart, Local
 from mission.verification.exhaustive.cell import Configuration, Event
 from mission.verification.exhaustive.commands import Play, script
-from mission.verification.exhaustive.configurations import DEEP, SHALLOW, doubt
+from mission.verification.exhaustive.configurations import SHALLOW, doubt
 from mission.verification.exhaustive.exit_inputs import end_leg
 from mission.verification.exhaustive.lines import ANSWERS, GPS, PUSHES, THRUSTERS
 from mission.verification.exhaustive.world import World
@@ -28,7 +28,7 @@ def _tightens(limits: SetSafety, seconds: float = 4.5) -> Play:
 
 
 def _too_deep(world: World) -> None:
-    world.put(DEEP)
+    world.put(world.deep)
     world.wait(4.0)
     world.say(encode(SetSafety(depth=1.0)))
     world.wait(4.5)

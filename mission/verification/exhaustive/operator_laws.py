@@ -16,7 +16,6 @@ from mission.model import (
 from mission.model.alarms import mask_of
 from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.commands import COPIED, WORD
-from mission.verification.exhaustive.configurations import DEEP
 from mission.verification.exhaustive.laws import (
     AT_SURFACE,
     DEEP_REST,
@@ -279,7 +278,11 @@ def _tells_at_surface(cell: Cell) -> Verdict:
     """R11: one @VS unasked on every path at the surface."""
     if "restart" in cell.event.causes:  # nobody is connected yet
         return None
-    if SURFACED not in cell.states[1:] or cell.state != SURFACED or cell.world.sea.depth >= DEEP:
+    if (
+        SURFACED not in cell.states[1:]
+        or cell.state != SURFACED
+        or cell.world.sea.depth >= cell.world.deep
+    ):
         return None
     told = [t for t in cell.answers(b"@VS") if t.reason != "asked" and t.address]
     each = sorted(t.address for t in told)

@@ -108,6 +108,12 @@ class World(LockStep):
         for address in (BOAT, TENDER):
             self._take(self.runtime.connected(TOPSIDE, address, self.now))
 
+    @property
+    def deep(self) -> float:
+        """m: of the AUV, farther in a period than a body sinks; of a board, not so deep that a leg
+        of a shipped mission ends there."""
+        return 3.0 if ANSWERS in self.line.has else 2.4
+
     def come_to(self, depth: float) -> None:
         """Puts the vehicle at a depth as if it had been there for long: no other depth is
         remembered."""
