@@ -55,7 +55,7 @@ def exhaustive(
     if not as_json:
         for law, asked in sorted(found.asked.items()):
             click.echo(f"{asked:9d} cells  {found.broken[law]:6d} broken  {law}")
-    silent = unasked(found, of_legs=not missions)
+    silent = unasked(found, of_legs=not (missions or others))
     for law in unasked(found):
         kind = "error: no cell asks" if law in silent else "note: no leg here is of the kind of"
         click.echo(f"{kind}: {law}", err=True)

@@ -11,7 +11,7 @@ from itertools import groupby, pairwise
 from mission.model import STOPPED, SURFACED, SURFACING, Tx
 from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.laws import Law, Verdict, wrong
-from mission.verification.exhaustive.lines import ANSWERS, D12, U12, W, X
+from mission.verification.exhaustive.lines import ANSWERS, D12, REPEATS, U12, W, X
 from mission.verification.rig.line import GAP_S, crowded
 from protocol.vehicles import line_rate
 
@@ -134,7 +134,7 @@ def _carried(cell: Cell) -> Verdict:
     return ""
 
 
-_ANSWERED = frozenset({ANSWERS})
+_ANSWERED, _SAID_AGAIN = frozenset({ANSWERS}), frozenset({REPEATS})
 LINE_LAWS: tuple[Law, ...] = (
     Law("in stopped nothing leaves but X0 and relays", "R7", _stopped),
     Law("in surfacing nothing leaves but W, X0, U12, D12 and relays", "R7", _surfacing),
@@ -143,6 +143,8 @@ LINE_LAWS: tuple[Law, ...] = (
     Law("20 ms between two frames to the STM32", "as built", _gap, needs=_ANSWERED),
     Law("one Z outstanding", "R1", _one_outstanding, needs=_ANSWERED),
     Law("a frame is tried three times", "R1", _tries, needs=_ANSWERED),
-    Law("what holds is said again within the board's period", "R16, R17", _paced),
-    Law("a board is sent no more than its line carries", "R7", _carried),
+    Law(
+        "what holds is said again within the board's period", "R16, R17", _paced, needs=_SAID_AGAIN
+    ),
+    Law("a board is sent no more than its line carries", "R7", _carried, needs=_SAID_AGAIN),
 )

@@ -40,6 +40,7 @@ HELD = " (held)"  # what the reason of what is said again ends with
 LET_GO = "no M for 600 ms"  # what the reason of neutral behind a stick begins with
 # What an event, a way or a law may need of a vehicle, beside what its file says that it reports.
 ANSWERS, WATER, GPS, THRUSTERS = "answers", "water", "gps", "thrusters"
+REPEATS = "repeats"  # what holds is said again and again
 NO_TEMPERATURE = "temperature unknown"  # its frame can say that none is known
 PUSHES = "pushes told"  # its reports say which way the verticals push
 
@@ -255,7 +256,7 @@ def line_of(vehicle: Vehicle) -> Line:
         _unbounded(make(tolerances)),
         values,
         tolerances,
-        vehicle.reports | own_of,
+        vehicle.reports | own_of | {REPEATS},
         vehicle.sensors.telemetry_period,
     )
 
