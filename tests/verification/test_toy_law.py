@@ -54,7 +54,7 @@ def test_every_cell_is_asked_and_one_that_breaks_it_is_told(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     few = tuple(event for name, event in EVENTS.items() if name in ("X", "ACK Y"))
-    monkeypatch.setattr(run, "events", lambda: few)
+    monkeypatch.setattr(run, "events_of", lambda line: few)
     on = ground(missions_folder() / "first-dive.yaml", "as-built")
     found = examine_ground(on, every=1000)
     assert found.configurations == 1

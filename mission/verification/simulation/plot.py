@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 _ELLIPSES = 12
 _DIGIT = 0.011  # width of a number's digit over the profile, as a share of the mission
-_NEAR = 0.04  # of the plan's width: a number nearer than this to another would hide it
+_NEAR = 0.05  # of the plan's width: a number nearer than this to another would hide it
 _TITLE_WIDTH = 100  # characters
 _KEY_WIDTH = 120  # characters of the key in one row
 _TRUE, _ESTIMATE = "#2b2b2b", "#c1440e"
