@@ -163,3 +163,37 @@ def test_a_file_with_a_byte_order_mark_is_read(tmp_path: Path) -> None:
     file = tmp_path / "s.csv"
     file.write_text("\ufefflat,lon,depth\n30,120,4\n30.1,120.1,6\n", encoding="utf-8")
     assert read_bathymetry(file).at(30.0, 120.0) == 4.0
+
+
+def test_a_bank_that_is_smaller_than_a_cell_is_not_lost() -> None:
+    bank = square(120.05005, 30.05005, 0.0002)
+    sea = square(120.0, 30.0, 0.1)
+    grid = bathymetry_of(
+        geojson(({"depth": 20}, "Polygon", [sea]), ({"depth": 2}, "Polygon", [bank])), "bay.json"
+    )
+    assert grid.shallow.min() == 2.0
+    assert grid.known == 1.0
+
+
+@pytest.mark.parametrize("unknown", ["-32768", "32767", "-3.4e38", "1e20"])
+def test_what_no_sea_and_no_mountain_has_is_no_depth(unknown: str) -> None:
+    with pytest.raises(BathymetryError, match="is no depth.*nodata_value"):
+        bathymetry_of(GRID.replace("-8 -9999", f"-8 {unknown}"), "bay.asc")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{"type": "Point", "coordinates": [120, 30, 1' + "0" * 400 + "]}",
+        '{"type": "Point", "coordinates": [120, 30, 1' + "0" * 5000 + "]}",
+        '{"type": "Point", "coordinates": [1' + "0" * 400 + ", 30, 5]}",
+        '{"type": "Point", "coordinates": [120, 30, NaN]}',
+        '{"type": "MultiPoint", "coordinates": [[120, 30, 5], [120, 30, Infinity]]}',
+        "lat,lon,depth\n30,120," + "5" * 200_000,
+        "lat,lon,depth" + "h" * 200_000 + "\n30,120,5",
+    ],
+    ids=range(7),
+)
+def test_numbers_that_no_file_of_depths_has_are_refused(text: str) -> None:
+    with pytest.raises(BathymetryError):
+        bathymetry_of(text, "bay")

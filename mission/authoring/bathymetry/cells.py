@@ -16,6 +16,7 @@ from mission.authoring.bathymetry.grid import (
     BathymetryError,
     Corner,
     Depths,
+    Indices,
     Numbers,
     geographic,
     made,
@@ -98,7 +99,8 @@ class _Cells:
         np.maximum.at(self.deep, (rows, columns), depths)
 
     def area(self, rings: list[list[Corner]], one: float, other: float) -> None:
-        """All cells whose middle is in it: even-odd, so that holes are holes."""
+        """All cells whose middle is in it (even-odd, so that holes are holes), and those on its
+        edge, so that no area is too small or too thin for them."""
         rows, columns = (np.arange(n) for n in self.shallow.shape)
         lat = self.north - rows * self.step[0]
         lon = (self.west + columns * self.step[1])[None, :]
@@ -109,5 +111,23 @@ class _Cells:
                 if len(meets):
                     at = b + (lat[meets, None] - a) * (d - b) / (c - a)
                     odd[meets] ^= lon < at
+        for ring in rings:
+            for one_end, other_end in zip(ring, (*ring[1:], ring[0]), strict=True):
+                odd[self._along(one_end, other_end)] = True
         self.shallow[odd] = np.minimum(self.shallow[odd], min(one, other))
         self.deep[odd] = np.maximum(self.deep[odd], max(one, other))
+
+    def _along(self, one: Corner, other: Corner) -> tuple[Indices, Indices]:
+        """Rows and columns of the cells that an edge goes through."""
+        (a, b), (c, d) = (self._cell(*corner) for corner in (one, other))
+        share = np.linspace(0.0, 1.0, 2 + math.ceil(4.0 * max(abs(c - a), abs(d - b))))
+        last = (n - 1 for n in self.shallow.shape)
+        rows, columns = (
+            np.clip(np.rint(x + (y - x) * share), 0, most).astype(int)
+            for x, y, most in zip((a, b), (c, d), last, strict=True)
+        )
+        return rows, columns
+
+    def _cell(self, latitude: float, longitude: float) -> tuple[float, float]:
+        """In cells south and east of the first one's middle."""
+        return (self.north - latitude) / self.step[0], (longitude - self.west) / self.step[1]

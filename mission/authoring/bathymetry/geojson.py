@@ -22,7 +22,7 @@ HEIGHTS = ("elevation", "height", "elev", "ele")
 def from_geojson(text: str, source: str) -> Depths:
     try:
         data = json.loads(text)
-    except (json.JSONDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:
         raise BathymetryError(f"{source}: no JSON ({error}); save it again as GeoJSON") from None
     found = Found(source)
     features = data.get("features", [data]) if isinstance(data, dict) else []
@@ -30,7 +30,14 @@ def from_geojson(text: str, source: str) -> Depths:
         where = f"{source}: features[{number}]"
         try:
             _feature(feature, found, where)
-        except (TypeError, ValueError, KeyError, AttributeError, IndexError) as error:
+        except (
+            TypeError,
+            ValueError,
+            KeyError,
+            AttributeError,
+            IndexError,
+            OverflowError,
+        ) as error:
             if isinstance(error, BathymetryError):
                 raise
             raise BathymetryError(f"{where}: no feature of GeoJSON; see RFC 7946") from None
@@ -72,7 +79,7 @@ def _geometry(
         if depth is None and len(place) < 3:
             what = "give it the property depth, or a third coordinate"
             raise BathymetryError(f"{where}: {kind} without a depth; {what}")
-        value = float(place[2]) if depth is None else depth
+        value = finite(str(place[2]), where) if depth is None else depth
         found.points.append((*_corner_of(place), value))
 
 

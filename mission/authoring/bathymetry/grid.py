@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Numbers = NDArray[np.float64]
+Indices = NDArray[np.int_]
 Corner = tuple[float, float]  # deg: latitude, longitude
+DEEPEST = 12_000.0  # m: nothing on Earth is deeper, or higher
 
 REPROJECT = "write it in latitudes and longitudes first (gdalwarp -t_srs EPSG:4326)"
 READABLE = (
@@ -112,6 +114,11 @@ def made(
     """``heights`` None: by the sign of the greater part."""
     if not np.isfinite(shallow).any():
         raise BathymetryError(f"{source}: no cell of it knows a depth; is nodata_value right?")
+    for values in (shallow, shallow if deep is None else deep):
+        absurd = values[np.abs(values) > DEEPEST]
+        if absurd.size:
+            what = f"{absurd[0]:g} m is no depth; is it what the file says where none is known"
+            raise BathymetryError(f"{source}: {what}? Then write nodata_value {absurd[0]:g}")
     if heights is None:
         heights = bool(np.nanmedian(shallow) < 0.0)
     deep = shallow if deep is None else deep

@@ -4,6 +4,7 @@ without commas are longitude, latitude and depth, as .xyz has them.
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import math
 from collections.abc import Iterable
@@ -48,7 +49,11 @@ def from_table(text: str, source: str) -> Depths:
 
 
 def _split(line: str, mark: str | None) -> list[str]:
-    return line.split() if mark is None else next(csv.reader([line], delimiter=mark))
+    if mark is None:
+        return line.split()
+    with contextlib.suppress(csv.Error):  # a field that is too long
+        return next(csv.reader([line], delimiter=mark))
+    return line.split(mark)
 
 
 def _numeric(words: Iterable[str]) -> bool:

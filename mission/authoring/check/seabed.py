@@ -104,7 +104,9 @@ def _box(swept: Swept, depths: Depths, frame: LocalFrame) -> tuple[slice, slice]
         for i in (-1.0, 1.0)
         for j in (-1.0, 1.0)
     ]
-    lats, lons = ([math.degrees(value) for value in axis] for axis in zip(*corners, strict=True))
+    lats = [math.degrees(lat) for lat, _ in corners]
+    first = math.degrees(corners[0][1])  # from which on: it may lie on the antimeridian
+    lons = [first + math.remainder(math.degrees(lon) - first, 360.0) for _, lon in corners]
     return depths.box(min(lats), max(lats), min(lons), max(lons))
 
 

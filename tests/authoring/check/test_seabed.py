@@ -188,3 +188,18 @@ def test_an_altimeter_reads_the_floor_of_the_file(tmp_path: Path) -> None:
     flown = json.loads(said)
     assert flown["outcome"] == "completed"
     assert 0.3 < flown["clearance"]["least_m"] < 2.5
+
+
+@pytest.mark.parametrize("east", [150, -150])
+@pytest.mark.parametrize("longitude", [120.0, 180.0, 179.9999, -179.9999])
+def test_a_bank_counts_on_either_side_of_the_antimeridian(longitude: float, east: int) -> None:
+    west, south = longitude - 30 * STEP, 0.5 - 30 * STEP
+    head = f"ncols {CELLS}\nnrows {CELLS}\nxllcorner {west!r}\nyllcorner {south!r}\n"
+    banks = range(42, 46) if east > 0 else range(14, 18)
+    row = " ".join("5" if k in banks else "20" for k in range(CELLS))
+    found = bathymetry_of(f"{head}cellsize {STEP!r}\n" + f"{row}\n" * CELLS, "bay.asc")
+    text = mission(OVER.replace("150", str(east)))
+    text = text.replace(f"home {HOME[0]} {HOME[1]}", f"home 0.5 {longitude}")
+    report = check_prepared(prepare_text(text, "m.mission"), found)
+    assert [r.code for r in report.refusals] == ["grounding"]
+    assert ground(report, "out").known == 1.0
