@@ -24,6 +24,7 @@ from protocol.nmea_fields import KNOT, Refused, read_gga, read_gll
 
 WATER, GROUND, PLACE = "water", "ground", "place"  # the kinds of Aids
 LONGEST = 160  # bytes of a line
+UNFINISHED = 1.0  # s after its first byte a line is given up (G3)
 FASTEST = 20.0  # m/s: faster is no vehicle of ours
 
 _Said = Iterator[tuple[str, tuple[float, ...]]]
@@ -114,6 +115,9 @@ class AddedDecoder:
 
     def receive(self, data: bytes, now: float) -> list[Aid | FrameFault]:
         out: list[Aid | FrameFault] = []
+        if self._buffer and now - self._begun > UNFINISHED:
+            out.append(FrameFault(self._offset - len(self._buffer), "truncated", len(self._buffer)))
+            self._buffer = b""
         *lines, rest = _END.split(self._buffer + data)
         held = bool(self._buffer)
         at = self._offset

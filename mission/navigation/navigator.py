@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Mapping
 from copy import copy
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from mission.navigation.model import Figures
 
 _LATEST = 15.0  # s: what is later than this is dropped
+_AIDS_APART = 0.8  # s between two that count, of one kind: each second, told unevenly
 _KEEP = 64  # items of input that can be gone back over
 _FRESH = 5.0  # s: a younger fix means that fixes are coming in (protocols R9)
 
@@ -51,6 +53,7 @@ class Navigation:
         self._health = SensorHealth(vehicle.reports, vehicle.stale_after)
         self.core = Reckoner(vehicle, figures or believed(vehicle))
         self._history: deque[tuple[Item, tuple[Any, ...]]] = deque(maxlen=_KEEP)
+        self._aided: Mapping[str, float] = {}  # when; replaced, never written to
         self.dropped = 0  # items that came too late to be of use
         self.frame: LocalFrame | None = None
         self._declination = vehicle.declination or 0.0
@@ -147,7 +150,11 @@ class Navigation:
         self._take(GroundFix(f.t, north, east, sigma * sigma, velocity))
 
     def aid(self, a: Aid) -> None:
-        """Of a sensor that was added. A place waits for a frame."""
+        """Of a sensor that was added. A place waits for a frame. However often it speaks, one value
+        a second counts: what heading and report were off by is in all of them."""
+        if abs(a.t - self._aided.get(a.kind, -math.inf)) < _AIDS_APART:
+            return
+        self._aided = {**self._aided, a.kind: a.t}
         sigma = self._vehicle.added.get(a.kind, ADDED[a.kind].sigma)
         values = a.values
         if a.kind == PLACE:
@@ -260,7 +267,7 @@ class Navigation:
     def snapshot(self) -> Any:
         """Everything that ``restore`` needs to go on from here, to the last bit."""
         monitors = {name: copy(m) for name, m in self._health.monitors.items()}
-        kept = (self.frame, self._date, self._declination, self.dropped)
+        kept = (self.frame, self._date, self._declination, self.dropped, self._aided)
         health = self._health
         seen = health.moving, health.receiver.clone(), health.belief.clone()
         return self.core.save(), monitors, tuple(self._history), kept, seen
@@ -273,4 +280,4 @@ class Navigation:
         self._health.moving = moving
         self._health.receiver, self._health.belief = receiver.clone(), belief.clone()
         self._history = deque(history, maxlen=_KEEP)
-        self.frame, self._date, self._declination, self.dropped = kept
+        self.frame, self._date, self._declination, self.dropped, self._aided = kept

@@ -106,6 +106,28 @@ def test_a_speed_log_finds_the_speed_that_the_table_does_not_know() -> None:
     assert off(right) < 0.6 * off(wrong)
 
 
+def flood(kind: str, rate: int) -> Iterator[Said]:
+    """An honest sensor that speaks so often a second, each time with noise of its own."""
+    rng = Random(1)
+    for truth, item in voyage():
+        yield item
+        if isinstance(item, Telemetry):
+            for k in range(2 * rate):
+                yield Aid(item.t + 0.01 + 1.98 * k / (2 * rate), kind, aids(kind, truth, rng))
+
+
+@pytest.mark.parametrize("rate", [5, 100])
+def test_a_doppler_log_that_speaks_often_makes_the_estimate_no_surer_than_it_is(rate: int) -> None:
+    items = under_water(flood("ground", rate))
+    navigation = navigated(items)
+    truth = next(truth for truth, item in voyage() if truth.t >= items[-1].t - 0.5)
+    found = navigation.estimate(truth.t)
+    assert found is not None
+    (nn, ne, ee), dn, de = found.covariance, found.north - truth.north, found.east - truth.east
+    assert (ee * dn * dn - 2.0 * ne * dn * de + nn * de * de) / (nn * ee - ne * ne) < 9.21
+    assert navigation.dropped == 0  # the fixes of a receiver are not crowded out
+
+
 @pytest.mark.parametrize("lie", LIES)
 @pytest.mark.parametrize("kind", ADDED)
 def test_a_sensor_that_lies_from_the_first_spoils_nothing(kind: str, lie: str) -> None:

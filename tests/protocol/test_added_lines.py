@@ -24,7 +24,7 @@ def nmea(body: str) -> bytes:
 def heard(*data: bytes, now: float = 7.0) -> list[Aid | FrameFault]:
     decoder, out = AddedDecoder(), []
     for n, piece in enumerate(data):
-        out += decoder.receive(piece, now + n)
+        out += decoder.receive(piece, now + n / 1000)
     return out
 
 
@@ -114,3 +114,11 @@ def test_no_bytes_raise_and_what_never_ends_is_given_up(noise: bytes) -> None:
     decoder = AddedDecoder()
     decoder.receive(noise.replace(b"\n", b"x").replace(b"\r", b"x") + b"x" * LONGEST * 2, 0.0)
     assert [type(one) for one in decoder.receive(b"\n" + next(iter(LINES)), 1.0)] == [Aid]
+
+
+def test_a_line_that_broke_off_lends_its_time_to_none_that_comes_later() -> None:
+    decoder = AddedDecoder()
+    assert decoder.receive(b"$VDVHW,,T,,M,2.", 7.0) == []
+    cut, aid = decoder.receive(nmea("VDVHW,,T,,M,2.00,N,,K"), 500.0)
+    assert cut == FrameFault(0, "truncated", 15)
+    assert aid == Aid(500.0, "water", (2.0 * KNOT,))
