@@ -177,7 +177,7 @@ def test_a_bank_that_is_smaller_than_a_cell_is_not_lost() -> None:
 
 @pytest.mark.parametrize("unknown", ["-32768", "32767", "-3.4e38", "1e20"])
 def test_what_no_sea_and_no_mountain_has_is_no_depth(unknown: str) -> None:
-    with pytest.raises(BathymetryError, match="is no depth.*nodata_value"):
+    with pytest.raises(BathymetryError, match=r"is no depth.*nodata_value"):
         bathymetry_of(GRID.replace("-8 -9999", f"-8 {unknown}"), "bay.asc")
 
 
