@@ -68,7 +68,7 @@ def doctor(
     if as_json:
         click.echo(json.dumps({"ok": not faults, "findings": [_plain(one) for one in found]}))
     else:
-        click.echo(f"{faults} faults, {warnings} warnings")
+        click.echo(f"{_many(faults, 'fault')}, {_many(warnings, 'warning')}")
     raise SystemExit(1 if faults else 0)
 
 
@@ -94,6 +94,10 @@ def _examined(config: Path | None, ask: bool, move: bool) -> Iterator[Finding]:
             return
         configuration, vehicle = got.configuration, got.vehicle
     yield from examine(rated(configuration, vehicle), vehicle, ask=ask, move=move)
+
+
+def _many(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
 def _show(finding: Finding) -> None:

@@ -261,6 +261,7 @@ def test_a_folder_that_takes_nothing_has_the_remedy_of_its_cause(
         ({"gps": "serial:///dev/x?baud=abc"}, "GPS port", "baud=abc"),
         ({"modem": "serail:///dev/x"}, "modem port", "is no link's URL"),
         ({"modem": "serial:///dev/ttyNOSUCH"}, "modem port", "no device"),
+        ({"sensors": "serial:///dev/ttyNOSUCH"}, "sensors port", "no device"),
     ],
 )
 def test_every_link_that_cannot_be_used_is_a_fault_and_never_a_crash(
@@ -275,6 +276,42 @@ def test_every_link_that_cannot_be_used_is_a_fault_and_never_a_crash(
     assert one["state"] == "fault"
     assert says in one["says"]
     assert one["todo"]
+
+
+@pytest.mark.parametrize(
+    ("said", "state", "says"),
+    [
+        (b":BS,  +12, +812,   -3,A\r\n", "ok", "speed over ground"),
+        (b":BS,-32768,-32768,-32768,V\r\n", "warning", "no value"),
+        (b"\x00\xff\x81 noise\r\n", "fault", "no line"),
+        (b"", "fault", "0 bytes"),
+    ],
+)
+def test_the_line_of_added_sensors_is_listened_to(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: bytes, state: str, says: str
+) -> None:
+    monkeypatch.setattr(port_probe, "LISTEN_S", 0.1)
+    monkeypatch.setattr(port_probe, "SENSORS_S", 0.4)
+    config = tmp_path / "serve.yaml"
+    over = threading.Event()
+    with silent_board() as (master, device):
+
+        def sensor() -> None:
+            while said and not over.wait(0.05):
+                os.write(master, said)
+
+        thread = threading.Thread(target=sensor)
+        thread.start()
+        links = {"vehicle": "serial:///dev/ttyNOSUCH", "gps": None, "sensors": f"serial://{device}"}
+        config.write_text(f"folder: {tmp_path / 'pi'}\nlinks: {json.dumps(links)}\n")
+        ran = CliRunner().invoke(doctor, ["-c", str(config), "--json"])
+        over.set()
+        thread.join()
+    found = json.loads(ran.stdout)
+    assert of(found, "sensors port")["state"] == "ok"
+    one = of(found, "added sensors")
+    assert one["state"] == state
+    assert says in one["says"]
 
 
 @pytest.mark.parametrize(

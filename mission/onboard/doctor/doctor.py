@@ -37,7 +37,7 @@ from mission.onboard.store import DiskStore, StoreError
 
 MUCH, LITTLE = 2 << 30, 200 << 20  # bytes free: a day's black boxes, an hour's
 YEARS = range(2024, 2100)
-SILENT_S = 5.0
+_SILENT = {"vehicle": 5.0, "gps": 5.0, "sensors": 30.0}  # s without a byte on what talks by itself
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,6 +251,8 @@ def _ports(context: CheckContext) -> Iterator[Finding]:
         yield from port_probe.gps_findings(links.gps)
     if links.modem is not None:
         yield port_probe.port_finding("modem port", links.modem)
+    if links.sensors is not None:
+        yield from port_probe.sensors_findings(links.sensors)
 
 
 def _without_gps(vehicle: Vehicle) -> Finding:
@@ -287,10 +289,10 @@ def _of_running(context: CheckContext, running: Mapping[str, Any]) -> Iterator[F
                 f"{link['url']} is not open",
                 "the journal of serve says why; a node that @NS has closed, @NS opens",
             )
-        elif name in ("vehicle", "gps") and _silent(link) > SILENT_S and _reports(name, context):
+        elif _silent(link) > (longest := _longest(name, context)):
             yield fault(
                 f"link {name}",
-                f"nothing from {link['url']} for {SILENT_S:g} s",
+                f"nothing from {link['url']} for {longest:g} s",
                 _of_silent(name, context.vehicle),
             )
         else:
@@ -308,8 +310,10 @@ def _of_running(context: CheckContext, running: Mapping[str, Any]) -> Iterator[F
         yield fault("black box", running["black_box_failure"], "free the disk, restart serve")
 
 
-def _reports(link: str, context: CheckContext) -> bool:
-    return link != "vehicle" or board(context.vehicle).reports
+def _longest(link: str, context: CheckContext) -> float:
+    """s that it may be silent."""
+    talks = link != "vehicle" or board(context.vehicle).reports
+    return _SILENT.get(link, math.inf) if talks else math.inf
 
 
 def _silent(link: Mapping[str, Any]) -> float:

@@ -39,7 +39,7 @@ def holder(url: str, configuration: Configuration, wall: float) -> Holder | None
             return None
         links = configuration.links
         urls = {"vehicle": links.vehicle, "gps": links.gps, "modem": links.modem}
-        urls["topside"] = listening(links.topside)
+        urls |= {"topside": listening(links.topside), "sensors": links.sensors}
         box, process = None, mute
     for name, theirs in urls.items():
         if theirs is not None and _place(theirs) == _place(url):

@@ -1,4 +1,4 @@
-"""Listening to the vehicle and its GPS receiver for `doctor`, where no serve has their ports.
+"""Listening to the vehicle, its receiver and added sensors for `doctor`, where no serve has them.
 
 Sends one harmless query, ``@RI`` (which sensors are powered), to a vehicle that knows it, and
 nothing else: no setpoint, no order. What does not live here: the computer's own state (doctor).
@@ -16,8 +16,9 @@ from links.base import Link, LinkBusy, LinkError
 from mission.model.vehicle import Vehicle
 from mission.onboard.doctor.boards import board
 from mission.onboard.doctor.findings import Finding, fault, ok, warning
+from protocol.added import GROUND, PLACE, WATER, AddedDecoder
 from protocol.codec import Received
-from protocol.messages import Ack, Fix, FrameFault, Telemetry
+from protocol.messages import Ack, Aid, Fix, FrameFault, Telemetry
 from protocol.nmea import NmeaDecoder
 from protocol.vehicles import codec
 
@@ -25,12 +26,14 @@ LISTEN_S = 5.0  # for the first report
 REPORTS = 3  # listened for, so that a frozen sensor shows
 LONGEST_S = 9.0
 GPS_S = 3.0
+SENSORS_S = 6.0  # an acoustic system says a place every 5 s
 QUERY = b"@RI$"
 _REPORT = b"@SD"
 _SWAPPED = (
     "swap links.vehicle and links.gps, or the plugs; a name of /dev/serial/by-id stays with its "
     "device"
 )
+_ADDED = {WATER: "speed through the water", GROUND: "speed over ground", PLACE: "a place"}
 NAMES = ("depth", "altitude", "heading", "pitch", "roll")
 _DEEPEST_ON_DECK, _ROLLED = 0.5, math.radians(60.0)
 
@@ -104,6 +107,49 @@ def of_gps(decoder: NmeaDecoder, heard: Sequence[Fix | FrameFault], raw: bytes) 
         "GPS",
         f"no sentence in {GPS_S:g} s ({len(raw)} bytes, {faults} faulty sentences)",
         "check power, cable and baud rate (?baud=) of the receiver",
+    )
+
+
+def sensors_findings(url: str) -> list[Finding]:
+    """Of the line of sensors that a user adds."""
+    try:
+        link = open_link("sensors", url)
+    except LinkError as error:
+        return [not_open("sensors port", url, error)]
+    decoder, heard, length = AddedDecoder(), list[Aid | FrameFault](), 0
+    try:
+        begun = time.monotonic()
+        for data, now in listened(link, lambda: time.monotonic() - begun >= SENSORS_S):
+            heard += decoder.receive(data, now)
+            length += len(data)
+    except LinkError as error:
+        return [fault("sensors port", str(error), "check cable and plug, then run doctor again")]
+    finally:
+        link.close()
+    return [
+        ok("sensors port", f"{url} is there, permitted and free"),
+        of_sensors(heard, length),
+    ]
+
+
+def of_sensors(heard: Sequence[Aid | FrameFault], length: int) -> Finding:
+    """``length``: bytes that came."""
+    what = "added sensors"
+    kinds = {one.kind for one in heard if isinstance(one, Aid)}
+    faults = sum(isinstance(one, FrameFault) for one in heard)
+    if kinds:
+        names = ", ".join(name for kind, name in _ADDED.items() if kind in kinds)
+        return ok(what, f"{names} in {SENSORS_S:g} s, {faults} faulty lines")
+    if length and not faults:
+        return warning(
+            what,
+            f"lines, but no value in {SENSORS_S:g} s",
+            "in air a Doppler log and an acoustic system may have none: look again in the water",
+        )
+    return fault(
+        what,
+        f"no line in {SENSORS_S:g} s that can be read ({length} bytes, {faults} faulty lines)",
+        "check power, cable and baud rate (?baud=); docs/operation.md has the sentences",
     )
 
 
