@@ -202,6 +202,16 @@ def parse_settings(texts: Iterable[str], settings: Settings | None = None) -> Se
     return result
 
 
+def parse_behind_ports(texts: Iterable[str]) -> Settings:
+    """Of a vehicle behind ports, which has none for sensors that are added. Raises SettingError."""
+    result = parse_settings(texts)
+    if result.added:
+        raise SettingError(
+            "speed_log, doppler and acoustic have no port here; auvmission simulate flies with them"
+        )
+    return result
+
+
 def setting_of(event: FaultEvent) -> str:
     """The text that gives this event: what a failing flight is replayed with."""
     value = "" if event.value is None else f"={event.value!r}"

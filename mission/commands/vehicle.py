@@ -99,12 +99,13 @@ def _made(
     name: str, profile: str | None, seed: int, texts: tuple[str, ...], place: tuple[float, float]
 ) -> Simulated:
     """Raises ValueError."""
-    from links.simulated.settings import parse_settings
+    from links.simulated.settings import parse_behind_ports
     from mission.model.shipped import load_vehicle
     from mission.verification.rig.vehicle import in_dialect, simulated
 
     loaded = in_dialect(load_vehicle(name), profile)
-    return simulated(loaded, seed, parse_settings(texts), position=place, start=datetime.now(UTC))
+    settings = parse_behind_ports(texts)
+    return simulated(loaded, seed, settings, position=place, start=datetime.now(UTC))
 
 
 def _room(folder: Path) -> Path:

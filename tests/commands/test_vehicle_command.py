@@ -64,6 +64,23 @@ def test_each_vehicle_is_served_watched_and_stopped_as_it_would_be_at_sea(
     assert {path.name for path in folder.iterdir()} <= {"serve.yaml", "pi"}
 
 
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("vehicle", "auv"), "have no port here"),
+        (("demo",), "have no port here"),
+        (("console", "--no-browser", "--simulate", "first-dive"), "have no port here"),
+        (("simulate", "rov-dive"), "simulated AUV alone"),
+    ],
+)
+def test_added_sensors_that_would_say_nothing_are_refused(
+    words: tuple[str, ...], says: str
+) -> None:
+    ran = run(*words, "--set", "doppler=0.03")
+    assert ran.exit_code == 2
+    assert says in ran.output
+
+
 @pytest.mark.parametrize("name", sorted(BOARDS))
 def test_a_board_behind_its_port_reports_at_the_pace_of_its_document(name: str) -> None:
     board = SimulatedBoard(name, 1)

@@ -11,7 +11,7 @@ from datetime import datetime
 
 from links.simulated.boards import BOARDS, ON_BUS, SimulatedBoard
 from links.simulated.link import HOME, START, SimulatedVehicle
-from links.simulated.settings import Settings
+from links.simulated.settings import SettingError, Settings
 from mission.model import Mission
 from mission.model.vehicle import Vehicle
 
@@ -28,13 +28,16 @@ def simulated(
     start: datetime = START,
 ) -> Simulated:
     """``position``: latitude and longitude, rad; ``start``: the receiver's time. Raises
-    SettingError for a fault that it cannot have, ValueError for a codec that has no board."""
+    SettingError for a fault or a sensor that it cannot have, ValueError for a codec without a
+    board."""
     if vehicle.codec == "auv":
         return SimulatedVehicle(
             vehicle.dialect, seed, settings, position=position, heading=heading, start=start
         )
     if vehicle.codec not in (*BOARDS, *ON_BUS):
         raise ValueError(f"{vehicle.name}: there is no simulated board for {vehicle.codec}")
+    if settings is not None and settings.added:
+        raise SettingError("speed_log, doppler and acoustic are fitted to the simulated AUV alone")
     return SimulatedBoard(
         vehicle.codec,
         seed,
