@@ -219,7 +219,7 @@ def _parts_fault(leg: Leg) -> str:
 
 
 def _shown(kind: Cover) -> str:
-    along = "as it lies" if kind.bearing < 0.0 else bearing(kind.bearing)
+    along = "bearing by its shape" if kind.bearing < 0.0 else bearing(kind.bearing)
     rows = f", from row {number(kind.skip + 1)} on" if kind.skip else ""
     rows += f", {number(kind.only)} of its rows" if kind.only else ""
     return (
