@@ -60,6 +60,7 @@ def application(shown: Sequence[Shown], charts: Shelf, port: int, token: str) ->
         Route("/api/import", console.take, methods=["POST"]),
         Route("/api/vehicles/{ident}/diff", console.diff, methods=["POST"]),
         Route("/api/vehicles/{ident}/plan", console.plan),
+        Route("/api/vehicles/{ident}/planned", console.planned),
         Route("/api/vehicles/{ident}/events", console.events),
         Route("/api/vehicles/{ident}/hindsight", console.hindsight),
         *chart_routes(charts),
@@ -94,6 +95,16 @@ class _Console:
     async def plan(self, request: Request) -> Response:
         one = self._shown.get(request.path_params["ident"])
         return _nothing("no such vehicle") if one is None else JSONResponse(one.plan())
+
+    async def planned(self, request: Request) -> Response:
+        """What is on board, in still water."""
+        one = self._shown.get(request.path_params["ident"])
+        plan = {} if one is None else one.plan()
+        if one is None or not plan["digest"]:
+            return _nothing("what is on board is not known here")
+        vehicle = one.given.vehicle if isinstance(one, Vehicle) else one.vehicle
+        said = {"text": plan["text"], "source": ""}
+        return JSONResponse({**await self._ghosts.planned(said, vehicle), "digest": plan["digest"]})
 
     async def events(self, request: Request) -> Response:
         return await self._of_recording(request, lambda one: one.recording.events())

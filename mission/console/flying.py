@@ -1,29 +1,35 @@
 """A ghost flight, in a process of its own: a text flown in a sea, and where it would have been.
 
-    python -m mission.console.flying < {"text", "source", "vehicle", "settings", "seed"}
+    python -m mission.console.flying < {"do", "text", "source", "vehicle", "settings", "seed"}
 
 One JSON object comes out: the flight as the page draws it (docs/design/console.md), or ``says``,
-why there is none. What does not live here: who asks, and how long it may take (ghost).
+why there is none; of ``plan`` the way that is meant, in still water. What does not live here: who
+asks, and how long it may take (ghost).
 """
 
 from __future__ import annotations
 
 import json
 import math
+import os
 import sys
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 from links.simulated.settings import SettingError, parse_settings
 from mission.authoring.prepare import Unreadable, prepare_text
 from mission.model import Mission
 from mission.navigation.distribution import PLANE_95, principal
 from mission.navigation.geodesy import LocalFrame
+from mission.verification.planned.track import Plan, Spot, Unplanned, planned
 from mission.verification.simulation import reaching
 from mission.verification.simulation.flight import fly
 from mission.verification.simulation.flightlog import Flight, Sample
 
+_T = TypeVar("_T")
 _MOST = 1500  # places of the track
+_MOST_TURNS = 300
+_LOWER = 10  # than the console's own process: X and W go first
 _UNDER, _UP = 1.0, 0.5  # m: below the one it has dived, above the other it has come up
 
 
@@ -40,6 +46,7 @@ def flown(said: dict[str, Any]) -> dict[str, Any]:
     flight = fly(mission, prepared.vehicle, seed=int(said["seed"]), settings=sea)
     told = flight.as_json()
     return {
+        "is": "done",
         "outcome": flight.outcome,
         "reason": flight.reason,
         "digest": flight.digest[:16],
@@ -99,5 +106,51 @@ def _risen(samples: Sequence[Sample]) -> Iterator[Sample]:
             yield sample
 
 
+# --- in still water -------------------------------------------------------------------------------
+
+
+def meant(said: dict[str, Any]) -> dict[str, Any]:
+    """``track``: where it means to be; ``turns``: where legs turn and end, with an ellipse."""
+    try:
+        prepared = prepare_text(said["text"], said["source"], said["vehicle"])
+        if prepared.mission.home is None:
+            return {"says": "the mission names no home"}
+        plan = planned(prepared.mission, prepared.chart, prepared.vehicle)
+    except Unreadable as error:
+        return {"says": error.diagnostics[0].brief}
+    except Unplanned as error:
+        return {"says": str(error)}
+    frame = LocalFrame(prepared.mission.home)
+    spots = [spot for stretch in plan.stretches for spot in stretch.spots]
+    turns = list(_turns(plan))
+    where = _thinned(spots, _MOST)
+    return {
+        "is": "planned",
+        "seconds": round(plan.seconds, 1),
+        "track": [[round(s.t, 1), *_degrees(frame, s.north, s.east)] for s in where],
+        "turns": [[round(s.t, 1), *_degrees(frame, s.north, s.east), _around(s), name]
+                  for name, s in _thinned(turns, _MOST_TURNS)],
+    }  # fmt: skip
+
+
+def _turns(plan: Plan) -> Iterator[tuple[str, Spot]]:
+    for stretch in plan.stretches:
+        found = {spot.t: spot for spot in (*stretch.turns, *stretch.spots[-1:])}
+        for t in sorted(found):
+            yield stretch.name, found[t]
+
+
+def _thinned(of: Sequence[_T], most: int) -> Sequence[_T]:
+    step = max(1, math.ceil(len(of) / most))
+    return [*of[:-1:step], *of[-1:]]
+
+
+def _around(spot: Spot) -> list[float]:
+    great, small = spot.axes
+    return [round(great, 2), round(small, 2), round(math.degrees(spot.bearing) % 180.0, 1)]
+
+
 if __name__ == "__main__":
-    json.dump(flown(json.load(sys.stdin)), sys.stdout)
+    os.nice(_LOWER)
+    asked = json.load(sys.stdin)
+    json.dump(meant(asked) if asked["do"] == "plan" else flown(asked), sys.stdout)

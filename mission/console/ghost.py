@@ -1,9 +1,11 @@
 """Ghost flights: each in a process of its own, which ends with who asked for it.
 
     /ws/ghost   page -> {"do": "fly", "text", "source", "settings", "seed"} | {"do": "cancel"}
+                        {"do": "plan", "text", "source"}    the same in still water: what is planned
 
 The console's loop never waits for one: it flies elsewhere, is bounded in time and in number, and
-the next of the same page takes its place.
+the next of the same page takes its place. Those in still water have a place of their own, one for
+all, and wait for it; the last few are kept.
 """
 
 from __future__ import annotations
@@ -17,7 +19,9 @@ from collections.abc import Awaitable, Callable
 from mission.console.asked import BODY, Said
 
 LONGEST_S = 300.0
+STILL_S = 60.0  # of one in still water
 AT_ONCE = 2  # of all pages
+KEPT = 8  # of those in still water
 OUTPUT = 8 << 20  # bytes
 _MODULE = "mission.console.flying"
 Tell = Callable[[Said], Awaitable[None]]
@@ -29,6 +33,8 @@ class Ghosts:
     def __init__(self, longest: float = LONGEST_S) -> None:
         self._longest = longest
         self.under_way = 0
+        self._place = asyncio.Semaphore(1)
+        self._known: dict[bytes, Said] = {}
 
     async def fly(self, said: Said, vehicle: str | None, tell: Tell) -> None:
         """Tells ``flying``, and then ``done`` or ``refused``; a cancellation ends the process."""
@@ -38,21 +44,36 @@ class Ghosts:
         self.under_way += 1
         try:
             await tell({"is": "flying"})
-            await tell(await self._flown(_job(said, vehicle)))
+            await tell(await self._flown(_job(said, vehicle), self._longest))
         finally:
             self.under_way -= 1
 
-    async def _flown(self, job: bytes) -> Said:
+    async def plan(self, said: Said, vehicle: str | None, tell: Tell) -> None:
+        """Tells ``planned`` or ``refused``."""
+        await tell(await self.planned(said, vehicle))
+
+    async def planned(self, said: Said, vehicle: str | None) -> Said:
+        job = _job({**said, "settings": (), "seed": 0}, vehicle, "plan")
+        async with self._place:
+            if (known := self._known.pop(job, None)) is None:
+                known = await self._flown(job, min(STILL_S, self._longest))
+            if known["is"] != "refused":
+                self._known[job] = known
+            if len(self._known) > KEPT:
+                del self._known[next(iter(self._known))]
+            return known
+
+    async def _flown(self, job: bytes, longest: float) -> Said:
         process = await asyncio.create_subprocess_exec(
             sys.executable, "-m", _MODULE, limit=OUTPUT,
             stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,
         )  # fmt: skip
         try:
-            async with asyncio.timeout(self._longest):
+            async with asyncio.timeout(longest):
                 out, error = await process.communicate(job)
         except TimeoutError:
-            return {"is": "refused", "says": f"it takes longer than {self._longest:g} s"}
+            return {"is": "refused", "says": f"it takes longer than {longest:g} s"}
         finally:
             with contextlib.suppress(ProcessLookupError):
                 process.kill()
@@ -61,15 +82,16 @@ class Ghosts:
             last = error.decode(errors="replace").strip().rpartition("\n")[2][:200]
             return {"is": "refused", "says": f"the flight ended: {last}"}
         found = json.loads(out)
-        return {"is": "refused", **found} if "says" in found else {"is": "done", **found}
+        return {"is": "refused", **found} if "says" in found else found
 
 
-def _job(said: Said, vehicle: str | None) -> bytes:
+def _job(said: Said, vehicle: str | None, do: str = "fly") -> bytes:
     """Raises KeyError, TypeError or ValueError for what no page says."""
     text, source, settings = str(said["text"]), str(said["source"]), list(said["settings"])
     if len(text) > BODY or len(settings) > 100:
         raise ValueError("that is no flight")
     job = {
+        "do": do,
         "text": text,
         "source": source,
         "vehicle": vehicle,

@@ -20,7 +20,7 @@ class Recorded:
     def __init__(self, ident: str, name: str, recording: Recording, vehicle: str | None) -> None:
         self.ident, self.name, self.recording = ident, name, recording
         self.board = Board()
-        self._vehicle = vehicle
+        self.vehicle = vehicle
         self._plan = dict(plans.EMPTY)
         self._planned: tuple[str, ...] | None = None
         self._hindsight: dict[str, Any] | None = None
@@ -83,7 +83,7 @@ class Recorded:
                 lines = self.recording.watched.plan
                 if lines != self._planned:
                     self._planned = lines
-                    self._plan = await asyncio.to_thread(plans.on_board, lines, self._vehicle)
+                    self._plan = await asyncio.to_thread(plans.on_board, lines, self.vehicle)
                 await asyncio.sleep(EVERY_S)
         finally:
             self.recording.stop()

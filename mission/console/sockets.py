@@ -152,13 +152,13 @@ async def serve_ghost(socket: WebSocket, ghosts: Ghosts, vehicle: str | None) ->
 
     async def hear(said: Said) -> None:
         await stop()
-        if said.get("do") == "fly":
-            flight = ghosts.fly(said, vehicle, socket.send_json)
-            flying.add(asyncio.ensure_future(flight))
-        elif said.get("do") == "cancel":
+        if (do := said.get("do")) in ("fly", "plan"):
+            flight = ghosts.fly if do == "fly" else ghosts.plan
+            flying.add(asyncio.ensure_future(flight(said, vehicle, socket.send_json)))
+        elif do == "cancel":
             await socket.send_json({"is": "cancelled"})
         else:
-            raise Malformed("of a ghost one says fly, or cancel")
+            raise Malformed("of a ghost one says fly, plan or cancel")
 
     async def fail() -> None:
         """What a flight raises is the page's mistake, and told."""

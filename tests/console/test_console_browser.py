@@ -257,6 +257,7 @@ def test_a_plan_from_a_template_to_the_vehicle_and_another_by_drop(
         code, verdict = plan.locator("textarea"), plan.locator(".verdict")
         plan.get_by_label("Template …").select_option("transect")
         expect(verdict).to_contain_text("from home")
+        expect(plan.locator(".draft-chart")).to_have_attribute("data-still", "planned")
         first = code.input_value()
         code.press("Control+End")
         page.keyboard.type("wrong")

@@ -17,7 +17,7 @@ from websockets.exceptions import ConnectionClosed
 from mission.authoring.prepare import prepare
 from mission.console import plans
 from mission.console.asked import Refused
-from mission.console.ghost import Ghosts
+from mission.console.ghost import KEPT, Ghosts
 from mission.console.planning import difference
 from mission.model.shipped import shipped_missions
 
@@ -226,6 +226,92 @@ def test_the_console_goes_on_while_a_ghost_flies() -> None:
             assert setup(running)["vehicles"] == []
         socket.send(json.dumps({"do": "cancel"}))
         assert told(socket, "cancelled", "done")["is"] == "cancelled"
+
+
+# --- in still water -------------------------------------------------------------------------------
+
+STEERED = {"do": "plan", "text": DIP, "source": "dip.mission"}
+
+
+def test_legs_by_heading_have_a_track_in_still_water_and_are_less_sure_as_they_go() -> None:
+    with console(list) as running, running.socket("ghost") as socket:
+        socket.send(json.dumps(STEERED))
+        found = told(socket, "planned", "refused")
+    assert found["is"] == "planned", found
+    times = [row[0] for row in found["track"]]
+    assert times == sorted(times)
+    assert all(math.dist(row[1:], HOME) < 0.01 for row in found["track"])
+    assert found["track"][-1][0] <= found["seconds"] + 1.0
+    assert [name for *_, name in found["turns"]] == ["dive", "up"]
+    (_, _, _, (great, small, bearing), _), *_ = found["turns"]
+    assert great >= small > 0.0
+    assert 0.0 <= bearing < 180.0
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (DIP.replace("home 30.2874595 120.1535765", "start fix"), ""),
+        ("legs: [", ""),
+        (DIP.replace("depth 10\n", "depth 2\n"), "still water"),
+    ],
+)
+def test_what_has_no_track_in_still_water_says_why(text: str, says: str) -> None:
+    with console(list) as running, running.socket("ghost") as socket:
+        socket.send(json.dumps({**STEERED, "text": text}))
+        found = told(socket, "planned", "refused")
+    assert found["is"] == "refused"
+    assert says in found["says"]
+
+
+class Counted(Ghosts):
+    """Flies nothing, and counts."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.jobs, self.flying, self.most = 0, 0, 0
+
+    async def _flown(self, job: bytes, longest: float) -> dict[str, Any]:
+        self.jobs, self.flying = self.jobs + 1, self.flying + 1
+        self.most = max(self.most, self.flying)
+        try:
+            await asyncio.sleep(0.01)
+        finally:
+            self.flying -= 1
+        return {"is": "planned"}
+
+
+def test_tracks_in_still_water_wait_for_each_other_take_no_ghosts_place_and_are_kept() -> None:
+    async def asked() -> Counted:
+        ghosts = Counted()
+
+        def want(text: str) -> asyncio.Future[dict[str, Any]]:
+            return asyncio.ensure_future(ghosts.planned({**STEERED, "text": text}, None))
+
+        texts = [f"text {number}" for number in range(KEPT + 2)]
+        await asyncio.gather(*map(want, texts))
+        assert ghosts.under_way == 0
+        await want(texts[-1])
+        assert ghosts.jobs == KEPT + 2
+        await want(texts[0])
+        assert ghosts.jobs == KEPT + 3
+        flies, waits = want("newer"), want("newest")
+        await asyncio.sleep(0)
+        for one in (waits, flies):
+            one.cancel()
+        await asyncio.gather(flies, waits, return_exceptions=True)
+        await asyncio.wait_for(want("another"), PATIENCE)
+        return ghosts
+
+    ghosts = asyncio.run(asked())
+    assert (ghosts.most, ghosts.flying) == (1, 0)
+
+
+def test_the_track_of_what_is_on_board_is_of_that_vehicle_and_needs_the_token() -> None:
+    with console(list) as running:
+        path = "/api/vehicles/1/planned"
+        assert running.ask(path)[0] == 404
+        assert running.ask(path, Authorization="")[0] == 403
 
 
 def setup(running: Console) -> dict[str, Any]:

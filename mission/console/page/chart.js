@@ -160,7 +160,7 @@ export class Chart {
  * @param {Scene} scene @returns {Pair[]} */
 function pointsOf(scene) {
   const { here, home } = scene;
-  const points = [...scene.track, ...scene.routes.flatMap((route) => route.points)];
+  const points = [...scene.track, ...scene.routes.flatMap((route) => route.points), ...(scene.still?.line ?? [])];
   if (home) points.push(home);
   if (here) points.push(here.at, ...(here.ellipse ? ellipse(here.at, ...here.ellipse, 8) : []));
   return points;

@@ -12,7 +12,7 @@ import { Frame, between } from './geo.js';
 import { INK_NAMES, LAYERS, font } from './layers.js';
 import { NEARER, Panning } from './panning.js';
 import { drawGhost, drawPlaces, placeNear } from './places.js';
-import { routesOf } from './scene.js';
+import { routesOf, stillOf } from './scene.js';
 import { View } from './view.js';
 import { word } from './words.js';
 
@@ -35,6 +35,8 @@ export class DraftChart {
   /** @type {import('./places.js').Ghost | null} */
   ghost = null;
   time = 0; // s, of the ghost
+  /** @type {any} the track in still water, as the server answers */
+  still = null;
   /** @type {any} of the text that could be read last */
   _map = null;
   /** @type {number | null} */
@@ -105,6 +107,7 @@ export class DraftChart {
       if (this.ghost) drawGhost(drawn.pen, this._view, frame, inks, this.ghost, this.time);
       drawPlaces(drawn.pen, this._view, frame, inks, this.places, this.chosen, this._carried);
     } else this._empty(drawn.pen, inks.soft);
+    mark(this.root, 'data-still', this.still?.is ?? null);
     this.canvas.style.cursor = this.isAdding ? 'copy' : 'crosshair';
     this._tellPointer();
   }
@@ -114,7 +117,8 @@ export class DraftChart {
     const frame = this._frame;
     /** @type {Scene} */
     const made = { hasPlace: frame !== null, home: frame && this._home ? frame.toLocal(...this._home) : null,
-      radius: this._radius, routes: frame ? routesOf(this._map, frame) : [], leg: this.places[this.chosen]?.path ?? '',
+      radius: this._radius, routes: frame ? routesOf(this._map, frame) : [],
+      still: frame ? stillOf(this.still, frame) : null, leg: this.places[this.chosen]?.path ?? '',
       target: null, track: [], here: null, others: [] };
     if (frame) made.charts = { draw: (pen, view) => this._charts.draw(pen, view, frame) };
     return made;
@@ -147,10 +151,10 @@ export class DraftChart {
     const frame = this._frame;
     if (frame === null) return;
     this._isFitted = true;
-    const { home, routes } = this._scene();
+    const { home, routes, still } = this._scene();
     const known = this.places.flatMap((one) => (one.at ? [frame.toLocal(...one.at)] : []));
     const ghost = this.ghost?.track.map((row) => frame.toLocal(row[1], row[2])) ?? [];
-    const points = [...known, ...ghost, ...routes.flatMap((route) => route.points)];
+    const points = [...known, ...ghost, ...(still?.line ?? []), ...routes.flatMap((route) => route.points)];
     if (home) points.push(home);
     const [one] = points;
     if (one && points.every((p) => Math.hypot(p[0] - one[0], p[1] - one[1]) < 1)) {

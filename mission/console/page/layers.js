@@ -19,9 +19,11 @@ import { word } from './words.js';
  * @typedef {{at: Pair, heading: number | null, isOld: boolean,
  *   ellipse: readonly [number, number, number] | null}} Here
  * @typedef {{hasPlace: boolean, home: Pair | null, radius: number | null, routes: Route[],
- *   leg: string, target: Pair | null, track: Pair[], here: Here | null, others: Other[],
+ *   still?: Still | null, leg: string, target: Pair | null, track: Pair[], here: Here | null, others: Other[],
  *   beside?: {now: Beside | null, other: Beside | null}, charts?: {draw: (pen: Pen, view: View) => void}}} Scene
  * @typedef {{name: string, at: Pair, isOld: boolean}} Other
+ * @typedef {{line: Pair[], turns: {at: Pair, around: readonly [number, number, number]}[],
+ *   problem: string}} Still
  * @typedef {import('./compare.js').Beside} Beside
  * @typedef {Record<'paper' | 'grid' | 'ink' | 'soft' | 'track' | 'plan' | 'target' | 'limit'
  *   | 'vehicle' | 'old', string>} Inks
@@ -40,7 +42,7 @@ const NARROW = 600; // px: the place stands over the whole width
 const TURN = 2 * Math.PI;
 
 /** @type {ReadonlyArray<(pen: Pen, view: View, scene: Scene, inks: Inks) => void>} */
-export const LAYERS = [paper, charts, grid, limit, plan, homeMark, besideLines, trackLine, targetMark, others, uncertainty,
+export const LAYERS = [paper, charts, grid, limit, stillWater, plan, homeMark, besideLines, trackLine, targetMark, others, uncertainty,
   vehicle, scaleBar, northArrow];
 
 /** @param {Pen} pen @param {View} view @param {Scene} _ @param {Inks} inks */
@@ -113,6 +115,36 @@ function limit(pen, view, scene, inks) {
     }
   }
   pen.setLineDash([]);
+}
+
+/** Every leg, those by heading too, with 95 % of where it will be at each turn.
+ * @param {Pen} pen @param {View} view @param {Scene} scene @param {Inks} inks */
+function stillWater(pen, view, { still }, inks) {
+  if (!still) return;
+  pen.strokeStyle = inks.plan;
+  pen.lineWidth = 1.25;
+  pen.setLineDash([4, 4]);
+  stroke(pen, view, still.line);
+  pen.globalAlpha = 0.6;
+  pen.setLineDash([2, 3]);
+  for (const { at, around } of still.turns) {
+    const ring = ellipse(at, ...around);
+    stroke(pen, view, [...ring, ...ring.slice(0, 1)]);
+  }
+  pen.globalAlpha = 1;
+  pen.setLineDash([4, 4]);
+  const y = view.height - 46;
+  if (!still.problem) {
+    pen.beginPath();
+    pen.moveTo(14, y);
+    pen.lineTo(44, y);
+    pen.stroke();
+  }
+  pen.setLineDash([]);
+  const says = still.problem ? word('still_none', still.problem) : word('still_water');
+  const room = Math.max(12, Math.floor((view.width - 80) / 8));
+  label(pen, says.length > room ? `${says.slice(0, room - 1)}…` : says, still.problem ? 14 : 50, y + 4,
+    inks.plan, inks.paper);
 }
 
 /** @param {Pen} pen @param {View} view @param {Scene} scene @param {Inks} inks */

@@ -17,6 +17,7 @@ import { Findings } from './findings.js';
 import { GhostBox } from './ghost.js';
 import { Importing } from './importing.js';
 import { isLive } from './state.js';
+import { StillWater } from './still.js';
 import { Refused, ask, want } from './wire.js';
 import { word } from './words.js';
 
@@ -59,6 +60,10 @@ export class Plan {
     this._findings = new Findings((fault) => {
       this._editor.reveal([fault.line, fault.column, fault.length]);
       this._editor.area.focus();
+    });
+    this._still = new StillWater(() => page().token, (said) => {
+      this._chart.still = said;
+      page().redraw();
     });
     this._ghost = new GhostBox(page, plan, (ghost) => {
       this._chart.ghost = ghost;
@@ -229,6 +234,7 @@ export class Plan {
     this._editor.isYaml = !/\.mission$/i.test(this._source) || /^(mission|legs)\s*:/m.test(text);
     if (text !== this._judged) {
       this._ghost.forget();
+      this._still.forget();
       this._differing.forget();
     }
     if (text.length < MOST_KEPT) sessionStorage.setItem(KEPT, JSON.stringify({ text, source: this._source }));
@@ -264,6 +270,7 @@ export class Plan {
     this._problem = '';
     if (text === this._editor.text) {
       this._chart.take(said, this._isNew);
+      if (said.digest) this._still.want({ text, source: this._source });
       this._isNew = false;
       this._editor.names = said.names;
       this._editor.judge(said.refusals.filter((/** @type {any} */ one) => one.line));

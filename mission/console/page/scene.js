@@ -33,12 +33,22 @@ export function sceneOf(vehicle, frame, stale, now, others = []) {
     home: frame && plan?.home ? frame.toLocal(...plan.home) : null,
     radius: state['to_radius']?.[1] ?? plan?.radius ?? null,
     routes,
+    still: frame ? stillOf(vehicle.still, frame) : null,
     leg,
     target: routes.find((route) => route.name === leg)?.points.at(-1) ?? null,
     track: frame ? vehicle.track.map(([, lat, lon]) => frame.toLocal(lat, lon)) : [],
     here: frame ? here(vehicle, frame, stale, now) : null,
     others: frame ? others.flatMap((one) => other(one, frame, stale, now)) : [],
   };
+}
+
+/** The way that is planned in still water. @param {any} said the server's answer, or null
+ * @param {Frame} frame @returns {import('./layers.js').Still | null} */
+export function stillOf(said, frame) {
+  if (!said) return null;
+  const local = (/** @type {any} */ row) => frame.toLocal(row[1], row[2]);
+  return { line: (said.track ?? []).map(local), problem: said.says ?? '',
+    turns: (said.turns ?? []).map((/** @type {any} */ row) => ({ at: local(row), around: row[3] })) };
 }
 
 /** The legs that steer to places. @param {any} map GeoJSON, or null @param {Frame} frame

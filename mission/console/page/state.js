@@ -58,6 +58,8 @@ export class Vehicle {
   gap = 0; // events that never came
   /** @type {Plan | null} what is on board */
   plan = null;
+  /** @type {any} its track in still water, as the server answers */
+  still = null;
   /** @type {number | null} ms */
   heardAt = null;
 
@@ -67,8 +69,8 @@ export class Vehicle {
   }
 
   forget() {
-    const { setup, plan, heardAt, snapshots } = this;
-    Object.assign(this, new Vehicle(setup), { plan, heardAt, snapshots: snapshots + 1 });
+    const { setup, plan, still, heardAt, snapshots } = this;
+    Object.assign(this, new Vehicle(setup), { plan, still, heardAt, snapshots: snapshots + 1 });
   }
 }
 

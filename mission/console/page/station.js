@@ -93,6 +93,16 @@ export class Station {
     } catch {
       this.vehicle.plan = null; // the next change, or the next snapshot, asks again
     }
+    if (this.vehicle.still?.digest !== this.vehicle.plan?.digest) this.vehicle.still = null;
+    this._changed();
+    if (this.vehicle.plan && !this.vehicle.still) void this._askStill(this.vehicle.plan.digest);
+  }
+
+  /** The plan's track in still water: it is flown first. @param {string} digest */
+  async _askStill(digest) {
+    const id = encodeURIComponent(this.vehicle.setup.id);
+    const still = await ask(`/api/vehicles/${id}/planned`, this._token).catch(() => null);
+    if (still?.digest === digest && digest === this.vehicle.plan?.digest) this.vehicle.still = still;
     this._changed();
   }
 

@@ -7,7 +7,7 @@ import { Frame } from '../../../mission/console/page/geo.js';
 import { levelOf } from '../../../mission/console/page/journal.js';
 import { level } from '../../../mission/console/page/margins.js';
 import { Goal, eventNear } from '../../../mission/console/page/review.js';
-import { frameOf, routesOf, sceneOf } from '../../../mission/console/page/scene.js';
+import { frameOf, routesOf, sceneOf, stillOf } from '../../../mission/console/page/scene.js';
 import { Vehicle, update } from '../../../mission/console/page/state.js';
 import { progress } from '../../../mission/console/page/states.js';
 import { bounds, runs } from '../../../mission/console/page/strips.js';
@@ -187,4 +187,13 @@ test('where no place is known there is no chart to be wrong', () => {
   const nowhere = new Vehicle({ id: '1', to: '', source: 'monitor', speed: 1 });
   const scene = sceneOf(nowhere, frameOf(nowhere), 6, 0);
   assert.deepEqual([scene.hasPlace, scene.here, scene.home, scene.routes], [false, null, null, []]);
+});
+
+test('the track in still water is drawn with what it is unsure of, or the reason why there is none', () => {
+  const frame = new Frame(30, 120);
+  assert.equal(stillOf(null, frame), null);
+  const found = stillOf({ is: 'planned', track: [[0, 30, 120], [9, 30.001, 120]], turns: [[9, 30.001, 120, [7, 5, 20], 'out']] }, frame);
+  assert.deepEqual(found.line.map(([, north]) => Math.round(north)), [0, 111]);
+  assert.deepEqual([found.turns[0].around, found.problem], [[7, 5, 20], '']);
+  assert.deepEqual(stillOf({ is: 'refused', says: 'why' }, frame), { line: [], turns: [], problem: 'why' });
 });

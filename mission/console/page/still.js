@@ -1,0 +1,48 @@
+// @ts-check
+/**
+ * The track in still water of the text that is being written: flown by the server, a while after
+ * the last change, the newest alone.
+ */
+
+import { Line } from './wire.js';
+
+const REST_MS = 700; // of the text, before it is flown
+
+export class StillWater {
+  /** @param {() => string} token @param {(said: any) => void} found null: there is none */
+  constructor(token, found) {
+    this._token = token;
+    this._found = found;
+    this._timer = 0;
+    /** @type {Line | null} */
+    this._line = null;
+  }
+
+  /** The text is another. */
+  forget() {
+    clearTimeout(this._timer);
+    this._line?.close(); // ends what is flown for it
+    this._line = null;
+    this._found(null);
+  }
+
+  /** @param {{text: string, source: string}} plan that can be read */
+  want(plan) {
+    this.forget();
+    this._timer = setTimeout(() => this._ask(plan), REST_MS);
+  }
+
+  /** @param {{text: string, source: string}} plan */
+  _ask(plan) {
+    const line = new Line('/ws/ghost?', this._token(), {
+      opened: () => line.send({ do: 'plan', ...plan }),
+      heard: (said) => {
+        line.close();
+        this._line = null;
+        this._found(said);
+      },
+      closed: () => this.forget(), // the next text asks again
+    });
+    this._line = line;
+  }
+}
