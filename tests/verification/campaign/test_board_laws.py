@@ -234,8 +234,6 @@ def test_the_commands_fly_the_other_vehicles_and_say_how_to_fly_one_again() -> N
 @pytest.mark.parametrize(
     "words",
     [
-        ("faults", "--vehicle", "rov", "--search"),
-        ("faults", "--vehicle", "rov", "--soak", "1"),
         ("faults", "--vehicle", "rov", "--broken", "all"),
         ("faults", "--vehicle", "motorboards"),
         ("faults", "--vehicle", "submarine"),
