@@ -66,16 +66,19 @@ def _table(path: Path, found: Findings) -> Iterator[Place]:
     found.read_in(data)
     if len(data) > BYTES.most:
         raise found.refusal("too-long", "", f"it has {BYTES.exceeded}, which no route has")
-    rows = csv.reader(text_of(data, found).splitlines())
-    head = [word.strip().lower() for word in next(rows, [])]
+    rows = _rows(text_of(data, found), found)
+    _, first = next(rows, (1, []))
+    head = [word.strip().lower() for word in first]
     at = [next((head.index(n) for n in names if n in head), None)
           for names in (_LATITUDE, _LONGITUDE)]  # fmt: skip
     if at[0] is None or at[1] is None:
         raise found.refusal("plan-form", 1, "no columns latitude and longitude", _COLUMNS)
-    for row in rows:
+    for where, row in rows:
         if not any(map(str.strip, row)):
             continue
-        where = rows.line_num
+        if any(map(str.strip, row[len(head) :])):
+            what = f"{len(row)} columns, and the first line names {len(head)}"
+            raise found.refusal("plan-form", where, what, "write decimals with a point")
         given = [row[k] if k is not None and k < len(row) else "" for k in at]
         lat, lon = (
             read_number(t, n, where, found)
@@ -84,3 +87,13 @@ def _table(path: Path, found: Findings) -> Iterator[Place]:
         place = None if lat is None or lon is None else position(lat, lon, where, found)
         if place is not None:
             yield place
+
+
+def _rows(text: str, found: Findings) -> Iterator[tuple[int, list[str]]]:
+    """With the number of its line."""
+    rows = csv.reader(text.splitlines())
+    try:
+        for row in rows:
+            yield rows.line_num, row
+    except csv.Error as error:
+        raise found.refusal("plan-form", rows.line_num, f"no table: {error}", _COLUMNS) from None

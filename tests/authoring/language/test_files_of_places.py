@@ -94,6 +94,8 @@ def test_a_vehicle_reads_no_files() -> None:
         ("r.csv", "lat,lon\n120.1,30.1\n", "r.csv:2: latitude 120.1 is beyond 90 degrees"),
         ("r.csv", "a,b\n30.1,120.1\n", "r.csv:1: no columns latitude and longitude"),
         ("r.csv", "lat,lon\n30.1\n", "r.csv:2: longitude is no number"),
+        ("r.csv", "lat,lon\n30,1,120,1\n", "r.csv:2: 4 columns, and the first line names 2"),
+        ("r.csv", "lat,lon\n30," + "5" * 200_000, "r.csv:2: no table: field larger than"),
         ("r.doc", "", "its suffix '.doc' is no format's"),
         ("r.gpx", "<gpx></gpx>", "there is no route in it"),
         ("r.gpx", "<gpx><rte>", "r.gpx"),
