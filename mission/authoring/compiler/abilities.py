@@ -213,6 +213,7 @@ def guard_problems(
             yield from _asked(name, vehicle, place, gives)
         if isinstance(term, Trend):
             yield from _never_true(term, place)
+            yield from _between_reports(term, vehicle, place)
 
 
 def _asked(
@@ -242,6 +243,19 @@ def _asked(
             place,
             f"{name} is known only in legs that go to a place",
             "use travelled, range or elapsed",
+        )
+
+
+def _between_reports(term: Trend, vehicle: Vehicle, place: Where) -> Iterator[Diagnostic]:
+    """Of three reports in a row the middle value counts, which is then a report old."""
+    period = vehicle.sensors.telemetry_period
+    if not term.of_depth and term.window < 1.5 * period:
+        yield refused(
+            "never-known",
+            place,
+            f"nothing is known of {term.variable} within {term.window:g} s: "
+            f"{vehicle.name} reports every {period:g} s",
+            f"write within {2.0 * period:g} s or more",
         )
 
 

@@ -103,6 +103,7 @@ def test_a_parameter_may_stand_for_each_number() -> None:
         ("depth back at highest metal within 2", "unknown-variable", "variables"),
         ("temperature falls 66", "never-true", "ask for less"),
         ("depth rises 9 within 4 s", "never-true", "give it longer"),
+        ("temperature rises 1 within 2 s", "never-known", "write within 4 s or more"),
         ("temperature drops 2", "comparison", ">="),
         ("depth back at peak temperature within 1", "unknown-word", "highest or lowest"),
         ("depth back at highest temperature", "syntax", "within"),
