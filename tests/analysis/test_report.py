@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from mission.analysis.journal import recordings
 from mission.analysis.report.dive import Dive
-from mission.analysis.report.map import draw_map
+from mission.analysis.report.map import _scale, draw_map
 from mission.analysis.story import story
 from mission.commands.report import report
 from mission.commands.simulate import simulate
@@ -177,6 +177,18 @@ def test_the_track_fills_the_map_and_no_ellipse_buries_it(drawn: tuple[Figure, D
         assert np.all((low < at) & (at < high))
     assert all(2.0 * max(p.get_width(), p.get_height()) <= width for p in axes.patches)
     assert len(axes.patches) <= 10
+
+
+@pytest.mark.parametrize("corner", [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)])
+def test_the_scale_stands_where_no_track_is(corner: tuple[float, float]) -> None:
+    axes = Figure().subplots()
+    axes.set_xlim(-100.0, 100.0)
+    axes.set_ylim(-100.0, 100.0)
+    shown = [(corner[0] * at, corner[1] * at) for at in np.linspace(50.0, 95.0, 20)]
+    _scale(axes, 200.0, shown)
+    (bar,) = axes.lines
+    for east, north in zip(*bar.get_data(), strict=True):
+        assert all(np.hypot(east - e, north - n) > 30.0 for e, n in shown)
 
 
 def test_scale_graticule_and_every_leg_are_on_the_map(drawn: tuple[Figure, Dive]) -> None:

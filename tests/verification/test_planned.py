@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from matplotlib.figure import Figure
 
 from mission.authoring.prepare import prepare
 from mission.cli import main
 from mission.model import Local, Position
 from mission.navigation.geodesy import LocalFrame
 from mission.verification.planned.formats import FORMATS
+from mission.verification.planned.picture import _plan_view
 from mission.verification.planned.track import Plan, planned
 
 TEXT = """
@@ -84,6 +87,18 @@ def test_areas_are_drawn_and_on_the_map(plan: Plan) -> None:
     features = json.loads(FORMATS[".geojson"].write(plan))["features"]
     told = next(f["properties"] for f in features if f["properties"]["is"] == "keep out")
     assert told == {"is": "keep out", "name": "wreck", "top_m": 4.0, "bottom_m": 9.0}
+
+
+def test_an_area_whose_rows_come_up_for_fixes_is_filled_once(tmp_path: Path) -> None:
+    corners = "north 20 east 0, north 20 east 60, north 60 east 60, north 60 east 0"
+    text = re.sub(r"rows .* gear 6", f"cover {corners} spacing 20 depth 4 gear 6 resurface 1", TEXT)
+    text = text.replace("radius 400 time 20min", "radius 900 time 40min")
+    text = re.sub(r"keep out .*", "", text)
+    (tmp_path / "m.mission").write_text(text)
+    ready = prepare(tmp_path / "m.mission")
+    axes = Figure().subplots()
+    _plan_view(axes, planned(ready.mission, ready.chart, ready.vehicle))
+    assert sum(patch.get_alpha() == 0.10 for patch in axes.patches) == 1
 
 
 def test_the_map_layer_lies_where_home_is(plan: Plan) -> None:

@@ -66,7 +66,7 @@ def draw_map(axes: Axes, dive: Dive) -> None:
                   zorder=5)  # fmt: skip
     if dive.origin is not None:
         _graticule(axes, LocalFrame(dive.origin), width)
-    _scale(axes, width)
+    _scale(axes, width, [*shown, (0.0, 0.0)])
     axes.annotate("N", (0.96, 0.97), (0.96, 0.87), xycoords="axes fraction", ha="center",
                   va="center", arrowprops={"arrowstyle": "->", "lw": 1.2})  # fmt: skip
     axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
@@ -155,10 +155,19 @@ def _graticule(axes: Axes, frame: LocalFrame, width: float) -> None:
     axes.grid(color="#bbbbbb", lw=0.5, zorder=0)
 
 
-def _scale(axes: Axes, width: float) -> None:
-    length = _step(width / 5.0)
-    (left, _), (bottom, _) = axes.get_xlim(), axes.get_ylim()
-    x, y = left + 0.04 * width, bottom + 0.04 * width
+def _scale(axes: Axes, width: float, shown: Sequence[Point]) -> None:
+    """In that corner where least is shown; above to the right is north."""
+    length, room = _step(width / 5.0), 0.04 * width
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    far, high = right - room - length, top - 2.0 * room
+
+    def crowd(corner: Point) -> int:
+        x, y = corner
+        return sum(
+            x - room <= e <= x + length + room and y - room <= n <= y + 2.0 * room for e, n in shown
+        )
+
+    x, y = min(((left + room, bottom + room), (far, bottom + room), (left + room, high)), key=crowd)
     axes.plot([x, x + length], [y, y], color="k", lw=3, solid_capstyle="butt", zorder=6)
     axes.text(x + length / 2.0, y + 0.015 * width, f"{length:g} m", ha="center", fontsize=8)
 

@@ -65,7 +65,7 @@ def _plan_view(axes: Axes, plan: Plan) -> None:
     for spot in spots[:: max(1, len(spots) // _ELLIPSES)]:
         _draw_ellipse(axes, spot)
     for index, leg in enumerate(plan.stretches):
-        if leg.area:
+        if leg.area and leg.area not in [before.area for before in plan.stretches[:index]]:
             outline = [*leg.area, leg.area[0]]
             axes.fill([e for _, e in outline], [n for n, _ in outline], color=_colour(index),
                       alpha=0.10, lw=0)  # fmt: skip
