@@ -68,7 +68,7 @@ def console(
     browser: bool,
     out: Path,
 ) -> None:
-    """Fly, steer and review in a browser: chart, states, margins, journal, X and W, stick.
+    """Plan, fly, steer and review in a browser: chart, states, margins, journal, X and W, stick.
 
     LOG.mcap is reviewed; a mission's name in its place is simulated and reviewed. Nobody but this
     computer can reach the page, and its address holds the token that opens it.
