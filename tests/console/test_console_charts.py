@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import gzip
 import io
 import json
 import sqlite3
+import struct
 import tempfile
+import tracemalloc
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +19,7 @@ from PIL import Image
 from pmtiles.tile import Compression, TileType, zxy_to_tileid
 from pmtiles.writer import Writer
 
-from mission.console.charts import layer, shapes
+from mission.console.charts import layer, shapes, tiles
 from mission.console.charts.layer import ChartError, Layer
 from mission.console.charts.shelf import FILE, Shelf, read_chart
 
@@ -247,6 +250,78 @@ def test_a_file_that_is_something_else_is_refused_in_words(
         read_chart(path.with_stem("lost"))
 
 
+@pytest.mark.parametrize(
+    "said",
+    [
+        {"crs": [1], "type": "Point", "coordinates": [1, 2]},
+        {"crs": {"properties": []}, "type": "Point", "coordinates": [1, 2]},
+        {"type": "Point", "coordinates": [10**400, 2]},
+        feature("Point", [1, 2], depth=10**400),
+    ],
+)
+def test_geojson_whose_values_are_no_such_things_is_refused_in_words(
+    tmp_path: Path, said: Any
+) -> None:
+    (tmp_path / "odd.geojson").write_text(json.dumps(said))
+    with pytest.raises(ChartError, match="^odd"):
+        read_chart(tmp_path / "odd.geojson")
+
+
+@pytest.mark.parametrize("row", ["'a', 'b', 'c'", "2.5, 0, 0", "3, NULL, NULL", "-3, 0, 0"])
+def test_mbtiles_whose_tiles_are_at_no_place_are_refused_in_words(tmp_path: Path, row: str) -> None:
+    path = mbtiles(tmp_path / "odd.mbtiles")
+    with sqlite3.connect(path) as archive:
+        archive.execute("DROP TABLE tiles")
+        archive.execute("CREATE TABLE tiles (zoom_level, tile_column, tile_row, tile_data)")
+        archive.execute(f"INSERT INTO tiles VALUES ({row}, x'00')")
+    archive.close()
+    with pytest.raises(ChartError, match="^odd"):
+        read_chart(path)
+
+
+def test_a_tile_that_is_too_large_is_never_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = read_chart(mbtiles(tmp_path / "a.mbtiles", (0, 0, 0)))
+    assert found.tile is not None
+    assert found.tile(0, 0, 0)
+    monkeypatch.setattr(tiles, "MOST_TILE", 9)
+    assert found.tile(0, 0, 0) is None
+
+
+def test_mbtiles_that_never_come_to_an_end_are_given_up(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tiles, "LONGEST_S", 0.2)
+    path = tmp_path / "endless.mbtiles"
+    with sqlite3.connect(path) as archive:
+        archive.execute("CREATE TABLE metadata (name TEXT, value TEXT)")
+        archive.execute(
+            "CREATE VIEW tiles AS WITH RECURSIVE n(zoom_level) AS "
+            "(SELECT 1 UNION ALL SELECT 1 FROM n) "
+            "SELECT zoom_level, 0 AS tile_column, 0 AS tile_row, x'00' AS tile_data FROM n"
+        )
+    archive.close()
+    with pytest.raises(ChartError, match="interrupted"):
+        read_chart(path)
+
+
+@pytest.mark.parametrize("unpacked", [b"\0" * (64 << 20), b"\xff" * (2 << 20)])
+def test_directories_of_pmtiles_that_unpack_to_much_are_not_unpacked(
+    tmp_path: Path, unpacked: bytes
+) -> None:
+    packed = gzip.compress(unpacked)
+    whole = bytearray(pmtiles(tmp_path / "a.pmtiles").read_bytes())
+    whole[8:24] = struct.pack("<QQ", len(whole), len(packed))  # where the root is
+    (tmp_path / "bomb.pmtiles").write_bytes(whole + packed)
+    found = read_chart(tmp_path / "bomb.pmtiles")
+    assert found.tile is not None
+    tracemalloc.start()
+    assert found.tile(3, 4, 2) is None
+    assert tracemalloc.get_traced_memory()[1] < 16 << 20
+    tracemalloc.stop()
+
+
 def test_tiles_that_are_no_pictures_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ChartError, match="tiles of pbf: only pictures"):
         read_chart(mbtiles(tmp_path / "v.mbtiles", (0, 0, 0), format="pbf"))
@@ -284,8 +359,8 @@ def test_two_charts_of_one_name_are_refused(tmp_path: Path) -> None:
 @pytest.fixture
 def shelf(tmp_path: Path) -> Shelf:
     geojson(tmp_path / "sea.geojson", feature("Point", [24, 60], depth=3))
-    tiles = mbtiles(tmp_path / "a b.mbtiles", (3, 4, 5))
-    return Shelf(tmp_path, (tiles, tmp_path / "sea.geojson"))
+    archive = mbtiles(tmp_path / "a b.mbtiles", (3, 4, 5))
+    return Shelf(tmp_path, (archive, tmp_path / "sea.geojson"))
 
 
 @pytest.fixture

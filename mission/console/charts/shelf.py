@@ -41,6 +41,10 @@ def read_chart(path: Path) -> Layer:
         return reader(path)
     except OSError as error:
         raise ChartError(f"{path.name}: {error.strerror or error}") from None
+    except ChartError:
+        raise
+    except (ValueError, TypeError, AttributeError, LookupError, OverflowError) as error:
+        raise ChartError(f"{path.name}: no such file as it says it is: {error}") from None
 
 
 class Shelf:

@@ -8,8 +8,10 @@ of its pixel.
 from __future__ import annotations
 
 import contextlib
+import gzip
 import math
 import sqlite3
+import time
 import zlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -19,6 +21,10 @@ from mission.console.charts.layer import Bounds, ChartError, Layer, Tile
 
 DEEPEST = 24
 MOST_TILE = 4 << 20  # bytes
+MOST_DIRECTORY = 1 << 20  # bytes, unpacked
+DEEPEST_DIRECTORY = 4
+LONGEST_S = 5.0  # that an archive may be asked for anything
+STEPS = 10_000  # of SQLite between looks at the clock
 KINDS = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg", b"RIFF": "image/webp"}
 RASTER = ("png", "jpg", "jpeg", "webp")
 
@@ -29,7 +35,7 @@ def media_of(tile: bytes) -> str:
 
 
 def _layer(path: Path, bounds: Bounds, zooms: tuple[int, int], read: Tile) -> Layer:
-    if not 0 <= zooms[0] <= zooms[1] <= DEEPEST:
+    if not all(isinstance(z, int) for z in zooms) or not 0 <= zooms[0] <= zooms[1] <= DEEPEST:
         raise ChartError(f"{path.name}: zoom {zooms[0]} to {zooms[1]}: from 0 to {DEEPEST}")
     west, south, east, north = bounds
     if not (-180 <= west < east <= 180 and -90 <= south < north <= 90):
@@ -54,7 +60,7 @@ def read_mbtiles(path: Path) -> Layer:
                 raise ChartError(
                     f"{path.name}: tiles of {kind}: only pictures ({', '.join(RASTER)})"
                 )
-            bounds = _told(found) or _covered(archive, zooms[1])
+            bounds = _told(found) or _covered(path, archive, zooms[1])
     except sqlite3.Error as error:
         raise ChartError(f"{path.name}: no MBTiles: {error}") from None
     return _layer(path, bounds, zooms, lambda z, x, y: _mbtile(path, z, x, y))
@@ -64,6 +70,8 @@ def read_mbtiles(path: Path) -> Layer:
 def _opened(path: Path) -> Iterator[sqlite3.Connection]:
     path.stat()  # says it better than sqlite
     archive = sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)
+    end = time.monotonic() + LONGEST_S  # its tiles may be a view that comes to no end
+    archive.set_progress_handler(lambda: time.monotonic() > end, STEPS)
     try:
         yield archive
     finally:
@@ -78,12 +86,14 @@ def _told(found: Mapping[str, Any]) -> Bounds | None:
     return west, south, east, north
 
 
-def _covered(archive: sqlite3.Connection, zoom: int) -> Bounds:
+def _covered(path: Path, archive: sqlite3.Connection, zoom: int) -> Bounds:
     asked = (
         "SELECT min(tile_column), min(tile_row), max(tile_column), max(tile_row) "
         "FROM tiles WHERE zoom_level = ?"
     )
-    left, low, right, up = archive.execute(asked, (zoom,)).fetchone()
+    left, low, right, up = found = archive.execute(asked, (zoom,)).fetchone()
+    if not all(isinstance(v, int) for v in (zoom, *found)) or not 0 <= zoom <= DEEPEST:
+        raise ChartError(f"{path.name}: tiles at zoom {zoom!r}, {found}: whole numbers are needed")
     n = 1 << zoom
     return (
         left / n * 360 - 180,
@@ -100,10 +110,14 @@ def _latitude(row: float, n: int) -> float:
 
 def _mbtile(path: Path, zoom: int, column: int, row: int) -> bytes | None:
     """Its rows are counted from the south."""
-    asked = "SELECT tile_data FROM tiles WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?"
+    asked = (
+        "SELECT tile_data FROM tiles WHERE zoom_level = ? AND tile_column = ? AND tile_row = ? "
+        "AND length(tile_data) <= ?"
+    )
     try:
         with _opened(path) as archive:
-            found = archive.execute(asked, (zoom, column, (1 << zoom) - 1 - row)).fetchone()
+            which = zoom, column, (1 << zoom) - 1 - row, MOST_TILE
+            found = archive.execute(asked, which).fetchone()
     except (sqlite3.Error, OSError):
         return None
     return found[0] if found and isinstance(found[0], bytes) else None
@@ -135,15 +149,32 @@ def read_pmtiles(path: Path) -> Layer:
 
 
 def _pmtile(path: Path, zoom: int, column: int, row: int) -> bytes | None:
-    from pmtiles.reader import Reader
+    """As the package's own reader has it, which unpacks whatever it is given."""
+    from pmtiles.tile import deserialize_directory, deserialize_header, find_tile, zxy_to_tileid
 
-    damaged = (OSError, EOFError, ValueError, IndexError, OverflowError, zlib.error)
+    damaged = (OSError, EOFError, ValueError, IndexError, KeyError, OverflowError, zlib.error)
     with contextlib.suppress(*damaged), path.open("rb") as file:
 
         def get(offset: int, length: int) -> bytes:
             file.seek(offset)
-            return file.read(min(length, MOST_TILE))
+            return file.read(length) if length <= MOST_TILE else b""
 
-        found: bytes | None = Reader(get).get(zoom, column, row)  # type: ignore[no-untyped-call]
-        return found
+        head = deserialize_header(get(0, 127))
+        tile = zxy_to_tileid(zoom, column, row)
+        where = head["root_offset"], head["root_length"]
+        for _ in range(DEEPEST_DIRECTORY):
+            found = find_tile(deserialize_directory(_bounded(get(*where))), tile)
+            if found is None:
+                return None
+            if found.run_length:
+                return get(head["tile_data_offset"] + found.offset, found.length)
+            where = head["leaf_directory_offset"] + found.offset, found.length
     return None
+
+
+def _bounded(packed: bytes) -> bytes:
+    """A directory, which 4 MiB may unpack to 4 GiB of. Raises ValueError."""
+    plain = zlib.decompressobj(zlib.MAX_WBITS | 16).decompress(packed, MOST_DIRECTORY + 1)
+    if len(plain) > MOST_DIRECTORY:
+        raise ValueError("a directory larger than any")
+    return gzip.compress(plain, 0)
