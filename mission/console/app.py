@@ -19,7 +19,7 @@ from starlette.websockets import WebSocket
 from mission import __version__
 from mission.console import planning, plans
 from mission.console.admission import Admission
-from mission.console.asked import Refused, Said, answered
+from mission.console.asked import Refused, Said, answered, worked
 from mission.console.charts.shelf import Shelf
 from mission.console.charts.web import chart_routes
 from mission.console.ghost import Ghosts
@@ -87,6 +87,7 @@ class _Console:
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
+            await self._ghosts.end()
 
     async def setup(self, request: Request) -> Response:
         vehicles = [one.about() for one in self._shown.values()]
@@ -127,7 +128,7 @@ class _Console:
     async def check(self, request: Request) -> Response:
         async def judged(said: Said) -> Any:
             text, source = str(said["text"]), str(said["source"])
-            return await asyncio.to_thread(plans.checked, text, source, self._vehicle)
+            return await worked(plans.checked, text, source, self._vehicle)
 
         return await answered(request, judged, "a check needs text and source")
 
@@ -145,7 +146,7 @@ class _Console:
             board = "" if one is None else str(one.plan()["text"])
             if not board:
                 raise Refused("what is on board is not known here")
-            return await asyncio.to_thread(planning.difference, text, source, board, self._vehicle)
+            return await worked(planning.difference, text, source, board, self._vehicle)
 
         return await answered(request, compared, "a difference needs text and source")
 

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 from collections.abc import Awaitable, Callable
-from typing import Any
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, ParamSpec, TypeVar
 
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
 BODY = 1 << 20  # bytes
+AT_ONCE = 2  # texts, charts: more take turns, and the vehicle's own threads stay free
 Said = dict[str, Any]
+P = ParamSpec("P")
+T = TypeVar("T")
+_workers = ThreadPoolExecutor(AT_ONCE, "page")
 Answer = Callable[[Said], Awaitable[Any]]
 
 
@@ -21,6 +27,12 @@ class Refused(Exception):
     def __init__(self, says: str, status: int = 200) -> None:
         super().__init__(says)
         self.status = status
+
+
+async def worked(work: Callable[P, T], *args: P.args, **more: P.kwargs) -> T:
+    """Done beside the loop. Of the loop's own threads, which are few, vehicles live: their names
+    are looked up there, and what is uploaded is judged."""
+    return await asyncio.get_running_loop().run_in_executor(_workers, lambda: work(*args, **more))
 
 
 async def answered(request: Request, answer: Answer, needs: str, most: int = BODY) -> Response:

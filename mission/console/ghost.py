@@ -23,6 +23,7 @@ STILL_S = 60.0  # of one in still water
 AT_ONCE = 2  # of all pages
 KEPT = 8  # of those in still water
 OUTPUT = 8 << 20  # bytes
+LEAVE_TICKS, TICK_S = 200, 0.01
 _MODULE = "mission.console.flying"
 Tell = Callable[[Said], Awaitable[None]]
 
@@ -34,6 +35,7 @@ class Ghosts:
         self._longest = longest
         self.under_way = 0
         self._place = asyncio.Semaphore(1)
+        self._alive = set[asyncio.subprocess.Process]()
         self._known: dict[bytes, Said] = {}
 
     async def fly(self, said: Said, vehicle: str | None, tell: Tell) -> None:
@@ -47,6 +49,15 @@ class Ghosts:
             await tell(await self._flown(_job(said, vehicle), self._longest))
         finally:
             self.under_way -= 1
+
+    async def end(self) -> None:
+        """With the console: those that fly are told, and waited for."""
+        for process in self._alive:
+            _kill(process)
+        for _ in range(LEAVE_TICKS):
+            if not self._alive:
+                return
+            await asyncio.sleep(TICK_S)
 
     async def plan(self, said: Said, vehicle: str | None, tell: Tell) -> None:
         """Tells ``planned`` or ``refused``."""
@@ -69,20 +80,28 @@ class Ghosts:
             stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,
         )  # fmt: skip
+        self._alive.add(process)
         try:
             async with asyncio.timeout(longest):
                 out, error = await process.communicate(job)
         except TimeoutError:
             return {"is": "refused", "says": f"it takes longer than {longest:g} s"}
         finally:
-            with contextlib.suppress(ProcessLookupError):
-                process.kill()
-            await process.wait()
+            _kill(process)
+            await process.communicate()  # to the end of its pipes, so that they are closed
+            self._alive.discard(process)
         if process.returncode:
             last = error.decode(errors="replace").strip().rpartition("\n")[2][:200]
             return {"is": "refused", "says": f"the flight ended: {last}"}
         found = json.loads(out)
         return {"is": "refused", **found} if "says" in found else found
+
+
+def _kill(process: asyncio.subprocess.Process) -> None:
+    with contextlib.suppress(ProcessLookupError):
+        process.kill()
+    if process.stdin is not None:
+        process.stdin.close()
 
 
 def _job(said: Said, vehicle: str | None, do: str = "fly") -> bytes:

@@ -6,7 +6,6 @@ a file of another program --authoring.importing--> text, and what was left out
 
 from __future__ import annotations
 
-import asyncio
 import base64
 import difflib
 import math
@@ -25,7 +24,7 @@ from mission.authoring.language import script
 from mission.authoring.language.assembly import DEFAULT_VEHICLE
 from mission.authoring.language.vocabulary import vocabulary
 from mission.authoring.prepare import Prepared, Unreadable, prepare_text
-from mission.console.asked import Refused, Said
+from mission.console.asked import Refused, Said, worked
 from mission.model import Position
 from mission.model.extent import BYTES
 from mission.model.shipped import load_vehicle
@@ -37,7 +36,7 @@ EDIT_NEEDS = "an edit needs text, source, do, the place's number at, and to: [la
 
 
 async def words() -> list[dict[str, str]]:
-    return await asyncio.to_thread(vocabulary)
+    return await worked(vocabulary)
 
 
 async def edited(said: Said) -> dict[str, str]:
@@ -48,12 +47,12 @@ async def edited(said: Said) -> dict[str, str]:
         raise TypeError(at)
     try:
         if do == "move":
-            made = await asyncio.to_thread(move, text, source, int(said["at"]), _place(said["to"]))
+            made = await worked(move, text, source, int(said["at"]), _place(said["to"]))
         elif do == "remove":
-            made = await asyncio.to_thread(remove, text, source, int(said["at"]))
+            made = await worked(remove, text, source, int(said["at"]))
         elif do == "add":
             what = str(said["what"])
-            made = await asyncio.to_thread(add, text, source, what, _place(said["to"]), at)
+            made = await worked(add, text, source, what, _place(said["to"]), at)
         else:
             raise Refused("an edit is move, add or remove")
     except EditError as error:
@@ -89,8 +88,14 @@ def _prepared(text: str, source: str, vehicle: str | None, else_says: str) -> Pr
 
 def _rows(before: Sequence[str], after: Sequence[str]) -> list[list[str]]:
     """``[mark, line]`` of both, as the vehicle has them: " " both, "-" on board, "+" here."""
-    compared = difflib.ndiff(before[1:], after[1:])  # without the line that has the sum
-    return [[row[0], row[2:]] for row in compared if row[0] in " -+"]
+    old, new = before[1:], after[1:]  # without the line that has the sum
+    rows = list[list[str]]()
+    for what, a, b, c, d in difflib.SequenceMatcher(None, old, new).get_opcodes():
+        if what == "equal":
+            rows += [[" ", line] for line in old[a:b]]
+        else:
+            rows += [*(["-", line] for line in old[a:b]), *(["+", line] for line in new[c:d])]
+    return rows
 
 
 # --- files of other programs ----------------------------------------------------------------------
@@ -104,7 +109,7 @@ async def imported(said: Said, vehicle: str | None) -> dict[str, Any]:
     pick = None if pick is None else str(pick)
     try:
         boat = load_vehicle(vehicle or DEFAULT_VEHICLE)
-        found = await asyncio.to_thread(taken, Path(name), data, answers, pick, boat)
+        found = await worked(taken, Path(name), data, answers, pick, boat)
     except (ImportErrors, VehicleError) as error:
         raise Refused(str(error)) from None
     return {"text": found.text, "source": f"{found.name}.yaml", "left_out": list(found.left_out)}

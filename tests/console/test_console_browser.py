@@ -302,6 +302,15 @@ def test_a_plan_from_a_template_to_the_vehicle_and_another_by_drop(
         expect(code).to_have_value(re.compile("Imported from bay.gpx"))
         code.press("Control+z")
         expect(code).to_have_value(first)
+        with page.expect_download() as saved:
+            plan.get_by_role("button", name="Save").click()
+        assert saved.value.suggested_filename == "transect.yaml"
+        expect(verdict).to_contain_text("from home")
+        page.evaluate(DROP, ["huge.yaml", "# " + "x" * ((1 << 20) - 3)])
+        expect(plan.locator(".plan-says")).to_contain_text("bytes")
+        expect(verdict).to_have_text("")
+        code.press("Control+z")
+        expect(verdict).to_contain_text("from home")
 
 
 # --- others ---------------------------------------------------------------------------------------

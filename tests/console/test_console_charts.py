@@ -263,7 +263,7 @@ def test_geojson_whose_values_are_no_such_things_is_refused_in_words(
     tmp_path: Path, said: Any
 ) -> None:
     (tmp_path / "odd.geojson").write_text(json.dumps(said))
-    with pytest.raises(ChartError, match="^odd"):
+    with pytest.raises(ChartError, match=r"^odd"):
         read_chart(tmp_path / "odd.geojson")
 
 
@@ -275,7 +275,7 @@ def test_mbtiles_whose_tiles_are_at_no_place_are_refused_in_words(tmp_path: Path
         archive.execute("CREATE TABLE tiles (zoom_level, tile_column, tile_row, tile_data)")
         archive.execute(f"INSERT INTO tiles VALUES ({row}, x'00')")
     archive.close()
-    with pytest.raises(ChartError, match="^odd"):
+    with pytest.raises(ChartError, match=r"^odd"):
         read_chart(path)
 
 

@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import asyncio
 import base64
+import contextlib
+import gc
+import http.client
 import json
 import math
+import tempfile
+import threading
 import time
+import warnings
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -16,9 +24,10 @@ from websockets.exceptions import ConnectionClosed
 
 from mission.authoring.prepare import prepare
 from mission.console import plans
-from mission.console.asked import Refused
+from mission.console.asked import Refused, worked
 from mission.console.ghost import KEPT, Ghosts
 from mission.console.planning import difference
+from mission.console.vehicle import Given, Vehicle
 from mission.model.shipped import shipped_missions
 
 HOME = [30.2874595, 120.1535765]
@@ -143,6 +152,37 @@ def test_a_difference_is_what_changes_for_the_vehicle_and_line_by_line() -> None
         difference("legs: [", "t.yaml", TRANSECT, None)
 
 
+def test_missions_that_differ_in_each_line_are_compared_in_a_while() -> None:
+    def turned(by: int) -> str:
+        rows = (
+            f"l{i}: depth 3 heading {(7 * i + by) % 360} gear 4 for {10 + by}s" for i in range(400)
+        )
+        return "\n".join(["mission big", *rows, "up: surface until fix timeout 3min"])
+
+    began = time.process_time()
+    found = difference(turned(5), "b.mission", turned(0), None)
+    taken = time.process_time() - began
+    began = time.process_time()
+    plans.checked(turned(0), "b.mission", None)
+    assert taken < 4.0 * (time.process_time() - began)
+    marks = [row[0] for row in found["rows"]]
+    assert marks.count("-") == marks.count("+") >= 400
+
+
+def test_texts_that_are_worked_on_leave_the_vehicles_threads_alone() -> None:
+    async def asked() -> bool:
+        hold = threading.Event()
+        texts = [asyncio.ensure_future(worked(hold.wait, PATIENCE)) for _ in range(40)]
+        try:
+            await asyncio.wait_for(asyncio.to_thread(str), 5.0)
+        finally:
+            hold.set()
+            await asyncio.gather(*texts)
+        return True
+
+    assert asyncio.run(asked())
+
+
 # --- ghosts ---------------------------------------------------------------------------------------
 
 FLY = {"do": "fly", "text": DIP, "source": "dip.mission", "settings": ["current=0.1@90"], "seed": 4}
@@ -197,11 +237,16 @@ def test_a_ghost_is_cancelled_and_its_process_ends() -> None:
         flight = asyncio.ensure_future(ghosts.fly(FLY, None, tell))
         while not said:
             await asyncio.sleep(0.01)
+        await asyncio.sleep(0.1)  # its pipes are open
         flight.cancel()
         await asyncio.gather(flight, return_exceptions=True)
         return said, ghosts.under_way
 
-    assert asyncio.run(flown()) == (["flying"], 0)
+    with warnings.catch_warnings(record=True) as left:
+        warnings.simplefilter("always")
+        assert asyncio.run(flown()) == (["flying"], 0)
+        gc.collect()
+    assert [str(one.message) for one in left] == []
 
 
 def test_a_ghost_that_takes_too_long_is_ended_and_no_more_than_two_fly_at_once() -> None:
@@ -305,6 +350,27 @@ def test_tracks_in_still_water_wait_for_each_other_take_no_ghosts_place_and_are_
 
     ghosts = asyncio.run(asked())
     assert (ghosts.most, ghosts.flying) == (1, 0)
+
+
+def test_a_console_that_ends_while_a_track_is_flown_leaves_no_process() -> None:
+    class Plans(Vehicle):
+        def plan(self) -> dict[str, Any]:
+            return {"digest": "d", "text": TRANSECT}
+
+    with (
+        warnings.catch_warnings(record=True) as left,
+        tempfile.TemporaryDirectory() as memory,
+        ThreadPoolExecutor(1) as asking,
+        console(lambda: [Plans("1", Given("auv-1", "tcp://127.0.0.1:9"), Path(memory))]) as running,
+    ):
+        warnings.simplefilter("always")
+        lost = asking.submit(running.ask, "/api/vehicles/1/planned")
+        time.sleep(0.3)
+        running.stop()
+        with contextlib.suppress(http.client.HTTPException, OSError):
+            lost.result()
+        gc.collect()
+    assert [str(one.message) for one in left if "subprocess" in str(one.message)] == []
 
 
 def test_the_track_of_what_is_on_board_is_of_that_vehicle_and_needs_the_token() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 from collections.abc import Awaitable, Callable
 
@@ -10,6 +9,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
+from mission.console.asked import worked
 from mission.console.charts.layer import MOST, ChartError, Layer
 from mission.console.charts.shelf import Shelf
 from mission.console.charts.tiles import DEEPEST, MOST_TILE, media_of
@@ -30,14 +30,14 @@ def chart_routes(shelf: Shelf) -> list[Route]:
 
     async def tile(request: Request) -> Response:
         layer = shelf.find(request.path_params["name"])
-        found = b"" if layer is None else await asyncio.to_thread(_tile, layer, request.path_params)
+        found = b"" if layer is None else await worked(_tile, layer, request.path_params)
         kind = media_of(found)
         return Response(found, media_type=kind) if kind else Response(status_code=204)
 
     async def bring(request: Request) -> Response:
         body = await _body(request, MOST)
         name = request.path_params["name"]
-        return JSONResponse({"name": await asyncio.to_thread(shelf.bring, name, body)})
+        return JSONResponse({"name": await worked(shelf.bring, name, body)})
 
     async def arrange(request: Request) -> Response:
         body = await _body(request, ARRANGED)

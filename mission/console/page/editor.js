@@ -58,10 +58,11 @@ export class Editor {
   }
 
   /** Another text, as one step; the caret stays where it was, or goes to ``at``.
-   * @param {string} text @param {number} [at] */
-  put(text, at) {
+   * @param {string} text @param {number} [at]
+   * @param {import('./history.js').Origin} [of] where there is another */
+  put(text, at, of) {
     const caret = Math.min(at ?? this.area.selectionStart, text.length);
-    this.history.add({ text, at: caret });
+    this.history.add(of ? { text, at: caret, of } : { text, at: caret });
     this._show(this.history.now);
   }
 

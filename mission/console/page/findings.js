@@ -25,15 +25,22 @@ export class Findings {
     this._shown = '';
   }
 
-  /** @param {any} said the check's answer; null: none of this text so far */
+  /** @param {any} said the check's answer; null: it has none of this text */
   take(said) {
     this._said = said;
     this._shown = '';
+    if (said === null) for (const one of [this._list, this._more.children[1]]) one?.replaceChildren();
   }
 
-  show() {
+  /** @param {boolean} isNewest what the check said is of the text as it stands */
+  show(isNewest) {
     const said = this._said;
     say(this._title, word('plan_proof'));
+    mark(this._verdict, 'aria-busy', isNewest ? null : 'true');
+    if (said === null) {
+      say(this._verdict, '');
+      this._more.hidden = true;
+    }
     const key = `${word('plan_proof')}${said?.digest}${said?.ok}${JSON.stringify(said?.refusals ?? '')}`;
     if (said === null || key === this._shown) return;
     this._shown = key;

@@ -4,7 +4,10 @@
  * chart one of its own.
  */
 
-/** @typedef {{text: string, at: number}} Step ``at``: where the caret stood, UTF-16 */
+/** @typedef {{text: string, at: number, of?: Origin}} Step
+ *   ``at``: where the caret stood, UTF-16
+ * @typedef {{source: string, notes: string[]}} Origin
+ *   of a text that was opened, and of all that is made of it */
 
 const MOST = 500; // steps
 const CHARACTERS = 1 << 23; // of all of them
@@ -34,13 +37,14 @@ export class History {
 
   /** @param {Step} step @param {number} [typed] ms, when; left out: a step of its own */
   add(step, typed) {
+    const made = { ...step, of: step.of ?? this.now.of };
     if (step.text === this.now.text) {
-      this.now.at = step.at;
+      Object.assign(this.now, made);
       return;
     }
     const goesOn = typed !== undefined && typed - this._typed < PAUSE_MS && this.canUndo;
     if (goesOn) this._done.pop();
-    this._done.push(step);
+    this._done.push(made);
     this._undone = [];
     this._typed = typed ?? -Infinity;
     this._forget();

@@ -47,6 +47,7 @@ export class Importing {
   async open(file) {
     const wanted = this._wanted += 1;
     this._close();
+    this._file = null;
     const isMission = MISSION.test(file.name);
     if (file.size > (isMission ? MOST_TEXT : MOST)) return this._refuse(word('too_large', file.name));
     if (isMission) {
@@ -54,8 +55,10 @@ export class Importing {
       if (wanted === this._wanted) this._opened(text, file.name, []);
       return;
     }
-    this._file = { name: file.name, data: base64(new Uint8Array(await file.arrayBuffer())) };
-    if (wanted === this._wanted) await this._send({});
+    const data = base64(new Uint8Array(await file.arrayBuffer()));
+    if (wanted !== this._wanted) return;
+    this._file = { name: file.name, data };
+    await this._send({});
   }
 
   async _again() {

@@ -28,6 +28,8 @@ const KINDS = ['goto', 'point', 'rows', 'loiter', 'keep_out', 'keep_in'];
 const KEPT = 'plan'; // of this tab's memory
 const MOST_KEPT = 1 << 18; // characters
 const AGAIN_MS = 1000;
+/** @type {import('./history.js').Origin} */
+const NEW = { source: 'plan.yaml', notes: [] };
 
 export class Plan {
   /** @type {Array<{name: string, text: string}>} */
@@ -44,7 +46,8 @@ export class Plan {
   constructor(root, page, charts) {
     this._root = root;
     this._page = page;
-    this._source = 'plan.yaml';
+    this._origin = NEW;
+    this._source = NEW.source;
     /** @type {any} the newest answer of the check */
     this._said = null;
     this._judged = ''; // the text that it is of
@@ -146,7 +149,7 @@ export class Plan {
     this._importing.show();
     this._editor.show();
     this._chart.show();
-    this._findings.show();
+    this._findings.show(this._judged === this._editor.text);
     this._ghost.show();
     this._differing.show(this._judged === this._editor.text ? this._said : null);
     const fate = page.chosen.intents.last('upload');
@@ -215,11 +218,8 @@ export class Plan {
   /** Another mission, as one step that can be undone. @param {string} text @param {string} source
    * @param {string[]} notes */
   _open(text, source, notes) {
-    this._source = source;
-    this._isNew = true;
     this._problem = '';
-    this._editor.put(text.replaceAll('\r\n', '\n'), 0);
-    this._notes.replaceChildren(...notes.map((line) => el('li', {}, word('plan_left_out', line))));
+    this._editor.put(text.replaceAll('\r\n', '\n'), 0, { source, notes });
   }
 
   _save() {
@@ -231,6 +231,7 @@ export class Plan {
 
   _changed() {
     const { text } = this._editor;
+    this._come();
     this._editor.isYaml = !/\.mission$/i.test(this._source) || /^(mission|legs)\s*:/m.test(text);
     if (text !== this._judged) {
       this._ghost.forget();
@@ -238,8 +239,19 @@ export class Plan {
       this._differing.forget();
     }
     if (text.length < MOST_KEPT) sessionStorage.setItem(KEPT, JSON.stringify({ text, source: this._source }));
+    else sessionStorage.removeItem(KEPT); // an older text would come back
     void this._check();
     this._page().redraw();
+  }
+
+  /** Another text than before: it was opened, or that was undone. */
+  _come() {
+    const { of = NEW } = this._editor.history.now;
+    if (of === this._origin) return;
+    this._origin = of;
+    this._source = of.source;
+    this._isNew = true;
+    this._notes.replaceChildren(...of.notes.map((line) => el('li', {}, word('plan_left_out', line))));
   }
 
   /** The newest text, and one at a time. */
@@ -257,7 +269,7 @@ export class Plan {
         this._take(text, await ask('/api/check', this._page().token, { text, source: this._source }));
       } catch (error) {
         this._tell(error);
-        if (error instanceof Refused) [this._judged, this._said] = [text, null]; // no use to ask again
+        if (error instanceof Refused) this._leave(text); // no use to ask again
         else await new Promise((again) => setTimeout(again, AGAIN_MS));
       }
     }
@@ -278,6 +290,16 @@ export class Plan {
       this._mark();
     }
     this._page().redraw();
+  }
+
+  /** The check takes no such text: nothing of another one stays. @param {string} text */
+  _leave(text) {
+    [this._judged, this._said] = [text, null];
+    this._chart.take({}, true);
+    this._editor.names = [];
+    this._editor.judge([]);
+    this._findings.take(null);
+    this._mark();
   }
 
   /** The place whose line the caret is in is the chosen one. */

@@ -30,6 +30,20 @@ test('what is typed in one go is one step, and an edit of the chart is one of it
   assert.equal(history.canRedo, false);
 });
 
+test('what was undone takes its name and its notes with it', () => {
+  const [first, second] = ['a.yaml', 'b.yaml'].map((source) => ({ source, notes: [] }));
+  const history = new History({ text: '', at: 0 });
+  history.add({ text: 'a', at: 0, of: first });
+  history.add({ text: 'ab', at: 2 }, 1000);
+  history.add({ text: 'b', at: 0, of: second });
+  assert.equal(history.now.of, second);
+  assert.deepEqual([history.undo(), history.undo()].map((step) => step.of), [first, first]);
+  assert.equal(history.undo().of, undefined);
+  history.redo();
+  history.add({ text: 'a', at: 0, of: second });
+  assert.equal(history.now.of, second);
+});
+
 test('the first typing after a pause begins another step', () => {
   const history = new History({ text: 'a', at: 0 });
   history.add({ text: 'ab', at: 2 }, 1000);
