@@ -10,6 +10,7 @@ are sent to all. Whatever is answered forbids the page to load anything from any
 
 from __future__ import annotations
 
+import asyncio
 import secrets
 from collections.abc import Iterable
 
@@ -47,10 +48,27 @@ class Admission:
             await self._app(scope, receive, send)
             return
         status, why = self._refusal(scope)
-        if not status:
+        if not status and scope["type"] == "http":
+            await self._answer(scope, receive, _with_headers(send))
+        elif not status:
             await self._app(scope, receive, _with_headers(send))
         else:  # of a WebSocket, too: it is answered instead of opened
             await JSONResponse({"says": why}, status)(scope, receive, _with_headers(send))
+
+    async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Of the console's end its own words, where what is asked takes longer."""
+        has_begun = False
+
+        async def sent(message: Message) -> None:
+            nonlocal has_begun
+            has_begun = True
+            await send(message)
+
+        try:
+            await self._app(scope, receive, sent)
+        except asyncio.CancelledError:
+            if not has_begun:
+                await JSONResponse({"says": "the console ends"}, 503)(scope, receive, send)
 
     def _refusal(self, scope: Scope) -> tuple[int, str]:
         """The status, 0 for who may ask, and why."""

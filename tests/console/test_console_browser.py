@@ -307,7 +307,7 @@ def test_a_plan_from_a_template_to_the_vehicle_and_another_by_drop(
         assert saved.value.suggested_filename == "transect.yaml"
         expect(verdict).to_contain_text("from home")
         page.evaluate(DROP, ["huge.yaml", "# " + "x" * ((1 << 20) - 3)])
-        expect(plan.locator(".plan-says")).to_contain_text("bytes")
+        expect(plan.locator(".plan-says")).to_contain_text("huge.yaml")
         expect(verdict).to_have_text("")
         code.press("Control+z")
         expect(verdict).to_contain_text("from home")

@@ -28,6 +28,8 @@ const KINDS = ['goto', 'point', 'rows', 'loiter', 'keep_out', 'keep_in'];
 const KEPT = 'plan'; // of this tab's memory
 const MOST_KEPT = 1 << 18; // characters
 const AGAIN_MS = 1000;
+const MOST_SAID = 1 << 20; // bytes of a request
+const MOST_ESCAPED = 6; // bytes of a character
 /** @type {import('./history.js').Origin} */
 const NEW = { source: 'plan.yaml', notes: [] };
 
@@ -265,7 +267,10 @@ export class Plan {
   async _checkAll() {
     while (this._judged !== this._editor.text) {
       const { text } = this._editor;
-      try {
+      if (isTooLarge({ text, source: this._source })) {
+        this._leave(text);
+        this._tell(word('too_large', this._source));
+      } else try {
         this._take(text, await ask('/api/check', this._page().token, { text, source: this._source }));
       } catch (error) {
         this._tell(error);
@@ -357,6 +362,12 @@ export class Plan {
     this._problem = error instanceof Error ? error.message : String(error);
     this._page().redraw();
   }
+}
+
+/** More than the server takes. @param {{text: string, source: string}} mission */
+export function isTooLarge(mission) {
+  const size = () => new TextEncoder().encode(JSON.stringify(mission)).length;
+  return mission.text.length * MOST_ESCAPED > MOST_SAID && size() > MOST_SAID;
 }
 
 /** The room, in its place of the page. @param {() => Page} page
