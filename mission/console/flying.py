@@ -29,7 +29,7 @@ from mission.verification.simulation.flightlog import Flight, Sample
 _T = TypeVar("_T")
 _MOST = 1500  # places of the track
 _MOST_TURNS = 300
-_LOWER = 10  # than the console's own process: X and W go first
+_LOWER = 5  # than the console's own process: X and W go first
 _UNDER, _UP = 1.0, 0.5  # m: below the one it has dived, above the other it has come up
 
 

@@ -59,6 +59,7 @@ export class DraftChart {
     /** @type {Pair | null} m, where the chosen place is held */
     this._carried = null;
     this._isFitted = false;
+    this._isAlone = true; // no track of this mission has been seen
     this._panning = new Panning(this.canvas, this._view, { redraw: wishes.redraw,
       fit: () => this._fit(), take: (at, isTouch) => this._take(at, isTouch),
       keys: { n: () => this._next(1), p: () => this._next(-1), Delete: () => this._remove(),
@@ -87,7 +88,15 @@ export class DraftChart {
       this._frame = new Frame(...(/** @type {Pair} */ (first)));
       this._isFitted = false;
     }
-    if (isNew) this._isFitted = false;
+    if (isNew) Object.assign(this, { _isFitted: false, _isAlone: true });
+  }
+
+  /** The track in still water; of a plan by heading nothing else is there to be looked at.
+   * @param {any} said null: none so far */
+  takeStill(said) {
+    this.still = said;
+    if (said?.track && this._isAlone && this.places.length < 2) this._isFitted = false;
+    if (said) this._isAlone = false;
   }
 
   show() {

@@ -142,9 +142,21 @@ function stillWater(pen, view, { still }, inks) {
   }
   pen.setLineDash([]);
   const says = still.problem ? word('still_none', still.problem) : word('still_water');
-  const room = Math.max(12, Math.floor((view.width - 80) / 8));
-  label(pen, says.length > room ? `${says.slice(0, room - 1)}…` : says, still.problem ? 14 : 50, y + 4,
-    inks.plan, inks.paper);
+  const lines = broken(says, Math.max(12, Math.floor((view.width - 140) / 8)));
+  lines.forEach((line, i) => label(pen, line, still.problem ? 14 : 50, y + 4 - 16 * (lines.length - 1 - i),
+    inks.plan, inks.paper));
+}
+
+/** In lines of so many characters. @param {string} text @param {number} room */
+export function broken(text, room) {
+  /** @type {string[]} */
+  const lines = [];
+  for (const part of text.split(' ')) {
+    const last = lines.at(-1);
+    if (last !== undefined && last.length + part.length < room) lines[lines.length - 1] = `${last} ${part}`;
+    else lines.push(part);
+  }
+  return lines;
 }
 
 /** @param {Pen} pen @param {View} view @param {Scene} scene @param {Inks} inks */

@@ -67,7 +67,7 @@ export class Plan {
       this._editor.area.focus();
     });
     this._still = new StillWater(() => page().token, (said) => {
-      this._chart.still = said;
+      this._chart.takeStill(said);
       page().redraw();
     });
     this._ghost = new GhostBox(page, plan, (ghost) => {

@@ -247,7 +247,7 @@ export const WORDS = {
   plan_keep_in: ['Keep-in area', '限定区'],
   plan_no_home: ['The text names no home: there is no place to draw', '文本未写起点：无处可绘'],
   still_water: ['planned, in still water', '静水中的计划'],
-  still_none: ['no track in still water: {0}', '无静水航迹：{0}'],
+  still_none: ['no planned track: {0}', '无计划航迹：{0}'],
   plan_proof: ['Proof', '证明'],
   plan_refused: ['Refused: {0}', '未通过：{0}'],
   plan_path: ['Worst case, leg by leg, and what is assumed', '最坏情况（逐航段）与假设'],

@@ -3,6 +3,7 @@ import test from 'node:test';
 
 import { standingOfAll } from '../../../mission/console/page/alarms.js';
 import { findings } from '../../../mission/console/page/seen.js';
+import { broken } from '../../../mission/console/page/layers.js';
 import { Frame } from '../../../mission/console/page/geo.js';
 import { levelOf } from '../../../mission/console/page/journal.js';
 import { level } from '../../../mission/console/page/margins.js';
@@ -196,4 +197,9 @@ test('the track in still water is drawn with what it is unsure of, or the reason
   assert.deepEqual(found.line.map(([, north]) => Math.round(north)), [0, 111]);
   assert.deepEqual([found.turns[0].around, found.problem], [[7, 5, 20], '']);
   assert.deepEqual(stillOf({ is: 'refused', says: 'why' }, frame), { line: [], turns: [], problem: 'why' });
+});
+
+test('a reason is told in lines that fit', () => {
+  assert.deepEqual(broken('in still water it is not done', 12), ['in still', 'water it is', 'not done']);
+  assert.deepEqual(broken('averylongwordindeed it', 5), ['averylongwordindeed', 'it']);
 });
