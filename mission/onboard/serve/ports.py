@@ -89,7 +89,8 @@ class Port:
         loop = asyncio.get_running_loop()
         self._closed.clear()
         try:
-            link = await loop.run_in_executor(None, open_link, self.name, self.url)
+            opening = loop.run_in_executor(None, open_link, self.name, self.url)
+            link = await _wanted(opening)
         except (LinkError, OSError) as error:
             self._complain(f"{error} - trying again")
             self._tried.set()
@@ -192,3 +193,17 @@ class Port:
         if text != self._told:
             self._told = text
             self._tell(text)
+
+
+async def _wanted(opening: asyncio.Future[Link]) -> Link:
+    """What a thread opens; closed by itself where nobody waits for it any more."""
+    try:
+        return await asyncio.shield(opening)
+    except asyncio.CancelledError:
+        opening.add_done_callback(_close)
+        raise
+
+
+def _close(opened: asyncio.Future[Link]) -> None:
+    if opened.exception() is None:
+        opened.result().close()
