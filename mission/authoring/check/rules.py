@@ -63,6 +63,7 @@ from mission.model import (
 )
 from mission.model.diagnostics import Diagnostic, Stage
 from mission.model.vehicle import Vehicle
+from mission.navigation.fixes import SETTLED
 from mission.navigation.geodesy import LocalFrame
 from protocol.messages import SetSafety
 
@@ -81,6 +82,7 @@ class Proved:
     blind_time: float  # s that the ascent from there takes longer
     uncertainty: float  # m, of the estimate at the end, that was added
     path: tuple[str, ...]  # of the worst time
+    dark_time: float = 0.0  # s more until it knows that it is up, if its depth is not believed
 
 
 @dataclass(frozen=True, slots=True)
@@ -419,4 +421,12 @@ def _proved(proof: Proof, chart: Chart, vehicle: Vehicle) -> Proved | None:
         blind_time=(blind - proof.deepest) / vehicle.ascent_buoyancy,
         uncertainty=proof.end.error,
         path=_path(worst.trail),
+        dark_time=_dark_time(vehicle),
     )
+
+
+def _dark_time(vehicle: Vehicle) -> float:
+    """Without a depth fixes prove the surface, after the way from its own depth (R7)."""
+    if "depth" not in vehicle.reports:
+        return 0.0
+    return vehicle.limits.depth / vehicle.ascent_buoyancy + SETTLED

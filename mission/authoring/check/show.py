@@ -30,6 +30,7 @@ def as_object(report: Report) -> dict[str, Any]:
             "max_depth_m": round(proved.max_depth, 1),
             "blind_depth_m": round(proved.blind_depth, 1),
             "blind_time_s": round(proved.blind_time, 1),
+            "dark_time_s": round(proved.dark_time, 1),
             "uncertainty_m": round(proved.uncertainty, 1),
             "worst_path": list(proved.path),
         },
@@ -79,7 +80,9 @@ def as_text(source: str, report: Report, digest: str) -> str:
         rows += [
             "proved" if report.ok else "found",
             f"  states and transitions  {proved.states}, {proved.transitions}",
-            f"  worst-case time         {proved.worst_time / 60:.1f} min, the ascent included",
+            f"  worst-case time         {proved.worst_time / 60:.1f} min, the ascent included"
+            f" (without a believed depth up to {proved.dark_time / 60:.1f} min more until it knows"
+            " that it is up)",
             f"  worst-case energy       {proved.worst_energy / 3600:.0f} Wh",
             f"  greatest range          {proved.max_range:.0f} m from home",
             f"  greatest depth          {proved.max_depth:.1f} m"

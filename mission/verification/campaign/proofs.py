@@ -47,6 +47,7 @@ LOST_LINKS = ("topside_lost", "topside_garbage", "topside_floods")
 TIME, DEPTH, RANGE, ENERGY, END = "time", "depth", "range", "energy", "end"
 AREA = "area"
 _BLIND = ("depth_", "altitude_")
+_DARK = ("depth_", "stm32_silent")
 LOOKS_WELL = ("_stuck", "_drifting", "_late")  # of a sensor: near what is asked for unseen
 LOSSES = (
     *(f"{s.name.lower()}_{h.value}" for s in Sensor for h in Health if h is not Health.HEALTHY),
@@ -204,11 +205,14 @@ def show(claim: Claim, vehicle: Vehicle, seed: int, flight: int, draw: Draw = dr
 
 
 def _proved(claim: Claim, vehicle: Vehicle, proof: Proof) -> Margin:
-    """Where a reading stands and looks well, the ascent from the blind depth counts as well."""
+    """Where a reading stands and looks well, the ascent from the blind depth counts as well; where
+    the depth is not believed, the time until fixes prove the surface."""
     proved = claim.proved
     faults = [event.name for event in proof.settings.faults if event.name.startswith(_BLIND)]
     depth = proved.blind_depth if faults else proved.max_depth
     longer = proved.blind_time if any(name.endswith(LOOKS_WELL) for name in faults) else 0.0
+    if any(event.name.startswith(_DARK) for event in proof.settings.faults):
+        longer += proved.dark_time
     battery = vehicle.battery
     return Margin(
         proved.worst_time + longer,

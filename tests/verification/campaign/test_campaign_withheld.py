@@ -69,6 +69,16 @@ def test_no_word_leads_past_what_was_proved_with_what_it_waits_for_withheld(numb
     assert not shown.violations, shown
 
 
+@pytest.mark.parametrize("number", [5, 64])
+def test_without_a_depth_it_knows_as_late_as_is_stated_that_it_is_up(number: int) -> None:
+    """Fixes alone prove the surface then, after the way from where it can have been (R7)."""
+    claim = CLAIMS[number]
+    shown = show(claim, VEHICLE, 5, 0, drawn_for(claim, number))
+    assert not shown.violations, shown
+    assert claim.proved.worst_time < shown.needed.time
+    assert claim.proved.dark_time == VEHICLE.limits.depth / VEHICLE.ascent_buoyancy + 5.0
+
+
 @pytest.mark.parametrize("profile", PROFILES)
 def test_a_hold_whose_port_clogs_near_its_depth_stays_above_the_depth_stated(profile: str) -> None:
     """By the true depth, over a floor far below; nothing can see the last metre of it."""
