@@ -353,7 +353,7 @@ def test_tracks_in_still_water_wait_for_each_other_take_no_ghosts_place_and_are_
 
 
 def test_a_console_that_ends_while_a_track_is_flown_leaves_no_process(
-    caplog: pytest.LogCaptureFixture,
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
     class Plans(Vehicle):
         def plan(self) -> dict[str, Any]:
@@ -373,7 +373,7 @@ def test_a_console_that_ends_while_a_track_is_flown_leaves_no_process(
             lost.result()
         gc.collect()
     assert [str(one.message) for one in left if "subprocess" in str(one.message)] == []
-    assert "Traceback" not in caplog.text
+    assert "Traceback" not in capfd.readouterr().err
 
 
 def test_the_track_of_what_is_on_board_is_of_that_vehicle_and_needs_the_token() -> None:
