@@ -8,11 +8,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-Numbers = NDArray[np.float64]
+Numbers: TypeAlias = NDArray[np.float64]
 Indices = NDArray[np.int_]
 Corner = tuple[float, float]  # deg: latitude, longitude
 DEEPEST = 12_000.0  # m: nothing on Earth is deeper, or higher
