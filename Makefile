@@ -25,8 +25,8 @@ coverage: $(READY)      ## the same tests, with the branches that those of singl
 browser: $(READY)       ## the cockpit driven in a real Chromium; skipped where none is installed
 	$(BIN)/pytest -m browser -rs
 
-proofs: $(READY)        ## the long proofs: flights, states crossed with events, broken rules, recordings
-	$(BIN)/pytest -m proof -n 4 --maxschedchunk 1 $$(grep -rl --include='*.py' mark.proof tests | grep -v ^tests/sea)
+proofs: $(READY)        ## the long proofs: flights, states crossed with events, broken rules, recordings; ONLY="proof and not minutes"
+	$(BIN)/pytest -m "$(or $(ONLY),proof)" -n 4 --maxschedchunk 1 $$(grep -rl --include='*.py' mark.proof tests | grep -v ^tests/sea)
 
 check: lint coverage proofs ## what must be green before anything lands
 

@@ -25,7 +25,7 @@ from mission.onboard.blackbox import read_parts
 from mission.onboard.runtime.records import STEP, TX, read_tx, step_of
 from protocol.vehicles import link
 
-pytestmark = [pytest.mark.proof, pytest.mark.minutes]
+pytestmark = pytest.mark.proof
 AFLOAT = 0.5  # m (R7)
 STAYS = {  # missions in which the vehicle itself goes nowhere
     "auv": """mission stay vehicle auv

@@ -14,6 +14,7 @@ from _pytest.mark import ParameterSet
 from blocks import ROOT, Page
 
 LONG = frozenset({"tutorial", "how-to", "commands.md", "black-box.md"})
+LONGEST = frozenset({"commands.md", "calibration.md", "first-recording.md", "campaign.md"})
 PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md")),
     *sorted((ROOT / "docs").rglob("*.md")),
@@ -21,7 +22,8 @@ PAGES = [
 
 
 def row(page: Path) -> ParameterSet:
-    marks = [pytest.mark.proof, pytest.mark.minutes] if LONG & {page.parent.name, page.name} else []
+    marks = [pytest.mark.proof] if LONG & {page.parent.name, page.name} else []
+    marks += [pytest.mark.minutes] if page.name in LONGEST else []
     return pytest.param(page, marks=marks, id=str(page.relative_to(ROOT)))
 
 

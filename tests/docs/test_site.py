@@ -102,7 +102,6 @@ LAWS: tuple[Law, ...] = (
 
 
 @pytest.mark.proof
-@pytest.mark.minutes
 def test_the_site_is_built_without_a_warning_and_every_law_of_it_holds(tmp_path: Path) -> None:
     """One test, because the site is built once for all of them."""
     site = tmp_path / "site"

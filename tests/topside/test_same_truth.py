@@ -209,7 +209,6 @@ def at_sea(folder: Path, name: str) -> Iterator[tuple[Scene, threading.Event]]:
 
 
 @pytest.mark.proof
-@pytest.mark.minutes
 @pytest.mark.parametrize("name", MISSIONS)
 def test_boat_modem_and_viewer_see_what_the_pi_sees_in_every_state(
     name: str, tmp_path: Path
