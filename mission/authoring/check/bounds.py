@@ -22,13 +22,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from mission.authoring.check.assumptions import (
-    ASCENT_TRIES,
     FROZEN,
     LATE,
     OVERSHOOT,
     SPEED_SHARE,
     STICKS,
-    SURFACED,
     TURNED,
     TWO_SIGMA,
     Assumptions,
@@ -382,24 +380,3 @@ class LegBounds:
         far = reach(minus(entry.north, (north, north)), minus(entry.east, (east, east)))
         made = max(0.0, self.speed - self.assume.current) * time
         return 1.0 if far <= made else made / far
-
-
-def goes_on(leaving: Bounds, vehicle: Vehicle) -> Bounds:
-    """Continues into an ascent, which begins with W. As built W does not stick: what was asked for
-    last goes on, ahead and upward, until that way of the ascent has ended."""
-    deeper = max(0.0, leaving.depth[1] - OVERSHOOT - leaving.rises_to)
-    time = 2.0 * STICKS + deeper / vehicle.ascent_buoyancy
-    power = vehicle.thruster_power.at(vehicle.speed_by_gear.inverse(leaving.way))
-    swum = time * leaving.way * (1.0 + SPEED_SHARE)
-    return leaving._replace(
-        energy=leaving.energy + time * power,
-        range=max(leaving.range, min(leaving.range, leaving.ahead) + swum),
-        strayed=leaving.strayed + swum,
-        error=leaving.error + swum,
-        way=0.0,
-    )
-
-
-def ascent_time(depth: float, vehicle: Vehicle) -> float:
-    """s to the surface and to know it, by buoyancy alone, after both ways of R7."""
-    return ASCENT_TRIES + max(0.0, depth) / vehicle.ascent_buoyancy + SURFACED

@@ -17,8 +17,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import TypeVar
 
+from mission.authoring.check.ascents import ascent_time, goes_on
 from mission.authoring.check.assumptions import Assumptions
-from mission.authoring.check.bounds import Bounds, LegBounds, Trail, ascent_time, goes_on
+from mission.authoring.check.bounds import Bounds, LegBounds, Trail
 from mission.authoring.check.fenced import Broken, broken, swept
 from mission.authoring.check.seabed import Over
 from mission.engine.areas import Fence

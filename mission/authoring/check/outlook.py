@@ -24,7 +24,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from mission.authoring.check.bounds import ascent_time
+from mission.authoring.check.ascents import ascent_time
 from mission.authoring.check.covered import PIECES, Row, covered
 from mission.authoring.check.places import pattern_of, places_of
 from mission.legs import LEGS, Surface

@@ -30,40 +30,31 @@ from dataclasses import dataclass
 
 from mission.authoring.bathymetry import Depths
 from mission.authoring.check import remedy, seabed
+from mission.authoring.check.ascents import dark_time
 from mission.authoring.check.assumptions import Assumptions, not_clear, told
 from mission.authoring.check.bounds import Bounds, LegBounds, Trail
 from mission.authoring.check.fenced import area_faults, fenced, words
 from mission.authoring.check.flow import Flow, Proof, TooLongError, trail
+from mission.authoring.check.knowable import none_before, unknowable
 from mission.authoring.check.places import places_named
 from mission.authoring.check.purpose import Outlook, judged
 from mission.authoring.check.seabed import Ground
 from mission.engine import bounds as envelope
 from mission.engine.limits import DEPTH_MARGIN
-from mission.engine.variables import CLOCK, VARIABLES
 from mission.model import (
     AUTONOMOUS,
     IMPLICIT_SURFACE,
-    And,
-    Back,
     By,
     Chart,
-    Comparison,
-    Expression,
-    Guard,
     Mission,
-    Not,
-    Or,
     Position,
     State,
-    Trend,
     Where,
     buoyancy,
     legs_of,
-    terms,
 )
 from mission.model.diagnostics import Diagnostic, Stage
 from mission.model.vehicle import Vehicle
-from mission.navigation.fixes import SETTLED
 from mission.navigation.geodesy import LocalFrame
 from protocol.messages import SetSafety
 
@@ -105,7 +96,7 @@ def check_mission(chart: Chart, vehicle: Vehicle, depths: Depths | None = None) 
     assume = Assumptions.of(mission, vehicle, limits.depth)
     early = [*before_the_proof(mission, vehicle), *_no_bound(chart)]
     unbounded = bool(early)
-    early += [*_unknowable(chart, vehicle), *_not_clear(chart, vehicle), *_none_before(chart)]
+    early += [*unknowable(chart, vehicle), *_not_clear(chart, vehicle), *none_before(chart)]
     if unbounded:
         return Report(tuple(early), None, tuple(told(chart, vehicle, assume, False)))
     flow = _flow(chart, vehicle, assume, limits, sweeps=depths is not None)
@@ -235,43 +226,6 @@ def no_home(mission: Mission) -> Iterator[Diagnostic]:
                 "no home to measure from"
             )
             yield _refused("no-home", leg.where, message, "add home, or write north .. east ..")
-
-
-def _known(guard: Guard | Expression, vehicle: Vehicle) -> bool:
-    """Whether this vehicle's readings can decide the guard (of an ``or``, one side is enough)."""
-    match guard:
-        case Guard(expression):
-            return _known(expression, vehicle)
-        case Comparison() | Trend() | Back():
-            asked = [VARIABLES[name] for name in guard.asks if name in VARIABLES]  # or a reading
-            return all(s == CLOCK or s in vehicle.reports for row in asked for s in row.source)
-        case Not(operand):
-            return _known(operand, vehicle)
-        case And(operands):
-            return all(_known(o, vehicle) for o in operands)
-        case Or(operands):
-            return any(_known(o, vehicle) for o in operands)
-
-
-def _unknowable(chart: Chart, vehicle: Vehicle) -> Iterator[Diagnostic]:
-    seen = set()
-    for edge in chart.edges:
-        if edge.guard is None or edge.where in seen or _known(edge.guard, vehicle):
-            continue
-        seen.add(edge.where)
-        names = sorted({name for term in terms(edge.guard.expression) for name in term.asks})
-        message = f"{vehicle.name} never reports what this guard needs ({', '.join(names)})"
-        yield _refused("unknowable", edge.where, message, "ask what this vehicle reports")
-
-
-def _none_before(chart: Chart) -> Iterator[Diagnostic]:
-    if any(edge.target == chart.initial for edge in chart.edges):
-        return
-    for edge in chart.leaving(chart.initial):
-        asked = terms(edge.guard.expression) if edge.guard is not None else ()
-        if any(isinstance(term, Back) for term in asked):
-            message = f"{_name(chart.initial)} is the first leg: none before it has found a peak"
-            yield _refused("no-leg-before", edge.where, message, "let a leg before it look for it")
 
 
 def _ways(chart: Chart, proof: Proof) -> Iterator[Diagnostic]:
@@ -421,12 +375,5 @@ def _proved(proof: Proof, chart: Chart, vehicle: Vehicle) -> Proved | None:
         blind_time=(blind - proof.deepest) / vehicle.ascent_buoyancy,
         uncertainty=proof.end.error,
         path=_path(worst.trail),
-        dark_time=_dark_time(vehicle),
+        dark_time=dark_time(vehicle),
     )
-
-
-def _dark_time(vehicle: Vehicle) -> float:
-    """Without a depth fixes prove the surface, after the way from its own depth (R7)."""
-    if "depth" not in vehicle.reports:
-        return 0.0
-    return vehicle.limits.depth / vehicle.ascent_buoyancy + SETTLED

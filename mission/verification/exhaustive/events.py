@@ -19,7 +19,15 @@ from mission.verification.exhaustive.configurations import SHALLOW
 from mission.verification.exhaustive.doubts import DOUBTS
 from mission.verification.exhaustive.exit_inputs import come_true, end_leg
 from mission.verification.exhaustive.limit_events import LIMITS, sinks
-from mission.verification.exhaustive.lines import ANSWERS, NO_TEMPERATURE, U12, WATER, Line, ways_of
+from mission.verification.exhaustive.lines import (
+    ANSWERS,
+    NO_TEMPERATURE,
+    U12,
+    WATER,
+    Line,
+    told,
+    ways_of,
+)
 from mission.verification.exhaustive.world import World
 from protocol.messages import SetSafety
 from protocol.operator_words import WORDS
@@ -95,21 +103,17 @@ def _one_too_deep(world: World) -> None:
     world.wait(2.0)
 
 
-def _told(sensor: str) -> frozenset[str]:
-    return frozenset({sensor})
-
-
 _AT_SURFACE = frozenset({"surface"})
 READINGS = (
     Event("good reports", script(_reports)),
     Event("good reports for half a minute", script(_half_a_minute)),
-    Event("fixes at the surface", script(_fixes), also=_AT_SURFACE, needs=_told("position")),
+    Event("fixes at the surface", script(_fixes), also=_AT_SURFACE, needs=told("position")),
     Event(
         "one sample too deep",
         script(_one_too_deep),
         "SP",
         also=frozenset({"deeper"}),
-        needs=_told("depth"),
+        needs=told("depth"),
     ),
     Event(
         "depth missing",
@@ -117,24 +121,24 @@ READINGS = (
         sensor="depth",
         after=2.1,
         also=frozenset({"blind"}),
-        needs=_told("depth"),
+        needs=told("depth"),
     ),
     Event(
         "altitude missing",
         _missing("altitude", 15.0),
         sensor="altitude",
         after=2.1,
-        needs=_told("altitude"),
+        needs=told("altitude"),
     ),
     Event(
         "heading missing",
         _missing("yaw", 15.0),
         sensor="heading",
         after=2.1,
-        needs=_told("heading"),
+        needs=told("heading"),
     ),
     Event(
-        "attitude missing", _missing("roll"), sensor="attitude", after=2.1, needs=_told("attitude")
+        "attitude missing", _missing("roll"), sensor="attitude", after=2.1, needs=told("attitude")
     ),
     Event(
         "all missing",
@@ -142,9 +146,9 @@ READINGS = (
         sensor="all",
         after=2.1,
         also=frozenset({"blind"}),
-        needs=_told("depth"),
+        needs=told("depth"),
     ),
-    Event("depth missing for 4 s", script(_missing_for_a_while), needs=_told("depth")),
+    Event("depth missing for 4 s", script(_missing_for_a_while), needs=told("depth")),
     Event(
         "temperature missing",
         _missing("temperature"),
@@ -157,20 +161,18 @@ READINGS = (
         _absurd("depth", 2000.0),
         sensor="depth",
         also=frozenset({"blind"}),
-        needs=_told("depth"),
+        needs=told("depth"),
     ),
-    Event("altitude absurd", _absurd("altitude", -1.0), sensor="altitude", needs=_told("altitude")),
+    Event("altitude absurd", _absurd("altitude", -1.0), sensor="altitude", needs=told("altitude")),
     Event(
-        "heading absurd", _absurd("yaw_offset_deg", 600.0), sensor="heading", needs=_told("heading")
+        "heading absurd", _absurd("yaw_offset_deg", 600.0), sensor="heading", needs=told("heading")
     ),
-    Event(
-        "attitude absurd", _absurd("roll_deg", 400.0), sensor="attitude", needs=_told("attitude")
-    ),
+    Event("attitude absurd", _absurd("roll_deg", 400.0), sensor="attitude", needs=told("attitude")),
     Event(
         "temperature absurd",
         _absurd("temperature", -50.0),
         sensor="temperature",
-        needs=_told("temperature"),
+        needs=told("temperature"),
     ),
     Event(
         "depth frozen",
@@ -178,18 +180,18 @@ READINGS = (
         sensor="depth",
         after=11.0,
         also=frozenset({"blind"}),
-        needs=_told("depth"),
+        needs=told("depth"),
     ),
     Event(
         "altitude frozen",
         _frozen("altitude"),
         sensor="altitude",
         after=11.0,
-        needs=_told("altitude"),
+        needs=told("altitude"),
     ),
-    Event("heading frozen", _frozen("yaw"), sensor="heading", after=11.0, needs=_told("heading")),
+    Event("heading frozen", _frozen("yaw"), sensor="heading", after=11.0, needs=told("heading")),
     Event(
-        "attitude frozen", _frozen("roll"), sensor="attitude", after=11.0, needs=_told("attitude")
+        "attitude frozen", _frozen("roll"), sensor="attitude", after=11.0, needs=told("attitude")
     ),
 )
 
@@ -312,7 +314,7 @@ OTHERS = (
         "a minute of silence, the depth unknown",
         script(_minute_blind),
         also=_SILENCE,
-        needs=_told("depth"),
+        needs=told("depth"),
     ),
     Event("W, and nothing helps", script(_sinks_for_ever), "W", "sinks", needs=_WET),
     Event("W, and it rises", script(_rises), "W", "rises", needs=_WET),

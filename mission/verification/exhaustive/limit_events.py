@@ -13,7 +13,7 @@ from mission.verification.exhaustive.cell import Configuration, Event
 from mission.verification.exhaustive.commands import Play, script
 from mission.verification.exhaustive.configurations import SHALLOW, doubt
 from mission.verification.exhaustive.exit_inputs import end_leg
-from mission.verification.exhaustive.lines import ANSWERS, GPS, PUSHES, THRUSTERS
+from mission.verification.exhaustive.lines import ANSWERS, GPS, PUSHES, THRUSTERS, told
 from mission.verification.exhaustive.world import World
 from protocol.messages import SetSafety
 from protocol.topside import encode
@@ -166,48 +166,44 @@ def _leaks(world: World) -> None:
     world.wait(4.5)
 
 
-def _of(sensor: str) -> frozenset[str]:
-    return frozenset({sensor})
-
-
 LIMITS = (
     Event(
         "limit radius",
         _tightens(SetSafety(radius=1.0)),
         "SP",
         limit="radius",
-        needs=_of("position"),
+        needs=told("position"),
     ),
     Event(
         "in an area that is kept out of",
         _area("wreck", True, 0.0, 50.0),
         limit="radius",
-        needs=_of("position"),
+        needs=told("position"),
     ),
     Event(
         "out of all that is kept in",
         _area("bay", False, 500.0, 50.0),
         limit="radius",
-        needs=_of("position"),
+        needs=told("position"),
     ),
     Event("limit time", _tightens(SetSafety(time=0.6), 1.0), "SP", limit="time"),
-    Event("limit depth", script(_too_deep), "SP", limit="depth", needs=_of("depth")),
-    Event("limit hard depth", script(_hard_depth), limit="hard depth", needs=_of("depth")),
+    Event("limit depth", script(_too_deep), "SP", limit="depth", needs=told("depth")),
+    Event("limit hard depth", script(_hard_depth), limit="hard depth", needs=told("depth")),
     Event(
-        "limit unexplained descent", sinks(3.0, 3), limit="unexplained descent", needs=_of("depth")
+        "limit unexplained descent", sinks(3.0, 3), limit="unexplained descent", needs=told("depth")
     ),
     Event(
         "limit no progress",
         script(_stuck),
         limit="no progress",
         also=frozenset({"minute"}),
-        needs=_of("depth"),
+        needs=told("depth"),
     ),
     Event(
         "limit depth contradicted",
         script(_pushes_in_vain),
         limit="depth contradicted",
-        needs=_of(PUSHES),
+        needs=told(PUSHES),
     ),
     Event(
         "limit depth unknown",
@@ -215,34 +211,36 @@ LIMITS = (
         limit="depth unknown",
         sensor="depth",
         after=6.0,
-        needs=_of("depth"),
+        needs=told("depth"),
     ),
     Event("limit telemetry", script(_silent), limit="telemetry"),
     Event("limit telemetry, spoilt reports", script(_spoilt), limit="telemetry"),
-    Event("limit leak", script(_leaks), limit="leak", needs=_of("leak")),
-    Event("limit depth, the operator's wider", _own_depth, "SP", limit="depth", needs=_of("depth")),
+    Event("limit leak", script(_leaks), limit="leak", needs=told("leak")),
+    Event(
+        "limit depth, the operator's wider", _own_depth, "SP", limit="depth", needs=told("depth")
+    ),
     Event("limit topside", script(_topside_silent), limit="topside"),
-    Event("limit no answer", _nobody_answers, limit="no answer", needs=_of(ANSWERS)),
-    Event("limit roll-over", script(_rolls), limit="roll-over", needs=_of("attitude")),
+    Event("limit no answer", _nobody_answers, limit="no answer", needs=told(ANSWERS)),
+    Event("limit roll-over", script(_rolls), limit="roll-over", needs=told("attitude")),
     Event(
         "limit roll-over, upside down",
         script(_overturned),
         limit="roll-over",
-        needs=_of("attitude"),
+        needs=told("attitude"),
     ),
-    Event("limit voltage", script(_low), limit="voltage", needs=_of("battery")),
+    Event("limit voltage", script(_low), limit="voltage", needs=told("battery")),
     Event(
         "limit heading does not follow",
         _turns_away,
         limit="heading does not follow",
-        needs=_of("heading"),
+        needs=told("heading"),
     ),
     Event(
         "limit course against heading",
         script(_goes_elsewhere),
         limit="course against heading",
-        needs=_of(GPS),
+        needs=told(GPS),
     ),
-    Event("limit brown-out", script(_loses_power), limit="brown-out", needs=_of(THRUSTERS)),
-    Event("limit uncertain", script(_doubts), "SP", limit="uncertain", needs=_of("position")),
+    Event("limit brown-out", script(_loses_power), limit="brown-out", needs=told(THRUSTERS)),
+    Event("limit uncertain", script(_doubts), "SP", limit="uncertain", needs=told("position")),
 )

@@ -154,6 +154,11 @@ def _shown(motion: Motion) -> bytes:
     return json.dumps(dict(motion), sort_keys=True).encode()
 
 
+def told(sensor: str) -> frozenset[str]:
+    """What an event needs that is about a reading."""
+    return frozenset({sensor})
+
+
 def ways_of(line: Line) -> tuple[bytes, ...]:
     """What its ascents try in turn, by the last word of each."""
     return tuple(line.words(way)[-1] for way in vehicle_row(line.vehicle.codec).ways)

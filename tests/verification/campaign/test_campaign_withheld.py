@@ -8,8 +8,8 @@ import pytest
 from click.testing import CliRunner
 
 from links.simulated.settings import FaultEvent
+from mission.authoring.check.ascents import ascent_time
 from mission.authoring.check.assumptions import FROZEN, LATE, STICKS, TURNED
-from mission.authoring.check.bounds import ascent_time
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, parse, words
 from mission.commands.campaign import campaign
