@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
+import re
 import shutil
 import signal
 import socket
@@ -32,15 +33,11 @@ SQUARES: list[Job] = [("square", n) for n in range(12)]
 KNOWN = tuple(subjects(shipped()))[:2]
 
 
-def free_port() -> int:
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        return int(free.getsockname()[1])
-
-
 @contextmanager
-def begun(call: list[str], folder: Path, path: str, word: bytes) -> Iterator[None]:
-    """A program of Dask's, until ``word`` stands in its log; ended with its processes."""
+def begun(call: list[str], folder: Path, path: str, word: bytes) -> Iterator[bytes]:
+    """A program of Dask's from when its log says ``word``: what follows that word on its line.
+
+    The program and its processes are ended with the block."""
     log = folder / f"{call[0]}{len(list(folder.iterdir()))}.log"
     with log.open("wb") as file:
         process = subprocess.Popen(
@@ -48,9 +45,14 @@ def begun(call: list[str], folder: Path, path: str, word: bytes) -> Iterator[Non
             stdout=file, stderr=file, cwd=folder, start_new_session=True,
             env={**os.environ, "PYTHONPATH": path},
         )  # fmt: skip
+
+    def told() -> list[bytes]:
+        assert process.poll() is None, f"{call[0]} ended: {log.read_text()}"
+        return re.findall(re.escape(word) + rb"(.*)\n", log.read_bytes())
+
     try:
-        soon(lambda: word in log.read_bytes(), f"{word!r} of {call[0]}")
-        yield
+        soon(told, f"{word!r} of {call[0]}")
+        yield told()[0]
     finally:
         os.killpg(process.pid, signal.SIGKILL)
         process.wait()
@@ -66,12 +68,10 @@ def worker(address: str, folder: Path, tree: Path = ROOT, threads: int = 1) -> I
 
 @pytest.fixture(scope="module")
 def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    address = f"127.0.0.1:{free_port()}"
-    host, _, port = address.partition(":")
-    call = ["dask_scheduler", "--host", host, "--port", port, "--no-dashboard"]
+    call = ["dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
     folder = tmp_path_factory.mktemp("scheduler")
-    with begun(call, folder, str(ROOT), b"Scheduler at"):
-        yield address
+    with begun(call, folder, str(ROOT), b"Scheduler at") as rest:
+        yield rest.decode().partition("tcp://")[2].strip()
 
 
 @pytest.fixture(scope="module")
@@ -197,7 +197,10 @@ def test_a_scheduler_that_is_not_there_is_told_with_exit_2(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("mission.verification.workers.cluster.CONNECTING", 0.5)
-    done = CliRunner().invoke(main, ["faults", "--on", f"dask://127.0.0.1:{free_port()}"])
+    with socket.socket() as silent:  # bound, so nobody else gets the port; and nobody listens
+        silent.bind(("127.0.0.1", 0))
+        at = f"dask://127.0.0.1:{silent.getsockname()[1]}"
+        done = CliRunner().invoke(main, ["faults", "--on", at])
     assert done.exit_code == 2
     assert "no scheduler at tcp://127.0.0.1" in done.stderr
 
