@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import random
 import re
 import socket
 import sys
@@ -272,9 +273,12 @@ def _begin(to: str, prepared: Prepared, tell: Callable[[str], None]) -> None:
 
 
 def _two_free_ports() -> int:
-    """The first of two, one after the other; nobody holds them from here on."""
+    """The first of two, one after the other; nobody holds them from here on.
+
+    They are below those that systems hand to clients, who would take them meanwhile."""
+    host = "127.0.0.1"
     while True:
-        with socket.create_server(("127.0.0.1", 0)) as one:
-            port = int(one.getsockname()[1])
-            with suppress(OSError), socket.create_server(("127.0.0.1", port + 1)):
+        port = random.SystemRandom().randrange(10_000, 32_000)
+        with suppress(OSError), socket.create_server((host, port)):  # noqa: SIM117
+            with socket.create_server((host, port + 1)):
                 return port

@@ -24,9 +24,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "bench")]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "bench"), str(ROOT / "tests" / "worlds")]
 
 from bench_latency import MISSION, Board, serving  # noqa: E402
+from ports import free_port  # noqa: E402
 
 from mission.authoring.language import digest, parse, script  # noqa: E402
 from mission.topside.console import converse  # noqa: E402
@@ -74,7 +75,7 @@ def _view(port: int, viewers: int, over: threading.Event) -> None:
 
 def main(rounds: int = 8) -> dict[str, float]:
     with tempfile.TemporaryDirectory() as name:
-        board, folder, port = Board(), Path(name), _free()
+        board, folder, port = Board(), Path(name), free_port()
         (folder / "serve.yaml").write_text(
             f"links: {{monitor: 'tcp-listen://127.0.0.1:{port}?each=20'}}\n"
         )
@@ -153,12 +154,6 @@ def _orders(board: Board, address: str) -> list[float]:
             assert answered is not None, "an X that does not arrive"
             found.append(answered - asked)
     return found
-
-
-def _free() -> int:
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return int(one.getsockname()[1])
 
 
 if __name__ == "__main__":

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import socket
 import threading
 import time
 from collections import deque
@@ -12,6 +11,7 @@ from typing import Any
 
 import pytest
 from console_world import Console, Page, at_sea, cockpit, console_of, heard, monitor_of, said
+from ports import free_port
 from served import LINES, MISSION, PATIENCE, TEXT, Running, quiet, running, silent_board, soon
 from served import simulated as simulated_board
 from websockets.exceptions import ConnectionClosed
@@ -296,9 +296,7 @@ def test_x_is_obeyed_however_old_and_while_an_upload_is_under_way(tmp_path: Path
 
 
 def test_an_order_waits_for_a_vehicle_out_of_reach_and_outlives_its_page(tmp_path: Path) -> None:
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
-    url = f"tcp://127.0.0.1:{port}"
+    url = f"tcp://127.0.0.1:{free_port()}"
     with simulated_board(1.0) as sea, console_of(url, tmp_path) as (console, _vehicle):
         with console.socket("orders") as orders:
             said(orders, do="surface", at=0)

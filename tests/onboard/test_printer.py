@@ -10,6 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from ports import free_port
 from served import read_now, silent_board, soon
 
 from mission.onboard.serve.printer import PATIENCE_S, Printer
@@ -78,8 +79,7 @@ def test_the_end_does_not_wait_for_ever() -> None:
 def test_x_leaves_though_the_terminal_is_gone(tmp_path: Path) -> None:
     """As when serve was started over a radio that has gone: hung up, and nobody reads."""
     ready = tmp_path / "ready.json"
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
+    port = free_port()
     reader, writer = os.pipe()
     with silent_board() as (master, device):
         call = [sys.executable, "-m", "mission", "serve", "--vehicle", f"serial://{device}"]

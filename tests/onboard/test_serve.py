@@ -5,13 +5,13 @@ from __future__ import annotations
 import asyncio
 import os
 import random
-import socket
 import time
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from ports import free_port
 from served import (
     MISSION,
     PATIENCE,
@@ -170,10 +170,8 @@ def test_a_second_server_on_the_same_port_says_so_and_waits(tmp_path: Path) -> N
 
 
 def test_where_nobody_listens_the_operator_is_told() -> None:
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
     with pytest.raises(Unreachable, match="nobody answers"):
-        converse(f"tcp://127.0.0.1:{port}", start())
+        converse(f"tcp://127.0.0.1:{free_port()}", start())
 
 
 @pytest.mark.parametrize(

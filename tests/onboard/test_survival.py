@@ -14,7 +14,6 @@ import random
 import re
 import resource
 import signal
-import socket
 import subprocess
 import sys
 import threading
@@ -26,6 +25,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from ports import free_port
 
 from links.simulated.link import SimulatedVehicle
 from links.simulated.pty import PtyVehicle
@@ -66,8 +66,7 @@ class Service:
     """serve in a process of its own, and who starts it again."""
 
     def __init__(self, folder: Path, vehicle: str, gps: str = "none", speed: float = 1.0) -> None:
-        with socket.create_server(("127.0.0.1", 0)) as free:
-            self.url = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+        self.url = f"tcp://127.0.0.1:{free_port()}"
         self.folder, self._ready = folder, folder / "ready.json"
         self._command = [sys.executable, "-m", "mission", "serve", "--vehicle", vehicle]
         self._command += ["--gps", gps, "--topside", self.url, "--folder", str(folder)]

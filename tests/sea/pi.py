@@ -10,7 +10,6 @@ from __future__ import annotations
 import ctypes
 import os
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Callable
@@ -23,13 +22,6 @@ ROOT = Path(__file__).resolve().parents[2]
 BOOT = 2.0  # s from exec to the first wait
 RESTART = 1.0  # s, RestartSec of the unit
 PATIENCE = 300.0  # s, TimeoutStopSec
-
-
-def free_port() -> int:
-    """A port on which nobody listens."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def _dies_with_the_sea() -> None:

@@ -14,10 +14,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
+from ports import free_port
+
 from tests.sea.body import Body, Gears
 from tests.sea.clock import Clock, WallClock
 from tests.sea.operator import ModemOperator, Operator
-from tests.sea.pi import ROOT, Pi, free_port
+from tests.sea.pi import ROOT, Pi
 from tests.sea.receiver import Receiver
 from tests.sea.wire import PATIENCE, Line
 
