@@ -213,6 +213,7 @@ class Core(EngineState):
         """emergency/stopped or surfaced; ``name`` as for ``surface``."""
         self._to_emergency()
         self.doubted_at = -math.inf
+        self.vehicle_state.rising_since = None
         self._move(name, state, why, self._stop(why), by)
 
     def surface(

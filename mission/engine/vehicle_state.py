@@ -111,8 +111,8 @@ class VehicleState:
         self.command: Setpoint | None = None  # in force at the vehicle
         self._position_at = -math.inf  # of the vehicle's own positions, the last one used
         self._shallow_since: float | None = -math.inf if grounded else None
-        self._first_depth: float | None = None  # since when a change is expected of it
-        self._may_stand = True  # a depth proves something though it has not changed yet
+        self._told_depth: float | None = None  # the last one that could be believed, of any age
+        self._moved_at = self._expected = -math.inf  # it changed; from then on it has to
         self._offset: float | None = None  # compass minus true heading
         self._healths: dict[str, Health] = {}  # asked for at this instant
         self._depth: float | None = None
@@ -149,10 +149,10 @@ class VehicleState:
         if report.position is not None:
             self._take_position(report, report.position)
         depth = self.depth
-        changed = depth is not None and self._has_changed(depth)
-        if changed:
+        lives = depth is not None and self._has_changed(depth)
+        if lives:
             self.believed_depth, self._believed_at = depth, report.t
-        if depth is None or depth >= SURFACE_DEPTH or not changed:
+        if depth is None or depth >= SURFACE_DEPTH or not lives:
             self._shallow_since = None
         elif self._shallow_since is None or (silent and not self._grounded):
             self._shallow_since = report.t
@@ -166,13 +166,21 @@ class VehicleState:
 
     def expect_change(self) -> None:
         """Of a depth that nobody saw before: one that stands still proves no surface."""
-        self._may_stand, self._first_depth = self._grounded, None
+        self._expected, self._told_depth = self.now, None
 
     def _has_changed(self, depth: float) -> bool:
-        if self._first_depth is None:
-            self._first_depth = depth
-        self._may_stand = self._may_stand or depth != self._first_depth
-        return self._may_stand
+        """Notes a depth that can be believed; whether it lives."""
+        if depth != self._told_depth is not None:
+            self._moved_at = self.now
+        self._told_depth = depth
+        return self._lives
+
+    @property
+    def _lives(self) -> bool:
+        """The depth has changed since the program and the ascent began. One that stands may have
+        frozen while nothing moved: some seconds of thrust do not tell yet."""
+        begun = -math.inf if self.rising_since is None else self.rising_since
+        return self._grounded or self._moved_at >= max(self._expected, begun)
 
     def _with_thrust(self, report: Telemetry) -> Telemetry:
         """Where a vehicle does not say what its thrusters do, they are taken to do what they were
@@ -224,7 +232,7 @@ class VehicleState:
         """R7: a place that is news, unless a depth that is believed says otherwise. Where none is
         believed, or it has not changed yet, only some seconds of fixes as at the surface."""
         depth = self.depth
-        if depth is not None and (depth >= FIX_DEPTH or self._may_stand):
+        if depth is not None and (depth >= FIX_DEPTH or self._lives):
             return self.receiver.fresh and depth < FIX_DEPTH
         return self.receiver.settled(fix.t) >= SETTLED and self._may_be_up(fix.t)
 
@@ -237,11 +245,12 @@ class VehicleState:
 
     def _deepest_at(self, begun: float) -> float:
         """m: it may have sunk, but never beyond its own depth, since what was last believed was
-        true; where nothing was believed since the program began, its own depth."""
+        true, or since that changed; where nothing was believed since the program began, its own
+        depth."""
         depth = self.believed_depth
         if depth is None:
             return self._deepest
-        unseen = WRONG_FOR + max(begun - self._believed_at, 0.0)
+        unseen = WRONG_FOR + max(begun - min(self._believed_at, self._moved_at), 0.0)
         return max(depth, min(depth + self._sink * unseen, self._deepest))
 
     # --- out ---------------------------------------------------------------------------------
@@ -328,7 +337,7 @@ class VehicleState:
         return self._fixed_at > since
 
     def surface_due(self, since: float) -> float | None:
-        if self._shallow_since is None:
+        if self._shallow_since is None or not self._lives:
             return None
         return max(self._shallow_since, since) + SURFACE_TIME
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from itertools import pairwise
 
 import pytest
-from engine_world import VEHICLE, M, W, World, leg, mission, when
+from engine_world import VEHICLE, M, W, World, X, leg, mission, when
 
 from mission.engine.ascent import DOWNWARD, Ascent
 from mission.legs import Surface
-from mission.model import IDLE_READY, SURFACED, SURFACING, Restarted
-from protocol.messages import UPWARD, Order, Setpoint
+from mission.model import IDLE_READY, STOPPED, SURFACED, SURFACING, Restarted
+from protocol.messages import UPWARD, ClearMission, Order, Setpoint
 
 LONG = 20000.0
 WAYS = (Order.SURFACE, UPWARD, Order.STOP)
@@ -335,6 +335,7 @@ def test_after_a_restart_fixes_beside_a_depth_that_has_not_changed_wait_for_the_
     """It may be stuck, under water, and the receiver make its places up: nothing is known but how
     deep the vehicle can be."""
     world = World(navigation=False)
+    world.trembles = 0.0
     world.depth = depth
     world.tell(Restarted(SURFACING))
     assert surfaces_after(world, OWN_DEPTH / RISE)
@@ -354,6 +355,7 @@ def test_after_a_restart_a_fix_beside_a_depth_that_has_changed_is_the_surface():
 @pytest.mark.parametrize("moves", [True, False])
 def test_after_a_restart_a_depth_counts_as_believed_once_it_has_changed(moves: bool):
     world = World()
+    world.trembles = 0.0
     world.depth = 8.0
     world.tell(Restarted(SURFACING))
     world.wait(2.0)
@@ -427,6 +429,36 @@ def test_w_at_the_surface_is_proved_there_too():
     assert world.state == SURFACING
     world.wait(6.1)
     assert world.state == SURFACED
+
+
+@pytest.mark.parametrize("fixed", [False, True])
+def test_a_depth_that_has_not_changed_since_the_ascent_began_proves_no_surface(fixed: bool):
+    """It may have frozen shallow while nothing moved: a few seconds of thrust do not tell yet."""
+    world = World(mission(leg("a", timeout=LONG)))
+    assert world.start()
+    world.tell(X)
+    world.depth, world.trembles = 0.2, 0.0
+    world.wait(60.0)
+    world.tell(W)
+    for _ in range(12):
+        world.wait(1.0)
+        if fixed:
+            world.tell(world.fix(north=0.2 * world.t))
+    assert world.state == SURFACING
+    world.depth = 0.25
+    world.wait(8.1)
+    assert world.state == SURFACED
+
+
+def test_after_an_x_in_mid_ascent_the_time_of_the_rise_counts_no_further():
+    """What was let go may sink again: fixes alone say nothing of where it is."""
+    world = surfacing(depth=8.0)
+    world.wait(4.0)
+    world.depth = None
+    world.tell(X)
+    fixes(world, int(OWN_DEPTH / RISE) + 60)
+    assert world.state == STOPPED
+    assert not world.tell(ClearMission()).verdicts[0].accepted
 
 
 def test_surfaced_is_latched():

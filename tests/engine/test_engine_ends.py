@@ -183,6 +183,7 @@ def begun(depth: float | None) -> World:
 @pytest.mark.parametrize("depth", [None, 0.2, 2.0])
 def test_what_nobody_knows_is_stopped_and_on_deck_no_thruster_turns(depth: float | None):
     world = begun(depth)
+    world.trembles = 0.0
     world.wait(60.0)
     assert (world.state, set(world.commands())) == (STOPPED, {STOP})
     assert world.engine.under_way == UNKNOWN, "nor does the next program"

@@ -268,6 +268,7 @@ def test_a_snapshot_takes_the_navigation_back_too():
 
 def test_without_a_mission_under_way_readings_begin_at_nothing():
     world = World()
+    world.trembles = 0.0
     world.wait(6.0)
     engine = world.engine
     read = {name: row.value for name, row in engine.readings.items()}

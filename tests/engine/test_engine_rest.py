@@ -339,6 +339,7 @@ def test_after_a_restart_what_proves_the_surface_counts_from_six_seconds_on(duri
 def test_after_a_restart_a_depth_that_has_not_changed_proves_no_surface():
     """Frozen is known with a thruster on alone, and letting go is one of the ways."""
     world = World(navigation=False)
+    world.trembles = 0.0
     world.depth = 0.2
     world.tell(Restarted(SURFACING))
     world.wait(300.0)

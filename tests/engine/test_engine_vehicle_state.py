@@ -212,7 +212,7 @@ def test_submerged_is_what_was_last_believed_and_no_fix_since_that_proves_the_su
     vehicle_state.take_fix(fix(80.0, north=8.0))
     assert not vehicle_state.submerged
     navigation.doubt.clear()
-    told(vehicle_state, 82.0, depth=5.0)
+    told(vehicle_state, 82.0, depth=5.1)
     assert vehicle_state.submerged
 
 

@@ -137,6 +137,7 @@ class World:
         self.engine = Engine(vehicle, self.nav if navigation else None)
         self.t = 100.0
         self.depth: float | None = 0.2
+        self.trembles = 0.001  # m, from one report to the next: a depth that lives
         self.heading, self.altitude, self.roll = 0.0, 20.0, 0.0
         self.actuators: tuple[float, ...] = (0.3, 0.3, 0.0, 0.0, 0.0)
         self.stops = True  # a stop is obeyed, not acknowledged alone
@@ -169,7 +170,7 @@ class World:
     def report(self, **changes: object) -> Telemetry:
         base = Telemetry(
             t=self.t,
-            depth=self.depth,
+            depth=self._told_depth(),
             altitude=self.altitude,
             heading=self.heading,
             pitch=0.0,
@@ -180,6 +181,10 @@ class World:
             leak=self.leak,
         )
         return replace(base, **changes)
+
+    def _told_depth(self) -> float | None:
+        odd = math.floor(self.t / 2.0) % 2.0
+        return None if self.depth is None else self.depth + odd * self.trembles
 
     def fix(self, north: float = 0.0, east: float = 0.0, **changes: object) -> Fix:
         lat, lon = math.radians(HOME.latitude_deg), math.radians(HOME.longitude_deg)
