@@ -93,7 +93,7 @@ class Page:
 
     def _copy_tree(self) -> None:
         (self._folder / "missions").unlink()
-        ignored = shutil.ignore_patterns("__pycache__", "build")
+        ignored = shutil.ignore_patterns("build")  # not what is compiled: each command reads it
         for name in TREE:
             shutil.copytree(ROOT / name, self._folder / name, ignore=ignored)
         for name in ("pyproject.toml", "README.md", "CHANGELOG.md", ".importlinter"):

@@ -18,7 +18,7 @@ from mission.onboard.store import MemoryStore
 def _as_it_was() -> Iterator[None]:
     gc.unfreeze()
     yield
-    gc.unfreeze()
+    gc.freeze()  # as it is in a run of the tests
 
 
 def runtime() -> Runtime:

@@ -17,11 +17,12 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
+from known_missions import KNOWN as SHIPPED
 from labour import Job, do
 from served import soon
 
 from mission.cli import main
-from mission.verification.campaign.faults import fly_numbered, shipped, subjects
+from mission.verification.campaign.faults import fly_numbered
 from mission.verification.workers import results
 from mission.verification.workers.cluster import url_of
 from mission.verification.workers.code import code
@@ -30,7 +31,7 @@ from mission.verification.workers.places import Place, place
 
 ROOT = Path(__file__).resolve().parents[2]
 SQUARES: list[Job] = [("square", n) for n in range(12)]
-KNOWN = tuple(subjects(shipped()))[:2]
+KNOWN = SHIPPED[:2]
 
 
 @contextmanager

@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from known_missions import KNOWN as SHIPPED
 from labour import Job, do
 from served import soon
 
-from mission.verification.campaign.faults import FlightResult, fly_numbered, shipped, subjects
+from mission.verification.campaign.faults import FlightResult, fly_numbered
 from mission.verification.workers import results, working
 from mission.verification.workers.code import code, difference
 from mission.verification.workers.kept import Unusable, keeping
@@ -25,7 +26,7 @@ from mission.verification.workers.progress import with_progress
 
 TWO = place("processes", 2)
 LOCAL = place("local")
-KNOWN = tuple(subjects(shipped()))[:2]
+KNOWN = SHIPPED[:2]
 SQUARES: list[Job] = [("square", n) for n in range(8)]
 ASKED = {"squares": 8}
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import pytest
 from click.testing import CliRunner
+from known_missions import KNOWN
 
 from links.simulated.settings import FaultEvent
 from mission.authoring.check import check_mission
@@ -22,14 +23,13 @@ from mission.model.shipped import load_vehicle
 from mission.onboard.runtime import frontseat
 from mission.verification.campaign.broken import BROKEN, broken
 from mission.verification.campaign.draw import Plan, draw, stage
-from mission.verification.campaign.faults import fly_plan, result_of, shipped, subjects
+from mission.verification.campaign.faults import fly_plan, result_of
 from mission.verification.campaign.noticing import Flights, notice
 from mission.verification.campaign.scene_texts import TEXTS, mission_of
 from mission.verification.campaign.scenes import SCENES
 
 pytestmark = pytest.mark.proof  # long: make proofs
 
-KNOWN = tuple(subjects(shipped()))
 
 # The rule that is broken, a scene and its seed, and the law that sees it.
 SEEN = [

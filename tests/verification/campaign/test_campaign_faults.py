@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from known_missions import KNOWN
 
 from links.simulated.faults import FAULTS
 from links.simulated.settings import Settings, parse_settings
@@ -23,7 +24,7 @@ from mission.onboard.runtime.commander import Commander
 from mission.onboard.runtime.frontseat import Frontseat
 from mission.verification.campaign.disturbances import INCIDENTS
 from mission.verification.campaign.draw import CLUSTER, MOST, OUT_OF_HAND, draw
-from mission.verification.campaign.faults import fly_numbered, fly_plan, shipped, subjects
+from mission.verification.campaign.faults import fly_numbered, fly_plan
 from mission.verification.campaign.laws import IGNORED, LOST, OVERRUN, RAISED, violations
 from mission.verification.campaign.soak import Soaked, grown, soak
 from mission.verification.campaign.trial import FOREVER, try_out
@@ -34,7 +35,6 @@ from mission.verification.rig.trace import Done, Heard, Said, Trace
 from protocol.messages import Order
 
 VEHICLE = load_vehicle("auv")
-KNOWN = tuple(subjects(shipped()))
 FIRST = next(s for s in KNOWN if s.path.stem == "first-dive")
 PROFILES = ("as-built", "documented")
 NO_FAULTS = Settings()

@@ -10,13 +10,14 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
+from known_missions import KNOWN
 
 from mission.commands.faults import faults
 from mission.engine import monitor
 from mission.engine.core import Core
 from mission.verification.campaign.broken import BROKEN, broken
 from mission.verification.campaign.draw import PROFILES, rows, stage
-from mission.verification.campaign.faults import fly_near, shipped, subjects
+from mission.verification.campaign.faults import fly_near
 from mission.verification.campaign.margins import MARGINS
 from mission.verification.campaign.noticing import Flights, notice
 from mission.verification.campaign.reached import reached
@@ -32,7 +33,6 @@ from mission.verification.campaign.search import (
 from mission.verification.campaign.steered import plan_of
 from mission.verification.workers.places import place
 
-KNOWN = tuple(subjects(shipped()))
 ROWS = rows(KNOWN)
 WORST = json.loads(Path(__file__).with_name("worst_flights.json").read_text())
 
