@@ -2,6 +2,14 @@
 
 from __future__ import annotations
 
-from mission.verification.campaign.faults import shipped, subjects
+import functools
+
+from mission.verification.campaign.faults import Subject, fitting, shipped, subjects
 
 KNOWN = tuple(subjects(shipped()))
+
+
+@functools.cache
+def known_on(vehicle: str) -> tuple[Subject, ...]:
+    """Those that fly on it."""
+    return tuple(fitting(vehicle))

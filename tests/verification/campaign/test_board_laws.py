@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import pytest
+from known_missions import known_on
 from programs import run
 
 from links.simulated.settings import Settings
@@ -24,7 +25,6 @@ from mission.verification.campaign.draw import (
     faults_of,
     profiles_of,
 )
-from mission.verification.campaign.faults import fitting
 from mission.verification.campaign.laws import IGNORED, LOST, SPURIOUS, Violation, violations
 from mission.verification.campaign.proofs import Claim
 from mission.verification.campaign.scene import repeated, say
@@ -181,7 +181,7 @@ def test_the_robot_has_no_law_of_the_water_and_the_others_have() -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_what_is_drawn_for_a_board_is_what_it_can_have(name: str) -> None:
-    known = fitting(name)
+    known = known_on(name)
     drawn = [draw(1, number, known) for number in range(200)]
     kinds_drawn = {kind for plan in drawn for kind in plan.kinds}
     assert kinds_drawn <= {*faults_of(name), *INCIDENTS}
@@ -192,7 +192,7 @@ def test_what_is_drawn_for_a_board_is_what_it_can_have(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_what_is_withheld_or_lost_within_a_proof_is_what_the_board_can_lack(name: str) -> None:
-    subject, vehicle = fitting(name)[0], load_vehicle(name)
+    subject, vehicle = known_on(name)[0], load_vehicle(name)
     report = check_prepared(prepare(subject.path, name))
     assert report.proved is not None
     claim = Claim(str(subject.path), subject.mission, report.proved)

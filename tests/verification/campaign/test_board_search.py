@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 
 import pytest
 from click.testing import CliRunner
+from known_missions import known_on
 
 from mission.cli import main
 from mission.model.shipped import load_vehicle
 from mission.verification.campaign import margins as of_margins
 from mission.verification.campaign.draw import Subject, rows
-from mission.verification.campaign.faults import FlightResult, fitting
+from mission.verification.campaign.faults import FlightResult
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.soak import Soaked
 from mission.verification.campaign.soak import story as soak_story
@@ -19,22 +21,22 @@ from mission.verification.campaign.steered import plan_of
 
 
 @pytest.fixture(scope="module")
-def known() -> list[Subject]:
-    return fitting("rov")
+def known() -> Sequence[Subject]:
+    return known_on("rov")
 
 
-def test_rows_of_a_board_are_its_missions_and_no_scene(known: list[Subject]) -> None:
+def test_rows_of_a_board_are_its_missions_and_no_scene(known: Sequence[Subject]) -> None:
     assert rows(known) == ("rov-dive",)
 
 
-def test_a_searched_flight_of_a_board_follows_from_its_name(known: list[Subject]) -> None:
+def test_a_searched_flight_of_a_board_follows_from_its_name(known: Sequence[Subject]) -> None:
     plan = plan_of("rov-dive/3/0", 5, known)
     assert plan == plan_of("rov-dive/3/0", 5, known)
     assert plan != plan_of("rov-dive/3/1", 5, known)
     assert (plan.profile, plan.vehicle.name) == ("documented", "rov")
 
 
-def test_a_scene_is_no_flight_of_a_board(known: list[Subject]) -> None:
+def test_a_scene_is_no_flight_of_a_board(known: Sequence[Subject]) -> None:
     with pytest.raises(ValueError, match="no flight 'clogged/3'"):
         plan_of("clogged/3", 5, known)
 
