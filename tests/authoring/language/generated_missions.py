@@ -1,7 +1,12 @@
-"""Missions out of hypothesis, in the normal form that reading a text yields."""
+"""Missions out of hypothesis, in the normal form that reading a text yields.
+
+A strategy is made once: hypothesis looks through each new one before it draws from it, which takes
+ten times as long as drawing.
+"""
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 
@@ -56,6 +61,7 @@ NAMES = (
 )
 
 
+@functools.cache
 def numbers(low: float, high: float) -> st.SearchStrategy[float]:
     return st.one_of(
         st.integers(math.ceil(low), math.floor(high)).map(float),
@@ -76,44 +82,55 @@ locals_ = st.builds(Local, numbers(-20000, 20000), numbers(-20000, 20000))
 places: st.SearchStrategy[Place] = st.one_of(st.just("home"), positions, locals_)
 
 
+coins = st.booleans()
+tenths = st.integers(0, 9)
+gears = st.integers(-GEARS, GEARS).map(lambda n: n / GEARS)
+gears_ahead = st.integers(1, GEARS).map(lambda n: n / GEARS)
+variables = st.sampled_from(list(VARIABLES.values()))
+operators = st.sampled_from(["<", "<=", ">", ">="])
+sureness = st.one_of(st.none(), st.integers(1, 99).map(lambda p: p / 100), st.floats(0.01, 0.99))
+
+
 @st.composite
 def comparisons(draw: st.DrawFn) -> Comparison:
-    row = draw(st.sampled_from(list(VARIABLES.values())))
+    row = draw(variables)
     bound = draw(headings) if row.circular else draw(numbers(-1000, 1000))
     if row.unit == "deg" and not row.circular:
         bound = math.radians(bound)
-    sure = draw(
-        st.one_of(st.none(), st.integers(1, 99).map(lambda p: p / 100), st.floats(0.01, 0.99))
+    return Comparison(row.name, draw(operators), bound, draw(sureness))
+
+
+steady = st.sampled_from([v for v in VARIABLES.values() if not (v.circular or v.timed)])
+returning = st.sampled_from([v for v in VARIABLES.values() if not v.timed])
+
+
+@functools.cache
+def windows(of_depth: bool) -> st.SearchStrategy[tuple[float, bool]]:
+    """Lengths in s, or in m of depth where ``of_depth`` allows them."""
+    return st.one_of(
+        st.just((math.inf, False)),
+        st.tuples(numbers(2, 3600), st.just(False)),
+        st.tuples(numbers(0.5, 1000), st.just(of_depth)),
     )
-    return Comparison(row.name, draw(st.sampled_from(["<", "<=", ">", ">="])), bound, sure)
 
 
-STEADY = [row for row in VARIABLES.values() if not (row.circular or row.timed)]
-BACK = [row for row in VARIABLES.values() if not row.timed]
-
-
+@functools.cache
 def differences(row: Variable) -> st.SearchStrategy[float]:
     return numbers(1e-3, 150).map(math.radians if row.unit == "deg" else float)
 
 
 @st.composite
 def trends(draw: st.DrawFn) -> Trend:
-    row, rises = draw(st.sampled_from(STEADY)), draw(st.booleans())
+    row, rises = draw(steady), draw(coins)
     amount = draw(differences(row))
-    window, of_depth = draw(
-        st.one_of(
-            st.just((math.inf, False)),
-            st.tuples(numbers(2, 3600), st.just(False)),
-            st.tuples(numbers(0.5, 1000), st.just(row.name != "depth")),
-        )
-    )
+    window, of_depth = draw(windows(row.name != "depth"))
     return Trend(row.name, rises, amount, max(window, 2.0), of_depth)
 
 
 @st.composite
 def backs(draw: st.DrawFn) -> Back:
-    row, peak = draw(st.sampled_from(BACK)), draw(st.sampled_from(STEADY))
-    return Back(row.name, draw(st.booleans()), peak.name, draw(differences(row)))
+    row, peak = draw(returning), draw(steady)
+    return Back(row.name, draw(coins), peak.name, draw(differences(row)))
 
 
 def _joined(kind: type[And] | type[Or], operands: list[Expression]) -> Expression:
@@ -136,75 +153,88 @@ expressions: st.SearchStrategy[Expression] = st.recursive(
     st.one_of(comparisons(), trends(), backs()), _combined, max_leaves=4
 )
 guards = st.builds(Guard, expressions, st.one_of(st.just(0.0), seconds))
+waits = st.one_of(st.none(), seconds)
+verticals = st.sampled_from(["", "depth", "altitude", "heave"])
+horizontals = st.sampled_from(["", "heading", "turn"])
 
 
 @st.composite
 def settings_of(
     draw: st.DrawFn, vertical: bool = True, steering: bool = True
 ) -> tuple[Setting, ...]:
-    gear = st.integers(-GEARS, GEARS).map(lambda n: n / GEARS)
     chosen: dict[str, float] = {}
     if vertical:
-        word = draw(st.sampled_from(["", "depth", "altitude", "heave"]))
+        word = draw(verticals)
         if word:
-            chosen[word] = draw(gear if word == "heave" else numbers(0, 9999))
-        if word == "depth" and draw(st.booleans()):
+            chosen[word] = draw(gears if word == "heave" else numbers(0, 9999))
+        if word == "depth" and draw(coins):
             chosen["altitude"] = draw(numbers(0, 9999))
     if steering:
-        word = draw(st.sampled_from(["", "heading", "turn"]))
+        word = draw(horizontals)
         if word:
-            chosen[word] = draw(gear if word == "turn" else headings)
-    if draw(st.booleans()):
-        chosen["surge"] = draw(gear if steering else st.integers(1, GEARS).map(lambda n: n / GEARS))
+            chosen[word] = draw(gears if word == "turn" else headings)
+    if draw(coins):
+        chosen["surge"] = draw(gears if steering else gears_ahead)
     for word in ("pitch", "roll"):
-        if draw(st.integers(0, 9)) == 0:
+        if draw(tenths) == 0:
             chosen[word] = math.radians(draw(numbers(-90, 90)))
     return tuple(Setting(w, chosen[w]) for w in FIELD_ORDER if w in chosen)
 
 
-@st.composite
-def kinds(draw: st.DrawFn) -> LegKind:
-    side = st.sampled_from([-1, 1])
-    within = numbers(0.5, 1000)
-    shallow = draw(numbers(0, 4999))
-    return draw(
-        st.one_of(
-            st.just(Hold()),
-            st.just(Wait()),
-            st.builds(Goto, places, within),
-            st.lists(places, min_size=2, max_size=9)
-            .filter(lambda p: all(a != b for a, b in itertools.pairwise(p)))
-            .map(lambda p: Follow(tuple(p), 10.0)),
-            st.builds(
-                Rows, st.one_of(st.none(), places), headings, numbers(1, 20000), numbers(0.5, 2000),
-                st.integers(1, 99), side, within,
-            ),
-            st.builds(Yoyo, st.just(shallow), numbers(5000, 9999), st.integers(1, 99)),
-            st.builds(Loiter, st.one_of(st.none(), places), numbers(1, 5000), side),
-            st.builds(Surface, st.booleans()),
-        )
-    )  # fmt: skip
+sides = st.sampled_from([-1, 1])
+somewhere = st.one_of(st.none(), places)
+within = numbers(0.5, 1000)
+kinds: st.SearchStrategy[LegKind] = st.one_of(
+    st.just(Hold()),
+    st.just(Wait()),
+    st.builds(Goto, places, within),
+    st.lists(places, min_size=2, max_size=9)
+    .filter(lambda p: all(a != b for a, b in itertools.pairwise(p)))
+    .map(lambda p: Follow(tuple(p), 10.0)),
+    st.builds(
+        Rows, somewhere, headings, numbers(1, 20000), numbers(0.5, 2000),
+        st.integers(1, 99), sides, within,
+    ),
+    st.builds(Yoyo, numbers(0, 4999), numbers(5000, 9999), st.integers(1, 99)),
+    st.builds(Loiter, somewhere, numbers(1, 5000), sides),
+    st.builds(Surface, st.booleans()),
+)  # fmt: skip
+Targets = tuple[str, ...]
+
+
+@functools.cache
+def ends(targets: Targets) -> st.SearchStrategy[str | None]:
+    return st.one_of(st.none(), st.sampled_from(targets))
+
+
+@functools.cache
+def exits(targets: Targets) -> st.SearchStrategy[list[Exit]]:
+    return st.lists(st.builds(Exit, guards, ends(targets)), max_size=2)
+
+
+@functools.cache
+def handlers(targets: Targets, most: int) -> st.SearchStrategy[list[Handler]]:
+    return st.lists(st.builds(Handler, guards, st.sampled_from(targets)), max_size=most)
 
 
 @st.composite
-def legs(draw: st.DrawFn, name: str, targets: tuple[str, ...]) -> Node:
+def legs(draw: st.DrawFn, name: str, targets: Targets) -> Node:
     """``name`` empty: a leg without one, or a bare line."""
-    target = st.one_of(st.none(), st.sampled_from(targets))
-    kind = draw(kinds())
+    kind = draw(kinds)
     steered = not isinstance(kind, Hold | Yoyo)
     settings: tuple[Setting, ...] = ()
     if not isinstance(kind, Wait | Surface):
         settings = draw(settings_of(vertical=not isinstance(kind, Yoyo), steering=not steered))
-    if not name and isinstance(kind, Hold) and settings and draw(st.booleans()):
+    if not name and isinstance(kind, Hold) and settings and draw(coins):
         return Set("", settings)
     return Leg(
         name,
         kind,
         settings,
-        tuple(draw(st.lists(st.builds(Exit, guards, target), max_size=2))),
-        draw(seconds) if isinstance(kind, Wait) or draw(st.booleans()) else None,
-        draw(st.one_of(st.none(), seconds)),
-        draw(target),
+        tuple(draw(exits(targets))),
+        draw(seconds) if isinstance(kind, Wait) or draw(coins) else None,
+        draw(waits),
+        draw(ends(targets)),
         achieve=draw(aims) if isinstance(kind, Rows) else (),
     )
 
@@ -228,43 +258,52 @@ areas = st.lists(
 ).map(_ordered)
 
 
+namings = st.lists(st.sampled_from(NAMES), min_size=1, max_size=2, unique=True)
+thirds = st.integers(0, 2)
+rounds = st.sampled_from([1, 2, 9999])
+
+
 @st.composite
-def bodies(draw: st.DrawFn, depth: int, outer: tuple[str, ...]) -> tuple[Node, ...]:
-    names = draw(st.lists(st.sampled_from(NAMES), min_size=1, max_size=2, unique=True))
+def bodies(draw: st.DrawFn, depth: int, outer: Targets) -> tuple[Node, ...]:
+    names = draw(namings)
     targets = (*outer, *names)
     nodes: list[Node] = []
     for name in names:
-        if depth and draw(st.integers(0, 2)) == 0:
+        if depth and draw(thirds) == 0:
             body = draw(bodies(depth - 1, targets))
-            handlers = draw(
-                st.lists(st.builds(Handler, guards, st.sampled_from(targets)), max_size=1)
-            )
-            nodes.append(Group(name, draw(st.sampled_from([1, 2, 9999])), body, tuple(handlers),
-                               achieve=draw(aims)))  # fmt: skip
+            handled = tuple(draw(handlers(targets, 1)))
+            nodes.append(Group(name, draw(rounds), body, handled, achieve=draw(aims)))
         else:
             nodes.append(draw(legs(name, targets)))
-        if draw(st.booleans()):
+        if draw(coins):
             nodes.append(draw(legs("", targets)))
     return (*nodes, Leg("last", Wait(), (), (), draw(seconds)))
 
 
+ENDS = ("surface", "last")
+titles = st.sampled_from(["m", "harbour-survey", "x_1", "no"])
+bounds = st.one_of(st.none(), numbers(1e-6, 65535))
+homes = st.one_of(st.none(), positions)
+last = st.sampled_from(ENDS)
+assumptions: st.SearchStrategy[tuple[tuple[str, float], ...]] = st.sampled_from(
+    [(), (("current", 0.2),), (("current", 0.0), ("floor", 30.5))]
+)
+
+
 @st.composite
 def missions(draw: st.DrawFn) -> Mission:
-    limits = {row.name: draw(st.one_of(st.none(), numbers(1e-6, 65535))) for row in LIMITS.values()}
-    target = st.sampled_from(["surface", "last"])
+    limits = {row.name: draw(bounds) for row in LIMITS.values()}
     mission = Mission(
-        name=draw(st.sampled_from(["m", "harbour-survey", "x_1", "no"])),
+        name=draw(titles),
         vehicle="auv",
-        body=draw(bodies(2, ("surface", "last"))),
-        home=draw(st.one_of(st.none(), positions)),
+        body=draw(bodies(2, ENDS)),
+        home=draw(homes),
         safety=Safety(**limits),
-        assume=draw(
-            st.sampled_from([(), (("current", 0.2),), (("current", 0.0), ("floor", 30.5))])
-        ),
-        handlers=tuple(draw(st.lists(st.builds(Handler, guards, target), max_size=2))),
-        on_uncertain=draw(target),
-        on_timeout=draw(target),
-        start_without_fix=draw(st.booleans()),
+        assume=draw(assumptions),
+        handlers=tuple(draw(handlers(ENDS, 2))),
+        on_uncertain=draw(last),
+        on_timeout=draw(last),
+        start_without_fix=draw(coins),
         achieve=draw(aims),
         areas=draw(areas),
     )
