@@ -26,7 +26,7 @@ browser: $(READY)       ## the cockpit driven in a real Chromium; skipped where 
 	$(BIN)/pytest -m browser -rs
 
 proofs: $(READY)        ## the long proofs: flights, states crossed with events, broken rules, recordings; ONLY="proof and not minutes"
-	$(BIN)/pytest -m "$(or $(ONLY),proof)" -n 4 --maxschedchunk 1 $$(grep -rl --include='*.py' mark.proof tests | grep -v ^tests/sea)
+	$(BIN)/pytest -m "$(or $(ONLY),proof)" -n 4 --dist loadgroup --no-loadscope-reorder $$(grep -rl --include='*.py' mark.proof tests | grep -v ^tests/sea)
 
 check: lint coverage proofs ## what must be green before anything lands
 

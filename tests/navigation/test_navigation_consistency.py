@@ -8,7 +8,8 @@ from __future__ import annotations
 import pytest
 from simulated_truth import Flight, Summary, fly, sum_up
 
-pytestmark = pytest.mark.proof  # long: make proofs
+# long: make proofs; all by one worker, who flies once
+pytestmark = [pytest.mark.proof, pytest.mark.xdist_group("consistency")]
 
 FLIGHTS = 30
 

@@ -43,6 +43,7 @@ pytestmark = pytest.mark.proof  # long: make proofs
 
 MISSIONS = missions_folder()
 EVERY = 7  # of the configurations: a sample that asks every law
+samples = pytest.mark.xdist_group("samples")  # judged once, by the worker of them all
 
 
 @pytest.fixture(scope="module")
@@ -55,6 +56,7 @@ def sample(survey: Ground) -> Found:
     return examine_ground(survey, EVERY)
 
 
+@samples
 def test_no_cell_of_a_sample_breaks_a_law(sample: Found) -> None:
     assert sample.violations == []
     assert sample.cells == sample.configurations * sample.events
@@ -86,10 +88,12 @@ def clear(kept_clear: Ground) -> Found:
     return examine_ground(kept_clear, EVERY)
 
 
+@samples
 def test_no_cell_of_a_depth_above_the_bottom_breaks_a_law(clear: Found) -> None:
     assert clear.violations == []
 
 
+@samples
 def test_every_law_is_asked_in_the_samples(sample: Found, clear: Found) -> None:
     assert set(unasked(sample)) <= {"a depth is kept above the bottom"}
     assert "a depth is kept above the bottom" not in unasked(clear)
