@@ -36,6 +36,10 @@ from protocol.topside import encode, to_topside_frames
 from protocol.topside_frames import LONG
 
 SILENCE = 24  # requests in a row without an answer: nobody is there (1 in 10^4 at 40 % loss)
+NOT_IDLE = (
+    "the vehicle is not in idle, where alone a mission can be uploaded: "
+    "stop it and clear it at the surface first"
+)
 _QUESTION = encode(StoreQuery())
 _USUAL = 50  # bytes of an @AR beside its list of missing lines
 _GROWTH = 12  # bytes: the next report's list may have one range more
@@ -180,7 +184,7 @@ class BatchUpload:
         if report.digest == self._digest and report.state in ("ready", "running"):
             self.missing, self.outcome = (), Stored()
         elif report.state == "running":
-            self.outcome = Declined("the vehicle is not idle")
+            self.outcome = Declined(NOT_IDLE)
         elif report.state == "staging" and report.total == total:
             self._ours, self.missing = True, _numbers(report.missing, total)
             self._learn_blocks(report.have)

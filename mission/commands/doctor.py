@@ -17,6 +17,10 @@ if TYPE_CHECKING:
 _ON_DECK = "@ZAX0$ ends manual and stops everything. Is the vehicle on deck?"
 _IN_WATER = "It will dive and turn. Is it in the water on a rope, a metre from ground and walls?"
 _MEND = "mend the file; docs/operation.md lists every key"
+_GIVE = (
+    "give the file that serve reads, or write one (docs/operation.md has an example); "
+    "without -c the defaults are examined"
+)
 
 
 @click.command()
@@ -87,7 +91,8 @@ def _examined(config: Path | None, ask: bool, move: bool) -> Iterator[Finding]:
         vehicle = load_vehicle(configuration.vehicle)
     except (Diagnosed, ImportError) as error:
         said = error.brief if isinstance(error, Diagnosed) else str(error)
-        yield fault("configuration", said, _MEND)
+        is_there = config is None or config.exists()
+        yield fault("configuration", said, _MEND if is_there else _GIVE)
         try:
             got = provide(config, {}, None)
         except Unusable:

@@ -59,6 +59,11 @@ CLEAR_AGAIN = (5.0, 30.0)  # s after a refused @AC another one is meant (R7)
 PROOF_AGE = 10.0  # s that the fixes which prove a surface may be old
 
 ACCEPTED = Verdict(True)
+_UNCLEARED = {
+    AUTONOMOUS: "a mission runs: stop it (X), then clear at the surface",
+    MANUAL: "the stick has the vehicle: stop it (X), then clear at the surface",
+    EMERGENCY: "surfacing: wait until it is at the surface",
+}
 
 
 def emergency(core: Core, command: Emergency) -> Verdict:
@@ -106,9 +111,7 @@ def why_not_clear(core: Core) -> str:
     if core.region == IDLE:
         return ""
     if core.active not in (STOPPED, SURFACED):
-        if core.region == EMERGENCY:
-            return "surfacing: wait until it is at the surface"
-        return "a mission runs or is interrupted: stop the vehicle first"
+        return _UNCLEARED[core.region]
     depth, since = core.vehicle_state.depth, core.now - core.clear_refused
     if _at_surface(core):
         return ""

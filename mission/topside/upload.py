@@ -23,6 +23,7 @@ import contextlib
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 
+from protocol.batch import NOT_IDLE
 from protocol.messages import (
     Ack,
     ClearMission,
@@ -170,7 +171,7 @@ def _missing(
     """What the Pi has not got; ``sent`` gets the numbers of the lines that were sent."""
     report = yield from asked_store()
     if report.state == "running":
-        raise Refused("the vehicle is under way: a mission can be uploaded in idle only")
+        raise Refused(NOT_IDLE)
     if report.state == "ready" and report.digest == digest[:16]:
         return f"the vehicle holds it already, digest {report.digest}"
     total, failed, most = len(lines), 0, -1

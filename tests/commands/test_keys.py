@@ -46,6 +46,30 @@ def test_who_asks_for_a_viewer_gets_nothing_that_commands(tmp_path: Path) -> Non
     assert "topside" not in ran.output
 
 
+@needs_openssl
+def test_who_is_there_in_the_other_role_is_refused_and_nothing_is_made(tmp_path: Path) -> None:
+    make_keys(tmp_path, ["deck"], lambda _: None, ["guest"])
+    before = {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()}
+    for word, name, says in (
+        ("--viewer", "deck", "a boat's, who may command the vehicle"),
+        ("--boat", "guest", "a viewer's, who may only look"),
+    ):
+        ran = CliRunner().invoke(keys, [str(tmp_path), "--viewer", "new", word, name])
+        assert ran.exit_code == 1
+        assert says in ran.output
+        assert "another name" in ran.output
+    assert {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()} == before
+    again = CliRunner().invoke(keys, [str(tmp_path), "--boat", "deck", "--viewer", "guest"])
+    assert again.exit_code == 0, again.output
+
+
+@needs_openssl
+def test_one_name_is_no_boat_and_viewer_at_once(tmp_path: Path) -> None:
+    with pytest.raises(KeysError, match="a boat and a viewer"):
+        make_keys(tmp_path / "k", ["deck"], lambda _: None, ["deck"])
+    assert not (tmp_path / "k").exists()
+
+
 @pytest.mark.parametrize("name", ["../boat", "", "authority", "vehicle", "a b"])
 def test_a_name_that_is_no_folder_of_its_own_is_refused(tmp_path: Path, name: str) -> None:
     with pytest.raises(KeysError):

@@ -237,6 +237,21 @@ def test_clear_leaves_idle_stopped_and_surfaced_alone(state: str):
         assert not world.verdicts[-1].accepted
 
 
+@pytest.mark.parametrize(
+    ("state", "says"),
+    [
+        ("autonomous/a", "a mission runs: stop it"),
+        ("manual/driving", "the stick has the vehicle: stop it"),
+        ("manual/waiting", "the stick has the vehicle: stop it"),
+        (SURFACING, "wait until it is at the surface"),
+    ],
+)
+def test_a_refused_clear_says_what_is_and_what_to_do(state: str, says: str) -> None:
+    verdict = world_in(state).tell(ClearMission()).verdicts[0]
+    assert not verdict.accepted
+    assert says in verdict.why
+
+
 def test_safety_keeps_what_is_left_out_and_refuses_nonsense():
     world = World(MISSION)
     world.tell(SetSafety(radius=300.0, depth=20.0))

@@ -63,6 +63,21 @@ def test_lines_are_refused_outside_idle(pi: Pi, state: str) -> None:
     assert pi.hear(MissionLine(3, 2, LINES[1])) == [b"@ACK_AWN$"]  # nothing was staged
 
 
+@pytest.mark.parametrize("state", ["autonomous/line2", "manual/driving"])
+def test_a_line_that_is_refused_under_way_says_to_stop_and_to_clear(pi: Pi, state: str) -> None:
+    pi.target.state = state
+    pi.hear(MissionLine(3, 1, LINES[0]))
+    told = pi.hear(StoreQuery())[0].decode()
+    assert f"this is {state}: stop the vehicle (X) and clear it" in told
+
+
+def test_a_line_that_is_refused_in_an_emergency_says_to_clear(pi: Pi) -> None:
+    pi.target.state = "emergency/stopped"
+    pi.hear(MissionLine(3, 1, LINES[0]))
+    told = pi.hear(StoreQuery())[0].decode()
+    assert "this is emergency/stopped: clear it at the surface; then upload" in told
+
+
 def test_start_is_refused_while_lines_are_missing(pi: Pi) -> None:
     pi.hear(MissionLine(3, 1, LINES[0]))
     assert pi.hear(StartMission()) == [b"@ACK_AAN$"]

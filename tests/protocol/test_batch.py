@@ -7,7 +7,7 @@ from modem_rig import Flight, OneLineUpload, Vehicle, acoustics_of, digest, fly
 
 from links.acoustic import Water
 from protocol.arq import Acoustics
-from protocol.batch import SILENCE, BatchUpload, Declined, Silent, Stored
+from protocol.batch import NOT_IDLE, SILENCE, BatchUpload, Declined, Silent, Stored
 from protocol.modem import MOST, OVERHEAD, Sender, wrap
 from protocol.sizing import Channel, Plan, Task
 
@@ -115,7 +115,7 @@ def answered(report: bytes) -> BatchUpload:
 
 def test_a_vehicle_under_way_declines() -> None:
     sender = answered(b"@AR,running,9,9,,0123456789abcdef,,$")
-    assert sender.outcome == Declined("the vehicle is not idle")
+    assert sender.outcome == Declined(NOT_IDLE)
 
 
 def test_a_set_of_somebody_else_is_not_taken_for_ours() -> None:
@@ -235,5 +235,5 @@ def test_wrong_bits_cost_little_more_than_the_blocks_they_spoil(
 
 
 def test_other_words_beside_or_before_the_report_are_passed_over() -> None:
-    assert answered(b"@ACK_STT$@AR,running,9,9,,,,$").outcome == Declined("the vehicle is not idle")
+    assert answered(b"@ACK_STT$@AR,running,9,9,,,,$").outcome == Declined(NOT_IDLE)
     assert answered(b"@ACK_STT$").outcome is None

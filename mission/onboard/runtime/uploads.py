@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from mission.model import Verdict
+from mission.model.regions import EMERGENCY
 from mission.onboard.runtime.command_target import CommandTarget, MissionRefused
 from mission.onboard.runtime.staging import Held, OutOfPlace, Staging, Whole
 from mission.onboard.store import Store, StoreError
@@ -53,8 +54,7 @@ class Uploads:
     def take(self, line: MissionLine, now: float) -> tuple[Verdict, bool]:
         """And whether a set was made whole, and is stored."""
         if not self.is_idle:
-            why = f"a mission can be uploaded in idle only, not in {self._target.state}"
-            return Verdict(False, why), False
+            return Verdict(False, _not_idle(self._target.state)), False
         held = self._staging.offer(line, self._store.content.lines, now)
         if isinstance(held, Held):
             return Verdict(True), False
@@ -90,3 +90,10 @@ class Uploads:
             self._target.digest[:16],
             refusal,
         )
+
+
+def _not_idle(state: str) -> str:
+    """Why no line is taken, and what leads to idle."""
+    first = "" if state.startswith(EMERGENCY) else "stop the vehicle (X) and "
+    then = f"{first}clear it at the surface; then upload"
+    return f"a mission can be uploaded in idle only and this is {state}: {then}"

@@ -82,6 +82,7 @@ def make_keys(
     for boat in (*boats, *viewers):
         if not boat.replace("-", "").isalnum() or boat in (AUTHORITY, VEHICLE):
             raise KeysError(f"{boat!r} is no name for a boat: letters, digits and hyphens")
+    _keep_apart(openssl, folder, boats, viewers)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         authority = folder / AUTHORITY
@@ -97,6 +98,28 @@ def make_keys(
         if isinstance(error, KeysError):
             raise
         raise KeysError(f"{folder}: {error.strerror or error}") from error
+
+
+def _keep_apart(openssl: str, folder: Path, boats: Sequence[str], viewers: Sequence[str]) -> None:
+    """No name is a boat and a viewer. Raises KeysError, before anything is made."""
+    if both := set(boats) & set(viewers):
+        raise KeysError(
+            f"{min(both)!r} cannot be a boat and a viewer: give the viewer its own name"
+        )
+    for name, role in (*((b, BOAT) for b in boats), *((v, VIEWER) for v in viewers)):
+        there = folder / name / "cert.pem"
+        if there.exists() and (is_now := _role(openssl, there)) != role:
+            may = "may command the vehicle" if is_now == BOAT else "may only look"
+            raise KeysError(
+                f"{folder / name} is there, and is a {is_now}'s, who {may}: "
+                f"give the {role} another name"
+            )
+
+
+def _role(openssl: str, certificate: Path) -> str:
+    """As ``_make`` wrote it."""
+    run = [openssl, "x509", "-in", str(certificate), "-noout", "-subject", "-nameopt", "RFC2253"]
+    return VIEWER if f"OU={VIEWER}" in _run(run) else BOAT
 
 
 def _make(openssl: str, end: Path, name: str, role: str, authority: Path | None) -> None:
@@ -130,11 +153,13 @@ def _make(openssl: str, end: Path, name: str, role: str, authority: Path | None)
         out.rename(end)
 
 
-def _run(command: list[str]) -> None:
+def _run(command: list[str]) -> str:
+    """What it printed."""
     try:
-        subprocess.run(command, check=True, capture_output=True, text=True, timeout=SECONDS)
+        done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=SECONDS)
     except subprocess.CalledProcessError as error:
         said = error.stderr.strip().splitlines() or ["without a word"]
         raise KeysError(f"openssl {command[1]} failed: {said[-1]}") from error
     except subprocess.TimeoutExpired as error:
         raise KeysError(f"openssl {command[1]} does not end") from error
+    return done.stdout
