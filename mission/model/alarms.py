@@ -101,8 +101,10 @@ def _fix(c: Condition) -> str:
 
 
 def _refused(c: Condition) -> str:
-    recent = c.refusal_age is not None and c.refusal_age <= REFUSED_S
-    return f"{c.refusal} ({c.refusal_age:.0f} s ago)" if recent and c.refusal else ""
+    """Its age once: an ``@AR`` of later ends with it."""
+    if not c.refusal or c.refusal_age is None or c.refusal_age > REFUSED_S:
+        return ""
+    return c.refusal if c.refusal.endswith(" ago") else f"{c.refusal} ({c.refusal_age:.0f} s ago)"
 
 
 def _battery(c: Condition) -> str:

@@ -3,7 +3,7 @@
     word, values --command--> Command --say--> Script    (raises Refused, NoAnswer)
 
     NS ST SP AW   acknowledged by the Pi; N has its reason in @AR
-    NI DU AQ      answered
+    NI DU AQ AE   answered
     AA AC ZA      as start, clear (upload), stop and surface (orders)
     RS RI         answered by the STM32
     D and M       by nobody (E-F6): @AQ goes with them, in one piece, and its answer shows that they
@@ -45,6 +45,8 @@ from protocol.messages import (
     Relay,
     SetTime,
     StartMission,
+    StateQuery,
+    StateReport,
     Status,
     StoreQuery,
     StoreReport,
@@ -102,7 +104,7 @@ def say(
             return clear()
         case Emergency(order=which):
             return order(which, tell, under_water=under_water)
-        case DataQuery() | StoreQuery():
+        case DataQuery() | StoreQuery() | StateQuery():
             return _told(said, took)
         case NodeQuery():
             return _mask(said, "NI", took)
@@ -130,11 +132,12 @@ def _acknowledged(said: Command, under_water: bool) -> Script:
     return f"@{code}: done"
 
 
-def _told(said: DataQuery | StoreQuery, took: Took) -> Script:
-    answer = yield Ask("status", said, lambda a: isinstance(a, (Status, StoreReport)))
+def _told(said: DataQuery | StoreQuery | StateQuery, took: Took) -> Script:
+    reports = (Status, StoreReport, StateReport)
+    answer = yield Ask("status", said, lambda a: isinstance(a, reports))
     if isinstance(answer, Status):
         values: Mapping[str, Any] = status_values(answer)
-    elif isinstance(answer, StoreReport):
+    elif isinstance(answer, (StoreReport, StateReport)):
         values = asdict(answer)
     else:
         raise NoAnswer(f"no answer; {WHAT_LISTENS}")

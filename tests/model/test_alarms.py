@@ -66,6 +66,11 @@ def test_an_alarm_stands_with_words_and_with_what_to_do(
     assert alarm.do
 
 
+def test_a_refusal_that_tells_its_age_is_not_given_a_second_one() -> None:
+    (alarm,) = standing(Condition(refusal="AA: no; 5 s ago", refusal_age=0.0))
+    assert alarm.words == "AA: no; 5 s ago"
+
+
 def test_every_row_is_tried() -> None:
     assert {name for name, _, _ in RAISED} == set(ALARMS)
 

@@ -323,8 +323,11 @@ def test_what_the_processes_are_asked_for_goes_to_them(pi: Pi) -> None:
 def test_a_switch_that_does_not_come_about_is_answered_n_after_5_s(pi: Pi) -> None:
     pi.hear(NodeSwitch("OOCOCO"))
     assert pi.topside.next_timer() == 5.0
-    assert [tx.data for tx in pi.later(5.0)] == [b"@ACK_NSN$"]
+    (refusal,) = pi.later(5.0)
+    assert refusal.data == b"@ACK_NSN$"
     assert pi.topside.next_timer() is None
+    (why,) = pi.hear(b"@AQ$", 6.0)
+    assert b"not changed within 5 s: BDGPS;" in why
 
 
 def test_a_retry_of_a_switch_is_answered_once(pi: Pi) -> None:

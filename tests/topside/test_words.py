@@ -29,8 +29,11 @@ from protocol.messages import (
     NodeSwitch,
     Relay,
     SetTime,
+    StateReport,
+    Status,
     StoreQuery,
     StoreReport,
+    Telemetry,
 )
 from protocol.topside import Answer, encode
 from protocol.vehicles import frame_types as all_types
@@ -40,6 +43,8 @@ WORDS = {
     e.type.removeprefix("auv."): e.raw for e in reversed(examples()) if e.type.startswith("auv.")
 }
 QUIET = StoreReport("empty", 0, 0, "", "", "")
+STATE = StateReport("idle", "nobody", 1, 2, None, None, None, 7, None, 31, None, 0, "", "")
+SEEN = Status("2025-01-01T00:00:00", None, Telemetry(0.0, depth=3.2))
 
 
 def plain(word: str) -> dict[str, Any]:
@@ -114,6 +119,15 @@ def test_without_an_answer_nothing_is_called_done() -> None:
     for word in ("SP", "ST", "NS", "AW", "NI"):
         with pytest.raises(NoAnswer):
             held(say(command(word, plain(word))), None)
+
+
+@pytest.mark.parametrize(("word", "fields"), [("AQ", QUIET), ("AE", STATE), ("DU", SEEN)])
+def test_what_is_asked_is_told_with_every_value_of_its_answer(word: str, fields: Answer) -> None:
+    taken: dict[str, Any] = {}
+    said, asked = held(say(command(word, {}), taken.update), fields)
+    assert len(asked) == 1
+    assert len(taken) > 5
+    assert all(f"{name} " in said for name, value in taken.items() if value not in (None, ""))
 
 
 @pytest.mark.parametrize("word", ["D", "MM", "MR", "MT", "MD", "MS", "MP"])
@@ -232,7 +246,8 @@ def test_the_words_before_a_dive_are_acknowledged_by_a_vehicle(tmp_path: Path) -
         refused = run("send", "AA", *to)
         assert refused.exit_code == 1
         assert "refused: AA: no mission is stored" in refused.stderr
-        assert run("send", "AQ", *to, "--json").exit_code == 0
+        for asking in ("AQ", "AE"):
+            assert '"state"' in run("send", asking, *to, "--json").stdout
 
 
 def test_a_rudder_and_a_stick_are_seen_on_the_boards_wire_once(tmp_path: Path) -> None:

@@ -69,16 +69,17 @@ class DeviceSwitches:
             if name in NAMES and name not in OWN and letter in (OPEN, CLOSE):
                 self._open[name] = letter == OPEN
 
-    def settle(self, now: float) -> bool | None:
-        """True: all nodes of the pending switch have changed; False: too late; None: not yet, or
-        nothing is pending. Either answer is given once."""
+    def settle(self, now: float) -> str | None:
+        """"": all nodes of the pending switch have changed; else, too late, which have not, in
+        words; None: not yet, or nothing is pending. Either answer is given once."""
         if self._pending is None:
             return None
-        done = all(self._open[name] == value for name, value in self._pending.wanted.items())
-        if not done and now < self._pending.deadline:
+        left = [name for name, value in self._pending.wanted.items() if self._open[name] != value]
+        if left and now < self._pending.deadline:
             return None
         self._pending = None
-        return done
+        late = f"not changed within {CHANGED_WITHIN_S:.0f} s: {' and '.join(left)}"
+        return f"{late}; the Pi's journal says why" if left else ""
 
     def next_timer(self) -> float | None:
         return self._pending.deadline if self._pending else None

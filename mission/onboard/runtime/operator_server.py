@@ -320,8 +320,8 @@ class OperatorServer:
         return None
 
     def _settle(self, now: float) -> None:
-        if (done := self._nodes.settle(now)) is not None:
-            self._conclude_switch(Verdict(done, "" if done else "not all nodes changed"), now)
+        if (late := self._nodes.settle(now)) is not None:
+            self._conclude_switch(Verdict(not late, late), now)
 
     def _conclude_switch(self, verdict: Verdict, now: float) -> None:
         if self._switching is not None:
