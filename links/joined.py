@@ -16,6 +16,11 @@ from links.base import Link, Rx
 _MOST = 0x07  # the first byte of a record at most
 
 
+def is_of_bus(data: bytes) -> bool:
+    """Whether what is sent goes to the bus, not to the line."""
+    return bool(data) and data[0] <= _MOST
+
+
 class JoinedLink:
     def __init__(self, name: str, bus: Link, line: Link) -> None:
         self.name, self._bus, self._line = name, bus, line
@@ -35,7 +40,7 @@ class JoinedLink:
         return self._line.receive(now)
 
     def send(self, data: bytes, now: float, address: str = "") -> None:
-        end = self._bus if data and data[0] <= _MOST else self._line
+        end = self._bus if is_of_bus(data) else self._line
         end.send(data, now, address)
 
     def next_event(self) -> float | None:

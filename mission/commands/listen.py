@@ -15,8 +15,12 @@ if TYPE_CHECKING:
     from mission.topside.hearing import Heard
 
 # What serve says, not hears, on its side of these links; and what stands for both directions.
-_SAID = ("auv.to_stm32", "auv.to_topside", "coreboard.pc_to_main", "rov.down", "robot.down")
-_BOTH = ("auv.any", "auv.modem", "coreboard.can")
+_SAID = (
+    "auv.to_stm32", "auv.to_topside", "coreboard.pc_to_main", "coreboard.main_to_sensor",
+    "rov.down", "robot.down",
+)  # fmt: skip
+_BUS = "coreboard.can"
+_BOTH = ("auv.any", "auv.modem", _BUS)
 
 
 @click.command()
@@ -118,7 +122,18 @@ def _of_serve(held: Holder, link_name: str, folder: Path) -> Iterator[Rx]:
         raise SystemExit(1)
     ways = (IN, OUT) if link_name in _BOTH else (OUT,) if link_name in _SAID else (IN,)
     click.echo(f"serve (process {held.process}) has it: this is its own stream", err=True)
-    return follow(box, held.link, ways, time.time, time.sleep)
+    heard = follow(box, held.link, ways, time.time, time.sleep)
+    return _one_of_two(heard, link_name == _BUS) if held.is_joined else heard
+
+
+def _one_of_two(heard: Iterator[Rx], is_bus: bool) -> Iterator[Rx]:
+    """Of a bus and a line that are one link; what is heard on the bus, serve drops."""
+    from links.joined import is_of_bus
+    from mission.analysis.replay.follow import OUT
+
+    for rx in heard:
+        is_here = is_bus == is_of_bus(rx.data) if rx.link == OUT else not is_bus
+        yield rx if is_here else rx._replace(data=b"")
 
 
 def _new_file(path: Path | None) -> BinaryIO | None:

@@ -17,6 +17,7 @@ from mission.commands.operator import TO
 
 if TYPE_CHECKING:
     from mission.topside.joystick import Joystick
+    from mission.topside.keyboard import Switch, Switches
 
 KEYS = """arrows: ahead, back, to port, to starboard    PgUp PgDn, or r f: up, down
 + - 1..9: how strong    space: let go    x: stop everything    q: end"""
@@ -32,12 +33,24 @@ KEYS = """arrows: ahead, back, to port, to starboard    PgUp PgDn, or r f: up, d
               help="The pad's axes: to starboard, back, down.")  # fmt: skip
 @click.option("--dead-man", type=int, default=4, show_default=True,
               help="The pad's button that has to be held.")  # fmt: skip
-def stick(to: str, gear: int, pad: Path | None, axes: tuple[int, int, int], dead_man: int) -> None:
+@click.option("--output", "outputs", multiple=True, metavar="KEY=NAME:VALUE[/OFF]",
+              help="A letter that sets an output of the vehicle file, e.g. l=lamp:80; with /OFF "
+                   "while it is held, e.g. s=side:7/0; repeatable.")  # fmt: skip
+def stick(
+    to: str,
+    gear: int,
+    pad: Path | None,
+    axes: tuple[int, int, int],
+    dead_man: int,
+    outputs: tuple[str, ...],
+) -> None:
     """Steer the vehicle by hand, from this terminal's keys or a joystick (M, every 200 ms).
 
     Hold a key to move. A key counts for 0.75 s, and on while it repeats: what is let go moves
     nothing more. On a pad the dead man's button has to be held. Whatever is lost, terminal, pad or
     link, the vehicle is stopped within 2 s. In an emergency let go for 2 s, then push.
+
+    What moves or holds the vehicle by the side of its setpoint (--output) works here, or by legs.
 
     One line shows what is sent and what comes back. Exit 0 when you ended it, 1 when something is
     lost.
@@ -49,17 +62,43 @@ def stick(to: str, gear: int, pad: Path | None, axes: tuple[int, int, int], dead
 
     if to.startswith(PREFIX):
         raise click.UsageError("the stick does not work by modem (R6)")
-    click.echo(KEYS, err=True)
+    switches = _switches(outputs)
+    told = [f"{key.decode()}: {', '.join(map(_said, own))}" for key, own in switches.items()]
+    click.echo("\n".join([KEYS, *told]), err=True)
     shown = _Line()
     try:
         with _terminal() as keys, _opened(pad) as fd:
             reader = None if fd is None else (fd, _joystick(axes, dead_man, gear))
-            Stick(keys, Keyboard(gear), shown.show, reader).steer(to)
+            Stick(keys, Keyboard(gear, switches), shown.show, reader).steer(to)
     except OperatorError as error:
         shown.end()
         click.echo(str(error), err=True)
         raise SystemExit(1) from None
     shown.end()
+
+
+def _switches(outputs: tuple[str, ...]) -> Switches:
+    import re
+
+    from mission.topside.keyboard import Switch, is_free
+
+    found: dict[bytes, tuple[Switch, ...]] = {}
+    number = r"(-?\d+(?:\.\d+)?)"
+    for text in outputs:
+        parts = re.fullmatch(rf"(.)=(\w+):{number}(?:/{number})?", text, re.ASCII)
+        if parts is None:
+            raise click.BadParameter(f"{text!r}: write e.g. l=lamp:80 or s=side:7/0")
+        key = parts[1].encode()
+        if not is_free(key):
+            raise click.BadParameter(f"{text!r}: {parts[1]!r} is no letter, or the stick's own")
+        otherwise = None if parts[4] is None else float(parts[4])
+        found[key] = (*found.get(key, ()), Switch(parts[2], float(parts[3]), otherwise))
+    return found
+
+
+def _said(switch: Switch) -> str:
+    held = "" if switch.otherwise is None else f" while held, else {switch.otherwise:g}"
+    return f"{switch.name} {switch.value:g}{held}"
 
 
 def _joystick(axes: tuple[int, int, int], dead_man: int, gear: int) -> Joystick:

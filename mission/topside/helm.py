@@ -22,15 +22,17 @@ NEUTRAL, LEVEL = b"@MMF0$", b"@MMU0$"
 
 @dataclass(frozen=True, slots=True)
 class Push:
-    """Shares of full, -1 to 1: ahead, to starboard, up."""
+    """Shares of full, -1 to 1: ahead, to starboard, up. ``aside``: an output beside them needs the
+    stick."""
 
     surge: float = 0.0
     turn: float = 0.0
     heave: float = 0.0
+    aside: bool = False
 
     @property
     def moves(self) -> bool:
-        return bool(self.surge or self.turn or self.heave)
+        return bool(self.surge or self.turn or self.heave or self.aside)
 
 
 def mains(push: Push) -> bytes:

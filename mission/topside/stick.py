@@ -29,7 +29,16 @@ from mission.topside.helm import PERIOD_S, Helm, Push
 from mission.topside.joystick import Joystick
 from mission.topside.keyboard import Keyboard, Wish
 from mission.topside.upload import OperatorError
-from protocol.messages import Ack, DataQuery, FrameFault, Order, Status, StoreQuery, StoreReport
+from protocol.messages import (
+    Ack,
+    DataQuery,
+    FrameFault,
+    Order,
+    SetOutput,
+    Status,
+    StoreQuery,
+    StoreReport,
+)
 from protocol.topside import EMERGENCIES, Answer, ConsoleCodec, encode
 
 ASK_S = 0.5
@@ -50,6 +59,7 @@ class Seen:
     sent: bytes = b""
     answered: float = 0.0
     stop: str = ""
+    output: str = ""
     status: Status | None = None
     store: StoreReport | None = None
 
@@ -63,9 +73,10 @@ class Seen:
             f"sent {self.sent.decode('ascii'):14}",
             f"answer {now - self.answered:.1f} s ago",
             depth,
-            "" if heading is None else f"heading {heading:.0f}",
+            "" if heading is None else f"heading {heading % 360.0:.0f}",
             f"of {self.status.time[11:]}" if self.status is not None and self.status.time else "",
             self.stop,
+            self.output,
             refusal,
         )
         return "  ".join(part for part in parts if part)
@@ -82,6 +93,7 @@ class Stick:
     _helm: Helm = field(default_factory=Helm)
     _seen: Seen = field(default_factory=Seen)
     _codec: ConsoleCodec = field(default_factory=ConsoleCodec)
+    _outputs: list[SetOutput] = field(default_factory=list)  # that wait to be said
     _asked: int = 0
     _ask_at: float = 0.0
 
@@ -111,10 +123,12 @@ class Stick:
         if now - self._seen.answered > LOST_S:
             forget(link)
             raise LinkError("the vehicle does not answer")
+        self._outputs += self.keyboard.let_go(now)
         self._helm.hold(self._push(now))
         if words := self._helm.words(now):
             link.send(b"".join(words), now)
             self._seen.sent = b" ".join(words)
+        self._set_outputs(link)
         if now >= self._ask_at:
             self._ask_at = now + ASK_S
             self._asked += 1
@@ -125,7 +139,9 @@ class Stick:
 
     def _push(self, now: float) -> Push | None:
         typed = self.keyboard.push(now)
-        return typed if typed is not None or self.pad is None else self.pad[1].push(now)
+        if self.pad is None or (typed is not None and not typed.aside):
+            return typed
+        return self.pad[1].push(now) or typed
 
     def _wait(self, link: Link) -> bool:
         """For the next thing to happen."""
@@ -140,12 +156,26 @@ class Stick:
         if self.keys not in ready:
             return True
         for wish in self.keyboard.press(_read(self.keys, "the terminal is gone"), now):
-            if wish is Wish.QUIT:
+            if isinstance(wish, SetOutput):
+                self._outputs.append(wish)
+            elif wish is Wish.QUIT:
                 return False
-            self._helm.drop()
-            link.send(EMERGENCIES[Order.STOP], now)
-            self._seen.sent = EMERGENCIES[Order.STOP]
+            else:
+                self._stop(link)
         return True
+
+    def _stop(self, link: Link) -> None:
+        self._helm.drop()
+        self._outputs.clear()  # an emergency makes them safe
+        link.send(EMERGENCIES[Order.STOP], time.monotonic())
+        self._seen.sent = EMERGENCIES[Order.STOP]
+
+    def _set_outputs(self, link: Link) -> None:
+        """Behind the stick's words, which some of them need; said once (R4)."""
+        for one in self._outputs:
+            link.send(encode(one), time.monotonic())
+            self._seen.output = f"{one.name} {one.value:g}"
+        self._outputs.clear()
 
     def _hear(self, link: Link, now: float) -> None:
         for rx in link.receive(now):
@@ -162,11 +192,15 @@ class Stick:
                 self._seen.store = answer
             case Ack(group="Z"):
                 self._seen.stop = "X acknowledged" if answer.ok else "X NOT acknowledged"
+            case Ack(group="A", function="O"):
+                said = self._seen.output.partition(":")[0]
+                self._seen.output = f"{said}: {'set' if answer.ok else 'REFUSED'}"
 
     def _end(self, link: Link) -> None:
         """Neutral, twice (R1); a link that is gone says nothing any more."""
         self._helm.hold(None)
         with contextlib.suppress(LinkError):
+            self._set_outputs(link)
             while not self._helm.is_silent:
                 if words := self._helm.words(time.monotonic()):
                     link.send(b"".join(words), time.monotonic())

@@ -201,6 +201,29 @@ def test_where_a_serve_has_the_port_its_own_stream_is_shown_and_it_is_left_alone
     assert {one["way"] for one in said} == {"out"}
 
 
+@pytest.mark.parametrize(
+    ("link", "types"),
+    [
+        ("coreboard.main_to_sensor", {"coreboard.MAIN_TO_SENSOR"}),
+        ("coreboard.can", {"coreboard.CAN_FORCE", "coreboard.CAN_TORQUE"}),
+    ],
+)
+def test_of_a_bus_and_a_line_that_are_one_link_each_is_heard_alone(
+    tmp_path: Path, link: str, types: set[str]
+) -> None:
+    pytest.importorskip("can", reason="python-can is not installed: pip install auvmission[can]")
+    config = tmp_path / "serve.yaml"
+    config.write_text(f"folder: {tmp_path / 'pi'}\n")
+    with silent_board() as (_, device):
+        bus = f"can://{tmp_path.name}?interface=virtual&sensors={device}"
+        with running(tmp_path / "pi", bus, kind="mainboard"):
+            soon(lambda: (tmp_path / "pi" / "status.json").exists(), "its health")
+            url = f"serial://{device}"  # one of the two names the link
+            ran = listened(url, "--link", link, "--for", "1", "--json", config=config)
+    assert "this is its own stream" in ran.stderr
+    assert {one.get("type", one.get("fault")) for one in objects(ran.stdout)} == types
+
+
 def started(*words: str) -> subprocess.Popen[str]:
     return subprocess.Popen(
         [sys.executable, "-m", "mission", *words],

@@ -21,11 +21,12 @@ from served import PATIENCE, Running, read_now, running, silent_board, soon
 from mission.cli import main
 from mission.topside.helm import ENDS, LEVEL, NEUTRAL, PERIOD_S, Helm, Push, mains, verticals
 from mission.topside.joystick import SILENT_S, Joystick, Layout
-from mission.topside.keyboard import FIRST_S, NEXT_S, Keyboard, Wish
+from mission.topside.keyboard import FIRST_S, NEXT_S, Keyboard, Switch, Wish
 from mission.topside.stick import LOST_S
 from protocol.framing import Frame
-from protocol.messages import Manual
+from protocol.messages import Manual, SetOutput
 from protocol.topside import TopsideCodec
+from protocol.vehicles import frame_types
 
 UP, DOWN, RIGHT, LEFT = (b"\x1b[" + letter for letter in (b"A", b"B", b"C", b"D"))
 STOPPED_S = 2.0  # R6
@@ -143,6 +144,56 @@ def test_keys_that_come_together_are_each_read() -> None:
     assert keys.press(b"\x1b[5~xq", 0.0) == [Wish.STOP, Wish.QUIT]
     assert keys.press(b"-" * 20, 0.0) == []
     assert keys.gear == 1
+
+
+SWITCHES = {
+    b"l": (Switch("lamp", 80.0),),
+    b"s": (Switch("side_speed", 300.0, 0.0), Switch("side", 7.0, 0.0)),
+}
+ASIDE = [SetOutput("side_speed", 300.0), SetOutput("side", 7.0)]
+BACK = [SetOutput("side_speed", 0.0), SetOutput("side", 0.0)]
+
+
+def test_a_letter_sets_its_output_once_and_moves_nothing() -> None:
+    keys = Keyboard(3, SWITCHES)
+    assert keys.press(b"l", 0.0) == [SetOutput("lamp", 80.0)]
+    assert keys.push(0.0) is None
+    assert keys.let_go(9.0) == []
+
+
+def test_what_is_held_by_a_letter_is_set_once_and_given_back_when_it_is_let_go() -> None:
+    keys = Keyboard(3, SWITCHES)
+    assert keys.press(b"s", 0.0) == ASIDE
+    assert keys.press(b"s", 0.5) == [], "it repeats"
+    assert keys.let_go(0.5 + NEXT_S - 0.01) == []
+    assert keys.push(0.5 + NEXT_S - 0.01) == Push(aside=True)
+    assert keys.let_go(0.5 + NEXT_S) == BACK
+    assert keys.let_go(9.0) == [], "once"
+    assert keys.press(b"s", 9.0) == ASIDE
+
+
+@pytest.mark.parametrize(("key", "says"), [(b" ", []), (UP, []), (b"q", [Wish.QUIT])])
+def test_any_other_key_gives_back_what_a_letter_held(key: bytes, says: list[Wish]) -> None:
+    keys = Keyboard(3, SWITCHES)
+    keys.press(b"s", 0.0)
+    assert keys.press(key, 0.1) == [*BACK, *says]
+
+
+def test_an_output_that_is_held_takes_the_stick_without_moving() -> None:
+    helm = Helm()
+    helm.hold(Push(aside=True))
+    assert said(helm, 0.5) == [(0.0, NEUTRAL), (0.2, NEUTRAL), (0.4, NEUTRAL)]
+    helm.hold(None)
+    assert len(said(helm, 2.0, 0.6)) == ENDS
+
+
+@pytest.mark.parametrize("output", ["f=lamp:1", "x=lamp:1", "7=lamp:1", "l=lamp", "ll=lamp:1"])
+def test_a_letter_that_is_the_sticks_own_and_words_that_say_nothing_are_refused(
+    output: str,
+) -> None:
+    ran = CliRunner().invoke(main, ["stick", "--output", output])
+    assert ran.exit_code == 2
+    assert output in ran.stderr
 
 
 def event(value: int, kind: int, number: int) -> bytes:
@@ -271,8 +322,10 @@ class Person:
 
 
 @contextmanager
-def steering(folder: Path, *words: str) -> Iterator[tuple[Person, Wire, Running]]:
-    with silent_board() as (master, device), running(folder, f"serial://{device}") as pi:
+def steering(
+    folder: Path, *words: str, kind: str = "auv"
+) -> Iterator[tuple[Person, Wire, Running]]:
+    with silent_board() as (master, device), running(folder, f"serial://{device}", kind=kind) as pi:
         wire = Wire(master)
         person = Person("--to", pi.url, *words)
         try:
@@ -301,6 +354,19 @@ def test_a_key_that_is_held_moves_the_vehicle_and_one_let_go_stops_it(tmp_path: 
         person.type(b"q")
         assert person.ended() == 0
         assert wire.bytes.count(NEUTRAL) == 2
+
+
+def test_a_side_move_goes_on_while_its_key_is_held_and_ends_with_it(tmp_path: Path) -> None:
+    outputs = ("--output", "s=side_speed:300/0", "--output", "s=side:7/0")
+    aside, still = (frame_types()["robot.DOWN"].encode({"address": 1, "command": code})
+                    for code in (7, 0))  # fmt: skip
+    with steering(tmp_path, *outputs, kind="robot") as (person, wire, _):
+        person.hold_until(b"s", lambda: wire.bytes.count(aside) >= 3)
+        soon(lambda: still in wire.bytes.rpartition(aside)[2], "its end")
+        end = wire.last(aside)
+        soon(lambda: b"side 0: set" in person.look(), "the answer")
+        time.sleep(PERIOD_S)
+        assert wire.last(aside) == end
 
 
 def test_x_stops_everything_at_once(tmp_path: Path) -> None:

@@ -19,11 +19,13 @@ from mission.onboard.serve.listening import listening
 
 @dataclass(frozen=True, slots=True)
 class Holder:
-    """``link``: its name in serve's configuration; ``box``: the black box, None if none is told."""
+    """``link``: its name in serve's configuration; ``box``: the black box, None if none is told;
+    ``is_joined``: a CAN bus and a serial line are this one link."""
 
     process: int
     link: str
     box: Path | None
+    is_joined: bool = False
 
 
 def holder(url: str, configuration: Configuration, wall: float) -> Holder | None:
@@ -42,17 +44,19 @@ def holder(url: str, configuration: Configuration, wall: float) -> Holder | None
         urls |= {"topside": listening(links.topside), "sensors": links.sensors}
         box, process = None, mute
     for name, theirs in urls.items():
-        if theirs is not None and _place(theirs) == _place(url):
-            return Holder(process, name, box)
+        if theirs is not None and _places(theirs) & _places(url):
+            return Holder(process, name, box, len(_places(theirs)) > 1)
     return None
 
 
-def _place(url: str) -> tuple[object, ...]:
-    """What a URL names, whatever its options; a device by any of its names."""
+def _places(url: str) -> set[tuple[object, ...]]:
+    """What a URL names, whatever its other options; a device by any of its names."""
     try:
         address = parse_address(url)
     except LinkError:
-        return (url,)
+        return {(url,)}
     if address.scheme == "serial":
-        return (Path(address.path).resolve(),)
-    return address.scheme, address.host, address.port, address.path
+        return {(Path(address.path).resolve(),)}
+    bus = (address.scheme, address.host, address.port, address.path)
+    line = address.options.get("sensors")
+    return {bus} if line is None else {bus, (Path(line).resolve(),)}

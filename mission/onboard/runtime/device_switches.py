@@ -70,8 +70,8 @@ class DeviceSwitches:
                 self._open[name] = letter == OPEN
 
     def settle(self, now: float) -> str | None:
-        """"": all nodes of the pending switch have changed; else, too late, which have not, in
-        words; None: not yet, or nothing is pending. Either answer is given once."""
+        """None: not yet, or nothing is pending. Else, once: which nodes of the pending switch have
+        not changed in time, in words; "" where all have."""
         if self._pending is None:
             return None
         left = [name for name, value in self._pending.wanted.items() if self._open[name] != value]
