@@ -3,29 +3,40 @@
     $--VHW,deg,T,deg,M,knots,N,km/h,K*hh             speed through the water
     $--VBW,knots,knots,A,knots,knots,A[,...]*hh      ahead and across: in the water, over ground
     $--GLL, $--GGA                                   where it is, from outside: an acoustic system
+    $--ROT,deg/min,A*hh                              yaw rate, to starboard positive: a gyroscope
+    $CAMPR,number,own,seconds*hh                     one way from a beacon: an acoustic modem (WHOI
+                                                     Micro-Modem, answer to a ping)
     :WS,mm/s,mm/s,mm/s,A   :BS,...                   a Doppler log (PD6): starboard, ahead, up;
                                                      through the water, and over ground
+    7F 7F ...                                        the same, binary (PD0)
 
 A line ends with CR or LF. NMEA must carry its checksum; PD6 has none, so every field of it must be
 as it should. What a sensor itself calls invalid (V, 99999 and the like) is no Aid. Other sentences
-are passed over; what is none is a FrameFault.
+are passed over; what is none is a FrameFault. A binary ensemble begins where its mark is, and is
+as long as it says.
 
-What does not live here: what is believed of it (mission.navigation.added), the receiver (nmea).
+What does not live here: what is believed of it (mission.navigation.added), the receiver (nmea),
+what an ensemble holds (pd0).
 """
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
 
+from protocol import pd0
 from protocol.messages import Aid, FrameFault
 from protocol.nmea_fields import KNOT, Refused, read_gga, read_gll
 
 WATER, GROUND, PLACE = "water", "ground", "place"  # the kinds of Aids
+RANGE, TURN = "range", "yaw_rate"
 LONGEST = 160  # bytes of a line
 UNFINISHED = 1.0  # s after its first byte a line is given up (G3)
 FASTEST = 20.0  # m/s: faster is no vehicle of ours
+QUICKEST = 720.0 * 60.0  # deg/min: no vehicle of ours turns quicker
+LATEST = 20.0  # s that sound may take from a beacon
 
 _Said = Iterator[tuple[str, tuple[float, ...]]]
 
@@ -35,6 +46,8 @@ _OTHER = re.compile(r"\$P?[A-Z0-9]+,[ -~]*\*[0-9A-Fa-f]{2}")
 _PD6 = re.compile(r":(WS|BS),( *[+-]?\d{1,5}),( *[+-]?\d{1,5}),( *[+-]?\d{1,5}),([AV])")
 _OTHER_PD6 = re.compile(r":(SA|TS|RA|WI|WE|WD|BI|BE|BD),[ -~]*")
 _SPEED = re.compile(r"[+-]?\d{1,3}(?:\.\d{1,4})?")
+_RATE = re.compile(r"[+-]?\d{1,5}(?:\.\d{1,4})?")
+_BEACON, _TRAVEL = re.compile(r"\d{1,3}"), re.compile(r"\d{0,2}\.\d{1,6}")
 
 
 class _Unfit(ValueError):
@@ -76,9 +89,36 @@ def _gga(fields: list[str]) -> _Said:
         yield PLACE, position
 
 
+def _rot(fields: list[str]) -> _Said:
+    if len(fields) != 2 or fields[1] not in ("A", "V"):
+        raise _Unfit
+    if fields[1] == "A":
+        if _RATE.fullmatch(fields[0]) is None or abs(float(fields[0])) > QUICKEST:
+            raise _Unfit
+        yield TURN, (math.radians(float(fields[0])) / 60.0,)
+
+
+def _mpr(fields: list[str]) -> _Said:
+    """Newer modems say more behind it."""
+    if len(fields) < 3 or _BEACON.fullmatch(fields[0]) is None:
+        raise _Unfit
+    if not fields[2]:
+        return
+    if _TRAVEL.fullmatch(fields[2]) is None or not 0.0 < float(fields[2]) <= LATEST:
+        raise _Unfit
+    yield RANGE, (float(fields[0]), float(fields[2]))
+
+
 _SENTENCES: Mapping[str, Callable[[list[str]], _Said]] = MappingProxyType(
-    {"VHW": _vhw, "VBW": _vbw, "GLL": _gll, "GGA": _gga}
+    {"VHW": _vhw, "VBW": _vbw, "GLL": _gll, "GGA": _gga, "ROT": _rot, "MPR": _mpr}
 )
+
+
+def _ensemble(data: bytes) -> _Said:
+    for ground, ahead, starboard in pd0.velocities(data):
+        if max(abs(starboard), abs(ahead)) > FASTEST:
+            continue
+        yield (GROUND, (ahead, starboard)) if ground else (WATER, (ahead,))
 
 
 def _doppler(match: re.Match[str]) -> _Said:
@@ -118,20 +158,49 @@ class AddedDecoder:
         if self._buffer and now - self._begun > UNFINISHED:
             out.append(FrameFault(self._offset - len(self._buffer), "truncated", len(self._buffer)))
             self._buffer = b""
-        *lines, rest = _END.split(self._buffer + data)
-        held = bool(self._buffer)
-        at = self._offset
-        for line in lines:
-            begun, held = self._begun if held else now, False
-            out += self._line(line, begun, at)
-            at += len(line) + 1
+        rest, held, at = self._buffer + data, len(self._buffer), self._offset
+        self._offset += len(data)
+        while rest and (used := self._piece(rest, self._begun if held > 0 else now, at, out)):
+            at += len(rest[:used].rstrip(b"\r\n")) + 1  # as records have it: one byte for any end
+            rest, held = rest[used:], held - used
+        if rest and held <= 0:
+            self._begun = now
+        self._buffer = rest
+        return out
+
+    def _piece(self, rest: bytes, begun: float, at: int, out: list[Aid | FrameFault]) -> int:
+        """Takes the line or the ensemble that ``rest`` begins with, and says how long it was; 0:
+        it is not whole yet."""
+        size = pd0.length(rest)
+        if isinstance(size, int):
+            if len(rest) < size:
+                return 0
+            return self._binary(rest[:size], begun, at, out)
+        if size is pd0.Whole.NOT_YET and len(rest) > 1:
+            return 0
+        end, mark = _END.search(rest), rest.find(pd0.MARK, 1)
+        if end is not None and (mark < 0 or end.start() < mark):
+            out += self._line(rest[: end.start()], begun, at)
+            return end.end()
+        if mark > 0:
+            out += self._line(rest[:mark], begun, at)
+            return mark
         if len(rest) > LONGEST:
             out.append(FrameFault(at, "overlong", len(rest)))
-            rest = b""
-        if rest and not held:
-            self._begun = now
-        self._buffer, self._offset = rest, self._offset + len(data)
-        return out
+            return len(rest)
+        return 0
+
+    @staticmethod
+    def _binary(data: bytes, begun: float, at: int, out: list[Aid | FrameFault]) -> int:
+        """Of what is none the mark alone is passed over: a line may begin within it."""
+        try:
+            out += [Aid(begun, kind, values) for kind, values in list(_ensemble(data))]
+        except pd0.Unfit as error:
+            if str(error) == "sum":
+                out.append(FrameFault(at, "bad_checksum", len(pd0.MARK)))
+                return len(pd0.MARK)
+            out.append(FrameFault(at, "sentence", len(data)))
+        return len(data)
 
     def _line(self, line: bytes, begun: float, at: int) -> list[Aid | FrameFault]:
         text = line[max(line.rfind(b"$"), line.rfind(b":"), 0) :].decode("latin-1")

@@ -16,7 +16,7 @@ import time
 from pathlib import Path
 
 from links.simulated.link import PROFILES, SimulatedVehicle
-from links.simulated.process import position, serve
+from links.simulated.process import PORTS, position, serve
 from links.simulated.settings import SettingError, parse_settings
 
 
@@ -30,8 +30,9 @@ def main() -> int:
         return 2
     vehicle = SimulatedVehicle(options.profile, options.seed, settings, position=place)
 
-    def ready(stm32: str, gps: str) -> None:
-        said = {"vehicle": stm32, "gps": gps, "wall": time.time()}
+    def ready(*paths: str) -> None:
+        ports = dict(zip(PORTS, paths, strict=False))
+        said = {**ports, "wall": time.time()}
         sys.stdout.write(json.dumps(said) + "\n")
         sys.stdout.flush()
 

@@ -1,10 +1,14 @@
 """Sensors that were added to the simulated vehicle, on a line of their own.
 
     $VDVHW    speed log, once a second       :WS, :BS   Doppler log, once a second; :BS where the
-    $VDGLL    acoustic position, every 5 s              ground is within REACH
+    $VDGLL    acoustic position, every 5 s              ground is within REACH; or the same as PD0
+    $CAMPR    way from a beacon, every 5 s   $HEROT     gyroscope, once a second
+              in turn from each
 
-Noise is white; the draws are the sensors' own, so that without them nothing else is different. A
-lie begins at its time: ``frozen`` says the last for ever, ``silent`` nothing, ``wild`` anything.
+Noise is white, and a gyroscope has a bias as large; the draws are the sensors' own, so that without
+them nothing else is different. A lie begins at its time: ``frozen`` says the last for ever,
+``silent`` nothing, ``wild`` anything; ``offset`` is off by a tenth of what a wild one may be,
+``drift`` by as much in 100 s, and ``delay`` says what was true DELAY before.
 
 What does not live here: the decoder.
 """
@@ -13,47 +17,70 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from math import cos, degrees, inf, sin
+from math import cos, degrees, hypot, inf, sin
 from random import Random
 
 from links.simulated.firmware.gps import KNOT, sentence
 from links.simulated.firmware.uart import Chunk
-from links.simulated.geodesy import moved
+from links.simulated.geodesy import local, moved
+from links.simulated.pd0 import ensemble
 from links.simulated.plant import Plant
 
-LIES = ("frozen", "silent", "wild")
+LIES = ("frozen", "silent", "wild", "offset", "drift", "delay")
 REACH = 60.0  # m above the ground
 LATENCY, COMPLETE = 0.15, 0.35  # s from the second that is measured: first byte, last byte
-PLACES = 5  # s between two positions
-_WILD_SPEED, _WILD_PLACE = 3.0, 300.0  # m/s, m: at most
+PLACES = 5  # s between two positions, and between the ways from two beacons
+DELAY = 20  # s
+SOUND = 1500.0  # m/s
+_WILD_SPEED, _WILD_PLACE, _WILD_TURN = 3.0, 300.0, 0.5  # m/s, m, rad/s: at most
+_OFFSET, _DRIFT = 0.1, 0.001  # of the same; a second
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatedBeacon:
+    number: int
+    latitude: float  # rad
+    longitude: float
+    depth: float  # m
 
 
 @dataclass(frozen=True, slots=True)
 class Fitted:
-    """One sigma of what is fitted (m/s, m/s, m); None: it is not there."""
+    """One sigma of what is fitted (m/s, m/s, m, m, rad/s); None: it is not there. ``binary``: the
+    Doppler log says PD0."""
 
     speed_log: float | None = None
     doppler: float | None = None
     acoustic: float | None = None
+    ranges: float | None = None
+    gyro: float | None = None
+    binary: bool = False
+    beacons: tuple[SimulatedBeacon, ...] = ()
     lie: str = ""
     lies_from: float = inf  # s
 
     def __bool__(self) -> bool:
-        return not (self.speed_log is self.doppler is self.acoustic is None)
+        fitted = self.speed_log, self.doppler, self.acoustic, self.ranges, self.gyro
+        return any(sigma is not None for sigma in fitted)
 
 
 class AddedSensors:
     def __init__(self, fitted: Fitted, seed: int) -> None:
         self.fitted, self.queue = fitted, deque[Chunk]()
         self._rng = Random(f"added {seed}")
+        self._bias = 0.0 if fitted.gyro is None else Random(f"gyro {seed}").gauss(0.0, fitted.gyro)
         self._last = b""
+        self._before = deque[bytes](maxlen=DELAY + 1)
 
     def report(self, now: float, plant: Plant, place: tuple[float, float]) -> None:
         """What was measured at ``now``, a whole second; ``place``: true latitude and longitude."""
         lie = self.fitted.lie if now >= self.fitted.lies_from else ""
-        data = self._said(now, plant, place, wild=lie == "wild")
+        data = self._said(now, plant, place, lie)
+        self._before.append(data)
         if lie == "frozen":
             data = self._last
+        elif lie == "delay":
+            data = self._before[0]
         elif lie == "silent":
             return
         self._last = data
@@ -65,34 +92,50 @@ class AddedSensors:
             out.append(queue.popleft())
         return out
 
-    def _said(self, now: float, plant: Plant, place: tuple[float, float], *, wild: bool) -> bytes:
+    def _said(self, now: float, plant: Plant, place: tuple[float, float], lie: str) -> bytes:
         fitted, out = self.fitted, b""
+        gone = now - fitted.lies_from
+        if fitted.speed_log is not None:
+            knots = self._off(plant.u, fitted.speed_log, _WILD_SPEED, lie, gone) / KNOT
+            out += sentence(f"VDVHW,,T,,M,{knots:.2f},N,,K")
+        if fitted.doppler is not None:
+            out += self._doppler(plant, fitted.doppler, lie, gone)
+        if fitted.acoustic is not None and round(now) % PLACES == 0:
+            off = [self._off(0.0, fitted.acoustic, _WILD_PLACE, lie, gone) for _ in range(2)]
+            out += sentence(f"VDGLL,{_angles(*moved(*place, *off))},{_clock(now)},A")
+        if fitted.gyro is not None:
+            rate = self._off(plant.r + self._bias, fitted.gyro, _WILD_TURN, lie, gone)
+            out += sentence(f"HEROT,{60.0 * degrees(rate):.1f},A")
+        if fitted.ranges is not None and fitted.beacons and round(now) % PLACES == 2:
+            beacon = fitted.beacons[round(now) // PLACES % len(fitted.beacons)]
+            across = local(place, beacon.latitude, beacon.longitude)
+            way = hypot(*across, plant.depth - beacon.depth)
+            heard = max(self._off(way, fitted.ranges, _WILD_PLACE, lie, gone), 1.0)
+            out += sentence(f"CAMPR,{beacon.number},1,{heard / SOUND:.5f}")
+        return out
+
+    def _doppler(self, plant: Plant, sigma: float, lie: str, gone: float) -> bytes:
         north, east = plant.ground_velocity()
         c, s = cos(plant.yaw), sin(plant.yaw)
         over_ground = north * c + east * s, east * c - north * s
-        if fitted.speed_log is not None:
-            knots = self._off(plant.u, fitted.speed_log, _WILD_SPEED, wild) / KNOT
-            out += sentence(f"VDVHW,,T,,M,{knots:.2f},N,,K")
-        if fitted.doppler is not None:
-            sigma = fitted.doppler
-            water, ahead, across = (
-                self._off(speed, sigma, _WILD_SPEED, wild) for speed in (plant.u, *over_ground)
-            )
-            seen = plant.floor - plant.depth < REACH
-            out += _doppler("WS", 0.0, water, good=True)
-            out += _doppler("BS", across, ahead, good=seen)
-        if fitted.acoustic is not None and round(now) % PLACES == 0:
-            off = [self._off(0.0, fitted.acoustic, _WILD_PLACE, wild) for _ in range(2)]
-            out += sentence(f"VDGLL,{_angles(*moved(*place, *off))},{_clock(now)},A")
-        return out
+        water, ahead, across = (
+            self._off(speed, sigma, _WILD_SPEED, lie, gone) for speed in (plant.u, *over_ground)
+        )
+        seen = plant.floor - plant.depth < REACH
+        if self.fitted.binary:
+            return ensemble((across, ahead) if seen else None, (0.0, water))
+        return _pd6("WS", 0.0, water, good=True) + _pd6("BS", across, ahead, good=seen)
 
-    def _off(self, value: float, sigma: float, most: float, wild: bool) -> float:
-        """With its noise, or, wild, anything."""
+    def _off(self, value: float, sigma: float, most: float, lie: str, gone: float) -> float:
+        """With its noise, or as the lie has it since ``gone`` seconds."""
         noise, anything = self._rng.gauss(0.0, sigma), self._rng.uniform(-most, most)
-        return anything if wild else value + noise
+        if lie == "wild":
+            return anything
+        off = {"offset": _OFFSET * most, "drift": _DRIFT * most * gone}.get(lie, 0.0)
+        return value + noise + off
 
 
-def _doppler(kind: str, starboard: float, ahead: float, *, good: bool) -> bytes:
+def _pd6(kind: str, starboard: float, ahead: float, *, good: bool) -> bytes:
     speeds = (starboard, ahead, 0.0) if good else (-32.768,) * 3
     numbers = ",".join(f"{round(1000 * speed):+06d}" for speed in speeds)
     return f":{kind},{numbers},{'A' if good else 'V'}\r\n".encode()

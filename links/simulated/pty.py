@@ -49,12 +49,14 @@ class Wire:
 
 
 def wires(vehicle: Simulated) -> tuple[Wire, ...]:
-    """That of the board, and where there is one, that of the GPS receiver."""
+    """That of the board, of the GPS receiver where there is one, and of sensors that were added."""
     if isinstance(vehicle, SimulatedBoard):
         return (Wire(vehicle.queue, boards.BYTE_TIME, vehicle.vehicle_link.send),)
+    added = () if vehicle.added is None else (Wire(vehicle.added.queue, uart.BYTE_TIME, None),)
     return (
         Wire(vehicle.stm32.tx.queue, uart.BYTE_TIME, vehicle.vehicle_link.send),
         Wire(vehicle.gps.queue, uart.BYTE_TIME, None),
+        *added,
     )
 
 
@@ -192,7 +194,7 @@ def run_on_ptys(
     until: float | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> None:
-    """Open the pseudo-terminals, say their paths (board, GPS) to ``ready``, and run."""
+    """Open the pseudo-terminals, say their paths (board, GPS, added) to ``ready``, and run."""
     with PtyVehicle(vehicle, speed) as served:
         ready(*served.paths)
         served.run(until, stop)

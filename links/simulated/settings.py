@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from math import inf, isfinite, radians
 
-from links.simulated.added import LIES, Fitted
+from links.simulated.added import LIES, Fitted, SimulatedBeacon
 from links.simulated.board_faults import OF_BOARDS
 from links.simulated.faults import FAULTS
 from links.simulated.plant import Body
@@ -103,12 +103,27 @@ def _layer(name: str) -> Apply:
     return apply
 
 
-def _fitted(name: str) -> Apply:
+def _fitted(name: str, scale: float = 1.0, *, binary: bool = False) -> Apply:
     def apply(settings: Settings, text: str) -> Settings:
-        changed: Fitted = replace(settings.added, **{name: _number(text, 0.0, 100.0)})  # type: ignore[arg-type]
-        return replace(settings, added=changed)
+        sigma = scale * _number(text, 0.0, 100.0)
+        said: Fitted = replace(settings.added, **{name: sigma})  # type: ignore[arg-type]
+        return replace(settings, added=replace(said, binary=binary or said.binary))
 
     return apply
+
+
+def _beacon(settings: Settings, text: str) -> Settings:
+    number, at, place = text.partition("@")
+    parts = place.split(",")
+    if not at or len(parts) != 3 or not number.isdecimal() or int(number) > 127:
+        raise SettingError(
+            f"write number@latitude,longitude,depth, 3@30.288,120.154,4, not {text!r}"
+        )
+    latitude, longitude = _number(parts[0], -90.0, 90.0), _number(parts[1], -180.0, 180.0)
+    depth = _number(parts[2], 0.0, 11000.0)
+    beacon = SimulatedBeacon(int(number), radians(latitude), radians(longitude), depth)
+    added = replace(settings.added, beacons=(*settings.added.beacons, beacon))
+    return replace(settings, added=added)
 
 
 def _lie(settings: Settings, text: str) -> Settings:
@@ -177,7 +192,13 @@ SETTINGS: dict[str, Setting] = {
     "speed_log": Setting("M/S", "sigma; an added speed log", _fitted("speed_log")),
     "doppler": Setting("M/S", "sigma; an added Doppler log", _fitted("doppler")),
     "acoustic": Setting("M", "sigma; an added acoustic position, every 5 s", _fitted("acoustic")),
-    "added_lie": Setting("HOW@BEGIN", "added sensors: frozen, silent, wild", _lie),
+    "doppler_pd0": Setting(
+        "M/S", "sigma; the same Doppler log, binary", _fitted("doppler", binary=True)
+    ),
+    "ranges": Setting("M", "sigma; ranges to beacons, one every 5 s", _fitted("ranges")),
+    "beacon": Setting("NUMBER@LAT,LON,DEPTH", "where one truly is; may be given again", _beacon),
+    "gyro": Setting("DEG/S", "sigma, and bias; an added gyroscope", _fitted("gyro", radians(1.0))),
+    "added_lie": Setting("HOW@BEGIN", f"added sensors: {', '.join(LIES)}", _lie),
     "first_fix": Setting("S", "after power-on", _errors("first_fix", 1.0)),
     "buoyancy": Setting("N", "net, upward", _buoyancy),
     "thrust": Setting("SHARE", "of what the main thrusters have", _thrust),
@@ -199,16 +220,6 @@ def parse_settings(texts: Iterable[str], settings: Settings | None = None) -> Se
             result = row.apply(result, value.strip())
         except SettingError as error:
             raise SettingError(f"{text}: {error}") from None
-    return result
-
-
-def parse_behind_ports(texts: Iterable[str]) -> Settings:
-    """Of a vehicle behind ports, which has none for sensors that are added. Raises SettingError."""
-    result = parse_settings(texts)
-    if result.added:
-        raise SettingError(
-            "speed_log, doppler and acoustic have no port here; auvmission simulate flies with them"
-        )
     return result
 
 

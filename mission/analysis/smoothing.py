@@ -21,7 +21,7 @@ from mission.navigation.filter import Array, Filter, Motion
 from mission.navigation.health import SENSORS
 from mission.navigation.model import DEPTH, Figures, figures
 from mission.navigation.navigator import Navigation
-from protocol.messages import Fix, Telemetry
+from protocol.messages import Aid, Fix, Telemetry
 
 _PLANE = DEPTH  # the states before it move the position
 
@@ -123,6 +123,12 @@ class TapedFilter(Filter):
         super().loosen(variance)
         self._account(before)
 
+    def doubt_current(self, sigma: float) -> None:
+        """What was known of the current with something else is gone: no way back over this."""
+        super().doubt_current(sigma)
+        if self.begins:
+            self.begins.append(len(self.nodes))
+
     def _account(self, before: Array) -> None:
         if self.nodes and (q := self.nodes[-1].q) is not None:
             q += (self.kalman.P - before)[:_PLANE, :_PLANE]
@@ -132,7 +138,7 @@ class TapedFilter(Filter):
 
 
 def smooth(
-    inputs: Iterable[Telemetry | Fix],
+    inputs: Iterable[Telemetry | Fix | Aid],
     vehicle: Vehicle,
     origin: Position | None = None,
     date: str | None = None,
@@ -149,6 +155,8 @@ def smooth(
     for item in ordered:
         if isinstance(item, Fix):
             fixes += _seen(nav, tape, item)
+        elif isinstance(item, Aid):
+            nav.aid(item)
         else:
             depths.append(_depth(nav, item))
         sensors.look(nav, item.t)
@@ -229,7 +237,7 @@ def _last_of_each_time(nodes: Sequence[_Node], begin: int) -> list[int]:
 
 
 def _raw(
-    ordered: Sequence[Telemetry | Fix],
+    ordered: Sequence[Telemetry | Fix | Aid],
     first: Fix,
     vehicle: Vehicle,
     origin: Position | None,

@@ -218,12 +218,12 @@ def _recording(name: str, seed: int, settings: tuple[str, ...]) -> Recording:
 
 
 def _prepared(mission: Path, vehicle: str | None, settings: tuple[str, ...]) -> Prepared:
-    from links.simulated.settings import SettingError, parse_behind_ports
+    from links.simulated.settings import SettingError, parse_settings
     from mission.authoring.prepare import Unreadable, check_prepared, prepare
 
     try:
         prepared = prepare(mission, vehicle)
-        parse_behind_ports(settings)
+        parse_settings(settings)
     except (Unreadable, SettingError) as error:
         _end(str(error))
     if not check_prepared(prepared).ok:

@@ -67,12 +67,12 @@ def demo(
 
 def _proved(path: Path, vehicle: str | None, settings: tuple[str, ...]) -> tuple[Prepared, float]:
     """The mission, and the longest it can take in s. Exit 2 if it cannot be read, 1 if refused."""
-    from links.simulated.settings import SettingError, parse_behind_ports
+    from links.simulated.settings import SettingError, parse_settings
     from mission.authoring.prepare import Unreadable, check_prepared, prepare
 
     try:
         prepared = prepare(path, vehicle)
-        parse_behind_ports(settings)
+        parse_settings(settings)
     except (Unreadable, SettingError) as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None

@@ -53,14 +53,14 @@ def vehicle(
 ) -> None:
     """Simulate a vehicle (auv, coreboard, rov, robot, mainboard, motorboards) on ports from here.
 
-    Its board, and the AUV's GPS receiver, are at FOLDER/vehicle and FOLDER/gps, as if plugged in;
-    FOLDER/serve.yaml is a configuration for them. Then, in other terminals: serve, and the commands
-    of the boat. Ctrl-C ends it. The motor boards are on a CAN bus: by default one by UDP
-    multicast, which needs neither hardware nor root.
+    Its board, and the AUV's GPS receiver, are at FOLDER/vehicle and FOLDER/gps, as if plugged in,
+    and sensors that --set adds at FOLDER/sensors; FOLDER/serve.yaml is a configuration for them.
+    Then, in other terminals: serve, and the commands of the boat. Ctrl-C ends it. The motor boards
+    are on a CAN bus: by default one by UDP multicast, which needs neither hardware nor root.
     """
     from links.base import LinkError
     from links.simulated.boards import ON_BUS, SimulatedBoard
-    from links.simulated.process import position, serve, serve_on_bus
+    from links.simulated.process import PORTS, position, serve, serve_on_bus
     from links.simulated.settings import SettingError
 
     try:
@@ -89,7 +89,7 @@ def vehicle(
         click.echo(str(error), err=True)
         raise SystemExit(1) from None
     finally:
-        for label in ("vehicle", "gps"):
+        for label in PORTS:
             (where / label).unlink(missing_ok=True)
     if told == signal.SIGINT:
         raise KeyboardInterrupt
@@ -99,12 +99,12 @@ def _made(
     name: str, profile: str | None, seed: int, texts: tuple[str, ...], place: tuple[float, float]
 ) -> Simulated:
     """Raises ValueError."""
-    from links.simulated.settings import parse_behind_ports
+    from links.simulated.settings import parse_settings
     from mission.model.shipped import load_vehicle
     from mission.verification.rig.vehicle import in_dialect, simulated
 
     loaded = in_dialect(load_vehicle(name), profile)
-    settings = parse_behind_ports(texts)
+    settings = parse_settings(texts)
     return simulated(loaded, seed, settings, position=place, start=datetime.now(UTC))
 
 
@@ -128,7 +128,9 @@ def _on_bus(bus: str, paths: tuple[str, ...]) -> str:
 def _plugged(folder: Path, paths: tuple[str, ...]) -> dict[str, str]:
     """The ports under names that stay."""
     ports = {}
-    for label, path in zip(("vehicle", "gps"), paths, strict=False):
+    from links.simulated.process import PORTS
+
+    for label, path in zip(PORTS, paths, strict=False):
         (folder / label).unlink(missing_ok=True)
         (folder / label).symlink_to(path)
         ports[label] = f"serial://{folder / label}"

@@ -186,6 +186,16 @@ class AxisLoop:
     most: float
 
 
+@dataclass(frozen=True, slots=True)
+class Beacon:
+    """An acoustic one whose place is known: rad, m; ``sound``: m/s, from it to the vehicle."""
+
+    latitude: float
+    longitude: float
+    depth: float
+    sound: float = 1500.0
+
+
 CLOSED = ("depth", "heading")  # the axes of an outer loop
 
 
@@ -234,6 +244,7 @@ class Vehicle:
     added: Mapping[str, float] = field(  # one sigma of sensors that were added, by kind
         default_factory=dict, metadata=UNSAID
     )
+    beacons: Mapping[str, Beacon] = field(default_factory=dict, metadata=UNSAID)  # by number
 
     def output(self, name: str) -> Output | None:
         return next((output for output in self.outputs if output.name == name), None)

@@ -19,6 +19,7 @@ from typing import Any
 
 from yaml.nodes import MappingNode, Node, ScalarNode
 
+from mission.model.beacons import read_beacons
 from mission.model.diagnostics import Diagnostics, Stage
 from mission.model.likeness import suggestion
 from mission.model.texts import NOWHERE, Where
@@ -51,7 +52,7 @@ _BOOL = {"true": True, "yes": True, "on": True, "false": False, "no": False, "of
 _FLAGS = ("constant_batteries", "one_speed", "glides", "drives")
 _TEXTS = ("vehicle", "codec", "dialect", "ascent_measured", "outer_loop.confirmed")
 _GEARS = ("speed_by_gear", "thruster_power")  # tables of a figure by gear
-_FREE = ("tolerances", "wire", "outputs", "readings", *_GEARS)  # tables of any keys
+_FREE = ("tolerances", "wire", "outputs", "readings", "beacons", *_GEARS)  # tables of any keys
 
 
 def _known() -> Mapping[str, frozenset[str]]:
@@ -79,6 +80,7 @@ _MAY_LACK = (
     "readings",
     "calibration",
     "added",
+    "beacons",
 )  # and what is below
 
 
@@ -100,8 +102,9 @@ def read_vehicle(text: str, where: str) -> Vehicle:
     file.complain()
     outputs = read_outputs(file, vehicle.codec, codec(*vehicle.speaks))
     readings = read_readings(file, vehicle.codec)
+    beacons = read_beacons(file)
     found.complain()
-    return replace(vehicle, outputs=outputs, readings=readings)
+    return replace(vehicle, outputs=outputs, readings=readings, beacons=beacons)
 
 
 class _File:

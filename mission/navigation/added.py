@@ -3,6 +3,8 @@
     water    speed ahead through the water        scale u + deviation
     ground   ahead and to starboard over ground   the same and the current, turned into the hull
     place    where it is, from outside            north, east
+    range    the way to a beacon                  its length, from where the filter believes to be
+    yaw_rate yaw rate                             the heading while no compass is believed (gyro)
 
 A value is used if four of the five before it were off by as much, and if it is within the 99.9 %
 bound of its normalised innovation squared: an outlier is neither. The way back of an honest sensor
@@ -23,7 +25,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from mission.navigation.items import Aiding
-from protocol.added import GROUND, PLACE, WATER
+from protocol.added import GROUND, PLACE, RANGE, TURN, WATER
 
 if TYPE_CHECKING:  # numpy takes its time, and who asks for the table needs none
     from mission.navigation.filter import Motion
@@ -55,6 +57,8 @@ ADDED: Mapping[str, Added] = MappingProxyType(
             Added(WATER, "m/s", 0.05, 0, 0.0, "speed ahead through the water"),
             Added(GROUND, "m/s", 0.03, 10, 0.0, "speed ahead and to starboard over ground"),
             Added(PLACE, "m", 3.0, 5, 0.5, "position, from outside"),
+            Added(RANGE, "m", 2.0, 8, 0.5, "way to a beacon"),
+            Added(TURN, "rad/s", 0.003, 0, 0.0, "yaw rate"),
         )
     }
 )
@@ -80,7 +84,7 @@ class Seen(NamedTuple):
     def frozen(self, kind: str, run: Motion) -> bool:
         if self.same < _SAME:
             return False
-        if kind == PLACE:
+        if kind in (PLACE, RANGE):
             return abs(run.expected) > _OTHER_SPEED
         turned = abs(math.remainder(run.heading - self.heading, 2.0 * math.pi))
         return abs(run.expected - self.speed) > _OTHER_SPEED or turned > _OTHER_WAY

@@ -3,6 +3,9 @@
     through the water  ahead = (scale u + deviation) k
     over ground        the same, and what sinking brings; plus the current, turned into the hull:
                        ahead += n cos psi + e sin psi, starboard = sway + e cos psi - n sin psi
+    to a beacon        r = |place - beacon|, with the second order in what the place is off by
+                       across the way to it (Bar-Shalom, Li, Kirubarajan 2001, ch. 10.3.2):
+                       r += p / 2r, and its variance p^2 / 2r^2; the depth is an input
 
 What does not live here: which sensors there are and when one is believed (added), F and Q (filter).
 """
@@ -21,6 +24,7 @@ from mission.navigation.model import (
     CN,
     COMPASS,
     COS,
+    DEPTH,
     DEVIATION,
     SCALE,
     SIN,
@@ -29,7 +33,7 @@ from mission.navigation.model import (
     WE,
     WN,
 )
-from protocol.added import GROUND, PLACE
+from protocol.added import GROUND, PLACE, RANGE
 
 _GATES = (0.0, 10.828, 13.816)  # chi-square, 99.9 %, by degrees of freedom
 
@@ -47,10 +51,32 @@ def innovation(filter_: Filter, a: Aiding, run: Motion) -> Innovation:
     r = np.eye(n) * a.sigma**2
     if a.kind == PLACE:
         return Innovation(np.array(a.values) - filter_.x[:2], np.eye(2, STATES), r)
+    if a.kind == RANGE:
+        return _of_range(filter_, a)
     z, h = _of_hull(filter_, run, ground=a.kind == GROUND)
     if n > 1:  # what pushes it to and fro across is no state
         r[1, 1] += (filter_.figures.sway.sigma * run.expected) ** 2
     return Innovation(np.array(a.values) - z[:n], h[:n], r)
+
+
+def _of_range(filter_: Filter, a: Aiding) -> Innovation:
+    north, east, depth, heard = a.values
+    x, p = filter_.x, filter_.covariance
+    apart = float(x[0]) - north, float(x[1]) - east, float(x[DEPTH]) - depth
+    way = max(math.hypot(*apart), 1.0)
+    n, e, d = (one / way for one in apart)
+    (nn, ne), (_, ee) = p[:2, :2].tolist()
+    across = nn + ee - (n * n * nn + 2.0 * n * e * ne + e * e * ee)
+    variance = a.sigma**2 + d * d * float(p[DEPTH, DEPTH]) + 0.5 * (across / way) ** 2
+    h = np.zeros((1, STATES))
+    h[0, :2] = n, e
+    return Innovation(np.array((heard - way - 0.5 * across / way,)), h, np.array(((variance,),)))
+
+
+def fits(filter_: Filter, a: Aiding, run: Motion) -> bool:
+    """Within one and a half sigma, as after a gate was opened."""
+    y, h, r = innovation(filter_, a, run)
+    return float(y @ filter_.kalman.inv(h @ filter_.covariance @ h.T + r) @ y) < 2.25
 
 
 def correct(filter_: Filter, a: Aiding, run: Motion) -> bool:

@@ -30,12 +30,18 @@ class GroundFix(NamedTuple):
 
 
 class Aiding(NamedTuple):
-    """What an added sensor said; a place in the local frame. ``sigma`` is one of each value."""
+    """What an added sensor said; a place in the local frame, a range as the beacon's north, east
+    and depth and the way to it, m. ``sigma`` is one of each value; ``source``: which of several."""
 
     t: float
     kind: str
     values: tuple[float, ...]
     sigma: float
+    source: str = ""
+
+    @property
+    def key(self) -> str:
+        return f"{self.kind} {self.source}" if self.source else self.kind
 
 
 Item = Report | GroundFix | Aiding

@@ -22,7 +22,7 @@ from mission.navigation.distribution import PLANE_95
 from mission.navigation.geodesy import LocalFrame
 from mission.navigation.health import SensorHealth
 from mission.navigation.items import Aiding, GroundFix, Item, Report
-from protocol.added import PLACE
+from protocol.added import PLACE, RANGE
 from protocol.messages import Aid, Fix, Telemetry
 
 if TYPE_CHECKING:
@@ -150,18 +150,27 @@ class Navigation:
         self._take(GroundFix(f.t, north, east, sigma * sigma, velocity))
 
     def aid(self, a: Aid) -> None:
-        """Of a sensor that was added. A place waits for a frame. However often it speaks, one value
-        a second counts: what heading and report were off by is in all of them."""
-        if abs(a.t - self._aided.get(a.kind, -math.inf)) < _AIDS_APART:
-            return
-        self._aided = {**self._aided, a.kind: a.t}
+        """Of a sensor that was added. A place waits for a frame, and so does the way to a beacon,
+        which must be one of the vehicle file's. However often it speaks, one value a second counts:
+        what heading and report were off by is in all of them."""
+        source = f"{a.values[0]:g}" if a.kind == RANGE else ""
         sigma = self._vehicle.added.get(a.kind, ADDED[a.kind].sigma)
-        values = a.values
-        if a.kind == PLACE:
+        item = Aiding(a.t, a.kind, a.values, sigma, source)
+        if abs(a.t - self._aided.get(item.key, -math.inf)) < _AIDS_APART:
+            return
+        self._aided = {**self._aided, item.key: a.t}
+        if a.kind in (PLACE, RANGE):
             if self.frame is None:
                 return
-            values = self.frame.to_local(*a.values)
-        self._take(Aiding(a.t, a.kind, values, sigma))
+            beacon = self._vehicle.beacons.get(source)
+            if a.kind == PLACE:
+                item = item._replace(values=self.frame.to_local(*a.values))
+            elif beacon is not None:
+                place = self.frame.to_local(beacon.latitude, beacon.longitude)
+                item = item._replace(values=(*place, beacon.depth, a.values[1] * beacon.sound))
+            else:
+                return
+        self._take(item)
 
     def _frame_through(self, f: Fix) -> LocalFrame:
         """In which the vehicle, started without a fix, is where it believes to be."""

@@ -67,16 +67,15 @@ def test_each_vehicle_is_served_watched_and_stopped_as_it_would_be_at_sea(
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (("vehicle", "auv"), "have no port here"),
-        (("demo",), "have no port here"),
-        (("console", "--no-browser", "--simulate", "first-dive"), "have no port here"),
-        (("simulate", "rov-dive"), "simulated AUV alone"),
+        (("simulate", "rov-dive", "--set", "doppler=0.03"), "simulated AUV alone"),
+        (("vehicle", "rov", "--set", "doppler=0.03"), "simulated AUV alone"),
+        (("vehicle", "auv", "--set", "ranges=2"), "ranges need beacons"),
     ],
 )
 def test_added_sensors_that_would_say_nothing_are_refused(
     words: tuple[str, ...], says: str
 ) -> None:
-    ran = run(*words, "--set", "doppler=0.03")
+    ran = run(*words)
     assert ran.exit_code == 2
     assert says in ran.output
 

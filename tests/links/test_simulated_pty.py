@@ -13,7 +13,7 @@ from links.simulated.boards import SimulatedBoard
 from links.simulated.firmware.uart import BYTE_TIME
 from links.simulated.link import SimulatedVehicle
 from links.simulated.pty import PtyVehicle, run_on_ptys
-from links.simulated.settings import Settings
+from links.simulated.settings import Settings, parse_settings
 
 
 class Line:
@@ -121,3 +121,18 @@ def test_it_wakes_for_every_report_of_a_board(monkeypatch: pytest.MonkeyPatch) -
     with PtyVehicle(board, 1.0) as vehicle:
         vehicle.run(stop=lambda: len(pauses) == 30)
     assert max(pauses) <= board.board.period
+
+
+def test_sensors_that_were_added_have_a_port_of_their_own() -> None:
+    settings = parse_settings(["doppler_pd0=0.03", "gyro=0.1"])
+    vehicle = SimulatedVehicle("as-built", 1, settings)
+    with PtyVehicle(vehicle, 20.0) as served:
+        port, heard = SerialLink("sensors", served.paths[2]), b""
+        for step in range(1, 101):
+            served.step(0.05 * step)
+            heard += b"".join(rx.data for rx in port.receive(0.05 * step))
+        port.close()
+    twin = SimulatedVehicle("as-built", 1, settings)
+    assert twin.added_link is not None
+    assert b"".join(rx.data for rx in twin.added_link.receive(5.0)) == heard
+    assert heard.count(b"\x7f\x7f") == heard.count(b"$HEROT") == 4

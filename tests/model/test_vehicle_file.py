@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 import re
 from pathlib import Path
@@ -13,7 +14,7 @@ from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, load
 from mission.model.diagnostics import MissionErrors
 from mission.model.shipped import load_vehicle, missions_folder
-from mission.model.vehicle import FOLLOWS, REPORTS, VehicleError
+from mission.model.vehicle import FOLLOWS, REPORTS, Beacon, VehicleError
 from mission.model.vehicle_file import read_vehicle
 from mission.model.vehicle_ranges import RANGES, TOGETHER
 
@@ -190,3 +191,25 @@ def test_the_noise_of_added_sensors_may_be_said_and_need_not_be() -> None:
     for wrong, hint in (("grund: 1", "ground"), ("ground: 9 m/s", "up to 5"), ("place: 1 V", "m")):
         with pytest.raises(VehicleError, match=hint):
             read_vehicle(f"{AUV}added: {{{wrong}}}\n", "mine")
+
+
+def test_beacons_are_places_and_depths_by_their_numbers() -> None:
+    text = "beacons: {3: 30.28800 120.15400 4 m, 17: -30.5, -120.25, 6.5 m, 1480 m/s}\n"
+    text = text.replace(
+        "17: -30.5, -120.25, 6.5 m, 1480 m/s", '17: "-30.5, -120.25, 6.5 m, 1480 m/s"'
+    )
+    found = read_vehicle(AUV + text, "mine").beacons
+    assert set(found) == {"3", "17"}
+    assert found["3"] == Beacon(math.radians(30.288), math.radians(120.154), 4.0, 1500.0)
+    assert found["17"] == Beacon(math.radians(-30.5), math.radians(-120.25), 6.5, 1480.0)
+    assert read_vehicle(AUV, "mine").beacons == {}
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    ["x: 30.0 120.0 4 m", "128: 30.0 120.0 4 m", "3: 30.0 120.0", "3: 91.0 120.0 4 m",
+     "3: 30.0 181.0 4 m", "3: 30.0 120.0 4 m 340 m/s", "3: somewhere"],
+)  # fmt: skip
+def test_what_is_no_beacon_is_refused_with_an_example(wrong: str) -> None:
+    with pytest.raises(VehicleError, match=r"30\.28800 120\.15400 4 m|0 to 127"):
+        read_vehicle(f"{AUV}beacons: {{{wrong}}}\n", "mine")

@@ -4,25 +4,30 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 from random import Random
 
 import pytest
 from kinematic_truth import HOME, Sea, Truth, sail
 
-from links.simulated.added import LIES
 from links.simulated.settings import parse_settings
 from mission.authoring.language import parse
 from mission.model.shipped import load_vehicle
+from mission.model.vehicle import Beacon
 from mission.navigation import Navigation
 from mission.navigation.added import ADDED
 from mission.navigation.geodesy import LocalFrame
 from mission.verification.simulation.flight import fly
 from protocol.messages import Aid, Fix, Telemetry
 
-AUV = load_vehicle("auv")
+BEACON = Beacon(math.radians(30.2900), math.radians(120.1560), 8.0)
+AUV = replace(load_vehicle("auv"), beacons={"3": BEACON})
+LIES = ("frozen", "silent", "wild")
 SEA = Sea(current=(0.25, -0.2))
 FRAME = LocalFrame(HOME)
+BEACON_AT = FRAME.to_local(BEACON.latitude, BEACON.longitude)
 Said = Telemetry | Fix | Aid
 
 
@@ -30,6 +35,13 @@ Said = Telemetry | Fix | Aid
 def voyage(seed: int = 3) -> tuple[tuple[Truth, Telemetry | Fix], ...]:
     """A minute of fixes, then 500 s under water."""
     return tuple(sail(SEA, 60.0, 500.0, seed))
+
+
+@cache
+def rates() -> dict[float, float]:
+    """Yaw rate by the time of the report."""
+    reports = [truth for truth, item in voyage() if isinstance(item, Telemetry)]
+    return {b.t: (b.heading - a.heading) / (b.t - a.t) for a, b in pairwise(reports)}
 
 
 def aids(kind: str, truth: Truth, rng: Random) -> tuple[float, ...]:
@@ -41,9 +53,18 @@ def aids(kind: str, truth: Truth, rng: Random) -> tuple[float, ...]:
         "water": (truth.speed,),
         "ground": (truth.speed + north * c + east * s, east * c - north * s),
         "place": (truth.north, truth.east),
-    }[kind]
-    noisy = tuple(value + rng.gauss(0.0, sigma) for value in exact)
-    return FRAME.to_geodetic(*noisy) if kind == "place" else noisy
+        "range": (math.hypot(truth.north - BEACON_AT[0], truth.east - BEACON_AT[1],
+                             truth.depth - BEACON.depth),),
+        "yaw_rate": (rates().get(truth.t, 0.0) + 0.002,),
+    }[kind]  # fmt: skip
+    return said(kind, tuple(value + rng.gauss(0.0, sigma) for value in exact))
+
+
+def said(kind: str, values: tuple[float, ...]) -> tuple[float, ...]:
+    """As the line says it."""
+    if kind == "place":
+        return FRAME.to_geodetic(*values)
+    return (3.0, values[0] / BEACON.sound) if kind == "range" else values
 
 
 def told(kind: str, lie: str = "", since: float = 0.0, seed: int = 1) -> Iterator[Said]:
@@ -51,7 +72,8 @@ def told(kind: str, lie: str = "", since: float = 0.0, seed: int = 1) -> Iterato
     rng, last = Random(seed), tuple[float, ...]()
     for truth, item in voyage():
         yield item
-        if not kind or isinstance(item, Fix) or (kind == "place" and truth.t % 4):
+        slow = kind in ("place", "range") and truth.t % 4
+        if not kind or isinstance(item, Fix) or slow:
             continue
         values, lies = aids(kind, truth, rng), lie if truth.t >= since else ""
         wild = tuple(v + rng.uniform(-3.0, 3.0) for v in values)
@@ -59,6 +81,8 @@ def told(kind: str, lie: str = "", since: float = 0.0, seed: int = 1) -> Iterato
             wild = FRAME.to_geodetic(
                 truth.north + rng.uniform(-300, 300), truth.east + rng.uniform(-300, 300)
             )
+        elif kind == "range":
+            wild = said(kind, (rng.uniform(1.0, 600.0),))
         if lies != "silent":
             last = {"frozen": last or values, "wild": wild}.get(lies, values)
             yield Aid(item.t + 0.3, kind, last)
@@ -88,7 +112,7 @@ def error(items: Sequence[Said]) -> float:
     return math.hypot(found.north - truth.north, found.east - truth.east)
 
 
-@pytest.mark.parametrize(("kind", "share"), [("ground", 0.35), ("place", 0.15)])
+@pytest.mark.parametrize(("kind", "share"), [("ground", 0.35), ("place", 0.15), ("range", 0.35)])
 def test_an_honest_sensor_makes_the_estimate_better(kind: str, share: float) -> None:
     without = error(under_water(told("")))
     assert without > 20.0
@@ -140,7 +164,7 @@ def test_a_sensor_that_begins_to_lie_leaves_what_it_taught(kind: str, lie: str) 
     assert error(under_water(told(kind, lie, 250.0))) < 1.3 * error(under_water(told(""))) + 3.0
 
 
-@pytest.mark.parametrize("kind", ["ground", "place"])
+@pytest.mark.parametrize("kind", ["ground", "place", "range"])
 def test_an_honest_sensor_that_was_not_believed_is_believed_again(kind: str) -> None:
     def late() -> Iterator[Said]:
         for item in under_water(told(kind)):
@@ -162,11 +186,12 @@ def test_an_honest_sensor_that_was_not_believed_is_believed_again(kind: str) -> 
     found = navigation.estimate(554.0)
     assert found is not None
     truth = next(truth for truth, _ in voyage() if truth.t >= 554.0)
-    if kind == "place":
-        assert math.hypot(found.north - truth.north, found.east - truth.east) < 10.0
+    if kind != "ground":
+        off = math.hypot(found.north - truth.north, found.east - truth.east)
+        assert off < (10.0 if kind == "place" else 100.0)  # one beacon tells one direction
     else:
-        off = found.current_north - SEA.current[0], found.current_east - SEA.current[1]
-        assert math.hypot(*off) < 0.15
+        water = found.current_north - SEA.current[0], found.current_east - SEA.current[1]
+        assert math.hypot(*water) < 0.15
 
 
 def test_what_comes_late_is_put_in_its_place() -> None:
@@ -205,6 +230,68 @@ def test_a_place_from_outside_is_no_fix() -> None:
     assert not navigation.health("position", 9.0).valid
 
 
+# --- ways from beacons ----------------------------------------------------------------------------
+
+
+def test_a_beacon_that_the_vehicle_file_does_not_know_teaches_nothing() -> None:
+    items = under_water(told("range"))
+    stranger = [Aid(i.t, i.kind, (4.0, i.values[1])) if isinstance(i, Aid) else i for i in items]
+    assert navigated(stranger).estimate(555.0) == navigated(under_water(told(""))).estimate(555.0)
+
+
+def test_without_a_position_a_range_gives_none() -> None:
+    navigation = Navigation(AUV, HOME)
+    for n in range(20):
+        navigation.telemetry(Telemetry(1.0 + n, depth=5.0, heading=0.0))
+        navigation.aid(Aid(1.5 + n, "range", (3.0, 0.2)))
+    assert not navigation.core.located
+
+
+# --- a gyroscope ----------------------------------------------------------------------------------
+
+
+def blind(items: Iterable[Said], since: float = 300.0) -> list[Said]:
+    """The compass is gone from then on."""
+    return [
+        replace(item, heading=None) if isinstance(item, Telemetry) and item.t > since else item
+        for item in under_water(items)
+    ]
+
+
+def heading_off(items: Sequence[Said]) -> tuple[float, float]:
+    """By how much, and one sigma, rad."""
+    found = navigated(items).estimate(554.0)
+    truth = next(truth for truth, _ in voyage() if truth.t >= 554.0)
+    assert found is not None
+    assert found.heading is not None
+    return abs(math.remainder(found.heading - truth.heading, math.tau)), found.sigmas["heading"]
+
+
+def test_a_gyroscope_carries_the_heading_while_no_compass_is_believed() -> None:
+    off, sigma = heading_off(blind(told("yaw_rate")))
+    assert off < 0.15
+    assert off < 3.0 * sigma
+    assert sigma < 0.3
+    lost, unsure = heading_off(blind(told("")))
+    assert lost > 0.5
+    assert unsure > 1.0
+    assert error(blind(told("yaw_rate"))) < 0.5 * error(blind(told("")))
+
+
+def test_beside_a_compass_a_gyroscope_changes_nothing() -> None:
+    one, other = (navigated(under_water(told(kind))).estimate(554.0) for kind in ("yaw_rate", ""))
+    assert one == other
+
+
+@pytest.mark.parametrize("lie", ["wild", "silent"])
+def test_a_gyroscope_that_lies_carries_nothing(lie: str) -> None:
+    assert heading_off(blind(told("yaw_rate", lie))) == heading_off(blind(told("")))
+
+
+def test_a_gyroscope_that_was_never_compared_carries_nothing() -> None:
+    assert heading_off(blind(told("yaw_rate"), 10.0)) == heading_off(blind(told(""), 10.0))
+
+
 # --- flown ----------------------------------------------------------------------------------------
 
 FAR = """mission far vehicle auv
@@ -231,4 +318,5 @@ def test_flown_by_truth_each_is_worth_what_the_manual_says() -> None:
     assert without > 20.0
     assert flown("doppler=0.03") < 0.3 * without
     assert flown("acoustic=3") < 0.2 * without
+    assert flown("ranges=2") < 0.35 * without
     assert flown("doppler=0.03", "added_lie=wild@0") < 1.3 * without

@@ -3,20 +3,33 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
+
+import pytest
 
 from links.base import Rx
 from links.simulated.settings import parse_settings
 from mission.analysis.replay.replay import replay
 from mission.authoring.language import parse
 from mission.model.shipped import load_vehicle
+from mission.model.vehicle import Beacon, Vehicle
 from mission.onboard.configuration import Configuration, LinkUrls, parse_configuration
 from mission.onboard.rates import rated
 from mission.onboard.runtime import records as rec
 from mission.onboard.runtime.runtime import SENSORS
+from mission.onboard.stream import topics
+from mission.onboard.stream.derived import Derivation
 from mission.verification.simulation.flight import fly
 
 AUV = load_vehicle("auv")
+BEACONED = replace(AUV, beacons={"3": Beacon(math.radians(30.288), math.radians(120.154), 5.0)})
+TOLD = {
+    "water": {"ahead_m_s"},
+    "ground": {"ahead_m_s", "starboard_m_s"},
+    "range": {"beacon", "travel_s"},
+    "yaw_rate": {"yaw_rate_deg_s"},
+}
 DIVE = """mission dive vehicle auv
 home 30.2874595 120.1535765
 safety radius 800 time 30min depth 15
@@ -26,9 +39,9 @@ up: surface until fix timeout 4min
 """
 
 
-def flown(*settings: str) -> list[rec.Record]:
+def flown(*settings: str, vehicle: Vehicle = AUV) -> list[rec.Record]:
     recorder = rec.ListRecorder()
-    fly(parse(DIVE), AUV, "as-built", 2, parse_settings(settings), recorder)
+    fly(parse(DIVE), vehicle, "as-built", 2, parse_settings(settings), recorder)
     return recorder.records
 
 
@@ -37,6 +50,33 @@ def test_what_the_sensors_said_is_on_record_and_replayed_to_the_bit() -> None:
     said = [rec.read_rx(r) for r in records if r.kind == rec.RX]
     lines = b"".join(rx.data for rx in said if rx.link == SENSORS)
     assert all(lines.count(kind) > 10 for kind in (b":WS,", b":BS,", b"$VDGLL"))
+    assert replay(records).identical
+
+
+def test_ranges_rates_and_ensembles_are_replayed_to_the_bit_and_decoded() -> None:
+    records = flown("doppler_pd0=0.03", "gyro=0.1", "ranges=2", vehicle=BEACONED)
+    assert replay(records).identical
+    start, *rest = records
+    made = Derivation(start)
+    aids = [m.value for record in rest for m in made.receive(record) if m.topic == topics.AID]
+    assert {aid["kind"] for aid in aids} == {"water", "ground", "range", "yaw_rate"}
+    for aid in aids:
+        told = {name for name, value in aid.items() if value is not None} - {"t", "kind"}
+        assert told == TOLD[aid["kind"]]
+
+
+@pytest.mark.parametrize("lie", ["offset", "drift", "delay"])
+def test_a_lie_that_nothing_shows_spoils_no_more_than_it_is_off_by(lie: str) -> None:
+    """A place that is 30 m off, that drifts by 0.3 m/s, or that is 20 s old at 1 m/s."""
+    records = flown("acoustic=3", f"added_lie={lie}@30", vehicle=BEACONED)
+    estimates = [rec.estimate_of(r.payload) for r in records if r.kind == rec.ESTIMATE]
+    honest = flown("acoustic=3", vehicle=BEACONED)
+    others = [rec.estimate_of(r.payload) for r in honest if r.kind == rec.ESTIMATE]
+    apart = [
+        math.hypot(a.north - b.north, a.east - b.east)
+        for a, b in zip(estimates, others, strict=False)
+    ]
+    assert max(apart) < 45.0 * math.sqrt(2.0)
     assert replay(records).identical
 
 

@@ -1,8 +1,9 @@
-"""Laws of the lines of sensors that were added: VHW, VBW, GLL, GGA and PD6."""
+"""Laws of the lines of sensors that were added: VHW, VBW, GLL, GGA, ROT, MPR, PD6 and PD0."""
 
 from __future__ import annotations
 
 import math
+import struct
 
 import pytest
 from hypothesis import given
@@ -19,6 +20,25 @@ def nmea(body: str) -> bytes:
     for byte in body.encode():
         total ^= byte
     return f"${body}*{total:02X}\r\n".encode()
+
+
+def ensemble(
+    ground: tuple[int, int] = (120, -1010), water: tuple[int, int] = (12, -980), axes: int = 0b10
+) -> bytes:
+    """A whole one without a profile; to starboard and ahead as PD0 says them, mm/s."""
+    leader, bottom = bytearray(59), bytearray(81)
+    leader[25] = axes << 3 | 0b111
+    bottom[0:2] = struct.pack("<H", 0x0600)
+    bottom[24:32] = struct.pack("<4h", *ground, 0, 0)
+    bottom[50:58] = struct.pack("<4h", *water, 0, 0)
+    variable = struct.pack("<H", 0x0080) + bytes(63)
+    parts = (bytes(leader), variable, bytes(bottom))
+    at, offsets = 12, list[int]()
+    for part in parts:
+        offsets.append(at)
+        at += len(part)
+    body = struct.pack("<2sHBB3H", b"\x7f\x7f", at + 2, 0, 3, *offsets) + b"".join(parts) + b"\0\0"
+    return body + struct.pack("<H", sum(body) & 0xFFFF)
 
 
 def heard(*data: bytes, now: float = 7.0) -> list[Aid | FrameFault]:
@@ -43,6 +63,11 @@ LINES = {
     ],
     b":BS,-00120,+01010,+00003,A\r\n": [("ground", (1.01, -0.12))],
     b":WS,   -12,   980,     3,A\r\n": [("water", (0.98,))],
+    nmea("HEROT,-90.0,A"): [("yaw_rate", (math.radians(-1.5),))],
+    nmea("CAMPR,3,1,0.2500"): [("range", (3.0, 0.25))],
+    nmea("CAMPR,3,1,0.2500,2,1"): [("range", (3.0, 0.25))],
+    ensemble(): [("ground", (1.01, -0.12)), ("water", (0.98,))],
+    ensemble(water=(-32768, -32768)): [("ground", (1.01, -0.12))],
 }
 SILENT = (
     nmea("VDVHW,012.0,T,,M,,N,,K"),
@@ -51,6 +76,9 @@ SILENT = (
     nmea("GPGGA,081500.00,,,,,0,00,,,M,0.0,M,,"),
     nmea("SDDBT,10.0,f,3.0,M,1.6,F"),
     b":BS,-32768,-32768,-32768,V\r\n",
+    nmea("HEROT,-90.0,V"),
+    nmea("CAMPR,3,1,"),
+    ensemble((-32768, -32768), (-32768, -32768)),
     b":TS,25060108000000,35.0,+18.0,0010.0,1500.0,000\r\n",
     b":BI,+00012,+00980,+00003,+00001,A\r\n",
     b"\r\n",
@@ -65,6 +93,12 @@ FAULTY = (
     b":BS,-00120,+01010,A\r\n",
     b":BS,-00120,+0x010,+00003,A\r\n",
     b"hello\r\n",
+    nmea("HEROT,fast,A"),
+    nmea("HEROT,50000.0,A"),
+    nmea("CAMPR,3,1,-0.2500"),
+    nmea("CAMPR,3,1,25.000"),
+    ensemble(axes=0b11),
+    b"\x7f\x7fno ensemble\r\n",
     bytes(range(128, 160)) + b"\n",
 )
 
@@ -122,3 +156,26 @@ def test_a_line_that_broke_off_lends_its_time_to_none_that_comes_later() -> None
     cut, aid = decoder.receive(nmea("VDVHW,,T,,M,2.00,N,,K"), 500.0)
     assert cut == FrameFault(0, "truncated", 15)
     assert aid == Aid(500.0, "water", (2.0 * KNOT,))
+
+
+def test_an_ensemble_bears_the_time_of_its_first_byte_wherever_it_was_cut() -> None:
+    whole = ensemble()
+    for cut in (1, 2, 7, 100, len(whole) - 1):
+        found = heard(whole[:cut], whole[cut:])
+        assert [(one.kind, one.t) for one in found] == [("ground", 7.0), ("water", 7.0)]
+
+
+@pytest.mark.parametrize("at", [8, 60, 100, 160, 200])
+def test_a_flipped_bit_of_an_ensemble_is_a_fault_and_the_next_line_is_heard(at: int) -> None:
+    spoilt = bytearray(ensemble())
+    spoilt[at] ^= 4
+    *faults, aid = heard(bytes(spoilt), b"\r\n" + next(iter(LINES)))
+    assert faults
+    assert {type(fault) for fault in faults} == {FrameFault}
+    assert isinstance(aid, Aid)
+
+
+def test_an_ensemble_among_lines_takes_nothing_of_them() -> None:
+    line = b":BS,-00120,+01010,+00003,A\r\n"
+    found = heard(line + ensemble() + line)
+    assert [one.kind for one in found] == ["ground", "ground", "water", "ground"]

@@ -16,7 +16,7 @@ from links.base import Link, LinkBusy, LinkError
 from mission.model.vehicle import Vehicle
 from mission.onboard.doctor.boards import board
 from mission.onboard.doctor.findings import Finding, fault, ok, warning
-from protocol.added import GROUND, PLACE, WATER, AddedDecoder
+from protocol.added import GROUND, PLACE, RANGE, TURN, WATER, AddedDecoder
 from protocol.codec import Received
 from protocol.messages import Ack, Aid, Fix, FrameFault, Telemetry
 from protocol.nmea import NmeaDecoder
@@ -33,7 +33,13 @@ _SWAPPED = (
     "swap links.vehicle and links.gps, or the plugs; a name of /dev/serial/by-id stays with its "
     "device"
 )
-_ADDED = {WATER: "speed through the water", GROUND: "speed over ground", PLACE: "a place"}
+_ADDED = {
+    WATER: "speed through the water",
+    GROUND: "speed over ground",
+    PLACE: "a place",
+    RANGE: "the way from a beacon",
+    TURN: "yaw rate",
+}
 NAMES = ("depth", "altitude", "heading", "pitch", "roll")
 _DEEPEST_ON_DECK, _ROLLED = 0.5, math.radians(60.0)
 

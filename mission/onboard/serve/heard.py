@@ -14,7 +14,8 @@ from mission.model import Record
 from mission.model.vehicle import Vehicle
 from mission.onboard.blackbox import read_parts
 from mission.onboard.runtime import records as rec
-from mission.onboard.stream.senses import Sensed, Senses
+from mission.onboard.stream.senses import Senses
+from protocol.messages import Aid, Fix, Telemetry
 
 
 class LogError(ValueError):
@@ -23,11 +24,11 @@ class LogError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Log:
-    """``vehicle`` as it was configured then."""
+    """``vehicle`` as it was configured then; ``inputs`` without what added sensors said."""
 
     name: str
     vehicle: Vehicle
-    inputs: tuple[Sensed, ...]
+    inputs: tuple[Telemetry | Fix, ...]
 
 
 def read_log(path: Path) -> Log:
@@ -47,4 +48,5 @@ def hear(name: str, records: Iterable[Record]) -> Log:
     except (ValueError, KeyError, TypeError) as error:
         raise LogError(f"{name}: the start record is not one of this version: {error}") from error
     senses = Senses(vehicle)
-    return Log(name, vehicle, tuple(seen for record in stream for seen in senses.hear(record)))
+    sensed = (seen for record in stream for seen in senses.hear(record))
+    return Log(name, vehicle, tuple(seen for seen in sensed if not isinstance(seen, Aid)))

@@ -27,6 +27,7 @@ from mission.onboard.runtime import records as rec
 from mission.onboard.stream import topics, wellknown
 from mission.onboard.stream.events import events_of
 from mission.onboard.stream.places import (
+    aid_value,
     degrees,
     finite,
     fix_place,
@@ -36,7 +37,7 @@ from mission.onboard.stream.places import (
 )
 from mission.onboard.stream.plan import plan_geojson
 from mission.onboard.stream.senses import Senses
-from protocol.messages import Fix, Telemetry
+from protocol.messages import Aid, Fix, Telemetry
 from protocol.vehicles import auv, rov
 
 VEHICLE_FRAME = "vehicle"
@@ -84,6 +85,8 @@ class Derivation:
             if isinstance(sensed, Telemetry):
                 self._report = sensed
                 yield Message(topics.TELEMETRY, sensed.t, self._telemetry(sensed))
+            elif isinstance(sensed, Aid):
+                yield Message(topics.AID, sensed.t, aid_value(sensed))
             else:
                 yield from self._fix(sensed)
         if record.kind == rec.STEP:

@@ -1,4 +1,4 @@
-"""Fixes and poses in the forms of their topics: one conversion for black boxes and live views.
+"""Fixes, poses and what added sensors said in the forms of their topics, for black boxes and views.
 
 What does not live here: which message is made of which record (derived).
 """
@@ -10,13 +10,15 @@ from collections.abc import Mapping
 from typing import Any
 
 from mission.onboard.stream import wellknown
-from protocol.messages import Fix
+from protocol.added import GROUND, PLACE, RANGE, TURN, WATER
+from protocol.messages import Aid, Fix
 
 HOME, GPS = "home", "gps"  # frames
 _DIGITS: Mapping[str, int] = {
     **dict.fromkeys(("latitude", "longitude", "latitude_deg", "longitude_deg"), 8),
     "orientation": 6,
     "t": 9,
+    "travel_s": 6,
 }
 
 
@@ -34,6 +36,23 @@ def fix_value(fix: Fix) -> Mapping[str, Any]:
         "satellites": fix.satellites,
         "utc": fix.utc,
     }
+
+
+_AIDS: Mapping[str, tuple[str, ...]] = {
+    WATER: ("ahead_m_s",),
+    GROUND: ("ahead_m_s", "starboard_m_s"),
+    PLACE: ("latitude_deg", "longitude_deg"),
+    RANGE: ("beacon", "travel_s"),
+    TURN: ("yaw_rate_deg_s",),
+}
+
+
+def aid_value(aid: Aid) -> Mapping[str, Any]:
+    """Of the topic ``aid``: null where the sensor is of another kind."""
+    names = [name for kind in _AIDS.values() for name in kind]
+    told = aid.values if aid.kind not in (PLACE, TURN) else map(math.degrees, aid.values)
+    said = dict(zip(_AIDS[aid.kind], told, strict=True))
+    return {"t": aid.t, "kind": aid.kind, **dict.fromkeys(names), **said}
 
 
 def fix_place(said: Mapping[str, Any], wall: float) -> wellknown.Value:

@@ -1,4 +1,4 @@
-"""Reports and fixes out of the recorded bytes, through the decoders that flew.
+"""Reports, fixes and what added sensors said, out of recorded bytes by the decoders that flew.
 
 What does not live here: files (blackbox), deciding anything again (analysis.replay).
 """
@@ -8,12 +8,13 @@ from __future__ import annotations
 from mission.model import Record
 from mission.model.vehicle import Vehicle
 from mission.onboard.runtime import records as rec
-from mission.onboard.runtime.runtime import GPS, VEHICLE
-from protocol.messages import Fix, Telemetry
+from mission.onboard.runtime.runtime import GPS, SENSORS, VEHICLE
+from protocol.added import AddedDecoder
+from protocol.messages import Aid, Fix, Telemetry
 from protocol.nmea import NmeaDecoder
 from protocol.vehicles import codec
 
-Sensed = Telemetry | Fix
+Sensed = Telemetry | Fix | Aid
 _CLOCKS = frozenset({rec.RX, rec.TIMER})
 
 
@@ -22,6 +23,7 @@ class Senses:
 
     def __init__(self, vehicle: Vehicle) -> None:
         self._board, self._gps = codec(*vehicle.speaks), NmeaDecoder()
+        self._added = AddedDecoder()
 
     def hear(self, record: Record) -> list[Sensed]:
         if record.kind not in _CLOCKS:
@@ -37,4 +39,6 @@ class Senses:
                 found += self._board.receive(rx.data, rx.t)
             elif rx.link == GPS:
                 found += self._gps.receive(rx.data, rx.t)
-        return [one for one in found if isinstance(one, Telemetry | Fix)]
+            elif rx.link == SENSORS:
+                found += self._added.receive(rx.data, rx.t)
+        return [one for one in found if isinstance(one, Telemetry | Fix | Aid)]

@@ -162,7 +162,7 @@ def _maybe(unit: str, says: str = "") -> Schema:
     return number(unit, says, known=False)
 
 
-TELEMETRY, FIX, STATE = "telemetry", "fix", "state"
+TELEMETRY, FIX, AID, STATE = "telemetry", "fix", "aid", "state"
 POSITION, FIXES, POSE, JOURNAL, PLAN = "position", "fixes", "pose", "log", "plan"
 
 DERIVED: tuple[Topic, ...] = (
@@ -187,6 +187,15 @@ DERIVED: tuple[Topic, ...] = (
         course_deg=_maybe("deg", "over ground"),
         hdop=_maybe("", "horizontal dilution of precision"), elevation_m=_maybe("m"),
         satellites=_maybe("", "how many"), utc=text("as it says", known=False),
+    ),
+    _derived(
+        AID, "what a sensor says that was added, decoded; null where it is of another kind",
+        t=_T, kind=text("water, ground, place, range, yaw_rate"),
+        ahead_m_s=_maybe("m/s", "through the water, or over ground"),
+        starboard_m_s=_maybe("m/s", "over ground"),
+        latitude_deg=_maybe("deg"), longitude_deg=_maybe("deg"),
+        beacon=_maybe("", "its number"), travel_s=_maybe("s", "of sound, from the beacon"),
+        yaw_rate_deg_s=_maybe("deg/s", "to starboard"),
     ),
     _derived(
         STATE, "where it is, what it does and how far it is from each limit; for each estimate",

@@ -9,6 +9,7 @@ import math
 from dataclasses import replace
 from datetime import datetime
 
+from links.simulated.added import SimulatedBeacon
 from links.simulated.boards import BOARDS, ON_BUS, SimulatedBoard
 from links.simulated.link import HOME, START, SimulatedVehicle
 from links.simulated.settings import SettingError, Settings
@@ -32,12 +33,17 @@ def simulated(
     board."""
     if vehicle.codec == "auv":
         return SimulatedVehicle(
-            vehicle.dialect, seed, settings, position=position, heading=heading, start=start
+            vehicle.dialect,
+            seed,
+            _in_place(vehicle, settings),
+            position=position,
+            heading=heading,
+            start=start,
         )
     if vehicle.codec not in (*BOARDS, *ON_BUS):
         raise ValueError(f"{vehicle.name}: there is no simulated board for {vehicle.codec}")
     if settings is not None and settings.added:
-        raise SettingError("speed_log, doppler and acoustic are fitted to the simulated AUV alone")
+        raise SettingError("sensors are added to the simulated AUV alone")
     return SimulatedBoard(
         vehicle.codec,
         seed,
@@ -47,6 +53,19 @@ def simulated(
         tolerances=vehicle.tolerances,
         wire=vehicle.wire,
     )
+
+
+def _in_place(vehicle: Vehicle, settings: Settings | None) -> Settings | None:
+    """Beacons are where the vehicle file says, unless the settings say where they truly are."""
+    if settings is None or settings.added.ranges is None or settings.added.beacons:
+        return settings
+    beacons = tuple(
+        SimulatedBeacon(int(number), b.latitude, b.longitude, b.depth)
+        for number, b in vehicle.beacons.items()
+    )
+    if not beacons:
+        raise SettingError("ranges need beacons: write them in the vehicle file, or --set beacon=")
+    return replace(settings, added=replace(settings.added, beacons=beacons))
 
 
 def in_dialect(vehicle: Vehicle, profile: str | None) -> Vehicle:
