@@ -28,6 +28,13 @@ def test_the_shakedown_says_every_word_that_the_vehicle_follows() -> None:
     assert set(re.findall(r"\bZA([A-Z])", plain)) == set("FBLRUDSEH")
 
 
+@pytest.mark.parametrize("path", MISSIONS, ids=lambda p: p.stem)
+def test_a_shipped_mission_states_what_it_is_flown_for(path: Path) -> None:
+    report = check_prepared(prepare(path))
+    assert report.ok
+    assert report.outlook
+
+
 @pytest.mark.parametrize("profile", ["as-built", "documented"])
 @pytest.mark.parametrize("path", MISSIONS, ids=lambda p: p.stem)
 def test_a_shipped_mission_comes_home_in_a_current(path: Path, profile: str) -> None:

@@ -14,6 +14,7 @@ from mission.cli import main
 from mission.model.plain import from_plain, to_plain
 from mission.verification.rehearsing.flights import Flown
 from mission.verification.rehearsing.report import as_text, report_of
+from mission.verification.simulation.flight import fly
 from mission.verification.simulation.reaching import Achieved, achieved_by, told
 
 AIMS = (("coverage", 0.9), ("position", 20.0))
@@ -38,7 +39,25 @@ def test_every_aim_must_be_reached(figures: Any, reached: bool) -> None:
 
 def test_a_mission_without_a_purpose_achieves_nothing_and_misses_nothing() -> None:
     flight: Any = SimpleNamespace(legs=(), samples=())
-    assert achieved_by(flight, prepare("first-dive").mission) == ()
+    assert achieved_by(flight, prepare("missions/others/robot-drive.yaml").mission) == ()
+
+
+def test_a_leg_without_rows_achieves_its_position_by_the_truth_along_it() -> None:
+    ready = prepare("first-dive")
+    flight = fly(ready.mission, ready.vehicle)
+    found = achieved_by(flight, ready.mission)
+    assert [one.leg for one in found] == ["box/north", "box/east", "box/south", "box/west"]
+    for one in found:
+        (leg,) = (leg for leg in flight.legs if leg.name == one.leg)
+        within = [s.error for s in flight.samples if leg.entered <= s.t <= leg.left]
+        assert dict(one.figures) == {"position": max(within)}
+        assert one.reached
+
+
+def test_a_leg_that_was_not_flown_has_missed_its_purpose() -> None:
+    flight: Any = SimpleNamespace(legs=(), samples=())
+    found = achieved_by(flight, prepare("first-dive").mission)
+    assert [one.reached for one in found] == [False] * 4
 
 
 def test_simulate_tells_whether_the_flight_achieved_it() -> None:

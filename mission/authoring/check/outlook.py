@@ -1,4 +1,4 @@
-"""What the rows of a mission are expected to achieve: a covariance carried along the planned way.
+"""What the legs of a mission are expected to achieve: a covariance carried along the planned way.
 
     x = north, east | current north, east | speed scale | compass error: lasting, over the heading
         (sin, cos), wandering                      each with the sigma that the estimate believes
@@ -7,10 +7,11 @@
     fix       place and speed over ground are observed, and with them what made the error since the
               last fix
 
-The mission is flown in its order, each leg as it is meant to end: to its places at its speed, else
-for as long as its clock says. The current is taken to be anywhere in the disc that is assumed, so
-its sigma is half of that on each axis. Kalman's covariance needs no readings, only the way (Gelb,
-Applied Optimal Estimation, 1974, ch. 4.2); the figures are those of mission/navigation/model.py.
+The mission is flown in its order, each leg as it is meant to end: to its places at its speed, after
+the way, the time or the depth that its guard waits for, else for as long as its clock says; at the
+surface fixes come. The current is taken to be anywhere in the disc that is assumed, so its sigma is
+half of that on each axis. Kalman's covariance needs no readings, only the way (Gelb, Applied
+Optimal Estimation, 1974, ch. 4.2); the figures are those of mission/navigation/model.py.
 
 What does not live here: what is seen of an area then (covered.py), what is demanded, refused and
 advised (purpose.py).
@@ -30,7 +31,7 @@ from mission.authoring.check.places import pattern_of, places_of
 from mission.legs import LEGS, Surface
 from mission.legs.base import Point
 from mission.legs.pattern import Pattern
-from mission.model import Group, Leg, Mission, Node, Set
+from mission.model import Comparison, Expression, Group, Leg, Mission, Node, Or, Set
 from mission.model.units import GEARS
 from mission.model.vehicle import Vehicle
 from mission.navigation.distribution import PLANE_95, along, principal, radius_95
@@ -70,9 +71,15 @@ class TooManyError(Exception):
 
 def expected(mission: Mission, vehicle: Vehicle) -> dict[str, Expected]:
     """For each leg of rows, by its path. Raises TooManyError."""
+    return outlooks(mission, vehicle)[0]
+
+
+def outlooks(mission: Mission, vehicle: Vehicle) -> tuple[dict[str, Expected], dict[str, float]]:
+    """For each leg of rows, and for each other m that 95 % of dives stay within to its end, of
+    rounds the worst; by their paths. Raises TooManyError."""
     course = _Course(mission, vehicle)
     course.body(mission.body, "")
-    return course.found
+    return course.found, course.errors
 
 
 class Drift:
@@ -149,7 +156,9 @@ class _Course:
         self._at: Point = (0.0, 0.0)
         self._holds = {"surge": 0.0, "depth": 0.0}
         self._rows = 0
+        self._fixes = not mission.start_without_fix
         self.found: dict[str, Expected] = {}
+        self.errors: dict[str, float] = {}
 
     def body(self, body: Iterable[Node], path: str) -> None:
         for node in body:
@@ -166,9 +175,12 @@ class _Course:
         if (pattern := pattern_of(node.kind, self._frame, self._at)) is not None:
             self.found.setdefault(path, Expected(pattern))
         parts = LEGS[type(node.kind)].parts(node) or (node,)
+        before = radius_95(self._drift.place)
         for part in self._flown(parts):
             self._holds |= {setting.word: setting.value for setting in part.settings}
             self._leg(part, path)
+        after = radius_95(self._drift.place)
+        self.errors[path] = max(before, after, self.errors.get(path, 0.0))
 
     def _flown(self, parts: tuple[Leg, ...]) -> Iterator[Leg]:
         """Those of the parts that a look at the uncertainty does not pass over."""
@@ -188,6 +200,7 @@ class _Course:
 
     def _leg(self, leg: Leg, path: str) -> None:
         row, kind = LEGS[type(leg.kind)], leg.kind
+        self._holds["depth"] = max(row.depths(kind), default=self._holds["depth"])
         if (pattern := pattern_of(kind, self._frame, self._at)) is not None:
             self._survey(pattern, path)
         elif row.ascends:
@@ -196,12 +209,20 @@ class _Course:
             for point in places_of(kind, self._frame):
                 self._to(point)
         else:
-            time, speed = leg.duration or leg.timeout or 0.0, self._speed
+            time, speed = self._time(leg), self._speed
             bearing = self._holds.get("heading", 0.0)
             self._drift.go(bearing, speed, time)
             north, east = self._at
             way = speed * time if "heading" in self._holds else 0.0
             self._at = (north + way * math.cos(bearing), east + way * math.sin(bearing))
+        if self._afloat:
+            self._drift.fix()
+
+    @property
+    def _afloat(self) -> bool:
+        """At the surface, where fixes come: nothing has led down."""
+        down = any(self._holds.get(word) for word in ("altitude", "heave"))
+        return self._fixes and not down and self._holds["depth"] == 0.0
 
     @property
     def _speed(self) -> float:
@@ -218,9 +239,35 @@ class _Course:
         north, east = point[0] - self._at[0], point[1] - self._at[1]
         speed, way = self._speed, math.hypot(north, east)
         if speed > 0.0 and way > 0.0:
-            made = max(_SLOWEST * speed, math.sqrt(max(speed**2 - self._current**2, 0.0)))
-            self._drift.go(math.atan2(east, north), speed, way / made)
+            self._drift.go(math.atan2(east, north), speed, way / self._made)
         self._at = point
+
+    @property
+    def _made(self) -> float:
+        """m/s over ground, across the current."""
+        return max(_SLOWEST * self._speed, math.sqrt(max(self._speed**2 - self._current**2, 0.0)))
+
+    def _time(self, leg: Leg) -> float:
+        """s, as it is meant to end; what may end it before is not waited for."""
+        meant = [leg.duration or leg.timeout or 0.0]
+        for way in leg.exits:
+            meant += [way.guard.held + self._until(one) for one in _either(way.guard.expression)]
+        return min(meant)
+
+    def _until(self, one: Comparison) -> float:
+        """s, for what a leg may be meant to end at: a time, a way, a depth from the surface, or
+        the surface from its depth; inf of all else."""
+        rising = one.operator.startswith("<")
+        if one.variable == "elapsed" and not rising:
+            return one.bound
+        if one.variable == "travelled" and not rising and self._speed > 0.0:
+            return one.bound / self._made
+        if one.variable == "depth":
+            far = self._holds["depth"] - one.bound if rising else one.bound
+            return max(far, 0.0) / (
+                self._vehicle.ascent_buoyancy if rising else self._vehicle.dive_rate
+            )
+        return math.inf
 
     def _survey(self, pattern: Pattern, path: str) -> None:
         self._rows += len(pattern.rows)
@@ -244,3 +291,12 @@ class _Course:
         forth = pattern.framed(end)[0] > pattern.framed(begin)[0]
         pieces = tuple(across if forth else reversed(across))
         return Row(pieces, min(missed, math.dist(begin, end)), radius_95(self._drift.place))
+
+
+def _either(expression: Expression) -> Iterator[Comparison]:
+    """The comparisons of which any alone is enough."""
+    if isinstance(expression, Comparison):
+        yield expression
+    elif isinstance(expression, Or):
+        for operand in expression.operands:
+            yield from _either(operand)

@@ -1,9 +1,9 @@
-"""Compares the purpose that a mission states with what its rows are expected to achieve.
+"""Compares the purpose that a mission states with what its legs are expected to achieve.
 
     coverage    the mean share of the area that is seen
-    position    m that 95 % of dives stay within at the end of each row
+    position    m that 95 % of dives stay within at the end of each row, and of each other leg
 
-Rows that are not expected to are refused, one by one, with changes that would do: each
+What is not expected to is refused, row by row, with changes that would do: each
 is tried by the same outlook before it is told.
 
 What does not live here: what is expected (outlook.py), what a flight has reached (coverage.py).
@@ -15,10 +15,17 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from mission.authoring.check.outlook import MOST, Expected, TooManyError, expected
+from mission.authoring.check.outlook import (
+    MOST,
+    Expected,
+    TooManyError,
+    expected,
+    outlooks,
+)
 from mission.legs import LEGS, Cover, Rows
 from mission.legs.pattern import Pattern
-from mission.model import Aims, Group, Leg, Mission, Node, aims_of
+from mission.legs.purposes import OF_ANY, has_rows, purposes
+from mission.model import Aims, Group, Leg, Mission, Node
 from mission.model.diagnostics import Diagnostic, Stage
 from mission.model.units import number_text
 from mission.model.vehicle import Vehicle
@@ -30,12 +37,13 @@ _SHARES = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
 
 @dataclass(frozen=True, slots=True)
 class Outlook:
-    """Of one leg of rows: shares, and m by row."""
+    """Of one leg: shares, and m by row; without rows, at its end."""
 
     leg: str
     coverage: float | None  # None: it says no swath
     errors: tuple[float, ...]
     aims: Aims
+    rows: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,16 +57,18 @@ def judged(mission: Mission, vehicle: Vehicle) -> Judged:
     if not any(_stated(mission.body, mission.achieve)):
         return Judged()
     try:
-        found = expected(mission, vehicle)
+        found, errors = outlooks(mission, vehicle)
     except TooManyError:
         message = f"a purpose is stated, and more than {MOST} rows are flown"
         return Judged(refusals=(_refusal(mission, message, "make two missions of it"),))
     told, refusals = [], list(_idle(mission))
-    for path, leg, aims in aims_of(mission.body, mission.achieve):
+    for path, leg, aims in purposes(mission):
         if path in found:
             outlook = _outlook(path, found[path], aims)
-            told.append(outlook)
-            refusals += _refused(mission, vehicle, leg, outlook)
+        else:
+            outlook = Outlook(path, None, (errors[path],), tuple(aims.items()), rows=False)
+        told.append(outlook)
+        refusals += _refused(mission, vehicle, leg, outlook)
     return Judged(tuple(told), tuple(refusals))
 
 
@@ -72,13 +82,13 @@ def _stated(body: tuple[Node, ...], above: Aims) -> Iterator[Aims]:
 
 
 def _idle(mission: Mission) -> Iterator[Diagnostic]:
-    """What is stated where there are no rows to achieve it."""
+    """What is stated of rows where there are none."""
     scopes: list[Mission | Group] = [mission, *_groups(mission.body)]
     for scope in scopes:
-        legs = [leg for _, leg, _ in aims_of(scope.body, ())]
-        if scope.achieve and not any(LEGS[type(leg.kind)].surveys for leg in legs):
-            message = f"{scope.name} has no rows that could achieve anything"
-            yield _refusal(scope, message, "leave achieve out, or add rows")
+        idle = [name for name, _ in scope.achieve if name != OF_ANY]
+        if idle and not has_rows(scope.body):
+            message = f"{scope.name} has no rows that could achieve {idle[0]}"
+            yield _refusal(scope, message, f"leave {idle[0]} out, or add rows")
 
 
 def _groups(body: tuple[Node, ...]) -> Iterator[Group]:
@@ -101,10 +111,16 @@ def _refused(
         message = f"{outlook.leg} is to cover a share of its area, but says no swath"
         yield _refusal(leg, message, "add swath, the m that are seen along each row")
     elif missed := tuple(_missed(outlook)):
-        hint = " or ".join(_cures(mission, vehicle, leg, outlook.leg))
-        hint = f"enough would be: {hint}" if hint else "ask for less, or fly a nearer, smaller area"
+        hint = _hint(mission, vehicle, leg, outlook)
         for message in missed:
             yield _refusal(leg, message, hint)
+
+
+def _hint(mission: Mission, vehicle: Vehicle, leg: Leg, outlook: Outlook) -> str:
+    if not outlook.rows:
+        return "come up for a fix before it, make it shorter, or ask for less"
+    cures = " or ".join(_cures(mission, vehicle, leg, outlook.leg))
+    return f"enough would be: {cures}" if cures else "ask for less, or fly a nearer, smaller area"
 
 
 def _missed(outlook: Outlook) -> Iterator[str]:
@@ -119,15 +135,21 @@ def _missed(outlook: Outlook) -> Iterator[str]:
     allowed = aims.get("position", math.inf)
     beyond = {row: e for row, e in enumerate(outlook.errors, 1) if e > allowed}
     if beyond:
-        rows = ", ".join(map(str, list(beyond)[:_TOLD])) + (" ..." if len(beyond) > _TOLD else "")
         yield (
-            f"row{'s' if len(beyond) > 1 else ''} {rows} of {outlook.leg} may end "
-            f"{max(beyond.values()):.0f} m from where they are believed to (95 % of dives), "
+            f"{_ending(outlook, list(beyond))} {max(beyond.values()):.0f} m from where "
+            f"{'they are' if outlook.rows else 'it is'} believed to (95 % of dives), "
             f"not {number_text(allowed)} m"
         )
 
 
 _TOLD = 8  # rows that are named
+
+
+def _ending(outlook: Outlook, beyond: list[int]) -> str:
+    if not outlook.rows:
+        return f"{outlook.leg} may end"
+    rows = ", ".join(map(str, beyond[:_TOLD])) + (" ..." if len(beyond) > _TOLD else "")
+    return f"row{'s' if len(beyond) > 1 else ''} {rows} of {outlook.leg} may end"
 
 
 def _by_row(errors: tuple[float, ...]) -> str:
@@ -183,7 +205,7 @@ def _does(mission: Mission, vehicle: Vehicle, path: str, changed: Leg) -> bool:
         return False
     tried = replace(mission, body=_with(mission.body, path, changed))
     found = expected(tried, vehicle)
-    aims = next(aims for at, _, aims in aims_of(tried.body, tried.achieve) if at == path)
+    aims = next(aims for at, _, aims in purposes(tried) if at == path)
     return not any(_missed(_outlook(path, found[path], aims)))
 
 

@@ -106,4 +106,5 @@ def _expected(one: Outlook) -> str:
     coverage = "" if one.coverage is None else f"coverage {one.coverage:.0%}, "
     rows = ", ".join(f"{error:.0f}" for error in one.errors[:_ROWS])
     more = " ..." if len(one.errors) > _ROWS else ""
-    return f"{coverage}position within {rows}{more} m at the end of each row (95 % of dives)"
+    ends = "the end of each row" if one.rows else "its end"
+    return f"{coverage}position within {rows}{more} m at {ends} (95 % of dives)"

@@ -48,6 +48,7 @@ from mission.authoring.language.words import (
     steered,
 )
 from mission.legs import LegType
+from mission.legs.purposes import OF_ANY
 from mission.legs.words import LegClause, Measure, Shape
 from mission.model import (
     HOME,
@@ -330,11 +331,7 @@ class Legs:
         for word in (*measures(), *spots(), *choices()):
             if word in parts.seen and word not in own:
                 self._foreign(parts, row, word)
-        if "achieve" in parts.seen and not row.surveys:
-            users = ", ".join(k.name for k in kinds().values() if k.surveys)
-            hint = f"it belongs to {users}, to a group of them or to the mission"
-            message = f"{row.name} has nothing to achieve"
-            self._problems.add("foreign-word", parts.seen["achieve"], message, hint)
+        self._check_aims(parts, row)
         for clause in row.clauses:
             if clause.needed and clause.word not in parts.seen:
                 place = parts.kind.where if parts.kind else where
@@ -345,6 +342,15 @@ class Legs:
         if misfit is not None:
             place = parts.seen[misfit.word]
             self._problems.add(misfit.code, place, misfit.message, misfit.hint)
+
+    def _check_aims(self, parts: _Parts, row: LegType) -> None:
+        """Of a leg without rows: the position, where it is one to steer."""
+        idle = [name for name, _ in parts.achieve if name != OF_ANY or row.ascends]
+        if idle and not row.surveys:
+            users = ", ".join(k.name for k in kinds().values() if k.surveys)
+            hint = f"it belongs to {users}, to a group of them or to the mission"
+            message = f"{row.name} has no {idle[0]} to achieve"
+            self._problems.add("foreign-word", parts.seen["achieve"], message, hint)
 
     def _foreign(self, parts: _Parts, row: LegType, word: str) -> None:
         users = [k.name for k in kinds().values() if word in {c.word for c in k.clauses}]

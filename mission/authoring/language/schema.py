@@ -133,7 +133,7 @@ def _top() -> dict[str, Schema]:
             "additionalProperties": False,
         },
         "start": {"const": "without fix", "description": "home is where it starts (a pool)"},
-        "achieve": _table(AIMS, "what the mission's rows are flown for"),
+        "achieve": _table(AIMS, "what the mission's rows, or else its other legs, are flown for"),
         "legs": _ref("body", "what the vehicle does, in this order"),
         "on": _ref("handlers", "what ends any leg of the mission"),
     }
@@ -262,7 +262,7 @@ def _leg() -> Schema:
 def _group() -> Schema:
     properties = {
         "repeat": _quantity("", "rounds of the group; once unless said"),
-        "achieve": _table(AIMS, "what the group's rows are flown for"),
+        "achieve": _table(AIMS, "what the group's rows, or else its other legs, are flown for"),
         "legs": _ref("body", "the group's legs, in this order"),
         "on": _ref("handlers", "what ends any leg of the group; stronger than outer ones"),
     }

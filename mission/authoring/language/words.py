@@ -193,7 +193,13 @@ ASSUMPTIONS: Mapping[str, NamedValue] = MappingProxyType({row.name: row for row 
 
 _AIMS = (
     NamedValue("coverage", "", 0, 1, "share of the rows' area that is seen, as in `90%`"),
-    NamedValue("position", "m", 0, 20000, "95 % of the position error along the rows"),
+    NamedValue(
+        "position",
+        "m",
+        0,
+        20000,
+        "95 % of the position error along the rows, or at the end of a leg without",
+    ),
 )
 AIMS: Mapping[str, NamedValue] = MappingProxyType({row.name: row for row in _AIMS})
 
@@ -212,8 +218,8 @@ CLAUSES: Mapping[str, str] = MappingProxyType(
         "for": "the leg ends after this time",
         "timeout": "the leg is given up after this time",
         "else": "where to go then, and when the vehicle cannot follow; unless said as `on timeout`",
-        "achieve": "what rows are flown for, of themselves, a group's or the mission's: the check "
-        "refuses rows that are not expected to",
+        "achieve": "what rows are flown for, of themselves, a group's or the mission's (`position` "
+        "of any leg): the check refuses what is not expected to",
         "output": "an output of the vehicle file and its value there: `output lamp 80`",
     }
 )

@@ -1,7 +1,7 @@
-"""What a flight has truly achieved of what its rows were flown for (`achieve`).
+"""What a flight has truly achieved of what its legs were flown for (`achieve`).
 
 coverage    the share of the area that was truly seen (coverage.py)
-position    m, the greatest true error of the estimate along the rows
+position    m, the greatest true error of the estimate along the leg
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from mission.legs import LEGS
-from mission.model import Aims, Mission, aims_of
+from mission.legs.purposes import purposes
+from mission.model import Aims, Mission
 from mission.verification.simulation.coverage import coverage_of, is_of
 from mission.verification.simulation.flightlog import Flight
 
@@ -20,7 +20,7 @@ _UNIT = {"coverage": (100.0, "%"), "position": (1.0, "m")}
 
 @dataclass(frozen=True, slots=True)
 class Achieved:
-    """``figures`` has what came of each aim; one that came of nothing (the rows were never flown)
+    """``figures`` has what came of each aim; one that came of nothing (the leg was never flown)
     is not there."""
 
     leg: str
@@ -37,12 +37,11 @@ class Achieved:
 
 
 def achieved_by(flight: Flight, mission: Mission) -> tuple[Achieved, ...]:
-    """For each leg of rows that is to achieve something, in the mission's order."""
+    """For each leg that is to achieve something, in the mission's order."""
     seen = {one.leg: one.true for one in coverage_of(flight, mission)}
     return tuple(
         Achieved(path, tuple(sorted(aims.items())), tuple(_figures(flight, path, seen, aims)))
-        for path, leg, aims in aims_of(mission.body, mission.achieve)
-        if LEGS[type(leg.kind)].surveys and aims
+        for path, _, aims in purposes(mission)
     )
 
 

@@ -9,7 +9,7 @@ import pytest
 from links.simulated.settings import parse_settings
 from mission.authoring.check import Report
 from mission.authoring.check.outlook import MOST, Drift, expected
-from mission.authoring.check.show import as_object
+from mission.authoring.check.show import as_object, as_text
 from mission.authoring.prepare import check_prepared, prepare, prepare_text
 from mission.model.shipped import load_vehicle
 from mission.navigation.distribution import radius_95, within
@@ -43,17 +43,17 @@ def test_a_mission_without_a_purpose_is_judged_as_before() -> None:
 
 
 def test_rows_that_drift_too_far_are_refused_by_row_with_changes_that_do() -> None:
-    (found,) = report("achieve position 45").refusals
+    (found,) = report("achieve position 50").refusals
     assert found.code == "purpose"
     assert found.where.line == 7
     assert found.message.startswith("rows 3, 4 of mow may end")
     assert "resurface 2 " in found.hint
     assert "spacing" not in found.hint  # which is no cure for that
-    assert report("resurface 2 achieve position 45").ok
-    assert not report("resurface 3 achieve position 45").ok
+    assert report("resurface 2 achieve position 50").ok
+    assert not report("resurface 3 achieve position 50").ok
     length = found.hint.partition("length ")[2].split()[0]
     shorter = TEXT.replace("length 150", f"length {length}")
-    assert report("achieve position 45", shorter).ok
+    assert report("achieve position 50", shorter).ok
 
 
 def test_rows_that_leave_strips_unseen_are_refused_with_a_spacing_that_does() -> None:
@@ -77,9 +77,64 @@ def test_a_share_of_an_area_needs_a_swath() -> None:
 
 def test_a_purpose_that_nothing_could_achieve_is_refused() -> None:
     text = "\n".join(line for line in TEXT.splitlines() if line[0] not in "m+")
-    (found,) = report("", f"achieve position 20\n{text}\n").refusals
+    (found,) = report("", f"achieve coverage 20%\n{text}\n").refusals
     assert found.code == "purpose"
     assert "no rows" in found.message
+
+
+def plain(out: str, aims: str = "", down: str = "depth 5") -> Report:
+    """Of a dive, a leg, and up."""
+    lines = [line for line in TEXT.splitlines() if line[0] not in "ml+"]
+    lines[-1:] = [aims, f"out: {down} heading 0 gear 6 for 10min {out}", lines[-1]]
+    return report("", "mission m vehicle auv\n" + "\n".join(filter(None, lines)) + "\n")
+
+
+def test_a_leg_without_rows_that_ends_too_far_from_where_it_is_believed_to_is_refused() -> None:
+    good = plain("achieve position 500")
+    assert good.ok
+    (one,) = good.outlook
+    assert (one.leg, one.rows, one.coverage) == ("out", False, None)
+    assert f"expected of out  position within {one.errors[0]:.0f} m at its end" in as_text(
+        "m", good, ""
+    )
+    (found,) = plain(f"achieve position {one.errors[0] - 1.0:.0f}").refusals
+    assert found.code == "purpose"
+    assert found.message.startswith("out may end")
+    assert "fix" in found.hint
+
+
+def test_a_mission_without_rows_states_the_position_of_each_leg_but_its_ascents() -> None:
+    said = [(one.leg, one.aims) for one in plain("", "achieve position 900").outlook]
+    assert said == [("dive", (("position", 900.0),)), ("out", (("position", 900.0),))]
+
+
+def test_a_mission_with_rows_states_what_they_are_flown_for_alone() -> None:
+    whole = TEXT.replace("dive:", "achieve position 900\ndive:")
+    assert [one.leg for one in report("", whole).outlook] == ["mow"]
+
+
+@pytest.mark.parametrize(
+    "until", ["until travelled >= 40", "until elapsed > 60s", "until depth < 0.5 or elapsed > 60s"]
+)
+def test_a_leg_counts_for_as_long_as_it_is_meant_to_last(until: str) -> None:
+    (soon,), (late,) = (plain(f"{u} achieve position 900").outlook for u in (until, ""))
+    assert soon.errors[0] < 0.5 * late.errors[0]
+
+
+def test_what_may_end_a_leg_at_any_time_makes_it_no_shorter() -> None:
+    (one,), (clock,) = (
+        plain(f"{u} achieve position 900").outlook
+        for u in ("until temperature < 8 and elapsed > 5s", "")
+    )
+    assert one.errors == clock.errors
+
+
+def test_fixes_come_along_a_leg_at_the_surface() -> None:
+    (below,) = plain("achieve position 900").outlook
+    lines = [line for line in TEXT.splitlines() if line[0] not in "mdl+"]
+    lines[-1:] = ["out: heading 0 gear 6 for 10min achieve position 900", lines[-1]]
+    (above,) = report("", "mission m vehicle auv\n" + "\n".join(lines) + "\n").outlook
+    assert above.errors[0] < 0.1 * below.errors[0]
 
 
 def test_more_rows_than_can_be_looked_at_are_not_believed() -> None:

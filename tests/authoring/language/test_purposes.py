@@ -89,6 +89,17 @@ def test_legs_that_see_nothing_have_nothing_to_achieve() -> None:
     assert "rows" in found.hint
 
 
+def test_a_leg_without_rows_may_be_flown_for_its_position_alone() -> None:
+    plain = "out: heading 0 gear 6 for 60 achieve "
+    mission = parse(TEXT.replace("up: ", plain + "position 30\nup: "))
+    assert parse(to_lines(mission)) == parse(to_yaml(mission)) == mission
+    with pytest.raises(MissionErrors) as refused:
+        parse(TEXT.replace("up: ", plain + "coverage 50%\nup: "))
+    (found,) = refused.value.diagnostics
+    assert found.code == "foreign-word"
+    assert "coverage" in found.message
+
+
 def test_pictures_tell_the_purpose() -> None:
     drawn = svg(outline(chart(parse(TEXT))), False).replace("\u00a0", " ")
     assert "to achieve coverage 50 %, position 40 m" in drawn
