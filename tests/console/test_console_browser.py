@@ -5,23 +5,19 @@ It has to be there: apt-get install chromium. Without one these tests are skippe
 
 from __future__ import annotations
 
-import contextlib
 import http.server
 import json
 import re
-import shutil
 import signal
 import threading
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from pathlib import Path
 
-import pytest
-from console_world import Console, at_sea, cockpit, console, console_of
+from browser_world import IN_A_BROWSER, playwright, seated, until
+from console_world import at_sea, cockpit, console, console_of
 from programs import process
-from served import PATIENCE, TEXT, running, silent_board
+from served import TEXT, running, silent_board
 
 from mission.authoring.prepare import prepare
 from mission.console.charts.shelf import Shelf
@@ -30,73 +26,7 @@ from mission.console.recording import Recording
 from mission.onboard.runtime.records import ListRecorder
 from mission.verification.simulation.flight import fly
 
-playwright = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-pytestmark = [
-    pytest.mark.browser,
-    pytest.mark.skipif(CHROMIUM is None, reason="no chromium here: apt-get install chromium"),
-]
-FLAGS = ("--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run",
-         "--disable-sync", "--disable-component-update",
-         "--host-resolver-rules=MAP evil.example 127.0.0.1")  # fmt: skip
-
-
-@dataclass
-class Seat:
-    """A page, and what its browser said and asked for."""
-
-    page: playwright.Page  # type: ignore[name-defined]
-    said: list[str] = field(default_factory=list)
-    hosts: set[str] = field(default_factory=set)
-
-    def shows(self, where: str, what: str | re.Pattern[str]) -> None:
-        playwright.expect(self.page.locator(where)).to_contain_text(what)
-
-    def press_twice(self, button: str) -> None:
-        """What asks before it acts."""
-        self.page.get_by_role("button", name=button, exact=True).click()
-        again = self.page.get_by_role("button", name=re.compile("^Press again"))
-        playwright.expect(again).to_be_visible()
-        self.page.wait_for_timeout(400)  # two presses, and no double click
-        again.click()
-
-    def start(self) -> None:
-        """It is refused while the filter is loaded, without a fix, and 2 s after the stick (R6)."""
-        for _ in range(15):
-            self.press_twice("Start")
-            with contextlib.suppress(AssertionError):
-                state = playwright.expect(self.page.locator("#state"))
-                state.to_contain_text("autonomous/dive", timeout=3000)
-                return
-        raise AssertionError(self.page.locator("#command").inner_text())
-
-
-@pytest.fixture(scope="module")
-def chromium() -> Iterator[object]:
-    playwright.expect.set_options(timeout=1000 * PATIENCE)
-    with playwright.sync_playwright() as running:
-        browser = running.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
-        yield browser
-        browser.close()
-
-
-@contextmanager
-def seated(chromium: object, running: Console) -> Iterator[Seat]:
-    """It says nothing on its console, and asks no host but ours."""
-    context = chromium.new_context(  # type: ignore[attr-defined]
-        viewport={"width": 1400, "height": 900}, locale="en-GB"
-    )
-    seat = Seat(context.new_page())
-    seat.page.on("console", lambda message: seat.said.append(message.text))
-    seat.page.on("pageerror", lambda error: seat.said.append(str(error)))
-    seat.page.on("request", lambda request: seat.hosts.add(request.url.split("/")[2]))
-    seat.page.on("websocket", lambda socket: seat.hosts.add(socket.url.split("/")[2]))
-    seat.page.goto(running.address)
-    try:
-        yield seat
-        assert (seat.said, seat.hosts) == ([], {running.host})
-    finally:
-        context.close()
+pytestmark = IN_A_BROWSER
 
 
 def test_a_dive_from_the_first_start_to_the_ascent(chromium: object, tmp_path: Path) -> None:
@@ -111,11 +41,7 @@ def test_a_dive_from_the_first_start_to_the_ascent(chromium: object, tmp_path: P
         seat.start()
         page.get_by_role("tab", name="Legs").first.click()
         playwright.expect(page.locator('[data-path="dive"]')).to_be_visible()
-        page.get_by_role("tab", name="Stick").first.click()
-        page.get_by_role("button", name="Take the stick").click()
-        page.keyboard.down("Shift")
-        page.keyboard.down("ArrowUp")
-        seat.shows("#state", "manual/driving")
+        seat.drive()
         page.keyboard.up("ArrowUp")
         page.keyboard.up("Shift")
         seat.shows("#state", "manual/waiting")
@@ -126,13 +52,6 @@ def test_a_dive_from_the_first_start_to_the_ascent(chromium: object, tmp_path: P
         seat.shows("#surface .became", re.compile("acknowledged|confirmed|obeyed", re.IGNORECASE))
         page.locator("#stop").click()
         seat.shows("#state", "emergency/stopped")
-
-
-def until(page: playwright.Page, holds: Callable[[], bool]) -> None:  # type: ignore[name-defined]
-    end = time.monotonic() + PATIENCE
-    while not holds():
-        assert time.monotonic() < end
-        page.wait_for_timeout(20)
 
 
 def test_of_two_missions_the_one_that_was_chosen_last_is_uploaded(
@@ -163,11 +82,7 @@ def test_a_browser_that_is_gone_lets_the_vehicle_go(chromium: object, tmp_path: 
         watching.shows("#state", "idle")
         with seated(chromium, running) as seat:
             seat.shows("#commander", re.compile("nobody", re.IGNORECASE))
-            seat.page.get_by_role("tab", name="Stick").first.click()
-            seat.page.get_by_role("button", name="Take the stick").click()
-            seat.page.keyboard.down("Shift")
-            seat.page.keyboard.down("ArrowUp")
-            seat.shows("#state", "manual/driving")
+            seat.drive()
         watching.shows("#state", "manual/waiting")
 
 

@@ -1,0 +1,212 @@
+"""What is lost while a hand is on the stick lets the vehicle go within the 2 s of R6.
+
+Each in a real Chromium, against the real serve; the times are the vehicle's own, from its black box.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+from browser_world import CHROMIUM, FLAGS, IN_A_BROWSER, Seat, seated
+from cable import Cable, cable
+from console_world import console_of, monitor_of
+from programs import process
+from served import Running, running, simulated, soon
+
+from mission.model import Record
+from mission.onboard.blackbox import read_records
+from mission.onboard.runtime.records import INPUTS, RX, STEP, read_rx, step_of
+from mission.topside.helm import NEUTRAL
+
+pytestmark = IN_A_BROWSER
+SILENCE_S = 2.0  # R6
+HANG = """(ms) => setTimeout(() => {
+  for (const end = Date.now() + ms; Date.now() < end;);
+}, 0)"""
+PUSH = re.compile(rb"@M[MR][A-Z][1-9]")
+
+
+@dataclass
+class Sea:
+    """A simulated vehicle, its serve, and the way that the console has to it."""
+
+    folder: Path
+    pi: Running
+    way: Cable
+    watching: Cable
+
+    def away(self, do: str) -> None:
+        for one in (self.way, self.watching):
+            getattr(one, do)()
+
+
+@contextmanager
+def at_sea(folder: Path) -> Iterator[Sea]:
+    with simulated(1.0) as board:
+        stm32, gps = (f"serial://{path}" for path in board.paths)
+        with (
+            running(folder, stm32, gps=gps, monitor="tcp://127.0.0.1:0") as pi,
+            cable(pi.url) as way,
+            cable(monitor_of(pi)) as watching,
+        ):
+            yield Sea(folder, pi, way, watching)
+
+
+def hold(seat: Seat) -> None:
+    for key in ("Shift", "ArrowUp"):
+        seat.page.keyboard.down(key)
+    seat.shows("#state", "manual/driving")
+
+
+@dataclass
+class Drive:
+    """``last``: the last push; ``late``: what the vehicle heard more than 2 s later and was driven
+    still; ``gone``: when it was let go."""
+
+    last: float = 0.0
+    late: list[float] = field(default_factory=list)
+    gone: float | None = None
+
+    def hear(self, record: Record) -> None:
+        if record.kind == RX and NEUTRAL in read_rx(record).data:
+            self.gone = record.t  # by the console; the state follows
+        elif record.kind == STEP and "manual/waiting" in step_of(record.payload).entered:
+            self.gone = record.t
+        elif record.kind in INPUTS and record.t > self.last + SILENCE_S:
+            self.late.append(record.t)
+
+    @property
+    def is_in_time(self) -> bool:
+        """The first that it hears behind the 2 s may be what lets it go."""
+        return self.gone is not None and len(self.late) <= 1
+
+
+def drives(folder: Path) -> list[Drive]:
+    """Each from its first push until it is let go."""
+    (box,) = folder.rglob("*.mcap")
+    found: list[Drive] = []
+    for record in read_records(box):
+        if record.kind == RX and PUSH.search(read_rx(record).data):
+            if not found or found[-1].gone is not None:
+                found.append(Drive())
+            found[-1].last, found[-1].late = record.t, []
+        elif found and found[-1].gone is None:
+            found[-1].hear(record)
+    return found
+
+
+def let_go(folder: Path) -> None:
+    soon(lambda: drives(folder)[-1].gone is not None, "let go")
+
+
+def another_tab(seat: Seat, sea: Sea) -> Iterator[None]:
+    """In front of it. Playwright would have every page believe that it has the focus."""
+    told = seat.page.context.new_cdp_session(seat.page)
+    told.send("Emulation.setFocusEmulationEnabled", {"enabled": False})
+    other = seat.page.context.new_page()
+    other.bring_to_front()
+    yield
+    seat.shows("#stick", "the page is not in front")
+    other.close()
+    seat.page.bring_to_front()
+
+
+def a_tab_out_of_sight(seat: Seat, sea: Sea) -> Iterator[None]:
+    """As the page is told of it: without a screen no tab of Chromium is ever hidden."""
+    hide = (
+        "Object.defineProperty(document, 'visibilityState', {value: 'hidden', configurable: true})"
+    )
+    tell = "document.dispatchEvent(new Event('visibilitychange'))"
+    seat.page.evaluate(f"{hide}; {tell}")
+    yield
+    seat.page.evaluate(f"delete document.visibilityState; {tell}")
+
+
+def a_page_that_hangs(seat: Seat, sea: Sea) -> Iterator[None]:
+    seat.page.evaluate(HANG, 1000 * (SILENCE_S + 2))
+    yield
+
+
+def a_cable_pulled(seat: Seat, sea: Sea) -> Iterator[None]:
+    sea.away("pull")
+    yield
+    seat.shows("#banner", "NOTHING NEW of the vehicle")
+    sea.away("plug")
+
+
+def the_radio_lost(seat: Seat, sea: Sea) -> Iterator[None]:
+    sea.away("lose")
+    yield
+    seat.shows("#banner", "NOTHING NEW of the vehicle")
+    sea.away("plug")
+
+
+FAILURES = (another_tab, a_tab_out_of_sight, a_page_that_hangs, a_cable_pulled, the_radio_lost)
+
+
+def test_whatever_is_lost_on_the_way_to_the_vehicle_lets_it_go_within_two_seconds(
+    chromium: object, tmp_path: Path
+) -> None:
+    with (
+        at_sea(tmp_path) as sea,
+        console_of(sea.way.url, tmp_path / "boat", sea.watching.url) as (console, _),
+        seated(chromium, console) as seat,
+    ):
+        seat.shows("#state", "idle")
+        seat.shows("#commander", "nobody")
+        seat.tab("Stick")
+        seat.page.get_by_role("button", name="Take the stick").click()
+        for failure in FAILURES:
+            hold(seat)
+            over = failure(seat, sea)
+            next(over)
+            let_go(tmp_path)
+            next(over, None)
+            seat.page.keyboard.up("ArrowUp")
+            seat.page.keyboard.up("Shift")
+            seat.shows("#state", "manual/waiting")  # by itself
+        found = drives(tmp_path)
+    assert len(found) >= len(FAILURES)
+    assert all(one.is_in_time for one in found), found
+
+
+@pytest.mark.parametrize("killed", ["browser", "console"])
+def test_a_browser_or_a_console_that_is_killed_lets_the_vehicle_go_within_two_seconds(
+    chromium: object, tmp_path: Path, killed: str
+) -> None:
+    browser = chromium.browser_type.launch(  # type: ignore[attr-defined]
+        executable_path=CHROMIUM, args=list(FLAGS)
+    )
+    with at_sea(tmp_path) as sea, console_process(sea) as (console, address):
+        page = browser.new_page(locale="en-GB")
+        page.goto(address)
+        seat = Seat(page)
+        seat.shows("#state", "idle")
+        seat.shows("#commander", "nobody")
+        seat.drive()
+        if killed == "browser":
+            told = browser.new_browser_cdp_session().send("SystemInfo.getProcessInfo")
+            (own,) = (one["id"] for one in told["processInfo"] if one["type"] == "browser")
+            os.kill(own, signal.SIGKILL)
+        else:
+            console.kill()
+        let_go(tmp_path)
+        (found,) = drives(tmp_path)
+    browser.close()
+    assert found.is_in_time, found
+
+
+@contextmanager
+def console_process(sea: Sea) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    words = ["--to", sea.pi.url, "--monitor", sea.watching.url, "--no-browser"]
+    with process("console", *words) as console:
+        assert console.stdout is not None
+        yield console, console.stdout.readline().removeprefix("open ").strip()
