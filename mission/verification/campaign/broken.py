@@ -109,8 +109,8 @@ _RULES: Mapping[str, Broken] = {
         same,
     ),
     "unchanged depth": Broken(
-        "R7: behind a restart it has to change",
-        nothing(VehicleState, "_has_changed", True),
+        "R7: behind a restart, and in an ascent, it has to change",
+        always(VehicleState, "_lives", True),
         alike=same,
     ),
     "surface behind a restart": Broken(
