@@ -6,6 +6,7 @@ Operator -- @AW @AA --> Drive -- frames every period --> board -- thrusters --> 
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from pathlib import Path
@@ -13,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from mission.authoring.language import parse, script
-from mission.authoring.prepare import Prepared, Unreadable, prepare
+from mission.authoring.prepare import Prepared, Unreadable, prepare, prepare_text
 from mission.engine.engine import Engine
 from mission.engine.vehicle_state import VehicleState
 from mission.engine.watch import Descent
@@ -74,14 +75,16 @@ def prepared(folder: Path, text: str) -> Prepared:
     return prepare(path)
 
 
-def flown(folder: Path, name: str, *said: Cue) -> Flight:
-    ready = prepared(folder, TEXTS[name])
+@functools.cache
+def flown(name: str, *said: Cue) -> Flight:
+    """Looked at by several tests, changed by none."""
+    ready = prepare_text(TEXTS[name], name)
     return fly(ready.mission, ready.vehicle, seed=3, said=said)
 
 
 @pytest.mark.parametrize("name", TEXTS)
-def test_a_suitable_mission_is_flown_to_its_end_at_the_surface(name: str, tmp_path: Path) -> None:
-    flight = flown(tmp_path, name)
+def test_a_suitable_mission_is_flown_to_its_end_at_the_surface(name: str) -> None:
+    flight = flown(name)
     assert flight.outcome == "completed", flight.reason
     assert [(leg.name, leg.by) for leg in flight.legs] == LEGS[name]
     assert flight.final_state == "idle/ready"
@@ -89,8 +92,8 @@ def test_a_suitable_mission_is_flown_to_its_end_at_the_surface(name: str, tmp_pa
     assert (3.0 < flight.max_depth < 6.0) is (name != "robot")
 
 
-def test_the_core_board_is_where_it_was_sent(tmp_path: Path) -> None:
-    flight = flown(tmp_path, "coreboard")
+def test_the_core_board_is_where_it_was_sent() -> None:
+    flight = flown("coreboard")
     hold = next(leg for leg in flight.legs if leg.name == "hold")
     entered = flight.mission_time - hold.entered
     end = flight.track[-1].t
@@ -126,15 +129,15 @@ def test_a_board_that_tells_no_thrust_still_knows_its_way_by_what_it_was_told(
         assert sample.error < 3.0 * math.sqrt(north + other) + 3.0
 
 
-def test_the_robot_drives_out_turns_and_drives_on(tmp_path: Path) -> None:
-    flight = flown(tmp_path, "robot")
+def test_the_robot_drives_out_turns_and_drives_on() -> None:
+    flight = flown("robot")
     assert max(p.north for p in flight.track) == pytest.approx(5.0, abs=0.3)
     assert max(p.east for p in flight.track) == pytest.approx(5.0, abs=0.3)  # after a right angle
 
 
 @pytest.mark.parametrize("name", TEXTS)
-def test_what_holds_is_said_every_period_in_whole_good_frames(name: str, tmp_path: Path) -> None:
-    flight = flown(tmp_path, name)
+def test_what_holds_is_said_every_period_in_whole_good_frames(name: str) -> None:
+    flight = flown(name)
     sent = [tx for tx in flight.sent if tx.link == "vehicle"]
     framer = link(DOWN[name]).framer()
     assert all(len(framer.receive(tx.data, tx.t)) == 1 for tx in sent)
@@ -147,10 +150,8 @@ def test_what_holds_is_said_every_period_in_whole_good_frames(name: str, tmp_pat
 
 
 @pytest.mark.parametrize("name", TEXTS)
-def test_surfacing_by_the_operator_ends_at_the_surface_or_where_it_stands(
-    name: str, tmp_path: Path
-) -> None:
-    flight = flown(tmp_path, name, Cue(9.0, b"@ZAWF$"))
+def test_surfacing_by_the_operator_ends_at_the_surface_or_where_it_stands(name: str) -> None:
+    flight = flown(name, Cue(9.0, b"@ZAWF$"))
     assert flight.outcome == "emergency"
     assert flight.final_state == "emergency/surfaced"
     assert flight.at_surface
@@ -160,8 +161,8 @@ def test_surfacing_by_the_operator_ends_at_the_surface_or_where_it_stands(
 
 
 @pytest.mark.parametrize("name", TEXTS)
-def test_a_stop_by_the_operator_is_said_until_the_end(name: str, tmp_path: Path) -> None:
-    flight = flown(tmp_path, name, Cue(5.0, b"@ZAX0$"))
+def test_a_stop_by_the_operator_is_said_until_the_end(name: str) -> None:
+    flight = flown(name, Cue(5.0, b"@ZAX0$"))
     assert flight.final_state == "emergency/stopped"
     vehicle = load_vehicle(name)
     stop = codec(name, vehicle.dialect, {}).encode(Order.STOP)[-1]
