@@ -11,6 +11,7 @@ import click
 from mission.commands.options import AS_JSON
 
 if TYPE_CHECKING:
+    from mission.model.vehicle import Vehicle
     from mission.onboard.doctor.findings import Finding
 
 
@@ -54,9 +55,10 @@ def doctor(
 
     from mission.onboard.doctor.findings import Condition
 
-    if ask and not on_deck:
+    vehicle = _named(config)
+    if ask and not on_deck and (vehicle is None or vehicle.codec == "auv"):
         click.confirm(_ON_DECK, abort=True, err=True)
-    if signs and not in_water:
+    if signs and not in_water and (vehicle is None or vehicle.outer_loop is not None):
         click.confirm(_IN_WATER, abort=True, err=True)
     found: list[Finding] = []
 
@@ -74,6 +76,18 @@ def doctor(
     else:
         click.echo(f"{_many(faults, 'fault')}, {_many(warnings, 'warning')}")
     raise SystemExit(1 if faults else 0)
+
+
+def _named(config: Path | None) -> Vehicle | None:
+    """None where it cannot be told: then nothing is left out."""
+    from mission.model.diagnostics import Diagnosed
+    from mission.model.shipped import load_vehicle
+    from mission.onboard.configuration import load_configuration
+
+    try:
+        return load_vehicle(load_configuration(config).vehicle)
+    except (Diagnosed, ImportError):
+        return None
 
 
 def _examined(config: Path | None, ask: bool, move: bool) -> Iterator[Finding]:

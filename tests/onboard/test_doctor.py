@@ -150,7 +150,7 @@ def test_a_wrong_configuration_is_a_fault_with_its_keys(tmp_path: Path) -> None:
 
 def test_a_configuration_that_is_not_there_is_to_be_given_and_not_mended(tmp_path: Path) -> None:
     ran = CliRunner().invoke(doctor, ["-c", str(tmp_path / "none.yaml"), "--json"])
-    found = of(json.loads(ran.stdout)["findings"], "configuration")
+    found = of(json.loads(ran.stdout), "configuration")
     assert ran.exit_code == 1
     assert "none.yaml: cannot be read" in found["says"]
     assert found["todo"].startswith("give the file")

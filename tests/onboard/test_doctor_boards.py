@@ -20,7 +20,7 @@ from links.simulated.pty import PtyVehicle
 from mission.commands.doctor import doctor
 from mission.model import buoyancy
 from mission.model.shipped import load_vehicle
-from mission.onboard.doctor import port_probe
+from mission.onboard.doctor import port_probe, signs
 from mission.onboard.doctor.boards import BOARDS, board
 from mission.onboard.doctor.findings import Condition
 from protocol.vehicles import VEHICLES
@@ -68,6 +68,32 @@ def test_a_vehicle_that_reports_is_examined_in_its_own_words(tmp_path: Path, nam
     assert not [text for text in told for word in words if word in text]
     its = BOARDS[name]
     assert any(f"{its.name} goes neutral by itself after {its.silence:g} s" in t for t in told)
+
+
+def test_what_drives_is_told_of_wheels_and_of_nothing_in_the_water(tmp_path: Path) -> None:
+    with simulated_board("robot") as device:
+        found = examined(tmp_path, "robot", device)
+    told = [f"{one['what']} {one['says']} {one['todo']}" for one in found]
+    words = ("thruster", "surface", "dive", "limit depth", "descent", "buoyan")
+    assert not [text for text in told for word in words if word in text]
+    assert any("keeps the wheels as they are" in text for text in told)
+
+
+@pytest.mark.parametrize(("name", "says"), [("rov", "f_sign: -1"), ("mainboard", "no key for it")])
+def test_a_sign_is_turned_by_a_key_where_the_vehicle_file_has_one(name: str, says: str) -> None:
+    (down, *_) = signs.probes_of(load_vehicle(name))
+    assert says in signs.turned(down, name)
+
+
+@pytest.mark.parametrize("word", ["--ask", "--signs"])
+def test_nobody_is_asked_about_what_a_vehicle_does_not_do(tmp_path: Path, word: str) -> None:
+    """No input is there: a question would end it."""
+    config = tmp_path / "serve.yaml"
+    links = {"vehicle": "serial:///dev/none", "gps": None, "topside": "tcp://127.0.0.1:0"}
+    config.write_text(f"vehicle: robot\nfolder: {tmp_path}\nlinks: {json.dumps(links)}\n")
+    ran = CliRunner().invoke(doctor, ["-c", str(config), word, "--json"])
+    said = json.loads(ran.stdout)["findings"]
+    assert any(one["says"].startswith(("not asked", "not tried")) for one in said)
 
 
 @pytest.mark.parametrize("name", sorted(SIMULATED))

@@ -16,7 +16,8 @@ from protocol.vehicles import coreboard, motorcan, robot, rov
 class Board:
     """``quiet``: why all may be well though it is silent, "" if nothing explains that. ``switch``:
     what gives a sensor its power. ``silence``: s without a word after which it goes neutral by
-    itself, None: it never does. ``beside``: what works without Pi and board."""
+    itself, None: it never does. ``beside``: what works without Pi and board. ``moves``: what turns
+    at its word."""
 
     name: str
     quiet: str
@@ -24,6 +25,7 @@ class Board:
     silence: float | None
     beside: str
     reports: bool = True
+    moves: str = "the thrusters"
 
 
 BOARDS = {
@@ -63,6 +65,7 @@ BOARDS = {
         "it has no switch for it",
         robot.SILENCE,
         "its power switch at hand",
+        moves="the wheels",
     ),
 }
 
@@ -72,3 +75,12 @@ def board(vehicle: Vehicle) -> Board:
     own = BOARDS.get(vehicle.codec)
     name = f"the board of {vehicle.name}"
     return own or Board(name, "", "look it up in its document", None, "a rope or a drop weight")
+
+
+def trip(vehicle: Vehicle) -> str:
+    return "drive" if vehicle.drives else "dive"
+
+
+def at_rest(vehicle: Vehicle) -> str:
+    """Where a program may be started anew."""
+    return "standing still" if vehicle.drives else "at the surface"

@@ -28,7 +28,7 @@ from mission.model.compiled import build
 from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
 from mission.onboard.doctor import asking, port_probe, signs
-from mission.onboard.doctor.boards import board
+from mission.onboard.doctor.boards import at_rest, board, trip
 from mission.onboard.doctor.buoyant import buoyant
 from mission.onboard.doctor.findings import Condition, Finding, fault, ok, warning
 from mission.onboard.serve import health
@@ -77,7 +77,7 @@ def _configured(context: CheckContext) -> Iterator[Finding]:
             "serve",
             f"process {context.mute} runs, but has not told of its health for {health.STALE_S:g} s",
             "free the disk if it is full, mend it if it is read-only; else restart serve, with the"
-            " vehicle at the surface",
+            f" vehicle {at_rest(context.vehicle)}",
         )
     elif context.running is None:
         yield ok("serve", "not running; doctor listens to the ports itself")
@@ -88,7 +88,7 @@ def _configured(context: CheckContext) -> Iterator[Finding]:
             f"{context.running['state']}): its ports are left alone",
         )
         for broken in context.running["broken"]:
-            todo = "mend it, then, with the vehicle at the surface, restart serve"
+            todo = f"mend it, then, with the vehicle {at_rest(context.vehicle)}, restart serve"
             yield fault("serve began with", broken, todo)
 
 
@@ -140,7 +140,9 @@ def _store(context: CheckContext) -> Iterator[Finding]:
         yield warning(
             "store",
             f"{content.under_way} was under way when serve ended",
-            "serve will surface the vehicle when it starts; `auvmission clear` "
+            "serve will stop the vehicle when it starts; `auvmission clear` ends that"
+            if context.vehicle.drives
+            else "serve will surface the vehicle when it starts; `auvmission clear` "
             "at the surface ends that",
         )
     yield ok(
@@ -300,7 +302,9 @@ def _of_running(context: CheckContext, running: Mapping[str, Any]) -> Iterator[F
             yield ok(f"link {name}", says)
     for name, sensor in running["sensors"].items():
         if sensor["why"] and name not in ("leak", "range", "uncertainty"):
-            yield warning(f"sensor {name}", sensor["why"], "check it before the dive")
+            yield warning(
+                f"sensor {name}", sensor["why"], f"check it before the {trip(context.vehicle)}"
+            )
     for name, margin in running["margins"].items():
         left = "not known now" if margin["left"] is None else f"{margin['left']:g} {margin['unit']}"
         yield ok(f"margin {name}", f"{left} to {margin['bound']:g} {margin['unit']}")
@@ -329,13 +333,16 @@ def _limits(context: CheckContext) -> Iterator[Finding]:
         except StoreError:
             return
         bounds = in_force(vehicle, None, operator)
+        depth = "" if vehicle.drives else f"depth {bounds.depth:g} m, "
         yield ok(
             "limits",
-            f"without a mission's own: radius {bounds.radius:g} m, depth "
-            f"{bounds.depth:g} m, time {bounds.time / 60:g} min, voltage {bounds.voltage:g} V",
+            f"without a mission's own: radius {bounds.radius:g} m, {depth}"
+            f"time {bounds.time / 60:g} min, voltage {bounds.voltage:g} V",
             "compare with what today's place allows; auvmission limits tightens them",
         )
     for row in LIMITS.values():
+        if vehicle.drives and "depth" in row.needs:
+            continue  # of the water
         if why := row.disarmed(vehicle):
             yield warning(
                 f"limit {row.name}", f"can never act: {why}", "plan as if it were not there"
@@ -359,7 +366,7 @@ def _assumed(context: CheckContext) -> Iterator[Finding]:
         )
     yield ok(
         "assumed",
-        f"{its.name}, if it hangs, keeps the thrusters as they are",
+        f"{its.name}, if it hangs, keeps {its.moves} as they are",
         f"have its hardware watchdog enabled; keep {its.beside}",
     )
     if context.vehicle.calibration == type(context.vehicle.calibration)():

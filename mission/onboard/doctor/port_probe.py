@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from links import LinkAddressError, open_link
 from links.base import Link, LinkBusy, LinkError
 from mission.model.vehicle import Vehicle
-from mission.onboard.doctor.boards import board
+from mission.onboard.doctor.boards import board, trip
 from mission.onboard.doctor.findings import Finding, fault, ok, warning
 from protocol.added import GROUND, PLACE, RANGE, TURN, WATER, AddedDecoder
 from protocol.codec import Received
@@ -219,7 +219,7 @@ def _no_report(raw: bytes, faults: int, vehicle: Vehicle) -> Finding:
         todo = f"TX and RX are joined, or this is not {its.name}: check the plug"
         return fault("vehicle", says, todo)
     if not its.reports:
-        return ok("vehicle", f"{its.name}: {its.quiet}; see the thrusters move (auvmission stick)")
+        return ok("vehicle", f"{its.name}: {its.quiet}; see {its.moves} move (auvmission stick)")
     says = f"no report within {LISTEN_S:g} s ({len(raw)} bytes, {faults} faulty frames)"
     if _REPORT in raw and vehicle.codec != "auv":
         todo = "the vehicle file is another vehicle's: set `vehicle:` to one for the AUV"
@@ -278,7 +278,7 @@ def _margins(report: Telemetry, vehicle: Vehicle) -> Iterator[Finding]:
         left = volts - vehicle.limits.voltage
         says = f"{volts:.1f} V, {left:.1f} V above the hard limit"
         if left < 1.0:
-            yield warning("margin voltage", says, "charge before the dive")
+            yield warning("margin voltage", says, f"charge before the {trip(vehicle)}")
         else:
             yield ok("margin voltage", says)
 

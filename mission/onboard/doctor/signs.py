@@ -17,11 +17,11 @@ from dataclasses import dataclass
 
 from links import open_link
 from links.base import Link, LinkError
-from mission.model.vehicle import OuterLoop, Vehicle
+from mission.model.vehicle import Vehicle
 from mission.onboard.doctor.findings import Finding, fault, ok, warning
 from mission.onboard.doctor.port_probe import listened, not_open
 from protocol.messages import Setpoint, Telemetry
-from protocol.vehicles import codec
+from protocol.vehicles import codec, vehicle_row
 from protocol.vehicles.adapter import SilentBoard
 
 WHAT = "axes and signs"
@@ -29,7 +29,7 @@ REST_S = 1.0
 
 
 @dataclass(frozen=True, slots=True)
-class _Probe:
+class Probe:
     """``effort`` for ``seconds`` has to make ``reading`` grow by ``least``."""
 
     reading: str
@@ -43,10 +43,14 @@ class _Probe:
         return f"the {self.reading} changed by {shown}"
 
 
-def _probes(loop: OuterLoop) -> tuple[_Probe, ...]:
+def probes_of(vehicle: Vehicle) -> tuple[Probe, ...]:
+    """None where the Pi closes no loop."""
+    loop = vehicle.outer_loop
+    if loop is None:
+        return ()
     return (
-        _Probe("depth", Setpoint(heave=loop.depth.most), 4.0, 0.1, "f_sign"),
-        _Probe("heading", Setpoint(turn=loop.heading.most), 3.0, math.radians(5.0), "z_sign"),
+        Probe("depth", Setpoint(heave=loop.depth.most), 4.0, 0.1, "f_sign"),
+        Probe("heading", Setpoint(turn=loop.heading.most), 3.0, math.radians(5.0), "z_sign"),
     )
 
 
@@ -61,7 +65,7 @@ def sign_findings(url: str, vehicle: Vehicle) -> Iterator[Finding]:
         yield not_open(WHAT, url, error)
         return
     try:
-        found = [_found(probe, link, board) for probe in _probes(vehicle.outer_loop)]
+        found = [_found(probe, link, board, vehicle.codec) for probe in probes_of(vehicle)]
         _say(link, board, Setpoint(), REST_S)
         yield from found
     except LinkError as error:
@@ -70,7 +74,7 @@ def sign_findings(url: str, vehicle: Vehicle) -> Iterator[Finding]:
         link.close()
 
 
-def _found(probe: _Probe, link: Link, board: SilentBoard) -> Finding:
+def _found(probe: Probe, link: Link, board: SilentBoard, codec_name: str) -> Finding:
     before = _mean(_say(link, board, Setpoint(), REST_S), probe.reading)
     after = _mean(_say(link, board, probe.effort, probe.seconds)[-5:], probe.reading)
     if before is None or after is None:
@@ -83,10 +87,16 @@ def _found(probe: _Probe, link: Link, board: SilentBoard) -> Finding:
         todo = "if you saw it so, down and the bow to starboard, write today's date as `confirmed:`"
         return ok(WHAT, probe.told(grown), f"{todo} under outer_loop")
     if grown <= -probe.least:
-        todo = f"write `wire: {{{probe.key}: -1}}` into the vehicle file, and try again"
-        return fault(WHAT, f"{probe.told(grown)}: the wrong way", todo)
+        return fault(WHAT, f"{probe.told(grown)}: the wrong way", turned(probe, codec_name))
     todo = "put it into water, free of ground and walls, and try again"
     return warning(WHAT, f"{probe.told(grown)}: too little to tell", todo)
+
+
+def turned(probe: Probe, codec_name: str) -> str:
+    """What turns it round: a key of the vehicle file, where its frames have one."""
+    if any(key.name == probe.key for key in vehicle_row(codec_name).keys):
+        return f"write `wire: {{{probe.key}: -1}}` into the vehicle file, and try again"
+    return "turn it round at the motor boards (the vehicle file has no key for it), and try again"
 
 
 def _say(link: Link, board: SilentBoard, effort: Setpoint, seconds: float) -> list[Telemetry]:
