@@ -155,8 +155,8 @@ _ROWS = (
              _breached),
     AlarmRow("stop not obeyed", 2, DANGER, "keep clear of it; the stop is sent again and again",
              lambda c: "a report shows way after the stop" if c.unobeyed else ""),
-    AlarmRow("old report", 3, DANGER, "nothing shown of its sensors is of now: look at its board, "
-             "its power and the cable", _report),
+    AlarmRow("old report", 3, DANGER, "nothing shown of its sensors is of now; the AUV's board "
+             "reports nothing under the stick, else look at it, its power and the cable", _report),
     AlarmRow("no fix", 4, WARNING, "free view of the sky; is the receiver's node open?", _fix),
     AlarmRow("refused", 5, WARNING, "do what it says, or say something else", _refused),
     AlarmRow("battery", 6, WARNING, "end the mission while there is power for the way up",

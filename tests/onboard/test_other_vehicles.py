@@ -195,7 +195,7 @@ def refusal(folder: Path, vehicle: str, legs: str) -> list[tuple[str, int, str]]
         ("rov", "a: heading 90 gear 3 for 9s", "signs-unconfirmed", "heading"),
         ("rov", "a: goto home gear 3 within 5 timeout 9s", "vehicle-cannot-know", "position"),
         ("rov", "a: yoyo 2 shallow 1 deep 4 timeout 99s", "signs-unconfirmed", "depth"),
-        ("rov", "a: surface until fix timeout 99s", "vehicle-cannot-know", "position"),
+        ("rov", "a: surface until fix timeout 99s", "vehicle-cannot-know", "no fix can end this"),
         ("rov", "a: down 3 until altitude < 2 timeout 9s", "never-known", "altitude"),
         ("rov", "a: down 3 until battery < 11 timeout 9s", "never-known", "battery"),
         ("robot", "a: down 3 for 9s", "vehicle-cannot-follow", "heave"),

@@ -86,7 +86,6 @@ _WORDS = {"surge": " (gear, speed)", "turn": " (left, right)", "heave": " (up, d
 
 def _reports(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnostic]:
     row = LEGS[type(leg.kind)]
-    needs = row.needs | ({"position"} if row.awaits_fix(leg.kind) else set())
     if is_guarded(setpoint) and "altitude" not in vehicle.reports:
         yield refused(
             "vehicle-cannot-know",
@@ -94,7 +93,14 @@ def _reports(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnos
             f"{vehicle.name} never reports an altitude that a depth could be kept above",
             "hold the depth alone",
         )
-    for sensor in sorted(needs - vehicle.reports):
+    if row.awaits_fix(leg.kind) and "position" not in vehicle.reports:
+        yield refused(
+            "vehicle-cannot-know",
+            leg.where,
+            f"no fix can end this {row.name} leg: {vehicle.name} never reports a position",
+            "write it without `until fix`: it ends at the surface",
+        )
+    for sensor in sorted(row.needs - vehicle.reports):
         yield refused(
             "vehicle-cannot-know",
             leg.where,
