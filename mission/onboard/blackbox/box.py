@@ -37,7 +37,7 @@ class BlackBox:
     ) -> None:
         self.path, self.failure, self.lost = path, "", 0
         self._base, self._part, self._limit = path, 1, limit
-        self._wall, self._shell = round(wall * NS), shell
+        self._wall, self._shell, self._logged = round(wall * NS), shell, 0
         self._pending, self._start, self._number = bytearray(), b"", 0
         self._unwritten = bytearray()
         self.fd, self._size, self._closed = -1, 0, False
@@ -50,7 +50,9 @@ class BlackBox:
 
     def record(self, record: Record) -> None:
         number, self._number = self._number, self._number + 1
-        message = pack(record.kind, record.payload, number, self._wall, round(record.t * NS))
+        t = round(record.t * NS)
+        self._logged = max(self._logged, self._wall + t)
+        message = pack(record.kind, record.payload, number, self._logged, t)
         if record.kind == START:
             self._start = message
         if self._shell and len(self._pending) > WAITING:

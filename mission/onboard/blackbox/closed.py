@@ -1,6 +1,6 @@
 """A part that is closed: the same records in compressed chunks, and what follows from them beside.
 
-    part --read--> records --derive--> chunks of 10 s --new file, read again--> takes its place
+    part --read--> records --derive--> chunks of 20 s --new file, read again--> takes its place
 
 Every topic has its schema, so that any tool reads it. The old file stays until the new one is on
 the disk, whole, and says the same: whenever this is cut, one of the two is there. A part with
@@ -24,7 +24,7 @@ from typing import BinaryIO
 from mcap.exceptions import McapError
 from mcap.records import Metadata
 from mcap.stream_reader import StreamReader
-from mcap.writer import CompressionType, IndexType, Writer
+from mcap.writer import CompressionType, Writer
 
 from mission import __version__
 from mission.authoring.language import MissionErrors, parse_script, to_yaml
@@ -39,9 +39,8 @@ from mission.onboard.runtime import records as rec
 from mission.onboard.stream.derived import Derivation
 from mission.onboard.stream.topics import DERIVED, RAW
 
-CHUNK_S = 10.0  # the unit of loss
+CHUNK_S = 20.0  # the unit of loss; shorter ones are larger with their indexes
 _CHUNK_BYTES = 1 << 18  # of a vehicle that says much
-_INDEX = IndexType.ALL & ~IndexType.MESSAGE  # the chunks' index is enough to find a time
 _NOTHING: Mapping[str, str] = {}
 
 
@@ -145,7 +144,6 @@ def _write(file: BinaryIO, part: _Part, notes: Mapping[str, str]) -> None:
         file,
         chunk_size=_CHUNK_BYTES,
         compression=CompressionType.ZSTD,
-        index_types=_INDEX,
         enable_data_crcs=True,
     )
     writer.start(PROFILE, f"auvmission {__version__}")
@@ -174,18 +172,19 @@ def _messages(
     writer: Writer, channels: Mapping[str, int], found: Iterable[Found], derivation: Derivation
 ) -> None:
     wall = round(derivation.start.wall * NS)
-    until: float | None = None
+    logged, until = wall, -1.0
     for one in found:
         record = one.record
-        if until is None or record.t >= until:
+        if record.t >= until:
             writer.flush()  # type: ignore[no-untyped-call]
             until = record.t + CHUNK_S
         t = round(record.t * NS)
-        writer.add_message(channels[record.kind], wall + t, record.payload, t, one.number)
+        logged = max(logged, wall + t)
+        writer.add_message(channels[record.kind], logged, record.payload, t, one.number)
         for message in derivation.receive(record):
             t = round(message.t * NS)
             data = json.dumps(message.value, separators=(",", ":"), allow_nan=False).encode()
-            writer.add_message(channels[message.topic], wall + t, data, t, one.number)
+            writer.add_message(channels[message.topic], logged, data, t, one.number)
     writer.flush()  # type: ignore[no-untyped-call]
 
 

@@ -3,13 +3,14 @@
     magic, Header, a Schema and a Channel per kind | Message, Message, ... | DataEnd, Footer, magic
     Message: u8 5 | u64 length | u16 channel | u32 check | u64 log time | u64 publish time | data
 
-Topics are the kinds of records, data their payloads, publish time the engine's time and log time
-the wall's, in ns. ``check`` stands where the format has a free sequence number: the CRC-32 of the
-data, begun with channel and time, plus the record's number times a constant. So blocks that a power
-cut garbled are known, and so is what was lost between two records that are whole. In the first form
-(profile ``auvmission``) every number was 0 and payloads were others (first_form). Any MCAP tool
-reads the file (the footer names no summary, so readers scan). The library writes head and foot;
-messages are packed here, because that is most of the cost.
+Topics are the kinds of records, data their payloads, publish time the engine's time that they are
+of, and log time the wall's when they were made, in ns: log times never go back. ``check`` stands
+where the format has a free sequence number: the CRC-32 of the data, begun with channel and time,
+plus the record's number times a constant. So blocks that a power cut garbled are known, and so is
+what was lost between two records that are whole. In the first form (profile ``auvmission``) every
+number was 0 and payloads were others (first_form). Any MCAP tool reads the file (the footer names
+no summary, so readers scan). The library writes head and foot; messages are packed here, because
+that is most of the cost.
 
     BlackBoxError      (the operator must act: no such folder, not a black box)
 
@@ -38,7 +39,7 @@ PROFILE, FIRST_PROFILE = "auvmission-2", "auvmission"
 
 HEAD, FIELDS = struct.Struct("<BQ"), struct.Struct("<HIQQ")
 _MESSAGE = struct.Struct("<BQHIQQ")
-OP_HEADER, OP_SCHEMA, OP_CHANNEL, OP_MESSAGE, OP_CHUNK = 1, 3, 4, 5, 6
+OP_HEADER, OP_SCHEMA, OP_CHANNEL, OP_MESSAGE, OP_CHUNK, OP_MESSAGE_INDEX = 1, 3, 4, 5, 6, 7
 OP_ATTACHMENT, OP_METADATA, OP_DATA_END = 9, 12, 15
 OPCODES = range(1, 16)
 NS = 1e9
@@ -51,11 +52,11 @@ class BlackBoxError(OSError):
     pass
 
 
-def pack(kind: str, payload: bytes, number: int, wall: int, t: int) -> bytes:
-    """A record as a message: ``wall`` at the engine's time 0, and ``t``, in ns."""
+def pack(kind: str, payload: bytes, number: int, logged: int, t: int) -> bytes:
+    """A record as a message: ``logged`` by the wall's time, of the engine's time ``t``, in ns."""
     channel = CHANNELS[kind]
     check = (crc(payload, channel, t) + number * _SPREAD) % _NUMBERS
-    head = _MESSAGE.pack(OP_MESSAGE, FIELDS.size + len(payload), channel, check, wall + t, t)
+    head = _MESSAGE.pack(OP_MESSAGE, FIELDS.size + len(payload), channel, check, logged, t)
     return head + payload
 
 

@@ -1,7 +1,7 @@
 """Black boxes read: all that is whole, and what is missing between, by time.
 
 A part may be growing, cut, damaged or closed, of this form or the first. What is missing is a Gap
-in its place; the unit of loss is a record, in a closed part a chunk of some 10 s.
+in its place; the unit of loss is a record, in a closed part a chunk of some 20 s.
 
 What does not live here: which bytes are whole (scan), files that are being written (tail).
 """

@@ -32,6 +32,7 @@ from mission.onboard.blackbox.form import (
     OP_DATA_END,
     OP_HEADER,
     OP_MESSAGE,
+    OP_MESSAGE_INDEX,
     OP_METADATA,
     OP_SCHEMA,
     OPCODES,
@@ -46,6 +47,7 @@ _LARGEST = 1 << 24  # bytes of a record that is looked for
 _NEAR = 1 << 12  # records that may be missing before the last one: a garbled one has any number
 _LIKELY = re.compile(rb"(?:[\x05\x06]...|\x0f\x04\x00\x00)\x00{5}", re.DOTALL)
 _CHUNK_FIXED = 8 + 8 + 8 + 4
+_ENTRY = 8 + 8  # of an index of messages
 _BEFORE = frozenset({OP_HEADER, OP_SCHEMA, OP_CHANNEL, OP_METADATA})
 _CHECKED = frozenset({OP_MESSAGE, OP_CHUNK, OP_DATA_END})
 _START = CHANNELS[START]
@@ -118,10 +120,13 @@ class Scan:
         self.rest = 0 if broken is None else len(data) - broken
 
     def _passes(self, data: bytes, at: int, end: int) -> bool:
-        """It holds no records: what a file begins with, and attachments."""
+        """It holds no records: what a file begins with, indexes of messages, and attachments."""
         if data[at] == OP_ATTACHMENT:
             body, check = data[at + HEAD.size : end - 4], data[end - 4 : end]
             return zlib.crc32(body) == int.from_bytes(check, "little")
+        if data[at] == OP_MESSAGE_INDEX:  # without a check: it says twice how long it is
+            entries = int.from_bytes(data[at + HEAD.size + 2 : at + HEAD.size + 6], "little")
+            return entries % _ENTRY == 0 and at + HEAD.size + 6 + entries == end
         return data[at] in _BEFORE and not self._begun
 
     def _checked(self, data: bytes, at: int, end: int, damaged: bool) -> list[Found | End] | None:
