@@ -17,6 +17,7 @@ from mission.onboard.configuration import Configuration
 from mission.onboard.runtime.records import ListRecorder
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.runtime.situation import TREND_EVERY_S, Situation
+from mission.onboard.serve.health import of_drive
 from mission.onboard.store import MemoryStore, Stored
 from protocol.messages import StateReport, Telemetry
 from protocol.state_frame import MOST
@@ -215,3 +216,24 @@ def test_what_serve_alone_sees_is_told_and_replayed_to_the_bit() -> None:
     pi.until(10.0)
     pi.told()
     assert replay(pi.recorder.records).identical
+
+
+def test_on_the_pi_what_a_silent_vehicle_said_grows_old_and_no_margin_is_told_of_it() -> None:
+    pi = Pi(gps=True)
+    pi.until(9.0)
+    for rx in pi.sea.gps_link.receive(pi.now):
+        pi.runtime.receive(rx, pi.now)
+    pi.until(10.0)
+    new = of_drive(pi.runtime, VEHICLE, pi.now)
+    assert new["sensors"]["depth"].why == ""
+    assert new["sensors"]["depth"].age_s <= 2.0
+    assert new["margins"]["depth"].left is not None
+    told_at = pi.now - new["sensors"]["depth"].age_s
+    old = of_drive(pi.runtime, VEHICLE, told_at + VEHICLE.stale_after + 0.1)
+    for name in ("depth", "heading", "battery"):
+        assert old["sensors"][name].why == "stale"
+        assert old["sensors"][name].age_s == pytest.approx(VEHICLE.stale_after + 0.1)
+        assert old["sensors"][name].value == new["sensors"][name].value
+    assert old["margins"]["depth"].left is None
+    later = old["sensors"]["fix_age"].value - new["sensors"]["fix_age"].value
+    assert later == pytest.approx(told_at + VEHICLE.stale_after + 0.1 - pi.now)

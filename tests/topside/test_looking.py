@@ -85,7 +85,8 @@ def test_no_answer_is_said() -> None:
 @pytest.mark.parametrize(
     ("value", "age", "why", "shown"),
     [
-        (3.2, 0.4, "", "3.20 m"),
+        (3.2, 0.4, "", "3.20 m, 0 s ago"),
+        (3.2, None, "", "3.20 m"),
         (3.2, 61.4, "stale", "STALE, 61 s old: last 3.20 m"),
         (None, None, "missing", "MISSING"),
         (None, 9.0, "stale", "STALE, 9 s old"),

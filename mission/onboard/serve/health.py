@@ -99,13 +99,16 @@ class Health:
     alarms: tuple[Alarm, ...]
 
 
-def of_drive(runtime: Runtime, vehicle: Vehicle) -> dict[str, Any]:
-    """The fields of Health that the runtime knows."""
+def of_drive(runtime: Runtime, vehicle: Vehicle, now: float) -> dict[str, Any]:
+    """The fields of Health that the runtime knows, ``now`` (s): readings are of the engine's last
+    step, and grow old though none comes."""
     engine = runtime.engine
     readings, bounds = engine.readings, engine.bounds
+    late = max(0.0, now - engine.core.now)
+    sensors = {name: _sensor(name, readings[name], late, vehicle) for name in _SHOWN}
 
     def known(name: str) -> float | None:
-        return _finite(readings[name].value) if readings[name].valid else None
+        return None if sensors[name].why else _finite(readings[name].value)
 
     elapsed, volts = engine.mission_time, known("battery")
     return {
@@ -128,7 +131,7 @@ def of_drive(runtime: Runtime, vehicle: Vehicle) -> dict[str, Any]:
                 bounds.voltage, volts, None if volts is None else volts - bounds.voltage, "V"
             ),
         },
-        "sensors": {name: _sensor(name, readings[name]) for name in _SHOWN},
+        "sensors": sensors,
     }
 
 
@@ -162,11 +165,16 @@ def _margin(bound: float, now: float | None, unit: str) -> Margin:
     return Margin(bound, now, None if now is None else bound - now, unit)
 
 
-def _sensor(name: str, reading: Reading) -> Sensor:
-    unit, value = VARIABLES[name].unit, _finite(reading.value)
-    if unit == "deg" and value is not None:
+def _sensor(name: str, reading: Reading, late: float, vehicle: Vehicle) -> Sensor:
+    """``late``: s since the reading was taken."""
+    row, value = VARIABLES[name], _finite(reading.value + late * VARIABLES[name].timed)
+    if row.unit == "deg" and value is not None:
         value = math.degrees(value)
-    return Sensor(value, unit, _finite(reading.age), reading.reason)
+    if row.max_age == math.inf:  # estimated on
+        return Sensor(value, row.unit, None, reading.reason)
+    age = reading.age + late
+    why = reading.reason or ("stale" if age > vehicle.stale_after else "")
+    return Sensor(value, row.unit, _finite(age), why)
 
 
 def _finite(value: float) -> float | None:
@@ -279,6 +287,6 @@ def sensed(sensor: Mapping[str, Any]) -> str:
     """What is not to be believed is no value of now: why, and how old it is."""
     value = "" if sensor["value"] is None else f"{sensor['value']:.2f} {sensor['unit']}"
     if not sensor["why"]:
-        return value
+        return value if sensor["age_s"] is None else f"{value}, {sensor['age_s']:.0f} s ago"
     age = "" if sensor["age_s"] is None else f", {sensor['age_s']:.0f} s old"
     return f"{sensor['why'].upper()}{age}{': last ' if value else ''}{value}"

@@ -351,7 +351,7 @@ class Server:
             up_s=time.monotonic() - self._began,
             wall=time.time(),
             links=health.of_ports(self._ports, self.now(), faults, dropped),
-            **health.of_drive(self._runtime, self._vehicle),
+            **health.of_drive(self._runtime, self._vehicle, self.now()),
             **health.of_box(self._recording.box),
             broken=self._alarms.broken,
             ascent_only=self._configuration.ascent_only,
