@@ -15,10 +15,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from filterpy.kalman import rts_smoother
 
+from mission.analysis.doubts import Spell, Timeline
 from mission.model import Position
 from mission.model.vehicle import Vehicle
 from mission.navigation.filter import Array, Filter, Motion
-from mission.navigation.health import SENSORS
 from mission.navigation.model import DEPTH, Figures, figures
 from mission.navigation.navigator import Navigation
 from protocol.messages import Aid, Fix, Telemetry
@@ -36,16 +36,6 @@ class FixSeen:
     residual: tuple[float, float]
     nis: float
     used: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Spell:
-    """A sensor that could not be believed, from ``begin`` to ``end``."""
-
-    sensor: str
-    begin: float
-    end: float
-    reason: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +140,7 @@ def smooth(
         raise ValueError("there is no fix: a track has no place")
     nav, tape = _taped(vehicle, origin, date, ordered[0].t)
     fixes: list[FixSeen] = []
-    sensors = _Timeline([name for name in SENSORS if name in vehicle.reports])
+    sensors = Timeline(vehicle.reports)
     depths: list[tuple[float, float, float]] = []
     for item in ordered:
         if isinstance(item, Fix):
@@ -159,7 +149,7 @@ def smooth(
             nav.aid(item)
         else:
             depths.append(_depth(nav, item))
-        sensors.look(nav, item.t)
+        sensors.look(nav.health, item.t)
     nodes = tape.finish()
     begin = tape.begins[0]
     states, covariances = _backward(nodes, tape.begins)
@@ -258,26 +248,3 @@ def _raw(
             places.append((estimate.north, estimate.east))
     found = np.array(places)
     return np.column_stack([np.interp(at, times, found[:, i]) for i in range(2)])
-
-
-class _Timeline:
-    """Collects spells of disbelief, sensor by sensor."""
-
-    def __init__(self, sensors: Sequence[str]) -> None:
-        self._sensors = sensors
-        self._open: dict[str, tuple[float, str]] = {}
-        self._closed: list[Spell] = []
-
-    def look(self, nav: Navigation, t: float) -> None:
-        for sensor in self._sensors:
-            reason = nav.health(sensor, t).reason
-            begin, was = self._open.get(sensor, (t, ""))
-            if reason == was:
-                continue
-            if was:
-                self._closed.append(Spell(sensor, begin, t, was))
-            self._open[sensor] = (t, reason)
-
-    def spells(self, end: float) -> tuple[Spell, ...]:
-        last = [Spell(s, begin, end, why) for s, (begin, why) in self._open.items() if why]
-        return tuple(sorted([*self._closed, *last], key=lambda s: (s.sensor, s.begin)))

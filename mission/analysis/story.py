@@ -13,10 +13,13 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any
 
+from mission.analysis.doubts import Doubts, lasting, summed
 from mission.analysis.ended import ended_by
 from mission.analysis.journal import restart
-from mission.analysis.unsaid import Unsaid
-from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Record, Step
+from mission.analysis.repeats import Again, Commands
+from mission.analysis.unsaid import SILENT_S, Unsaid
+from mission.engine.limits import LIMITS
+from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Record, Step
 from mission.model.regions import EMERGENCY
 from mission.model.shown import clock, duration
 from mission.onboard.blackbox import Gap
@@ -67,7 +70,8 @@ class _Told:
     """What one run of the program did, as it is gathered."""
 
     legs: list[_Leg] = field(default_factory=list)
-    commands: list[tuple[str, ...]] = field(default_factory=list)
+    commands: Commands = field(default_factory=Commands)
+    again: Again = field(default_factory=Again)
     refusals: list[tuple[str, ...]] = field(default_factory=list)
     alarms: list[tuple[str, ...]] = field(default_factory=list)
     least: dict[str, _Least] = field(default_factory=dict)
@@ -99,6 +103,8 @@ class Teller:
     def __init__(self, items: Iterable[Record | Gap]) -> None:
         self._told = _Told()
         self._derivation: Derivation | None = None
+        self._doubts: Doubts | None = None
+        self._flown: Chart | None = None  # the mission that was started last
         self._unsaid = Unsaid()
         self._breached: frozenset[str] | None = None  # limits; None: before the first are known
         self._end = 0.0
@@ -117,11 +123,13 @@ class Teller:
 
     def _take(self, record: Record) -> None:
         self._end = max(self._end, record.t)
-        if self._derivation is None:
+        if self._derivation is None or self._doubts is None:
             if record.kind != rec.START:
                 return
             self._derivation = Derivation(record)
+            self._doubts = Doubts(self._derivation.start.vehicle)
             self._begin(self._derivation.start)
+        self._doubts.receive(record)
         if record.kind == rec.STEP:
             self._step(rec.step_of(record.payload), self._derivation)
         elif record.kind == rec.TX:
@@ -129,11 +137,12 @@ class Teller:
         for message in self._derivation.receive(record):
             if message.topic == STATE:
                 self._look(message.t, message.value)
-            elif message.topic == JOURNAL and message.value["level"] > INFO:
-                self._alarm(message.t, message.value)
+            elif message.topic == JOURNAL:
+                self._journal(message.t, message.value)
             standing = self._derivation.standing
             origin = standing.origin if standing else None
-            self._told.says += self._unsaid.receive(message, origin)
+            believed = self._doubts.believes("depth", message.t)
+            self._told.says += self._unsaid.receive(message, origin, believed)
         if record.kind == rec.STANDING:
             self._stand(record.t, rec.read_standing(record))
 
@@ -151,7 +160,7 @@ class Teller:
         breached, before = frozenset(standing.breached), self._breached
         self._breached = breached
         for limit in sorted(breached - (breached if before is None else before)):
-            self._told.alarms.append((clock(t), "limit", f"{limit} is breached"))
+            self._told.alarms.append((clock(t), "limit", f"{limit} is breached{_bound(limit)}"))
 
     def _step(self, step: Step, derivation: Derivation) -> None:
         if step.event.startswith(REFUSED):
@@ -160,6 +169,7 @@ class Teller:
         if not step.entered:
             self._tell_again(step)
             return
+        self._told.again.end()
         path, told, chart = step.entered[-1], self._told, derivation.chart
         seen = [pair for evaluation in step.evaluations for pair in evaluation.values]
         words = ended_by(chart, step.trigger, seen) if chart else None
@@ -174,11 +184,11 @@ class Teller:
         self._state = path
 
     def _tell_again(self, step: Step) -> None:
-        """A limit that leads to no other state, but to words."""
+        """A limit that leads to no other state, but to words; an ascent that goes on."""
         for action in step.actions:
             what, _, why = action.partition(": ")
-            if why.startswith("limit "):
-                self._told.says.append(f"{clock(step.t)}: {why}; said again: {what}.")
+            if why.startswith("limit ") or self._state.startswith(EMERGENCY):
+                self._told.again.add(step.t, what, why, self._told.says)
 
     def _tell_state(self, step: Step, path: str, derivation: Derivation, because: str) -> None:
         told, chart = self._told, derivation.chart
@@ -186,6 +196,7 @@ class Teller:
         at = clock(step.t)
         if flies and not was_flying and chart is not None:
             verb = "went on" if self._state.startswith("manual") else "was started"
+            self._flown = chart
             name = f"{chart.mission.name} ({chart.digest[:8]})"
             told.says.append(f"{at}: the mission {name} {verb} by {step.event}.")
         elif path.startswith(EMERGENCY):
@@ -202,17 +213,20 @@ class Teller:
         tx = rec.read_tx(record)
         row = (clock(tx.t), frame_text(tx.data), tx.reason)
         if tx.link == VEHICLE:
-            self._told.commands.append(row)
+            self._told.commands.add(tx.t, *row[1:])
         elif tx.data.startswith(b"@ACK_") and tx.data.endswith(b"N$"):
             self._told.refusals.append((*row, f"{tx.link} {tx.address}".rstrip()))
 
-    def _alarm(self, t: float, said: Mapping[str, Any]) -> None:
-        if not said["message"].startswith("refused"):  # these have their own table
+    def _journal(self, t: float, said: Mapping[str, Any]) -> None:
+        if said["level"] <= INFO:
+            if said["name"] == "store" and t > 0.0:
+                self._told.says.append(f"{clock(t)}: {said['message']}.")
+        elif not said["message"].startswith("refused"):  # these have their own table
             self._told.alarms.append((clock(t), said["name"], said["message"]))
 
     def _look(self, t: float, state: Mapping[str, Any]) -> None:
         told, standing = self._told, self._derivation.standing if self._derivation else None
-        if not told.legs or standing is None:
+        if not self._under_way or standing is None:
             return
         told.deepest = max(told.deepest, state["depth_m"] or 0.0)
         if state["north_m"] is not None:
@@ -234,21 +248,37 @@ class Teller:
             return
         if told.commanders:
             told.says.append(f"Who commanded: {', '.join(told.commanders)}.")
-        if told.legs:
-            told.says += self._never_flown(self._derivation)
+        if self._under_way:
+            told.says += self._never_flown()
             told.says.append(
                 f"By its own reports it was {told.deepest:.1f} m deep at most, and by its own "
                 f"estimate {told.farthest:.0f} m from home."
             )
-        told.says += self._unsaid.at_last()
+        told.says += (*self._doubted(), *told.commands.in_vain(), *self._unsaid.at_last(self._end))
         told.says.append(f"The recording ends {clock(self._end)}, in {self._state or 'no state'}.")
         yield Chapter("What happened", tuple(told.says))
         yield from self._tables()
 
-    def _never_flown(self, derivation: Derivation) -> Iterator[str]:
-        if derivation.chart is None:
+    @property
+    def _under_way(self) -> bool:
+        """In this recording a leg was flown, or an emergency was there."""
+        return bool(self._told.legs) or self._state.startswith(EMERGENCY)
+
+    def _doubted(self) -> Iterator[str]:
+        told = self._doubts.spells(self._end) if self._doubts else ()
+        spells = [spell for spell in told if spell.sensor == "depth"]
+        if (lasted := lasting(spells)) >= SILENT_S:
+            reasons = ", ".join(dict.fromkeys(spell.reason for spell in spells))
+            when = f"between {clock(spells[0].begin)} and {clock(spells[-1].end)}"
+            yield (
+                f"Its depth was not to be believed ({reasons}) for {duration(round(lasted))} "
+                f"{when}: how deep it truly was then is not known."
+            )
+
+    def _never_flown(self) -> Iterator[str]:
+        if self._flown is None:
             return
-        legs = [s.path for s in derivation.chart.states if s.leg and s.path != IMPLICIT_SURFACE]
+        legs = [s.path for s in self._flown.states if s.leg and s.path != IMPLICIT_SURFACE]
         flown = {leg.path for leg in self._told.legs}
         never = [path.partition("/")[2] for path in legs if path not in flown]
         if never:
@@ -272,9 +302,20 @@ class Teller:
         parts: tuple[tuple[str, tuple[str, ...], Sequence[tuple[str, ...]], str], ...] = (
             ("Legs", ("leg", "from", "for", "ended by"), legs, "No leg was flown."),
             ("Limits", ("limit", "in force", "least left", "at"), limits, "None was in question."),
+            (
+                "Sensors",
+                ("sensor", "was", "from", "to", "times", "in all"),
+                summed(self._doubts.spells(self._end) if self._doubts else ()),
+                "Each could be believed at all times.",
+            ),
             ("Alarms", ("at", "of", "what"), told.alarms, "There was none."),
             ("Refusals", ("at", "answer", "why", "to"), told.refusals, "Nothing was refused."),
-            ("Commands to the vehicle", ("at", "frame", "why"), told.commands, "None was sent."),
+            (
+                "Commands to the vehicle",
+                ("at", "frame", "why"),
+                told.commands.rows(),
+                "None was sent.",
+            ),
         )
         for title, head, rows, none in parts:
             yield (
@@ -282,8 +323,17 @@ class Teller:
             )
 
 
+def _bound(limit: str) -> str:
+    """What it means, in words; of another version's limit nobody knows."""
+    return f": {LIMITS[limit].bound}" if limit in LIMITS else ""
+
+
 def _plain_reason(step: Step) -> str:
     """Of what is no edge of the mission: the reason that its command has, or what came in."""
     if step.actions:
         return step.actions[0].partition(": ")[2]
+    if step.trigger == "limit":
+        return f"limit {step.event}{_bound(step.event)}"
+    if step.trigger == "forgotten":
+        return "no M of the operator for too long"
     return step.event if step.trigger in ("", "load", "clear") else f"{step.trigger}, {step.event}"

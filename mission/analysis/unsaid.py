@@ -42,17 +42,26 @@ class Unsaid:
         self._state: Mapping[str, Any] = {}
         self._wet: _Wet | None = None
 
-    def receive(self, message: Message, origin: Position | None) -> Iterator[str]:
-        """``origin`` of the estimate's metres."""
+    def receive(
+        self, message: Message, origin: Position | None, believed: bool = True
+    ) -> Iterator[str]:
+        """``origin`` of the estimate's metres; ``believed``: the depth is."""
         if message.topic == STATE:
             self._state = message.value
         elif message.topic == TELEMETRY:
             yield from self._report(message.t, message.value["depth_m"])
         elif message.topic == FIX:
-            yield from self._fix(message.t, message.value, origin)
+            yield from self._fix(message.t, message.value, origin, believed)
 
-    def at_last(self) -> Iterator[str]:
-        """What can only be told of the whole."""
+    def at_last(self, end: float) -> Iterator[str]:
+        """What can only be told of the whole, which ends there."""
+        if self._reported is None:
+            yield "The vehicle never reported."
+        elif end - self._reported > SILENT_S:
+            yield (
+                f"The vehicle's last report came {clock(self._reported)}, "
+                f"{duration(round(end - self._reported))} before the recording ends."
+            )
         if self._wet is not None:
             wet = self._wet
             yield (
@@ -65,16 +74,19 @@ class Unsaid:
         if before is not None and t - before > SILENT_S:
             yield f"{clock(t)}: the first report of the vehicle in {duration(round(t - before))}."
 
-    def _fix(self, t: float, fix: Mapping[str, Any], origin: Position | None) -> Iterator[str]:
-        if self._depth is not None and self._depth > DEEP_M:
+    def _fix(
+        self, t: float, fix: Mapping[str, Any], origin: Position | None, believed: bool
+    ) -> Iterator[str]:
+        if believed and self._depth is not None and self._depth > DEEP_M:
             wet = self._wet or _Wet(0, t, t)
             self._wet = _Wet(wet.count + 1, wet.first, t)
             return
         before, self._fixed = self._fixed, t
         north, east = self._state.get("north_m"), self._state.get("east_m")
-        if before is None or t - before < ALONE_S or origin is None:
+        if t - (before or 0.0) < ALONE_S:
             return
-        if north is None or east is None:
+        if before is None or origin is None or north is None or east is None:
+            yield f"{clock(t)}: the first fix in {duration(round(t - (before or 0.0)))}."
             return
         place = (math.radians(fix[name]) for name in ("latitude_deg", "longitude_deg"))
         away = math.dist(LocalFrame(origin).to_local(*place), (north, east))

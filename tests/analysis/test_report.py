@@ -6,19 +6,23 @@ import json
 import re
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 from matplotlib.figure import Figure
 
+from mission.analysis.doubts import Spell
 from mission.analysis.journal import recordings
 from mission.analysis.report.dive import Dive
+from mission.analysis.report.figures import Picture, map_of, pictures_of
 from mission.analysis.report.map import _scale, draw_map
 from mission.analysis.story import story
 from mission.commands.report import report
 from mission.commands.simulate import simulate
-from mission.model import Record, Tx
+from mission.model import Position, Record, Tx
+from mission.model.shipped import load_vehicle
 from mission.onboard.blackbox import BlackBox, close_recording, notes_of
 from mission.onboard.runtime.records import tx_record
 
@@ -212,6 +216,46 @@ def test_scale_graticule_and_every_leg_are_on_the_map(drawn: tuple[Figure, Dive]
         assert at == pytest.approx(degrees, abs=1e-6)
     legend = [text.get_text() for text in axes.get_legend().get_texts()]
     assert all(any(leg in row for row in legend) for leg in {s.leg for s in dive.stays()})
+
+
+def test_the_caption_of_the_map_names_a_plan_only_where_a_leg_steers_to_places() -> None:
+    dive = Dive(load_vehicle("auv"), 0.0, origin=Position(30.0, 120.0))
+    dive.plan = [feature("radius", [[120.0, 30.0], [120.001, 30.0]])]
+    assert "plan" not in map_of(dive).caption
+    dive.plan.append(feature("goto", [[120.0, 30.0], [120.0, 30.001]]))
+    assert map_of(dive).caption.startswith("Map: plan, estimated track by legs.")
+
+
+def feature(name: str, places: list[list[float]]) -> dict[str, Any]:
+    form = {"type": "LineString", "coordinates": places}
+    return {"geometry": form, "properties": {"name": name, "what": name}}
+
+
+def test_a_depth_that_was_not_to_be_believed_is_hatched_and_the_caption_says_so() -> None:
+    dive = Dive(load_vehicle("auv"), 0.0)
+    dive.states = [
+        {"t": t, "depth_m": 2.0, "leg": "dive", "north_m": None}
+        | dict.fromkeys(("to_depth_m", "to_radius_m", "to_time_s", "to_voltage_v"))
+        for t in (0.0, 50.0, 100.0)
+    ]
+    dive.telemetry = []
+    (depth, *_) = pictures_of(dive)
+    assert (depth.name, hatched(depth)) == ("depth", [])
+    assert "Hatched" not in depth.caption
+    dive.spells = [Spell("depth", 20.0, 60.0, "frozen"), Spell("heading", 5.0, 9.0, "frozen")]
+    (depth, *_) = pictures_of(dive)
+    assert hatched(depth) == [(20.0, 60.0)]
+    assert "Hatched: it was not to be believed." in depth.caption
+
+
+def hatched(picture: Picture) -> list[tuple[float, float]]:
+    axes = Figure().subplots(1, 1)
+    picture.draw([axes])
+    return [
+        (patch.get_x(), patch.get_x() + patch.get_width())
+        for patch in axes.patches
+        if patch.get_hatch()
+    ]
 
 
 def test_a_recording_without_a_fix_has_a_page_and_says_so(tmp_path: Path) -> None:

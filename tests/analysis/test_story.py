@@ -12,6 +12,7 @@ from click.testing import CliRunner, Result
 
 from links.simulated.settings import parse_settings
 from mission.analysis.journal import Wanted, follow, recordings, restart
+from mission.analysis.repeats import Commands
 from mission.analysis.story import Chapter, Table, story
 from mission.analysis.tell import as_html, as_markdown, as_text
 from mission.analysis.unsaid import Unsaid
@@ -19,6 +20,7 @@ from mission.authoring.prepare import prepare
 from mission.commands.log import log
 from mission.commands.story import story as story_command
 from mission.model import Position, Record, Tx
+from mission.model.shown import clock
 from mission.onboard.blackbox import BlackBox, Gap
 from mission.onboard.runtime.records import ListRecorder, tx_record
 from mission.onboard.stream.derived import Message
@@ -92,7 +94,7 @@ def test_a_refused_leg_is_told_as_cut_short_with_the_word_and_what_was_never_flo
 def test_a_limit_that_leads_to_words_alone_is_told() -> None:
     text = as_text("dive", story([flown("fault=stm32_restart@40")]))
     assert "limit brown-out: all thrusters neutral while thrust is set; said again: surge" in text
-    assert "limit  brown-out is breached" in text
+    assert "limit  brown-out is breached: all thrusters neutral while thrust is set" in text
     assert "never flown" not in text
 
 
@@ -107,6 +109,80 @@ def test_the_depth_of_an_emergency_counts() -> None:
     assert f"it was {max(depths):.1f} m deep at most" in text
     left = next(row for row in chapter(story([records]), "Limits").rows if row[0] == "depth")
     assert left[2] == f"{10.0 - max(depths):.1f} m"
+
+
+@pytest.fixture(scope="module")
+def frozen() -> list[Record]:
+    """Its depth freezes, it answers no U, and nothing else is wrong."""
+    return flown("fault=depth_frozen@40+2000", "fault=deaf_to_u@0+2000")
+
+
+def test_a_sensor_that_could_not_be_believed_is_told_with_what_it_was_and_when(
+    frozen: list[Record],
+) -> None:
+    chapters = story([frozen])
+    sensor, was, begin, end, times, lasted = chapter(chapters, "Sensors").rows[0]
+    assert (sensor, was, times) == ("depth", "frozen", "1")
+    assert 40.0 <= seconds(begin) <= 52.0
+    assert seconds(end) == pytest.approx(frozen[-1].t, abs=2.0)
+    assert float(lasted.split()[0]) == pytest.approx(seconds(end) - seconds(begin), abs=1.0)
+    assert f"Its depth was not to be believed (frozen) for {lasted} between {begin} and {end}" in (
+        as_text("dive", chapters)
+    )
+
+
+def seconds(clock: str) -> float:
+    minutes, _, rest = clock.partition(":")
+    return 60.0 * int(minutes) + float(rest)
+
+
+def test_a_word_that_the_vehicle_does_not_answer_is_told_with_how_often(
+    frozen: list[Record],
+) -> None:
+    rows = chapter(story([frozen]), "Commands to the vehicle").rows
+    thrice = [row for row in rows if row[1] == "@ZAU12$" and row[2].endswith("(try 3 of 3)")]
+    assert len(thrice) > 1
+    often = f"{len(thrice)} times from {thrice[0][0]} to {thrice[-1][0]}"
+    text = as_text("dive", story([frozen]))
+    assert f"@ZAU12$ took all of its 3 tries {often}: no answer to the others." in text
+
+
+def test_an_ascent_that_goes_on_is_told_once_with_all_that_it_tried(frozen: list[Record]) -> None:
+    says = story([frozen])[0].says
+    (again,) = [line for line in says if "said again" in line]
+    assert re.search(
+        r"in turn: everything stopped, emergency surfacing, surge 0 heave -1\.$", again
+    )
+    assert again.count("after 10 s") == 0
+
+
+def test_what_is_held_is_told_once_with_how_often_it_was_said() -> None:
+    commands = Commands()
+    for t in range(4):
+        commands.add(float(t), "01 02", "entry of dive" + (" (held)" if t else ""))
+    commands.add(4.0, "03", "entry of up")
+    assert commands.rows() == [
+        ("0:00.0", "01 02", "entry of dive (4 times, until 0:03.0)"),
+        ("0:04.0", "03", "entry of up"),
+    ]
+
+
+def test_a_mission_that_is_cleared_is_told_and_its_legs_that_were_never_flown_as_well() -> None:
+    (items,) = recordings([SHORT])
+    told_before = as_text("dive", story([items]))
+    assert "never flown" in told_before
+    last = max(item.t for item in items if isinstance(item, Record))
+    nothing = Record(last + 1.0, "mission", b'{"digest":"","lines":[]}')
+    text = as_text("dive", story([[*items, nothing]]))
+    assert f"{clock(last + 1.0)}: no mission is stored." in text
+    never = re.search(r"Legs of the mission that were never flown: .*", told_before)
+    assert never
+    assert never[0] in text
+
+
+def test_the_depth_of_an_ascent_after_a_restart_counts() -> None:
+    (items,) = recordings([AGAIN])
+    assert "By its own reports it was" in as_text("dive", story([items]))
 
 
 def of_report(t: float, depth: float | None) -> Message:
@@ -132,14 +208,37 @@ def test_a_silence_of_the_vehicle_and_the_first_fix_after_a_dive_are_told() -> N
         "1:35.5: the first report of the vehicle in 90 s.",
         "1:40.0: the first fix in 99 s lay 50 m from where it took itself to be, 95 % sure within 61 m.",
     ]
-    assert list(unsaid.at_last()) == []
+    assert list(unsaid.at_last(100.0)) == []
+
+
+def test_a_vehicle_that_says_nothing_more_is_told_with_its_last_report() -> None:
+    unsaid = Unsaid()
+    assert list(unsaid.at_last(9.0)) == ["The vehicle never reported."]
+    list(unsaid.receive(of_report(10.0, 1.0), None))
+    assert list(unsaid.at_last(12.0)) == []
+    (said,) = unsaid.at_last(70.0)
+    assert said == "The vehicle's last report came 0:10.0, 60 s before the recording ends."
+
+
+def test_a_first_fix_that_comes_late_is_told_though_there_was_none_before() -> None:
+    unsaid = Unsaid()
+    assert list(unsaid.receive(of_fix(80.0, 30.0, 120.0), None)) == [
+        "1:20.0: the first fix in 80 s."
+    ]
+
+
+def test_fixes_under_a_depth_that_is_not_believed_are_not_told_as_made_up() -> None:
+    unsaid = Unsaid()
+    for message in (of_report(0.0, 9.0), of_fix(1.0, 30.0, 120.0)):
+        assert list(unsaid.receive(message, None, believed=False)) == []
+    assert list(unsaid.at_last(2.0)) == []
 
 
 def test_fixes_from_under_water_are_told_as_such() -> None:
     unsaid, home = Unsaid(), Position(30.0, 120.0)
     for message in (of_report(0.0, 9.0), of_fix(1.0, 30.0, 120.0), of_fix(70.0, 30.0, 120.0)):
         assert list(unsaid.receive(message, home)) == []
-    (said,) = unsaid.at_last()
+    _, said = unsaid.at_last(70.0)
     assert said.startswith("2 fixes came from more than 2 m of depth, from 0:01.0 to 1:10.0")
 
 

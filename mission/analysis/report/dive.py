@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from mission.analysis.doubts import Doubts, Spell
 from mission.analysis.journal import recordings, start_of
 from mission.analysis.smoothing import Track, smooth
 from mission.model import Position, Record
@@ -53,6 +54,7 @@ class Dive:
     covariances: list[tuple[float, Array]] = field(default_factory=list)  # of north and east, m^2
     standing: list[rec.Standing] = field(default_factory=list)
     plan: list[dict[str, Any]] = field(default_factory=list)
+    spells: Sequence[Spell] = ()  # of sensors that could not be believed
     smoothed: Track | None = None
 
     def series(self, values: Sequence[Mapping[str, Any]], name: str) -> tuple[Array, Array]:
@@ -103,14 +105,17 @@ class Dive:
             raise ValueError("there is no whole start record, so nothing says what vehicle it is")
         derivation = Derivation(start)
         dive = cls(derivation.start.vehicle, derivation.start.wall, items=items)
-        senses = Senses(derivation.start.vehicle)
-        sensed = []
+        senses, doubts = Senses(derivation.start.vehicle), Doubts(derivation.start.vehicle)
+        sensed, end = [], 0.0
         for record in (item for item in items if isinstance(item, Record)):
             sensed += senses.hear(record)
+            doubts.receive(record)
+            end = max(end, record.t)
             for message in derivation.receive(record):
                 dive._take(message, derivation)
             if record.kind == rec.STANDING:
                 dive.standing.append(rec.read_standing(record))
+        dive.spells = doubts.spells(end)
         if dive.fixes:
             dive.smoothed = smooth(sensed, vehicle or dive.vehicle, dive.origin)
         return dive

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from mission.analysis.drawing import draw_quality, timed
 from mission.analysis.report.dive import Dive
-from mission.analysis.report.map import draw_map, marks_of, plain
+from mission.analysis.report.map import draw_map, marks_of, plain, planned
 from mission.analysis.report.words import simulated
 
 if TYPE_CHECKING:
@@ -45,7 +45,9 @@ def pictures_of(dive: Dive) -> Iterator[Picture]:
     if any(state["north_m"] is not None for state in dive.states):
         yield map_of(dive)
     if dive.states:
-        caption = "Depth, with the legs."
+        caption = "Depth as the vehicle took it to be, with the legs."
+        if any(spell.sensor == "depth" for spell in dive.spells):
+            caption += " Hatched: it was not to be believed."
         yield Picture("depth", caption, 1, (9, 3), lambda axes: _depth(axes[0], dive))
     known = [(n, u) for n, u in _MARGINS if any(s[n] is not None for s in dive.states)]
     if known:
@@ -63,10 +65,10 @@ def pictures_of(dive: Dive) -> Iterator[Picture]:
 
 def map_of(dive: Dive) -> Picture:
     of = f" ({words})" if (words := simulated(dive)) else ""
-    caption = (
-        f"Map: plan, estimated track by legs, smoothed track, fixes{of}. "
-        "95 % ellipses that would bury the track are left out."
-    )
+    shown = ["plan"] if planned(dive) else []
+    shown += ["estimated track by legs"]
+    shown += ["smoothed track", "fixes"] if dive.smoothed is not None else []
+    caption = f"Map: {', '.join(shown)}{of}. 95 % ellipses that would bury the track are left out."
     return Picture("map", caption, 1, (8.5, 6.5), lambda axes: draw_map(axes[0], dive), "tight")
 
 
@@ -115,6 +117,9 @@ def _depth(axes: Axes, dive: Dive) -> None:
                   ha="center", transform=axes.get_xaxis_transform())  # fmt: skip
     t, depth = dive.series(dive.states, "depth_m")
     axes.plot(t, depth, color="#222222", lw=1.0)
+    for spell in dive.spells:
+        if spell.sensor == "depth":
+            axes.axvspan(spell.begin, spell.end, fill=False, hatch="///", ec="#cc3311", lw=0)
     for mark in marks.values():
         axes.plot([], [], color=mark.colour, lw=5, label=mark.label)
     axes.invert_yaxis()
@@ -128,8 +133,9 @@ def _depth(axes: Axes, dive: Dive) -> None:
 def _margins(axes: Sequence[Axes], dive: Dive, known: Rows) -> None:
     for one, (name, unit) in zip(axes, known, strict=True):
         one.plot(*dive.series(dive.states, name), color="#2b5c8a", lw=1.0)
+        one.set_xlim(dive.states[0]["t"], max(dive.states[-1]["t"], dive.states[0]["t"] + 1.0))
         one.axhline(0.0, color="#cc3311", lw=0.8)
-        _dress(one, f"{name.removeprefix('to_').rpartition('_')[0]}, {unit}")
+        _dress(one, f"to {name.removeprefix('to_').rpartition('_')[0]}, {unit}")
     timed(axes)
 
 

@@ -72,8 +72,19 @@ def draw_map(axes: Axes, dive: Dive) -> None:
     axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
 
 
+def planned(dive: Dive) -> list[list[Point]]:
+    """The lines of its legs; none where no leg steers to places."""
+    if dive.origin is None:
+        return []
+    lines = [
+        feature["geometry"]["coordinates"]
+        for feature in dive.plan
+        if feature["geometry"]["type"] == "LineString" and feature["properties"]["name"] != "radius"
+    ]
+    return [[dive.local(latitude, longitude) for longitude, latitude in line] for line in lines]
+
+
 def _plan(axes: Axes, dive: Dive) -> list[list[Point]]:
-    drawn: list[list[Point]] = []
     for feature in dive.plan:
         form, said = feature["geometry"], feature["properties"]
         if dive.origin is not None and form["type"] == "Polygon":
@@ -83,13 +94,10 @@ def _plan(axes: Axes, dive: Dive) -> list[list[Point]]:
             axes.plot(
                 *_columns(ring), "-.", color=_AREA, lw=0.9, label=plain(said["what"]), zorder=1
             )
-        if dive.origin is None or form["type"] != "LineString" or said["name"] == "radius":
-            continue
-        line = [dive.local(latitude, longitude) for longitude, latitude in form["coordinates"]]
-        label = "" if drawn else "plan"
-        axes.plot(*_columns(line), "--", color=_PLAN, lw=0.9, label=label, zorder=1)
-        drawn.append(line)
-    return drawn
+    lines = planned(dive)
+    for i, line in enumerate(lines):
+        axes.plot(*_columns(line), "--", color=_PLAN, lw=0.9, label="" if i else "plan", zorder=1)
+    return lines
 
 
 def _track(axes: Axes, dive: Dive, t: Array, places: Array) -> None:

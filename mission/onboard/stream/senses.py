@@ -15,7 +15,7 @@ from protocol.nmea import NmeaDecoder
 from protocol.vehicles import codec
 
 Sensed = Telemetry | Fix | Aid
-_CLOCKS = frozenset({rec.RX, rec.TIMER})
+CLOCKS = frozenset({rec.RX, rec.TIMER})  # kinds that tell the time
 
 
 class Senses:
@@ -26,7 +26,7 @@ class Senses:
         self._added = AddedDecoder()
 
     def hear(self, record: Record) -> list[Sensed]:
-        if record.kind not in _CLOCKS:
+        if record.kind not in CLOCKS:
             return []
         now, found = rec.read_time(record), list[object]()
         for decoder in (self._board, self._gps):

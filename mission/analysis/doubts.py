@@ -1,0 +1,99 @@
+"""Which sensors could not be believed, and when: by the health that flew, over what came in.
+
+    records --Doubts--> spells of disbelief, sensor by sensor
+
+What the engine alone knows, how it pushed, is not asked here: a depth that only thrust contradicts
+looks well. What does not live here: what health is (navigation.health).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+from mission.model import Health, Record
+from mission.model.shown import clock, duration
+from mission.model.vehicle import Vehicle
+from mission.navigation.health import SENSORS, SensorHealth
+from mission.onboard.stream.senses import CLOCKS, Senses
+from protocol.messages import Fix, Telemetry
+
+_BLINK_S = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Spell:
+    """A sensor that could not be believed, from ``begin`` to ``end``."""
+
+    sensor: str
+    begin: float
+    end: float
+    reason: str
+
+
+class Timeline:
+    """Collects spells, sensor by sensor."""
+
+    def __init__(self, sensors: Iterable[str]) -> None:
+        self._sensors = [name for name in SENSORS if name in sensors]
+        self._open: dict[str, tuple[float, str]] = {}
+        self._closed: list[Spell] = []
+
+    def look(self, health: Callable[[str, float], Health], t: float) -> None:
+        for sensor in self._sensors:
+            reason = health(sensor, t).reason
+            begin, was = self._open.get(sensor, (t, ""))
+            if reason == was:
+                continue
+            if was:
+                self._closed.append(Spell(sensor, begin, t, was))
+            self._open[sensor] = (t, reason)
+
+    def spells(self, end: float) -> tuple[Spell, ...]:
+        last = [Spell(s, begin, end, why) for s, (begin, why) in self._open.items() if why]
+        return tuple(sorted([*self._closed, *last], key=lambda s: (s.sensor, s.begin)))
+
+
+class Doubts:
+    """Of one run of the program, from its first report on."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self._senses = Senses(vehicle)
+        self._health = SensorHealth(vehicle.reports, vehicle.stale_after)
+        self._timeline = Timeline(vehicle.reports - {"position"})
+        self._heard = False
+
+    def receive(self, record: Record) -> None:
+        """What comes no more is stale. Before the first report there is no doubt."""
+        for sensed in self._senses.hear(record):
+            if isinstance(sensed, Telemetry):
+                self._health.telemetry(sensed)
+                self._heard = True
+            elif isinstance(sensed, Fix):
+                self._health.fix(sensed)
+        if self._heard and record.kind in CLOCKS:
+            self._timeline.look(self._health.of, record.t)
+
+    def believes(self, sensor: str, t: float) -> bool:
+        return self._health.of(sensor, t).valid
+
+    def spells(self, end: float) -> Sequence[Spell]:
+        return self._timeline.spells(end)
+
+
+def summed(spells: Iterable[Spell]) -> list[tuple[str, ...]]:
+    """Rows of a table: sensor, what it was, from, to, how often, s in all. Blinks are left out."""
+    found: dict[tuple[str, str], list[Spell]] = {}
+    for spell in spells:
+        found.setdefault((spell.sensor, spell.reason), []).append(spell)
+    rows: list[tuple[str, ...]] = []
+    for (sensor, reason), some in found.items():
+        if (total := lasting(some)) >= _BLINK_S:
+            first, last = clock(some[0].begin), clock(some[-1].end)
+            rows.append((sensor, reason, first, last, str(len(some)), duration(round(total))))
+    return rows
+
+
+def lasting(spells: Iterable[Spell]) -> float:
+    """s in all."""
+    return sum(spell.end - spell.begin for spell in spells)
