@@ -42,7 +42,8 @@ FIRST_FORM = Path(__file__).parents[1] / "analysis" / "recorded" / "begun-again.
 
 @pytest.fixture(scope="module")
 def growing(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return recorded(tmp_path_factory.mktemp("others") / "growing.mcap", "harbour-survey.yaml")
+    path = tmp_path_factory.mktemp("others") / "growing.mcap"
+    return recorded(path, "harbour-survey.yaml", "speed_log=0.05")
 
 
 @pytest.fixture(scope="module")

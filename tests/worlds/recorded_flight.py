@@ -14,11 +14,11 @@ CURRENT = "current=0.2@70"
 NOTES = {"seed": "5", "sea": CURRENT}
 
 
-def recorded(path: Path, mission: str) -> Path:
+def recorded(path: Path, mission: str, *settings: str) -> Path:
     """``mission``: a file of missions/. The box is closed, its parts are not."""
     prepared = prepare(missions_folder() / mission)
     box = BlackBox(path, wall=1.75e9)
     fly(prepared.mission, prepared.vehicle, seed=int(NOTES["seed"]),
-        settings=parse_settings([CURRENT]), recorder=box)  # fmt: skip
+        settings=parse_settings([CURRENT, *settings]), recorder=box)  # fmt: skip
     box.close()
     return path
