@@ -16,7 +16,8 @@ import time
 from pathlib import Path
 
 from links.simulated.link import PROFILES, SimulatedVehicle
-from links.simulated.process import PORTS, position, serve
+from links.simulated.process import position, serve
+from links.simulated.pty import ports
 from links.simulated.settings import SettingError, parse_settings
 
 
@@ -31,8 +32,7 @@ def main() -> int:
     vehicle = SimulatedVehicle(options.profile, options.seed, settings, position=place)
 
     def ready(*paths: str) -> None:
-        ports = dict(zip(PORTS, paths, strict=False))
-        said = {**ports, "wall": time.time()}
+        said = {**dict(zip(ports(vehicle), paths, strict=True)), "wall": time.time()}
         sys.stdout.write(json.dumps(said) + "\n")
         sys.stdout.flush()
 

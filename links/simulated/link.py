@@ -13,6 +13,7 @@ What does not live here: real time (pty.py).
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import UTC, datetime
 from math import atan2, cos, hypot, inf, pi, radians, sin
 from random import Random
@@ -108,6 +109,8 @@ class SimulatedVehicle:
             self.stm32.splice = self.settings.splice
         self.usual_splice = self.stm32.splice
         self.gps = GpsReceiver(self.settings.errors, rng, start, self.settings.sentences)
+        self.second_gps = _second_gps(self.settings, seed, start)
+        self.second_link = None if self.second_gps is None else SecondLink(self, self.second_gps)
         self.added = AddedSensors(self.settings.added, seed) if self.settings.added else None
         self.added_link = None if self.added is None else AddedLink(self, self.added)
         speed, direction = sea.current
@@ -177,6 +180,9 @@ class SimulatedVehicle:
         self.gps.powered = self.stm32.power[2]
         self.track.append(self._truth(now, place, velocity))
         self.gps.report(now, plant.depth, place, velocity)
+        if self.second_gps is not None:
+            self.second_gps.powered = self.gps.powered
+            self.second_gps.report(now, plant.depth, place, velocity)
         if self.added is not None:
             self.added.report(now, plant, place)
 
@@ -308,6 +314,35 @@ class GpsLink(_Side):
 
     def next_event(self) -> float | None:
         queue = self._vehicle.gps.queue
+        return queue[0].end if queue else self._vehicle.epoch_through
+
+
+def _second_gps(settings: Settings, seed: int, start: datetime) -> GpsReceiver | None:
+    """With draws of its own, so that without it nothing else is different."""
+    if settings.second_gps is None:
+        return None
+    errors = replace(settings.errors, fix_noise=settings.second_gps)
+    return GpsReceiver(errors, Random(f"gps2 {seed}"), start, settings.sentences)
+
+
+class SecondLink(_Side):
+    """The line of a second receiver."""
+
+    name = "gps2"
+
+    def __init__(self, vehicle: SimulatedVehicle, receiver: GpsReceiver) -> None:
+        super().__init__(vehicle)
+        self._receiver = receiver
+
+    def receive(self, now: float) -> list[Rx]:
+        self._reach(now)
+        return self._received(self._receiver.take(now))
+
+    def send(self, data: bytes, now: float, address: str = "") -> None:
+        self._reach(now)
+
+    def next_event(self) -> float | None:
+        queue = self._receiver.queue
         return queue[0].end if queue else self._vehicle.epoch_through
 
 

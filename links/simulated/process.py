@@ -15,8 +15,6 @@ from links.simulated.bus import run_on_bus
 from links.simulated.link import HOME, Truth
 from links.simulated.pty import Simulated, run_on_ptys
 
-PORTS = ("vehicle", "gps", "sensors")  # the lines of a vehicle, in the order of its paths
-
 
 def serve(
     vehicle: Simulated, speed: float, ready: Callable[..., None], track: Path | None = None

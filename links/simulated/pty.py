@@ -43,21 +43,26 @@ Simulated = SimulatedVehicle | SimulatedBoard
 class Wire:
     """One line of a vehicle. ``hear``: who takes what comes in on it, None: nobody."""
 
+    name: str
     queue: deque[Chunk]
     byte_time: float  # s
     hear: Callable[[bytes, float], None] | None
 
 
 def wires(vehicle: Simulated) -> tuple[Wire, ...]:
-    """That of the board, of the GPS receiver where there is one, and of sensors that were added."""
+    """That of the board, of GPS receivers where there are any, and of sensors that were added."""
     if isinstance(vehicle, SimulatedBoard):
-        return (Wire(vehicle.queue, boards.BYTE_TIME, vehicle.vehicle_link.send),)
-    added = () if vehicle.added is None else (Wire(vehicle.added.queue, uart.BYTE_TIME, None),)
+        return (Wire("vehicle", vehicle.queue, boards.BYTE_TIME, vehicle.vehicle_link.send),)
+    said = {"gps": vehicle.gps, "sensors": vehicle.added, "gps2": vehicle.second_gps}
     return (
-        Wire(vehicle.stm32.tx.queue, uart.BYTE_TIME, vehicle.vehicle_link.send),
-        Wire(vehicle.gps.queue, uart.BYTE_TIME, None),
-        *added,
+        Wire("vehicle", vehicle.stm32.tx.queue, uart.BYTE_TIME, vehicle.vehicle_link.send),
+        *(Wire(n, one.queue, uart.BYTE_TIME, None) for n, one in said.items() if one is not None),
     )
+
+
+def ports(vehicle: Simulated) -> tuple[str, ...]:
+    """The names of its lines, in the order of the paths."""
+    return tuple(wire.name for wire in wires(vehicle))
 
 
 @dataclass(slots=True)
@@ -194,7 +199,7 @@ def run_on_ptys(
     until: float | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> None:
-    """Open the pseudo-terminals, say their paths (board, GPS, added) to ``ready``, and run."""
+    """Open the pseudo-terminals, say their paths (as ``ports``) to ``ready``, and run."""
     with PtyVehicle(vehicle, speed) as served:
         ready(*served.paths)
         served.run(until, stop)

@@ -46,6 +46,7 @@ class Settings:
     faults: tuple[FaultEvent, ...] = ()
     splice: float | None = None  # chance; None: as the profile says
     added: Fitted = field(default_factory=Fitted)
+    second_gps: float | None = None  # m: noise of a second receiver; None: it is not there
     sentences: tuple[str, ...] = ("GGA", "RMC")  # what the GPS receiver says every second
 
 
@@ -126,6 +127,10 @@ def _beacon(settings: Settings, text: str) -> Settings:
     return replace(settings, added=added)
 
 
+def _second(settings: Settings, text: str) -> Settings:
+    return replace(settings, second_gps=_number(text, 0.0, 100.0))
+
+
 def _lie(settings: Settings, text: str) -> Settings:
     lie, at, begin = text.partition("@")
     if not at or lie not in LIES:
@@ -198,6 +203,7 @@ SETTINGS: dict[str, Setting] = {
     "ranges": Setting("M", "sigma; ranges to beacons, one every 5 s", _fitted("ranges")),
     "beacon": Setting("NUMBER@LAT,LON,DEPTH", "where one truly is; may be given again", _beacon),
     "gyro": Setting("DEG/S", "sigma, and bias; an added gyroscope", _fitted("gyro", radians(1.0))),
+    "second_gps": Setting("M", "sigma; a second GPS receiver, without faults", _second),
     "added_lie": Setting("HOW@BEGIN", f"added sensors: {', '.join(LIES)}", _lie),
     "first_fix": Setting("S", "after power-on", _errors("first_fix", 1.0)),
     "buoyancy": Setting("N", "net, upward", _buoyancy),

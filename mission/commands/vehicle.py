@@ -60,7 +60,8 @@ def vehicle(
     """
     from links.base import LinkError
     from links.simulated.boards import ON_BUS, SimulatedBoard
-    from links.simulated.process import PORTS, position, serve, serve_on_bus
+    from links.simulated.process import position, serve, serve_on_bus
+    from links.simulated.pty import ports as ports_of
     from links.simulated.settings import SettingError
 
     try:
@@ -73,7 +74,11 @@ def vehicle(
     config = _room(where)
 
     def ready(*paths: str) -> None:
-        ports = _plugged(where, paths) if not on_bus else {"vehicle": _on_bus(bus or BUS, paths)}
+        ports = (
+            _plugged(where, ports_of(made), paths)
+            if not on_bus
+            else {"vehicle": _on_bus(bus or BUS, paths)}
+        )
         viewers = port + 1 if 0 < port < 65535 else 0
         urls = {"gps": None, **ports, "topside": f"tcp://127.0.0.1:{port}", "modem": modem,
                 "monitor": f"tcp-listen://127.0.0.1:{viewers}"}  # fmt: skip
@@ -89,7 +94,7 @@ def vehicle(
         click.echo(str(error), err=True)
         raise SystemExit(1) from None
     finally:
-        for label in PORTS:
+        for label in ports_of(made):
             (where / label).unlink(missing_ok=True)
     if told == signal.SIGINT:
         raise KeyboardInterrupt
@@ -125,12 +130,10 @@ def _on_bus(bus: str, paths: tuple[str, ...]) -> str:
     return "".join((bus, *(f"{'&' if '?' in bus else '?'}sensors={path}" for path in paths)))
 
 
-def _plugged(folder: Path, paths: tuple[str, ...]) -> dict[str, str]:
+def _plugged(folder: Path, names: tuple[str, ...], paths: tuple[str, ...]) -> dict[str, str]:
     """The ports under names that stay."""
     ports = {}
-    from links.simulated.process import PORTS
-
-    for label, path in zip(PORTS, paths, strict=False):
+    for label, path in zip(names, paths, strict=True):
         (folder / label).unlink(missing_ok=True)
         (folder / label).symlink_to(path)
         ports[label] = f"serial://{folder / label}"

@@ -59,6 +59,7 @@ class LinkUrls:
     modem: str | None = None
     monitor: str | None = "tcp-listen://127.0.0.1:4001"
     sensors: str | None = field(default=None, metadata=UNSAID)
+    gps2: str | None = field(default=None, metadata=UNSAID)
 
 
 _NO_TOLERANCES: Mapping[str, str] = {}

@@ -1,7 +1,7 @@
 """How fast each serial port is opened: at its own URL's rate, else at that of its role.
 
     vehicle   the rate of its document, or the key ``baud`` of its vehicle file's ``wire``
-    gps       9600 bit/s (NMEA 0183 receivers)
+    gps       9600 bit/s (NMEA 0183 receivers), gps2 as well
     sensors   9600 bit/s
     modem     115200 bit/s (document 000)
 
@@ -29,6 +29,7 @@ def rated(configuration: Configuration, vehicle: Vehicle) -> Configuration:
         links,
         vehicle=at_rate(links.vehicle, line_rate(vehicle.codec, vehicle.wire)),
         gps=None if links.gps is None else at_rate(links.gps, GPS_BAUD),
+        gps2=None if links.gps2 is None else at_rate(links.gps2, GPS_BAUD),
         sensors=None if links.sensors is None else at_rate(links.sensors, SENSORS_BAUD),
         modem=None if links.modem is None else at_rate(links.modem, MODEM_BAUD),
     )

@@ -37,7 +37,12 @@ from mission.onboard.store import DiskStore, StoreError
 
 MUCH, LITTLE = 2 << 30, 200 << 20  # bytes free: a day's black boxes, an hour's
 YEARS = range(2024, 2100)
-_SILENT = {"vehicle": 5.0, "gps": 5.0, "sensors": 30.0}  # s without a byte on what talks by itself
+_SILENT = {
+    "vehicle": 5.0,
+    "gps": 5.0,
+    "gps2": 5.0,
+    "sensors": 30.0,
+}  # s without a byte on what talks by itself
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,6 +256,8 @@ def _ports(context: CheckContext) -> Iterator[Finding]:
         yield _without_gps(context.vehicle)
     else:
         yield from port_probe.gps_findings(links.gps)
+    if links.gps2 is not None:
+        yield from port_probe.gps_findings(links.gps2, "gps2")
     if links.modem is not None:
         yield port_probe.port_finding("modem port", links.modem)
     if links.sensors is not None:

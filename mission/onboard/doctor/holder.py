@@ -41,7 +41,7 @@ def holder(url: str, configuration: Configuration, wall: float) -> Holder | None
             return None
         links = configuration.links
         urls = {"vehicle": links.vehicle, "gps": links.gps, "modem": links.modem}
-        urls |= {"topside": listening(links.topside), "sensors": links.sensors}
+        urls |= {"topside": listening(links.topside), "sensors": links.sensors, "gps2": links.gps2}
         box, process = None, mute
     for name, theirs in urls.items():
         if theirs is not None and _places(theirs) & _places(url):

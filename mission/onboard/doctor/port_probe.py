@@ -69,11 +69,13 @@ def port_finding(what: str, url: str) -> Finding:
     return ok(what, f"{url} is there, permitted and free")
 
 
-def gps_findings(url: str) -> list[Finding]:
+def gps_findings(url: str, name: str = "gps") -> list[Finding]:
+    """Of the receiver at this link, the first or ``gps2``."""
+    port = "GPS port" if name == "gps" else f"{name} port"
     try:
-        link = open_link("gps", url)
+        link = open_link(name, url)
     except LinkError as error:
-        return [not_open("GPS port", url, error)]
+        return [not_open(port, url, error)]
     decoder, heard, raw = NmeaDecoder(), list[Fix | FrameFault](), bytearray()
     try:
         begun = time.monotonic()
@@ -82,11 +84,11 @@ def gps_findings(url: str) -> list[Finding]:
             raw += data
         heard += decoder.flush(time.monotonic())
     except LinkError as error:
-        return [fault("GPS port", str(error), "check cable and plug, then run doctor again")]
+        return [fault(port, str(error), "check cable and plug, then run doctor again")]
     finally:
         link.close()
     return [
-        ok("GPS port", f"{url} is there, permitted and free"),
+        ok(port, f"{url} is there, permitted and free"),
         of_gps(decoder, heard, bytes(raw)),
     ]
 

@@ -1,7 +1,7 @@
 """The runtime: clock-less and without IO, the one core of the sea and of the simulation.
 
     Rx vehicle --vehicle codec--> Telemetry, Ack --+                +--> Action --> Frontseat --> Tx
-    Rx gps, sensors ------------> Fix, Aid --------+--> Engine.step +--> Step, Estimate --> record
+    Rx gps, gps2, sensors ------> Fix, Aid --------+--> Engine.step +--> Step, Estimate --> record
     Rx topside, modem --Topside-> commands --------+                +--> Verdict --> Topside --> Tx
     Rx nodes ---Topside
 
@@ -48,6 +48,7 @@ from mission.onboard.runtime.line import line_to
 from mission.onboard.runtime.mission_validator import MissionValidator
 from mission.onboard.runtime.operator_channels import operator_channels
 from mission.onboard.runtime.operator_server import OperatorServer
+from mission.onboard.runtime.receivers import RECEIVERS, Receivers
 from mission.onboard.runtime.resume_marker import ResumeMarker
 from mission.onboard.runtime.situation import Situation
 from mission.onboard.runtime.standing import StandingChanges
@@ -66,14 +67,13 @@ from protocol.messages import (
     Status,
     Telemetry,
 )
-from protocol.nmea import NmeaDecoder
 from protocol.tolerances import Tolerances
 from protocol.vehicles import codec as vehicle_codec
 
 if TYPE_CHECKING:
     from mission.navigation import Navigation
 
-VEHICLE, GPS, SENSORS = "vehicle", "gps", "sensors"
+VEHICLE, SENSORS = "vehicle", "sensors"
 MOST_ROUNDS = 10  # of outcomes that lead to commands that lead to outcomes, at one time
 CLOCK = "clock"  # a Tx to it asks the pump to set the system's clock (R10)
 
@@ -101,7 +101,7 @@ class Runtime:
         self._clock = WallClock(wall, configuration.utc_offset)
         self._codec = vehicle_codec(*vehicle.speaks)
         self.meaning_of_no = self._codec.meaning_of_no
-        self._gps, self._added, self._now = NmeaDecoder(), AddedDecoder(), 0.0
+        self._gps, self._added, self._now = Receivers(), AddedDecoder(), 0.0
         links = configuration.links
         self._frontseat = line_to(self._codec, VEHICLE, links.vehicle, vehicle)
         self.gap, self.cannot_relay = self._frontseat.gap, self._frontseat.cannot_relay
@@ -132,8 +132,8 @@ class Runtime:
         self._record(rec.rx_record, rx, now)
         if rx.link == VEHICLE:
             self._from_vehicle(self._codec.receive(rx.data, rx.t), now)
-        elif rx.link == GPS:
-            self._from_gps(self._gps.receive(rx.data, rx.t), now, GPS)
+        elif rx.link in RECEIVERS:
+            self._from_gps(self._gps.receive(rx), now, rx.link)
         elif rx.link == SENSORS:
             self._from_gps(self._added.receive(rx.data, rx.t), now, SENSORS)
         elif rx.link == NODES:
@@ -165,8 +165,8 @@ class Runtime:
         self._marker.handle_timer(now)
         if _is_due(self._codec.next_timer(), now):
             self._from_vehicle(self._codec.flush(now), now)
-        if _is_due(self._gps.next_timer(), now):
-            self._from_gps(self._gps.flush(now), now, GPS)
+        for link, heard in self._gps.flush(now):
+            self._from_gps(heard, now, link)
         self._topside.handle_timer(now)
         if _is_due(self._engine.next_timer(), now):
             self._step(now, ())

@@ -46,6 +46,7 @@ from mission.onboard.serve.viewing import Seen, Viewing
 from mission.onboard.serve.watchdog import Watchdog
 
 VEHICLE, GPS, TOPSIDE, MODEM, SENSORS = "vehicle", "gps", "topside", "modem", "sensors"
+GPS2 = "gps2"
 NODE_OF = {VEHICLE: "STM32", GPS: "BDGPS", MODEM: "UACM"}
 FIRST_S = 1.0  # real time, that the first W of a restart waits for its port
 REBIRTH_S = 1.0  # real time, between a fault of the program and the next runtime
@@ -105,7 +106,7 @@ class Server:
         """Until ``stop``."""
         links = self._configuration.links
         urls = {TOPSIDE: listening(links.topside), VEHICLE: links.vehicle, GPS: links.gps}
-        urls |= {MODEM: links.modem, SENSORS: links.sensors}
+        urls |= {MODEM: links.modem, SENSORS: links.sensors, GPS2: links.gps2}
         self._ports = {
             name: Port(name, url, self._readable, self._changed, self._tell)
             for name, url in urls.items()

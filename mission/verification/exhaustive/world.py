@@ -17,7 +17,7 @@ from mission.model.vehicle import Vehicle
 from mission.navigation import Navigation
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.runtime.command_target import MODEM
-from mission.onboard.runtime.runtime import GPS as RECEIVER
+from mission.onboard.runtime.receivers import GPS as RECEIVER
 from mission.onboard.runtime.runtime import VEHICLE, Runtime
 from mission.onboard.store import MemoryStore, Stored
 from mission.verification.exhaustive.fork import Fork

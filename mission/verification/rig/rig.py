@@ -18,11 +18,12 @@ import re
 from collections import deque
 from collections.abc import Iterator
 
-from links.base import Rx
+from links.base import Link, Rx
 from links.simulated.link import SimulatedVehicle
 from mission.model import Estimate, Step, Tx
 from mission.onboard.runtime.device_switches import LINK as NODES
-from mission.onboard.runtime.runtime import GPS, SENSORS, VEHICLE
+from mission.onboard.runtime.receivers import RECEIVERS
+from mission.onboard.runtime.runtime import SENSORS, VEHICLE
 from mission.verification.rig.acts import BOAT, MODEM, PORT, TOPSIDE, Act, Disturbance
 from mission.verification.rig.lockstep import Due, LockStep
 from mission.verification.rig.program import Death, Program
@@ -69,6 +70,8 @@ class Rig(LockStep):
         yield self.sea.gps_link.next_event(), self._hear_gps
         if isinstance(self.sea, SimulatedVehicle) and self.sea.added_link is not None:
             yield self.sea.added_link.next_event(), self._hear_added
+        if isinstance(self.sea, SimulatedVehicle) and self.sea.second_link is not None:
+            yield self.sea.second_link.next_event(), self._hear_second
         if self._planned:
             yield self._planned[0][0], self._do_planned
         yield from self.operators()
@@ -131,7 +134,13 @@ class Rig(LockStep):
 
     def _hear_added(self) -> None:
         assert isinstance(self.sea, SimulatedVehicle)
-        link = self.sea.added_link
+        self._hear_beside(self.sea.added_link)
+
+    def _hear_second(self) -> None:
+        assert isinstance(self.sea, SimulatedVehicle)
+        self._hear_beside(self.sea.second_link)
+
+    def _hear_beside(self, link: Link | None) -> None:
         for rx in link.receive(self.now) if link is not None else ():
             self._hear(rx)
 
@@ -250,7 +259,7 @@ class Rig(LockStep):
         self._notice_line()
         ports: dict[str, bytes] = {}
         for disturbance in held:
-            if disturbance.link in (VEHICLE, GPS, SENSORS):
+            if disturbance.link in (VEHICLE, SENSORS, *RECEIVERS):
                 ports[disturbance.link] = ports.get(disturbance.link, b"") + disturbance.data
         for link, data in ports.items():
             self._hear(Rx(self.now, link, data))

@@ -1,0 +1,113 @@
+"""Two GPS receivers: the second takes over, and nothing is made surer by two that disagree."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from datetime import UTC, datetime
+from random import Random
+
+import pytest
+
+from links.base import Rx
+from links.simulated.firmware.gps import GpsReceiver
+from links.simulated.sensors import SensorErrors
+from links.simulated.settings import parse_settings
+from mission.analysis.replay.replay import replay
+from mission.authoring.language import parse
+from mission.model.shipped import load_vehicle
+from mission.onboard.configuration import parse_configuration
+from mission.onboard.rates import rated
+from mission.onboard.runtime import records as rec
+from mission.onboard.runtime.receivers import FAILOVER, GPS, GPS2, Receivers
+from mission.verification.simulation.flight import fly
+from protocol.messages import Fix
+
+AUV = load_vehicle("auv")
+PLACE = math.radians(30.29), math.radians(120.15)
+Change = Callable[[float, dict[str, GpsReceiver]], None]
+
+
+def counted(change: Change, seconds: int = 40, both: bool = True) -> list[tuple[float, str, Fix]]:
+    """What counts of two receivers that lie still, when and of which."""
+    start, out, used = datetime(2026, 6, 1, tzinfo=UTC), [], Receivers()
+    made = {
+        name: GpsReceiver(SensorErrors(first_fix=0.0), Random(name), start)
+        for name in ((GPS, GPS2) if both else (GPS,))
+    }
+    for second in range(1, seconds):
+        change(second, made)
+        for name, receiver in made.items():
+            receiver.report(second, 0.0, PLACE, (0.0, 0.0))
+            for chunk in receiver.take(second + 0.9):
+                found = used.receive(Rx(chunk.start, name, chunk.data))
+                out += [(float(second), name, one) for one in found if isinstance(one, Fix)]
+    return out
+
+
+def unchanged(now: float, made: dict[str, GpsReceiver]) -> None:
+    """Both are well."""
+
+
+def test_beside_a_first_receiver_that_is_well_the_second_counts_for_nothing() -> None:
+    alone, beside = counted(unchanged, both=False), counted(unchanged)
+    assert beside == alone
+    assert len(alone) > 35
+
+
+def test_the_second_takes_over_within_seconds_of_silence_and_hands_back() -> None:
+    def silent(now: float, made: dict[str, GpsReceiver]) -> None:
+        made[GPS].silent = 10 <= now < 25
+
+    names = {second: name for second, name, _ in counted(silent)}
+    assert {names[s] for s in range(10 + int(FAILOVER) + 1, 25)} == {GPS2}
+    assert {names[s] for s in (*range(2, 10), *range(26, 39))} == {GPS}
+
+
+def test_the_second_takes_over_from_one_that_is_stuck() -> None:
+    def stuck(now: float, made: dict[str, GpsReceiver]) -> None:
+        made[GPS].stuck = now >= 10
+
+    found = counted(stuck)
+    assert {name for second, name, _ in found if second >= 16} == {GPS2}
+
+
+def test_two_that_disagree_are_believed_no_better_than_they_are_apart() -> None:
+    def jumped(now: float, made: dict[str, GpsReceiver]) -> None:
+        made[GPS].offset = (400.0, 0.0) if now >= 10 else (0.0, 0.0)
+
+    found = counted(jumped)
+    assert all(fix.accuracy < 20.0 for second, _, fix in found if second < 10)
+    assert all(380.0 < fix.accuracy < 420.0 for second, _, fix in found if second > 10)
+
+
+DIVE = """mission dive vehicle auv
+home 30.2874595 120.1535765
+safety radius 800 time 30min depth 15
+down: depth 5 heading 40 gear 6 until depth >= 4 timeout 2min
+a: gear 8 for 40
+up: surface until fix timeout 4min
+"""
+
+
+@pytest.mark.parametrize(
+    ("settings", "leaves"),
+    [(("second_gps=2.5",), "end"), ((), "timeout")],
+)
+def test_a_mission_that_ends_with_a_fix_ends_by_the_second_receiver(
+    settings: tuple[str, ...], leaves: str
+) -> None:
+    recorder = rec.ListRecorder()
+    given = parse_settings([*settings, "fault=gps_lost@60+3000"])
+    fly(parse(DIVE), AUV, "as-built", 2, given, recorder)
+    left = [rec.step_of(r.payload) for r in recorder.records if r.kind == rec.STEP]
+    last = next(step for step in reversed(left) if step.exited == ("autonomous/up",))
+    assert last.by is not None
+    assert last.by.value == leaves
+    assert replay(recorder.records).identical
+
+
+def test_its_line_is_a_link_like_that_of_the_first() -> None:
+    given = parse_configuration("links: {gps2: serial:///dev/ttyUSB2}")
+    assert rated(given, AUV).links.gps2 == "serial:///dev/ttyUSB2?baud=9600"
+    assert parse_configuration("").links.gps2 is None
