@@ -126,7 +126,8 @@ def calibrate(logs: Sequence[Inputs], vehicle: Vehicle) -> Calibrated:
         others = [t for j, t in enumerate(taught) if j != i]
         tried = _fit(begun, vehicle, others).vehicle if held_out else fit.vehicle
         stretches += compare(once[i], log, vehicle, tried)
-    share = _share(stretches, held_out)
+    learned = not quiet or any(lesson.taken for lesson in fit.lessons)
+    share = _share(stretches, proves=held_out or not learned)
     rise = rise_of(logs, vehicle.sensors.depth)
     done = _widened(done, share)
     if rise is not None:
@@ -176,10 +177,11 @@ def _moving(vehicle: Vehicle, moved: Motion | None) -> tuple[Vehicle, tuple[str,
     return replace(vehicle, calibration=known), ()
 
 
-def _share(stretches: Sequence[Stretch], held_out: bool) -> float:
-    """By dives that were not calibrated on; else, or where they are few, it never narrows."""
+def _share(stretches: Sequence[Stretch], *, proves: bool) -> float:
+    """``proves``: nothing that moves a position was learned from those dives. Else, or where they
+    are few, it never narrows."""
     share = trust([s.miss for s in stretches])
-    return share if held_out and len(stretches) >= _DIVES else max(share, 1.0)
+    return share if proves and len(stretches) >= _DIVES else max(share, 1.0)
 
 
 def _widened(vehicle: Vehicle, share: float) -> Vehicle:

@@ -77,8 +77,8 @@ def taught(done: Calibrated) -> list[str]:
     ]
     if done.trusted != 1.0:
         lines.append(
-            f"the dives ended {done.trusted:.2f} times as far off as these figures say: all that "
-            "moves a position is written so much wider"
+            f"the dives ended {done.trusted:.2f} times as far off as these figures say: each sigma "
+            "of what moves a position is written so many times as wide, taught or not"
         )
     return lines
 

@@ -5,12 +5,14 @@ What does not live here: how it is found (scoring).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
 
 _DRAWS = 2000
+_NORMAL_95 = 1.95996
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +30,7 @@ class Score:
     reference_pct: float | None
     references: dict[str, float]
     equal_pct: float | None = None  # of the reference with equal knowledge
+    ends: int = 1  # of which ``nees`` is the mean
 
 
 def as_object(scores: Sequence[Score]) -> dict[str, object]:
@@ -48,9 +51,11 @@ def as_object(scores: Sequence[Score]) -> dict[str, object]:
                 "equal_pct": _median([b for _, b in pairs]) if pairs else None,
                 "lead_interval": interval([b - a for a, b in pairs]),
                 "nees": float(np.mean([s.nees for s in rows])),
+                "nees_honest": honest(sum(s.ends for s in rows)),
                 "coverage": sum(s.coverage * s.samples for s in rows)
                 / sum(s.samples for s in rows),
                 "ellipse_pct": float(np.mean([s.ellipse_pct for s in rows])),
+                "ellipse_median_pct": _median([s.ellipse_pct for s in rows]),
             }
         )
     return {
@@ -72,6 +77,14 @@ def interval(values: Sequence[float]) -> tuple[float, float] | None:
     return float(low), float(high)
 
 
+def honest(ends: int) -> tuple[float, float]:
+    """95 % of the means of so many NEES, each over its two degrees of freedom, where the ellipses
+    are right: chi-square (Wilson, Hilferty, Proc. Natl. Acad. Sci. 17, 1931, 684-688)."""
+    ninth = 1.0 / (9.0 * ends)  # 2 / (9 k), of k = 2 ends degrees of freedom
+    low, high = ((1.0 - ninth + sign * _NORMAL_95 * math.sqrt(ninth)) ** 3 for sign in (-1, 1))
+    return low, high
+
+
 def _median(values: Sequence[float]) -> float:
     return float(np.median(values))
 
@@ -84,7 +97,8 @@ def summed(found: dict[str, object]) -> list[str]:
         f"{row['scoring']} ({row['runs']} recordings): median {row['end_pct']:.1f} % "
         f"{_from_to(row['end_interval'])}, with equal knowledge {_said(row['equal_pct'])}; "
         f"lead {_from_to(row['lead_interval'])}; ellipse holds {100.0 * row['coverage']:.0f} %, "
-        f"mean NEES at the end {row['nees']:.1f}"
+        f"radius {row['ellipse_median_pct']:.0f} %, mean NEES at the end {row['nees']:.2f} "
+        f"(right ellipses: {row['nees_honest'][0]:.2f} to {row['nees_honest'][1]:.2f})"
         for row in rows
     ]
 

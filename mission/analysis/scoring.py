@@ -264,6 +264,7 @@ def _glider(glider: Recording, vehicle: Vehicle) -> list[Score]:
             _sum_up(glider.name, name, dives, reference, medians, equal),
             end_pct=float(np.median([100.0 * s.error / s.path for s in dives])),
             nees=0.5 * float(np.mean([s.nees for s in dives])),
+            ends=len(dives),
         )
         for name, dives in scored.items()
     ]

@@ -7,6 +7,7 @@ import json
 import math
 import random
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,10 +17,12 @@ from mission.analysis import scoring
 from mission.analysis.missed import trust
 from mission.analysis.recordings import RecordingError, read
 from mission.analysis.scores import Score, as_object
-from mission.analysis.scoring import score_folder
+from mission.analysis.scoring import glider_vehicle, score_folder
+from mission.analysis.teaching import calibrate_by
 from mission.commands.score import score as command
 from mission.model import Position
 from mission.model.shipped import load_vehicle
+from mission.model.vehicle import Vehicle
 from mission.navigation import LocalFrame
 
 Rows = list[dict[str, str]]
@@ -51,11 +54,11 @@ def run(seed: int, home: Position = HOME, seconds: int = 240) -> Rows:
     return rows
 
 
-def glider(home: Position, declination: float, begin: float = 1695220914.0) -> Rows:
-    """Three dives of half an hour; the compass says what it would there (deg)."""
+def glider(home: Position, declination: float, begin: float = 1695220914.0, dives: int = 3) -> Rows:
+    """Dives of half an hour; the compass says what it would there (deg)."""
     frame, rows, n, e, heading, t = LocalFrame(home), list[dict[str, str]](), 0.0, 0.0, 0.7, begin
-    for dive in range(4):
-        for step in range(12 if dive == 3 else 192):
+    for dive in range(dives + 1):
+        for step in range(12 if dive == dives else 192):
             up, depth, speed = step < 12, 0.05, 0.0
             if not up:
                 rises = (step // 30) % 2 or step >= 168  # to the surface at its end
@@ -208,6 +211,23 @@ def test_a_few_dives_tell_little_of_how_far_to_trust_the_figures_and_many_tell_i
 def test_one_wild_dive_tells_nothing_of_the_figures() -> None:
     misses = [0.3, 0.5, 0.7, 0.9, 1.2, 0.4]
     assert trust([*misses, 1e4]) == pytest.approx(trust([*misses, 1.0]), rel=0.02)
+
+
+def trusted(folder: Path, vehicle: Vehicle) -> float:
+    """By what the figures are multiplied that calibrate makes of one log of five dives."""
+    file = folder / "g.csv"
+    file.write_text(text(glider(HOME, 5.0, dives=5)))
+    log = read(file)
+    return calibrate_by([log], glider_vehicle(vehicle, log.period)).trusted
+
+
+def test_dives_of_one_log_narrow_figures_of_which_it_taught_none(tmp_path: Path) -> None:
+    assert trusted(tmp_path, VEHICLE) < 0.9
+
+
+def test_dives_of_one_log_never_narrow_what_it_taught(tmp_path: Path) -> None:
+    vague = replace(VEHICLE, sensors=replace(VEHICLE.sensors, heading_bias=1.0))
+    assert trusted(tmp_path, vague) == 1.0
 
 
 def test_dives_that_missed_little_narrow_the_ellipse_of_later_ones_and_move_nothing(

@@ -6,8 +6,10 @@ import math
 import random
 
 import pytest
+from scipy import stats
 
 from mission.analysis.pooling import pool
+from mission.analysis.scores import honest
 
 
 def drawn(between: float, own: float, n: int, seed: int) -> tuple[list[float], list[float]]:
@@ -46,3 +48,9 @@ def test_of_three_logs_none_can_be_said_to_stand_apart() -> None:
 def test_one_log_says_nothing_of_other_days() -> None:
     assert pool([1.0], [0.1]).between == 0.0
     assert pool([], []).apart == ()
+
+
+@pytest.mark.parametrize("ends", [4, 7, 20, 100])
+def test_right_ellipses_have_a_mean_nees_as_chi_square_says(ends: int) -> None:
+    limits = stats.chi2.ppf([0.025, 0.975], 2 * ends) / (2 * ends)
+    assert honest(ends) == pytest.approx(tuple(limits), rel=0.02)
