@@ -9,10 +9,11 @@ Rules:
     and given up after ``tries``: then it is ``NoAnswer``, nothing is assumed. What is asked must
     be harmless twice; the envelope has no number that would tell a repetition.
   * A request may be several contents in one burst, each in an envelope of its own: a wrong bit
-    spoils one of them, and the vehicle does not speak while the next is coming in.
+    spoils one of them, and the vehicle does not speak while the next is coming in. A content that
+    is still coming ``HELD`` after the last request is noise, and keeps no answer back.
   * The vehicle speaks when asked: what it has to say within ``FLOOR`` of a request goes out as one
     content; what comes later waits for the next request. R11's status on surfacing is the one
-    exception (``unasked``), and it waits for a quiet moment.
+    exception (``unasked``), and it waits for a quiet moment, in noise for ``NOISE`` at most.
   * An ``@AR`` in an answer makes the ``@ACK_AW`` beside it superfluous: they are left out (R4).
 
 Time is a parameter: ``outgoing`` and ``receive`` are called when bytes come and at ``next_timer``.
@@ -35,6 +36,8 @@ TURNAROUND = 2.0  # s: R1's allowance for modems and programs at both ends
 TRIES = 2
 FLOOR = 1.5  # s after a request in which it may be answered; less than TURNAROUND
 GATHER = 0.2  # s without a further answer: the answer is complete
+HELD = FLOOR - GATHER  # s after a request; the longest content takes 0.3 s at the pace of the line
+NOISE = 60.0  # s without a request, in which bytes that are none keep an unasked word back
 WAITING = 256  # frames of the vehicle that wait to be asked for; beyond, the oldest go
 
 
@@ -183,6 +186,7 @@ class Responder:
         self._complete = 0.0  # when the answer is taken to be complete
         self._unasked: bytes | None = None
         self._quiet = 0.0  # when an unasked word may go out
+        self._latest = 0.0  # when it does, whatever noise there is
 
     def receive(self, data: bytes, now: float) -> list[Envelope | FrameFault]:
         """Requests, whose content is for the owner to read and to ``answer`` frame by frame."""
@@ -194,6 +198,7 @@ class Responder:
                 out.append(item)
             elif item.address != self._address:
                 self._floor, self._complete = now + FLOOR, now + GATHER
+                self._latest = now + NOISE
                 out.append(item)
         return out
 
@@ -203,31 +208,38 @@ class Responder:
 
     def unasked(self, frame: bytes, now: float) -> None:
         """One frame that does not wait for a request (R11); a newer one replaces it."""
+        if self._unasked is None:
+            self._latest = now + NOISE
         self._unasked = frame
         self._quiet = max(self._quiet, now)
 
     def outgoing(self, now: float) -> list[bytes]:
         if now > self._floor:
             self._floor = -1.0  # too late: the other side may be asking again
-        if self._may_answer() and self._complete <= now <= self._floor:
+        if self._waiting and self._answered_at() <= now <= self._floor:
             self._floor = -1.0
             return [wrap(self._take(), self._address)]
-        if self._unasked is not None and now >= max(self._quiet, self._floor):
+        if self._unasked is not None and now >= self._unasked_at():
             frame, self._unasked = self._unasked, None
             return [wrap(frame, self._address)]
         return []
 
     def next_timer(self) -> float | None:
         due = None
-        if self._may_answer() and self._complete <= self._floor:
-            due = self._complete
+        if self._waiting and self._answered_at() <= self._floor:
+            due = self._answered_at()
         elif self._unasked is not None:
-            due = max(self._quiet, self._floor)
+            due = self._unasked_at()
         return _first(due, self._codec.next_timer())
 
-    def _may_answer(self) -> bool:
-        """There is something to say, and no further content is on its way in."""
-        return bool(self._waiting) and self._codec.next_timer() is None
+    def _answered_at(self) -> float:
+        """When it is complete, and no further content is on its way in, or one that is noise."""
+        if self._codec.next_timer() is None:
+            return self._complete
+        return max(self._complete, self._floor - FLOOR + HELD)
+
+    def _unasked_at(self) -> float:
+        return max(min(self._quiet, self._latest), self._floor)
 
     def _take(self) -> bytes:
         """As many whole frames as one content holds, the oldest first."""

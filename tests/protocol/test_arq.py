@@ -7,6 +7,8 @@ import pytest
 from protocol.arq import (
     FLOOR,
     GATHER,
+    HELD,
+    NOISE,
     TURNAROUND,
     Acoustics,
     Answered,
@@ -104,6 +106,31 @@ def test_a_content_that_never_ends_keeps_no_answer_back_for_longer_than_it_is_wa
     assert diver.outgoing(due) == [wrap(b"@ACK_AAA$", Sender.VEHICLE)]
 
 
+FALSE_START = b"\x23\x02\x80\x0c\x01"  # of a content of 3200 bytes
+
+
+def test_noise_that_never_ends_keeps_no_answer_back_for_longer_than_it_is_waited_for() -> None:
+    diver = asked(now=10.0)
+    diver.answer(b"@ACK_AAA$", 10.0)
+    spoken = []
+    for n in range(1, 200):
+        now = 10.0 + 0.1 * n
+        diver.receive(FALSE_START, now)
+        assert diver.next_timer() is not None
+        spoken += [(now, word) for word in diver.outgoing(now)]
+    assert spoken == [(pytest.approx(10.0 + HELD), wrap(b"@ACK_AAA$", Sender.VEHICLE))]
+
+
+def test_no_timer_of_an_answer_in_noise_is_behind_what_it_waits_for() -> None:
+    diver = asked(now=10.0)
+    diver.answer(b"@ACK_AAA$", 10.0)
+    diver.receive(FALSE_START, 10.9)
+    due = diver.next_timer()
+    assert due == pytest.approx(10.0 + HELD)
+    assert diver.outgoing(due - 0.01) == []
+    assert diver.outgoing(due) == [wrap(b"@ACK_AAA$", Sender.VEHICLE)]
+
+
 def test_what_was_not_asked_for_answers_nothing() -> None:
     boat = Initiator(FAR)
     assert boat.receive(ANSWER, 0.0) == [Unasked(b"@ACK_AAA$", 0.0)]
@@ -198,6 +225,21 @@ def test_the_status_on_surfacing_waits_for_a_quiet_moment() -> None:
     assert diver.outgoing(10.3) == []
     assert diver.outgoing(10.0 + FLOOR) == [wrap(b"@VS2$", Sender.VEHICLE)]
     assert diver.outgoing(100.0) == []
+
+
+@pytest.mark.parametrize("noise", [b"\x55", FALSE_START])
+def test_in_noise_an_unasked_word_waits_for_a_minute_without_a_request(noise: bytes) -> None:
+    diver, requested, spoken = asked(now=0.0), [], []
+    diver.unasked(b"@VS1$", 0.0)
+    for n in range(1, 200):
+        now = 0.5 * n
+        heard = diver.receive(wrap(b"@DU$", Sender.TOPSIDE) if n == 20 else noise, now)
+        requested += [now for item in heard if isinstance(item, Envelope)]
+        if n == 40:
+            diver.unasked(b"@VS2$", now)  # newer, and waits no longer
+        spoken += [(now, word) for word in diver.outgoing(now)]
+    assert len(requested) == 1
+    assert spoken == [(requested[0] + NOISE, wrap(b"@VS2$", Sender.VEHICLE))]
 
 
 def test_the_vehicle_does_not_hear_itself_and_tells_damage() -> None:

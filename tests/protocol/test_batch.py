@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 from modem_rig import Flight, OneLineUpload, Vehicle, acoustics_of, digest, fly
 
 from links.acoustic import Water
-from protocol.arq import Acoustics
+from protocol.arq import Acoustics, Responder
 from protocol.batch import NOT_IDLE, SILENCE, BatchUpload, Declined, Silent, Stored
-from protocol.modem import MOST, OVERHEAD, Sender, wrap
+from protocol.messages import FrameFault
+from protocol.modem import MOST, OVERHEAD, Envelope, Sender, wrap
 from protocol.sizing import Channel, Plan, Task
 
 LINES = [
@@ -55,6 +58,40 @@ def test_every_channel_brings_the_mission_over_sooner_than_line_by_line(
         seconds += uploaded(LINES, water, seed)[1].seconds
         single += fly(OneLineUpload(LINES, acoustics_of(water)), Vehicle(), water, seed).seconds
     assert seconds < single
+
+
+class Noisy(Responder):
+    """Its modem hears a false start twice a second, for 5 s behind everything that it hears."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._noise: list[float] = []
+
+    def receive(self, data: bytes, now: float) -> list[Envelope | FrameFault]:
+        due = [t for t in self._noise if t <= now]
+        self._noise = self._noise[len(due) :]
+        if data:
+            self._noise = [now + 0.5 * n for n in range(1, 11)]
+        elif due:
+            data = b"\x23\x02\x80\x0c\x01"
+        return super().receive(data, now)
+
+    def next_timer(self) -> float | None:
+        due = super().next_timer()
+        return min(t for t in (due, *self._noise[:1], math.inf) if t is not None)
+
+
+@pytest.mark.parametrize("bit_rate", [1000.0, 5000.0])
+def test_an_upload_arrives_though_the_vehicle_hears_false_starts_behind_each_burst(
+    bit_rate: float,
+) -> None:
+    water, vehicle = Water(bit_rate=bit_rate), Vehicle()
+    vehicle.responder = Noisy()
+    sender = batch(LINES, water)
+    noisy = fly(sender, vehicle, water, 1).seconds
+    assert sender.outcome == Stored()
+    assert vehicle.stored == tuple(LINES)
+    assert noisy < 2.0 * uploaded(LINES, water)[1].seconds
 
 
 def test_only_what_is_missing_is_sent_again() -> None:
