@@ -25,7 +25,8 @@ import shutil
 import sys
 import sysconfig
 import venv
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import chdir, contextmanager
 from pathlib import Path
 from typing import Any
@@ -55,18 +56,35 @@ def compile_in(folder: Path) -> list[Path]:
     """Compiles in place what stands in ``folder``. The extensions, relative to it; the one that
     holds the code of all is at its top. CompileError of setuptools where no compiler is."""
     from setuptools import Distribution
+    from setuptools.command.build_ext import build_ext
+
+    class OnAllCores(build_ext):  # type: ignore[misc]
+        def build_extensions(self) -> None:
+            self.compiler.compile = at_once(self.compiler.compile, os.cpu_count() or 1)
+            super().build_extensions()
 
     with chdir(folder), marked(_sources(folder)) as sources:
         extensions = translated(sources)
-        command: Any = Distribution({"ext_modules": extensions}).get_command_obj("build_ext")
+        command: Any = OnAllCores(Distribution({"ext_modules": extensions}))
         command.inplace = True
         command.ensure_finalized()
         command.run()
     return [Path(command.get_ext_filename(extension.name)) for extension in extensions]
 
 
+def at_once(compile_: Callable[..., list[str]], cores: int) -> Callable[..., list[str]]:
+    """A compiler's ``compile``, by so many processes at a time: a file of C each."""
+
+    def of_all(sources: list[str], **options: Any) -> list[str]:
+        with ThreadPoolExecutor(cores) as threads:
+            made = threads.map(lambda source: compile_([source], **options), sources)
+            return [file for files in made for file in files]
+
+    return of_all
+
+
 def translate_in(folder: Path) -> None:
-    """The C code alone, in ``folder``: whether mypyc takes the sources, in a tenth of the time."""
+    """The C code alone, in ``folder``: whether mypyc takes the sources, in a sixth of the time."""
     with chdir(folder), marked(_sources(folder)) as sources:
         translated(sources)
 
@@ -76,7 +94,11 @@ def translated(sources: list[Path]) -> list[Any]:
     from mypyc.build import mypycify
 
     extensions = mypycify(
-        [*CHECKING, *map(str, sources)], opt_level="1", debug_level="0", group_name="auvmission"
+        [*CHECKING, *map(str, sources)],
+        opt_level="1",
+        debug_level="0",
+        multi_file=True,
+        group_name="auvmission",
     )
     for extension in extensions:
         extension.extra_compile_args += FLAGS

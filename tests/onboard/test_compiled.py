@@ -11,12 +11,14 @@ import runpy
 import shutil
 import subprocess
 import sys
+import threading
 import typing
 from pathlib import Path
 from typing import Any, NoReturn
 
 import pytest
 from click.testing import CliRunner
+from served import PATIENCE
 
 from mission.cli import main
 from mission.model import compiled
@@ -136,6 +138,17 @@ def test_the_types_of_fields_that_mypyc_forgets_are_told_again() -> None:
     names["Curve"].__annotations__.update(at=tuple, named=type)  # as mypyc leaves them
     exec(runpy.run_path(str(ROOT / "hatch_build.py"))["field_types"](SOURCE), names)
     assert typing.get_type_hints(names["Curve"], names) == whole
+
+
+def test_files_of_c_are_compiled_side_by_side_and_come_back_in_their_order() -> None:
+    both_there = threading.Barrier(2, timeout=PATIENCE)
+
+    def one(sources: list[str], folder: str) -> list[str]:
+        both_there.wait()
+        return [f"{folder}/{source}.o" for source in sources]
+
+    at_once = runpy.run_path(str(ROOT / "hatch_build.py"))["at_once"]
+    assert at_once(one, 2)(["a", "b", "c", "d"], folder="x") == [f"x/{name}.o" for name in "abcd"]
 
 
 def test_the_doctor_says_which_build_it_is() -> None:
