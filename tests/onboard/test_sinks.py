@@ -6,7 +6,8 @@ import itertools
 import json
 from pathlib import Path
 
-from served import soon
+import pytest
+from served import noted_processes, soon
 
 from mission.authoring.prepare import prepare
 from mission.model import Record
@@ -75,3 +76,17 @@ def test_parts_that_are_closed_are_put_into_their_last_form_beside_the_program(
     close_in_background(tmp_path, None)
     soon(lambda: box.path.stat().st_size < size, "the closed part")
     assert list(read_records(box.path)) == records
+
+
+def test_where_nothing_but_the_part_that_is_written_is_there_no_process_closes_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    started = noted_processes(monkeypatch)
+    close_in_background(tmp_path / "nowhere", None)
+    box = BlackBox(tmp_path / "box.mcap")
+    close_in_background(tmp_path, box.path)
+    assert not started
+    box.close()
+    close_in_background(tmp_path, None)
+    (closing,) = started
+    closing.wait()

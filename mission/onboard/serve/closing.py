@@ -15,16 +15,19 @@ _RUNNING: list[subprocess.Popen[bytes]] = []
 
 
 def close_in_background(folder: Path, but: Path | None) -> None:
-    """Never raises; without a process to be had the parts stay as they are, which can be read."""
+    """Never raises; without a process to be had the parts stay as they are, which can be read. None
+    is begun where nothing but the part that is being written is there."""
     _RUNNING[:] = [process for process in _RUNNING if process.poll() is None]
-    words = [sys.executable, "-m", "mission.onboard.blackbox", str(folder), str(but or "")]
     with contextlib.suppress(OSError):
-        _RUNNING.append(
-            subprocess.Popen(
-                words,
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-                start_new_session=True,
-            )
-        )
+        if any(part != but for part in folder.glob("*.mcap")):
+            _RUNNING.append(_begun(folder, but))
+
+
+def _begun(folder: Path, but: Path | None) -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "mission.onboard.blackbox", str(folder), str(but or "")],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
