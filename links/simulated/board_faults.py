@@ -47,6 +47,7 @@ LINE = {
 }
 IN_WATER = {
     **{name: FAULTS[name] for name in _BODY},
+    "capsized": FAULTS["capsized"],
     "depth_frozen": _switch("depth_frozen", "depth is frozen"),
 }
 BATTERY = {"battery_low": _set("volts", "low control battery", 9.0, 0.0, "V")}

@@ -59,10 +59,12 @@ class Prepared:
 
 
 def prepare(
-    path: str | Path, vehicle: str | None = None, parameters: Mapping[str, str] | None = None
+    path: str | Path,
+    vehicle: str | Vehicle | None = None,
+    parameters: Mapping[str, str] | None = None,
 ) -> Prepared:
-    """``path``: a file or a shipped mission's name. ``vehicle``: likewise; None: the one that the
-    mission names. Raises Unreadable."""
+    """``path``: a file or a shipped mission's name. ``vehicle``: likewise, or one that is loaded;
+    None: the one that the mission names. Raises Unreadable."""
     from mission.authoring.importing.places import beside
 
     file = mission_file(path)
@@ -76,7 +78,7 @@ def prepare(
 def prepare_text(
     text: str,
     source: str,
-    vehicle: str | None = None,
+    vehicle: str | Vehicle | None = None,
     parameters: Mapping[str, str] | None = None,
     files: Files = no_files,
 ) -> Prepared:
@@ -89,7 +91,7 @@ def prepare_text(
 def drafted(
     text: str,
     source: str,
-    vehicle: str | None = None,
+    vehicle: str | Vehicle | None = None,
     parameters: Mapping[str, str] | None = None,
     files: Files = no_files,
 ) -> Draft:
@@ -101,10 +103,10 @@ def drafted(
         raise Unreadable(error.diagnostics, source) from None
 
 
-def prepare_draft(read: Draft, text: str, source: str, vehicle: str | None) -> Prepared:
+def prepare_draft(read: Draft, text: str, source: str, vehicle: str | Vehicle | None) -> Prepared:
     """Of what was read of the text. Raises Unreadable."""
     try:
-        chosen = load_vehicle(vehicle or read.mission.vehicle)
+        chosen = _loaded(vehicle or read.mission.vehicle)
     except VehicleError as error:
         known = error.diagnostics if vehicle or not len(read.problems) else ()
         raise Unreadable([*known, *read.problems.found()], source) from None
@@ -115,10 +117,14 @@ def prepare_draft(read: Draft, text: str, source: str, vehicle: str | None) -> P
     return Prepared(source, text, read.mission, chosen, made.chart)
 
 
-def _readings(vehicle: str | None) -> Mapping[str, str] | None:
+def _loaded(vehicle: str | Vehicle) -> Vehicle:
+    return vehicle if isinstance(vehicle, Vehicle) else load_vehicle(vehicle)
+
+
+def _readings(vehicle: str | Vehicle | None) -> Mapping[str, str] | None:
     """Of the vehicle that the caller names; None where it names none, or none that can be read."""
     with contextlib.suppress(VehicleError):
-        return None if vehicle is None else load_vehicle(vehicle).readings
+        return None if vehicle is None else _loaded(vehicle).readings
     return None
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mission.commands.jobs import Where, job_options
-from mission.commands.options import MISSION, SEED, VEHICLE_NAME
+from mission.commands.options import MISSION, SEED, VEHICLE_NAME, tell_confirmed
 
 if TYPE_CHECKING:
     from mission.verification.campaign.proofs import Claim, Shown
@@ -84,6 +84,7 @@ def campaign(
         raise click.UsageError(
             "what is generated is of the AUV: leave --vehicle out, or name files"
         )
+    tell_confirmed(vehicle)
     known = shipped() if vehicle == "auv" else [subject.path for subject in fitting(vehicle)]
     named = () if only else tuple(dict.fromkeys(files)) or tuple(known)
     count = 1 if generated is not None else len(named) if missions is None or only else missions
@@ -186,14 +187,15 @@ def _claim(path: Path, vehicle: str) -> Claim:
 
     from mission.authoring.prepare import check_prepared, prepare
     from mission.verification.campaign.proofs import Claim
+    from mission.verification.rig.vehicle import flown
 
-    prepared = prepare(path, None if vehicle == "auv" else vehicle)
+    prepared = prepare(path, None if vehicle == "auv" else flown(vehicle))
     report = check_prepared(prepared)
     if not report.ok or report.proved is None:
         why = report.refusals[0].message if report.refusals else "nothing is proved"
         raise ValueError(f"{path}: the check refuses it: {why}")
-    flown = replace(prepared.mission, vehicle=prepared.vehicle.name)
-    return Claim(str(path), flown, report.proved)
+    mission = replace(prepared.mission, vehicle=prepared.vehicle.name)
+    return Claim(str(path), mission, report.proved)
 
 
 def _generated(seed: int, number: int) -> Claim:
@@ -206,12 +208,12 @@ def _generated(seed: int, number: int) -> Claim:
 
 
 def _show(job: Job) -> Shown:
-    from mission.model.shipped import load_vehicle
     from mission.verification.campaign.proofs import show
     from mission.verification.campaign.withheld import drawn_for
+    from mission.verification.rig.vehicle import flown
 
     claim, seed, flight = job
-    vehicle = load_vehicle(claim.mission.vehicle)
+    vehicle = flown(claim.mission.vehicle)
     return show(claim, vehicle, seed, flight, drawn_for(claim, flight))
 
 

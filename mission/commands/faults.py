@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mission.commands.jobs import Where, job_options
-from mission.commands.options import VEHICLE_NAME
+from mission.commands.options import VEHICLE_NAME, tell_confirmed
 
 if TYPE_CHECKING:
     from mission.onboard.runtime.records import Recorder
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     "--broken", "rule", metavar="NAME|all", help="Break this safety rule, and see who notices."
 )
 @click.option("--vehicle", type=VEHICLE_NAME, metavar="NAME", default="auv", show_default=True,
-              help="A shipped vehicle: auv, coreboard, rov, robot.")  # fmt: skip
+              help="A shipped vehicle: auv, coreboard, rov, robot, mainboard.")  # fmt: skip
 @click.option("--calm", is_flag=True, help="Without any fault: no limit may act.")
 @click.option("--json", "as_json", is_flag=True, help="The object alone, no story.")
 @job_options
@@ -82,8 +82,6 @@ def faults(
 
     from mission.verification.campaign.faults import Totals
 
-    if vehicle != "auv" and rule:
-        raise click.UsageError("--broken is of the AUV: leave --vehicle out")
     known = _known(vehicle)
     if rule is not None:
         sys.exit(_break(rule, seed, flights, where, known, as_json, search))
@@ -115,6 +113,7 @@ def _known(vehicle: str) -> tuple[Subject, ...]:
     if vehicle not in MOTION:
         there = ", ".join(("auv", *MOTION))
         raise click.BadParameter(f"{vehicle}: flights with faults are of {there}")
+    tell_confirmed(vehicle)
     return tuple(fitting(vehicle))
 
 
@@ -269,7 +268,10 @@ def _break(
     names = list(BROKEN) if rule == "all" else [rule]
     found: list[Noticed] = []
     work = functools.partial(_notice, seed, flights, known, search)
-    asked = {"flights": "broken", "seed": seed, "most": flights, "searched": search}
+    asked: dict[str, Any] = {"flights": "broken", "seed": seed, "most": flights}
+    asked["searched"] = search
+    if known[0].vehicle != "auv":
+        asked["vehicle"] = known[0].vehicle
     undone: list[str] = []
     with where.keeping(asked, Noticed) as kept:
         for noticed in results(work, names, where.lasting(flights).place, kept=kept):
@@ -301,8 +303,8 @@ def _soak(days: float, seed: int, known: Sequence[Subject], as_json: bool) -> in
     import json
     import tempfile
 
-    from mission.model.shipped import load_vehicle
     from mission.verification.campaign import soak
+    from mission.verification.rig.vehicle import flown
 
     def told(soaked: soak.Soaked, result: FlightResult) -> None:
         for line in soak.story(soaked, result, seed, known[0].vehicle):
@@ -312,7 +314,7 @@ def _soak(days: float, seed: int, known: Sequence[Subject], as_json: bool) -> in
             click.echo(f"{words}, growth {soaked.growth}", err=True)
 
     with tempfile.TemporaryDirectory(prefix="soak-") as folder:
-        soaked = soak.soak(days, seed, known, load_vehicle(known[0].vehicle), Path(folder), told)
+        soaked = soak.soak(days, seed, known, flown(known[0].vehicle), Path(folder), told)
     click.echo(json.dumps(soaked.as_json()))
     if soaked.interrupted:
         raise KeyboardInterrupt
@@ -326,12 +328,12 @@ def _soak_many(
     import functools
     import json
 
-    from mission.model.shipped import load_vehicle
     from mission.verification.campaign.soak import Summary, soak_alone
+    from mission.verification.rig.vehicle import flown
     from mission.verification.workers import results
     from mission.verification.workers.outcome import Lost
 
-    work = functools.partial(soak_alone, days, known, load_vehicle(known[0].vehicle))
+    work = functools.partial(soak_alone, days, known, flown(known[0].vehicle))
     place = where.lasting(1.0 + days).place
     found: dict[int, Any] = {}
     held = True

@@ -92,3 +92,12 @@ BATHYMETRY = click.option(
 AS_JSON = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object on standard output."
 )
+
+
+def tell_confirmed(vehicle: str) -> None:
+    """On standard error, where a campaign flies other signs than the shipped file has."""
+    from mission.verification.rig.vehicle import CONFIRMED
+
+    if vehicle in CONFIRMED:
+        said = f"flown as if its file said outer_loop: {{confirmed: {CONFIRMED[vehicle]}}}"
+        click.echo(f"{vehicle}: {said}; as shipped it holds nothing (R17)", err=True)

@@ -16,7 +16,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import cos, degrees, inf, pi, radians, sin, sqrt
+from math import cos, degrees, inf, pi, radians, remainder, sin, sqrt, tau
 from random import Random
 from typing import Any
 
@@ -135,7 +135,7 @@ class WaterBoard(Board):
             self._depth = plant.depth + gauss(0.0, _DEPTH)
         yaw = degrees((plant.yaw + gauss(0.0, _HEADING) + pi) % (2.0 * pi) - pi)
         return (
-            degrees(plant.roll + gauss(0.0, _ANGLE)),
+            degrees(remainder(plant.roll + gauss(0.0, _ANGLE), tau)),
             degrees(plant.pitch + gauss(0.0, _ANGLE)),
             yaw,
             self._depth,

@@ -17,11 +17,13 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 
+from links.simulated.settings import Settings
 from mission.model import MANUAL_DRIVING, Step, Tx
 from mission.model.vehicle import Vehicle
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.verification.campaign.audit import Spurious, commands_of, moves
 from mission.verification.campaign.obedience import Ignored, orders
+from mission.verification.campaign.trial import fault_ends
 from mission.verification.rig.acts import TOPSIDE, Act
 from mission.verification.rig.speech import Motion, Speech, same
 from mission.verification.rig.trace import Done, Event, Said
@@ -30,6 +32,7 @@ from protocol.messages import Order, Setpoint
 
 STICK_S = 0.6  # R6
 G3_S = 1.1  # s that an unfinished frame may hold back the one behind it
+RIGHTED_S = 10.0  # s until what is upright again is known to be
 SLACK_S = 0.03  # s: the frames that are on the line
 AGAIN_S = 1.5  # s from the end of a hindrance until all is as before
 _SAME = 1e-3  # s
@@ -45,8 +48,9 @@ def audit(events: Sequence[Event], vehicle: Vehicle) -> list[Spurious]:
     return sorted(found, key=lambda one: one.t)
 
 
-def ignored(events: Sequence[Event], vehicle: Vehicle) -> list[Ignored]:
-    """X and W that did not leave in time; W is the thrust upward, of the robot a stop."""
+def ignored(events: Sequence[Event], vehicle: Vehicle, settings: Settings) -> list[Ignored]:
+    """X and W that did not leave in time; W is the thrust upward, of the robot a stop. What lies
+    upside down begins by letting go, and has no other bytes for W (R7)."""
     speech = Speech(vehicle)
     w = b"@ZAU12$" if speech.lifts else b"@ZAX0$"
 
@@ -54,7 +58,12 @@ def ignored(events: Sequence[Event], vehicle: Vehicle) -> list[Ignored]:
         word = speech.word(data)
         return frozenset((word, b"@ZAWF$") if word == w else (word,))
 
-    return list(orders(events, means))
+    turned = [(f.begin, fault_ends(f)) for f in settings.faults if f.name == "capsized"]
+    return [
+        one
+        for one in orders(events, means)
+        if not any(begin <= one.t <= end + RIGHTED_S for begin, end in turned)
+    ]
 
 
 class _Auditor:

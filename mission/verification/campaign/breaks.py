@@ -23,13 +23,14 @@ from mission.navigation.belief import DepthBelief
 from mission.navigation.fixes import Receiver
 from mission.navigation.health import SensorHealth
 from mission.onboard.runtime.frontseat import Frontseat
+from mission.onboard.runtime.repeater import Repeater
 from mission.onboard.runtime.resume_marker import ResumeMarker
 from mission.verification.campaign.surgery import (
     Break,
     Surgery,
     instead,
 )
-from protocol.messages import Fix, SetSafety
+from protocol.messages import Fix, Order, SetSafety
 from protocol.vehicles import vehicle_row
 
 
@@ -153,6 +154,28 @@ def stop_every_five_seconds(surgery: Surgery) -> None:
         return ([*sent, Tx(now, "vehicle", b"@ZAX0$", "every 5 s")] if due else sent), outcomes
 
     surgery.put(Frontseat, "poll", poll)
+    repeated = Repeater.poll
+
+    def stopped(self: Repeater, now: float) -> tuple[list[Tx], list[Outcome]]:
+        sent, outcomes = repeated(self, now)
+        if not sent or int(now) % 5:
+            return sent, outcomes
+        frames = self._encode(Order.STOP)
+        return [Tx(now, "vehicle", frame, "every 5 s") for frame in frames], outcomes
+
+    surgery.put(Repeater, "poll", stopped)
+
+
+def half_the_pace(surgery: Surgery) -> None:
+    honest = Repeater.poll
+
+    def poll(self: Repeater, now: float) -> tuple[list[Tx], list[Outcome]]:
+        said = honest(self, now)
+        if said[0]:
+            self._due += self._period
+        return said
+
+    surgery.put(Repeater, "poll", poll)
 
 
 def every_place_is_news(surgery: Surgery) -> None:

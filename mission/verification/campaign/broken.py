@@ -30,7 +30,7 @@ from mission.engine.outputs import OutputKeeper
 from mission.engine.rest import Rest
 from mission.engine.vehicle_state import VehicleState
 from mission.navigation.belief import DepthBelief
-from mission.onboard.runtime import frontseat, line, operator_server
+from mission.onboard.runtime import frontseat, line, operator_server, repeater
 from mission.onboard.runtime.commander import Commander
 from mission.onboard.runtime.copies import Copies
 from mission.onboard.runtime.outer_loop import LoopCloser
@@ -199,6 +199,16 @@ _RULES: Mapping[str, Broken] = {
         alike=same,
     ),
     "areas": Broken("R5: the mission's areas", instead(core, "fences", lambda *_: ()), alike=same),
+    "pace of a board": Broken(
+        "R16, R17: what holds is said again",
+        breaks.half_the_pace,
+        "the AUV is told a word once; boards of documents 002 to 004 are told again",
+    ),
+    "stick of a board": Broken(
+        "R14: 600 ms without an M",
+        instead(repeater, "STICK_S", 60.0),
+        "the AUV's STM32 does that by itself; boards of documents 002 to 004 do not",
+    ),
     "gap": Broken("20 ms between two frames", instead(frontseat, "GAP_S", 0.0)),
     "unasked": Broken("nothing that nothing asked for", breaks.stop_every_five_seconds),
 }

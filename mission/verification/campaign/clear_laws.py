@@ -17,11 +17,11 @@ from collections.abc import Iterator, Mapping
 
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, parse, script
-from mission.model.shipped import load_vehicle
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import Stay, Story
 from mission.verification.campaign.surface_laws import UNLAWFUL
 from mission.verification.campaign.trial import fault_ends
+from mission.verification.rig.vehicle import flown
 from protocol.messages import Setpoint
 
 _ERROR = 1.0  # m: bias and noise of both sensors
@@ -44,7 +44,7 @@ def clear_laws(story: Story) -> Iterator[Violation]:
 @functools.lru_cache(maxsize=64)
 def _kept_clear(text: str, vehicle: str) -> Mapping[str, Setpoint]:
     mission = parse(text)
-    chart = compile_mission(mission, load_vehicle(vehicle), digest(mission))
+    chart = compile_mission(mission, flown(vehicle), digest(mission))
     sets = {state.path: state.setpoint for state in chart.states if state.setpoint is not None}
     return {p: s for p, s in sets.items() if s.depth is not None and s.altitude is not None}
 

@@ -27,13 +27,13 @@ from links.simulated.sea import Sea
 from links.simulated.settings import FaultEvent, Settings, setting_of
 from mission.authoring.language import script
 from mission.model import Mission
-from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Vehicle
 from mission.verification.campaign.disturbances import INCIDENTS
 from mission.verification.campaign.scene_texts import mission_of
-from mission.verification.campaign.scenes import SCENES
+from mission.verification.campaign.staging import faults_of, scenes_of, staged_on
 from mission.verification.campaign.trial import FOREVER
 from mission.verification.rig.acts import Disturbance
+from mission.verification.rig.vehicle import flown
 
 MOST = 5  # disturbances a flight
 CURRENT = 0.5  # m/s
@@ -91,7 +91,7 @@ class Plan:
 
     @property
     def vehicle(self) -> Vehicle:
-        found = load_vehicle(self.subject.vehicle)
+        found = flown(self.subject.vehicle)
         return replace(found, constant_batteries=found.constant_batteries and not self.batteries)
 
     @property
@@ -122,19 +122,14 @@ class Plan:
 def draw(seed: int, number: int, subjects: Sequence[Subject], staged: float = STAGED) -> Plan:
     """``staged``: share of the flights with a scene."""
     rng = Random(f"faults {seed} {number}")
-    if rng.random() < staged and subjects[0].vehicle == "auv":  # who flies the scenes
+    if rng.random() < staged:
         return _staged(rng, seed, number, subjects)
     return _disturbed(rng, seed, number, subjects)
 
 
-def stage(name: str, seed: int) -> Plan:
-    """This scene, and nothing else."""
-    return _set_up(name, Random(f"scene {name} {seed}"), seed, 0)
-
-
-def faults_of(vehicle: str) -> Mapping[str, Fault]:
-    """What can go wrong with it: of the shipped vehicle of this name."""
-    return OF_BOARDS.get(vehicle, FAULTS)
+def stage(name: str, seed: int, vehicle: str = "auv") -> Plan:
+    """This scene, and nothing else. KeyError for one that is not staged on the vehicle."""
+    return _set_up(name, vehicle, Random(f"scene {name} {seed}"), seed, 0)
 
 
 def profiles_of(vehicle: str) -> tuple[str, ...]:
@@ -149,15 +144,13 @@ def body_of(vehicle: str) -> Body:
 
 
 def rows(subjects: Sequence[Subject]) -> tuple[str, ...]:
-    """Of the tables that flights are drawn from: missions by their files' names, and of the AUV,
-    which flies them, scenes."""
-    scenes = SCENES if subjects[0].vehicle == "auv" else ()
-    return (*scenes, *(subject.path.stem for subject in subjects))
+    """Of the tables that flights are drawn from: scenes, and missions by their files' names."""
+    return (*scenes_of(subjects[0].vehicle), *(subject.path.stem for subject in subjects))
 
 
 def draw_row(row: str, rng: Random, seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
     """Draws a flight of one of ``rows``; of a scene, every second flight has the scene alone."""
-    if row in SCENES:
+    if row in scenes_of(subjects[0].vehicle):
         return _staged(rng, seed, number, subjects, row, BESIDE if number % 2 else 0.0)
     subject = {subject.path.stem: subject for subject in subjects}[row]
     return _disturbed(rng, seed, number, subjects, subject)
@@ -172,35 +165,36 @@ def _staged(
     beside: float = BESIDE,
 ) -> Plan:
     """A scene, and in some flights something else that happens meanwhile."""
-    plan = _set_up(name or _scene(seed, number), rng, seed, number)
+    vehicle = subjects[0].vehicle
+    plan = _set_up(name or _scene(vehicle, seed, number), vehicle, rng, seed, number)
     if rng.random() >= beside:
         return plan
     faults, incidents = [*plan.settings.faults], [*plan.incidents]
     begin = round(rng.uniform(8.0, SCENE_TIME / 2.0), 1)
-    _disturb(rng, _troubles(rng, 1, plan.subject.vehicle)[0], begin, subjects, faults, incidents)
+    _disturb(rng, _troubles(rng, 1, vehicle)[0], begin, subjects, faults, incidents)
     settings = replace(plan.settings, faults=tuple(faults))
     return replace(plan, settings=settings, incidents=tuple(incidents))
 
 
-def _scene(seed: int, number: int) -> str:
+def _scene(vehicle: str, seed: int, number: int) -> str:
     """In rounds, each in an order of its own: a few hundred flights have every scene in them."""
-    turn, place = divmod(number, len(SCENES))
-    order = list(SCENES)
+    order = list(scenes_of(vehicle))
+    turn, place = divmod(number, len(order))
     Random(f"scenes {seed} {turn}").shuffle(order)
     return order[place]
 
 
-def _set_up(name: str, rng: Random, seed: int, number: int) -> Plan:
-    scene = SCENES[name].draw(rng)
+def _set_up(name: str, vehicle: str, rng: Random, seed: int, number: int) -> Plan:
+    scene = staged_on(vehicle, name, rng)
     current = _sea(rng).current if scene.current is None else (scene.current, 0.0)
     sea = Sea(current, None, SCENE_FLOOR)
     return Plan(
         seed,
         number,
-        Subject(Path(scene.text), mission_of(scene.text), SCENE_TIME),
-        rng.choice(PROFILES),
+        Subject(Path(scene.text), mission_of(scene.text, vehicle), SCENE_TIME),
+        rng.choice(profiles_of(vehicle)),
         rng.randrange(1 << 31),
-        Settings(sea=sea, faults=scene.faults),
+        Settings(sea=sea, body=body_of(vehicle), faults=scene.faults),
         (Drawn(name, 0.0, scene.disturbances),),
         rng.uniform(0.0, math.tau),
         name,

@@ -35,6 +35,7 @@ from mission.verification.campaign.story import Story
 from mission.verification.campaign.trial import try_out
 from mission.verification.campaign.whole_flight import kinds, throughout
 from mission.verification.rig.trace import Told, Trace
+from mission.verification.rig.vehicle import flown
 
 NOT_STARTED = "not started"
 ALARMED = "alarmed"  # of flights without faults (calm)
@@ -99,11 +100,11 @@ def shipped() -> list[Path]:
 
 
 def subjects(paths: Iterable[Path], vehicle: str | None = None) -> list[Subject]:
-    """On ``vehicle``, None: their own. Raises Unreadable, ValueError for a mission that the check
-    refuses."""
+    """On ``vehicle`` as campaigns fly it, None: their own. Raises Unreadable, ValueError for a
+    mission that the check refuses."""
     found = []
     for path in paths:
-        prepared = prepare(path, vehicle)
+        prepared = prepare(path, None if vehicle is None else flown(vehicle))
         report = check_prepared(prepared)
         if not report.ok or report.proved is None:
             raise ValueError(f"{path}: refused by the check: {report.refusals[0].message}")
@@ -172,10 +173,10 @@ def result_of(
 ) -> FlightResult:
     """``whole``: the trial begins with the program, so that its whole flight can be judged.
     ``more``: what other laws have found."""
-    flown = plan.subject.mission
-    found = [*violations(trial, flown, vehicle, profile, plan.settings), *more]
+    mission = plan.subject.mission
+    found = [*violations(trial, mission, vehicle, profile, plan.settings), *more]
     if whole:
-        found += throughout(trial, flown, vehicle, profile, plan.settings, plan.silence)
+        found += throughout(trial, mission, vehicle, profile, plan.settings, plan.silence)
     found.sort(key=lambda violation: violation.t)
     return FlightResult(
         plan.number,

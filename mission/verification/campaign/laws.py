@@ -126,7 +126,11 @@ def violations(
     elif trial.turning and trial.state != SURFACING and not _may_turn(trial, settings):
         says = f"its thrusters turn at the end, in {trial.state}"
         found.append(Violation(LOST, trial.truth.t, says))
-    late = of_board.ignored(trial.events, vehicle) if board else ignored(trial.events, profile)
+    late = (
+        of_board.ignored(trial.events, vehicle, settings)
+        if board
+        else ignored(trial.events, profile)
+    )
     found += [Violation(IGNORED, i.t, i.says) for i in late]
     flown = list(spans(trial, mission, vehicle))
     found += _depths(trial, flown, _dive(settings, profile, trial))

@@ -19,7 +19,8 @@ from mission.model import Step
 from mission.verification.campaign.audit import commands_of
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.laws import Violation
-from mission.verification.campaign.story import Report, Stay, Story, gaps
+from mission.verification.campaign.reports import Report
+from mission.verification.campaign.story import Stay, Story, gaps
 from mission.verification.campaign.trial import FOREVER, fault_ends
 from mission.verification.rig.trace import Told
 from protocol.messages import Order, Setpoint
@@ -183,7 +184,7 @@ def _blind(story: Story, begin: float, end: float) -> Iterator[Violation]:
         under = min(story.depth(t) for t in (fault.begin - 6.0, fault.begin, known)) > _UNDER
         alone = len(story.faults(("depth_",), fault.begin - 10.0, until)) == 1
         told = len(story.told_in(fault.begin, known)) > 3
-        turns = all(r.turning for r in story.reports if fault.begin <= r.t <= known)
+        turns = all(r.may_turn for r in story.reports if fault.begin <= r.t <= known)
         if frozen and not turns:
             continue  # R5: it repeats while a thruster turns
         if until > known and under and alone and told and not story.hindered(fault.begin, known):
@@ -309,7 +310,7 @@ def _without_power(story: Story, stay: Stay) -> Iterator[Violation]:
         for report in story.reports:
             if not begin + 3.0 < report.t < end:
                 continue
-            still = [] if report.turning else [*still, report]
+            still = [] if report.may_turn else [*still, report]
             if len(still) < 4 or story.hindered(still[0].t - 5.0, report.t):
                 continue
             if not story.words_in(still[0].t, report.t):

@@ -20,6 +20,7 @@ from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.reached import reached
 from mission.verification.campaign.search import Search
 from mission.verification.campaign.steered import plan_of
+from mission.verification.campaign.unseen import unseen
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +46,7 @@ class Flights:
     """Of one seed. A flight's name is its number by chance, or what ``steered`` calls it."""
 
     def __init__(self, seed: int, known: Sequence[Subject]) -> None:
-        self.seed, self.known = seed, known
+        self.seed, self.known, self.vehicle = seed, known, known[0].vehicle
         self._whole: dict[str, Flown] = {}
 
     def whole(self, name: str) -> Flown:
@@ -87,7 +88,7 @@ def notice(rule: str, flights: Flights, most: int, *, searched: bool = False) ->
         found = flights.without(rule, name).violations
         if found and not flights.whole(name).violations:
             return Noticed(rule, row.rule, number, _in_words(found[0]))
-    return Noticed(rule, row.rule, None, "", row.reason)
+    return Noticed(rule, row.rule, None, "", unseen(rule, flights.vehicle))
 
 
 def _searched(rule: str, flights: Flights) -> Iterator[str]:

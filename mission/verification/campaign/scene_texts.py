@@ -1,4 +1,5 @@
-"""Missions of the campaign's own: short, and each with the one leg that a scene needs.
+"""Missions of the campaign's own: short, and each with the one leg that a scene needs; in the words
+of each vehicle that flies it.
 
 What does not live here: the scenes (scenes), missions that are shipped (missions/).
 """
@@ -74,6 +75,77 @@ TEXTS: Mapping[str, str] = {
 }  # fmt: skip
 
 
-@functools.lru_cache(maxsize=len(TEXTS))
-def mission_of(text: str) -> Mission:
-    return parse(TEXTS[text])
+_UP = "up: surface timeout 3min\n"
+_DOWN = "dive: down 9 until depth >= {} timeout 90\n"
+_ADRIFT = f"{_DOWN.format(5.5)}stand: down 5 for 30\nadrift: stop up 0 for 60\n"
+
+
+def _at_place(name: str, vehicle: str, safety: str, body: str, assume: str = "current 0.5") -> str:
+    """Of a vehicle that holds depth and heading, and is told its place at the surface."""
+    head = f"mission {name} vehicle {vehicle}\n{_HOME}safety {safety} voltage 12\nassume {assume}\n"
+    return f"{head}{body}{_PASS}"
+
+
+def _held(vehicle: str) -> Mapping[str, str]:
+    """For boards that hold heading and depth together, or that the Pi holds so."""
+    dive = "dive: depth {0} heading 0 gear 4 until depth >= {1} timeout 4min\n"
+    shallow, near, far = "radius 700 time 20min depth 10", "depth 6 heading", "depth 5 heading"
+    wide = "radius 900 time 30min depth 20"
+    out = f"out: {near} 0 gear 8 for 60\n"
+    texts = {
+        "there": (shallow, f"{dive.format(6, 5.5)}{out}back: {near} 180 gear 8 for 60\n"),
+        "away": (
+            "radius 1000 time 30min depth 10",
+            f"{dive.format(5, 4.5)}out: {far} 0 gear 8 for 6min\n",
+        ),
+        "deep": (wide, f"{dive.format(14, 13.5)}stand: depth 14 heading 0 gear 4 for 4min\n"),
+        "adrift": ("radius 900 time 30min depth 24", _ADRIFT),
+        "stubborn": (
+            "radius 1000 time 30min depth 10",
+            f"{dive.format(5, 4.5)}out: {far} 0 gear 8 for 100\non_we_go: {far} 0 gear 8 for 100\n",
+        ),
+    }
+    made = {name: _at_place(name, vehicle, *text) for name, text in texts.items()}
+    made["there"] = made["there"].replace("current 0.5", "current 0.5 start 100")
+    made["stubborn"] += "on uncertain -> on_we_go\n"
+    pool = made["there"].replace("mission there", "mission pool").replace(_PASS, _UP)
+    return made | {"pool": pool.replace(_HOME, "start without fix\n")}
+
+
+def _pushed(vehicle: str, safety: str, bodies: Mapping[str, str]) -> Mapping[str, str]:
+    """For what knows no place, and is moved by thrust and time."""
+    head = f"vehicle {vehicle}\nstart without fix\nsafety {safety}\nassume current 0 start 0\n"
+    return {name: f"mission {name} {head}{body}" for name, body in bodies.items()}
+
+
+_BODIES = {
+    "rov": {
+        "there": f"{_DOWN.format(5.5)}out: gear 4 down 5 for 45\n"
+        f"back: gear -4 down 5 for 45\n{_UP}",
+        "away": f"{_DOWN.format(4.5)}out: gear 3 down 5 for 100\n{_UP}",
+        "deep": f"{_DOWN.format(13.5)}stand: down 5 for 80\n{_UP}",
+        "loose": f"{_DOWN.format(9.5)}stand: down 5 for 80\n{_UP}",
+        "adrift": f"{_ADRIFT}{_UP}",
+        "pool": f"{_DOWN.format(4.5)}out: gear 3 down 5 for 60\n{_UP}",
+    },
+    "robot": {
+        "there": "out: gear 6 for 50\nback: gear -6 for 50\n",
+        "away": "out: gear 6 for 50\non_and_on: gear 3 for 100\n",
+        "deep": "out: gear 6 for 60\nspin: gear 0 right 6 for 20\nback: gear 6 for 40\n",
+    },
+}
+ON_BOARDS: Mapping[str, Mapping[str, str]] = {
+    "coreboard": _held("coreboard"),
+    "rov": _pushed("rov", "time 50min depth 50", _BODIES["rov"]),
+    "robot": _pushed("robot", "time 20min", _BODIES["robot"]),
+    "mainboard": _held("mainboard"),
+}
+
+
+def texts_of(vehicle: str) -> Mapping[str, str]:
+    return ON_BOARDS.get(vehicle, TEXTS)
+
+
+@functools.cache
+def mission_of(text: str, vehicle: str = "auv") -> Mission:
+    return parse(texts_of(vehicle)[text])

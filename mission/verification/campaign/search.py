@@ -24,7 +24,7 @@ from random import Random
 
 from mission.verification.campaign.draw import Subject, rows
 from mission.verification.campaign.faults import FlightResult, fly_near
-from mission.verification.campaign.scenes import SCENES
+from mission.verification.campaign.scenes import ON_BOARDS_ALONE, SCENES
 from mission.verification.campaign.steered import neighbour, plan_of
 from mission.verification.workers import working
 from mission.verification.workers.kept import Kept
@@ -78,7 +78,7 @@ class Search:
     def _begin_round(self) -> None:
         rows = list(self._rows)
         self._rng.shuffle(rows)
-        rows.sort(key=lambda row: row not in SCENES)
+        rows.sort(key=lambda row: row not in (*SCENES, *ON_BOARDS_ALONE))
         self._round = [f"{row}/{self._rounds}" for row in rows]
         self._rounds += 1
 

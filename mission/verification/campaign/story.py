@@ -19,7 +19,6 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import NamedTuple
 
 from links.simulated.settings import FaultEvent, Settings
 from mission.model import (
@@ -36,12 +35,12 @@ from mission.model.vehicle import Vehicle
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.verification.campaign.excuses import auto_closed
 from mission.verification.campaign.laws import Span, spans
+from mission.verification.campaign.reports import reports
 from mission.verification.campaign.trial import fault_ends
 from mission.verification.rig.acts import TOPSIDE, Act
 from mission.verification.rig.program import DEAD
 from mission.verification.rig.speech import MOTION, Speech
 from mission.verification.rig.trace import Done, Heard, Said, Told, Trace
-from protocol.vehicles.auv import ACTUATORS, SD
 
 SAME = 1e-3  # s
 TRACES = 30.0  # s for which a fault that is over may still be felt
@@ -55,9 +54,6 @@ STOP_WORD, DOWN_WORD = b"@ZAX0$", b"@ZAD12$"
 _RESTS = (STOPPED, SURFACED, MANUAL_WAITING)
 _ASCENDS = ("emergency surfacing", "surge 0 heave -1")
 _M = re.compile(rb"@M[^@$]{2,10}\$")
-_REPORT = re.compile(rb"@SD.{82}\$", re.DOTALL)
-_ANGLES = ("roll_deg", "pitch_deg", "yaw_deg")
-_THRUSTERS = tuple(f"pwm_{name}" for name in ACTUATORS[:5])
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,21 +81,6 @@ class Stay:
         if self.state == SURFACING or self.step is None:
             return self.state == SURFACING
         return self.autonomous and any(a.startswith(_ASCENDS) for a in self.step.actions)
-
-
-class Report(NamedTuple):
-    """What the vehicle said: deg, m, us of the five thrusters."""
-
-    t: float
-    roll: float
-    pitch: float
-    yaw: float
-    depth: float
-    pwm: tuple[int, ...]
-
-    @property
-    def turning(self) -> bool:
-        return any(abs(pwm - 1500) > 10 for pwm in self.pwm)
 
 
 class Story:
@@ -131,7 +112,7 @@ class Story:
         self.heard = [e for e in events if isinstance(e, Heard)]
         self.done = [e for e in events if isinstance(e, Done)]
         self.stays = list(self._stays())
-        self.reports = list(self._reports())
+        self.reports = list(reports(self.heard, vehicle))
         self.spans: list[Span] = list(spans(trial, mission, vehicle))
         self._depths = [place.depth for place in trial.track]
         self._told_at = [told.t for told in self.told]
@@ -165,19 +146,6 @@ class Story:
             if isinstance(event, Said) and event.link == TOPSIDE:
                 words = _M.findall(event.data)
                 yield from (event.t for word in words if self.board.steers(word))
-
-    def _reports(self) -> Iterator[Report]:
-        """Those that came in one piece, and as they were sent."""
-        for heard in self.heard:
-            for found in _REPORT.finditer(heard.data):
-                if SD.check(found[0]) is not None:
-                    continue
-                values = SD.decode(found[0])
-                roll, pitch, yaw = (values[name] for name in _ANGLES)
-                if None not in (roll, pitch, yaw):
-                    depth = math.nan if values["depth_m"] is None else values["depth_m"]
-                    widths = tuple(values[name] for name in _THRUSTERS)
-                    yield Report(heard.t, roll, pitch, yaw, depth, widths)
 
     def _hindrances(self) -> Iterator[tuple[float, float]]:
         pairs = {

@@ -29,8 +29,9 @@ from mission.legs import LEGS
 from mission.legs.base import WAY
 from mission.legs.guidance import GIVES
 from mission.model.vehicle import Vehicle
-from mission.verification.campaign.draw import body_of, faults_of, profiles_of
+from mission.verification.campaign.draw import body_of, profiles_of
 from mission.verification.campaign.proofs import BIAS, SPEED, Claim, Draw, Proof, draw_proof
+from mission.verification.campaign.staging import faults_of
 from mission.verification.campaign.trial import FOREVER
 
 HEAD = (

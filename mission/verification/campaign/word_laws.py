@@ -37,16 +37,17 @@ from mission.model import (
     Tx,
 )
 from mission.model.regions import EMERGENCY, MANUAL
-from mission.model.shipped import load_vehicle
 from mission.verification.campaign.audit import commands_of, moves
 from mission.verification.campaign.laws import Violation
-from mission.verification.campaign.story import SAME, STOP_WORD, Report, Stay, Story
+from mission.verification.campaign.reports import Report
+from mission.verification.campaign.story import SAME, STOP_WORD, Stay, Story
 from mission.verification.campaign.surface_laws import UNLAWFUL
 from mission.verification.campaign.trial import AUTO_NODE, fault_ends
 from mission.verification.rig.acts import MODEM, TOPSIDE, Act
 from mission.verification.rig.line import crowded
 from mission.verification.rig.program import DEAD
 from mission.verification.rig.trace import Done, Said
+from mission.verification.rig.vehicle import flown
 from protocol.messages import FrameFault, Order
 from protocol.topside import TopsideCodec
 
@@ -99,7 +100,7 @@ def word_laws(story: Story) -> Iterator[Violation]:
 def _clocks(text: str, vehicle: str) -> Mapping[str, float]:
     """The longest stay in each leg, s."""
     mission = parse(text)
-    chart = compile_mission(mission, load_vehicle(vehicle), digest(mission))
+    chart = compile_mission(mission, flown(vehicle), digest(mission))
     legs = {state.path: state.leg for state in chart.states if state.leg is not None}
     return {
         path: min(leg.duration or math.inf, leg.timeout or math.inf)
@@ -130,7 +131,7 @@ def _is_left_blind(story: Story, stay: Stay) -> Iterator[Violation]:
             continue
         begin = max(fault.begin, stay.begin)
         due = begin + _BLIND + _FROZEN
-        turned = all(r.turning for r in story.reports if begin - 2.0 <= r.t <= due)
+        turned = all(r.may_turn for r in story.reports if begin - 2.0 <= r.t <= due)
         told = len(story.told_in(begin, due)) >= (due - begin) / 2.0 - 2.0
         alone = len(story.faults((sensor,), begin - 10.0, due)) == 1
         known = turned and told and alone and not story.hindered(begin, due)

@@ -34,8 +34,9 @@ MOTION: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "coreboard": ("coreboard.pc_to_main", (*_SIX, "closed_loop", "depth_m", "heading_deg")),
     "rov": ("rov.down", ("x", "z", "f", "hold_heading", "hold_depth")),
     "robot": ("robot.down", ("command", "speed_mm_s")),
+    "mainboard": ("coreboard.can", ("fx_g", "fy_g", "fz_g", "mx_nm", "my_nm", "mz_nm")),
 }
-_NEAR = 0.1  # deg, m, shares: a Step rounds what it says
+_NEAR, _NEAR_G = 0.1, 10.0  # deg, m, shares, N m; gram-force: a Step rounds what it says
 
 
 class Speech:
@@ -75,9 +76,11 @@ class Speech:
         return {}
 
     def word(self, data: bytes) -> bytes:
-        """The word of the laws that it is, "" if it is none of them."""
+        """The word of the laws that it is; "" if it is none of them, or a part of several, as no
+        torque is."""
         said = self.motion(data)
-        return next((w for w, meant in self.words.items() if said and same(meant, said)), b"")
+        found = [word for word, meant in self.words.items() if said and same(meant, said)]
+        return found[0] if len(found) == 1 else b""
 
     def steers(self, word: bytes) -> bool:
         """Whether it has frames for this M."""
@@ -93,4 +96,4 @@ def same(asked: list[Motion], said: Motion) -> bool:
 
 
 def _near(a: Motion, b: Motion) -> bool:
-    return all(abs(a[name] - b[name]) <= _NEAR for name in a)
+    return all(abs(a[n] - b[n]) <= (_NEAR_G if n.endswith("_g") else _NEAR) for n in a)

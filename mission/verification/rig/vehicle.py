@@ -1,4 +1,4 @@
-"""The simulated vehicle that a vehicle file describes, and where it lies.
+"""The vehicle that verification flies, the simulated one that it describes, and where it lies.
 
 What does not live here: what it is made of (links.simulated).
 """
@@ -14,9 +14,22 @@ from links.simulated.boards import BOARDS, ON_BUS, SimulatedBoard
 from links.simulated.link import HOME, START, SimulatedVehicle
 from links.simulated.settings import SettingError, Settings
 from mission.model import Mission
+from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Vehicle
 
 Simulated = SimulatedVehicle | SimulatedBoard
+# The shipped file leaves open which way its motors push, so that it holds nothing (R17). The
+# simulated boards push as it reads them: there it is as if somebody had seen it on this day.
+CONFIRMED = {"mainboard": "2026-11-22"}
+
+
+def flown(name: str) -> Vehicle:
+    """The shipped vehicle of this name as campaigns fly it. Raises VehicleError."""
+    vehicle = load_vehicle(name)
+    loop = vehicle.outer_loop
+    if loop is None or vehicle.name not in CONFIRMED:
+        return vehicle
+    return replace(vehicle, outer_loop=replace(loop, confirmed=CONFIRMED[vehicle.name]))
 
 
 def simulated(

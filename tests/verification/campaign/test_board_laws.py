@@ -22,12 +22,12 @@ from mission.verification.campaign.draw import (
     INCIDENTS,
     body_of,
     draw,
-    faults_of,
     profiles_of,
 )
 from mission.verification.campaign.laws import IGNORED, LOST, SPURIOUS, Violation, violations
 from mission.verification.campaign.proofs import Claim
 from mission.verification.campaign.scene import repeated, say
+from mission.verification.campaign.staging import faults_of, scenes_of
 from mission.verification.campaign.trial import try_out
 from mission.verification.campaign.whole_flight import SUNK, UNLAWFUL, throughout
 from mission.verification.campaign.withheld import drawn_for
@@ -176,15 +176,17 @@ def test_a_flight_that_ends_under_water_or_under_way_is_lost(name: str) -> None:
 
 def test_the_robot_has_no_law_of_the_water_and_the_others_have() -> None:
     assert [Speech(load_vehicle(name)).lifts for name in NAMES] == [True, True, False]
-    assert set(MOTION) == set(NAMES)
+    assert set(MOTION) == {*NAMES, "mainboard"}
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_what_is_drawn_for_a_board_is_what_it_can_have(name: str) -> None:
     known = known_on(name)
-    drawn = [draw(1, number, known) for number in range(200)]
+    drawn = [draw(1, number, known) for number in range(400)]
     kinds_drawn = {kind for plan in drawn for kind in plan.kinds}
-    assert kinds_drawn <= {*faults_of(name), *INCIDENTS}
+    scenes = {f"scene {scene}" for scene in scenes_of(name)}
+    assert kinds_drawn <= {*faults_of(name), *INCIDENTS, *scenes}
+    assert scenes <= kinds_drawn
     assert set(faults_of(name)) <= kinds_drawn
     assert {plan.profile for plan in drawn} == set(profiles_of(name)) == {"documented"}
     assert {plan.vehicle.name for plan in drawn} == {name}
@@ -234,7 +236,6 @@ def test_the_commands_fly_the_other_vehicles_and_say_how_to_fly_one_again() -> N
 @pytest.mark.parametrize(
     "words",
     [
-        ("faults", "--vehicle", "rov", "--broken", "all"),
         ("faults", "--vehicle", "motorboards"),
         ("faults", "--vehicle", "submarine"),
         ("campaign", "--vehicle", "rov", "--missions", "3"),

@@ -17,6 +17,7 @@ from mission.verification.campaign.faults import FlightResult
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.soak import Soaked
 from mission.verification.campaign.soak import story as soak_story
+from mission.verification.campaign.staging import scenes_of
 from mission.verification.campaign.steered import plan_of
 
 
@@ -25,8 +26,10 @@ def known() -> Sequence[Subject]:
     return known_on("rov")
 
 
-def test_rows_of_a_board_are_its_missions_and_no_scene(known: Sequence[Subject]) -> None:
-    assert rows(known) == ("rov-dive",)
+def test_rows_of_a_board_are_the_scenes_that_can_come_to_it_and_its_missions(
+    known: Sequence[Subject],
+) -> None:
+    assert rows(known) == (*scenes_of("rov"), "rov-dive")
 
 
 def test_a_searched_flight_of_a_board_follows_from_its_name(known: Sequence[Subject]) -> None:
@@ -36,7 +39,7 @@ def test_a_searched_flight_of_a_board_follows_from_its_name(known: Sequence[Subj
     assert (plan.profile, plan.vehicle.name) == ("documented", "rov")
 
 
-def test_a_scene_is_no_flight_of_a_board(known: Sequence[Subject]) -> None:
+def test_a_scene_that_cannot_come_to_a_board_is_no_flight_of_it(known: Sequence[Subject]) -> None:
     with pytest.raises(ValueError, match="no flight 'clogged/3'"):
         plan_of("clogged/3", 5, known)
 
@@ -69,15 +72,9 @@ def test_the_command_searches_and_soaks_on_a_board() -> None:
     search = ["faults", "--vehicle", "robot", "--search", "--flights", "1", "--workers", "1"]
     done = CliRunner().invoke(main, search)
     assert done.exit_code == 0, done.output
-    assert json.loads(done.stdout.splitlines()[-1])["nearest"]["time"]["flight"] == "robot-drive/0"
+    assert json.loads(done.stdout.splitlines()[-1])["flights"] == 1
     soaked = CliRunner().invoke(main, ["faults", "--vehicle", "robot", "--soak", "0.0002"])
     assert json.loads(soaked.stdout.splitlines()[-1])["missions"] == 1
-
-
-def test_rules_are_broken_on_the_auv_alone() -> None:
-    done = CliRunner().invoke(main, ["faults", "--vehicle", "rov", "--broken", "all"])
-    assert done.exit_code == 2
-    assert "--broken is of the AUV" in done.stderr
 
 
 def test_a_soak_of_a_board_that_broke_a_law_is_told_with_its_vehicle() -> None:

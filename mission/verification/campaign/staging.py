@@ -1,0 +1,138 @@
+"""Which scenes are staged on which vehicle, and what of a scene is another there.
+
+    AUV        every scene, as it is drawn
+    a board    of documents 002 to 004: the scenes that can come to it. A fault that it cannot have
+               is the like of it that it can (LIKE), or none where its absence changes nothing; a
+               robot's stick says ahead and back where others say down and up
+
+A scene that is not staged has its reason (why_not).
+
+What does not live here: the scenes (scenes), their missions in the words of each vehicle
+(scene_texts).
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from dataclasses import replace
+from random import Random
+
+from links.simulated.board_faults import OF_BOARDS
+from links.simulated.faults import FAULTS, Fault
+from links.simulated.settings import FaultEvent
+from mission.verification.campaign.scene import Scene
+from mission.verification.campaign.scene_texts import ON_BOARDS
+from mission.verification.campaign.scenes import ON_BOARDS_ALONE, SCENES
+from mission.verification.rig.acts import Disturbance
+
+# Of a board's frames and reports; "": without it the scene is the same there.
+LIKE: Mapping[str, str] = {
+    "ack_lost": "command_lost",
+    "stm32_restart": "command_lost",
+    "depth_full_scale": "depth_frozen",
+    "depth_silent": "depth_frozen",
+    "depth_absurd": "depth_frozen",
+    "deaf_to_u": "",
+    "gps_lost": "",
+    "heavy": "",  # of what drives
+}
+_WORDS = "its board repeats a whole frame, and answers nothing: no single word is lost or refused"
+_RECEIVER = "it has no receiver of its own"
+_SENSOR = "its simulated board has no such fault of a sensor"
+_PLACE = "it knows no place"
+_HOLDS = "nothing holds a depth before its signs are confirmed"
+_LAND = "it drives on land"
+_AT_SURFACE = "its place is known at the surface alone, where its board holds no heading"
+_UNKNOWN_AT_REST = "a depth that is frozen at rest is not known to be"
+_UNPROVED = "without a place nothing but its depth can prove the surface: it surfaces for ever"
+_NO_BATTERY, _NO_LEAK = "it reports no battery", "it reports no leak"
+_SINKING = (
+    *("heavy_for_ever", "heavy_after_x", "neutral_after_x", "heavy_when_surfaced"),
+    *("heavy_when_idle", "heavy_when_waiting", "heavy_with_auto_closed", "unliftable"),
+    *("sinks_in_a_hold", "sinks_adrift", "weak_thrusters"),
+    *("capsized", "capsized_and_heavy", "capsized_blind", "blind", "surfacing_blind"),
+    *("shallow_depth", "cleared_below", "started_below", "restarted_frozen"),
+)
+_ON_ALL: Mapping[str, tuple[str, ...]] = {
+    _WORDS: (
+        *("deaf_to_w", "deaf_to_u", "dives_until_up", "dives_until_stop", "obeys_late"),
+        *("garbled_x", "turns_after_a_stop", "refused", "no_answers", "answered_by_another"),
+        *("heavy_beside", "heavy_and_clogged", "slider"),
+    ),
+    _RECEIVER: (
+        *("stuck_receiver", "wandering_receiver", "blind_and_wandering", "heavy_and_wandering"),
+    ),
+    _SENSOR: (
+        *("clogged", "wrong_compass", "loose_compass", "blind_compass", "full_scale_roll"),
+        *("blind_altimeter", "blind_above_the_bottom"),
+    ),
+    _UNKNOWN_AT_REST: ("sinks_unseen",),
+}
+_NOT_ON: Mapping[str, Mapping[str, tuple[str, ...]]] = {
+    "coreboard": {_AT_SURFACE: ("onto_the_shoal",)},
+    "mainboard": {_AT_SURFACE: ("onto_the_shoal",)},
+    "rov": {
+        _PLACE: ("small_radius", "swept_away", "onto_the_shoal"),
+        _HOLDS: ("sinks_in_a_hold", "weak_thrusters"),
+        _NO_BATTERY: ("low_battery",),
+        _NO_LEAK: ("leak",),
+        _UNPROVED: ("surfacing_blind", "capsized_blind", "restarted_frozen"),
+    },
+    "robot": {
+        _PLACE: ("small_radius", "swept_away", "onto_the_shoal"),
+        _LAND: _SINKING,
+        _NO_LEAK: ("leak",),
+    },
+}
+
+
+def faults_of(vehicle: str) -> Mapping[str, Fault]:
+    """What can go wrong with it: of the shipped vehicle of this name."""
+    return OF_BOARDS.get(vehicle, FAULTS)
+
+
+def why_not(scene: str, vehicle: str) -> str:
+    """Why a scene is not staged on a vehicle, "" if it is."""
+    return not_staged(vehicle).get(scene, "")
+
+
+@functools.cache
+def scenes_of(vehicle: str) -> tuple[str, ...]:
+    rows = {**SCENES, **ON_BOARDS_ALONE} if vehicle in ON_BOARDS else SCENES
+    return tuple(scene for scene in rows if not why_not(scene, vehicle))
+
+
+@functools.cache
+def not_staged(vehicle: str) -> Mapping[str, str]:
+    """The scenes that are not, with their reasons."""
+    if vehicle not in ON_BOARDS:
+        return {}
+    groups = (*_ON_ALL.items(), *_NOT_ON[vehicle].items())
+    return {scene: reason for reason, scenes in groups for scene in scenes}
+
+
+def staged_on(vehicle: str, name: str, rng: Random) -> Scene:
+    """The scene as it comes to the vehicle. KeyError for one that is not staged there."""
+    if name not in scenes_of(vehicle):
+        raise KeyError(f"{name} is not staged on {vehicle}: {why_not(name, vehicle)}")
+    if vehicle not in ON_BOARDS:
+        return SCENES[name].draw(rng)
+    scene = {**SCENES, **ON_BOARDS_ALONE}[name].draw(rng)
+    known = faults_of(vehicle)
+    faults = tuple(f for event in scene.faults if (f := _like(event, known)) is not None)
+    said = tuple(_in_words_of(vehicle, d) for d in scene.disturbances)
+    return replace(scene, faults=faults, disturbances=said)
+
+
+def _like(event: FaultEvent, known: Mapping[str, Fault]) -> FaultEvent | None:
+    if event.name in known:
+        return event
+    return replace(event, name=LIKE[event.name]) if LIKE[event.name] else None
+
+
+def _in_words_of(vehicle: str, said: Disturbance) -> Disturbance:
+    if vehicle != "robot":
+        return said
+    data = said.data.replace(b"@MMD", b"@MMB").replace(b"@MMU", b"@MMF")
+    return replace(said, data=data)

@@ -1,0 +1,85 @@
+"""Rules that no flight of a vehicle can tell from their absence, each with the reason.
+
+What does not live here: the rules (broken), which scenes are staged on which vehicle (staging).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from mission.verification.campaign.broken import BROKEN
+
+_Reasons = Mapping[str, tuple[str, ...]]
+_OF_BOARDS: _Reasons = {
+    "its board answers nothing": ("limit no answer", "refused set"),
+    "its board is told again and again, whatever the rule says": (
+        *("stop again", "stop doubted", "line doubted"),
+    ),
+    "its board repeats the newest, and nothing waits before that": ("relays first", "gap"),
+    "W has the bytes of X0 and U12 there, and another way is left": ("way W",),
+    "no scene sets an output; each state tries them in test_outputs": ("safe outputs",),
+    "the check refuses what would be held; test_outer_loop tries it": ("unconfirmed loop",),
+}
+_IN_WATER: _Reasons = {
+    "the depth in force acts before it, at rest whatever sinks is brought up": (
+        "limit hard depth",
+    ),
+    "a depth that is contradicted is unknown, and acts as such 6 s later": (
+        "limit depth contradicted",
+    ),
+    "it has no receiver of its own": (
+        *("limit course against heading", "stuck receiver", "fix under water"),
+        *("fixes against movement", "fixes too early"),
+    ),
+    "its simulated board has no such fault of a sensor": (
+        *("limit heading does not follow", "belief", "depth that moves", "moving depth"),
+        *("healthy heading", "healthy attitude", "healthy altitude", "above the bottom"),
+    ),
+    "takes a rise through the surface as a silence ends; exhaustive has it in every state": (
+        "surface behind a silence",
+    ),
+    "takes a silence that begins at the surface; exhaustive has it in every state": (
+        "surface by one report",
+    ),
+    "a depth has to change first: either holds without it": ("surface behind a restart",),
+    "a depth that is frozen at rest is not known to be": ("sank unseen",),
+    "D12 brings it up before a second round": ("pushed down again",),
+}
+_NO_THRUSTERS: _Reasons = {"it reports no thrusters": ("limit brown-out",)}
+_AREAS: _Reasons = {
+    "its place is known at the surface alone, where its board holds no heading": ("areas",),
+}
+_NO_PLACE: _Reasons = {"it knows no place": ("limit radius", "limit uncertain", "areas")}
+_NO_LEAK: _Reasons = {"it reports no leak": ("limit leak",)}
+_ON_LAND: _Reasons = {
+    "it drives on land": (
+        *("limit depth", "limit hard depth", "limit unexplained descent", "limit no progress"),
+        *("limit depth contradicted", "limit depth unknown", "limit roll-over"),
+        *("limit heading does not follow", "limit course against heading", "depth margin"),
+        *("surface at once", "stuck receiver", "fix under water", "belief", "depth that moves"),
+        *("moving depth", "fixes against movement", "fixes too early"),
+        *("surface behind a silence", "surface by one report", "unchanged depth"),
+        *("surface behind a restart", "sank unseen", "pushed down again", "pushed in the dark"),
+        *("sinks at rest", "stays down", "held up", "rest with AUTO closed"),
+        *("way U12", "way X0", "way D12", "ways in turn", "upside down", "cleared below"),
+        *("started below", "healthy depth", "healthy heading", "healthy attitude"),
+        *("healthy altitude", "above the bottom", "blind leg"),
+    ),
+}
+
+
+def _of(*groups: _Reasons) -> Mapping[str, str]:
+    return {rule: why for reasons in groups for why, rules in reasons.items() for rule in rules}
+
+
+UNSEEN: Mapping[str, Mapping[str, str]] = {
+    "coreboard": _of(_OF_BOARDS, _IN_WATER, _NO_THRUSTERS, _AREAS),
+    "rov": _of(_OF_BOARDS, _IN_WATER, _NO_PLACE, _NO_LEAK),
+    "robot": _of(_OF_BOARDS, _ON_LAND, _NO_THRUSTERS, _NO_PLACE, _NO_LEAK),
+    "mainboard": _of(_OF_BOARDS, _IN_WATER, _NO_THRUSTERS, _AREAS),
+}
+
+
+def unseen(rule: str, vehicle: str) -> str:
+    """Why no flight can tell, "" if one can."""
+    return UNSEEN[vehicle].get(rule, "") if vehicle in UNSEEN else BROKEN[rule].reason
