@@ -77,7 +77,7 @@ def told(chart: Chart, vehicle: Vehicle, assume: Assumptions, floor: bool) -> It
         why = "" if "floor" in given else ", the depth allowed; state assume floor where it is"
         yield f"sea floor nowhere deeper than {assume.floor:g} m{why}"
     yield from _off(chart.mission, vehicle)
-    yield "a dead Pi, or an STM32 that hangs with its thrusters on, does not happen"
+    yield "a dead Pi, or a board that hangs with its thrusters on, does not happen"
 
 
 def _off(mission: Mission, vehicle: Vehicle) -> Iterator[str]:
