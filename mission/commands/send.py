@@ -67,9 +67,9 @@ def send(
     if port is None:
         if word is None or text is not None or as_hex is not None:
             raise click.UsageError("name a WORD (--list shows all); bytes need --port")
-        say_word(to, _word(word), _values(values), as_json)
+        say_word(to, _word(word), _values(word, values), as_json)
         return
-    data = _bytes(port, word, _values(values), text, as_hex)
+    data = _bytes(port, word, _values(word, values), text, as_hex)
     _refuse_held(port, config)
     _speak(_with_baud(port, link_name or word), data, (every, seconds), link_name, as_json)
 
@@ -92,18 +92,35 @@ def _list() -> None:
             click.echo(" ".join([f"{name:4}", *shown]))
 
 
-def _values(pairs: tuple[str, ...]) -> dict[str, Any]:
-    """Numbers as numbers, all else as text."""
-    found: dict[str, Any] = {}
+def _values(word: str | None, pairs: tuple[str, ...]) -> dict[str, Any]:
+    """Numbers as numbers; all else as text, and what is text in the frame, though it be digits."""
+    found, texts = dict[str, Any](), _texts(word)
     for pair in pairs:
         name, equals, value = pair.partition("=")
         if not equals:
             raise click.UsageError(f"{pair!r}: write NAME=VALUE")
         try:
-            found[name] = json.loads(value)
+            is_plain = name in texts and not value.startswith('"')
+            found[name] = value if is_plain else json.loads(value)
         except json.JSONDecodeError:
             found[name] = value
     return found
+
+
+def _texts(word: str | None) -> set[str]:
+    """Of a frame, the names of values that are no numbers: letters, hexadecimal, times."""
+    from protocol.examples import examples
+    from protocol.vehicles import frame_types
+
+    types, name = frame_types(), _full_name(word or "")
+    shown = [types[name].decode(e.raw) for e in examples() if e.type == name]
+    return {key for values in shown for key, value in values.items() if isinstance(value, str)}
+
+
+def _full_name(word: str) -> str:
+    from protocol.vehicles import frame_types
+
+    return word if word in frame_types() else f"auv.{_word(word)}"
 
 
 # --- straight to a board -------------------------------------------------------------------------
@@ -137,7 +154,7 @@ def _frame(word: str, values: dict[str, Any]) -> bytes:
     from protocol.vehicles.motorcan import CanFrame
 
     types = frame_types()
-    name = word if word in types else f"auv.{_word(word)}"
+    name = _full_name(word)
     if name not in types:
         raise click.UsageError(f"no frame {word!r}; there are: {', '.join(sorted(types))}")
     frame = types[name]
@@ -204,4 +221,7 @@ def _speak(
     except LinkError as error:
         click.echo(str(error), err=True)
         raise SystemExit(1) from None
-    click.echo(f"sent: {data.decode() if data.isascii() else data.hex(' ')}", err=True)
+    text = data.decode("ascii", "replace")
+    click.echo(
+        f"sent: {text if data.isascii() and text.isprintable() else data.hex(' ')}", err=True
+    )

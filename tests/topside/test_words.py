@@ -328,6 +328,15 @@ def test_every_frame_of_the_other_documents_is_sent_by_name(name: str) -> None:
         assert read_now(master) == raw
 
 
+@pytest.mark.parametrize("content", ["40445524", "40e5", "00"])
+def test_hexadecimal_that_looks_like_a_number_is_sent_as_it_is_typed(content: str) -> None:
+    with silent_board() as (master, device):
+        words = ("auv.MODEM", "address=1", f"content={content}")
+        ran = run("send", "--port", f"serial://{device}", *words)
+        assert ran.exit_code == 0, ran.stderr
+        assert read_now(master)[5:-2].hex() == content
+
+
 def test_a_frame_is_said_again_for_a_board_that_goes_neutral_without() -> None:
     with silent_board() as (master, device):
         run("send", "--port", f"serial://{device}", "MM", "dir=F", "speed=5", "--for", "1")
