@@ -10,6 +10,7 @@ import pytest
 from links.simulated.settings import parse_settings
 from mission.authoring.prepare import Unreadable, check_prepared, mission_file, prepare
 from mission.verification.simulation.flight import fly
+from mission.verification.simulation.reaching import achieved_by
 
 MISSIONS = sorted((Path(__file__).resolve().parents[2] / "missions").glob("*.yaml"))
 
@@ -49,6 +50,19 @@ def test_a_shipped_mission_comes_home_in_a_current(path: Path, profile: str) -> 
     assert flight.mission_time <= proved.worst_time
     assert flight.max_range <= proved.max_range
     assert flight.max_depth <= proved.max_depth
+
+
+def test_thermocline_field_ends_its_search_where_the_water_grows_cold_and_covers_the_field() -> (
+    None
+):
+    prepared = prepare("thermocline-field")
+    sea = parse_settings(["current=0.2@45", "thermocline=4@7"])
+    flight = fly(prepared.mission, prepared.vehicle, "as-built", 3, sea)
+    found = next(s for s in flight.steps if s.exited == ("autonomous/search",))
+    assert found.by is not None
+    assert found.by.value == "until"
+    (done,) = achieved_by(flight, prepared.mission)
+    assert done.reached
 
 
 @pytest.mark.parametrize("path", MISSIONS, ids=lambda p: p.stem)

@@ -66,3 +66,19 @@ def test_the_map_of_a_report_says_what_is_kept_out_of(features: list[dict[str, A
     named = [text.get_text() for text in legend.get_texts()]
     assert "keep out wreck (4 to 12 m)" in named
     assert "keep in bay" in named
+
+
+def test_what_a_leg_covers_is_a_ring_on_the_map_and_once() -> None:
+    text = (
+        "mission m vehicle auv\nhome 30.2874595 120.1535765\nsafety time 60min depth 12\n"
+        "keep in field: north -50 east -50, north -50 east 90, north 90 east 90, north 90 east -50\n"
+        "a: cover north 0 east 0, north 0 east 60, north 60 east 60 swath 20 depth 6 gear 8 "
+        "timeout 10min\nb: cover area field swath 20 depth 6 gear 8 timeout 10min\n"
+        "up: surface timeout 3min\n"
+    )
+    mission = parse(text)
+    chart = compile_mission(mission, load_vehicle("auv"), digest(mission))
+    found = plan_geojson(chart, HOME)["features"]
+    rings = [f for f in found if f["geometry"]["type"] == "Polygon"]
+    assert [f["properties"]["name"] for f in rings] == ["field", "a"]
+    assert shape(rings[1]["geometry"]).exterior.is_ccw

@@ -14,7 +14,7 @@ from mission.model.shipped import shipped_missions
 pytestmark = [pytest.mark.proof, pytest.mark.minutes]
 OTHERS = ("coreboard", "rov", "robot")
 FLIES = {
-    "coreboard": {"coreboard-dive", "first-dive", "lawnmower", "loiter"},
+    "coreboard": {"coreboard-dive", "first-dive", "lawnmower", "loiter", "thermocline-field"},
     "rov": {"rov-dive"},
     "robot": {"robot-drive"},
 }

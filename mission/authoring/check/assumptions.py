@@ -9,7 +9,15 @@ from dataclasses import dataclass
 from mission.authoring.compiler.granularity import rounded
 from mission.engine.clearance import Clearance, is_guarded
 from mission.engine.limits import LIMITS
-from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, Chart, Mission, buoyancy
+from mission.model import (
+    AUTONOMOUS,
+    IMPLICIT_SURFACE,
+    Chart,
+    Mission,
+    Trend,
+    buoyancy,
+    terms,
+)
 from mission.model.vehicle import Vehicle
 from mission.navigation.declination import declination
 from protocol.messages import Setpoint
@@ -76,8 +84,27 @@ def told(chart: Chart, vehicle: Vehicle, assume: Assumptions, floor: bool) -> It
     if floor:
         why = "" if "floor" in given else ", the depth allowed; state assume floor where it is"
         yield f"sea floor nowhere deeper than {assume.floor:g} m{why}"
+    yield from too_fast(chart, vehicle)
     yield from _off(chart.mission, vehicle)
     yield "a dead Pi, or a board that hangs with its thrusters on, does not happen"
+
+
+def too_fast(chart: Chart, vehicle: Vehicle) -> Iterator[str]:
+    """Trends over less depth than a dive makes from one report to the next: the report before is
+    always out of reach, and nothing is known while it dives."""
+    least = vehicle.dive_rate * vehicle.sensors.telemetry_period
+    asked: dict[Trend, dict[str, None]] = {}
+    for edge in chart.edges:
+        for term in terms(edge.guard.expression) if edge.guard is not None else ():
+            if isinstance(term, Trend) and term.of_depth and term.window <= least:
+                asked.setdefault(term, {})[edge.source.removeprefix(f"{AUTONOMOUS}/")] = None
+    for trend, legs in asked.items():
+        way = "rises" if trend.rises else "falls"
+        yield (
+            f"{', '.join(legs)}: whether {trend.variable} {way} within {trend.window:g} m is not "
+            f"known in a dive at {vehicle.dive_rate:g} m/s, which makes {least:g} m from report to "
+            f"report: ask within {math.ceil(3.0 * least):g} m or more"
+        )
 
 
 def _off(mission: Mission, vehicle: Vehicle) -> Iterator[str]:

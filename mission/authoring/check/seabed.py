@@ -148,26 +148,39 @@ def _distance(body: tuple[Point, ...], north: Numbers, east: Numbers) -> Numbers
 def refusals(
     found: Mapping[str, Ground], over: Mapping[str, Over], chart: Chart
 ) -> Iterator[Diagnostic]:
-    assumed = dict(chart.mission.assume).get("floor")
-    for path, ground in found.items():
-        leg = chart.state(path).leg
-        if ground.shallowest is None or ground.deepest is None or leg is None:
-            continue
-        deep = over[path].swept.depth[1]
-        if over[path].holds_depth and deep > ground.shallowest:
-            message = (
-                f"{ground.leg} may be {deep:.1f} m deep over a sea floor at "
-                f"{ground.shallowest:.1f} m ({ground.at})"
-            )
-            hint = "stay shallower or farther off, keep an altitude, or take fixes on the way"
-            yield Diagnostic(Stage.CHECK, "grounding", leg.where, message, hint)
-        if assumed is not None and ground.deepest > assumed:
-            message = (
-                f"under {ground.leg} the sea floor is down to {ground.deepest:.1f} m; the "
-                f"mission assumes none deeper than {number_text(assumed)} m"
-            )
-            hint = f"write assume floor {math.ceil(ground.deepest)}"
-            yield Diagnostic(Stage.CHECK, "floor", leg.where, message, hint)
+    """The same of several legs once, at the first of them, with the place that it is over."""
+    said: dict[tuple[str, str, str], list[str]] = {}
+    for path in found:
+        for one in _refused(path, found[path], over[path], chart):
+            said.setdefault(one, []).append(path)
+    for (code, message, hint), paths in said.items():
+        legs = ", ".join(found[path].leg for path in paths)
+        leg = chart.state(paths[0]).leg
+        assert leg is not None
+        yield Diagnostic(
+            Stage.CHECK, code, leg.where, message.format(legs=legs, at=found[paths[0]].at), hint
+        )
+
+
+def _refused(path: str, ground: Ground, over: Over, chart: Chart) -> Iterator[tuple[str, str, str]]:
+    """Of one leg: code, message with room for its name and the place, hint."""
+    if ground.shallowest is None or ground.deepest is None or chart.state(path).leg is None:
+        return
+    assumed, deep = dict(chart.mission.assume).get("floor"), over.swept.depth[1]
+    if over.holds_depth and deep > ground.shallowest:
+        yield (
+            "grounding",
+            f"{{legs}} may be {deep:.1f} m deep over a sea floor at "
+            f"{ground.shallowest:.1f} m ({{at}})",
+            "stay shallower or farther off, keep an altitude, or take fixes on the way",
+        )
+    if assumed is not None and ground.deepest > assumed:
+        yield (
+            "floor",
+            f"under {{legs}} the sea floor is down to {ground.deepest:.1f} m; the "
+            f"mission assumes none deeper than {number_text(assumed)} m",
+            f"write assume floor {math.ceil(ground.deepest)}",
+        )
 
 
 def blind(found: Mapping[str, Ground], over: Mapping[str, Over]) -> float:

@@ -14,6 +14,7 @@ from typing import Any
 from mission.authoring.graph import words
 from mission.legs import LEGS
 from mission.legs.base import Point, View
+from mission.legs.cover import Cover
 from mission.model import Area, Chart, Estimate, Local, NavigationMode, Place, Position, State
 from mission.navigation.geodesy import LocalFrame
 from protocol.messages import Setpoint
@@ -36,6 +37,7 @@ def plan_geojson(chart: Chart, origin: Position) -> dict[str, Any]:
             _feature(frame, "LineString", edge, name="radius", what=f"limit of {radius:g} m")
         )
     features += [_area(frame, area) for area in chart.mission.areas]
+    features += _covered(frame, chart)
     for state, corners in routes(chart, frame):
         assert state.leg is not None
         shown = LEGS[type(state.leg.kind)].shown(state.leg.kind)
@@ -90,12 +92,28 @@ def _local(frame: LocalFrame, named: Place) -> Point:
     return 0.0, 0.0
 
 
+def _covered(frame: LocalFrame, chart: Chart) -> Iterator[Feature]:
+    """What legs cover, where it is no area of the mission."""
+    drawn = {area.corners for area in chart.mission.areas}
+    for state in chart.states:
+        if state.leg is None or not isinstance(state.leg.kind, Cover):
+            continue
+        if state.leg.kind.area not in drawn:
+            drawn.add(state.leg.kind.area)
+            name = state.path.partition("/")[2]
+            yield _ring(frame, state.leg.kind.area, name, f"{name} covers this")
+
+
 def _area(frame: LocalFrame, area: Area) -> Feature:
-    """A ring, counterclockwise, whose last corner is its first."""
-    corners = [_local(frame, corner) for corner in area.corners]
+    return _ring(frame, area.corners, area.name, words.area(area))
+
+
+def _ring(frame: LocalFrame, places: Sequence[Place], name: str, what: str) -> Feature:
+    """Counterclockwise, its last corner is its first."""
+    corners = [_local(frame, corner) for corner in places]
     twice = sum(a[1] * b[0] - b[1] * a[0] for a, b in pairwise([*corners, corners[0]]))
     ring = [*corners, corners[0]][:: 1 if twice > 0.0 else -1]
-    feature = _feature(frame, "Polygon", ring, name=area.name, what=words.area(area))
+    feature = _feature(frame, "Polygon", ring, name=name, what=what)
     feature["geometry"]["coordinates"] = [feature["geometry"]["coordinates"]]
     return feature
 

@@ -131,6 +131,15 @@ def test_a_dive_by_gear_is_bounded_by_the_depth_that_ends_it() -> None:
     assert "depth" in rules(open_ended)
 
 
+def test_a_trend_over_less_depth_than_a_dive_makes_between_reports_is_told() -> None:
+    asked = "a: depth 15 gear 6 heading 0 until temperature falls 1 within {} timeout 2min\n"
+    (said,) = [x for x in report(asked.format("0.5 m")).assumed if "not known in a dive" in x]
+    assert said.startswith("a: whether temperature falls within 0.5 m")
+    assert said.endswith("ask within 3 m or more")
+    for fine in ("5 m", "0.8 m", "3 s"):
+        assert not [x for x in report(asked.format(fine)).assumed if "not known in a dive" in x]
+
+
 def test_an_altitude_hold_assumes_a_floor_and_says_so() -> None:
     found = report("a: ZAE3 ZAF4 heading 0 for 10min\n")
     assert any("sea floor" in line for line in found.assumed)

@@ -203,3 +203,11 @@ def test_a_bank_counts_on_either_side_of_the_antimeridian(longitude: float, east
     report = check_prepared(prepare_text(text, "m.mission"), found)
     assert [r.code for r in report.refusals] == ["grounding"]
     assert ground(report, "out").known == 1.0
+
+
+def test_the_same_refusal_of_several_legs_is_said_once_and_names_them() -> None:
+    two = OVER + "\n" + OVER.replace("out:", "again:")
+    refusals = judged(two, depths(5.0)).refusals
+    (grounding,) = [one for one in refusals if one.code == "grounding"]
+    assert "out, again may be 7.0 m deep" in grounding.message
+    assert grounding.where.line == 5
