@@ -36,6 +36,33 @@ def read(data: bytes, found: Findings) -> Source:
     return Source(tuple(_routes(root, "", found)))
 
 
+def areas(data: bytes, found: Findings) -> Source:
+    """Each Polygon, as the corners of what it encloses: for who wants to cover it."""
+    return Source(tuple(_areas(values(data, found), "", found)))
+
+
+def _areas(value: Value, name: str, found: Findings) -> Iterator[Route]:
+    kind = value.get("type").text()
+    if kind == "FeatureCollection":
+        for feature in value.get("features").items():
+            yield from _areas(feature, name, found)
+    elif kind == "Feature" and value.get("geometry").raw is not None:
+        said = value.get("properties").get("name").text()
+        yield from _areas(value.get("geometry"), said, found)
+    elif kind == "Polygon":
+        yield Route(name, value.path, partial(_corners, value.get("coordinates"), found))
+
+
+def _corners(rings: Value, found: Findings) -> tuple[Step, ...]:
+    """Of the only ring, whose last corner is its first."""
+    outer = list(rings.items())
+    if len(outer) != 1:
+        what = "an area with holes" if outer else "an area without corners"
+        found.refuse("plan-form", rings.path, f"{what}: draw it by one ring")
+        return ()
+    return _steps(outer[0], found)[:-1]
+
+
 def _routes(value: Value, name: str, found: Findings) -> Iterator[Route]:
     kind = value.get("type").text()
     if kind == "FeatureCollection":

@@ -1,4 +1,4 @@
-"""Files of places for a leg: the route of a plan (every format of import), a GPX track, or a table.
+"""Files of places for a leg: the route of a plan (any format of import), a track, an area, a table.
 
     table    .csv: a first line that names latitude and longitude, then degrees, one place a line
 
@@ -8,11 +8,12 @@ Only the places are taken, and the same place twice in a row once.
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import groupby
 from pathlib import Path
+from types import MappingProxyType
 
-from mission.authoring.importing import chosen, format_of, gpx, load
+from mission.authoring.importing import chosen, format_of, geojson, gpx, load
 from mission.authoring.importing.route import Findings, Go, ImportErrors, Source, position, text_of
 from mission.authoring.importing.route import number as read_number
 from mission.authoring.language.files import Files, PlacesError
@@ -20,6 +21,10 @@ from mission.model import Place
 from mission.model.extent import BYTES
 
 _LATITUDE, _LONGITUDE = ("latitude", "lat", "y"), ("longitude", "lon", "lng", "long", "x")
+# Where a file has no route: what else of it may be meant.
+_INSTEAD: Mapping[str, Callable[[bytes, Findings], Source]] = MappingProxyType(
+    {"gpx": gpx.tracks, "geojson": geojson.areas}
+)
 _COLUMNS = "begin with a line such as latitude,longitude"
 
 
@@ -44,18 +49,14 @@ def places_in(path: Path) -> Sequence[Place]:
 def _route(path: Path, found: Findings) -> Iterator[Place]:
     format_ = format_of(path, found)
     source = load(path, format_, found)
-    if not source.routes and format_.name == "gpx":
-        source = _tracks(path, found)
+    if not source.routes and (instead := _INSTEAD.get(format_.name)) is not None:
+        source = instead(path.read_bytes(), found)
     route = chosen(source, None, found)
     for step in route.steps():
         if not isinstance(step, Go):
             what = f"a {type(step).__name__.lower()} is no place to go through"
             raise found.refusal("plan-form", route.where, what, "take it over by import")
         yield step.point.place
-
-
-def _tracks(path: Path, found: Findings) -> Source:
-    return gpx.tracks(path.read_bytes(), found)
 
 
 def _table(path: Path, found: Findings) -> Iterator[Place]:

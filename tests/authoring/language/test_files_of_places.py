@@ -66,10 +66,25 @@ def test_yaml_names_a_file_and_a_path_with_a_blank_stands_in_quotes(tmp_path: Pa
     assert digest(read(yaml)) == digest(read(file))
 
 
-def test_an_area_may_come_from_a_file(tmp_path: Path) -> None:
-    leg = "cover file r.csv spacing 20 gear 6 depth 3 timeout 9min"
+RING = [[lon, lat] for lat, lon in [*POINTS, POINTS[0]]]
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("r.csv", FILES["r.csv"]),
+        ("r.geojson", f'{{"type": "Polygon", "coordinates": {[RING]}}}'),
+        (
+            "r.geojson",
+            '{"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {}, '
+            f'"geometry": {{"type": "Polygon", "coordinates": {[RING]}}}}}]}}',
+        ),
+    ],
+)
+def test_an_area_may_come_from_a_file(name: str, text: str, tmp_path: Path) -> None:
+    leg = f"cover file {name} spacing 20 gear 6 depth 3 timeout 9min"
     said = parse(f"{HEAD}go: cover {PLACES} spacing 20 gear 6 depth 3 timeout 9min\n")
-    assert digest(read(written(tmp_path, "r.csv", FILES["r.csv"], leg))) == digest(said)
+    assert digest(read(written(tmp_path, name, text, leg))) == digest(said)
 
 
 def test_the_path_is_relative_to_the_mission(
@@ -96,6 +111,8 @@ def test_a_vehicle_reads_no_files() -> None:
         ("r.csv", "lat,lon\n30.1\n", "r.csv:2: longitude is no number"),
         ("r.csv", "lat,lon\n30,1,120,1\n", "r.csv:2: 4 columns, and the first line names 2"),
         ("r.csv", "lat,lon\n30," + "5" * 200_000, "r.csv:2: no table: field larger than"),
+        ("r.geojson", f'{{"type": "Polygon", "coordinates": {[RING, RING]}}}', "with holes"),
+        ("r.geojson", '{"type": "Polygon", "coordinates": []}', "without corners"),
         ("r.doc", "", "its suffix '.doc' is no format's"),
         ("r.gpx", "<gpx></gpx>", "there is no route in it"),
         ("r.gpx", "<gpx><rte>", "r.gpx"),
