@@ -12,7 +12,9 @@ from mission.analysis.calibration import FIGURES, Calibrated, Lesson
 from mission.analysis.floating import ENOUGH as RISES
 from mission.analysis.noise import ENOUGH
 from mission.model import Position
+from mission.model.units import quantity
 from mission.model.vehicle import Calibration, Deviation, Vehicle
+from mission.model.vehicle_ranges import RANGES
 
 _HEARD = {
     "depth": "a minute of reports under water",
@@ -121,7 +123,16 @@ calibration:
   speed_scale_sigma: {c.speed_scale_sigma:.4f}{old["speed_scale"]}
   deviation: {{{deviation}}}
   deviation_sigma: {_deg(c.deviation_sigma)}{old["deviation"]}
-{_others(c, old)}"""
+{_others(c, old)}{_added(vehicle)}"""
+
+
+def _added(vehicle: Vehicle) -> str:
+    """Of sensors that were added, where there are any; each in the unit of its range."""
+    said = []
+    for kind, sigma in vehicle.added.items():
+        unit = RANGES[f"added.{kind}"].unit
+        said.append(f"{kind}: {sigma / quantity(1.0, unit):.3f} {unit}")
+    return f"added: {{{', '.join(said)}}}\n" if said else ""
 
 
 def _harmonics(deviation: Deviation) -> list[tuple[str, float]]:

@@ -10,11 +10,16 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from statistics import median
+from typing import TypeVar
 
 from mission.analysis.courses import Inputs
 from mission.model.vehicle import Sensors, Vehicle
-from protocol.messages import Telemetry
+from protocol.added import GROUND, PLACE, RANGE, TURN, WATER
+from protocol.messages import Aid, Telemetry
 
+_Said = TypeVar("_Said")
+LEAST = {WATER: 2e-3, GROUND: 2e-3, PLACE: 0.05, RANGE: 0.05, TURN: 1e-4}  # SI: no surer
+_EARTH = 6371008.8  # m, mean radius
 _MEDIAN = 1.3863  # of chi-square with two degrees of freedom
 ENOUGH = 20  # differences without which a noise figure stays as it was
 
@@ -37,9 +42,37 @@ def sensed(
     return replace(vehicle, sensors=sensors), tuple(n for n in found if n not in heard)
 
 
+def of_added(logs: Sequence[Sequence[Aid]], vehicle: Vehicle) -> dict[str, float]:
+    """One sigma of each value, by kind of the sensors that were added: of those of which there is
+    enough. Their offsets no log tells."""
+    found: dict[str, list[float]] = {}
+    for kind, which in dict.fromkeys((a.kind, _source(a)) for log in logs for a in log):
+        said = [[a for a in log if (a.kind, _source(a)) == (kind, which)] for log in logs]
+        for axis in range(2):
+            sigma = white_noise(said, lambda a, axis=axis: _metric(a, axis, vehicle))
+            found.setdefault(kind, []).extend([] if sigma is None else [sigma])
+    return {kind: max(median(s), LEAST[kind]) for kind, s in found.items() if s}
+
+
+def _source(a: Aid) -> float:
+    """Of beacons, which: each is a series by itself."""
+    return a.values[0] if a.kind == RANGE else 0.0
+
+
+def _metric(a: Aid, axis: int, vehicle: Vehicle) -> float | None:
+    """One of its values, SI; of a place m, of a range the way."""
+    if a.kind == RANGE:
+        beacon = vehicle.beacons.get(f"{a.values[0]:g}")
+        return None if axis or beacon is None else a.values[1] * beacon.sound
+    if axis >= len(a.values):
+        return None
+    across = math.cos(a.values[0]) if axis else 1.0
+    return a.values[axis] * _EARTH * across if a.kind == PLACE else a.values[axis]
+
+
 def white_noise(
-    logs: Sequence[Sequence[Telemetry]],
-    read: Callable[[Telemetry], float | None],
+    logs: Sequence[Sequence[_Said]],
+    read: Callable[[_Said], float | None],
     *,
     circular: bool = False,
 ) -> float | None:

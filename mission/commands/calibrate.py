@@ -26,8 +26,9 @@ def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
     """Fit speed, compass, current and noise from black boxes LOGS that hold fixes.
 
     Instead of black boxes, recordings (CSV) as `score` reads them may be given, with --vehicle.
-    Prints the sections of a vehicle file that replace sensors, compass and calibration, and, where
-    a float test is among the logs, ascent_buoyancy and ascent_measured. How good they are goes to
+    Prints the sections of a vehicle file that replace sensors, compass and calibration, where
+    sensors were added also theirs (added), and, where a float test is among the logs,
+    ascent_buoyancy and ascent_measured. How good they are goes to
     stderr: the error at the end of each dive, before and after; with two logs or more, after
     calibration on the others. What the logs do not teach stays as the vehicle file has
     it, and is told with what would teach it. Exit 2 where the logs cannot be used.
@@ -76,7 +77,10 @@ def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
 
 def _calibrated(logs: tuple[Path, ...], vehicle: str | None) -> Calibrated:
     """Raises what reading and fitting raise."""
+    from dataclasses import replace
+
     from mission.analysis.calibration import calibrate as fit
+    from mission.analysis.noise import of_added
     from mission.analysis.recordings import read
     from mission.analysis.teaching import calibrate_by
     from mission.model.shipped import load_vehicle
@@ -86,7 +90,9 @@ def _calibrated(logs: tuple[Path, ...], vehicle: str | None) -> Calibrated:
     if not any(recordings):
         heard = [read_log(path) for path in logs]
         known = load_vehicle(vehicle) if vehicle else heard[0].vehicle
-        return fit([log.inputs for log in heard], known)
+        done = fit([log.inputs for log in heard], known)
+        added = {**known.added, **of_added([log.aids for log in heard], known)}
+        return replace(done, vehicle=replace(done.vehicle, added=added))
     if not all(recordings):
         raise click.UsageError("black boxes and recordings (.csv) are given: give one kind")
     if vehicle is None:

@@ -10,14 +10,18 @@ import pytest
 
 from links.base import Rx
 from links.simulated.settings import parse_settings
+from mission.analysis.lessons import section
+from mission.analysis.noise import of_added
 from mission.analysis.replay.replay import replay
 from mission.authoring.language import parse
-from mission.model.shipped import load_vehicle
+from mission.model.shipped import load_vehicle, missions_folder
 from mission.model.vehicle import Beacon, Vehicle
+from mission.model.vehicle_file import read_vehicle
 from mission.onboard.configuration import Configuration, LinkUrls, parse_configuration
 from mission.onboard.rates import rated
 from mission.onboard.runtime import records as rec
 from mission.onboard.runtime.runtime import SENSORS
+from mission.onboard.serve.heard import hear
 from mission.onboard.stream import topics
 from mission.onboard.stream.derived import Derivation
 from mission.verification.simulation.flight import fly
@@ -39,9 +43,9 @@ up: surface until fix timeout 4min
 """
 
 
-def flown(*settings: str, vehicle: Vehicle = AUV) -> list[rec.Record]:
+def flown(*settings: str, vehicle: Vehicle = AUV, text: str = DIVE) -> list[rec.Record]:
     recorder = rec.ListRecorder()
-    fly(parse(DIVE), vehicle, "as-built", 2, parse_settings(settings), recorder)
+    fly(parse(text), vehicle, "as-built", 2, parse_settings(settings), recorder)
     return recorder.records
 
 
@@ -78,6 +82,24 @@ def test_a_lie_that_nothing_shows_spoils_no_more_than_it_is_off_by(lie: str) -> 
     ]
     assert max(apart) < 45.0 * math.sqrt(2.0)
     assert replay(records).identical
+
+
+def test_calibration_finds_the_noise_of_what_was_added_and_writes_it_as_the_file_has_it() -> None:
+    given = {"speed_log": 0.08, "acoustic": 4.0, "ranges": 1.5, "gyro": 0.2}
+    records = flown(
+        *(f"{name}={sigma}" for name, sigma in given.items()),
+        vehicle=BEACONED,
+        text=DIVE.replace("for 40", "for 150"),
+    )
+    log = hear("a.mcap", records)
+    found = of_added([log.aids], BEACONED)
+    wanted = {"water": 0.08, "place": 4.0, "range": 1.5, "yaw_rate": math.radians(0.2)}
+    assert found == pytest.approx(wanted, rel=0.5)
+    text = section(replace(BEACONED, added=found))
+    line = next(row for row in text.splitlines() if row.startswith("added:"))
+    plain = (missions_folder() / "vehicles" / "auv.yaml").read_text(encoding="utf-8")
+    assert read_vehicle(f"{plain}{line}\n", "mine").added == pytest.approx(found, rel=0.05)
+    assert "added" not in section(BEACONED)
 
 
 def test_the_replay_needs_what_the_sensors_said() -> None:

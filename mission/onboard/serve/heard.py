@@ -24,11 +24,12 @@ class LogError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Log:
-    """``vehicle`` as it was configured then; ``inputs`` without what added sensors said."""
+    """``vehicle`` as it was configured then; ``aids``: what sensors said that were added."""
 
     name: str
     vehicle: Vehicle
     inputs: tuple[Telemetry | Fix, ...]
+    aids: tuple[Aid, ...] = ()
 
 
 def read_log(path: Path) -> Log:
@@ -48,5 +49,6 @@ def hear(name: str, records: Iterable[Record]) -> Log:
     except (ValueError, KeyError, TypeError) as error:
         raise LogError(f"{name}: the start record is not one of this version: {error}") from error
     senses = Senses(vehicle)
-    sensed = (seen for record in stream for seen in senses.hear(record))
-    return Log(name, vehicle, tuple(seen for seen in sensed if not isinstance(seen, Aid)))
+    sensed = [seen for record in stream for seen in senses.hear(record)]
+    aids = tuple(seen for seen in sensed if isinstance(seen, Aid))
+    return Log(name, vehicle, tuple(seen for seen in sensed if not isinstance(seen, Aid)), aids)
