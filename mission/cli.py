@@ -56,6 +56,7 @@ COMMANDS = {
     "export": "export",
     "watch": "watch",
     "console": "console",
+    "chart": "chart",
     "foxglove": "foxglove",
     "replay": "replay",
     "decode": "decode",

@@ -152,10 +152,11 @@ def _points(checklist: Path | None) -> tuple[str, ...]:
 def _shelf(charts: tuple[Path, ...]) -> Shelf:
     from mission.console.charts.layer import ChartError
     from mission.console.charts.shelf import Shelf
+    from mission.console.charts.world import read_world
     from mission.topside.dives import default_folder
 
     try:
-        return Shelf(default_folder(), charts)
+        return Shelf(default_folder(), charts, read_world())
     except ChartError as error:
         _end(f"--chart {error}")
 

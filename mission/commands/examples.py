@@ -45,6 +45,7 @@ EXAMPLES: Mapping[str, str] = MappingProxyType(
         "story": "story out/flight.mcap",
         "watch": f"watch tcp://vehicle:4001 {_BOAT}",
         "console": f"console {_BOAT}",
+        "chart": "chart US5MA11M.000 -o boston.geojson",
         "foxglove": "foxglove --to 20250111T085611Z.mcap",
         "replay": "replay out/flight.mcap",
         "decode": "decode --link auv.to_stm32 -",

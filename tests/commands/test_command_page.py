@@ -36,7 +36,7 @@ def test_every_option_of_every_command_says_what_it_is_for(name: str) -> None:
 
 WITHOUT_JSON = {
     **dict.fromkeys(
-        ("convert", "fmt", "import", "encode", "export"), "what it writes is its result"
+        ("chart", "convert", "fmt", "import", "encode", "export"), "what it writes is its result"
     ),
     **dict.fromkeys(("schema", "campaign", "score", "monitor"), "it prints JSON in any case"),
     **dict.fromkeys(("graph", "plan"), "-o FILE.json or FILE.geojson is data"),
@@ -87,7 +87,7 @@ def test_every_help_ends_with_an_example_that_the_command_takes(
     assert (program, word) == ("auvmission", name)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "recordings").mkdir()
-    for file in ("capture.bin", "missions/first-dive.yaml"):
+    for file in ("capture.bin", "missions/first-dive.yaml", "US5MA11M.000"):
         (tmp_path / file).parent.mkdir(exist_ok=True)
         (tmp_path / file).touch()
     command = main.get_command(click.Context(main), name)

@@ -48,11 +48,15 @@ def read_chart(path: Path) -> Layer:
 
 
 class Shelf:
-    def __init__(self, folder: Path, paths: tuple[Path, ...] = ()) -> None:
-        """Raises ChartError."""
+    def __init__(
+        self, folder: Path, paths: tuple[Path, ...] = (), under: Layer | None = None
+    ) -> None:
+        """``under``: what lies under them all until somebody moves it. Raises ChartError."""
         self._file = folder / FILE
         self._layers: dict[str, Layer] = {}
         self._brought: tempfile.TemporaryDirectory[str] | None = None
+        if under is not None:
+            self._put(under)
         for path in paths:
             if path.name in self._layers:
                 raise ChartError(f"{path}: two charts have this name: rename one")

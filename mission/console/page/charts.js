@@ -21,9 +21,11 @@ import { Refused, ask } from './wire.js';
  * @typedef {{draw: (pen: Pen, view: View, frame: Frame, inks: Inks) => void,
  *   depthAt?: (at: Pair, view: View, frame: Frame) => string}} Drawn
  * @typedef {{name: string, kind: 'shapes' | 'picture' | 'tiles' | 'depths', note: string,
- *   bounds: [number, number, number, number], on: boolean, opacity: number}} About
+ *   bounds: [number, number, number, number], on: boolean, opacity: number,
+ *   off_m?: number}} About off_m: what it shows may lie so far off
  * @typedef {About & {drawn: Drawn | null, problem: string}} Layer */
 
+const OFF_PX = 60; // what lies farther off on the screen is not shown
 const KEEP_MS = 500; // a slider that is moved is told once
 const NAMES = { shape: 'ink', shallow: 'shallow', deep: 'deep', tint: 'tint' };
 const PLACES = /\.([a-z]{2,4}w|wld|json)$/i; // say where a picture lies: told before it
@@ -94,7 +96,7 @@ export class Charts {
 
   /** The plane of a chart where no vehicle has a place. @returns {Frame | null} */
   frame() {
-    const [first] = this.layers;
+    const first = this.layers.find((layer) => !layer.off_m);
     if (this._frame === null && first !== undefined) {
       const [west, south, east, north] = first.bounds;
       this._frame = new Frame((south + north) / 2, (west + east) / 2);
@@ -102,9 +104,10 @@ export class Charts {
     return this._frame;
   }
 
-  /** The corners of all that is on. @param {Frame} frame @returns {Pair[]} */
+  /** The corners of all that is on, and is no background. @param {Frame} frame @returns {Pair[]} */
   corners(frame) {
-    return this.layers.filter((layer) => layer.on).flatMap(({ bounds: [west, south, east, north] }) =>
+    const own = this.layers.filter((layer) => layer.on && !layer.off_m);
+    return own.flatMap(({ bounds: [west, south, east, north] }) =>
       [frame.toLocal(south, west), frame.toLocal(north, east)]);
   }
 
@@ -115,7 +118,7 @@ export class Charts {
         `rgb(${blend(inks.shallow, inks.deep, share(depth, least, greatest)).join(' ')})` };
     const last = this.layers.findLast((one) => one.on && ['picture', 'tiles'].includes(one.kind));
     for (const layer of this.layers) {
-      if (!layer.on || layer.drawn === null) continue;
+      if (!layer.on || layer.drawn === null || (layer.off_m ?? 0) * view.scale > OFF_PX) continue;
       pen.save();
       pen.globalAlpha = layer.opacity;
       layer.drawn.draw(pen, view, frame, inks);

@@ -28,6 +28,18 @@ export class Frame {
     return [turned(lon - this.lon) * this._east, (lat - this.lat) * this._north];
   }
 
+  /** A line that goes on where the world's other side begins. @param {readonly Pair[]} line
+   * longitude and latitude @returns {Pair[]} east, north, m */
+  alongOf(line) {
+    let last = this.lon;
+    let turn = 0; // deg
+    return line.map(([lon, lat], i) => {
+      turn = i === 0 ? turned(lon - this.lon) : turn + turned(lon - last);
+      last = lon;
+      return [turn * this._east, (lat - this.lat) * this._north];
+    });
+  }
+
   /** @param {number} east @param {number} north m @returns {Pair} latitude, longitude, deg */
   toEarth(east, north) {
     return [this.lat + north / this._north, turned(this.lon + east / this._east)];

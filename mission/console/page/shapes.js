@@ -34,7 +34,7 @@ export class Shapes {
     const of = `${frame.lat} ${frame.lon}`;
     if (this._local.frame !== of) {
       const drawn = this._shapes.map((shape) => ({ shape,
-        at: shape.at.map((ring) => ring.map(([lon, lat]) => frame.toLocal(lat, lon))) }));
+        at: shape.at.map((ring) => frame.alongOf(ring)) }));
       this._local = { frame: of, drawn };
     }
     return this._local.drawn;
@@ -79,7 +79,7 @@ export class Shapes {
     pen.fillStyle = inks.shape;
     for (const { shape, at } of seen) {
       const [x, y] = view.toScreen(/** @type {Pair} */ (at[0]?.[0]));
-      const text = shape.depth === null ? shape.name : shape.depth.toFixed(1);
+      const text = `${shape.name} ${shape.depth?.toFixed(1) ?? ''}`.trim();
       if (text && seen.length <= NUMBERS) pen.fillText(text, x, y - 6);
       pen.fillRect(x - DOT_PX / 2, y - DOT_PX / 2, DOT_PX, DOT_PX);
     }

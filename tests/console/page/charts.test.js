@@ -1,6 +1,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
+import { Charts } from '../../../mission/console/page/charts.js';
 import { Frame } from '../../../mission/console/page/geo.js';
 import { blend, cell, matrix, share } from '../../../mission/console/page/pictures.js';
 import { Shapes, isInside } from '../../../mission/console/page/shapes.js';
@@ -110,4 +111,29 @@ test('what is in the hole of an area is not in it', () => {
   assert.equal(isInside([0, 0], [square(10), square(5)]), false);
   assert.equal(isInside([7, 0], [square(10), square(5)]), true);
   assert.equal(isInside([11, 0], [square(10), square(5)]), false);
+});
+
+test('a coast that goes round the world has no line across it', () => {
+  const frame = new Frame(30, 120);
+  const along = frame.alongOf([[-70, 10], [-62, 10], [-58, 10], [-50, 10]]);
+  for (const [i, [east]] of along.slice(1).entries()) {
+    const jump = Math.abs(east - along[i][0]);
+    assert.ok(jump < 1.2e6, `${jump}`);
+  }
+  assert.deepEqual(frame.alongOf([[121, 31]])[0], frame.toLocal(31, 121));
+});
+
+test('what may lie far off is drawn only where that is little on the screen', () => {
+  const charts = Object.assign(Object.create(Charts.prototype), { _frame: null });
+  let drawn = 0;
+  const rough = { on: true, opacity: 1, off_m: 10_000, bounds: [-180, -85, 180, 84],
+    drawn: { draw: () => { drawn += 1; } } };
+  charts.layers = [rough];
+  const pen = { save() {}, restore() {} };
+  globalThis.document = {};
+  globalThis.getComputedStyle = () => ({ getPropertyValue: () => '' });
+  for (const scale of [1, 0.01, 0.001]) charts.draw(pen, { scale }, new Frame(0, 0));
+  assert.equal(drawn, 1);
+  assert.equal(charts.frame(), null);
+  assert.deepEqual(charts.corners(new Frame(0, 0)), []);
 });
