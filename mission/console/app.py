@@ -61,6 +61,7 @@ def application(shown: Sequence[Shown], charts: Shelf, port: int, token: str) ->
         Route("/api/vehicles/{ident}/diff", console.diff, methods=["POST"]),
         Route("/api/vehicles/{ident}/plan", console.plan),
         Route("/api/vehicles/{ident}/planned", console.planned),
+        Route("/api/vehicles/{ident}/doctor", console.doctor),
         Route("/api/vehicles/{ident}/events", console.events),
         Route("/api/vehicles/{ident}/hindsight", console.hindsight),
         *chart_routes(charts),
@@ -106,6 +107,12 @@ class _Console:
         vehicle = one.given.vehicle if isinstance(one, Vehicle) else one.vehicle
         said = {"text": plan["text"], "source": ""}
         return JSONResponse({**await self._ghosts.planned(said, vehicle), "digest": plan["digest"]})
+
+    async def doctor(self, request: Request) -> Response:
+        """Of a vehicle under way: what its file says of it."""
+        one = self._shown.get(request.path_params["ident"])
+        name = one.given.vehicle or one.plan()["vehicle"] if isinstance(one, Vehicle) else ""
+        return JSONResponse(await asyncio.to_thread(plans.of_vehicle, name) if name else [])
 
     async def events(self, request: Request) -> Response:
         return await self._of_recording(request, lambda one: one.recording.events())

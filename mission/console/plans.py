@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 from mission.authoring.check.show import as_object, unreadable_object
@@ -25,6 +26,8 @@ from mission.authoring.prepare import (
     prepare_draft,
     prepare_text,
 )
+from mission.model.shipped import load_vehicle
+from mission.onboard.doctor.vehicle_file import of_file
 from mission.onboard.stream.plan import plan_geojson
 
 EMPTY: dict[str, Any] = {
@@ -43,6 +46,15 @@ def on_board(lines: Sequence[str], vehicle: str | None) -> dict[str, Any]:
     except Unreadable as error:
         why = f"what is on board cannot be shown here: {error.diagnostics[0].message}"
         return {**EMPTY, "text": text, "lines": len(lines), "problem": why}
+
+
+def of_vehicle(name: str) -> list[dict[str, str]]:
+    """What doctor says of its file; none where the file cannot be read."""
+    try:
+        found = list(of_file(load_vehicle(name)))
+    except (OSError, ValueError):
+        return []
+    return [{**asdict(one), "condition": one.condition.value} for one in found]
 
 
 def checked(text: str, source: str, vehicle: str | None) -> dict[str, Any]:

@@ -228,6 +228,37 @@ def test_a_plan_from_a_template_to_the_vehicle_and_another_by_drop(
         expect(verdict).to_contain_text("from home")
 
 
+def test_what_was_proved_of_an_older_text_is_grey_and_says_so(
+    chromium: object, tmp_path: Path
+) -> None:
+    held: list[playwright.Route] = []  # type: ignore[name-defined]
+    nobody = console_of("tcp://127.0.0.1:1", tmp_path)
+    with nobody as (running, _), seated(chromium, running) as seat:
+        page, expect = seat.page, playwright.expect
+        seat.tab("Plan")
+        plan = page.locator("#planner")
+        verdict = plan.locator(".verdict")
+        plan.get_by_label("Template …").select_option("transect")
+        expect(verdict).to_have_attribute("data-level", "good")
+        expect(plan.locator(".draft-chart")).to_have_attribute("data-still", "flown")
+        page.route("**/api/check", lambda route: held.append(route))
+        plan.locator("textarea").press("Control+End")
+        page.keyboard.type("# more")
+        expect(plan.locator(".findings")).to_have_attribute("data-old", "")
+        expect(verdict).not_to_have_attribute("data-level", "good")
+        expect(verdict).to_contain_text("the newest is being proved")
+        held[0].continue_()
+        until(page, lambda: len(held) == 2)  # that of the newest
+        held[1].continue_()
+        expect(verdict).to_have_attribute("data-level", "good")
+        page.route("**/api/import", lambda route: held.append(route))
+        page.evaluate(DROP, ["bay.gpx", GPX])
+        expect(plan.locator(".importing .why")).to_contain_text("bay.gpx is being imported")
+        until(page, lambda: len(held) == 3)
+        held[2].continue_()
+        expect(plan.locator(".importing .why")).to_contain_text("where the vehicle starts")
+
+
 # --- others ---------------------------------------------------------------------------------------
 
 STEAL = """async ([host, token]) => {

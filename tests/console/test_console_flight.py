@@ -17,6 +17,7 @@ from served import simulated as simulated_board
 from websockets.exceptions import ConnectionClosed
 
 from mission.authoring.language import digest, script
+from mission.console.plans import of_vehicle
 from mission.topside.console import converse
 from mission.topside.upload import start, upload
 
@@ -208,6 +209,18 @@ def test_a_point_of_the_checklist_is_ticked_for_every_page_and_on_record(tmp_pat
         said(commands, do="check", point="other", done=True)
         assert "no point" in heard(commands, "refused")["says"]
     assert "hatches closed" in (tmp_path / "console.jsonl").read_text()
+
+
+def test_what_doctor_finds_in_the_vehicles_file_stands_in_the_checklist(tmp_path: Path) -> None:
+    nobody = "tcp://127.0.0.1:1"
+    with console_of(nobody, tmp_path, vehicle="auv") as (console, _):
+        found = console.get("/api/vehicles/1/doctor")
+        assert found == of_vehicle("auv")
+        assert {one["what"] for one in found} >= {"buoyancy", "assumed"}
+        assert all(one["todo"] for one in found if one["condition"] != "ok")
+    with console_of(nobody, tmp_path) as (console, _):
+        assert console.get("/api/vehicles/1/doctor") == []  # which it is, the plan on board says
+    assert of_vehicle("no-such") == []
 
 
 # --- who commands ---------------------------------------------------------------------------------

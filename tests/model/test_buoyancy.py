@@ -6,7 +6,6 @@ import json
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from click.testing import CliRunner
@@ -170,14 +169,14 @@ def test_a_figure_is_old_after_a_season_and_none_from_tomorrow() -> None:
 def test_doctor_says_whether_it_rises(rate: float, days: int | None, condition: Condition) -> None:
     day = "" if days is None else (TODAY - timedelta(days=days)).isoformat()
     vehicle = replace(VEHICLE, ascent_buoyancy=rate, ascent_measured=day)
-    (finding,) = buoyant(SimpleNamespace(vehicle=vehicle))
+    (finding,) = buoyant(vehicle)
     assert finding.condition is condition
     assert f"{rate:g} m/s" in finding.says
     assert (finding.todo == "") is (condition is Condition.OK)
 
 
 def test_doctor_asks_nothing_of_what_drives_on_the_ground() -> None:
-    assert not list(buoyant(SimpleNamespace(vehicle=load_vehicle("robot"))))
+    assert not list(buoyant(load_vehicle("robot")))
 
 
 def test_a_day_that_is_none_is_refused_with_its_line(tmp_path: Path) -> None:

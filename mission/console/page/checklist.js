@@ -31,7 +31,9 @@ export class Checklist {
   show(page, now) {
     const { vehicle } = page.chosen;
     say(this._seenTitle, word('seen_here'));
-    findings(vehicle, page.stale, now).forEach((one, i) => this._find(one, i));
+    const found = findings(vehicle, page.stale, now);
+    found.forEach((one, i) => this._find(one, i));
+    for (const [i, [row]] of this._rows) row.hidden = i >= found.length;
     const points = vehicle.setup.checklist;
     const checked = vehicle.state['checked'] ?? {};
     say(this._title, `${word('checklist')} ${points.filter((p) => p in checked).length} / ${points.length}`);

@@ -4,12 +4,14 @@
  */
 
 import { el, mark, say } from './dom.js';
+import { lasting } from './format.js';
 import { proof } from './mission.js';
 import { word } from './words.js';
 
 /** @typedef {import('./editor.js').Fault} Fault */
 
 const SHOWN = 30;
+const SOON_S = 0.5; // grey at once; in words where it takes longer
 
 export class Findings {
   /** @param {(fault: Fault) => void} reveal */
@@ -23,6 +25,8 @@ export class Findings {
     /** @type {any} */
     this._said = null;
     this._shown = '';
+    this._verdictSays = '';
+    this._oldSince = 0; // ms; 0: what it says is of the text as it stands
   }
 
   /** @param {any} said the check's answer; null: it has none of this text */
@@ -32,22 +36,33 @@ export class Findings {
     if (said === null) for (const one of [this._list, this._more.children[1]]) one?.replaceChildren();
   }
 
-  /** @param {boolean} isNewest what the check said is of the text as it stands */
-  show(isNewest) {
+  /** @param {boolean} isNewest what the check said is of the text as it stands
+   * @param {number} now ms */
+  show(isNewest, now) {
+    this._take();
+    this._oldSince = isNewest ? 0 : this._oldSince || now;
+    const isOld = !isNewest && this._said !== null;
+    const age = isOld ? (now - this._oldSince) / 1000 : 0;
+    mark(this.root, 'data-old', isOld ? '' : null);
+    mark(this._verdict, 'aria-busy', isNewest ? null : 'true');
+    mark(this._verdict, 'data-level', isOld || !this._said ? null : this._said.ok ? 'good' : 'bad');
+    say(this._verdict, age > SOON_S ? word('plan_old', lasting(age), this._verdictSays) : this._verdictSays);
+  }
+
+  /** What is said anew, in the language of now. */
+  _take() {
     const said = this._said;
     say(this._title, word('plan_proof'));
-    mark(this._verdict, 'aria-busy', isNewest ? null : 'true');
     if (said === null) {
-      say(this._verdict, '');
+      this._verdictSays = '';
       this._more.hidden = true;
     }
     const key = `${word('plan_proof')}${said?.digest}${said?.ok}${JSON.stringify(said?.refusals ?? '')}`;
     if (said === null || key === this._shown) return;
     this._shown = key;
     const count = said.refusals.length;
-    say(this._verdict, said.ok ? proof(said.proved)
-      : said.problem && !count ? said.problem : word('plan_refused', count));
-    mark(this._verdict, 'data-level', said.ok ? 'good' : 'bad');
+    this._verdictSays = said.ok ? proof(said.proved)
+      : said.problem && !count ? said.problem : word('plan_refused', count);
     this._list.replaceChildren(...said.refusals.slice(0, SHOWN).map((/** @type {Fault} */ one) => this._row(one)));
     const [summary, rows] = this._more.children;
     const path = [...(said.proved?.worst_path ?? []), ...said.expected.map(expected), ...said.assumed];

@@ -4,7 +4,8 @@
  * which asks for what the file does not say, and tells what was left out.
  */
 
-import { el, say } from './dom.js';
+import { el, mark, say } from './dom.js';
+import { lasting } from './format.js';
 import { want } from './wire.js';
 import { word } from './words.js';
 
@@ -35,9 +36,16 @@ export class Importing {
     /** @type {{name: string, data: string} | null} */
     this._file = null;
     this._wanted = 0;
+    this._since = 0; // ms, of what is being imported; 0: nothing is
   }
 
-  show() {
+  /** @param {number} now ms */
+  show(now) {
+    if (this._since && this._file) {
+      say(this._why, word('import_busy', this._file.name, lasting((now - this._since) / 1000)));
+    }
+    mark(this.root, 'aria-busy', this._since ? 'true' : null);
+    this._take.disabled = this._since > 0;
     for (const [key, f] of Object.entries(this._fields)) say(f.name, word(`import_${key}`));
     say(this._take, word('import_again'));
     say(this._drop, word('import_drop'));
@@ -74,6 +82,9 @@ export class Importing {
   /** @param {object} answers */
   async _send(answers) {
     const wanted = this._wanted;
+    this._since = performance.now();
+    this.root.hidden = false; // a survey of 100,000 points takes seconds
+    this._page().redraw();
     try {
       const found = await want('/api/import', this._page().token, { ...this._file, ...answers });
       if (wanted !== this._wanted) return;
@@ -86,6 +97,7 @@ export class Importing {
 
   /** @param {string} why */
   _refuse(why) {
+    this._since = 0;
     say(this._why, why);
     this.root.hidden = false;
     this._take.hidden = this._file === null;
@@ -93,6 +105,7 @@ export class Importing {
   }
 
   _close() {
+    this._since = 0;
     this.root.hidden = true;
     this._page().redraw();
   }

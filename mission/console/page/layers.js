@@ -23,7 +23,7 @@ import { word } from './words.js';
  *   beside?: {now: Beside | null, other: Beside | null}, charts?: {draw: (pen: Pen, view: View) => void}}} Scene
  * @typedef {{name: string, at: Pair, isOld: boolean}} Other
  * @typedef {{line: Pair[], turns: {at: Pair, around: readonly [number, number, number]}[],
- *   problem: string}} Still
+ *   problem: string, isFlown?: boolean}} Still isFlown: it is being worked out
  * @typedef {import('./compare.js').Beside} Beside
  * @typedef {Record<'paper' | 'grid' | 'ink' | 'soft' | 'track' | 'plan' | 'target' | 'limit'
  *   | 'vehicle' | 'old', string>} Inks
@@ -134,16 +134,17 @@ function stillWater(pen, view, { still }, inks) {
   pen.globalAlpha = 1;
   pen.setLineDash([4, 4]);
   const y = view.height - 46;
-  if (!still.problem) {
+  if (still.line.length) {
     pen.beginPath();
     pen.moveTo(14, y);
     pen.lineTo(44, y);
     pen.stroke();
   }
   pen.setLineDash([]);
-  const says = still.problem ? word('still_none', still.problem) : word('still_water');
+  const says = still.isFlown ? word('still_flown')
+    : still.problem ? word('still_none', still.problem) : word('still_water');
   const lines = broken(says, Math.max(12, Math.floor((view.width - 140) / 8)));
-  lines.forEach((line, i) => label(pen, line, still.problem ? 14 : 50, y + 4 - 16 * (lines.length - 1 - i),
+  lines.forEach((line, i) => label(pen, line, still.line.length ? 50 : 14, y + 4 - 16 * (lines.length - 1 - i),
     inks.plan, inks.paper));
 }
 

@@ -148,10 +148,10 @@ export class Plan {
     if (!isSeen) return;
     if (!this._isStarted) void this._start();
     this._showTools(now);
-    this._importing.show();
+    this._importing.show(now);
     this._editor.show();
     this._chart.show();
-    this._findings.show(this._judged === this._editor.text);
+    this._findings.show(this._judged === this._editor.text, now);
     this._ghost.show();
     this._differing.show(this._judged === this._editor.text ? this._said : null);
     const fate = page.chosen.intents.last('upload');

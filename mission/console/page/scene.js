@@ -46,6 +46,7 @@ export function sceneOf(vehicle, frame, stale, now, others = []) {
  * @param {Frame} frame @returns {import('./layers.js').Still | null} */
 export function stillOf(said, frame) {
   if (!said) return null;
+  if (said.is === 'flown') return { line: [], turns: [], problem: '', isFlown: true };
   const local = (/** @type {any} */ row) => frame.toLocal(row[1], row[2]);
   return { line: (said.track ?? []).map(local), problem: said.says ?? '',
     turns: (said.turns ?? []).map((/** @type {any} */ row) => ({ at: local(row), around: row[3] })) };

@@ -1,6 +1,7 @@
 // @ts-check
 /**
- * What can be seen from here of what `auvmission doctor` examines on the vehicle: a row each.
+ * What can be seen from here of what `auvmission doctor` examines on the vehicle: a row each, and
+ * below them what doctor itself finds in the vehicle's file.
  *
  * What only the vehicle's computer knows (disk, black box, clock, ports) comes as its alarms;
  * without any it is not known to be well, and doctor there says more.
@@ -13,8 +14,12 @@ import { named, word } from './words.js';
 /** @typedef {import('./state.js').Vehicle} Vehicle
  * @typedef {import('./state.js').Stale} Stale
  * @typedef {'good' | 'careful' | 'bad' | 'unknown'} Level
- * @typedef {{name: string, level: Level, says: string}} Finding */
+ * @typedef {{name: string, level: Level, says: string}} Finding
+ * @typedef {import('./state.js').Doctored} Doctored */
 
+/** @type {Readonly<Record<Doctored['condition'], Level>>} */
+const CONDITIONS = { ok: 'good', warning: 'careful', fault: 'bad' };
+const READINGS = ['depth', 'altitude', 'heading', 'pitch', 'roll', 'speed', 'battery'];
 const LIMITS = ['to_depth', 'to_radius', 'to_voltage', 'to_time'];
 
 /** @param {Vehicle} vehicle @param {Stale} stale @param {number} now ms @returns {Finding[]} */
@@ -26,7 +31,37 @@ export function findings(vehicle, stale, now) {
     limits(vehicle),
     alarms(vehicle),
     mission(vehicle),
+    sensors(vehicle),
+    commands(vehicle),
+    ...vehicle.doctor.map(ofDoctor),
   ];
+}
+
+/** Those that are told, and are not to be believed now. @param {Vehicle} vehicle
+ * @returns {Finding} */
+function sensors(vehicle) {
+  const name = word('sensors');
+  const told = READINGS.filter((one) => one in vehicle.state);
+  const dumb = told.filter((one) => vehicle.state[one] === null);
+  const names = (/** @type {string[]} */ of) => of.map((one) => word(one)).join(', ');
+  if (!told.length) return { name, level: 'unknown', says: word('unknown') };
+  return dumb.length ? { name, level: 'careful', says: word('not_believed', names(dumb)) }
+    : { name, level: 'good', says: names(told) };
+}
+
+/** @param {Vehicle} vehicle @returns {Finding} */
+function commands(vehicle) {
+  const name = word('commander');
+  const is = vehicle.state['command']?.is ?? 'unknown';
+  if (is === 'us' || is === 'nobody') return { name, level: 'good', says: word(is) };
+  if (is === 'other') return { name, level: 'careful', says: vehicle.state['commander'] || word('unknown') };
+  return { name, level: 'unknown', says: word('unknown') };
+}
+
+/** What doctor finds in the vehicle's file, in its own words. @param {Doctored} one
+ * @returns {Finding} */
+function ofDoctor({ what, condition, says, todo }) {
+  return { name: what, level: CONDITIONS[condition], says: todo ? `${says} — ${todo}` : says };
 }
 
 /** @param {Vehicle} vehicle @param {number} now @returns {Finding} */

@@ -19,6 +19,7 @@
  *   problem: string}} Plan
  * @typedef {[number, number | null]} Sample vehicle's time, value
  * @typedef {{name: string, level: 'danger' | 'warning', words: string, do: string}} Alarm
+ * @typedef {{what: string, condition: 'ok' | 'warning' | 'fault', says: string, todo: string}} Doctored
  * @typedef {'fresh' | 'old' | 'unknown'} Freshness
  */
 
@@ -60,6 +61,8 @@ export class Vehicle {
   plan = null;
   /** @type {any} its track in still water, as the server answers */
   still = null;
+  /** @type {Doctored[]} what doctor finds in its file */
+  doctor = [];
   /** @type {number | null} ms */
   heardAt = null;
 

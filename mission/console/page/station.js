@@ -41,6 +41,7 @@ export class Station {
     this.review = setup.source === 'recording'
       ? new Line(`/ws/review?${at}`, token, { heard: () => {} }) : NOWHERE;
     if (setup.source === 'recording') this._askEvents();
+    else void this._askDoctor();
   }
 
   /** @param {string} at @param {boolean} live */
@@ -94,8 +95,15 @@ export class Station {
       this.vehicle.plan = null; // the next change, or the next snapshot, asks again
     }
     if (this.vehicle.still?.digest !== this.vehicle.plan?.digest) this.vehicle.still = null;
+    void this._askDoctor(); // of the vehicle that the plan names
     this._changed();
     if (this.vehicle.plan && !this.vehicle.still) void this._askStill(this.vehicle.plan.digest);
+  }
+
+  async _askDoctor() {
+    const id = encodeURIComponent(this.vehicle.setup.id);
+    this.vehicle.doctor = await ask(`/api/vehicles/${id}/doctor`, this._token).catch(() => []);
+    this._changed();
   }
 
   /** The plan's track in still water: it is flown first. @param {string} digest */

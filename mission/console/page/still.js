@@ -29,6 +29,7 @@ export class StillWater {
   /** @param {{text: string, source: string}} plan that can be read */
   want(plan) {
     this.forget();
+    this._found({ is: 'flown' });
     this._timer = setTimeout(() => this._ask(plan), REST_MS);
   }
 

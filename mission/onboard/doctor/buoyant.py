@@ -4,20 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from datetime import UTC, datetime
-from typing import Protocol
 
 from mission.model import buoyancy
 from mission.model.vehicle import Vehicle
 from mission.onboard.doctor.findings import Finding, fault, ok, warning
 
 
-class _Patient(Protocol):
-    @property
-    def vehicle(self) -> Vehicle: ...
-
-
-def buoyant(context: _Patient) -> Iterator[Finding]:
-    vehicle = context.vehicle
+def buoyant(vehicle: Vehicle) -> Iterator[Finding]:
     says = f"rises at {buoyancy.told(vehicle)}"
     if vehicle.drives:
         return

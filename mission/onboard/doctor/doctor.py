@@ -23,7 +23,6 @@ from links import parse_address
 from links.base import LinkError
 from mission import __version__
 from mission.engine.bounds import in_force
-from mission.engine.limits import LIMITS
 from mission.model.compiled import build
 from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
@@ -31,6 +30,7 @@ from mission.onboard.doctor import asking, port_probe, signs
 from mission.onboard.doctor.boards import at_rest, board, trip
 from mission.onboard.doctor.buoyant import buoyant
 from mission.onboard.doctor.findings import Condition, Finding, fault, ok, warning
+from mission.onboard.doctor.vehicle_file import assumed, never_acting
 from mission.onboard.serve import health
 from mission.onboard.serve.listening import listening, open_to_all
 from mission.onboard.store import DiskStore, StoreError
@@ -347,43 +347,15 @@ def _limits(context: CheckContext) -> Iterator[Finding]:
             f"time {bounds.time / 60:g} min, voltage {bounds.voltage:g} V",
             "compare with what today's place allows; auvmission limits tightens them",
         )
-    for row in LIMITS.values():
-        if vehicle.drives and "depth" in row.needs:
-            continue  # of the water
-        if why := row.disarmed(vehicle):
-            yield warning(
-                f"limit {row.name}", f"can never act: {why}", "plan as if it were not there"
-            )
+    yield from never_acting(vehicle)
+
+
+def _buoyant(context: CheckContext) -> Iterator[Finding]:
+    yield from buoyant(context.vehicle)
 
 
 def _assumed(context: CheckContext) -> Iterator[Finding]:
-    its = board(context.vehicle)
-    if its.silence is None:
-        yield ok(
-            "assumed",
-            f"if the Pi dies while {its.name} is in automatic, the vehicle keeps its "
-            "last setpoint until serve runs again",
-            f"have the service manager restart serve (docs/operation.md); keep {its.beside}",
-        )
-    else:
-        yield ok(
-            "assumed",
-            f"if the Pi dies, {its.name} goes neutral by itself after {its.silence:g} s",
-            f"see it once on deck: kill serve, and watch; keep {its.beside}",
-        )
-    yield ok(
-        "assumed",
-        f"{its.name}, if it hangs, keeps {its.moves} as they are",
-        f"have its hardware watchdog enabled; keep {its.beside}",
-    )
-    if context.vehicle.calibration == type(context.vehicle.calibration)():
-        yield warning(
-            "assumed",
-            "speeds and turning are planning figures, not measured",
-            "fly missions/shakedown.yaml, then auvmission calibrate"
-            if context.vehicle.codec == "auv"
-            else "measure them by hand (auvmission stick), and set them in the vehicle file",
-        )
+    yield from assumed(context.vehicle)
 
 
 ROWS: tuple[Callable[[CheckContext], Iterable[Finding]], ...] = (
@@ -397,6 +369,6 @@ ROWS: tuple[Callable[[CheckContext], Iterable[Finding]], ...] = (
     _ports,
     _camera,
     _limits,
-    buoyant,
+    _buoyant,
     _assumed,
 )

@@ -97,10 +97,13 @@ test('before a dive the page says what it can see of link, sensors, limits, alar
     return findings(vehicle, stale, later).map((one) => one.level).join(' ');
   };
   const well = { silence: 0, report_at: 99, fix_at: 98, alarms: [], mission: '',
-    to_depth: [5, 10], to_radius: [90, 100], to_voltage: [2, 10], to_time: [20, 20] };
-  assert.equal(levels(well), 'good good good good good careful');
-  assert.equal(levels(null), 'bad bad bad unknown unknown unknown');
-  assert.equal(levels(well, 10_000), 'bad bad bad good good careful');
+    to_depth: [5, 10], to_radius: [90, 100], to_voltage: [2, 10], to_time: [20, 20],
+    depth: 3, altitude: 5, command: { is: 'us', age: 0 } };
+  assert.equal(levels(well), 'good good good good good careful good good');
+  assert.equal(levels(null), 'bad bad bad unknown unknown unknown unknown unknown');
+  assert.equal(levels(well, 10_000), 'bad bad bad good good careful good good');
+  assert.equal(levels({ ...well, altitude: null }).split(' ')[6], 'careful');
+  assert.equal(levels({ ...well, command: { is: 'other' } }).split(' ')[7], 'careful');
   assert.equal(levels({ ...well, to_radius: [null, null] }).split(' ')[3], 'careful');
   assert.equal(levels({ ...well, to_depth: [-1, 10] }).split(' ')[3], 'bad');
   assert.equal(levels({ ...well, alarms: [{ name: 'disk', level: 'danger' }] }).split(' ')[4], 'bad');
@@ -197,6 +200,7 @@ test('the track in still water is drawn with what it is unsure of, or the reason
   assert.deepEqual(found.line.map(([, north]) => Math.round(north)), [0, 111]);
   assert.deepEqual([found.turns[0].around, found.problem], [[7, 5, 20], '']);
   assert.deepEqual(stillOf({ is: 'refused', says: 'why' }, frame), { line: [], turns: [], problem: 'why' });
+  assert.ok(stillOf({ is: 'flown' }, frame).isFlown); // it is told, not waited for in silence
 });
 
 test('a reason is told in lines that fit', () => {
