@@ -5,10 +5,12 @@ READY := .venv/.ready
 # Where that is set, every process of every test would compile all modules anew: twice the time.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo console browser test coverage proofs check lint bench compiled score campaign faults exhaustive sea docs links clean
+.PHONY: demo console browser test coverage proofs check lint types bench compiled score campaign faults exhaustive sea docs pictures links clean
 
 DATA ?= ../shared/data/trajectories
 SEED ?= 0
+PAGE := tests/console/page
+TSC := $(PAGE)/node_modules/.bin/tsc
 
 demo: $(READY)          ## a mission from a YAML file to the vehicle and home, over real bytes
 	$(BIN)/auvmission demo
@@ -30,11 +32,19 @@ proofs: $(READY)        ## the long proofs: flights, states crossed with events,
 
 check: lint coverage proofs ## what must be green before anything lands
 
-lint: $(READY)
+lint: $(READY) types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+types:                  ## the types of the page's JavaScript; skipped where no npm is
+	@if command -v npm > /dev/null; then $(MAKE) --no-print-directory $(TSC) && $(TSC) -p $(PAGE); \
+	else echo "types of the page: skipped, no npm here: apt-get install npm"; fi
+
+$(TSC): $(PAGE)/package-lock.json
+	npm ci --silent --ignore-scripts --no-audit --no-fund --prefix $(PAGE)
+	@touch $@
 
 bench: $(READY)         ## performance, as ratios within one run
 	$(BIN)/pip install -q -e '.[bench]'
@@ -66,6 +76,9 @@ docs: $(READY)          ## the documentation as a site in build/docs; warnings a
 	$(BIN)/python -m mission.authoring.language.manual docs/mission-language.md
 	$(BIN)/sphinx-build -q -E -W --keep-going -b html docs build/docs
 	@echo "open build/docs/index.html"
+
+pictures: $(READY)      ## every view of the cockpit in three sizes, for the site; needs a Chromium
+	$(BIN)/python tests/console/pictures.py
 
 links: $(READY)         ## the docs' links to other hosts, by hand only: it asks them
 	$(BIN)/sphinx-build -q -E -b linkcheck docs build/links
