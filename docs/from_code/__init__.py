@@ -17,6 +17,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 from sphinx.util.typing import ExtensionMetadata
 
+from from_code.cockpit import cockpit_pictures
 from from_code.commands import command_part
 from from_code.layers import layers_picture, rooms_table
 from from_code.rows import rows_table
@@ -34,6 +35,7 @@ from from_code.way import order_picture
 PARTS: Mapping[str, Callable[[str], str]] = MappingProxyType(
     {
         "command": command_part,
+        "cockpit": cockpit_pictures,
         "layers": lambda _: layers_picture(),
         "rooms": lambda _: rooms_table(),
         "order": order_picture,

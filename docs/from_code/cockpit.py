@@ -1,0 +1,41 @@
+"""Pictures of the cockpit, where `make pictures` has made them; they are not kept with the code."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+
+FOLDER = Path(__file__).resolve().parents[1] / "pictures" / "cockpit"
+# view -> the tab that opens it on a wide screen, and on a narrow one
+VIEWS: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        "fly": ("Chart", "Chart"),
+        "legs": ("Legs", "Legs"),
+        "command": ("Command", "Command"),
+        "stick": ("Stick", "Stick"),
+        "checklist": ("Checklist", "Checklist"),
+        "plan": ("Plan", "Plan"),
+        "review": ("Chart", "Chart"),
+    }
+)
+# name -> width and height, CSS pixels
+SIZES: Mapping[str, tuple[int, int]] = MappingProxyType(
+    {"laptop": (1400, 900), "tablet": (1024, 768), "phone": (390, 844)}
+)
+
+
+def file_of(view: str, size: str) -> Path:
+    return FOLDER / f"{view}-{size}.png"
+
+
+def cockpit_pictures(view: str) -> str:
+    """Markdown. Raises KeyError for a view that there is not."""
+    _ = VIEWS[view]
+    if not all(file_of(view, size).is_file() for size in SIZES):
+        return "*`make pictures` makes the pictures that belong here; it needs a Chromium.*"
+    rows = (
+        f"![{view}, {size}, {width} × {height}](/pictures/cockpit/{file_of(view, size).name})"
+        for size, (width, height) in SIZES.items()
+    )
+    return "\n\n".join(rows)
