@@ -38,9 +38,9 @@ lint: $(READY) types
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-types:                  ## the types of the page's JavaScript; skipped where no npm is
-	@if command -v npm > /dev/null; then $(MAKE) --no-print-directory $(TSC) && $(TSC) -p $(PAGE); \
-	else echo "types of the page: skipped, no npm here: apt-get install npm"; fi
+types:                  ## the types of the page's JavaScript; skipped where npm cannot bring tsc
+	@if $(MAKE) --no-print-directory $(TSC); then $(TSC) -p $(PAGE); \
+	else echo "types of the page: skipped, since npm (apt-get install npm) brought no compiler"; fi
 
 $(TSC): $(PAGE)/package-lock.json
 	npm ci --silent --ignore-scripts --no-audit --no-fund --prefix $(PAGE)

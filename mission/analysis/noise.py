@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from statistics import median
 from typing import TypeVar
 
@@ -49,7 +50,7 @@ def of_added(logs: Sequence[Sequence[Aid]], vehicle: Vehicle) -> dict[str, float
     for kind, which in dict.fromkeys((a.kind, _source(a)) for log in logs for a in log):
         said = [[a for a in log if (a.kind, _source(a)) == (kind, which)] for log in logs]
         for axis in range(2):
-            sigma = white_noise(said, lambda a, axis=axis: _metric(a, axis, vehicle))
+            sigma = white_noise(said, partial(_metric, axis=axis, vehicle=vehicle))
             found.setdefault(kind, []).extend([] if sigma is None else [sigma])
     return {kind: max(median(s), LEAST[kind]) for kind, s in found.items() if s}
 
