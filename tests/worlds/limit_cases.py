@@ -29,7 +29,7 @@ def flying(depth: float = 10.0, **more: object) -> World:
     body = leg("out", settings=sets(surge=0.5, heading=0.0, depth=20.0), timeout=LONG)
     away = leg("away", when("depth", ">", 99.0), settings=sets(depth=20.0), timeout=LONG)
     world = World(mission(body, away, **more), vehicle=LEAKY)
-    world.leak = False
+    world.leak, world.trembles = False, 0.0  # a hair is less than a depth trembles by
     assert world.start()
     world.depth = depth
     world.nav.covariance = (0.01, 0.0, 0.01)
@@ -39,6 +39,7 @@ def flying(depth: float = 10.0, **more: object) -> World:
 
 def idle() -> World:
     world = World()
+    world.trembles = 0.0
     world.wait(4.0)
     return world
 
