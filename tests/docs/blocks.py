@@ -93,7 +93,8 @@ class Page:
 
     def _copy_tree(self) -> None:
         (self._folder / "missions").unlink()
-        ignored = shutil.ignore_patterns("build")  # not what is compiled: each command reads it
+        # what is compiled comes along, for each command reads it; not what another process compiles
+        ignored = shutil.ignore_patterns("build", "*.pyc.*")
         for name in TREE:
             shutil.copytree(ROOT / name, self._folder / name, ignore=ignored)
         for name in ("pyproject.toml", "README.md", "CHANGELOG.md", ".importlinter"):

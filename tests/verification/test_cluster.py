@@ -29,6 +29,7 @@ from mission.verification.workers.code import code
 from mission.verification.workers.outcome import Lost, Unreachable
 from mission.verification.workers.places import Place, place
 
+pytestmark = pytest.mark.xdist_group("cluster")  # one worker of the tests begins it, once
 ROOT = Path(__file__).resolve().parents[2]
 SQUARES: list[Job] = [("square", n) for n in range(12)]
 KNOWN = SHIPPED[:2]
@@ -146,9 +147,8 @@ def test_a_job_that_is_out_of_memory_is_tried_again_and_told(
 
 def other_program(folder: Path) -> Path:
     for package in ("mission", "links", "protocol", "missions"):
-        shutil.copytree(
-            ROOT / package, folder / package, ignore=shutil.ignore_patterns("__pycache__")
-        )
+        half = shutil.ignore_patterns("*.pyc.*")  # what another process just compiles
+        shutil.copytree(ROOT / package, folder / package, ignore=half)
     with (folder / "links" / "simulated" / "plant.py").open("a") as plant:
         plant.write("# heavier\n")
     return folder
