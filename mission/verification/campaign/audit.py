@@ -114,6 +114,11 @@ def audit(events: Sequence[Event], dialect: str) -> list[Spurious]:
     return list(_Auditor(dialect).walk(events))
 
 
+def moves_asked(events: Sequence[Event]) -> list[Spurious]:
+    """Every move that nothing asked for, of a vehicle whose words are not the AUV's."""
+    return list(_MoveAuditor("documented").walk(events))
+
+
 class _Auditor:
     def __init__(self, dialect: str) -> None:
         self._encode = AuvCodec(dialect).encode
@@ -213,7 +218,7 @@ class _Auditor:
         if moved and self._state == MANUAL_DRIVING:
             self._holder = max(self._sticks, key=self._sticks.__getitem__, default=None)
         try:
-            commands = [command_of(words) for words in step.actions]
+            commands = commands_of(step)
         except (TypeError, ValueError):
             yield Spurious(step.t, f"a step that says what is no command: {step.actions}")
             return
@@ -320,6 +325,24 @@ class _Auditor:
             yield Spurious(tx.t, f"{tx.data!r} relayed in {self._state}")
         for permit in self._permits:
             permit.ends = min(permit.ends, tx.t)
+
+
+class _MoveAuditor(_Auditor):
+    """Of a vehicle that hears other words: the moves alone. An M that it has no frames for counts
+    as none to it, so nothing is said of when a stick is let go."""
+
+    def _unjustified(
+        self, step: Step, before: str, moved: bool, commands: list[Setpoint | Order]
+    ) -> Iterator[Spurious]:
+        let_go = self._state == MANUAL_WAITING or step.trigger == "forgotten"
+        if moved and not let_go and (why := self._unasked(step, before)):
+            yield Spurious(step.t, f"{before or 'a start'} -> {self._state}: {why}")
+
+    def _permit(self, command: Setpoint | Order, t: float) -> None:
+        pass
+
+    def _sent(self, tx: Tx) -> Iterator[Spurious]:
+        yield from ()
 
 
 def _turns(data: bytes) -> bool:

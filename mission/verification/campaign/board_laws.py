@@ -2,6 +2,7 @@
 
     asked     every frame is what the newest Step asks for, or under the stick what M words asked
     stick     600 ms without an M nothing pushes any more
+    moves     a mission begins by an @AA that is no copy, the stick by an M, a stop by an X
     pace      while the program lives, what holds is said again within the period of the document
     orders    X and W of anybody leave within 100 ms
 
@@ -21,7 +22,7 @@ from links.simulated.settings import Settings
 from mission.model import MANUAL_DRIVING, Step, Tx
 from mission.model.vehicle import Vehicle
 from mission.onboard.runtime.runtime import VEHICLE
-from mission.verification.campaign.audit import Spurious, commands_of, moves
+from mission.verification.campaign.audit import Spurious, commands_of, moves, moves_asked
 from mission.verification.campaign.obedience import Ignored, orders
 from mission.verification.campaign.trial import fault_ends
 from mission.verification.rig.acts import TOPSIDE, Act
@@ -45,6 +46,7 @@ def audit(events: Sequence[Event], vehicle: Vehicle) -> list[Spurious]:
     """What nothing asked for, and what was not said again in time."""
     speech = Speech(vehicle)
     found = [*_Auditor(speech, vehicle).walk(events), *_pace(events, speech.board.period)]
+    found += moves_asked(events)
     return sorted(found, key=lambda one: one.t)
 
 

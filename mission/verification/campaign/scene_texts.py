@@ -77,6 +77,7 @@ TEXTS: Mapping[str, str] = {
 
 _UP = "up: surface timeout 3min\n"
 _DOWN = "dive: down 9 until depth >= {} timeout 90\n"
+_LOOSE = f"{_DOWN.format(9.5)}stand: down 5 for 80\n"
 _ADRIFT = f"{_DOWN.format(5.5)}stand: down 5 for 30\nadrift: stop up 0 for 60\n"
 
 
@@ -100,6 +101,7 @@ def _held(vehicle: str) -> Mapping[str, str]:
         ),
         "deep": (wide, f"{dive.format(14, 13.5)}stand: depth 14 heading 0 gear 4 for 4min\n"),
         "adrift": ("radius 900 time 30min depth 24", _ADRIFT),
+        "loose": ("radius 900 time 30min depth 45", _LOOSE),
         "stubborn": (
             "radius 1000 time 30min depth 10",
             f"{dive.format(5, 4.5)}out: {far} 0 gear 8 for 100\non_we_go: {far} 0 gear 8 for 100\n",
@@ -124,7 +126,7 @@ _BODIES = {
         f"back: gear -4 down 5 for 45\n{_UP}",
         "away": f"{_DOWN.format(4.5)}out: gear 3 down 5 for 100\n{_UP}",
         "deep": f"{_DOWN.format(13.5)}stand: down 5 for 80\n{_UP}",
-        "loose": f"{_DOWN.format(9.5)}stand: down 5 for 80\n{_UP}",
+        "loose": f"{_LOOSE}{_UP}",
         "adrift": f"{_ADRIFT}{_UP}",
         "pool": f"{_DOWN.format(4.5)}out: gear 3 down 5 for 60\n{_UP}",
     },

@@ -14,6 +14,7 @@ What does not live here: the scenes (scenes), their missions in the words of eac
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from random import Random
@@ -24,7 +25,8 @@ from links.simulated.settings import FaultEvent
 from mission.verification.campaign.scene import Scene
 from mission.verification.campaign.scene_texts import ON_BOARDS
 from mission.verification.campaign.scenes import ON_BOARDS_ALONE, SCENES
-from mission.verification.rig.acts import Disturbance
+from mission.verification.rig.acts import MODEM, Disturbance
+from protocol.modem import Sender, wrap
 
 # Of a board's frames and reports; "": without it the scene is the same there.
 LIKE: Mapping[str, str] = {
@@ -37,6 +39,7 @@ LIKE: Mapping[str, str] = {
     "gps_lost": "",
     "heavy": "",  # of what drives
 }
+_M = re.compile(rb"@MM[^@$]+\$")
 _WORDS = "its board repeats a whole frame, and answers nothing: no single word is lost or refused"
 _RECEIVER = "it has no receiver of its own"
 _SENSOR = "its simulated board has no such fault of a sensor"
@@ -134,5 +137,8 @@ def _like(event: FaultEvent, known: Mapping[str, Fault]) -> FaultEvent | None:
 def _in_words_of(vehicle: str, said: Disturbance) -> Disturbance:
     if vehicle != "robot":
         return said
-    data = said.data.replace(b"@MMD", b"@MMB").replace(b"@MMU", b"@MMF")
-    return replace(said, data=data)
+    word = _M.search(said.data)
+    if word is None:
+        return said
+    data = word[0].replace(b"@MMD", b"@MMB").replace(b"@MMU", b"@MMF")
+    return replace(said, data=wrap(data, Sender.TOPSIDE) if said.link == MODEM else data)

@@ -68,6 +68,11 @@ _ON_LAND: _Reasons = {
 }
 
 
+_STANDS: _Reasons = {
+    "what drives stands wherever it stops, and that is all": ("restart", "orderly end"),
+}
+
+
 def _of(*groups: _Reasons) -> Mapping[str, str]:
     return {rule: why for reasons in groups for why, rules in reasons.items() for rule in rules}
 
@@ -75,7 +80,7 @@ def _of(*groups: _Reasons) -> Mapping[str, str]:
 UNSEEN: Mapping[str, Mapping[str, str]] = {
     "coreboard": _of(_OF_BOARDS, _IN_WATER, _NO_THRUSTERS, _AREAS),
     "rov": _of(_OF_BOARDS, _IN_WATER, _NO_PLACE, _NO_LEAK),
-    "robot": _of(_OF_BOARDS, _ON_LAND, _NO_THRUSTERS, _NO_PLACE, _NO_LEAK),
+    "robot": _of(_OF_BOARDS, _ON_LAND, _STANDS, _NO_THRUSTERS, _NO_PLACE, _NO_LEAK),
     "mainboard": _of(_OF_BOARDS, _IN_WATER, _NO_THRUSTERS, _AREAS),
 }
 

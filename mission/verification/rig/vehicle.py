@@ -5,6 +5,7 @@ What does not live here: what it is made of (links.simulated).
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import replace
 from datetime import datetime
@@ -23,6 +24,7 @@ Simulated = SimulatedVehicle | SimulatedBoard
 CONFIRMED = {"mainboard": "2026-11-22"}
 
 
+@functools.cache
 def flown(name: str) -> Vehicle:
     """The shipped vehicle of this name as campaigns fly it. Raises VehicleError."""
     vehicle = load_vehicle(name)
