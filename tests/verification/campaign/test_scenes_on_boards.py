@@ -188,8 +188,8 @@ def test_a_flight_on_a_board_tells_a_rule_from_its_absence_by_its_law(
 
 @pytest.mark.proof
 def test_the_command_breaks_a_rule_on_a_board_and_says_who_notices() -> None:
-    words = ("faults", "--vehicle", "robot", "--broken")
-    ran = run(*words, "limit time", "--flights", "40", "--json")
+    words = ("faults", "--vehicle", "robot", "--seed", str(SEED), "--search", "--broken")
+    ran = run(*words, "limit time", "--flights", "24", "--json")
     assert ran.exit_code == 0, ran.output
     told = json.loads(ran.stdout.splitlines()[-1])
     assert (told["rules"], told["noticed"], told["blind"]) == (1, 1, [])
