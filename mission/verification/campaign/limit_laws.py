@@ -117,7 +117,8 @@ def _false_alarm(story: Story, stay: Stay) -> Iterator[Violation]:
     odd = [
         f for f in story.faults(("attitude_", "roll_"), 0.0, stay.end) if "full_scale" not in f.name
     ]
-    worst = max(story.tilt(stay.end - i) for i in range(9))
+    ahead = 0 if story.board is None else 1  # s: the truth is told each second, a board's reports
+    worst = max(story.tilt(stay.end + ahead - i) for i in range(9 + ahead))  # come ten in one
     if "limit roll-over" in names and not odd and worst < story.vehicle.limits.roll - _ROLL:
         yield Violation(UNANSWERED, stay.end, "a limit of roll that was not passed")
 

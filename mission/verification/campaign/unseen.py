@@ -68,6 +68,13 @@ _ON_LAND: _Reasons = {
 }
 
 
+_UNCONFIRMED: _Reasons = {
+    "nothing holds a depth before its signs are confirmed": ("limit no progress", "blind leg"),
+    "it reports no battery": ("limit voltage",),
+    "without a place nothing but its depth can prove the surface: such a flight does not end": (
+        *("unchanged depth", "pushed in the dark"),
+    ),
+}
 _STANDS: _Reasons = {
     "what drives stands wherever it stops, and that is all": ("restart", "orderly end"),
 }
@@ -79,7 +86,7 @@ def _of(*groups: _Reasons) -> Mapping[str, str]:
 
 UNSEEN: Mapping[str, Mapping[str, str]] = {
     "coreboard": _of(_OF_BOARDS, _IN_WATER, _NO_THRUSTERS, _AREAS),
-    "rov": _of(_OF_BOARDS, _IN_WATER, _NO_PLACE, _NO_LEAK),
+    "rov": _of(_OF_BOARDS, _IN_WATER, _UNCONFIRMED, _NO_PLACE, _NO_LEAK),
     "robot": _of(_OF_BOARDS, _ON_LAND, _STANDS, _NO_THRUSTERS, _NO_PLACE, _NO_LEAK),
     "mainboard": _of(_OF_BOARDS, _IN_WATER, _NO_THRUSTERS, _AREAS),
 }
