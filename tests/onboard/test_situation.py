@@ -16,10 +16,10 @@ from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration
 from mission.onboard.runtime.records import ListRecorder
 from mission.onboard.runtime.runtime import Runtime
-from mission.onboard.runtime.situation import TREND_EVERY_S, Situation
+from mission.onboard.runtime.situation import FRESH_FIX_S, TREND_EVERY_S, Situation
 from mission.onboard.serve.health import of_drive
 from mission.onboard.store import MemoryStore, Stored
-from protocol.messages import StateReport, Telemetry
+from protocol.messages import Fix, StateReport, Telemetry
 from protocol.state_frame import MOST
 from protocol.topside import ConsoleCodec
 
@@ -203,6 +203,31 @@ def test_a_battery_that_falls_to_its_limit_is_an_alarm_in_time() -> None:
         assert bool(words) == alarmed
         if fall > 0:
             assert left == pytest.approx(2.0 / fall - 590.0, rel=0.01)
+
+
+def test_the_boat_is_told_the_place_that_a_vehicle_knows_by_itself_as_it_was_at_the_surface() -> (
+    None
+):
+    situation = Situation(Pi().runtime.engine, load_vehicle("coreboard"), False)
+    situation.report(Telemetry(1.0, depth=3.0, position=(0.5, 2.0)))
+    assert situation.shown is None
+    situation.report(Telemetry(2.0, depth=0.2, position=(0.6, 2.1)))
+    situation.report(Telemetry(3.0, depth=0.2))
+    situation.report(Telemetry(4.0, depth=3.0, position=(0.7, 2.2)))
+    shown = situation.shown
+    assert shown is not None
+    assert (shown.t, shown.latitude, shown.longitude) == (2.0, 0.6, 2.1)
+    assert situation.fix_age(9.0) == 7.0
+    assert situation.fix is None, "it proves no surface"
+
+
+def test_a_receiver_is_told_before_the_vehicles_own_place_while_it_says_something() -> None:
+    situation = Situation(Pi().runtime.engine, load_vehicle("coreboard"), True)
+    situation.take_fix(fix := Fix(1.0, 0.5, 2.0, 3.0))
+    situation.report(Telemetry(1.0 + FRESH_FIX_S, depth=0.2, position=(0.6, 2.1)))
+    assert situation.shown is fix
+    situation.report(Telemetry(1.1 + FRESH_FIX_S, depth=0.2, position=(0.6, 2.1)))
+    assert situation.shown is not fix
 
 
 def test_what_serve_alone_sees_is_told_and_replayed_to_the_bit() -> None:

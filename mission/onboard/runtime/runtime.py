@@ -369,7 +369,7 @@ class Runtime:
     def status(self, now: float) -> Status:
         known = self.situation
         newest = known.telemetry.t if known.telemetry else now
-        return Status(self._clock.local(newest), known.fix, known.telemetry)
+        return Status(self._clock.local(newest), known.shown, known.telemetry)
 
     def condition(self, now: float) -> Condition:
         """What the runtime knows that alarms go by."""

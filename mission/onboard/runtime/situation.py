@@ -35,7 +35,8 @@ class Situation:
     def __init__(self, engine: Engine, vehicle: Vehicle, gps: bool) -> None:
         self._engine, self._vehicle, self._gps = engine, vehicle, gps
         self.telemetry: Telemetry | None = None
-        self.fix: Fix | None = None
+        self.fix: Fix | None = None  # of a receiver
+        self._own: Fix | None = None  # the vehicle's own position, when it was last at the surface
         self._said: Setpoint | Order | None = None
         self._deep_at = 0.0  # when it was not at the surface, or nobody knew
         self._volts: deque[tuple[float, float]] = deque(maxlen=TREND_MOST)
@@ -65,6 +66,8 @@ class Situation:
         self.telemetry, self._has_news = report, True
         if report.depth is None or report.depth >= AT_SURFACE_M:
             self._deep_at = report.t
+        elif report.position is not None:
+            self._own = Fix(report.t, *report.position, accuracy=math.inf)
         volts = report.batteries[0] if report.batteries else None
         is_due = not self._volts or report.t >= self._volts[-1][0] + TREND_EVERY_S
         if volts is not None and is_due and not self._vehicle.constant_batteries:
@@ -131,14 +134,23 @@ class Situation:
             leg=one_line(engine.leg),
         )
 
+    @property
+    def shown(self) -> Fix | None:
+        """What ``@VS`` tells of the place: where it is, or where it dived (R9). A receiver says
+        more than the vehicle, while it says something."""
+        fix, own = self.fix, self._own
+        if fix is None or own is None:
+            return fix or own
+        return fix if own.t - fix.t <= FRESH_FIX_S else own
+
     def report_age(self, now: float) -> float:
         """inf: none ever came."""
         return now - self.telemetry.t if self.telemetry else math.inf
 
     def fix_age(self, now: float) -> float | None:
         """Of the fix that is shown, or of what the vehicle itself knows of its place."""
-        if self.fix is not None:
-            return now - self.fix.t
+        if (shown := self.shown) is not None:
+            return now - shown.t
         estimate = self._engine.estimate
         return None if estimate is None else estimate.fix_age
 
@@ -152,9 +164,10 @@ class Situation:
         """m, from the last fix to where it is estimated to be."""
         estimate, navigation = self._engine.estimate, self._engine.core.vehicle_state.navigation
         frame = navigation.frame if navigation is not None else None
-        if self.fix is None or estimate is None or frame is None or self.uncertainty is None:
+        shown = self.shown
+        if shown is None or estimate is None or frame is None or self.uncertainty is None:
             return None, None
-        north, east = frame.to_local(self.fix.latitude, self.fix.longitude)
+        north, east = frame.to_local(shown.latitude, shown.longitude)
         return estimate.north - north, estimate.east - east
 
     def margins(self) -> dict[str, float | None]:
