@@ -31,7 +31,9 @@ MARK = "# Written by auvmission vehicle"
 @click.option("--port", type=click.IntRange(0, 65535), default=4000, show_default=True,
               help="Of its serve for the boat, the next one for viewers; 0: free.")  # fmt: skip
 @click.option("--modem", metavar="URL", help="Of its acoustic modem, e.g. one end of `water`.")
-@click.option("--bus", metavar="URL", help="The CAN bus of mainboard and motorboards.")
+@click.option("--bus", metavar="URL",
+              help="The CAN bus of mainboard and motorboards; two at a time need one each, e.g. "
+                   "can://239.74.163.9?interface=udp_multicast.")  # fmt: skip
 @click.option("--folder", type=click.Path(path_type=Path, file_okay=False),
               help="For serve.yaml, the ports, serve; default: out/VEHICLE.")  # fmt: skip
 @click.option("--track", type=click.Path(path_type=Path, dir_okay=False),
