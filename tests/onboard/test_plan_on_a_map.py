@@ -82,3 +82,9 @@ def test_what_a_leg_covers_is_a_ring_on_the_map_and_once() -> None:
     rings = [f for f in found if f["geometry"]["type"] == "Polygon"]
     assert [f["properties"]["name"] for f in rings] == ["field", "a"]
     assert shape(rings[1]["geometry"]).exterior.is_ccw
+    axes = Figure().subplots()
+    draw_map(axes, Dive(load_vehicle("auv"), 0.0, origin=HOME, plan=[rings[1]]))
+    legend = axes.get_legend()
+    assert legend is not None
+    assert "area to cover" in [text.get_text() for text in legend.get_texts()]
+    assert axes.get_ylim()[1] > 60.0, "all of it is within the frame"

@@ -17,6 +17,7 @@ from mission.analysis.ellipses import draw_ellipses
 from mission.analysis.report.dive import Dive, Point, Stay
 from mission.navigation.filter import Array
 from mission.navigation.geodesy import LocalFrame
+from mission.onboard.stream.plan import COVERED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -85,6 +86,8 @@ def planned(dive: Dive) -> list[list[Point]]:
 
 
 def _plan(axes: Axes, dive: Dive) -> list[list[Point]]:
+    """What fills the frame: lines, and what is covered; what is kept in or out need not."""
+    covered: list[list[Point]] = []
     for feature in dive.plan:
         form, said = feature["geometry"], feature["properties"]
         if dive.origin is not None and form["type"] == "Polygon":
@@ -94,10 +97,11 @@ def _plan(axes: Axes, dive: Dive) -> list[list[Point]]:
             axes.plot(
                 *_columns(ring), "-.", color=_AREA, lw=0.9, label=plain(said["what"]), zorder=1
             )
+            covered += [ring] if said["what"] == COVERED else []
     lines = planned(dive)
     for i, line in enumerate(lines):
         axes.plot(*_columns(line), "--", color=_PLAN, lw=0.9, label="" if i else "plan", zorder=1)
-    return lines
+    return lines + covered
 
 
 def _track(axes: Axes, dive: Dive, t: Array, places: Array) -> None:

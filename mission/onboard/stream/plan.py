@@ -20,6 +20,7 @@ from mission.navigation.geodesy import LocalFrame
 from protocol.messages import Setpoint
 
 _CORNERS = 2000  # of one leg, at most
+COVERED = "area to cover"  # what such an area says of itself
 _ROUND = 72  # corners of a circle
 
 Feature = dict[str, Any]
@@ -101,7 +102,7 @@ def _covered(frame: LocalFrame, chart: Chart) -> Iterator[Feature]:
         if state.leg.kind.area not in drawn:
             drawn.add(state.leg.kind.area)
             name = state.path.partition("/")[2]
-            yield _ring(frame, state.leg.kind.area, name, f"{name} covers this")
+            yield _ring(frame, state.leg.kind.area, name, COVERED)
 
 
 def _area(frame: LocalFrame, area: Area) -> Feature:
