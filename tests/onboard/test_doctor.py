@@ -270,6 +270,7 @@ def test_a_folder_that_takes_nothing_has_the_remedy_of_its_cause(
         ({"modem": "serail:///dev/x"}, "modem port", "is no link's URL"),
         ({"modem": "serial:///dev/ttyNOSUCH"}, "modem port", "no device"),
         ({"sensors": "serial:///dev/ttyNOSUCH"}, "sensors port", "no device"),
+        ({"gps2": "serial:///dev/ttyNOSUCH"}, "gps2 port", "no device"),
     ],
 )
 def test_every_link_that_cannot_be_used_is_a_fault_and_never_a_crash(

@@ -10,6 +10,7 @@ import math
 import select
 import time
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 from links import LinkAddressError, open_link
 from links.base import Link, LinkBusy, LinkError
@@ -89,7 +90,7 @@ def gps_findings(url: str, name: str = "gps") -> list[Finding]:
         link.close()
     return [
         ok(port, f"{url} is there, permitted and free"),
-        of_gps(decoder, heard, bytes(raw)),
+        replace(of_gps(decoder, heard, bytes(raw)), what=port.removesuffix(" port")),
     ]
 
 
