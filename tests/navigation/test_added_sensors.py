@@ -13,6 +13,7 @@ import pytest
 from kinematic_truth import HOME, Sea, Truth, sail
 
 from links.simulated.settings import parse_settings
+from mission.analysis.smoothing import smooth
 from mission.authoring.language import parse
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Beacon
@@ -290,6 +291,31 @@ def test_a_gyroscope_that_lies_carries_nothing(lie: str) -> None:
 
 def test_a_gyroscope_that_was_never_compared_carries_nothing() -> None:
     assert heading_off(blind(told("yaw_rate"), 10.0)) == heading_off(blind(told(""), 10.0))
+
+
+# --- after the dive -------------------------------------------------------------------------------
+
+
+def smoothed_off(kind: str, lie: str = "") -> float:
+    """m, the mean over the dive of the smoothed track from the truth."""
+    track = smooth(told(kind, lie), AUV, HOME)
+    truth = {t.t: (t.north, t.east) for t, _ in voyage()}
+    off = [
+        math.dist(place, truth[t])
+        for t, place in zip(track.t.tolist(), track.smoothed.tolist(), strict=True)
+        if t in truth and 60.0 < t < 560.0
+    ]
+    assert len(off) > 100
+    return sum(off) / len(off)
+
+
+@pytest.mark.parametrize("kind", ["place", "range"])
+def test_the_smoothed_track_is_nearer_to_the_truth_with_a_sensor(kind: str) -> None:
+    assert smoothed_off(kind) < 0.8 * smoothed_off("")
+
+
+def test_the_smoothed_track_is_not_spoilt_by_a_sensor_that_lies() -> None:
+    assert smoothed_off("ground", "wild") < 1.3 * smoothed_off("") + 1.0
 
 
 # --- flown ----------------------------------------------------------------------------------------
