@@ -9,6 +9,7 @@ from dataclasses import replace
 import pytest
 
 from links.base import Rx
+from links.simulated.link import SimulatedVehicle
 from links.simulated.settings import parse_settings
 from mission.analysis.lessons import section
 from mission.analysis.noise import of_added
@@ -24,6 +25,7 @@ from mission.onboard.runtime.runtime import SENSORS
 from mission.onboard.serve.heard import hear
 from mission.onboard.stream import topics
 from mission.onboard.stream.derived import Derivation
+from mission.verification.rig.vehicle import simulated
 from mission.verification.simulation.flight import fly
 
 AUV = load_vehicle("auv")
@@ -100,6 +102,22 @@ def test_calibration_finds_the_noise_of_what_was_added_and_writes_it_as_the_file
     plain = (missions_folder() / "vehicles" / "auv.yaml").read_text(encoding="utf-8")
     assert read_vehicle(f"{plain}{line}\n", "mine").added == pytest.approx(found, rel=0.05)
     assert "added" not in section(BEACONED)
+
+
+def test_a_vehicle_file_that_has_sensors_is_simulated_with_them() -> None:
+    mine = replace(BEACONED, added={"ground": 0.04, "range": 1.5, "place": 4.0})
+    sea = simulated(mine, 1, parse_settings(["acoustic=9"]))
+    assert isinstance(sea, SimulatedVehicle)
+    fitted = sea.settings.added
+    assert (fitted.doppler, fitted.ranges, fitted.acoustic) == (0.04, 1.5, 9.0)
+    assert [beacon.number for beacon in fitted.beacons] == [3]
+    assert (fitted.speed_log, fitted.gyro) == (None, None)
+    plain, without = simulated(AUV, 1), replace(mine, beacons={})
+    assert isinstance(plain, SimulatedVehicle)
+    assert plain.added is None
+    other = simulated(without, 1)
+    assert isinstance(other, SimulatedVehicle)
+    assert other.settings.added.ranges is None
 
 
 def test_the_replay_needs_what_the_sensors_said() -> None:

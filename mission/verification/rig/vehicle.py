@@ -7,18 +7,30 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from datetime import datetime
+from types import MappingProxyType
 
-from links.simulated.added import SimulatedBeacon
+from links.simulated.added import Fitted, SimulatedBeacon
 from links.simulated.boards import BOARDS, ON_BUS, SimulatedBoard
 from links.simulated.link import HOME, START, SimulatedVehicle
 from links.simulated.settings import SettingError, Settings
 from mission.model import Mission
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Vehicle
+from protocol.added import GROUND, PLACE, RANGE, TURN, WATER
 
 Simulated = SimulatedVehicle | SimulatedBoard
+_FITTED: Mapping[str, str] = MappingProxyType(
+    {
+        WATER: "speed_log",
+        GROUND: "doppler",
+        PLACE: "acoustic",
+        RANGE: "ranges",
+        TURN: "gyro",
+    }
+)
 # The shipped file leaves open which way its motors push, so that it holds nothing (R17). The
 # simulated boards push as it reads them: there it is as if somebody had seen it on this day.
 CONFIRMED = {"mainboard": "2026-11-22"}
@@ -50,7 +62,7 @@ def simulated(
         return SimulatedVehicle(
             vehicle.dialect,
             seed,
-            _in_place(vehicle, settings),
+            _fitted(vehicle, settings),
             position=position,
             heading=heading,
             start=start,
@@ -70,17 +82,25 @@ def simulated(
     )
 
 
-def _in_place(vehicle: Vehicle, settings: Settings | None) -> Settings | None:
-    """Beacons are where the vehicle file says, unless the settings say where they truly are."""
-    if settings is None or settings.added.ranges is None or settings.added.beacons:
-        return settings
-    beacons = tuple(
+def _fitted(vehicle: Vehicle, settings: Settings | None) -> Settings | None:
+    """With the sensors that the vehicle file has (``added``), each as noisy as it says, unless the
+    settings say how noisy one truly is; beacons likewise."""
+    given = (settings or Settings()).added
+    there = given.beacons or tuple(
         SimulatedBeacon(int(number), b.latitude, b.longitude, b.depth)
         for number, b in vehicle.beacons.items()
     )
-    if not beacons:
+    if given.ranges is not None and not there:
         raise SettingError("ranges need beacons: write them in the vehicle file, or --set beacon=")
-    return replace(settings, added=replace(settings.added, beacons=beacons))
+    noises = {
+        _FITTED[kind]: sigma
+        for kind, sigma in vehicle.added.items()
+        if getattr(given, _FITTED[kind]) is None and (kind != RANGE or there)
+    }
+    if not noises and given.ranges is None:
+        return settings
+    sensors: Fitted = replace(given, beacons=there, **noises)  # type: ignore[arg-type]
+    return replace(settings or Settings(), added=sensors)
 
 
 def in_dialect(vehicle: Vehicle, profile: str | None) -> Vehicle:
