@@ -123,6 +123,16 @@ BENCHES = (
         ),
     ),
     Bench(
+        "bench_console",
+        "the cockpit",
+        lambda module: module.main(),
+        (
+            Figure("answer_ms", "a text judged while it is written, slowest shipped", "ms", 50),
+            Figure("pages_share", "five pages of a vehicle, share of a core", "%", 5),
+            Figure("day_mb", "a day of records, what its second half adds", "MiB", 4),
+        ),
+    ),
+    Bench(
         "bench_records",
         "recording",
         lambda module: module.main(),
