@@ -96,7 +96,7 @@ export class DraftChart {
   takeStill(said) {
     this.still = said;
     if (said?.track && this._isAlone && this.places.length < 2) this._isFitted = false;
-    if (said) this._isAlone = false;
+    if (said && said.is !== 'flown') this._isAlone = false;
   }
 
   show() {

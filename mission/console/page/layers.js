@@ -8,7 +8,7 @@
 
 import { ellipse } from './geo.js';
 import { length } from './format.js';
-import { roundUp, ticks } from './view.js';
+import { isFree, roundUp, ticks } from './view.js';
 import { word } from './words.js';
 
 /**
@@ -33,6 +33,7 @@ import { word } from './words.js';
 export const INK_NAMES = { paper: 'sea', grid: 'grid', ink: 'ink', soft: 'soft', track: 'track', plan: 'plan',
   target: 'target', limit: 'limit', vehicle: 'craft', old: 'old' };
 
+const CELL_PX = 3; // legs that are closer are drawn as one
 const LINE_PX = 90; // between lines of the grid, at least
 /** @type {readonly Pair[]} */
 const HULL = [[0, -15], [9, 11], [0, 6], [-9, 11]]; // px, ahead upward
@@ -163,7 +164,10 @@ export function broken(text, room) {
 /** @param {Pen} pen @param {View} view @param {Scene} scene @param {Inks} inks */
 function plan(pen, view, scene, inks) {
   const isActive = (/** @type {Route} */ route) => route.name === scene.leg;
-  for (const route of [...scene.routes].sort((a, b) => Number(isActive(a)) - Number(isActive(b)))) {
+  /** @type {Set<string>} */
+  const taken = new Set();
+  const seen = scene.routes.filter((route) => isActive(route) || isApart(view, route.points, taken));
+  for (const route of seen.sort((a, b) => Number(isActive(a)) - Number(isActive(b)))) {
     pen.strokeStyle = isActive(route) ? inks.target : inks.plan;
     pen.lineWidth = isActive(route) ? 3.5 : 2;
     pen.setLineDash(isActive(route) ? [] : [7, 5]);
@@ -171,7 +175,19 @@ function plan(pen, view, scene, inks) {
     pen.setLineDash([]);
     for (const point of route.points.slice(1)) corner(pen, view, point, isActive(route), inks);
   }
-  routeNames(pen, view, scene, inks);
+  routeNames(pen, view, { ...scene, routes: seen }, inks);
+}
+
+/** In sight, and one can tell it from those before. @param {View} view @param {Pair[]} points m
+ * @param {Set<string>} taken cells */
+function isApart(view, points, taken) {
+  const [west, north, east, south] = points.reduce(([w, n, e, s], point) => {
+    const [x, y] = view.toScreen(point);
+    return [Math.min(w, x), Math.min(n, y), Math.max(e, x), Math.max(s, y)];
+  }, [Infinity, Infinity, -Infinity, -Infinity]);
+  const isSeen = east > 0 && west < view.width && south > 0 && north < view.height;
+  const isLarge = Math.max(east - west, south - north) > CELL_PX;
+  return isSeen && (isLarge || isFree(view, [east, south], taken, CELL_PX));
 }
 
 /** Where two names would meet the later one is left out. @param {Pen} pen @param {View} view

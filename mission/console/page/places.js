@@ -5,6 +5,7 @@
 
 import { ellipse } from './geo.js';
 import { font } from './layers.js';
+import { isFree } from './view.js';
 
 /** @typedef {import('./geo.js').Pair} Pair
  * @typedef {import('./geo.js').Frame} Frame
@@ -20,6 +21,7 @@ import { font } from './layers.js';
 
 const RINGS = 16; // ellipses along a ghost's way
 const NEAR_PX = 14;
+const CELL_PX = 5; // places that are closer are drawn as one
 const TOUCH_PX = 26;
 const TURN = 2 * Math.PI;
 
@@ -41,9 +43,12 @@ export function placeNear(places, frame, view, at, isTouch) {
  * @param {readonly Place[]} places @param {number} chosen @param {Pair | null} carried m: where the
  *   chosen one is held */
 export function drawPlaces(pen, view, frame, inks, places, chosen, carried) {
+  /** @type {Set<string>} */
+  const taken = new Set();
   places.forEach((place, i) => {
     if (place.at === null) return;
     const at = frame.toLocal(...place.at);
+    if (i !== chosen && !isFree(view, view.toScreen(at), taken, CELL_PX)) return;
     if (i === chosen && carried) tether(pen, view, at, carried, inks);
     knob(pen, view.toScreen(i === chosen && carried ? carried : at), place, i === chosen, inks);
   });

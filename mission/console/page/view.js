@@ -89,3 +89,13 @@ export function ticks(from, to, step) {
   const count = Math.floor(to / step + 1e-9) - first + 1;
   return Array.from({ length: Math.max(0, Math.min(count, 1000)) }, (_, i) => (first + i) * step);
 }
+
+/** In sight, and not on another's cell: of thousands no more are drawn than can be told apart.
+ * @param {View} view @param {Pair} at px @param {Set<string>} taken cells @param {number} cell px */
+export function isFree(view, [x, y], taken, cell) {
+  if (x < -cell || y < -cell || x > view.width + cell || y > view.height + cell) return false;
+  const name = `${Math.floor(x / cell)} ${Math.floor(y / cell)}`;
+  if (taken.has(name)) return false;
+  taken.add(name);
+  return true;
+}

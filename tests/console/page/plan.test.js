@@ -6,7 +6,7 @@ import { near } from '../../../mission/console/page/differing.js';
 import { Frame } from '../../../mission/console/page/geo.js';
 import { History } from '../../../mission/console/page/history.js';
 import { base64 } from '../../../mission/console/page/importing.js';
-import { placeNear } from '../../../mission/console/page/places.js';
+import { drawPlaces, placeNear } from '../../../mission/console/page/places.js';
 import { lineAt, linesOf, rangeOf } from '../../../mission/console/page/texts.js';
 import { View } from '../../../mission/console/page/view.js';
 
@@ -127,4 +127,18 @@ test('of a difference the lines that differ are shown, with some around them', (
 test('a file of any bytes goes out whole', () => {
   const bytes = Uint8Array.from({ length: 70000 }, (_, i) => i % 256);
   assert.deepEqual(Uint8Array.from(Buffer.from(base64(bytes), 'base64')), bytes);
+});
+
+test('of ten thousand places no more are drawn than can be told apart, and the chosen one always', () => {
+  const view = Object.assign(new View(), { width: 400, height: 400, scale: 1, east: 0, north: 0 });
+  const frame = new Frame(30, 120);
+  const at = (metres) => [30 + metres / 110852, 120];
+  const many = Array.from({ length: 10_000 }, (_, i) => ({ kind: 'place', at: at(i / 100), fixed: '' }));
+  let drawn = 0;
+  const pen = new Proxy({}, { get: (_, name) => (name === 'fill' ? () => { drawn += 1; } : () => {}), set: () => true });
+  drawPlaces(pen, view, frame, {}, many, -1, null);
+  assert.ok(drawn >= 20 && drawn <= 25, `${drawn}`); // 100 m are 100 px
+  drawn = 0;
+  drawPlaces(pen, view, frame, {}, many, 5001, null);
+  assert.ok(drawn >= 21 && drawn <= 26, `${drawn}`);
 });
