@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from browser_world import IN_A_BROWSER, Seat, playwright, seated
 from console_world import at_sea, console
+from from_code.cockpit import SIZES
 from served import TEXT
 
 from mission.authoring.prepare import prepare
@@ -32,6 +33,13 @@ LIT = """async ([light, language]) => {
   if (!passes.some((one) => one.id === 'color-contrast')) throw new Error('nothing was looked at');
   return violations.flatMap((one) => one.nodes.map(
     (node) => `${one.id}: ${node.target} ${node.any.concat(node.all).map((why) => why.message)}`));
+}"""
+CUT_OFF = """async () => {
+  for (let n = 0; n < 3; n += 1) await new Promise(requestAnimationFrame);
+  const right = (at) => at.getBoundingClientRect().right;
+  const rooms = [...document.querySelectorAll('.room')].filter((room) => room.clientWidth);
+  return rooms.filter((room) => [...room.children].some((one) => right(one) > right(room) + 1))
+    .map((room) => room.id);
 }"""
 LOOKS = (  # colours know no language; the names of buttons are English for what follows
     ("dark", "zh-Hans"),
@@ -89,3 +97,6 @@ def test_nothing_in_a_recording_is_hard_to_see_to_read_or_to_reach(chromium: obj
         seat.page.get_by_text("Compare", exact=True).click()
         seat.page.locator("#layers").click()
         assert found(seat, "Review") == []
+        for size, (width, height) in SIZES.items():
+            seat.page.set_viewport_size({"width": width, "height": height})
+            assert (size, seat.page.evaluate(CUT_OFF)) == (size, [])
