@@ -40,12 +40,16 @@ class Seat:
         self.page.get_by_role("tab", name=name, exact=True).first.click()
 
     def press_twice(self, button: str) -> None:
-        """What asks before it acts."""
-        self.page.get_by_role("button", name=button, exact=True).click()
+        """What asks before it acts; it asks for some seconds only, which a busy machine may miss."""
         again = self.page.get_by_role("button", name=re.compile("^Press again"))
-        playwright.expect(again).to_be_visible()
-        self.page.wait_for_timeout(400)  # two presses, and no double click
-        again.click()
+        for _ in range(10):
+            self.page.get_by_role("button", name=button, exact=True).click()
+            with contextlib.suppress(AssertionError, playwright.TimeoutError):
+                playwright.expect(again).to_be_visible(timeout=3000)
+                self.page.wait_for_timeout(400)  # two presses, and no double click
+                again.click(timeout=3000)
+                return
+        raise AssertionError(f"{button} was never asked for again")
 
     def start(self) -> None:
         """It is refused while the filter is loaded, without a fix, and 2 s after the stick (R6)."""
