@@ -54,7 +54,7 @@ def test_the_service_manager_finds_no_fault_in_the_unit(tmp_path: Path) -> None:
 
 
 def test_every_key_of_the_configuration_is_documented() -> None:
-    rows = re.findall(r"^\| `([a-z_.]+)` \|", MANUAL.read_text(encoding="utf-8"), re.MULTILINE)
+    rows = re.findall(r"^\| `([a-z0-9_.]+)` \|", MANUAL.read_text(encoding="utf-8"), re.MULTILINE)
     keys = [f.name for f in fields(Configuration) if f.name not in ("links", "ascent_only")]
     assert sorted(rows) == sorted([*keys, *(f"links.{f.name}" for f in fields(LinkUrls))])
 
