@@ -19,6 +19,7 @@ from mission.onboard.stream.senses import CLOCKS, Senses
 from protocol.messages import Fix, Telemetry
 
 _BLINK_S = 1.0
+_MEANS = {("attitude", "absurd"): "absurd, or on its side or back"}  # beyond 90 deg
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +91,7 @@ def summed(spells: Iterable[Spell]) -> list[tuple[str, ...]]:
     for (sensor, reason), some in found.items():
         if (total := lasting(some)) >= _BLINK_S:
             first, last = clock(some[0].begin), clock(some[-1].end)
+            reason = _MEANS.get((sensor, reason), reason)
             rows.append((sensor, reason, first, last, str(len(some)), duration(round(total))))
     return rows
 

@@ -79,6 +79,7 @@ class _Told:
     commanders: dict[str, None] = field(default_factory=dict)
     deepest: float = 0.0
     farthest: float = 0.0
+    lowest: tuple[float, float] | None = None  # m above the bottom, and when
 
 
 def story(recordings: Sequence[Sequence[Record | Gap]]) -> list[Chapter]:
@@ -229,6 +230,12 @@ class Teller:
         if not self._under_way or standing is None:
             return
         told.deepest = max(told.deepest, state["depth_m"] or 0.0)
+        if (
+            state["altitude_m"] is not None
+            and self._doubts
+            and self._doubts.believes("altitude", t)
+        ):
+            told.lowest = min(told.lowest or (state["altitude_m"], t), (state["altitude_m"], t))
         if state["north_m"] is not None:
             far = float((state["north_m"] ** 2 + state["east_m"] ** 2) ** 0.5)
             told.farthest = max(told.farthest, far)
@@ -253,6 +260,11 @@ class Teller:
             told.says.append(
                 f"By its own reports it was {told.deepest:.1f} m deep at most, and by its own "
                 f"estimate {told.farthest:.0f} m from home."
+            )
+        if told.lowest is not None and self._under_way:
+            metres, at = told.lowest
+            told.says.append(
+                f"By its altimeter the bottom was no nearer than {metres:.1f} m, at {clock(at)}."
             )
         told.says += (*self._doubted(), *told.commands.in_vain(), *self._unsaid.at_last(self._end))
         told.says.append(f"The recording ends {clock(self._end)}, in {self._state or 'no state'}.")

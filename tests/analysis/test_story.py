@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from links.simulated.settings import parse_settings
+from mission.analysis.doubts import Spell, summed
 from mission.analysis.journal import Wanted, follow, recordings, restart
 from mission.analysis.repeats import Commands
 from mission.analysis.story import Chapter, Table, story
@@ -129,6 +130,20 @@ def test_a_sensor_that_could_not_be_believed_is_told_with_what_it_was_and_when(
     assert f"Its depth was not to be believed (frozen) for {lasted} between {begin} and {end}" in (
         as_text("dive", chapters)
     )
+
+
+def test_an_attitude_beyond_what_is_believed_is_told_as_what_it_may_be() -> None:
+    spells = [Spell("attitude", 1.0, 9.0, "absurd"), Spell("depth", 1.0, 9.0, "absurd")]
+    assert [row[:2] for row in summed(spells)] == [
+        ("attitude", "absurd, or on its side or back"),
+        ("depth", "absurd"),
+    ]
+
+
+def test_how_near_the_bottom_came_is_told(frozen: list[Record]) -> None:
+    text = as_text("dive", story([frozen]))
+    (told,) = re.findall(r"By its altimeter the bottom was no nearer than ([\d.]+) m, at", text)
+    assert float(told) == pytest.approx(25.0, abs=1.0), "30 m of water, 5 m deep"
 
 
 def seconds(clock: str) -> float:
