@@ -5,7 +5,7 @@ READY := .venv/.ready
 # Where that is set, every process of every test would compile all modules anew: twice the time.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo console browser test coverage proofs check lint types bench compiled score campaign faults exhaustive sea docs pictures links clean
+.PHONY: demo console browser test coverage proofs check lint types bench growth compiled score campaign faults exhaustive sea docs pictures links clean
 
 DATA ?= ../shared/data/trajectories
 SEED ?= 0
@@ -50,6 +50,9 @@ bench: $(READY)         ## performance, as ratios within one run
 	$(BIN)/pip install -q -e '.[bench]'
 	$(BIN)/python tests/bench/run.py
 	@test ! -d build/compiled || build/compiled/.venv/bin/python build/compiled/tests/bench/run.py hour wire
+
+growth: $(READY)        ## what grows how: docs/growth.md anew, with its picture; some minutes
+	$(BIN)/python tests/bench/bench_growth.py --write
 
 compiled: $(READY)      ## the same sources by mypyc, in build/compiled; needs a C compiler
 	$(BIN)/python hatch_build.py build/compiled

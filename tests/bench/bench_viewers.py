@@ -80,7 +80,7 @@ def main(rounds: int = 8) -> dict[str, float]:
             f"links: {{monitor: 'tcp-listen://127.0.0.1:{port}?each=20'}}\n"
         )
         with serving(board, folder, f"--config={folder / 'serve.yaml'}") as (_, address):
-            _fly(board, address)
+            fly_on(board, address)
             kinds = ("without", "with", "without again")
             answers: dict[str, list[float]] = {kind: [] for kind in kinds}
             orders: dict[str, list[float]] = {kind: [] for kind in kinds}
@@ -91,7 +91,7 @@ def main(rounds: int = 8) -> dict[str, float]:
             for _ in range(rounds):
                 for kind in kinds:
                     with watched(port, VIEWERS if kind == "with" else 0):
-                        orders[kind] += _orders(board, address)
+                        orders[kind] += orders_of(board, address)
         board.close()
     return _told("@SD to @ZA", answers, "viewers_report_ms") | _told("X", orders, "viewers_x_ms")
 
@@ -104,7 +104,7 @@ def _told(what: str, found: dict[str, list[float]], key: str) -> dict[str, float
     return {key: middle["with"] - middle["without"]}
 
 
-def _fly(board: Board, address: str) -> None:
+def fly_on(board: Board, address: str) -> None:
     mission = parse(MISSION)
     lines, whole = script(mission), digest(mission)
     _until_done(board, address, lambda: upload(lines, whole, lambda have, total: None))
@@ -141,7 +141,7 @@ def _answers(board: Board) -> list[float]:
     return found
 
 
-def _orders(board: Board, address: str) -> list[float]:
+def orders_of(board: Board, address: str) -> list[float]:
     """s from an X of the boat to its first byte at the board."""
     host, port = address.removeprefix("tcp://").split(":")
     found = []

@@ -171,6 +171,15 @@ BENCHES = (
             Figure("switch_ratio", "late timers by Python's interval, of ours", "x", 1.5, True),
         ),
     ),
+    Bench(
+        "bench_growth",
+        "what grows how",
+        lambda module: module.main(),
+        (
+            Figure("legs_growth", "a leg more to check, up to 9000 against to 3000", "x", 1.5),
+            Figure("minutes_growth", "a minute more of flight, up to 120 against to 76", "x", 1.5),
+        ),
+    ),
     Bench("bench_modem", "the modem", lambda module: module.main(2)),
 )
 
