@@ -41,10 +41,11 @@ def draw(page: str, path: Path) -> None:
     mpl.use("Agg")
     mpl.rcParams["svg.hashsalt"] = "growth"
     from matplotlib.figure import Figure
+    from matplotlib.ticker import NullFormatter
 
-    figure, found = Figure(figsize=(13, 5.5), layout="constrained"), points_of(page)
-    places = figure.subplots(2, -(-len(found) // 2)).flat
-    for axes, (name, points) in zip(places, found.items(), strict=False):
+    found = points_of(page)
+    figure = Figure(figsize=(3.0 * len(found), 3.0), layout="constrained")
+    for axes, (name, points) in zip(figure.subplots(1, len(found)), found.items(), strict=True):
         sweep, sizes = SWEEPS[name], [point.size for point in points]
         time = "% of a core" if sweep.served else "s"
         axes.loglog(sizes, [point.cost.time for point in points], "o-", color="#2b5c8a", label=time)
@@ -54,4 +55,5 @@ def draw(page: str, path: Path) -> None:
         axes.grid(True, which="major", color="#dddddd")
         axes.legend(fontsize=7)
         axes.tick_params(labelsize=7)
+        axes.xaxis.set_minor_formatter(NullFormatter())
     figure.savefig(path, metadata={"Date": None})
