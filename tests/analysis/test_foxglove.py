@@ -16,6 +16,7 @@ import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from recorded_flight import recorded
 from served import PATIENCE, running, silent_board, soon
 from websockets import Subprotocol
 from websockets.sync.client import ClientConnection, connect
@@ -98,8 +99,9 @@ class Viewer:
                 return channel["topic"], t / 1e9, value
 
 
-def test_a_client_of_the_protocol_decodes_every_topic_by_its_schema(dive: list[Message]) -> None:
-    first = {message.topic: message for message in reversed(dive)}
+def test_a_client_of_the_protocol_decodes_every_topic_by_its_schema(tmp_path: Path) -> None:
+    (items,) = recordings([recorded(tmp_path / "dive.mcap", "first-dive.yaml", "doppler=0.03")])
+    first = {message.topic: message for message in reversed(list(playing.messages(items)))}
     assert set(first) == set(playing.TOPICS)
     with serving(playing.TOPICS) as (server, url), joined(url) as socket:
         viewer = Viewer(socket)

@@ -28,6 +28,7 @@ from mission.topside.helm import NEUTRAL
 
 pytestmark = IN_A_BROWSER
 SILENCE_S = 2.0  # R6
+AT_ONCE_S = 0.5  # s from what it hears to what it does about it, on a busy machine
 HANG = """(ms) => setTimeout(() => {
   for (const end = Date.now() + ms; Date.now() < end;);
 }, 0)"""
@@ -85,8 +86,10 @@ class Drive:
 
     @property
     def is_in_time(self) -> bool:
-        """The first that it hears behind the 2 s may be what lets it go."""
-        return self.gone is not None and len(self.late) <= 1
+        """What it hears first behind the 2 s lets it go; more may come at once with that."""
+        if self.gone is None:
+            return False
+        return not self.late or self.gone - self.late[0] <= AT_ONCE_S
 
 
 def drives(folder: Path) -> list[Drive]:
@@ -103,8 +106,14 @@ def drives(folder: Path) -> list[Drive]:
     return found
 
 
-def let_go(folder: Path) -> None:
-    soon(lambda: drives(folder)[-1].gone is not None, "let go")
+def let_go(folder: Path, before: int = 0) -> None:
+    """Behind the first ``before`` drives there is one more, and it is over."""
+
+    def over() -> bool:
+        found = drives(folder)
+        return len(found) > before and found[-1].gone is not None
+
+    soon(over, "let go")
 
 
 def another_tab(seat: Seat, sea: Sea) -> Iterator[None]:
@@ -165,14 +174,15 @@ def test_whatever_is_lost_on_the_way_to_the_vehicle_lets_it_go_within_two_second
         seat.tab("Stick")
         seat.page.get_by_role("button", name="Take the stick").click()
         for failure in FAILURES:
+            before = len(drives(tmp_path))
             hold(seat)
             over = failure(seat, sea)
             next(over)
-            let_go(tmp_path)
+            let_go(tmp_path, before)
             next(over, None)
+            seat.shows("#state", "manual/waiting")  # by itself
             seat.page.keyboard.up("ArrowUp")
             seat.page.keyboard.up("Shift")
-            seat.shows("#state", "manual/waiting")  # by itself
         found = drives(tmp_path)
     assert len(found) >= len(FAILURES)
     assert all(one.is_in_time for one in found), found
