@@ -179,8 +179,8 @@ class VehicleState:
     def _lives(self) -> bool:
         """The depth has changed since the program and the ascent began. One that stands may have
         frozen while nothing moved: some seconds of thrust do not tell yet."""
-        begun = -math.inf if self.rising_since is None else self.rising_since
-        return self._grounded or self._moved_at >= max(self._expected, begun)
+        begun, moved = self.rising_since, self._moved_at
+        return self._grounded or (moved >= self._expected and (begun is None or moved > begun))
 
     def _with_thrust(self, report: Telemetry) -> Telemetry:
         """Where a vehicle does not say what its thrusters do, they are taken to do what they were

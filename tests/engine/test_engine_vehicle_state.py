@@ -216,6 +216,20 @@ def test_submerged_is_what_was_last_believed_and_no_fix_since_that_proves_the_su
     assert vehicle_state.submerged
 
 
+def test_the_report_with_which_an_ascent_begins_is_no_change_since():
+    """A leak that acts may end the depth sensor in the same moment."""
+    vehicle_state = VehicleState()
+    for t, depth in ((1.0, 0.2), (3.0, 0.3), (5.0, 0.4)):
+        told(vehicle_state, t, depth=depth)
+    vehicle_state.rising_since = vehicle_state.now
+    for t in (7.0, 9.0, 11.0, 13.0):
+        told(vehicle_state, t, depth=0.4)
+    assert not vehicle_state.surfaced(5.0)
+    for t in (15.0, 17.0, 19.0, 21.0):
+        told(vehicle_state, t, depth=0.41)
+    assert vehicle_state.surfaced(5.0)
+
+
 def test_of_two_reports_within_a_step_the_later_is_believed():
     navigation = Navigation()
     vehicle_state = told(VehicleState(navigation), 10.0)
