@@ -3,7 +3,6 @@
     $--VHW,deg,T,deg,M,knots,N,km/h,K*hh             speed through the water
     $--VBW,knots,knots,A,knots,knots,A[,...]*hh      ahead and across: in the water, over ground
     $--GLL, $--GGA                                   where it is, from outside: an acoustic system
-    $--ROT,deg/min,A*hh                              yaw rate, to starboard positive: a gyroscope
     $CAMPR,number,own,seconds*hh                     one way from a beacon: an acoustic modem (WHOI
                                                      Micro-Modem, answer to a ping)
     :WS,mm/s,mm/s,mm/s,A   :BS,...                   a Doppler log (PD6): starboard, ahead, up;
@@ -21,7 +20,6 @@ what an ensemble holds (pd0).
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
@@ -31,11 +29,10 @@ from protocol.messages import Aid, FrameFault
 from protocol.nmea_fields import KNOT, Refused, read_gga, read_gll
 
 WATER, GROUND, PLACE = "water", "ground", "place"  # the kinds of Aids
-RANGE, TURN = "range", "yaw_rate"
+RANGE = "range"
 LONGEST = 160  # bytes of a line
 UNFINISHED = 1.0  # s after its first byte a line is given up (G3)
 FASTEST = 20.0  # m/s: faster is no vehicle of ours
-QUICKEST = 720.0 * 60.0  # deg/min: no vehicle of ours turns quicker
 LATEST = 20.0  # s that sound may take from a beacon
 
 _Said = Iterator[tuple[str, tuple[float, ...]]]
@@ -46,7 +43,6 @@ _OTHER = re.compile(r"\$P?[A-Z0-9]+,[ -~]*\*[0-9A-Fa-f]{2}")
 _PD6 = re.compile(r":(WS|BS),( *[+-]?\d{1,5}),( *[+-]?\d{1,5}),( *[+-]?\d{1,5}),([AV])")
 _OTHER_PD6 = re.compile(r":(SA|TS|RA|WI|WE|WD|BI|BE|BD),[ -~]*")
 _SPEED = re.compile(r"[+-]?\d{1,3}(?:\.\d{1,4})?")
-_RATE = re.compile(r"[+-]?\d{1,5}(?:\.\d{1,4})?")
 _BEACON, _TRAVEL = re.compile(r"\d{1,3}"), re.compile(r"\d{0,2}\.\d{1,6}")
 
 
@@ -89,15 +85,6 @@ def _gga(fields: list[str]) -> _Said:
         yield PLACE, position
 
 
-def _rot(fields: list[str]) -> _Said:
-    if len(fields) != 2 or fields[1] not in ("A", "V"):
-        raise _Unfit
-    if fields[1] == "A":
-        if _RATE.fullmatch(fields[0]) is None or abs(float(fields[0])) > QUICKEST:
-            raise _Unfit
-        yield TURN, (math.radians(float(fields[0])) / 60.0,)
-
-
 def _mpr(fields: list[str]) -> _Said:
     """Newer modems say more behind it."""
     if len(fields) < 3 or _BEACON.fullmatch(fields[0]) is None:
@@ -110,7 +97,7 @@ def _mpr(fields: list[str]) -> _Said:
 
 
 _SENTENCES: Mapping[str, Callable[[list[str]], _Said]] = MappingProxyType(
-    {"VHW": _vhw, "VBW": _vbw, "GLL": _gll, "GGA": _gga, "ROT": _rot, "MPR": _mpr}
+    {"VHW": _vhw, "VBW": _vbw, "GLL": _gll, "GGA": _gga, "MPR": _mpr}
 )
 
 

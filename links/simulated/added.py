@@ -2,13 +2,13 @@
 
     $VDVHW    speed log, once a second       :WS, :BS   Doppler log, once a second; :BS where the
     $VDGLL    acoustic position, every 5 s              ground is within REACH; or the same as PD0
-    $CAMPR    way from a beacon, every 5 s   $HEROT     gyroscope, once a second
+    $CAMPR    way from a beacon, every 5 s,
               in turn from each
 
-Noise is white, and a gyroscope has a bias as large; the draws are the sensors' own, so that without
-them nothing else is different. A lie begins at its time: ``frozen`` says the last for ever,
-``silent`` nothing, ``wild`` anything; ``offset`` is off by a tenth of what a wild one may be,
-``drift`` by as much in 100 s, and ``delay`` says what was true DELAY before.
+Noise is white; the draws are the sensors' own, so that without them nothing else is different.
+A lie begins at its time: ``frozen`` says the last for ever, ``silent`` nothing, ``wild`` anything;
+``offset`` is off by a tenth of what a wild one may be, ``drift`` by as much in 100 s, and ``delay``
+says what was true DELAY before.
 
 What does not live here: the decoder.
 """
@@ -32,7 +32,7 @@ LATENCY, COMPLETE = 0.15, 0.35  # s from the second that is measured: first byte
 PLACES = 5  # s between two positions, and between the ways from two beacons
 DELAY = 20  # s
 SOUND = 1500.0  # m/s
-_WILD_SPEED, _WILD_PLACE, _WILD_TURN = 3.0, 300.0, 0.5  # m/s, m, rad/s: at most
+_WILD_SPEED, _WILD_PLACE = 3.0, 300.0  # m/s, m: at most
 _OFFSET, _DRIFT = 0.1, 0.001  # of the same; a second
 
 
@@ -46,21 +46,20 @@ class SimulatedBeacon:
 
 @dataclass(frozen=True, slots=True)
 class Fitted:
-    """One sigma of what is fitted (m/s, m/s, m, m, rad/s); None: it is not there. ``binary``: the
+    """One sigma of what is fitted (m/s, m/s, m, m); None: it is not there. ``binary``: the
     Doppler log says PD0."""
 
     speed_log: float | None = None
     doppler: float | None = None
     acoustic: float | None = None
     ranges: float | None = None
-    gyro: float | None = None
     binary: bool = False
     beacons: tuple[SimulatedBeacon, ...] = ()
     lie: str = ""
     lies_from: float = inf  # s
 
     def __bool__(self) -> bool:
-        fitted = self.speed_log, self.doppler, self.acoustic, self.ranges, self.gyro
+        fitted = self.speed_log, self.doppler, self.acoustic, self.ranges
         return any(sigma is not None for sigma in fitted)
 
 
@@ -68,7 +67,6 @@ class AddedSensors:
     def __init__(self, fitted: Fitted, seed: int) -> None:
         self.fitted, self.queue = fitted, deque[Chunk]()
         self._rng = Random(f"added {seed}")
-        self._bias = 0.0 if fitted.gyro is None else Random(f"gyro {seed}").gauss(0.0, fitted.gyro)
         self._last = b""
         self._before = deque[bytes](maxlen=DELAY + 1)
 
@@ -103,9 +101,6 @@ class AddedSensors:
         if fitted.acoustic is not None and round(now) % PLACES == 0:
             off = [self._off(0.0, fitted.acoustic, _WILD_PLACE, lie, gone) for _ in range(2)]
             out += sentence(f"VDGLL,{_angles(*moved(*place, *off))},{_clock(now)},A")
-        if fitted.gyro is not None:
-            rate = self._off(plant.r + self._bias, fitted.gyro, _WILD_TURN, lie, gone)
-            out += sentence(f"HEROT,{60.0 * degrees(rate):.1f},A")
         if fitted.ranges is not None and fitted.beacons and round(now) % PLACES == 2:
             beacon = fitted.beacons[round(now) // PLACES % len(fitted.beacons)]
             across = local(place, beacon.latitude, beacon.longitude)

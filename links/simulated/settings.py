@@ -104,9 +104,9 @@ def _layer(name: str) -> Apply:
     return apply
 
 
-def _fitted(name: str, scale: float = 1.0, *, binary: bool = False) -> Apply:
+def _fitted(name: str, *, binary: bool = False) -> Apply:
     def apply(settings: Settings, text: str) -> Settings:
-        sigma = scale * _number(text, 0.0, 100.0)
+        sigma = _number(text, 0.0, 100.0)
         said: Fitted = replace(settings.added, **{name: sigma})  # type: ignore[arg-type]
         return replace(settings, added=replace(said, binary=binary or said.binary))
 
@@ -202,7 +202,6 @@ SETTINGS: dict[str, Setting] = {
     ),
     "ranges": Setting("M", "sigma; ranges to beacons, one every 5 s", _fitted("ranges")),
     "beacon": Setting("NUMBER@LAT,LON,DEPTH", "where one truly is; may be given again", _beacon),
-    "gyro": Setting("DEG/S", "sigma, and bias; an added gyroscope", _fitted("gyro", radians(1.0))),
     "second_gps": Setting("M", "sigma; a second GPS receiver, without faults", _second),
     "added_lie": Setting("HOW@BEGIN", f"added sensors: {', '.join(LIES)}", _lie),
     "first_fix": Setting("S", "after power-on", _errors("first_fix", 1.0)),

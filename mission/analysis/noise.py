@@ -15,11 +15,11 @@ from typing import TypeVar
 
 from mission.analysis.courses import Inputs
 from mission.model.vehicle import Sensors, Vehicle
-from protocol.added import GROUND, PLACE, RANGE, TURN, WATER
+from protocol.added import GROUND, PLACE, RANGE, WATER
 from protocol.messages import Aid, Telemetry
 
 _Said = TypeVar("_Said")
-LEAST = {WATER: 2e-3, GROUND: 2e-3, PLACE: 0.05, RANGE: 0.05, TURN: 1e-4}  # SI: no surer
+LEAST = {WATER: 2e-3, GROUND: 2e-3, PLACE: 0.05, RANGE: 0.05}  # SI: no surer
 _EARTH = 6371008.8  # m, mean radius
 _MEDIAN = 1.3863  # of chi-square with two degrees of freedom
 ENOUGH = 20  # differences without which a noise figure stays as it was

@@ -75,7 +75,6 @@ RANGES: Mapping[str, Range] = MappingProxyType(
         "added.ground": _ADDED_SPEED,
         "added.place": Range("m", 0.01, 1000),
         "added.range": Range("m", 0.01, 1000),
-        "added.yaw_rate": Range("deg/s", 0.001, 10),
         "compass.declination": Range("deg", -180, 180),
         "compass.bias_deg": Range("deg", -180, 180),
         "calibration.speed_scale": Range("", 0.2, 5),

@@ -4,7 +4,6 @@
     ground   ahead and to starboard over ground   the same and the current, turned into the hull
     place    where it is, from outside            north, east
     range    the way to a beacon                  its length, from where the filter believes to be
-    yaw_rate yaw rate                             the heading while no compass is believed (gyro)
 
 A value is used if four of the five before it were off by as much, and if it is within the 99.9 %
 bound of its normalised innovation squared: an outlier is neither. The way back of an honest sensor
@@ -25,7 +24,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from mission.navigation.items import Aiding
-from protocol.added import GROUND, PLACE, RANGE, TURN, WATER
+from protocol.added import GROUND, PLACE, RANGE, WATER
 
 if TYPE_CHECKING:  # numpy takes its time, and who asks for the table needs none
     from mission.navigation.filter import Motion
@@ -58,7 +57,6 @@ ADDED: Mapping[str, Added] = MappingProxyType(
             Added(GROUND, "m/s", 0.03, 10, 0.0, "speed ahead and to starboard over ground"),
             Added(PLACE, "m", 3.0, 5, 0.5, "position, from outside"),
             Added(RANGE, "m", 2.0, 8, 0.5, "way to a beacon"),
-            Added(TURN, "rad/s", 0.003, 0, 0.0, "yaw rate"),
         )
     }
 )

@@ -2,8 +2,7 @@
 
     Report  -> predict to its time along its own heading -> correct depth and altitude
     GroundFix -> predict to its time -> gate -> correct position -> correct velocity
-    Aiding -> of a place, a range the same; a speed waits for the next report -> gate -> correct;
-              a yaw rate is added up until the next report
+    Aiding -> of a place, a range the same; a speed waits for the next report -> gate -> correct
 
 A fix whose normalised innovation squared is beyond the gate is rejected. A wrong gate is undone:
 three rejected fixes in a row that agree with each other widen the covariance (of all that moves
@@ -25,11 +24,10 @@ from typing import Any, NamedTuple
 from mission.model.vehicle import Vehicle
 from mission.navigation.added import Seen
 from mission.navigation.filter import Filter, Motion
-from mission.navigation.gyro import Gyro
 from mission.navigation.hull import correct, fits, innovation
 from mission.navigation.items import Aiding, GroundFix, Item, Report
 from mission.navigation.model import RATE, Figures, propulsion
-from protocol.added import PLACE, RANGE, TURN
+from protocol.added import PLACE, RANGE
 
 GATE = 13.816  # chi-square, 2 degrees of freedom, 99.9 %
 _AGREEING = 3  # rejected fixes in a row that win against the gate
@@ -62,7 +60,6 @@ _KEPT = (
     "_before",
     "_added",
     "_waiting",
-    "_gyro",
 )
 _kept = operator.attrgetter(*_KEPT)
 
@@ -104,7 +101,6 @@ class Reckoner:
         self._before: tuple[float, Any] | None = None  # when, and the filter then
         self._added: Mapping[str, Seen] = {}  # replaced, never written to
         self._waiting: tuple[Aiding, ...] = ()
-        self._gyro = Gyro()
 
     def save(self) -> tuple[Any, ...]:
         return self.filter.save(), self._propulsion.speed, _kept(self)
@@ -151,25 +147,12 @@ class Reckoner:
     def _turn(self, r: Report) -> tuple[float | None, float, float]:
         """Heading, when it was reported, and the yaw rate since the report before."""
         last = self._motion
-        self._gyro, turned = self._gyro.reported(r.t)
-        since = r.t - last.heading_t
         if r.heading is None:
-            return self._carried(r.t, since, turned)
+            return last.heading, last.heading_t, 0.0
+        since = r.t - last.heading_t
         if last.heading is None or not 0.0 < since < 3.0 * self.figures.period:
             return r.heading, r.t, 0.0
-        compass = math.remainder(r.heading - last.heading, 2.0 * math.pi)
-        self._gyro = self._gyro.compare(r.t, since, turned, compass, self.figures.heading)
-        return r.heading, r.t, compass / since
-
-    def _carried(self, t: float, since: float, turned: float) -> tuple[float | None, float, float]:
-        """The same without a compass: by the gyroscope, where there is one."""
-        last, by = self._motion, None
-        if last.heading is not None and 0.0 < since < 3.0 * self.figures.period:
-            run = self.run(t, t)
-            self._gyro, by = self._gyro.carry(since, turned, self.figures.heading, run)
-        if last.heading is None or by is None:
-            return last.heading, last.heading_t, 0.0
-        return last.heading + by, t, by / since
+        return r.heading, r.t, math.remainder(r.heading - last.heading, 2.0 * math.pi) / since
 
     def _skid(self, rate: float, since: float) -> tuple[float, float]:
         """Outward in a turn, and for some seconds after it: its mean, and what it has come to."""
@@ -221,7 +204,7 @@ class Reckoner:
     def heading_loss(self, t: float) -> float:
         """Extra sigma of the heading, rad, where the compass has not been believed for a while."""
         over = t - self._motion.heading_t - 2.0 * self.figures.period
-        return min(max(over, 0.0) * _LOST_GROWTH + self._gyro.drifted, _LOST_MOST)
+        return min(max(over, 0.0) * _LOST_GROWTH, _LOST_MOST)
 
     @property
     def heading(self) -> float | None:
@@ -321,9 +304,6 @@ class Reckoner:
 
     def _aid(self, a: Aiding) -> None:
         """A place and a range are used at once, a speed with the next report."""
-        if a.kind == TURN:
-            self._gyro = self._gyro.heard(a, self.run(a.t, a.t))
-            return
         self._advance(a.t)
         if a.kind == RANGE and not self.located:
             return

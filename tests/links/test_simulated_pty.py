@@ -124,7 +124,7 @@ def test_it_wakes_for_every_report_of_a_board(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_sensors_that_were_added_have_a_port_of_their_own() -> None:
-    settings = parse_settings(["doppler_pd0=0.03", "gyro=0.1"])
+    settings = parse_settings(["doppler_pd0=0.03", "speed_log=0.1"])
     vehicle = SimulatedVehicle("as-built", 1, settings)
     with PtyVehicle(vehicle, 20.0) as served:
         port, heard = SerialLink("sensors", served.paths[2]), b""
@@ -135,4 +135,4 @@ def test_sensors_that_were_added_have_a_port_of_their_own() -> None:
     twin = SimulatedVehicle("as-built", 1, settings)
     assert twin.added_link is not None
     assert b"".join(rx.data for rx in twin.added_link.receive(5.0)) == heard
-    assert heard.count(b"\x7f\x7f") == heard.count(b"$HEROT") == 4
+    assert heard.count(b"\x7f\x7f") == heard.count(b"$VDVHW") == 4

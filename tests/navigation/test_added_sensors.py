@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache
-from itertools import pairwise
 from random import Random
 
 import pytest
@@ -38,13 +37,6 @@ def voyage(seed: int = 3) -> tuple[tuple[Truth, Telemetry | Fix], ...]:
     return tuple(sail(SEA, 60.0, 500.0, seed))
 
 
-@cache
-def rates() -> dict[float, float]:
-    """Yaw rate by the time of the report."""
-    reports = [truth for truth, item in voyage() if isinstance(item, Telemetry)]
-    return {b.t: (b.heading - a.heading) / (b.t - a.t) for a, b in pairwise(reports)}
-
-
 def aids(kind: str, truth: Truth, rng: Random) -> tuple[float, ...]:
     """What an honest sensor says of it, with its noise."""
     sigma = ADDED[kind].sigma
@@ -56,7 +48,6 @@ def aids(kind: str, truth: Truth, rng: Random) -> tuple[float, ...]:
         "place": (truth.north, truth.east),
         "range": (math.hypot(truth.north - BEACON_AT[0], truth.east - BEACON_AT[1],
                              truth.depth - BEACON.depth),),
-        "yaw_rate": (rates().get(truth.t, 0.0) + 0.002,),
     }[kind]  # fmt: skip
     return said(kind, tuple(value + rng.gauss(0.0, sigma) for value in exact))
 
@@ -246,51 +237,6 @@ def test_without_a_position_a_range_gives_none() -> None:
         navigation.telemetry(Telemetry(1.0 + n, depth=5.0, heading=0.0))
         navigation.aid(Aid(1.5 + n, "range", (3.0, 0.2)))
     assert not navigation.core.located
-
-
-# --- a gyroscope ----------------------------------------------------------------------------------
-
-
-def blind(items: Iterable[Said], since: float = 300.0) -> list[Said]:
-    """The compass is gone from then on."""
-    return [
-        replace(item, heading=None) if isinstance(item, Telemetry) and item.t > since else item
-        for item in under_water(items)
-    ]
-
-
-def heading_off(items: Sequence[Said]) -> tuple[float, float]:
-    """By how much, and one sigma, rad."""
-    found = navigated(items).estimate(554.0)
-    truth = next(truth for truth, _ in voyage() if truth.t >= 554.0)
-    assert found is not None
-    assert found.heading is not None
-    return abs(math.remainder(found.heading - truth.heading, math.tau)), found.sigmas["heading"]
-
-
-def test_a_gyroscope_carries_the_heading_while_no_compass_is_believed() -> None:
-    off, sigma = heading_off(blind(told("yaw_rate")))
-    assert off < 0.15
-    assert off < 3.0 * sigma
-    assert sigma < 0.3
-    lost, unsure = heading_off(blind(told("")))
-    assert lost > 0.5
-    assert unsure > 1.0
-    assert error(blind(told("yaw_rate"))) < 0.5 * error(blind(told("")))
-
-
-def test_beside_a_compass_a_gyroscope_changes_nothing() -> None:
-    one, other = (navigated(under_water(told(kind))).estimate(554.0) for kind in ("yaw_rate", ""))
-    assert one == other
-
-
-@pytest.mark.parametrize("lie", ["wild", "silent"])
-def test_a_gyroscope_that_lies_carries_nothing(lie: str) -> None:
-    assert heading_off(blind(told("yaw_rate", lie))) == heading_off(blind(told("")))
-
-
-def test_a_gyroscope_that_was_never_compared_carries_nothing() -> None:
-    assert heading_off(blind(told("yaw_rate"), 10.0)) == heading_off(blind(told(""), 10.0))
 
 
 # --- after the dive -------------------------------------------------------------------------------

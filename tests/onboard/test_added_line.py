@@ -34,7 +34,6 @@ TOLD = {
     "water": {"ahead_m_s"},
     "ground": {"ahead_m_s", "starboard_m_s"},
     "range": {"beacon", "travel_s"},
-    "yaw_rate": {"yaw_rate_deg_s"},
 }
 DIVE = """mission dive vehicle auv
 home 30.2874595 120.1535765
@@ -59,13 +58,13 @@ def test_what_the_sensors_said_is_on_record_and_replayed_to_the_bit() -> None:
     assert replay(records).identical
 
 
-def test_ranges_rates_and_ensembles_are_replayed_to_the_bit_and_decoded() -> None:
-    records = flown("doppler_pd0=0.03", "gyro=0.1", "ranges=2", vehicle=BEACONED)
+def test_ranges_and_ensembles_are_replayed_to_the_bit_and_decoded() -> None:
+    records = flown("doppler_pd0=0.03", "ranges=2", vehicle=BEACONED)
     assert replay(records).identical
     start, *rest = records
     made = Derivation(start)
     aids = [m.value for record in rest for m in made.receive(record) if m.topic == topics.AID]
-    assert {aid["kind"] for aid in aids} == {"water", "ground", "range", "yaw_rate"}
+    assert {aid["kind"] for aid in aids} == {"water", "ground", "range"}
     for aid in aids:
         told = {name for name, value in aid.items() if value is not None} - {"t", "kind"}
         assert told == TOLD[aid["kind"]]
@@ -87,7 +86,7 @@ def test_a_lie_that_nothing_shows_spoils_no_more_than_it_is_off_by(lie: str) -> 
 
 
 def test_calibration_finds_the_noise_of_what_was_added_and_writes_it_as_the_file_has_it() -> None:
-    given = {"speed_log": 0.08, "acoustic": 4.0, "ranges": 1.5, "gyro": 0.2}
+    given = {"speed_log": 0.08, "acoustic": 4.0, "ranges": 1.5}
     records = flown(
         *(f"{name}={sigma}" for name, sigma in given.items()),
         vehicle=BEACONED,
@@ -95,7 +94,7 @@ def test_calibration_finds_the_noise_of_what_was_added_and_writes_it_as_the_file
     )
     log = hear("a.mcap", records)
     found = of_added([log.aids], BEACONED)
-    wanted = {"water": 0.08, "place": 4.0, "range": 1.5, "yaw_rate": math.radians(0.2)}
+    wanted = {"water": 0.08, "place": 4.0, "range": 1.5}
     assert found == pytest.approx(wanted, rel=0.5)
     text = section(replace(BEACONED, added=found))
     line = next(row for row in text.splitlines() if row.startswith("added:"))
@@ -111,7 +110,7 @@ def test_a_vehicle_file_that_has_sensors_is_simulated_with_them() -> None:
     fitted = sea.settings.added
     assert (fitted.doppler, fitted.ranges, fitted.acoustic) == (0.04, 1.5, 9.0)
     assert [beacon.number for beacon in fitted.beacons] == [3]
-    assert (fitted.speed_log, fitted.gyro) == (None, None)
+    assert fitted.speed_log is None
     plain, without = simulated(AUV, 1), replace(mine, beacons={})
     assert isinstance(plain, SimulatedVehicle)
     assert plain.added is None

@@ -1,4 +1,4 @@
-"""Laws of the lines of sensors that were added: VHW, VBW, GLL, GGA, ROT, MPR, PD6 and PD0."""
+"""Laws of the lines of sensors that were added: VHW, VBW, GLL, GGA, MPR, PD6 and PD0."""
 
 from __future__ import annotations
 
@@ -63,7 +63,6 @@ LINES = {
     ],
     b":BS,-00120,+01010,+00003,A\r\n": [("ground", (1.01, -0.12))],
     b":WS,   -12,   980,     3,A\r\n": [("water", (0.98,))],
-    nmea("HEROT,-90.0,A"): [("yaw_rate", (math.radians(-1.5),))],
     nmea("CAMPR,3,1,0.2500"): [("range", (3.0, 0.25))],
     nmea("CAMPR,3,1,0.2500,2,1"): [("range", (3.0, 0.25))],
     ensemble(): [("ground", (1.01, -0.12)), ("water", (0.98,))],
@@ -76,7 +75,7 @@ SILENT = (
     nmea("GPGGA,081500.00,,,,,0,00,,,M,0.0,M,,"),
     nmea("SDDBT,10.0,f,3.0,M,1.6,F"),
     b":BS,-32768,-32768,-32768,V\r\n",
-    nmea("HEROT,-90.0,V"),
+    nmea("HEROT,-90.0,A"),
     nmea("CAMPR,3,1,"),
     ensemble((-32768, -32768), (-32768, -32768)),
     b":TS,25060108000000,35.0,+18.0,0010.0,1500.0,000\r\n",
@@ -93,8 +92,6 @@ FAULTY = (
     b":BS,-00120,+01010,A\r\n",
     b":BS,-00120,+0x010,+00003,A\r\n",
     b"hello\r\n",
-    nmea("HEROT,fast,A"),
-    nmea("HEROT,50000.0,A"),
     nmea("CAMPR,3,1,-0.2500"),
     nmea("CAMPR,3,1,25.000"),
     ensemble(axes=0b11),

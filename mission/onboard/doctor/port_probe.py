@@ -17,7 +17,7 @@ from links.base import Link, LinkBusy, LinkError
 from mission.model.vehicle import Vehicle
 from mission.onboard.doctor.boards import board, trip
 from mission.onboard.doctor.findings import Finding, fault, ok, warning
-from protocol.added import GROUND, PLACE, RANGE, TURN, WATER, AddedDecoder
+from protocol.added import GROUND, PLACE, RANGE, WATER, AddedDecoder
 from protocol.codec import Received
 from protocol.messages import Ack, Aid, Fix, FrameFault, Telemetry
 from protocol.nmea import NmeaDecoder
@@ -39,7 +39,6 @@ _ADDED = {
     GROUND: "speed over ground",
     PLACE: "a place",
     RANGE: "the way from a beacon",
-    TURN: "yaw rate",
 }
 NAMES = ("depth", "altitude", "heading", "pitch", "roll")
 _DEEPEST_ON_DECK, _ROLLED = 0.5, math.radians(60.0)

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from mission.onboard.stream import wellknown
-from protocol.added import GROUND, PLACE, RANGE, TURN, WATER
+from protocol.added import GROUND, PLACE, RANGE, WATER
 from protocol.messages import Aid, Fix
 
 HOME, GPS = "home", "gps"  # frames
@@ -43,14 +43,13 @@ _AIDS: Mapping[str, tuple[str, ...]] = {
     GROUND: ("ahead_m_s", "starboard_m_s"),
     PLACE: ("latitude_deg", "longitude_deg"),
     RANGE: ("beacon", "travel_s"),
-    TURN: ("yaw_rate_deg_s",),
 }
 
 
 def aid_value(aid: Aid) -> Mapping[str, Any]:
     """Of the topic ``aid``: null where the sensor is of another kind."""
     names = [name for kind in _AIDS.values() for name in kind]
-    told = aid.values if aid.kind not in (PLACE, TURN) else map(math.degrees, aid.values)
+    told = aid.values if aid.kind != PLACE else map(math.degrees, aid.values)
     said = dict(zip(_AIDS[aid.kind], told, strict=True))
     return {"t": aid.t, "kind": aid.kind, **dict.fromkeys(names), **said}
 

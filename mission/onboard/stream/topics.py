@@ -190,12 +190,11 @@ DERIVED: tuple[Topic, ...] = (
     ),
     _derived(
         AID, "what a sensor says that was added, decoded; null where it is of another kind",
-        t=_T, kind=text("water, ground, place, range, yaw_rate"),
+        t=_T, kind=text("water, ground, place, range"),
         ahead_m_s=_maybe("m/s", "through the water, or over ground"),
         starboard_m_s=_maybe("m/s", "over ground"),
         latitude_deg=_maybe("deg"), longitude_deg=_maybe("deg"),
         beacon=_maybe("", "its number"), travel_s=_maybe("s", "of sound, from the beacon"),
-        yaw_rate_deg_s=_maybe("deg/s", "to starboard"),
     ),
     _derived(
         STATE, "where it is, what it does and how far it is from each limit; for each estimate",

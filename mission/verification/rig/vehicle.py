@@ -19,7 +19,7 @@ from links.simulated.settings import SettingError, Settings
 from mission.model import Mission
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Vehicle
-from protocol.added import GROUND, PLACE, RANGE, TURN, WATER
+from protocol.added import GROUND, PLACE, RANGE, WATER
 
 Simulated = SimulatedVehicle | SimulatedBoard
 _FITTED: Mapping[str, str] = MappingProxyType(
@@ -28,7 +28,6 @@ _FITTED: Mapping[str, str] = MappingProxyType(
         GROUND: "doppler",
         PLACE: "acoustic",
         RANGE: "ranges",
-        TURN: "gyro",
     }
 )
 # The shipped file leaves open which way its motors push, so that it holds nothing (R17). The
