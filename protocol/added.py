@@ -35,6 +35,8 @@ UNFINISHED = 1.0  # s after its first byte a line is given up (G3)
 FASTEST = 20.0  # m/s: faster is no vehicle of ours
 LATEST = 20.0  # s that sound may take from a beacon
 
+_WINDOW = pd0.LARGEST + pd0.TOLD  # bytes that are looked at for one piece
+
 _Said = Iterator[tuple[str, tuple[float, ...]]]
 
 _END = re.compile(rb"[\r\n]+")
@@ -147,7 +149,9 @@ class AddedDecoder:
             self._buffer = b""
         rest, held, at = self._buffer + data, len(self._buffer), self._offset
         self._offset += len(data)
-        while rest and (used := self._piece(rest, self._begun if held > 0 else now, at, out)):
+        while rest and (
+            used := self._piece(rest[:_WINDOW], self._begun if held > 0 else now, at, out)
+        ):
             at += len(rest[:used].rstrip(b"\r\n")) + 1  # as records have it: one byte for any end
             rest, held = rest[used:], held - used
         if rest and held <= 0:
@@ -165,14 +169,15 @@ class AddedDecoder:
             return self._binary(rest[:size], begun, at, out)
         if size is pd0.Whole.NOT_YET and len(rest) > 1:
             return 0
-        end, mark = _END.search(rest), rest.find(pd0.MARK, 1)
-        if end is not None and (mark < 0 or end.start() < mark):
-            out += self._line(rest[: end.start()], begun, at)
-            return end.end()
-        if mark > 0:
+        end = _END.search(rest)
+        mark = pd0.begins(rest, 1, len(rest) if end is None else end.start())
+        if mark > 0 and len(rest) > min(mark + pd0.TOLD - 1, LONGEST):
             out += self._line(rest[:mark], begun, at)
             return mark
-        if len(rest) > LONGEST:
+        if end is not None and mark < 0:
+            out += self._line(rest[: end.start()], begun, at)
+            return end.end()
+        if mark < 0 and len(rest) > LONGEST:
             out.append(FrameFault(at, "overlong", len(rest)))
             return len(rest)
         return 0

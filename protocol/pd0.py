@@ -23,6 +23,7 @@ MARK = b"\x7f\x7f"
 SMALLEST, LARGEST = 8 + 59 + 2, 4096  # bytes, of the count in the header
 MOST_TYPES = 16
 _HEADER = struct.Struct("<2sHBB")
+TOLD = _HEADER.size + 2  # bytes after which no more are needed to tell
 _NONE = -32768
 _FIXED, _BOTTOM = 0x0000, 0x0600
 _AXES, _SHIP = 25, 0b10  # byte of the fixed leader, 0 the first; bits 3 and 4 of it
@@ -49,9 +50,19 @@ def length(data: bytes) -> int | Whole:
     if not (SMALLEST <= count <= LARGEST and 0 < types <= MOST_TYPES):
         return Whole.NEVER
     first = _HEADER.size + 2 * types
-    if len(data) >= _HEADER.size + 2 and _word(data, _HEADER.size) != first:
+    if len(data) >= TOLD and _word(data, _HEADER.size) != first:
         return Whole.NEVER
     return int(count) + 2
+
+
+def begins(data: bytes, start: int, end: int) -> int:
+    """Where from ``start`` on, before ``end``, the first ensemble begins, or may do so where fewer
+    than TOLD bytes follow; -1: none does."""
+    while (start := data.find(MARK, start, end)) >= 0:
+        if length(data[start : start + TOLD]) is not Whole.NEVER:
+            break
+        start += 1
+    return start
 
 
 def sum16(data: bytes) -> int:

@@ -23,15 +23,18 @@ def nmea(body: str) -> bytes:
 
 
 def ensemble(
-    ground: tuple[int, int] = (120, -1010), water: tuple[int, int] = (12, -980), axes: int = 0b10
+    ground: tuple[int, int] = (120, -1010),
+    water: tuple[int, int] = (12, -980),
+    axes: int = 0b10,
+    more: int = 0,
 ) -> bytes:
-    """A whole one without a profile; to starboard and ahead as PD0 says them, mm/s."""
+    """A whole one with ``more`` bytes of a profile; to starboard and ahead as PD0 says, mm/s."""
     leader, bottom = bytearray(59), bytearray(81)
     leader[25] = axes << 3 | 0b111
     bottom[0:2] = struct.pack("<H", 0x0600)
     bottom[24:32] = struct.pack("<4h", *ground, 0, 0)
     bottom[50:58] = struct.pack("<4h", *water, 0, 0)
-    variable = struct.pack("<H", 0x0080) + bytes(63)
+    variable = struct.pack("<H", 0x0080) + bytes(63 + more)
     parts = (bytes(leader), variable, bytes(bottom))
     at, offsets = 12, list[int]()
     for part in parts:
@@ -176,3 +179,34 @@ def test_an_ensemble_among_lines_takes_nothing_of_them() -> None:
     line = b":BS,-00120,+01010,+00003,A\r\n"
     found = heard(line + ensemble() + line)
     assert [one.kind for one in found] == ["ground", "ground", "water", "ground"]
+
+
+MARKS = {"nothing else": b"\x7f" * 4096, "more or less": b"\x7f\x7f\x00\x10" * 1000}
+
+
+@pytest.mark.parametrize("noise", MARKS.values(), ids=MARKS)
+def test_marks_in_noise_are_one_fault_and_the_ensemble_behind_them_is_heard(noise: bytes) -> None:
+    fault, *aids = heard(noise + ensemble())
+    assert type(fault) is FrameFault
+    assert [one.kind for one in aids] == ["ground", "water"]
+
+
+@pytest.mark.parametrize("size", [1, 7, 90, 161])
+def test_marks_that_come_in_pieces_are_two_faults_a_line_at_most(size: int) -> None:
+    whole = MARKS["nothing else"] + ensemble()
+    found = heard(*(whole[n : n + size] for n in range(0, len(whole), size)), now=0.0)
+    faults = [one for one in found if isinstance(one, FrameFault)]
+    assert len(faults) <= 2 * 4096 // LONGEST
+    assert [one.kind for one in found if isinstance(one, Aid)] == ["ground", "water"]
+
+
+@pytest.mark.parametrize(
+    ("baud", "most"), [(9600, 950), (19200, 1900), (38400, 3800), (57600, 4096)]
+)
+def test_an_ensemble_as_long_as_the_manual_allows_is_heard(baud: int, most: int) -> None:
+    whole, pace = ensemble(more=most - len(ensemble())), baud // 200  # bytes in 50 ms
+    assert len(whole) == most
+    decoder, out = AddedDecoder(), list[Aid | FrameFault]()
+    for n in range(0, most, pace):
+        out += decoder.receive(whole[n : n + pace], n / pace / 20.0)
+    assert [one.kind for one in out] == ["ground", "water"]
