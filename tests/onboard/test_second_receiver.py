@@ -10,7 +10,7 @@ from random import Random
 import pytest
 
 from links.base import Rx
-from links.simulated.firmware.gps import GpsReceiver
+from links.simulated.firmware.gps import GpsReceiver, sentence
 from links.simulated.sensors import SensorErrors
 from links.simulated.settings import parse_settings
 from mission.analysis.replay.replay import replay
@@ -49,6 +49,10 @@ def unchanged(now: float, made: dict[str, GpsReceiver]) -> None:
     """Both are well."""
 
 
+def apart_from_10(now: float, made: dict[str, GpsReceiver]) -> None:
+    made[GPS].offset = (400.0, 0.0) if now >= 10 else (0.0, 0.0)
+
+
 def test_beside_a_first_receiver_that_is_well_the_second_counts_for_nothing() -> None:
     alone, beside = counted(unchanged, both=False), counted(unchanged)
     assert beside == alone
@@ -73,12 +77,71 @@ def test_the_second_takes_over_from_one_that_is_stuck() -> None:
 
 
 def test_two_that_disagree_are_believed_no_better_than_they_are_apart() -> None:
-    def jumped(now: float, made: dict[str, GpsReceiver]) -> None:
-        made[GPS].offset = (400.0, 0.0) if now >= 10 else (0.0, 0.0)
-
-    found = counted(jumped)
+    found = counted(apart_from_10)
     assert all(fix.accuracy < 20.0 for second, _, fix in found if second < 10)
-    assert all(380.0 < fix.accuracy < 420.0 for second, _, fix in found if second > 10)
+    doubted = [fix.accuracy for second, _, fix in found if second > 10]
+    assert all(apart > 380.0 for apart in doubted)
+    assert all(
+        380.0 < apart / n < 420.0 for n, apart in enumerate(doubted, round(doubted[0] / 400))
+    )
+
+
+def test_however_long_two_disagree_they_teach_no_more_than_two_fixes_would() -> None:
+    found = counted(apart_from_10, seconds=600)
+    doubted = [fix.accuracy for second, _, fix in found if second >= 10]
+    assert len(doubted) > 500
+    taught = sum(1.0 / accuracy**2 for accuracy in doubted)
+    assert 1.0 / 400.0**2 < taught < 2.0 / 380.0**2
+
+
+def test_two_that_agree_again_are_believed_as_before() -> None:
+    def jumped(now: float, made: dict[str, GpsReceiver]) -> None:
+        made[GPS].offset = (400.0, 0.0) if 10 <= now < 20 or now >= 30 else (0.0, 0.0)
+
+    found = {second: fix.accuracy for second, _, fix in counted(jumped)}
+    assert all(found[second] < 20.0 for second in range(22, 30))
+    assert found[32.0] < 1500.0, "it is doubted from the first again"
+
+
+def said(*sentences: tuple[float, str, float]) -> list[tuple[float, str]]:
+    """What counts, when and of which, of places so many m north that two receivers said."""
+    used, out = Receivers(), list[tuple[float, str]]()
+    for t, name, north in sentences:
+        minutes = 17.4 + north / 1852.0
+        clock = f"12{int(t) // 60:02}{int(t) % 60:02}.{int(t * 10) % 10}0"
+        text = sentence(f"GPGGA,{clock},30{minutes:09.6f},N,12009.000000,E,1,09,0.9,3.0,M,,M,,")
+        heard = [*used.receive(Rx(t, name, text)), *(x for _, y in used.flush(t + 0.3) for x in y)]
+        out += [(t, name) for one in heard if isinstance(one, Fix)]
+    return out
+
+
+def at_surface(t: float, north: float) -> list[tuple[float, str, float]]:
+    return [(t, GPS2, north), (t + 0.5, GPS, north + 1.0)]
+
+
+def test_what_either_says_again_after_a_dive_does_not_count_whichever_counted_before() -> None:
+    before = [one for t in range(30) for one in at_surface(t, t / 10.0)]
+    again = [one for t in range(1830, 1850) for one in at_surface(t, 2.9)]
+    new = [one for t in range(1850, 1855) for one in at_surface(t, 900.0 + t)]
+    counts = said(*before, *again, *new)
+    assert {name for t, name in counts if 1.0 < t < 1800.0} == {GPS}
+    assert [t for t, _ in counts if 1800.0 < t < 1850.0] == []
+    assert len([t for t, _ in counts if t >= 1850.0]) >= 5
+
+
+def test_while_the_first_says_places_of_before_a_dive_in_turn_the_second_counts() -> None:
+    before = [one for t in range(30) for one in at_surface(t, t / 10.0)]
+    again = [(t + 0.5, GPS, 1.0 + (t % 10) / 10.0) for t in range(1830, 1850)]
+    new = [(float(t), GPS2, 900.0 + t) for t in range(1830, 1850)]
+    counts = [one for one in said(*before, *sorted(again + new)) if one[0] > 1800.0]
+    assert counts == [(float(t), GPS2) for t in range(1830, 1850)]
+
+
+def test_of_the_second_only_news_counts_and_without_it_all_that_the_first_says() -> None:
+    stuck = [(float(t), GPS2, float(t % 3)) for t in range(30)]
+    assert [t for t, _ in said(*stuck)] == [0.0, 1.0, 2.0]
+    alone = [(float(t), GPS, 5.0) for t in (*range(30), *range(1830, 1850))]
+    assert len(said(*alone)) == 50
 
 
 DIVE = """mission dive vehicle auv

@@ -5,8 +5,13 @@
            first's fixes are one place to the bit, those of the second are not
 
 While both speak and are further apart than their noise explains, nothing says which of them is
-right: what counts is taken to be as uncertain as they are apart, so that it may teach little, and
-the gate for fixes judges it (R9). Without a second receiver every fix is passed on as it came.
+right: what counts is taken to be as uncertain as they are apart, the nth in a row n times as much.
+Their error is one and no noise: 1 + 1/4 + 1/9 + ... stays below 1.65, so all of them together
+teach no more than two fixes would, and the gate for fixes judges them (R9).
+
+Each receiver is judged by all that it said itself, counted or not: a place of before a dive that
+either says again does not count, nor one of the second that is no news. Without a second receiver
+every fix is passed on as it came.
 
 What does not live here: sentences (protocol.nmea), what a fix proves (engine), the gate
 (navigation).
@@ -19,7 +24,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from links.base import Rx
-from mission.navigation.fixes import metres
+from mission.navigation.fixes import Receiver, metres
 from protocol.messages import Fix, FrameFault
 from protocol.nmea import NmeaDecoder
 
@@ -35,6 +40,9 @@ class Receivers:
     def __init__(self) -> None:
         self._decoders = {name: NmeaDecoder() for name in RECEIVERS}
         self._last: dict[str, deque[Fix]] = {name: deque(maxlen=_STUCK) for name in RECEIVERS}
+        self._said = {name: Receiver() for name in RECEIVERS}
+        self._second = False  # it has ever said a fix
+        self._doubts = 0  # in a row
 
     def receive(self, rx: Rx) -> list[Fix | FrameFault]:
         """What counts of it."""
@@ -54,12 +62,19 @@ class Receivers:
 
     def _counted(self, link: str, heard: list[Fix | FrameFault]) -> Iterator[Fix | FrameFault]:
         for one in heard:
-            if isinstance(one, Fix):
-                self._last[link].append(one)
-                if self._counts(link, one.t):
-                    yield self._doubted(link, one)
-            else:
+            if not isinstance(one, Fix):
                 yield one
+            elif self._is_news(link, one) and self._counts(link, one.t):
+                yield self._doubted(link, one)
+
+    def _is_news(self, link: str, fix: Fix) -> bool:
+        """By what the same receiver said before; all is, as long as there is no second."""
+        said = self._said[link]
+        said.take(fix)
+        self._second |= link == GPS2
+        if not said.stale:
+            self._last[link].append(fix)
+        return not self._second or (said.fresh if link == GPS2 else not said.stale)
 
     def _counts(self, link: str, now: float) -> bool:
         first, second = (self._last[name] for name in RECEIVERS)
@@ -69,16 +84,20 @@ class Receivers:
         return failed is (link == GPS2) or (link == GPS and not beside)
 
     def _doubted(self, link: str, fix: Fix) -> Fix:
-        """As uncertain as it is from the other's place, where that is too far."""
+        """As uncertain as it is from the other's place, if that is too far; more each time."""
+        apart = self._apart(link, fix)
+        self._doubts = self._doubts + 1 if apart else 0
+        return replace(fix, accuracy=max(fix.accuracy, apart * self._doubts)) if apart else fix
+
+    def _apart(self, link: str, fix: Fix) -> float:
+        """m, from the other's place of the same time; 0 where noise explains it."""
         others = self._last[GPS if link == GPS2 else GPS2]
         if not others or fix.t - others[-1].t > BESIDE or _stuck(others):
-            return fix
+            return 0.0
         other = others[-1]
         apart = metres(fix.latitude, fix.longitude, other.latitude, other.longitude)
         noise = sum(_SIGMAS * max(one.accuracy, _LEAST) for one in (fix, other))
-        if apart <= noise + _FASTEST * (fix.t - other.t):
-            return fix
-        return replace(fix, accuracy=max(fix.accuracy, apart))
+        return apart if apart > noise + _FASTEST * (fix.t - other.t) else 0.0
 
 
 def _stuck(fixes: deque[Fix]) -> bool:
