@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 from links.base import Rx
+from links.simulated.boards import SimulatedBoard
 from links.simulated.link import START, SimulatedVehicle
 from mission.analysis.replay.replay import replay
 from mission.authoring.language import parse, script
@@ -16,7 +17,7 @@ from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration
 from mission.onboard.runtime.records import ListRecorder
 from mission.onboard.runtime.runtime import Runtime
-from mission.onboard.runtime.situation import FRESH_FIX_S, TREND_EVERY_S, Situation
+from mission.onboard.runtime.situation import TREND_EVERY_S, Situation
 from mission.onboard.serve.health import of_drive
 from mission.onboard.store import MemoryStore, Stored
 from protocol.messages import Fix, StateReport, Telemetry
@@ -205,15 +206,27 @@ def test_a_battery_that_falls_to_its_limit_is_an_alarm_in_time() -> None:
             assert left == pytest.approx(2.0 / fall - 590.0, rel=0.01)
 
 
+def located(gps: bool, *reports: Telemetry, fix: Fix | None = None) -> Situation:
+    """As the runtime knows it after these."""
+    engine = Pi().runtime.engine
+    situation = Situation(engine, load_vehicle("coreboard"), gps)
+    if fix is not None:
+        situation.take_fix(fix)
+    for report in reports:
+        situation.report(report)
+        engine.step(report.t, (report,))
+        situation.locate()
+    return situation
+
+
 def test_the_boat_is_told_the_place_that_a_vehicle_knows_by_itself_as_it_was_at_the_surface() -> (
     None
 ):
-    situation = Situation(Pi().runtime.engine, load_vehicle("coreboard"), False)
-    situation.report(Telemetry(1.0, depth=3.0, position=(0.5, 2.0)))
-    assert situation.shown is None
-    situation.report(Telemetry(2.0, depth=0.2, position=(0.6, 2.1)))
-    situation.report(Telemetry(3.0, depth=0.2))
-    situation.report(Telemetry(4.0, depth=3.0, position=(0.7, 2.2)))
+    deep = Telemetry(1.0, depth=1.5, position=(0.5, 2.0))
+    assert located(False, deep).shown is None
+    shallow = Telemetry(2.0, depth=0.2, position=(0.6, 2.1))
+    below = Telemetry(4.0, depth=3.0, position=(0.7, 2.2))
+    situation = located(False, deep, shallow, Telemetry(3.0, depth=0.2), below)
     shown = situation.shown
     assert shown is not None
     assert (shown.t, shown.latitude, shown.longitude) == (2.0, 0.6, 2.1)
@@ -221,13 +234,35 @@ def test_the_boat_is_told_the_place_that_a_vehicle_knows_by_itself_as_it_was_at_
     assert situation.fix is None, "it proves no surface"
 
 
-def test_a_receiver_is_told_before_the_vehicles_own_place_while_it_says_something() -> None:
-    situation = Situation(Pi().runtime.engine, load_vehicle("coreboard"), True)
-    situation.take_fix(fix := Fix(1.0, 0.5, 2.0, 3.0))
-    situation.report(Telemetry(1.0 + FRESH_FIX_S, depth=0.2, position=(0.6, 2.1)))
+@pytest.mark.parametrize(("gps", "gps2"), [(None, None), ("memory:", None), (None, "memory:")])
+def test_afloat_without_a_receiver_the_pi_tells_where_its_board_says_it_is(
+    gps: str | None, gps2: str | None
+) -> None:
+    board, links = SimulatedBoard("coreboard", 1), Configuration().links
+    links = replace(links, gps=gps, gps2=gps2)
+    configuration, vehicle = replace(Configuration(), links=links), load_vehicle("coreboard")
+    runtime = Runtime(configuration, vehicle, MemoryStore(Stored()))
+    for now in (0.1 * tick for tick in range(100)):
+        for rx in board.vehicle_link.receive(now):
+            for tx in runtime.receive(rx, now):
+                board.vehicle_link.send(tx.data, now)
+        for tx in runtime.handle_timer(now):
+            board.vehicle_link.send(tx.data, now)
+    assert (runtime.status(10.0).fix is None) is bool(gps or gps2)
+
+
+def test_by_a_depth_that_is_not_believed_a_vehicle_is_at_no_surface() -> None:
+    jumped = Telemetry(2.0, depth=0.2, position=(0.6, 2.1))
+    assert located(False, Telemetry(1.0, depth=30.0), jumped).shown is None
+
+
+def test_with_a_receiver_the_vehicles_own_place_is_told_as_no_fix_however_old_the_last_is() -> None:
+    fix, own = Fix(1.0, 0.5, 2.0, 3.0), Telemetry(1800.0, depth=0.2, position=(0.6, 2.1))
+    situation = located(True, own, fix=fix)
     assert situation.shown is fix
-    situation.report(Telemetry(1.1 + FRESH_FIX_S, depth=0.2, position=(0.6, 2.1)))
-    assert situation.shown is not fix
+    assert situation.fix_age(1801.0) == 1800.0
+    assert located(True, own).shown is None
+    assert located(True, own).fix_age(1801.0) is None
 
 
 def test_what_serve_alone_sees_is_told_and_replayed_to_the_bit() -> None:

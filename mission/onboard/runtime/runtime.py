@@ -116,7 +116,7 @@ class Runtime:
         self.output = self._engine.output
         self._engine.limit_topside_silence(configuration.topside_silence)
         self._chart: Chart | None = None
-        self.situation = Situation(self._engine, vehicle, links.gps is not None)
+        self.situation = Situation(self._engine, vehicle, bool(links.gps or links.gps2))
         self._marker, self._standing = ResumeMarker(self._store), StandingChanges(recorder)
         self._refused: list[Outcome] = []  # commands for which the vehicle has no word
         self._out: list[Tx] = []
@@ -240,8 +240,7 @@ class Runtime:
                 self._load(self.judge(lines), now)
 
     def _from_vehicle(self, messages: Sequence[Received], now: float) -> None:
-        inputs: list[Input] = []
-        heard = False
+        inputs, heard = list[Input](), False
         for message in messages:
             if isinstance(message, FrameFault):
                 self._record(rec.fault_record, now, VEHICLE, message)
@@ -257,6 +256,7 @@ class Runtime:
                 inputs.append(outcome)
         if inputs:
             self._step(now, inputs)
+            self.situation.locate()
         if heard and (estimate := self._engine.estimate) is not None:
             self._record(rec.estimate_record, estimate)
             self._observer.estimate(estimate)

@@ -36,7 +36,7 @@ class Situation:
         self._engine, self._vehicle, self._gps = engine, vehicle, gps
         self.telemetry: Telemetry | None = None
         self.fix: Fix | None = None  # of a receiver
-        self._own: Fix | None = None  # the vehicle's own position, when it was last at the surface
+        self._own: Fix | None = None  # without a receiver: its own, when last at the surface
         self._said: Setpoint | Order | None = None
         self._deep_at = 0.0  # when it was not at the surface, or nobody knew
         self._volts: deque[tuple[float, float]] = deque(maxlen=TREND_MOST)
@@ -66,12 +66,18 @@ class Situation:
         self.telemetry, self._has_news = report, True
         if report.depth is None or report.depth >= AT_SURFACE_M:
             self._deep_at = report.t
-        elif report.position is not None:
-            self._own = Fix(report.t, *report.position, accuracy=math.inf)
         volts = report.batteries[0] if report.batteries else None
         is_due = not self._volts or report.t >= self._volts[-1][0] + TREND_EVERY_S
         if volts is not None and is_due and not self._vehicle.constant_batteries:
             self._volts.append((report.t, volts))
+
+    def locate(self) -> None:
+        """Without a receiver, from the last report, once the engine has judged its depth."""
+        report, depth = self.telemetry, self._engine.core.vehicle_state.depth
+        if self._gps or report is None or report.position is None:
+            return
+        if depth is not None and depth < AT_SURFACE_M:
+            self._own = Fix(report.t, *report.position, accuracy=math.inf)
 
     def commanded(self, action: Action) -> None:
         if isinstance(action.command, Setpoint | Order):
@@ -136,23 +142,20 @@ class Situation:
 
     @property
     def shown(self) -> Fix | None:
-        """What ``@VS`` tells of the place: where it is, or where it dived (R9). A receiver says
-        more than the vehicle, while it says something."""
-        fix, own = self.fix, self._own
-        if fix is None or own is None:
-            return fix or own
-        return fix if own.t - fix.t <= FRESH_FIX_S else own
+        """What ``@VS`` tells of the place: where it is, or where it dived (R9). With a receiver,
+        by that alone: what the vehicle says of its place is no fix (R11)."""
+        return self.fix or self._own
 
     def report_age(self, now: float) -> float:
         """inf: none ever came."""
         return now - self.telemetry.t if self.telemetry else math.inf
 
     def fix_age(self, now: float) -> float | None:
-        """Of the fix that is shown, or of what the vehicle itself knows of its place."""
+        """Of the fix that is shown; without a receiver, of what the vehicle knows of its place."""
         if (shown := self.shown) is not None:
             return now - shown.t
         estimate = self._engine.estimate
-        return None if estimate is None else estimate.fix_age
+        return None if self._gps or estimate is None else estimate.fix_age
 
     @property
     def uncertainty(self) -> float | None:
