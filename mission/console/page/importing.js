@@ -29,7 +29,7 @@ export class Importing {
       pick: field('pick', ''), swap: field('swap', '', 'checkbox') };
     this._why = el('pre', { class: 'why', role: 'alert' });
     this._take = el('button', { type: 'button', onclick: () => void this._again() });
-    this._drop = el('button', { type: 'button', onclick: () => this._close() });
+    this._drop = el('button', { type: 'button', onclick: () => this._drops() });
     this.root = el('section', { class: 'importing', hidden: true }, this._why,
       el('div', { class: 'import-asks' }, ...Object.values(this._fields).map((f) => el('label', {}, f.name, f.input)),
         this._take, this._drop));
@@ -102,6 +102,12 @@ export class Importing {
     this.root.hidden = false;
     this._take.hidden = this._file === null;
     this._page().redraw();
+  }
+
+  /** What is under way is not wanted any more, whatever its answer is. */
+  _drops() {
+    this._wanted += 1;
+    this._close();
   }
 
   _close() {

@@ -5,7 +5,7 @@ import { completions, contextAt, helpOn, wordAt, written } from '../../../missio
 import { near } from '../../../mission/console/page/differing.js';
 import { Frame } from '../../../mission/console/page/geo.js';
 import { History } from '../../../mission/console/page/history.js';
-import { base64 } from '../../../mission/console/page/importing.js';
+import { base64, Importing } from '../../../mission/console/page/importing.js';
 import { drawPlaces, placeNear } from '../../../mission/console/page/places.js';
 import { lineAt, linesOf, rangeOf } from '../../../mission/console/page/texts.js';
 import { View } from '../../../mission/console/page/view.js';
@@ -141,4 +141,37 @@ test('of ten thousand places no more are drawn than can be told apart, and the c
   drawn = 0;
   drawPlaces(pen, view, frame, {}, many, 5001, null);
   assert.ok(drawn >= 21 && drawn <= 26, `${drawn}`);
+});
+
+/** Of an element what an import panel asks of one. @returns {any} */
+function plainElement() {
+  const heard = {};
+  return { textContent: '', hidden: false, append() {}, setAttribute() {}, removeAttribute() {},
+    toggleAttribute(name, on) { this[name] = on; }, getAttribute: () => null,
+    addEventListener(name, listener) { heard[name] = listener; }, click: () => heard.click() };
+}
+
+test('an import that is closed replaces no text, whatever its answer is', async () => {
+  const made = [];
+  globalThis.document = { createElement: (tag) => {
+    const element = Object.assign(plainElement(), { tag });
+    made.push(element);
+    return element;
+  } };
+  for (const [closes, texts] of [[true, []], [false, ['imported']]]) {
+    for (const said of [{ text: 'imported', source: 'bay.gpx', left_out: [] }, { says: 'no' }]) {
+      let answer;
+      globalThis.fetch = () => new Promise((done) => { answer = done; });
+      const opened = [];
+      const panel = new Importing(() => ({ redraw() {}, token: '' }), (text) => { opened.push(text); });
+      const close = made.filter((element) => element.tag === 'button').at(-1);
+      const over = panel.open(new File(['<gpx/>'], 'bay.gpx'));
+      while (!answer) await new Promise((done) => { setTimeout(done); });
+      if (closes) close.click();
+      answer({ ok: true, json: async () => said });
+      await over;
+      assert.deepEqual(opened, said.says ? [] : texts);
+      assert.equal(panel.root.hidden, closes || !said.says);
+    }
+  }
 });
