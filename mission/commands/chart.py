@@ -32,3 +32,6 @@ def chart(cell: Path, output: Path | None) -> None:
     write(output, json.dumps(made.geojson, separators=(",", ":")) + "\n")
     counts = ", ".join(f"{number} {kind}" for kind, number in made.counts.items())
     click.echo(f"{cell.name}, 1 : {made.scale}, depths below {made.datum}: {counts}", err=True)
+    if made.doubts:
+        more = f" (and {len(made.doubts) - 1} more)" if made.doubts[1:] else ""
+        click.echo(f"{cell.name}: not all could be made out: {made.doubts[0]}{more}", err=True)

@@ -76,6 +76,35 @@ def test_what_is_no_electronic_chart_is_refused_with_its_name(tmp_path: Path) ->
     assert "no.000" in ran.output
 
 
+def _with(at: int, byte: int) -> bytes:
+    whole = enc_cell(SOUTH, WEST)
+    return whole[:at] + bytes([byte]) + whole[at + 1 :]
+
+
+DAMAGED = {
+    "cut after the header": enc_cell(SOUTH, WEST)[:1193],
+    "ring that does not close": _with(2099, 66),
+    "letters of no alphabet": _with(1277, 197),
+}
+
+
+@pytest.mark.parametrize("body", DAMAGED.values(), ids=DAMAGED)
+def test_a_damaged_electronic_chart_is_refused_with_its_name(tmp_path: Path, body: bytes) -> None:
+    cell = tmp_path / "HURT.000"
+    cell.write_bytes(body)
+    with pytest.raises(ChartError, match=r"HURT\.000: "):
+        convert(cell)
+
+
+def test_what_cannot_be_made_out_of_an_electronic_chart_is_told_in_one_line(tmp_path: Path) -> None:
+    cell = tmp_path / "HURT.000"
+    cell.write_bytes(_with(2944, 82))  # an attribute that S-57 has not
+    ran = run("chart", str(cell), "-o", str(tmp_path / "out.geojson"))
+    assert ran.exit_code == 0
+    assert "HURT.000: not all could be made out: Illegal feature attribute id" in ran.output
+    assert "RuntimeWarning" not in ran.output
+
+
 def test_the_coasts_of_the_world_lie_under_all_charts_and_say_how_far_off_they_are(
     tmp_path: Path, cell: Path
 ) -> None:

@@ -6,6 +6,7 @@ Depths are below the chart's own datum, which the tide comes on top of.
 
 from __future__ import annotations
 
+import warnings
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -41,35 +42,45 @@ SPLIT = {"SPLIT_MULTIPOINT": "ON", "ADD_SOUNDG_DEPTH": "ON"}
 
 @dataclass(frozen=True, slots=True)
 class Converted:
-    """``counts``: of each kind, in words; ``scale``: 1 : so much."""
+    """``counts``: of each kind, in words; ``scale``: 1 : so much; ``doubts``: what GDAL could not
+    make out, and went on without."""
 
     geojson: dict[str, Any]
     counts: Counter[str]
     scale: int
     datum: str
+    doubts: tuple[str, ...] = ()
 
 
 def convert(cell: Path) -> Converted:
     """Raises ChartError, also where the cell's places or depths are no degrees of WGS 84 or m."""
-    about = next(features(cell, "DSID"))["properties"]
-    _in_our_units(cell, about)
-    found = list(_found(cell))
+    with warnings.catch_warnings(record=True) as seen:
+        warnings.simplefilter("always", RuntimeWarning)
+        about = _about(cell)
+        found = list(_found(cell))
     if not found:
         raise ChartError(f"{cell.name}: none of {', '.join(CLASSES)} is in it")
     counts = Counter(CLASSES[one["properties"]["class"]] for one in found)
     number = int(about["DSPM_SDAT"])
     datum = DATUMS[number - 1] if 1 <= number <= len(DATUMS) else f"a datum of number {number}"
     geojson = {"type": "FeatureCollection", "features": found}
-    return Converted(geojson, counts, int(about["DSPM_CSCL"]), datum)
+    doubts = tuple(dict.fromkeys(str(one.message) for one in seen))
+    return Converted(geojson, counts, int(about["DSPM_CSCL"]), datum, doubts)
 
 
-def _in_our_units(cell: Path, about: dict[str, Any]) -> None:
+def _about(cell: Path) -> dict[str, Any]:
+    """Its first record, in our units."""
+    first = next(features(cell, "DSID"), None)
+    if first is None:
+        raise ChartError(f"{cell.name}: its first record is cut short: fetch the cell again")
+    about: dict[str, Any] = first["properties"]
     for key, wanted, says in (
         ("DSPM_HDAT", WGS84, "places are not in WGS 84"),
         ("DSPM_DUNI", METRES, "depths are not in metres"),
     ):
         if about[key] != wanted:
             raise ChartError(f"{cell.name}: {key} is {about[key]}, not {wanted}: {says}")
+    return about
 
 
 def _found(cell: Path) -> Iterator[dict[str, Any]]:

@@ -17,17 +17,18 @@ EXTRA = "charts of others need an extra: pip install 'auvmission[chart]'"
 
 def features(path: Path, layer: str | None = None, **options: str) -> Iterator[dict[str, Any]]:
     """Of the first layer where none is named; longitude and latitude alone, to 1 cm. ``options``:
-    of GDAL's driver. Raises ChartError."""
+    of GDAL's driver. Raises ChartError, also for what is damaged."""
     try:
-        import shapely  # noqa: F401 - what is missing is told before a file is read
         from pyogrio import errors, raw
+        from shapely.errors import ShapelyError
     except ImportError as error:
         raise ChartError(f"{EXTRA} ({error})") from None
     try:
         meta, _, shapes, columns = raw.read(path, layer, **options)
-    except (errors.DataSourceError, errors.DataLayerError) as error:
-        raise ChartError(f"{path.name}: {error}") from None
-    flat = [None] * len(columns[0]) if shapes is None else _flat(shapes)
+        flat = [None] * len(columns[0]) if shapes is None else _flat(shapes)
+    except (errors.DataSourceError, errors.DataLayerError, ShapelyError, ValueError) as error:
+        where = f"{path.name}: {layer}" if layer else path.name
+        raise ChartError(f"{where}: {error}") from None
     for n, shape in enumerate(flat):
         said = {name: column[n] for name, column in zip(meta["fields"], columns, strict=True)}
         geometry = None if shape is None else json.loads(shape)
