@@ -18,6 +18,7 @@ from mission.navigation.health import SENSORS, SensorHealth
 from mission.onboard.stream.senses import CLOCKS, Senses
 from protocol.messages import Fix, Telemetry
 
+DOUBTED = tuple(name for name in SENSORS if name != "position")  # none is heard under water
 _BLINK_S = 1.0
 _MEANS = {("attitude", "absurd"): "absurd, or on its side or back"}  # beyond 90 deg
 
@@ -36,7 +37,7 @@ class Timeline:
     """Collects spells, sensor by sensor."""
 
     def __init__(self, sensors: Iterable[str]) -> None:
-        self._sensors = [name for name in SENSORS if name in sensors]
+        self._sensors = [name for name in DOUBTED if name in sensors]
         self._open: dict[str, tuple[float, str]] = {}
         self._closed: list[Spell] = []
 
@@ -61,7 +62,7 @@ class Doubts:
     def __init__(self, vehicle: Vehicle) -> None:
         self._senses = Senses(vehicle)
         self._health = SensorHealth(vehicle.reports, vehicle.stale_after)
-        self._timeline = Timeline(vehicle.reports - {"position"})
+        self._timeline = Timeline(vehicle.reports)
         self._heard = False
 
     def receive(self, record: Record) -> None:

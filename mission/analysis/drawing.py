@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from mission.analysis.calibration import Calibrated
+    from mission.analysis.doubts import Spell
     from mission.analysis.smoothing import Track
 
 _NIS_95 = 5.991  # chi-square, 2 degrees of freedom
@@ -40,21 +41,21 @@ def _figure(rows: int, heights: Sequence[float], size: tuple[float, float]) -> t
     return figure, figure.subplots(rows, 1, height_ratios=heights)
 
 
-def draw_track(track: Track, path: Path, title: str) -> None:
+def draw_track(track: Track, spells: Sequence[Spell], path: Path, title: str) -> None:
     """Writes a PNG."""
     figure, (plan, nis, residual, sensors) = _figure(4, (3.2, 1.0, 1.0, 0.9), (9.0, 13.0))
     _plan(plan, track)
-    draw_quality((nis, residual, sensors), track)
+    draw_quality((nis, residual, sensors), track, spells)
     figure.suptitle(title, fontsize=12)
     figure.savefig(path, dpi=110)
 
 
-def draw_quality(axes: Sequence[Axes], track: Track) -> None:
+def draw_quality(axes: Sequence[Axes], track: Track, spells: Sequence[Spell]) -> None:
     """Innovations and residuals of the fixes, and when which sensor could not be believed."""
     nis, residual, sensors = axes
     _innovations(nis, track)
     _residuals(residual, track)
-    _spells(sensors, track)
+    _spells(sensors, spells)
     for one in (nis, residual, sensors):
         begin, end = float(track.t[0]), float(track.t[-1])
         margin = max(0.01 * (end - begin), 1.0)  # fixes come first and last, as a rule
@@ -136,18 +137,18 @@ def _residuals(axes: Axes, track: Track) -> None:
     axes.grid(alpha=0.3)
 
 
-def _spells(axes: Axes, track: Track) -> None:
-    from mission.navigation.health import SENSORS
+def _spells(axes: Axes, spells: Sequence[Spell]) -> None:
+    from mission.analysis.doubts import DOUBTED
 
-    for spell in track.spells:
+    for spell in spells:
         colour = _SENSORS.get(spell.reason, "k")
-        axes.barh(SENSORS.index(spell.sensor), spell.end - spell.begin, left=spell.begin,
+        axes.barh(DOUBTED.index(spell.sensor), spell.end - spell.begin, left=spell.begin,
                   color=colour, height=0.8)  # fmt: skip
-    axes.set_yticks(range(len(SENSORS)), SENSORS, fontsize=7)
+    axes.set_yticks(range(len(DOUBTED)), DOUBTED, fontsize=7)
     for reason, colour in _SENSORS.items():
         axes.barh(0, 0, color=colour, label=reason)
-    axes.legend(fontsize=7, ncols=4, loc="upper right")
-    axes.set_ylim(len(SENSORS) - 0.5, -0.5)
+    axes.legend(fontsize=7, ncols=4, loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False)
+    axes.set_ylim(len(DOUBTED) - 0.5, -0.5)
 
 
 def draw_calibration(done: Calibrated, path: Path) -> None:

@@ -1,4 +1,4 @@
-"""After the dive: the track smoothed between fixes, innovations, and what the sensors were like.
+"""After the dive: the track smoothed between fixes, and how far the fixes were from the estimate.
 
 Rauch, Tung and Striebel (AIAA Journal 3, 1965, 1445-1450) by filterpy, over the horizontal states.
 The filter is an extended one: what its motion adds beyond F x is taken out of the states before
@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from filterpy.kalman import rts_smoother
 
-from mission.analysis.doubts import Spell, Timeline
 from mission.model import Position
 from mission.model.vehicle import Vehicle
 from mission.navigation.filter import Array, Filter, Motion
@@ -57,7 +56,6 @@ class Track:
     depth: Array  # NaN where not known
     depth_residual: Array
     fixes: tuple[FixSeen, ...]
-    spells: tuple[Spell, ...]
 
 
 @dataclass(slots=True)
@@ -140,7 +138,6 @@ def smooth(
         raise ValueError("there is no fix: a track has no place")
     nav, tape = _taped(vehicle, origin, date, ordered[0].t)
     fixes: list[FixSeen] = []
-    sensors = Timeline(vehicle.reports)
     depths: list[tuple[float, float, float]] = []
     for item in ordered:
         if isinstance(item, Fix):
@@ -149,7 +146,6 @@ def smooth(
             nav.aid(item)
         else:
             depths.append(_depth(nav, item))
-        sensors.look(nav.health, item.t)
     nodes = tape.finish()
     begin = tape.begins[0]
     states, covariances = _backward(nodes, tape.begins)
@@ -168,7 +164,6 @@ def smooth(
         depth=np.interp(t, known[:, 0], known[:, 1]) if len(known) else np.full(len(t), np.nan),
         depth_residual=known[:, [0, 2]],
         fixes=tuple(fixes),
-        spells=sensors.spells(ordered[-1].t),
     )
 
 

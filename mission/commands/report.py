@@ -60,12 +60,12 @@ def report(
     except (ValueError, KeyError, TypeError) as error:
         raise _failed(f"{', '.join(map(str, files))}: {error}") from None
     made = _write(dives, page, map_, pictures)
-    told = [figures(dive.smoothed) if dive.smoothed else None for dive in dives]
+    told = [figures(dive) for dive in dives]
     if as_json:
         click.echo(json.dumps(told[0] if len(told) == 1 else told))
         return
     for dive in dives:
-        click.echo(track_words(dive.smoothed))
+        click.echo(track_words(dive))
     for path in made:
         click.echo(f"{'page' if path.suffix == '.html' else 'picture':10} {path}")
 
@@ -92,7 +92,7 @@ def _write(
     title = "\n".join(filter(None, (headline(dive), simulated(dive))))
     with writing(page):
         if page.suffix == ".png" and dive.smoothed is not None:
-            draw_track(dive.smoothed, page, title)
+            draw_track(dive.smoothed, dive.spells, page, title)
         else:
             page.write_text(report_page(dives), encoding="utf-8")
     made = {map_: map_of(dive)} if map_ is not None else {}

@@ -31,10 +31,11 @@ def hindsight(records: Sequence[Record]) -> dict[str, Any]:
     stays = dive.stays()
     then = [[round(t, 1), round(lat, 7), round(lon, 7)] for t, lat, lon in _thinned(dive.places)]
     found = {"begin": stays[0].begin if stays else None, "wall": dive.wall, "then": then}
-    if dive.smoothed is None or dive.origin is None:
+    known = figures(dive)
+    if known is None or dive.origin is None:
         return {**NOTHING, **found, "problem": "no fix: nothing to smooth the track by"}
-    apart = figures(dive.smoothed)["filtered_from_smoothed_m"]
-    return {**NOTHING, **found, "now": _smoothed(dive), "apart": apart}
+    now, apart = _smoothed(dive), known["filtered_from_smoothed_m"]
+    return {**NOTHING, **found, "now": now, "apart": apart}
 
 
 def _smoothed(dive: Dive) -> list[list[float]]:

@@ -12,19 +12,23 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
 from mission.analysis.doubts import Spell
 from mission.analysis.journal import recordings
 from mission.analysis.report.dive import Dive
 from mission.analysis.report.figures import Picture, map_of, pictures_of
 from mission.analysis.report.map import _scale, draw_map
+from mission.analysis.report.words import figures, track_words
 from mission.analysis.story import story
 from mission.commands.report import report
 from mission.commands.simulate import simulate
 from mission.model import Position, Record, Tx
 from mission.model.shipped import load_vehicle
+from mission.model.shown import clock
 from mission.onboard.blackbox import BlackBox, close_recording, notes_of
-from mission.onboard.runtime.records import tx_record
+from mission.onboard.runtime.records import RX, read_rx, tx_record
+from mission.onboard.runtime.runtime import VEHICLE
 
 RECORDED = Path(__file__).parent / "recorded"
 SHORT, HEAVY, AGAIN = (
@@ -246,6 +250,40 @@ def test_a_depth_that_was_not_to_be_believed_is_hatched_and_the_caption_says_so(
     (depth, *_) = pictures_of(dive)
     assert hatched(depth) == [(20.0, 60.0)]
     assert "Hatched: it was not to be believed." in depth.caption
+
+
+def test_pictures_words_and_story_tell_the_same_of_sensors_that_fell_silent() -> None:
+    items = [item for item in recordings([SHORT])[0] if not is_reported_after(item, 150.0)]
+    dive = Dive.of(items, None)
+    told = figures(dive)
+    assert told is not None
+    stale = [one for one in told["sensors"] if one["sensor"] == "depth"]
+    assert [one["reason"] for one in stale] == ["stale"]
+    spell = stale[0]["begin_s"], stale[0]["end_s"]
+    assert 150.0 < spell[0] < spell[1]
+    pictures = {picture.name: picture for picture in pictures_of(dive)}
+    assert hatched(pictures["depth"]) == [pytest.approx(spell)]
+    assert pytest.approx(spell) in bars(pictures["fixes"])
+    assert f"depth      stale from {spell[0]:.0f} to {spell[1]:.0f} s" in track_words(dive)
+    (sensors,) = [one for one in story([items]) if one.title == "Sensors"]
+    assert ("depth", "stale", clock(spell[0]), clock(spell[1])) in {
+        row[:4] for row in sensors.tables[0].rows
+    }
+
+
+def is_reported_after(item: object, t: float) -> bool:
+    if not isinstance(item, Record) or item.kind != RX:
+        return False
+    rx = read_rx(item)
+    return rx.link == VEHICLE and rx.t > t
+
+
+def bars(picture: Picture) -> list[tuple[float, float]]:
+    """From and to, of the last axes."""
+    axes = Figure().subplots(picture.rows, 1)
+    picture.draw(axes)
+    patches = (patch for patch in axes[-1].patches if isinstance(patch, Rectangle))
+    return [(one.get_x(), one.get_x() + one.get_width()) for one in patches]
 
 
 def hatched(picture: Picture) -> list[tuple[float, float]]:

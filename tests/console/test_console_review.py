@@ -192,7 +192,9 @@ def test_afterwards_the_track_is_known_as_it_was_estimated_and_smoothed(
     assert found["begin"] == dive.stays()[0].begin
     assert [point[0] for point in found["then"]] == [round(t, 1) for t, _, _ in dive.places]
     assert len(found["now"]) == len(dive.smoothed.t)
-    assert found["apart"]["max"] == figures(dive.smoothed)["filtered_from_smoothed_m"]["max"]
+    known = figures(dive)
+    assert known is not None
+    assert found["apart"]["max"] == known["filtered_from_smoothed_m"]["max"]
     assert dive.origin is not None
     plane = LocalFrame(dive.origin)
     _, lat, lon = found["now"][-1]

@@ -60,7 +60,7 @@ def pictures_of(dive: Dive) -> Iterator[Picture]:
     track = dive.smoothed
     if track is not None:
         caption = "Fixes: innovations, residuals, and when which sensor could not be believed."
-        yield Picture("fixes", caption, 3, (9, 6), lambda axes: draw_quality(axes, track))
+        yield Picture("fixes", caption, 3, (9, 6), lambda a: draw_quality(a, track, dive.spells))
 
 
 def map_of(dive: Dive) -> Picture:

@@ -30,7 +30,7 @@ def _dive(dive: Dive) -> list[str]:
         f"<figure>{as_svg(one)}<figcaption>{_escaped(one.caption)}</figcaption></figure>"
         for one in pictures_of(dive)
     ]
-    figures = f"<pre>{html.escape(track_words(dive.smoothed))}</pre>"
+    figures = f"<pre>{html.escape(track_words(dive))}</pre>"
     return [html_body([happened]), *drawn, figures, html_body(tables)]
 
 

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mission.analysis.report.dive import Dive
 from mission.navigation.distribution import PLANE_95
-
-if TYPE_CHECKING:
-    from mission.analysis.smoothing import Track
 
 
 def headline(dive: Dive) -> str:
@@ -42,10 +39,12 @@ def _begun(dive: Dive) -> str:
     return datetime.fromtimestamp(dive.wall, UTC).strftime("%Y-%m-%d %H:%M UTC")
 
 
-def figures(track: Track) -> dict[str, Any]:
-    """The smoother's figures, as ``report --json`` prints them."""
+def figures(dive: Dive) -> dict[str, Any] | None:
+    """The smoother's figures, as ``report --json`` prints them; None without a smoothed track."""
     import numpy as np
 
+    if (track := dive.smoothed) is None:
+        return None
     used = [f for f in track.fixes if f.used]
     determinants = np.maximum(np.linalg.det(track.smoothed_covariance), 0.0)
     radius = PLANE_95 * determinants**0.25
@@ -65,22 +64,21 @@ def figures(track: Track) -> dict[str, Any]:
         "current_m_s": [float(v) for v in track.states[-1, 2:4]],
         "sensors": [
             {"sensor": s.sensor, "begin_s": s.begin, "end_s": s.end, "reason": s.reason}
-            for s in track.spells
+            for s in dive.spells
         ],
     }
 
 
-def track_words(track: Track | None) -> str:
+def track_words(dive: Dive) -> str:
     """The same as lines."""
-    if track is None:
+    if (f := figures(dive)) is None:
         return "track      there is no fix: it has no place"
-    f = figures(track)
     apart, radius = f["filtered_from_smoothed_m"], f["smoothed_radius_95_m"]
     nis = "" if f["mean_nis"] is None else f", mean NIS {f['mean_nis']:.2f} (2 is honest)"
     rows = [
         f"track      {f['seconds']:.0f} s, {f['fixes']} fixes, {f['fixes_refused']} refused{nis}",
         f"smoothed   95 % radius {radius['mean']:.1f} m in the mean, {radius['max']:.1f} m at most",
         f"filtered   off the smoothed by {apart['mean']:.1f} m, {apart['max']:.1f} m at most",
-        *(f"{s.sensor:10} {s.reason} from {s.begin:.0f} to {s.end:.0f} s" for s in track.spells),
+        *(f"{s.sensor:10} {s.reason} from {s.begin:.0f} to {s.end:.0f} s" for s in dive.spells),
     ]
     return "\n".join(rows)
