@@ -8,8 +8,9 @@
               last fix
 
 The mission is flown in its order, each leg as it is meant to end: to its places at its speed, after
-the way, the time or the depth that its guard waits for, else for as long as its clock says; at the
-surface fixes come. The current is taken to be anywhere in the disc that is assumed, so its sigma is
+the way, the time or the depth that its guard waits for, else for as long as its clock says. It
+rises from the depth of before at the rate of its buoyancy, and fixes come once it has been up for
+some seconds. The current is taken to be anywhere in the disc that is assumed, so its sigma is
 half of that on each axis. Kalman's covariance needs no readings, only the way (Gelb, Applied
 Optimal Estimation, 1974, ch. 4.2); the figures are those of mission/navigation/model.py.
 
@@ -31,16 +32,18 @@ from mission.authoring.check.places import pattern_of, places_of
 from mission.legs import LEGS, Surface
 from mission.legs.base import Point
 from mission.legs.pattern import Pattern
-from mission.model import Comparison, Expression, Group, Leg, Mission, Node, Or, Set
+from mission.model import Comparison, Expression, Group, Leg, Mission, Node, Or, Set, Setting
 from mission.model.units import GEARS
 from mission.model.vehicle import Vehicle
 from mission.navigation.distribution import PLANE_95, along, principal, radius_95
+from mission.navigation.fixes import SETTLED
 from mission.navigation.geodesy import LocalFrame
 from mission.navigation.model import figures
 
 _N, _E, _CN, _CE, _SCALE, _BIAS, _SIN, _COS, _WANDER = range(9)
 _STATES = 9
 MOST = 1000  # rows looked at, rounds included
+_VERTICAL = frozenset({"depth", "altitude", "heave"})  # each replaces the others
 _SLOWEST = 0.2  # share of its speed that is counted on against the current
 
 
@@ -155,6 +158,8 @@ class _Course:
         self._drift = Drift(vehicle, self._current)
         self._at: Point = (0.0, 0.0)
         self._holds = {"surge": 0.0, "depth": 0.0}
+        self._deepest = min(mission.safety.depth or math.inf, vehicle.limits.depth)
+        self._deep, self._up = 0.0, math.inf  # m it may still be below; s at the surface
         self._rows = 0
         self._fixes = not mission.start_without_fix
         self.found: dict[str, Expected] = {}
@@ -169,7 +174,7 @@ class _Course:
                 self._node(node, path + node.name)
 
     def _node(self, node: Leg | Set, path: str) -> None:
-        self._holds |= {setting.word: setting.value for setting in node.settings}
+        self._hold(node.settings)
         if not isinstance(node, Leg):
             return
         if (pattern := pattern_of(node.kind, self._frame, self._at)) is not None:
@@ -177,10 +182,16 @@ class _Course:
         parts = LEGS[type(node.kind)].parts(node) or (node,)
         before = radius_95(self._drift.place)
         for part in self._flown(parts):
-            self._holds |= {setting.word: setting.value for setting in part.settings}
+            self._hold(part.settings)
             self._leg(part, path)
         after = radius_95(self._drift.place)
         self.errors[path] = max(before, after, self.errors.get(path, 0.0))
+
+    def _hold(self, settings: tuple[Setting, ...]) -> None:
+        given = {setting.word: setting.value for setting in settings}
+        if _VERTICAL & given.keys():
+            self._holds = {word: v for word, v in self._holds.items() if word not in _VERTICAL}
+        self._holds |= given
 
     def _flown(self, parts: tuple[Leg, ...]) -> Iterator[Leg]:
         """Those of the parts that a look at the uncertainty does not pass over."""
@@ -200,7 +211,8 @@ class _Course:
 
     def _leg(self, leg: Leg, path: str) -> None:
         row, kind = LEGS[type(leg.kind)], leg.kind
-        self._holds["depth"] = max(row.depths(kind), default=self._holds["depth"])
+        if depths := row.depths(kind):
+            self._holds["depth"] = max(depths)
         if (pattern := pattern_of(kind, self._frame, self._at)) is not None:
             self._survey(pattern, path)
         elif row.ascends:
@@ -211,7 +223,7 @@ class _Course:
         else:
             time, speed = self._time(leg), self._speed
             bearing = self._holds.get("heading", 0.0)
-            self._drift.go(bearing, speed, time)
+            self._go(bearing, speed, time)
             north, east = self._at
             way = speed * time if "heading" in self._holds else 0.0
             self._at = (north + way * math.cos(bearing), east + way * math.sin(bearing))
@@ -220,26 +232,42 @@ class _Course:
 
     @property
     def _afloat(self) -> bool:
-        """At the surface, where fixes come: nothing has led down."""
-        down = any(self._holds.get(word) for word in ("altitude", "heave"))
-        return self._fixes and not down and self._holds["depth"] == 0.0
+        """At the surface for as long as fixes need, and nothing leads down."""
+        return self._fixes and self._target == 0.0 and self._up >= SETTLED
+
+    @property
+    def _target(self) -> float:
+        """m to which it is led; over a floor, and by thrusters, anywhere down to its limit."""
+        if "depth" in self._holds:
+            return self._holds["depth"]
+        down = self._holds.get("altitude", 0.0) > 0.0 or self._holds.get("heave", 0.0) > 0.0
+        return self._deepest if down else 0.0
+
+    def _go(self, bearing: float, speed: float, time: float) -> None:
+        """Straight ahead as in Drift; down to its target at once, up to it by buoyancy."""
+        rate, target = self._vehicle.ascent_buoyancy, self._target
+        rising = min(time, max(self._deep - target, 0.0) / rate)
+        self._deep = max(target, self._deep - rate * rising)
+        self._up = 0.0 if self._deep > 0.0 else self._up + time - rising
+        self._drift.go(bearing, speed, time)
 
     @property
     def _speed(self) -> float:
         return self._vehicle.speed_by_gear.at(GEARS * abs(self._holds["surge"]))
 
     def _ascend(self, *, fixed: bool) -> None:
-        self._drift.afloat(ascent_time(self._holds["depth"], self._vehicle))
+        self._drift.afloat(ascent_time(max(self._deep, self._target), self._vehicle))
         if fixed:
             self._drift.fix()
         self._holds = {"surge": 0.0, "depth": 0.0}
+        self._deep, self._up = 0.0, math.inf
 
     def _to(self, point: Point) -> None:
         """Straight there; across the current it takes longer."""
         north, east = point[0] - self._at[0], point[1] - self._at[1]
         speed, way = self._speed, math.hypot(north, east)
         if speed > 0.0 and way > 0.0:
-            self._drift.go(math.atan2(east, north), speed, way / self._made)
+            self._go(math.atan2(east, north), speed, way / self._made)
         self._at = point
 
     @property
@@ -255,18 +283,17 @@ class _Course:
         return min(meant)
 
     def _until(self, one: Comparison) -> float:
-        """s, for what a leg may be meant to end at: a time, a way, a depth from the surface, or
-        the surface from its depth; inf of all else."""
+        """s, for what a leg may be meant to end at: a time, a way, a depth that it is led to, from
+        the surface or from the depth of before; inf of all else."""
         rising = one.operator.startswith("<")
         if one.variable == "elapsed" and not rising:
             return one.bound
         if one.variable == "travelled" and not rising and self._speed > 0.0:
             return one.bound / self._made
-        if one.variable == "depth":
-            far = self._holds["depth"] - one.bound if rising else one.bound
-            return max(far, 0.0) / (
-                self._vehicle.ascent_buoyancy if rising else self._vehicle.dive_rate
-            )
+        if one.variable == "depth" and rising and self._target <= one.bound:
+            return max(self._deep - one.bound, 0.0) / self._vehicle.ascent_buoyancy
+        if one.variable == "depth" and not rising and self._target >= one.bound:
+            return one.bound / self._vehicle.dive_rate
         return math.inf
 
     def _survey(self, pattern: Pattern, path: str) -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import pytest
 
 from links.simulated.settings import parse_settings
 from mission.authoring.check import Report
-from mission.authoring.check.outlook import MOST, Drift, expected
+from mission.authoring.check.outlook import MOST, Drift, expected, outlooks
 from mission.authoring.check.show import as_object, as_text
 from mission.authoring.prepare import check_prepared, prepare, prepare_text
 from mission.model.shipped import load_vehicle
@@ -135,6 +136,55 @@ def test_fixes_come_along_a_leg_at_the_surface() -> None:
     lines[-1:] = ["out: heading 0 gear 6 for 10min achieve position 900", lines[-1]]
     (above,) = report("", "mission m vehicle auv\n" + "\n".join(lines) + "\n").outlook
     assert above.errors[0] < 0.1 * below.errors[0]
+
+
+def yoyo(rise: str, cycles: int = 3) -> list[float]:
+    """m at the end of each leg of so many dives to 10 m, each brought up as said."""
+    lines = TEXT.splitlines()[:4]
+    lines[2] = lines[2].replace("depth 12", "depth 15")
+    for i in range(cycles):
+        lines.append(f"d{i}: depth 10 heading 90 gear 4 until depth >= 9.5 timeout 90s")
+        lines.append(f"r{i}: {rise} heading 90 gear 4")
+    text = "\n".join([*lines, TEXT.splitlines()[-1], ""])
+    errors = outlooks(prepare_text(text, "m").mission, AUV)[1]
+    return [errors[f"{leg}{i}"] for i in range(cycles) for leg in "dr"]
+
+
+@pytest.mark.parametrize(
+    "rise",
+    [
+        "depth 0 until depth < 3 timeout 90s",
+        "depth 0 for 20s",
+        "depth 0 for 42s",  # just up, and no fix yet
+        "depth 2 for 90s",
+        "up 0 until depth < 3 timeout 90s",
+        "down 0 until depth < 3 timeout 90s",
+    ],
+)
+def test_a_rise_that_ends_below_brings_no_fix_and_takes_its_time(rise: str) -> None:
+    errors = yoyo(rise)
+    assert all(b > a + 2.0 for a, b in itertools.pairwise(errors))
+
+
+def test_a_rise_that_has_been_up_for_some_seconds_brings_a_fix() -> None:
+    below, above = yoyo("depth 0 for 42s"), yoyo("depth 0 for 46s")
+    assert above[2] < below[2] - 2.0
+    assert above[4] < above[1] + 2.0
+
+
+def test_a_depth_that_a_leg_is_not_led_to_does_not_end_it() -> None:
+    (one,), (clock,) = (
+        plain(f"{u} achieve position 900").outlook for u in ("until depth < 2 or depth > 8", "")
+    )
+    assert one.errors == clock.errors
+
+
+def test_what_thrusters_led_down_is_at_no_surface_when_they_stop() -> None:
+    lines = TEXT.splitlines()
+    legs = ["a: down 6 for 20s", "b: up 0 heading 90 gear 4 for 40s"]
+    text = "\n".join([*lines[:4], *legs, lines[-1], ""])
+    errors = outlooks(prepare_text(text, "m").mission, AUV)[1]
+    assert errors["b"] > errors["a"] + 2.0
 
 
 def test_more_rows_than_can_be_looked_at_are_not_believed() -> None:
