@@ -300,7 +300,7 @@ def _vehicle(file: _File) -> Vehicle:
         one_speed=file.flag("one_speed"),
         speed_by_gear=file.curve("speed_by_gear"),
         dive_rate=number("dive_rate"),
-        ascent_buoyancy=number("ascent_buoyancy"),
+        ascent_buoyancy=_buoyancy(file),
         ascent_measured=file.day("ascent_measured"),
         ascent_thrust=number("ascent_thrust"),
         turn_rate=number("turn_rate"),
@@ -322,6 +322,15 @@ def _vehicle(file: _File) -> Vehicle:
 
 def _all(file: _File, table: str, kind: type[Any]) -> dict[str, float]:
     return {f.name: file.number(f"{table}.{f.name}") for f in fields(kind)}
+
+
+def _buoyancy(file: _File) -> float:
+    """What drives is not asked whether it rises, but the check divides by the figure."""
+    rate = file.number("ascent_buoyancy")
+    if rate <= 0.0 and file.flag("drives"):
+        message = "not above 0: a vehicle that drives is checked with it, too"
+        file.refuse("ascent_buoyancy", message, "write 0.1 m/s")
+    return rate
 
 
 def _outer_loop(file: _File) -> OuterLoop | None:

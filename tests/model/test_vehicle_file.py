@@ -134,6 +134,16 @@ def test_two_numbers_that_contradict_each_other_are_refused_with_the_reason(pair
         read_vehicle(text, "f.yaml")
 
 
+@pytest.mark.parametrize("rate", ["0", "-0.1"])
+def test_what_drives_says_a_rise_above_0_that_the_check_divides_by(rate: str) -> None:
+    text = (missions_folder() / "vehicles" / "robot.yaml").read_text(encoding="utf-8")
+    (line,) = (line for line in text.splitlines() if line.startswith("ascent_buoyancy"))
+    with pytest.raises(VehicleError, match=r"ascent_buoyancy: not above 0(.*\n)*.* write 0\.1 m/s"):
+        read_vehicle(text.replace(line, f"ascent_buoyancy: {rate} m/s"), "mine")
+    heavy = AUV.replace("ascent_buoyancy: 0.25", f"ascent_buoyancy: {rate}")
+    assert read_vehicle(heavy, "mine").ascent_buoyancy == float(rate), "what dives is measured"
+
+
 @pytest.mark.parametrize(
     ("old", "new", "why"),
     [

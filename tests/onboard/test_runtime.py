@@ -275,6 +275,22 @@ def test_the_way_up_does_not_wait_for_the_judge_of_the_stored_mission(
     assert boat.say(b"@AA$") == [b"@ACK_AAA$"]
 
 
+def test_a_check_that_fails_refuses_the_mission_and_says_its_fault(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def broken(lines: tuple[str, ...], vehicle: Vehicle) -> Chart:
+        raise ZeroDivisionError("float division by zero")
+
+    monkeypatch.setattr("mission.onboard.runtime.mission_validator.judge", broken)
+    boat = Boat(MemoryStore())
+    for i, line in enumerate(LINES, 1):
+        answers = boat.say(encode(MissionLine(len(LINES), i, line)))
+    assert answers == [b"@ACK_AWN$"]
+    assert boat.runtime.state == "idle/empty"
+    assert b"the check failed" in b"".join(boat.say(b"@AQ$"))
+    assert b"ZeroDivisionError: float division by zero" in b"".join(boat.say(b"@AQ$"))
+
+
 def test_a_mission_that_is_cleared_after_a_restart_is_not_there_again() -> None:
     boat = Boat(MemoryStore(Stored(LINES, under_way="autonomous/a")))
     boat.until(30.0)

@@ -30,14 +30,21 @@ class MissionValidator:
             raise MissionRefused(self._closed)
         known, verdict = self._last
         if known != lines:
-            try:
-                verdict = judge(lines, self._vehicle)
-            except MissionRefused as refusal:
-                verdict = str(refusal)
+            verdict = _verdict(lines, self._vehicle)
             self._last = lines, verdict
         if isinstance(verdict, str):
             raise MissionRefused(verdict)
         return verdict
+
+
+def _verdict(lines: tuple[str, ...], vehicle: Vehicle) -> Chart | str:
+    """A fault of the check itself refuses too: no mission's last line ends the program."""
+    try:
+        return judge(lines, vehicle)
+    except MissionRefused as refusal:
+        return str(refusal)
+    except Exception as error:
+        return f"the check failed, a fault of the program: {type(error).__name__}: {error}"
 
 
 def judge(lines: tuple[str, ...], vehicle: Vehicle) -> Chart:
