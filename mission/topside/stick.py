@@ -14,6 +14,7 @@ What does not live here: what is sent when (helm), what keys mean (keyboard), pa
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import select
 import socket
@@ -110,7 +111,9 @@ class Stick:
                 pass
         except LinkError as error:
             gone = True
-            raise Lost(f"{error}; the vehicle stops 2 s after the last word") from error
+            stays = "; outputs stay as it last heard them, until that makes them safe"
+            stops = "the vehicle stops 2 s after the last word" + stays * bool(self._seen.output)
+            raise Lost(f"{error}; {stops}") from error
         finally:
             if not gone:
                 self._end(link)
@@ -197,7 +200,9 @@ class Stick:
                 self._seen.output = f"{said}: {'set' if answer.ok else 'REFUSED'}"
 
     def _end(self, link: Link) -> None:
-        """Neutral, twice (R1); a link that is gone says nothing any more."""
+        """What a key held is given back, and neutral, twice (R1); a link that is gone says nothing
+        any more."""
+        self._outputs += self.keyboard.let_go(math.inf)
         self._helm.hold(None)
         with contextlib.suppress(LinkError):
             self._set_outputs(link)

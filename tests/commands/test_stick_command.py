@@ -22,10 +22,10 @@ from mission.cli import main
 from mission.topside.helm import ENDS, LEVEL, NEUTRAL, PERIOD_S, Helm, Push, mains, verticals
 from mission.topside.joystick import SILENT_S, Joystick, Layout
 from mission.topside.keyboard import FIRST_S, NEXT_S, Keyboard, Switch, Wish
-from mission.topside.stick import LOST_S
+from mission.topside.stick import LOST_S, Lost, Stick
 from protocol.framing import Frame
 from protocol.messages import Manual, SetOutput
-from protocol.topside import TopsideCodec
+from protocol.topside import TopsideCodec, encode
 from protocol.vehicles import frame_types
 
 UP, DOWN, RIGHT, LEFT = (b"\x1b[" + letter for letter in (b"A", b"B", b"C", b"D"))
@@ -421,6 +421,101 @@ def test_ctrl_c_says_neutral_twice_and_gives_the_terminal_back(tmp_path: Path) -
         assert wire.bytes.rpartition(b"@MMF3$")[2].count(NEUTRAL) == 2
 
 
+class Hearer:
+    """A vehicle that answers any word with the same one, and keeps what it heard."""
+
+    def __init__(self) -> None:
+        self._server = socket.create_server(("127.0.0.1", 0))
+        self.url = f"tcp://127.0.0.1:{self._server.getsockname()[1]}"
+        self.heard = bytearray()
+        self.leaves = threading.Event()
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def _run(self) -> None:
+        boat, _ = self._server.accept()
+        boat.settimeout(0.01)
+        with boat, suppress(OSError):
+            while not self.leaves.is_set():
+                with suppress(TimeoutError):
+                    if not (data := boat.recv(4096)):
+                        return
+                    self.heard += data
+                    boat.sendall(b"@ACK_AWW$")
+
+    def close(self) -> None:
+        self.leaves.set()
+        self._thread.join()
+        self._server.close()
+
+
+class Hands:
+    """A key that is held from the start, and a pad; pipes in place of their devices."""
+
+    def __init__(self) -> None:
+        self.terminal, self._keys = os.pipe()
+        self.pad, self._events = os.pipe()
+        self.vehicle = Hearer()
+
+    def hold(self, end: Callable[[Hands], None]) -> None:
+        """``end``: what happens once its output was heard."""
+        stick = Stick(self.terminal, Keyboard(3, SWITCHES), lambda _: self._shown(end),
+                      (self.pad, Joystick(Layout(), 1.0)))  # fmt: skip
+        stick.steer(self.vehicle.url)
+
+    def _shown(self, end: Callable[[Hands], None]) -> None:
+        if self._keys >= 0:
+            os.write(self._keys, b"s")
+        if encode(ASIDE[1]) in self.vehicle.heard:
+            end(self)
+
+    def ctrl_c(self) -> None:
+        raise KeyboardInterrupt
+
+    def terminal_gone(self) -> None:
+        self._keys = self._closed(self._keys)
+
+    def pad_gone(self) -> None:
+        self._events = self._closed(self._events)
+
+    def link_gone(self) -> None:
+        self.vehicle.leaves.set()
+
+    def _closed(self, descriptor: int) -> int:
+        if descriptor >= 0:
+            os.close(descriptor)
+        return -1
+
+    def close(self) -> None:
+        for descriptor in (self.terminal, self.pad, self._keys, self._events):
+            self._closed(descriptor)
+        self.vehicle.close()
+
+
+@pytest.fixture
+def hands() -> Iterator[Hands]:
+    made = Hands()
+    yield made
+    made.close()
+
+
+@pytest.mark.parametrize("end", [Hands.ctrl_c, Hands.terminal_gone, Hands.pad_gone])
+def test_however_the_stick_ends_what_a_key_held_is_given_back(
+    hands: Hands, end: Callable[[Hands], None]
+) -> None:
+    with pytest.raises((KeyboardInterrupt, Lost)):
+        hands.hold(end)
+    back = b"".join(map(encode, BACK))
+    soon(lambda: back in hands.vehicle.heard, "given back")
+    soon(lambda: hands.vehicle.heard.rpartition(back)[2].count(NEUTRAL) == ENDS, "and neutral")
+
+
+def test_a_link_that_is_lost_gives_nothing_back_and_the_stick_says_so(hands: Hands) -> None:
+    with pytest.raises(Lost, match="outputs stay as it last heard them"):
+        hands.hold(Hands.link_gone)
+    assert encode(BACK[1]) not in hands.vehicle.heard
+
+
 def test_a_pad_steers_and_its_loss_ends_the_stick(tmp_path: Path) -> None:
     device = tmp_path / "js0"
     os.mkfifo(device)
@@ -493,6 +588,7 @@ def test_a_link_that_is_lost_ends_the_stick_and_what_waited_never_arrives(tmp_pa
             assert person.ended() == 1
             assert time.monotonic() - cut <= LOST_S + 2 * SLACK_S
             assert b"does not answer" in person.seen
+            assert b"outputs" not in person.seen
         finally:
             person.close()
             radio.close()
