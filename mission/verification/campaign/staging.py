@@ -40,16 +40,17 @@ LIKE: Mapping[str, str] = {
     "heavy": "",  # of what drives
 }
 _M = re.compile(rb"@MM[^@$]+\$")
+# Why not: unseen says it of rules, too.
+NO_RECEIVER = "it has no receiver of its own"
+NO_SUCH_FAULT = "its simulated board has no such fault of a sensor"
+NO_PLACE = "it knows no place"
+HOLDS_NOTHING = "nothing holds a depth before its signs are confirmed"
+ON_LAND = "it drives on land"
+NO_HEADING_AT_SURFACE = "its place is known at the surface alone, where its board holds no heading"
+UNKNOWN_AT_REST = "a depth that is frozen at rest is not known to be"
+NO_BATTERY, NO_LEAK = "it reports no battery", "it reports no leak"
 _WORDS = "its board repeats a whole frame, and answers nothing: no single word is lost or refused"
-_RECEIVER = "it has no receiver of its own"
-_SENSOR = "its simulated board has no such fault of a sensor"
-_PLACE = "it knows no place"
-_HOLDS = "nothing holds a depth before its signs are confirmed"
-_LAND = "it drives on land"
-_AT_SURFACE = "its place is known at the surface alone, where its board holds no heading"
-_UNKNOWN_AT_REST = "a depth that is frozen at rest is not known to be"
 _UNPROVED = "without a place nothing but its depth can prove the surface: it surfaces for ever"
-_NO_BATTERY, _NO_LEAK = "it reports no battery", "it reports no leak"
 _SINKING = (
     *("heavy_for_ever", "heavy_after_x", "neutral_after_x", "heavy_when_surfaced"),
     *("heavy_when_idle", "heavy_when_waiting", "heavy_with_auto_closed", "unliftable"),
@@ -63,29 +64,29 @@ _ON_ALL: Mapping[str, tuple[str, ...]] = {
         *("garbled_x", "turns_after_a_stop", "refused", "no_answers", "answered_by_another"),
         *("heavy_beside", "heavy_and_clogged", "slider"),
     ),
-    _RECEIVER: (
+    NO_RECEIVER: (
         *("stuck_receiver", "wandering_receiver", "blind_and_wandering", "heavy_and_wandering"),
     ),
-    _SENSOR: (
+    NO_SUCH_FAULT: (
         *("clogged", "wrong_compass", "loose_compass", "blind_compass", "full_scale_roll"),
         *("blind_altimeter", "blind_above_the_bottom"),
     ),
-    _UNKNOWN_AT_REST: ("sinks_unseen",),
+    UNKNOWN_AT_REST: ("sinks_unseen",),
 }
 _NOT_ON: Mapping[str, Mapping[str, tuple[str, ...]]] = {
-    "coreboard": {_AT_SURFACE: ("onto_the_shoal",)},
-    "mainboard": {_AT_SURFACE: ("onto_the_shoal",)},
+    "coreboard": {NO_HEADING_AT_SURFACE: ("onto_the_shoal",)},
+    "mainboard": {NO_HEADING_AT_SURFACE: ("onto_the_shoal",)},
     "rov": {
-        _PLACE: ("small_radius", "swept_away", "onto_the_shoal"),
-        _HOLDS: ("sinks_in_a_hold", "weak_thrusters"),
-        _NO_BATTERY: ("low_battery",),
-        _NO_LEAK: ("leak",),
+        NO_PLACE: ("small_radius", "swept_away", "onto_the_shoal"),
+        HOLDS_NOTHING: ("sinks_in_a_hold", "weak_thrusters"),
+        NO_BATTERY: ("low_battery",),
+        NO_LEAK: ("leak",),
         _UNPROVED: ("surfacing_blind", "capsized_blind", "restarted_frozen"),
     },
     "robot": {
-        _PLACE: ("small_radius", "swept_away", "onto_the_shoal"),
-        _LAND: _SINKING,
-        _NO_LEAK: ("leak",),
+        NO_PLACE: ("small_radius", "swept_away", "onto_the_shoal"),
+        ON_LAND: _SINKING,
+        NO_LEAK: ("leak",),
     },
 }
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from mission.verification.campaign import staging
 from mission.verification.campaign.broken import BROKEN
 
 _Reasons = Mapping[str, tuple[str, ...]]
@@ -27,11 +28,11 @@ _IN_WATER: _Reasons = {
     "a depth that is contradicted is unknown, and acts as such 6 s later": (
         "limit depth contradicted",
     ),
-    "it has no receiver of its own": (
+    staging.NO_RECEIVER: (
         *("limit course against heading", "stuck receiver", "fix under water"),
         *("fixes against movement", "fixes too early"),
     ),
-    "its simulated board has no such fault of a sensor": (
+    staging.NO_SUCH_FAULT: (
         *("limit heading does not follow", "belief", "depth that moves", "moving depth"),
         *("healthy heading", "healthy attitude", "healthy altitude", "above the bottom"),
     ),
@@ -42,17 +43,17 @@ _IN_WATER: _Reasons = {
         "surface by one report",
     ),
     "a depth has to change first: either holds without it": ("surface behind a restart",),
-    "a depth that is frozen at rest is not known to be": ("sank unseen",),
+    staging.UNKNOWN_AT_REST: ("sank unseen",),
     "D12 brings it up before a second round": ("pushed down again",),
 }
 _NO_THRUSTERS: _Reasons = {"it reports no thrusters": ("limit brown-out",)}
 _AREAS: _Reasons = {
-    "its place is known at the surface alone, where its board holds no heading": ("areas",),
+    staging.NO_HEADING_AT_SURFACE: ("areas",),
 }
-_NO_PLACE: _Reasons = {"it knows no place": ("limit radius", "limit uncertain", "areas")}
-_NO_LEAK: _Reasons = {"it reports no leak": ("limit leak",)}
+_NO_PLACE: _Reasons = {staging.NO_PLACE: ("limit radius", "limit uncertain", "areas")}
+_NO_LEAK: _Reasons = {staging.NO_LEAK: ("limit leak",)}
 _ON_LAND: _Reasons = {
-    "it drives on land": (
+    staging.ON_LAND: (
         *("limit depth", "limit hard depth", "limit unexplained descent", "limit no progress"),
         *("limit depth contradicted", "limit depth unknown", "limit roll-over"),
         *("limit heading does not follow", "limit course against heading", "depth margin"),
@@ -69,8 +70,8 @@ _ON_LAND: _Reasons = {
 
 
 _UNCONFIRMED: _Reasons = {
-    "nothing holds a depth before its signs are confirmed": ("limit no progress", "blind leg"),
-    "it reports no battery": ("limit voltage",),
+    staging.HOLDS_NOTHING: ("limit no progress", "blind leg"),
+    staging.NO_BATTERY: ("limit voltage",),
     "without a place nothing but its depth can prove the surface: such a flight does not end": (
         *("unchanged depth", "pushed in the dark"),
     ),
