@@ -15,12 +15,12 @@ from typing import TypeVar
 
 from mission.analysis.courses import Inputs
 from mission.model.vehicle import Sensors, Vehicle
+from mission.navigation.geodesy import EARTH
 from protocol.added import GROUND, PLACE, RANGE, WATER
 from protocol.messages import Aid, Telemetry
 
 _Said = TypeVar("_Said")
 LEAST = {WATER: 2e-3, GROUND: 2e-3, PLACE: 0.05, RANGE: 0.05}  # SI: no surer
-_EARTH = 6371008.8  # m, mean radius
 _MEDIAN = 1.3863  # of chi-square with two degrees of freedom
 ENOUGH = 20  # differences without which a noise figure stays as it was
 
@@ -68,7 +68,7 @@ def _metric(a: Aid, axis: int, vehicle: Vehicle) -> float | None:
     if axis >= len(a.values):
         return None
     across = math.cos(a.values[0]) if axis else 1.0
-    return a.values[axis] * _EARTH * across if a.kind == PLACE else a.values[axis]
+    return a.values[axis] * EARTH * across if a.kind == PLACE else a.values[axis]
 
 
 def white_noise(

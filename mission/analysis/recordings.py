@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mission.model import Position
-from mission.navigation.geodesy import LocalFrame
+from mission.navigation.geodesy import EARTH, LocalFrame
 from protocol.messages import Fix, Telemetry
 from protocol.nmea import NmeaDecoder, encode_gga, encode_rmc
 from protocol.vehicles.auv import ACTUATORS, MAGNETOMETERS, SD, AuvCodec
@@ -40,7 +40,6 @@ _FASTEST, _BESIDE = 10.0, 20.0  # m/s, m: what is farther than that from a track
 UNUSABLE = "without numbers, out of range, of order or of the track"
 ADRIFT = "at the surface or not under way: what drove it there is not known, cut off"
 _SLOW, _WINDOW = 0.4, 10.0  # of the median speed; s to each side over which it is taken
-_EARTH = 6371008.8  # m, mean radius
 _TRACKS = 8  # that are gone on with at once
 _UNDATED = datetime(2024, 1, 1, tzinfo=UTC)  # runs count from 0
 CRUISE_PWM, NEUTRAL_PWM = 1500 + round(500 * 8 / 12), 1500  # gear 8, and none
@@ -206,7 +205,7 @@ def _cut(table: dict[str, Array]) -> int:
     if len(t) < 2:
         return 0
     east = np.radians(np.diff(lon)) * np.cos(np.radians(lat[1:]))
-    steps = _EARTH * np.hypot(np.radians(np.diff(lat)), east)
+    steps = EARTH * np.hypot(np.radians(np.diff(lat)), east)
     path = np.concatenate(([0.0], np.cumsum(steps)))
     begin, end = np.maximum(t - _WINDOW, t[0]), np.minimum(t + _WINDOW, t[-1])
     speed = (np.interp(end, t, path) - np.interp(begin, t, path)) / (end - begin)

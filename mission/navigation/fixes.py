@@ -15,6 +15,7 @@ import math
 from typing import Self
 
 from mission.model.copies import copied
+from mission.navigation.geodesy import EARTH
 from protocol.messages import Fix
 
 FIX_DEPTH = 0.8  # m: the surface's 0.5 m and three sigma of a depth; deeper, a fix is none (R7)
@@ -25,7 +26,6 @@ _SILENT = 60.0  # s without a fix: what is said again after it is stale
 _GAP = 2.5  # s between fixes: one second's may be missing
 _HDOP, _SATELLITES = 5.0, 4
 _FASTEST = 4.0  # m/s over ground: a current, the thrusters and a wave together
-_EARTH = 6371008.8  # m, mean radius
 _LEAP = 15.0  # m beside that between two fixes: six sigma of a plain receiver
 
 
@@ -94,4 +94,4 @@ def metres(lat_a: float, lon_a: float, lat_b: float, lon_b: float) -> float:
     """Between two near points, in rad, on a sphere: good to 0.5 %, for plausibility only."""
     north = lat_b - lat_a
     east = math.remainder(lon_b - lon_a, 2.0 * math.pi) * math.cos(0.5 * (lat_a + lat_b))
-    return _EARTH * math.hypot(north, east)
+    return EARTH * math.hypot(north, east)

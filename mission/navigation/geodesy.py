@@ -12,6 +12,7 @@ import math
 
 from mission.model import Position
 
+EARTH = 6371008.8  # m, mean radius: for what is near enough on a sphere
 _A = 6378137.0  # m, WGS 84 semi-major axis
 _F = 1.0 / 298.257223563  # flattening
 _E2 = _F * (2.0 - _F)  # first eccentricity squared

@@ -32,12 +32,11 @@ from mission.model import HOME, Leg, LegKind, Local, Mission, Position, Setting
 from mission.model.extent import NAME
 from mission.model.units import GEARS
 from mission.model.vehicle import Vehicle
-from mission.navigation.geodesy import LocalFrame
+from mission.navigation.geodesy import EARTH, LocalFrame
 
 _ASCENT = 300.0  # s, of a leg to the surface
 _NEAR = 200e3  # m from home: nobody dives farther off
 _LAST = "up"
-_EARTH = 6371e3  # m, mean radius
 _DECIMALS = 7  # of a degree: a centimetre
 
 
@@ -129,7 +128,7 @@ def _far(home: Position, place: Position) -> float:
     turn = math.radians(place.longitude_deg - home.longitude_deg)
     across = math.cos(north[0]) * math.cos(north[1]) * math.sin(turn / 2.0) ** 2
     half = math.sin((north[0] - north[1]) / 2.0) ** 2 + across
-    return 2.0 * _EARTH * math.asin(min(1.0, math.sqrt(half)))
+    return 2.0 * EARTH * math.asin(min(1.0, math.sqrt(half)))
 
 
 def _swapped(step: Step, found: Findings) -> Step:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 
 from mission.model import Position
+from mission.navigation.geodesy import EARTH
 from protocol.checksum import SD_DEFAULT, sd_profile
 from protocol.nmea import encode_gga, encode_rmc
 from protocol.vehicles.auv import MAGNETOMETERS, SD
@@ -17,7 +18,7 @@ from protocol.vehicles.auv import MAGNETOMETERS, SD
 _LAYOUT = SD.layout  # NaN: nothing is told
 _SUM = sd_profile(SD_DEFAULT)
 _MAGNETIC = len(MAGNETOMETERS) * (20.0,)  # uT
-_METRE = 1.0 / 6371008.8  # rad
+_METRE = 1.0 / EARTH  # rad
 _BEGIN = datetime(2026, 3, 1, 4, 0, tzinfo=UTC)
 _NEUTRAL, _AHEAD, _DOWN = 1500, 1700, 1083  # us
 
