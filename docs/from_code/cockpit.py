@@ -7,16 +7,16 @@ from pathlib import Path
 from types import MappingProxyType
 
 FOLDER = Path(__file__).resolve().parents[1] / "pictures" / "cockpit"
-# view -> the tab that opens it on a wide screen, and on a narrow one
-VIEWS: Mapping[str, tuple[str, str]] = MappingProxyType(
+# view -> the tab that opens it
+VIEWS: Mapping[str, str] = MappingProxyType(
     {
-        "fly": ("Chart", "Chart"),
-        "legs": ("Legs", "Legs"),
-        "command": ("Command", "Command"),
-        "stick": ("Stick", "Stick"),
-        "checklist": ("Checklist", "Checklist"),
-        "plan": ("Plan", "Plan"),
-        "review": ("Chart", "Chart"),
+        "fly": "Chart",
+        "legs": "Legs",
+        "command": "Command",
+        "stick": "Stick",
+        "checklist": "Checklist",
+        "plan": "Plan",
+        "review": "Chart",
     }
 )
 # name -> width and height, CSS pixels

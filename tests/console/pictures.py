@@ -41,8 +41,7 @@ def take(seat: Seat, *views: str) -> None:
     for size, (width, height) in SIZES.items():
         seat.page.set_viewport_size({"width": width, "height": height})
         for view in views:
-            wide, narrow = VIEWS[view]
-            seat.tab(narrow if size == "phone" else wide)
+            seat.tab(VIEWS[view])
             if view == "plan" and size == next(iter(SIZES)):
                 plan = seat.page.locator("#planner")
                 plan.get_by_label("Template …").select_option("transect")
