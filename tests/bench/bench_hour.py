@@ -4,7 +4,7 @@
 
 1800 @SD, 3600 GPS sentences, some 20 changes of state, dynamics at 20 Hz; transitions and filterpy
 in both loops, bytes through the real decoders of each. Then the shares of the rooms in ours, and
-what the black box adds.
+what the black box adds, and what it takes of a disk.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ from mission.model import Mission  # noqa: E402
 from mission.model.shipped import load_vehicle  # noqa: E402
 from mission.model.vehicle import Vehicle  # noqa: E402
 from mission.onboard.blackbox import BlackBox  # noqa: E402
+from mission.onboard.blackbox.closed import close_recording  # noqa: E402
+from mission.onboard.blackbox.parts import parts_of  # noqa: E402
 from mission.onboard.runtime.records import Recorder  # noqa: E402
 from mission.verification.simulation.flight import fly  # noqa: E402
 from protocol.vehicles import codec  # noqa: E402
@@ -87,6 +89,8 @@ def main(turns: int = 32) -> dict[str, float]:
     say(f"{low:.1f} to {high:.1f}\n")
     say(f"  of the minima    {min(theirs) / min(ours):6.1f}\n")
     say(f"  with black box   {added:6.2f}     times that (1.5 at most wanted)\n")
+    growing, closed = _sizes(mission, vehicle)
+    say(f"  its black box    {growing:6.1f} MB, {closed:.1f} MB once it is closed\n")
     _shares(mission, vehicle)
     return {"hour_ratio": ratio, "black_box_ratio": added}
 
@@ -112,6 +116,20 @@ def _boxed(mission: Mission, vehicle: Vehicle) -> float:
         spent = _timed(mission, vehicle, box)
         box.close()
     return spent
+
+
+def _sizes(mission: Mission, vehicle: Vehicle) -> tuple[float, float]:
+    """MB of an hour, as its parts grow and once they are closed."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "hour.mcap"
+        box = BlackBox(path)
+        flight = fly(mission, vehicle, "documented", settings=SETTINGS, recorder=box)
+        box.close()
+        growing = sum(part.stat().st_size for part in parts_of(path))
+        close_recording(path)
+        closed = sum(part.stat().st_size for part in parts_of(path))
+    hours = flight.mission_time / HOUR
+    return growing / hours / 1e6, closed / hours / 1e6
 
 
 def _shares(mission: Mission, vehicle: Vehicle) -> None:
