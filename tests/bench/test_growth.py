@@ -21,6 +21,7 @@ from bench_growth import (
     checked,
     marginals,
     of_legs,
+    of_rounds,
     table,
 )
 from growth_picture import filled, points_of
@@ -89,3 +90,8 @@ def test_a_process_tells_its_time_and_its_memory() -> None:
     cost = checked(of_legs(3))
     assert cost.time > NOISE[0]
     assert cost.memory > NOISE[1]
+
+
+def test_a_mission_that_the_check_refuses_is_no_row_of_a_table() -> None:
+    with pytest.raises(RuntimeError, match=r"exit 1\n(?s:.*)repeat less"):
+        checked(of_rounds(2500))
