@@ -65,7 +65,7 @@ export class Strips {
     this._title = el('h2');
     this._spans = el('div', { class: 'tabs', role: 'group' },
       ...SPANS_S.map((s) => el('button', { type: 'button', onclick: () => this._choose(s) })));
-    this._canvas = el('canvas', { role: 'img' });
+    this._canvas = el('canvas', { role: 'img', 'aria-label': word('strips') });
     const hold = el('div', { class: 'hold' }, this._canvas);
     root.replaceChildren(el('div', { class: 'head' }, this._title, this._spans), hold);
     this._canvas.addEventListener('pointermove', (e) => this._point(e.offsetX));
@@ -146,7 +146,7 @@ export class Strips {
    * @param {import('./state.js').Vehicle} vehicle */
   _tell(specs, vehicle) {
     const text = specs.map((s) => `${word(s.name)} ${number(vehicle.strips[s.name]?.at(-1)?.[1], 1)} ${s.unit}`);
-    this._canvas.setAttribute('aria-label', text.join(', '));
+    this._canvas.setAttribute('aria-label', [word('strips'), ...text].join(', '));
   }
 }
 
