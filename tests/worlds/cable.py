@@ -73,7 +73,7 @@ class Cable:
 
     def _end(self, *both: socket.socket) -> None:
         for one in both:
-            with suppress(KeyError):
+            with suppress(KeyError, ValueError):  # closed with the other end in the same round
                 self._selector.unregister(one)
             one.close()
 
