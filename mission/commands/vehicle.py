@@ -71,14 +71,13 @@ def vehicle(
     except (SettingError, ValueError) as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
-    on_bus = isinstance(made, SimulatedBoard) and made.name in ON_BUS
-    where = (folder or Path("out") / Path(name).stem).resolve()
-    config = _room(where)
+    on_bus = made if isinstance(made, SimulatedBoard) and made.name in ON_BUS else None
+    config = _room(where := (folder or Path("out") / Path(name).stem).resolve())
 
     def ready(*paths: str) -> None:
         ports = (
             _plugged(where, ports_of(made), paths)
-            if not on_bus
+            if on_bus is None
             else {"vehicle": _on_bus(bus or BUS, paths)}
         )
         viewers = port + 1 if 0 < port < 65535 else 0
@@ -88,10 +87,10 @@ def vehicle(
         _tell(name, config, ports, port, speed, as_json)
 
     try:
-        if isinstance(made, SimulatedBoard) and on_bus:
-            told = serve_on_bus(made, bus or BUS, speed, ready, track)
-        else:
+        if on_bus is None:
             told = serve(made, speed, ready, track)
+        else:
+            told = serve_on_bus(on_bus, bus or BUS, speed, ready, track)
     except LinkError as error:
         click.echo(str(error), err=True)
         raise SystemExit(1) from None
