@@ -5,10 +5,12 @@
 
 A way that makes the depth fall, from the deepest of its turn on, is kept for as long as it does:
 behind a push the wrong way a vehicle sinks on before it rises, and letting go then has two turns.
-An unknown depth counts as not falling. It never gives up. Where it begins depends on what is known:
-with X0 and U12 where the depth is not believed or the vehicle sinks from rest (as built, W first
-goes on diving), by letting go where the vehicle is upside down. Whether the surface is reached is
-seen by the vehicle's state.
+An unknown depth counts as not falling. Where the attitude is doubtful too, any push may lead down:
+each time the vehicle is let go that lasts twice as long, up to 160 s, and then 10 s again, since
+what is heavy needs the pushes. It never gives up. Where it begins depends on what is known: with X0
+and U12 where the depth is not believed or the vehicle sinks from rest (as built, W first goes on
+diving), by letting go where the vehicle is upside down. Whether the surface is reached is seen by
+the vehicle's state.
 
 What does not live here: which ways a vehicle has (protocol.vehicles), the surface (vehicle_state).
 """
@@ -27,6 +29,7 @@ FALL = 0.3  # m in that time: 0.03 m/s, twice the noise of the difference of two
 DOWNWARD = Setpoint(heave=1.0)  # lifts a vehicle that is upside down
 OVERTURNED_TURN = 5.0  # s that DOWNWARD is given (R7)
 OVERTURNED_PAUSE = 60.0  # s from one DOWNWARD to the next (R7)
+LONGER = 5  # times that letting go comes round, each twice as long: 10 s to 160 s (R7)
 DEEPER = 1.0  # m, and DOWNWARD is given up (R7); behind another way, letting go has two turns
 
 Way = Setpoint | Order
@@ -40,7 +43,9 @@ class Ascent:
         *(
             "_at",
             "_deepest",
+            "_dark",
             "_downward",
+            "_let_go",
             "_looked",
             "_overturned_at",
             "_since",
@@ -62,6 +67,7 @@ class Ascent:
     ) -> None:
         self.began, self._why, self._ways, self._turn = now, why, ways, TURN
         self._downward: tuple[Way, ...] = ()  # that led deeper, upside down
+        self._dark, self._let_go = False, 0  # neither depth nor attitude; times let go so
         self._begin_turn(now, depth)
         first = ways[0]
         if overturned:
@@ -80,8 +86,12 @@ class Ascent:
     def first(self) -> tuple[Action, ...]:
         return (Action(self.way, self._why),)
 
-    def act(self, now: float, depth: float | None, overturned: bool) -> tuple[Action, ...]:
-        """What is due; nothing while the way in use is being tried, or works."""
+    def act(
+        self, now: float, depth: float | None, overturned: bool, doubtful: bool = False
+    ) -> tuple[Action, ...]:
+        """What is due; nothing while the way in use is being tried, or works. ``doubtful``: it
+        cannot be told whether it is upside down."""
+        self._see(dark=depth is None and doubtful)
         fallen = self._fallen(now, depth)
         given_up = depth is None or self._start_depth is None or self._has_led_deeper(depth)
         if self.way == DOWNWARD and (given_up or not overturned):
@@ -102,7 +112,15 @@ class Ascent:
         driven = self._has_led_deeper(depth) and self.way is Order.STOP
         self._begin_turn(now, depth)
         self._turn = OVERTURNED_TURN if self.way == DOWNWARD else 2.0 * TURN if driven else TURN
+        if self._dark and self.way is Order.STOP:
+            self._turn, self._let_go = TURN * 2.0 ** (self._let_go % LONGER), self._let_go + 1
         return (Action(self.way, why),)
+
+    def _see(self, *, dark: bool) -> None:
+        """Where more is known than before, a turn is as long as ever."""
+        if self._dark and not dark:
+            self._turn = min(self._turn, TURN)
+        self._dark = dark
 
     def _next(self, depth: float | None, overturned: bool) -> int:
         """The way behind the one that was tried. Upside down none that has led deeper there, and

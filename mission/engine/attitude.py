@@ -29,6 +29,11 @@ class Attitude(NamedTuple):
     def overturned(self) -> bool:
         return self.reports >= _REPORTS
 
+    @property
+    def doubtful(self) -> bool:
+        """It may be upside down: the last report says so, or says what is no angle."""
+        return not self.overturned and max(abs(self.roll), abs(self.pitch)) > OVERTURNED
+
     def after(self, report: Telemetry) -> Attitude:
         """With one more report; one without roll or pitch says that nothing is known."""
         roll, pitch = report.roll, report.pitch

@@ -272,9 +272,7 @@ class Core(EngineState):
             stop = () if held else self._stop("the surface is reached")
             self._move("surfaced", SURFACED, why, stop, None)
             self.ascent = None
-        elif actions := self.ascent.act(
-            self.now, self.vehicle_state.moving_depth, self.vehicle_state.overturned
-        ):
+        elif actions := self.ascent.act(*self.vehicle_state.seen_rising):
             self._record(actions)
 
     def mind_rest(self) -> None:

@@ -312,7 +312,7 @@ class Run:
         if vehicle_state.surfaced(ascent.began):
             self.at_surface = True
             return (Action(Order.STOP, f"{short(self.leaf)}: the surface is reached"),)
-        return ascent.act(vehicle_state.now, vehicle_state.moving_depth, vehicle_state.overturned)
+        return ascent.act(*vehicle_state.seen_rising)
 
     def reckon(self, vehicle_state: VehicleState) -> None:
         """Adds a new estimate to the path over ground, and a new report to what is remembered."""

@@ -300,6 +300,12 @@ class VehicleState:
         return self.attitude.overturned
 
     @property
+    def seen_rising(self) -> tuple[float, float | None, bool, bool]:
+        """What an ascent goes by: the time, the depth for its change, whether it is upside down,
+        and whether that is doubtful."""
+        return self.now, self.moving_depth, self.overturned, self.attitude.doubtful
+
+    @property
     def submerged(self) -> bool:
         """As far as is known: the last depth that could be believed, and no fix since that proves
         the surface."""

@@ -147,6 +147,25 @@ def test_upside_down_without_a_depth_to_go_by_it_is_let_go_alone():
     assert rest == [*WAYS[:2], Order.STOP]
 
 
+def test_where_it_may_be_upside_down_unseen_it_is_let_go_ever_longer():
+    """Each push may lead down; and what is heavy needs one, so that it begins anew."""
+    ascent, said = begun(None), []
+    for t in range(10, 1100, 10):
+        said += [(t, a.command) for a in ascent.act(float(t), None, False, True)]
+    spans = [(way, b - a) for (a, way), (b, _) in pairwise(said)]
+    let_go = [span for way, span in spans if way is Order.STOP]
+    assert let_go[:7] == [10, 20, 40, 80, 160, 10, 20]
+    assert {span for way, span in spans if way is not Order.STOP} == {10}
+
+
+@pytest.mark.parametrize("seen", [(20.0, False, True), (None, False, False)])
+def test_a_depth_or_an_attitude_that_is_known_again_ends_a_long_turn(seen):
+    ascent, ticks = begun(None), iter(range(10, 400, 10))
+    t = next(t for t in ticks if ascent.act(t, None, False, True) and ascent.next_timer() > t + 40)
+    assert not ascent.act(t + 9.9, None, False, True)
+    assert [a.command for a in ascent.act(t + 10.0, *seen)] == [Order.SURFACE]
+
+
 def test_upside_down_a_push_that_has_led_a_metre_deeper_is_not_tried_again():
     """Afloat, under a sensor that is off: each turn of it was a dive of three metres."""
     depth, said, ascent = 1.4, [(0.0, Order.STOP)], begun(1.4, overturned=True)

@@ -274,12 +274,12 @@ def test_a_mission_goes_on_at_any_depth():
 # --- upside down -----------------------------------------------------------------------------------
 
 
-def attitude(*reports: tuple[float | None, float | None]) -> bool:
+def attitude(*reports: tuple[float | None, float | None]) -> Attitude:
     seen = Attitude()
     for roll, pitch in reports:
         angles = [None if a is None else math.radians(a) for a in (roll, pitch)]
         seen = seen.after(Telemetry(0.0, roll=angles[0], pitch=angles[1]))
-    return seen.overturned
+    return seen
 
 
 @pytest.mark.parametrize(
@@ -297,7 +297,22 @@ def attitude(*reports: tuple[float | None, float | None]) -> bool:
     ],
 )
 def test_upside_down_is_what_three_reports_that_change_agree_on(reports, over: bool):
-    assert attitude(*reports) is over
+    assert attitude(*reports).overturned is over
+
+
+@pytest.mark.parametrize(
+    ("reports", "doubtful"),
+    [
+        ([(180.0, 180.0)] * 9, True),  # full scale
+        ([(900.0, 0.0)], True),
+        ([(170.0, 1.0)], True),  # not yet
+        ([(170.0, 1.0), (171.0, 2.0), (-178.0, 1.0)], False),  # it is
+        ([(119.0, 1.0)], False),
+        ([(900.0, 0.0), (None, None)], False),
+    ],
+)
+def test_it_may_be_upside_down_where_a_report_says_so_that_is_not_believed(reports, doubtful: bool):
+    assert attitude(*reports).doubtful is doubtful
 
 
 def test_upside_down_rolls_over_a_mission_and_begins_by_letting_go():

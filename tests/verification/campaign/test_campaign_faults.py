@@ -26,6 +26,7 @@ from mission.verification.campaign.disturbances import INCIDENTS
 from mission.verification.campaign.draw import CLUSTER, MOST, OUT_OF_HAND, draw
 from mission.verification.campaign.faults import fly_numbered, fly_plan
 from mission.verification.campaign.laws import IGNORED, LOST, OVERRUN, RAISED, violations
+from mission.verification.campaign.scene_texts import mission_of
 from mission.verification.campaign.soak import Soaked, grown, soak
 from mission.verification.campaign.trial import FOREVER, try_out
 from mission.verification.campaign.whole_flight import throughout
@@ -149,11 +150,23 @@ def test_a_program_killed_with_the_stick_held_leaves_no_thruster_on(profile: str
     assert trial.state == IDLE_EMPTY
 
 
+@pytest.mark.parametrize("profile", PROFILES)
+def test_upside_down_with_no_depth_and_no_angle_it_stays_at_the_surface(profile: str) -> None:
+    """Turns of 10 s are a circle below the surface: pushed down as far as it rose."""
+    deaf = "fault=attitude_full_scale@8 fault=capsized@47 fault=depth_silent@48"
+    settings = parse_settings([*deaf.split(), "current=0.46@100", "floor=30"])
+    trial = try_out(
+        mission_of("loose"), VEHICLE, profile, 1, settings, [Disturbance(60.0, Act.SAY, b"@ZAWF$")]
+    )
+    assert trial.state == SURFACED
+    assert trial.truth.depth < 0.5
+
+
 # --- the laws bite -------------------------------------------------------------------------------
 
 
 def test_a_vehicle_that_does_not_come_up_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Ascent, "act", lambda self, now, depth, overturned: ())
+    monkeypatch.setattr(Ascent, "act", lambda self, *seen: ())
     settings = parse_settings(["fault=stm32_silent@60+20"])
     assert LOST in kinds_of(flown([], settings=settings), settings=settings)
 
