@@ -3,8 +3,10 @@
     the vehicle's ways in turn, 10 s each:  W -> X0 and U12 -> X0 alone (let go) -> W ...
     upside down, behind them:               D12 for 5 s, at most once a minute
 
-A way that makes the depth fall, from the deepest of its turn on, is kept for as long as it does:
-behind a push the wrong way a vehicle sinks on before it rises, and letting go then has two turns.
+A way that makes the depth fall, from the deepest of its turn on, is kept for as long as it does,
+and said once more when it no longer does: the board may have lost it. One under which a vehicle
+that sank has just turned round has another turn. Behind a push the wrong way a vehicle sinks on
+before it rises, and letting go then has two turns.
 An unknown depth counts as not falling. Where the attitude is doubtful too, any push may lead down:
 each time the vehicle is let go that lasts twice as long, up to 160 s, and then 10 s again, since
 what is heavy needs the pushes. It never gives up. Where it begins depends on what is known: with X0
@@ -26,6 +28,7 @@ from protocol.messages import UPWARD, Order, Setpoint
 TURN = 10.0  # s each way is given (R7)
 LOOK = 1.0  # s between two depths of which the deepest is taken: not the noise of hundreds
 FALL = 0.3  # m in that time: 0.03 m/s, twice the noise of the difference of two depths
+ROUND = 0.1  # m less than the deepest: what had sunk a metre has turned round
 DOWNWARD = Setpoint(heave=1.0)  # lifts a vehicle that is upside down
 OVERTURNED_TURN = 5.0  # s that DOWNWARD is given (R7)
 OVERTURNED_PAUSE = 60.0  # s from one DOWNWARD to the next (R7)
@@ -45,6 +48,7 @@ class Ascent:
             "_deepest",
             "_dark",
             "_downward",
+            "_kept",
             "_let_go",
             "_looked",
             "_overturned_at",
@@ -65,9 +69,10 @@ class Ascent:
         overturned: bool = False,
         upward: bool = False,
     ) -> None:
-        self.began, self._why, self._ways, self._turn = now, why, ways, TURN
+        self.began, self._why, self._ways = now, why, ways
         self._downward: tuple[Way, ...] = ()  # that led deeper, upside down
         self._dark, self._let_go = False, 0  # neither depth nor attitude; times let go so
+        self._kept = False  # the way in use has made the depth fall
         self._begin_turn(now, depth)
         first = ways[0]
         if overturned:
@@ -95,26 +100,44 @@ class Ascent:
         fallen = self._fallen(now, depth)
         given_up = depth is None or self._start_depth is None or self._has_led_deeper(depth)
         if self.way == DOWNWARD and (given_up or not overturned):
-            pass  # given up at once
+            self._kept = False  # given up at once
         elif now < self.next_timer():
             return ()
-        elif fallen is not None and fallen >= FALL:
+        elif self._works(fallen):
             self._begin_turn(now, depth)
             return ()
         seen = "is not known" if fallen is None else f"is {depth:.1f} m, no less"
         why = f"{self._why}: after {now - self._since:.3g} s the depth {seen}"
-        if overturned and depth is not None and self._may_push_down(now):
-            self.way, self._overturned_at = DOWNWARD, now
+        if self._kept and not overturned:
+            why = f"{why}: said again, since it was"
+            self._begin_turn(now, depth)
+        elif overturned and depth is not None and self._may_push_down(now):
             why = f"{why}, and the vehicle is upside down"
+            self.way, self._overturned_at = DOWNWARD, now
+            self._begin_turn(now, depth, OVERTURNED_TURN)
         else:
-            self._at = self._next(depth, overturned)
-            self.way = self._ways[self._at]
-        driven = self._has_led_deeper(depth) and self.way is Order.STOP
-        self._begin_turn(now, depth)
-        self._turn = OVERTURNED_TURN if self.way == DOWNWARD else 2.0 * TURN if driven else TURN
-        if self._dark and self.way is Order.STOP:
-            self._turn, self._let_go = TURN * 2.0 ** (self._let_go % LONGER), self._let_go + 1
+            self._change(now, depth, overturned)
+        self._kept = False
         return (Action(self.way, why),)
+
+    def _works(self, fallen: float | None) -> bool:
+        """It rises; or it had sunk and has turned round."""
+        start, deepest = self._start_depth, self._deepest
+        if fallen is None or start is None or deepest is None:
+            return False
+        self._kept = self._kept or fallen >= FALL
+        return fallen >= FALL or (deepest - start > DEEPER and fallen >= ROUND)
+
+    def _change(self, now: float, depth: float | None, overturned: bool) -> None:
+        """Begins the turn of the next way."""
+        driven, turn = self._has_led_deeper(depth), TURN
+        self._at = self._next(depth, overturned)
+        self.way = self._ways[self._at]
+        if self.way is Order.STOP and self._dark:
+            turn, self._let_go = TURN * 2.0 ** (self._let_go % LONGER), self._let_go + 1
+        elif self.way is Order.STOP and driven:
+            turn = 2.0 * TURN
+        self._begin_turn(now, depth, turn)
 
     def _see(self, *, dark: bool) -> None:
         """Where more is known than before, a turn is as long as ever."""
@@ -136,8 +159,9 @@ class Ascent:
     def _may_lift(self, way: Way, depth: float | None) -> bool:
         return depth is not None and way not in self._downward
 
-    def _begin_turn(self, now: float, depth: float | None) -> None:
+    def _begin_turn(self, now: float, depth: float | None, turn: float = TURN) -> None:
         self._since = self._looked = now
+        self._turn = turn
         self._start_depth = self._deepest = depth
 
     def _fallen(self, now: float, depth: float | None) -> float | None:

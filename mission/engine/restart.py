@@ -6,6 +6,8 @@
                                  thruster on whether it is frozen
     stopped, surfaced        --> the same again, everything stopped: the vehicle may be on deck
     the stick alone          --> stopped, idle
+    nothing                  --> idle; X0 where reports show a thruster on all the same, since a
+                                 program may have ended between a word and the record of it
     the store cannot tell    --> stopped, and up as soon as two reports in a row say a depth to
                                  believe beyond 2 m: on deck no thruster turns, under water it rises
 
@@ -39,7 +41,10 @@ def under_way(core: Core) -> str:
 
 
 def begin_again(core: Core, before: Restarted) -> None:
-    if not before.during or core.region != IDLE:
+    if core.region != IDLE:
+        return
+    if not before.during:
+        core.stopped_at = core.now  # what turns was told so before a record of it was kept
         return
     core.outputs.doubt()
     why = f"the program restarted during {before.during}"

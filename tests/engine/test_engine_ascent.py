@@ -220,8 +220,26 @@ def test_a_copy_of_an_ascent_goes_its_own_way():
 def test_a_way_that_stops_working_is_changed_again():
     world = surfacing()
     climb(world, 0.25, 30.0)
-    world.wait(30.0)
-    assert [c for _, c in sent(world)] == [UPWARD, Order.STOP, Order.SURFACE]
+    world.wait(40.0)
+    assert [c for _, c in sent(world)] == [Order.SURFACE, UPWARD, Order.STOP, Order.SURFACE]
+
+
+def test_a_way_that_stops_working_is_said_once_more_before_it_is_changed():
+    """The board may have lost it; what never worked is not."""
+    ascent = begun()
+    assert not ascent.act(10.0, 18.0, False)
+    again, then = (ascent.act(t, 18.0, False)[0] for t in (20.0, 30.0))
+    assert (again.command, then.command) == (Order.SURFACE, UPWARD)
+    assert "said again" in again.reason
+    assert ascent.act(40.0, 18.0, False)[0].command is Order.STOP
+
+
+@pytest.mark.parametrize(("last", "kept"), [(21.4, True), (21.45, False)])
+def test_a_way_under_which_what_sank_has_just_turned_round_has_another_turn(last, kept: bool):
+    ascent = begun()
+    for t in range(1, 10):
+        assert not ascent.act(float(t), min(20.0 + 0.25 * t, 21.5), False)
+    assert (ascent.act(10.0, last, False) == ()) is kept
 
 
 @pytest.mark.parametrize("doubt", ["frozen", "absurd", "missing"])

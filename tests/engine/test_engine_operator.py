@@ -358,6 +358,16 @@ def test_a_thruster_that_turns_in_idle_is_nothing_while_no_stop_was_said():
     assert not world.actions
 
 
+def test_a_thruster_that_turns_as_the_program_begins_is_stopped():
+    """A program may end between a word and the record of it."""
+    world = world_in(IDLE_READY)
+    world.stops = False
+    world.tell(Restarted(""))
+    world.wait(10.0)
+    assert set(world.commands()) == {Order.STOP}
+    assert world.state == IDLE_READY
+
+
 def test_clearing_does_not_end_a_stop_that_nobody_acknowledged():
     world = world_in("autonomous/a")
     world.answer = None

@@ -151,15 +151,17 @@ def test_a_program_killed_with_the_stick_held_leaves_no_thruster_on(profile: str
 
 
 @pytest.mark.parametrize("profile", PROFILES)
-def test_upside_down_with_no_depth_and_no_angle_it_stays_at_the_surface(profile: str) -> None:
+def test_upside_down_with_no_depth_and_no_angle_it_comes_to_rest_at_the_surface(
+    profile: str,
+) -> None:
     """Turns of 10 s are a circle below the surface: pushed down as far as it rose."""
-    deaf = "fault=attitude_full_scale@8 fault=capsized@47 fault=depth_silent@48"
-    settings = parse_settings([*deaf.split(), "current=0.46@100", "floor=30"])
-    trial = try_out(
-        mission_of("loose"), VEHICLE, profile, 1, settings, [Disturbance(60.0, Act.SAY, b"@ZAWF$")]
-    )
-    assert trial.state == SURFACED
-    assert trial.truth.depth < 0.5
+    unseen = "fault=attitude_full_scale@8+500 fault=capsized@47+500 fault=depth_silent@48+500"
+    settings = parse_settings([*unseen.split(), "current=0.46@100", "floor=30"])
+    w = Disturbance(60.0, Act.SAY, b"@ZAWF$")
+    trial = try_out(mission_of("loose"), VEHICLE, profile, 1, settings, [w])
+    entered = [e for e in trial.events if isinstance(e, Step) and e.entered]
+    assert entered[-1].entered[-1] == SURFACED
+    assert entered[-1].t < 400.0
 
 
 # --- the laws bite -------------------------------------------------------------------------------
