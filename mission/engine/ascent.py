@@ -19,6 +19,7 @@ What does not live here: which ways a vehicle has (protocol.vehicles), the surfa
 
 from __future__ import annotations
 
+import math
 from typing import Self
 
 from mission.model import Action
@@ -134,7 +135,7 @@ class Ascent:
         self._at = self._next(depth, overturned)
         self.way = self._ways[self._at]
         if self.way is Order.STOP and self._dark:
-            turn, self._let_go = TURN * 2.0 ** (self._let_go % LONGER), self._let_go + 1
+            turn, self._let_go = math.ldexp(TURN, self._let_go % LONGER), self._let_go + 1
         elif self.way is Order.STOP and driven:
             turn = 2.0 * TURN
         self._begin_turn(now, depth, turn)
