@@ -269,6 +269,7 @@ class Core(EngineState):
             if held:
                 why = f"{why}, and held up: it sank when it was let go"
                 self.stop_at = self.stopped_at = None  # of an earlier turn of the ascent
+            self.let_go_at = -math.inf if held else self.now
             stop = () if held else self._stop("the surface is reached")
             self._move("surfaced", SURFACED, why, stop, None)
             self.ascent = None

@@ -5,8 +5,10 @@
     an ascent                          --> goes on
     elsewhere                          --> stays as it is: a thruster that stands is not turned
 
-``settled`` says when the program may go. Where it must go before that, X0 and U12 are its last
-words: on the vehicle as built W does not stick, and nobody will be there to try another way.
+``settled`` says when the program may go: not before what an ascent has let go at the surface was
+seen to stay there, for what is too heavy sinks again. Where it must go before that, X0 and U12 are
+its last words: on the vehicle as built W does not stick, and nobody will be there to try another
+way.
 
 What does not live here: for how long the program may stay (serve), the ascent (ascent).
 """
@@ -30,6 +32,7 @@ from mission.model.regions import IDLE, MANUAL
 from protocol.messages import UPWARD
 
 WHY = "the program is ended"
+STAYS_UP = 30.0  # s; 0.3 N too heavy, it is 1 m deep after 25 s
 
 
 def begin(core: Core, order: Ending) -> None:
@@ -54,7 +57,7 @@ def settled(core: Core) -> bool:
     """Whether nobody has to stay with the vehicle."""
     if core.region == MANUAL:
         return not _ascends_from_stick(core)
-    if core.region == AUTONOMOUS or core.active == SURFACING:
+    if core.region == AUTONOMOUS or core.active == SURFACING or _may_sink_again(core):
         return False
     return not _is_deep(core)
 
@@ -73,6 +76,12 @@ def _ascends_from_stick(core: Core) -> bool:
     """Whether the stick has the vehicle under water, where an end would leave it. While AUTO is
     closed, nobody but the stick turns a thruster."""
     return core.region == MANUAL and core.auto and (core.run is not None or _is_deep(core))
+
+
+def _may_sink_again(core: Core) -> bool:
+    """Whether an ascent has let it go too short a time ago to tell, by a depth, that it floats."""
+    let_go = core.active == SURFACED and core.vehicle_state.depth is not None
+    return let_go and core.now < core.let_go_at + STAYS_UP
 
 
 def _is_deep(core: Core) -> bool:

@@ -56,6 +56,7 @@ class EngineState:
         self.rest = Rest(vehicle.limits.descent_rate)
         self._rested = ""  # the kind of rest that it watches
         self._sank = False  # out of surfaced: let go, it would sink again
+        self.let_go_at = -math.inf  # when an ascent last ended with everything stopped
         self.auto = True  # node AUTO
         self.emergency_since_idle = False
         self.emergency_at = -math.inf  # when the last one began

@@ -48,8 +48,27 @@ def test_an_end_in_a_mission_surfaces_at_once_and_is_settled_with_everything_sto
     assert since(world, before) == [SURFACE]
     world.depth = 0.2
     world.wait(9.0)
+    assert (world.state, world.engine.settled) == (SURFACED, False)
+    world.wait(30.0)
     assert (world.state, world.engine.settled) == (SURFACED, True)
     assert since(world, before)[-1] is STOP
+
+
+def test_nobody_leaves_what_sinks_when_an_ascent_has_let_it_go():
+    world = flying_at(5.0)
+    world.tell(Ending())
+    world.wait(11.0)
+    world.depth = 0.2
+    world.wait(9.0)
+    assert (world.state, world.engine.settled) == (SURFACED, False)
+    for depth in (0.6, 1.2, 1.8):
+        world.depth = depth
+        world.wait(2.0)
+    assert (world.state, world.engine.settled) == (SURFACING, False)
+    world.depth = 0.2
+    world.wait(9.0)
+    assert (world.state, world.engine.settled) == (SURFACED, True)
+    assert world.commands()[-1] == UPWARD, "it is held up by thrust, and left so"
 
 
 def test_an_end_at_a_proved_surface_stops_and_turns_nothing():
