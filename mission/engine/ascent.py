@@ -71,6 +71,7 @@ class Ascent:
         upward: bool = False,
     ) -> None:
         self.began, self._why, self._ways = now, why, ways
+        self._turn: float = TURN
         self._downward: tuple[Way, ...] = ()  # that led deeper, upside down
         self._dark, self._let_go = False, 0  # neither depth nor attitude; times let go so
         self._kept = False  # the way in use has made the depth fall
