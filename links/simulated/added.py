@@ -6,9 +6,9 @@
               in turn from each
 
 Noise is white; the draws are the sensors' own, so that without them nothing else is different.
-A lie begins at its time: ``frozen`` says the last for ever, ``silent`` nothing, ``wild`` anything;
-``offset`` is off by a tenth of what a wild one may be, ``drift`` by as much in 100 s, and ``delay``
-says what was true DELAY before.
+Each lies by itself, from a time on: ``frozen`` says the last for ever, ``silent`` nothing, ``wild``
+anything; ``offset`` is off by a tenth of what a wild one may be, ``drift`` by as much in 100 s, and
+``delay`` says what was true DELAY before.
 
 What does not live here: the decoder.
 """
@@ -16,7 +16,7 @@ What does not live here: the decoder.
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import cos, degrees, hypot, inf, sin
 from random import Random
 
@@ -26,14 +26,15 @@ from links.simulated.geodesy import local, moved
 from links.simulated.pd0 import ensemble
 from links.simulated.plant import Plant
 
+SENSORS = ("speed_log", "doppler", "acoustic", "ranges")
 LIES = ("frozen", "silent", "wild", "offset", "drift", "delay")
 REACH = 60.0  # m above the ground
 LATENCY, COMPLETE = 0.15, 0.35  # s from the second that is measured: first byte, last byte
 PLACES = 5  # s between two positions, and between the ways from two beacons
-DELAY = 20  # s
+DELAY = 20.0  # s
 SOUND = 1500.0  # m/s
-_WILD_SPEED, _WILD_PLACE = 3.0, 300.0  # m/s, m: at most
-_OFFSET, _DRIFT = 0.1, 0.001  # of the same; a second
+WILD = {"speed_log": 3.0, "doppler": 3.0, "acoustic": 300.0, "ranges": 300.0}  # m/s, m: at most
+_USUAL = {"offset": 0.1, "drift": 0.001}  # of the same; a second
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +43,29 @@ class SimulatedBeacon:
     latitude: float  # rad
     longitude: float
     depth: float  # m
+
+
+@dataclass(frozen=True, slots=True)
+class Lie:
+    """``how`` of LIES, since ``since`` s. ``value``: what an offset is off by, a drift in a second,
+    a wild one at most, and by how many s a delay is late."""
+
+    how: str
+    since: float
+    value: float
+
+
+def usual(sensor: str, how: str) -> float:
+    """The value of a lie that says none."""
+    return DELAY if how == "delay" else _USUAL.get(how, 1.0) * WILD[sensor]
+
+
+@dataclass(slots=True)
+class _Memory:
+    """What one sensor said last, and what it would have said before, with the times."""
+
+    last: bytes = b""
+    before: deque[tuple[float, bytes]] = field(default_factory=deque)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,30 +83,33 @@ class Fitted:
     lies_from: float = inf  # s
 
     def __bool__(self) -> bool:
-        fitted = self.speed_log, self.doppler, self.acoustic, self.ranges
-        return any(sigma is not None for sigma in fitted)
+        return any(self.has(sensor) for sensor in SENSORS)
+
+    def has(self, sensor: str) -> bool:
+        return getattr(self, sensor) is not None
 
 
 class AddedSensors:
+    """``lies``: which of them lies, and how; beside what ``fitted`` says of all."""
+
     def __init__(self, fitted: Fitted, seed: int) -> None:
         self.fitted, self.queue = fitted, deque[Chunk]()
+        self.lies: dict[str, Lie] = {}
         self._rng = Random(f"added {seed}")
-        self._last = b""
-        self._before = deque[bytes](maxlen=DELAY + 1)
+        self._memory = {sensor: _Memory() for sensor in SENSORS}
 
     def report(self, now: float, plant: Plant, place: tuple[float, float]) -> None:
         """What was measured at ``now``, a whole second; ``place``: true latitude and longitude."""
-        lie = self.fitted.lie if now >= self.fitted.lies_from else ""
-        data = self._said(now, plant, place, lie)
-        self._before.append(data)
-        if lie == "frozen":
-            data = self._last
-        elif lie == "delay":
-            data = self._before[0]
-        elif lie == "silent":
-            return
-        self._last = data
-        self.queue.append(Chunk(now + LATENCY, now + COMPLETE, data))
+        says = {
+            "speed_log": lambda: self._speed_log(now, plant),
+            "doppler": lambda: self._doppler(now, plant),
+            "acoustic": lambda: self._acoustic(now, place),
+            "ranges": lambda: self._range(now, plant, place),
+        }
+        fitted = [sensor for sensor in SENSORS if self.fitted.has(sensor)]
+        data = b"".join(self._said(sensor, now, says[sensor]()) for sensor in fitted)
+        if data:
+            self.queue.append(Chunk(now + LATENCY, now + COMPLETE, data))
 
     def take(self, now: float) -> list[Chunk]:
         queue, out = self.queue, []
@@ -90,44 +117,74 @@ class AddedSensors:
             out.append(queue.popleft())
         return out
 
-    def _said(self, now: float, plant: Plant, place: tuple[float, float], lie: str) -> bytes:
-        fitted, out = self.fitted, b""
-        gone = now - fitted.lies_from
-        if fitted.speed_log is not None:
-            knots = self._off(plant.u, fitted.speed_log, _WILD_SPEED, lie, gone) / KNOT
-            out += sentence(f"VDVHW,,T,,M,{knots:.2f},N,,K")
-        if fitted.doppler is not None:
-            out += self._doppler(plant, fitted.doppler, lie, gone)
-        if fitted.acoustic is not None and round(now) % PLACES == 0:
-            off = [self._off(0.0, fitted.acoustic, _WILD_PLACE, lie, gone) for _ in range(2)]
-            out += sentence(f"VDGLL,{_angles(*moved(*place, *off))},{_clock(now)},A")
-        if fitted.ranges is not None and fitted.beacons and round(now) % PLACES == 2:
-            beacon = fitted.beacons[round(now) // PLACES % len(fitted.beacons)]
-            across = local(place, beacon.latitude, beacon.longitude)
-            way = hypot(*across, plant.depth - beacon.depth)
-            heard = max(self._off(way, fitted.ranges, _WILD_PLACE, lie, gone), 1.0)
-            out += sentence(f"CAMPR,{beacon.number},1,{heard / SOUND:.5f}")
-        return out
+    def lie(self, sensor: str, now: float) -> Lie | None:
+        fitted = self.fitted
+        if sensor not in self.lies and fitted.lie and now >= fitted.lies_from:
+            return Lie(fitted.lie, fitted.lies_from, usual(sensor, fitted.lie))
+        return self.lies.get(sensor)
 
-    def _doppler(self, plant: Plant, sigma: float, lie: str, gone: float) -> bytes:
+    def _said(self, sensor: str, now: float, data: bytes) -> bytes:
+        """``data`` as it was measured, or what the sensor says instead of it."""
+        if not data:
+            return b""
+        memory, lie = self._memory[sensor], self.lie(sensor, now)
+        memory.before.append((now, data))
+        late = lie.value if lie is not None and lie.how == "delay" else DELAY
+        while len(memory.before) > 1 and memory.before[1][0] <= now - late:
+            memory.before.popleft()
+        if lie is not None and lie.how == "silent":
+            return b""
+        if lie is not None and lie.how == "frozen":
+            return memory.last
+        memory.last = memory.before[0][1] if lie is not None and lie.how == "delay" else data
+        return memory.last
+
+    def _speed_log(self, now: float, plant: Plant) -> bytes:
+        knots = self._off("speed_log", plant.u, now) / KNOT
+        return sentence(f"VDVHW,,T,,M,{knots:.2f},N,,K")
+
+    def _doppler(self, now: float, plant: Plant) -> bytes:
         north, east = plant.ground_velocity()
         c, s = cos(plant.yaw), sin(plant.yaw)
         over_ground = north * c + east * s, east * c - north * s
         water, ahead, across = (
-            self._off(speed, sigma, _WILD_SPEED, lie, gone) for speed in (plant.u, *over_ground)
+            self._off("doppler", speed, now) for speed in (plant.u, *over_ground)
         )
         seen = plant.floor - plant.depth < REACH
         if self.fitted.binary:
             return ensemble((across, ahead) if seen else None, (0.0, water))
         return _pd6("WS", 0.0, water, good=True) + _pd6("BS", across, ahead, good=seen)
 
-    def _off(self, value: float, sigma: float, most: float, lie: str, gone: float) -> float:
-        """With its noise, or as the lie has it since ``gone`` seconds."""
-        noise, anything = self._rng.gauss(0.0, sigma), self._rng.uniform(-most, most)
-        if lie == "wild":
-            return anything
-        off = {"offset": _OFFSET * most, "drift": _DRIFT * most * gone}.get(lie, 0.0)
-        return value + noise + off
+    def _acoustic(self, now: float, place: tuple[float, float]) -> bytes:
+        if round(now) % PLACES:
+            return b""
+        north, east = (self._off("acoustic", 0.0, now) for _ in range(2))
+        return sentence(f"VDGLL,{_angles(*moved(*place, north, east))},{_clock(now)},A")
+
+    def _range(self, now: float, plant: Plant, place: tuple[float, float]) -> bytes:
+        beacons = self.fitted.beacons
+        if not beacons or round(now) % PLACES != 2:
+            return b""
+        beacon = beacons[round(now) // PLACES % len(beacons)]
+        across = local(place, beacon.latitude, beacon.longitude)
+        way = hypot(*across, plant.depth - beacon.depth)
+        heard = max(self._off("ranges", way, now), 1.0)
+        return sentence(f"CAMPR,{beacon.number},1,{heard / SOUND:.5f}")
+
+    def _off(self, sensor: str, value: float, now: float) -> float:
+        """With its noise, or as the lie has it."""
+        lie = self.lie(sensor, now)
+        most = lie.value if lie is not None and lie.how == "wild" else WILD[sensor]
+        noise = self._rng.gauss(0.0, getattr(self.fitted, sensor))
+        anything = self._rng.uniform(-most, most)
+        match lie:
+            case Lie(how="wild"):
+                return anything
+            case Lie(how="offset"):
+                return value + noise + lie.value
+            case Lie(how="drift"):
+                return value + noise + lie.value * (now - lie.since)
+        return value + noise
 
 
 def _pd6(kind: str, starboard: float, ahead: float, *, good: bool) -> bytes:

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from links.simulated.faults import FAULTS, Fault
+from links.simulated.fault import Fault
+from links.simulated.faults import FAULTS
 
 _BODY = (
     "left_main_weak",

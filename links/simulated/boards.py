@@ -21,7 +21,7 @@ from typing import cast
 
 from links.base import LinkClosed, Rx
 from links.simulated.board_faults import OF_BOARDS
-from links.simulated.faults import Parts
+from links.simulated.fault import Parts
 from links.simulated.firmware.boards import CoreBoard, RobotBoard, RovBoard, WaterBoard
 from links.simulated.firmware.motors import MotorBoards
 from links.simulated.firmware.sensor_board import SensorBoard

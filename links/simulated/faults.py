@@ -2,51 +2,24 @@
 
 A row says what it does, its default value and duration, and how it begins and ends. Faults begin
 and end on control ticks (0.2 s). What does not live here: when (settings.FaultEvent), or that a
-``WF`` does not stick: that is how the board is built.
+``WF`` does not stick: that is how the board is built; sensors that are added (added_faults).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import cos, radians, sin
-from typing import Protocol
 
-from links.simulated.firmware.gps import GpsReceiver
-from links.simulated.firmware.stm32 import Mode, Stm32
-from links.simulated.plant import LEFT_MAIN, RIGHT_MAIN, Plant
-from links.simulated.sea import Sea
-from links.simulated.sensors import Health, Sensor, Sensors
+from links.simulated.added_faults import ADDED_FAULTS
+from links.simulated.fault import Fault, Parts
+from links.simulated.firmware.stm32 import Mode
+from links.simulated.plant import LEFT_MAIN, RIGHT_MAIN
+from links.simulated.sensors import Health, Sensor
 from links.simulated.wrong import Drifting, Late, Stuck, Wrong
 
 _ROLL, _HEADING, _DEPTH, _ALTITUDE = 0, 2, 4, 5  # slots of what ``Sensors.sample`` returns
 
 FLICKER = 0.8  # V
-
-
-class Parts(Protocol):
-    """What of a simulated vehicle a fault acts upon."""
-
-    plant: Plant
-    sensors: Sensors
-    stm32: Stm32
-    gps: GpsReceiver
-    usual_splice: float
-    sea: Sea
-    current: tuple[float, float]  # m/s north, east: what sets now
-
-
-Act = Callable[[Parts, float], None]
-
-
-@dataclass(frozen=True, slots=True)
-class Fault:
-    says: str
-    begin: Act
-    end: Act
-    value: float = 0.0
-    unit: str = ""  # of the value; empty: it has none
-    duration: float = 60.0  # s
 
 
 def _sensor(sensor: Sensor, health: Health) -> Fault:
@@ -370,4 +343,5 @@ FAULTS: dict[str, Fault] = {
     "dives_until_stop": _dives_until("X", "X"),
     "obeys_late": Fault("commands are obeyed late", _slow, _prompt, 1.0, "s"),
     "capsized": Fault("it turns upside down", _capsize, _right),
+    **ADDED_FAULTS,
 }

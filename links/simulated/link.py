@@ -32,7 +32,7 @@ from links.simulated.geodesy import local, moved
 from links.simulated.plant import TICK, TICK_STEPS, Plant
 from links.simulated.schedule import edges
 from links.simulated.sensors import Sensors
-from links.simulated.settings import Settings
+from links.simulated.settings import SettingError, Settings
 
 PROFILES: dict[str, type[Stm32]] = {"documented": Documented, "as-built": AsBuilt}
 HOME = (radians(30.2874595), radians(120.1535765))
@@ -124,6 +124,7 @@ class SimulatedVehicle:
         self._foretell()
         self._anchor = (*position, 0.0, 0.0)  # latitude, longitude at plant north, east
         self.edges = edges(self.settings.faults, FAULTS, TICK, "the AUV")
+        self._refuse_lacking()
         self._next_edge = self.edges[-1].tick if self.edges else _NEVER
         self._flow()
         self.track.append(self.truth())
@@ -198,6 +199,13 @@ class SimulatedVehicle:
         plant.current_north, plant.current_east = self._water = north, east
 
     # --- faults ----------------------------------------------------------------------------
+
+    def _refuse_lacking(self) -> None:
+        """SettingError for a fault of what is not fitted."""
+        for event in self.settings.faults:
+            needs = FAULTS[event.name].needs
+            if not self.settings.has(needs):
+                raise SettingError(f"fault={event.name}: it has none; --set {needs}=SIGMA adds it")
 
     def _switch_faults(self, tick: int) -> None:
         while self.edges and self.edges[-1].tick <= tick:

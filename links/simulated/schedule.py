@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from math import ceil
 from typing import NamedTuple
 
-from links.simulated.faults import Fault
+from links.simulated.fault import Fault
 from links.simulated.settings import FaultEvent, SettingError
 
 _ROUNDED = 1e-6

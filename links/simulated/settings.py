@@ -19,6 +19,7 @@ from dataclasses import dataclass, field, replace
 from math import inf, isfinite, radians
 
 from links.simulated.added import LIES, Fitted, SimulatedBeacon
+from links.simulated.added_faults import SECOND
 from links.simulated.board_faults import OF_BOARDS
 from links.simulated.faults import FAULTS
 from links.simulated.plant import Body
@@ -48,6 +49,12 @@ class Settings:
     added: Fitted = field(default_factory=Fitted)
     second_gps: float | None = None  # m: noise of a second receiver; None: it is not there
     sentences: tuple[str, ...] = ("GGA", "RMC")  # what the GPS receiver says every second
+
+    def has(self, part: str) -> bool:
+        """Whether what a fault ``needs`` is fitted; "" is."""
+        if part == SECOND:
+            return self.second_gps is not None
+        return not part or self.added.has(part)
 
 
 Apply = Callable[[Settings, str], Settings]
@@ -202,7 +209,7 @@ SETTINGS: dict[str, Setting] = {
     ),
     "ranges": Setting("M", "sigma; ranges to beacons, one every 5 s", _fitted("ranges")),
     "beacon": Setting("NUMBER@LAT,LON,DEPTH", "where one truly is; may be given again", _beacon),
-    "second_gps": Setting("M", "sigma; a second GPS receiver, without faults", _second),
+    "second_gps": Setting("M", "sigma; a second GPS receiver", _second),
     "added_lie": Setting("HOW@BEGIN", f"added sensors: {', '.join(LIES)}", _lie),
     "first_fix": Setting("S", "after power-on", _errors("first_fix", 1.0)),
     "buoyancy": Setting("N", "net, upward", _buoyancy),

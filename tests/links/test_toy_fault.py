@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 from contracts import keep
 
-from links.simulated.faults import FAULTS, Fault, Parts
+from links.simulated.fault import Fault, Parts
+from links.simulated.faults import FAULTS
 from links.simulated.plant import LEFT_MAIN, RIGHT_MAIN
 from links.simulated.settings import FaultEvent, parse_settings, setting_of
 from mission.authoring.language import parse

@@ -26,7 +26,8 @@ from patience import LONG, until
 from links import LINKS, LinkAddressError, parse_address
 from links.base import LinkClosed
 from links.simulated.boards import BOARDS, ON_BUS
-from links.simulated.faults import FAULTS, Fault
+from links.simulated.fault import Fault
+from links.simulated.faults import FAULTS
 from links.simulated.settings import FaultEvent, parse_fault
 from links.tcp import TcpServer
 from mission.authoring.language import parse, to_lines, to_yaml

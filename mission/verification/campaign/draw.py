@@ -20,7 +20,8 @@ from random import Random
 
 from links.simulated.board_faults import OF_BOARDS
 from links.simulated.boards import BOARDS
-from links.simulated.faults import FAULTS, Fault
+from links.simulated.fault import Fault
+from links.simulated.faults import FAULTS
 from links.simulated.firmware.boards import WaterBoard
 from links.simulated.plant import Body
 from links.simulated.sea import Sea
@@ -29,11 +30,12 @@ from mission.authoring.language import script
 from mission.model import Mission
 from mission.model.vehicle import Vehicle
 from mission.verification.campaign.disturbances import INCIDENTS
+from mission.verification.campaign.fitting import beaconed, fit
 from mission.verification.campaign.scene_texts import mission_of
 from mission.verification.campaign.staging import faults_of, scenes_of, staged_on
 from mission.verification.campaign.trial import FOREVER
 from mission.verification.rig.acts import Disturbance
-from mission.verification.rig.vehicle import flown
+from mission.verification.rig.vehicle import flown, home_of
 
 MOST = 5  # disturbances a flight
 CURRENT = 0.5  # m/s
@@ -49,6 +51,7 @@ WEIGHT = frozenset({"heavy", "light"})
 STAGED, BESIDE = 0.7, 0.4  # shares: of the flights, and of those with something else beside
 SCENE_TIME, SCENE_FLOOR = 160.0, 30.0  # s that matter, m
 IDLE = ("temperature_", "magnetometer_", "battery_")  # nothing on this vehicle decides by them
+SELDOM = 0.25  # as often as others: what is idle, and what has to be fitted first
 PROFILES = ("as-built", "documented")
 ANY: Mapping[str, Fault] = ChainMap(FAULTS, *OF_BOARDS.values())
 
@@ -91,7 +94,7 @@ class Plan:
 
     @property
     def vehicle(self) -> Vehicle:
-        found = flown(self.subject.vehicle)
+        found = beaconed(flown(self.subject.vehicle), self.settings)
         return replace(found, constant_batteries=found.constant_batteries and not self.batteries)
 
     @property
@@ -172,7 +175,7 @@ def _staged(
     faults, incidents = [*plan.settings.faults], [*plan.incidents]
     begin = round(rng.uniform(8.0, SCENE_TIME / 2.0), 1)
     _disturb(rng, _troubles(rng, 1, vehicle)[0], begin, subjects, faults, incidents)
-    settings = replace(plan.settings, faults=tuple(faults))
+    settings = fit(plan.settings, faults, home_of(plan.subject.mission), rng)
     return replace(plan, settings=settings, incidents=tuple(incidents))
 
 
@@ -188,13 +191,15 @@ def _set_up(name: str, vehicle: str, rng: Random, seed: int, number: int) -> Pla
     scene = staged_on(vehicle, name, rng)
     current = _sea(rng).current if scene.current is None else (scene.current, 0.0)
     sea = Sea(current, None, SCENE_FLOOR)
+    mission = mission_of(scene.text, vehicle)
+    settings = Settings(sea=sea, body=body_of(vehicle))
     return Plan(
         seed,
         number,
-        Subject(Path(scene.text), mission_of(scene.text, vehicle), SCENE_TIME),
+        Subject(Path(scene.text), mission, SCENE_TIME),
         rng.choice(profiles_of(vehicle)),
         rng.randrange(1 << 31),
-        Settings(sea=sea, body=body_of(vehicle), faults=scene.faults),
+        fit(settings, scene.faults, home_of(mission), rng),
         (Drawn(name, 0.0, scene.disturbances),),
         rng.uniform(0.0, math.tau),
         name,
@@ -222,14 +227,17 @@ def _disturbed(
     incidents: list[Drawn] = []
     for name, begin in zip(names, _begins(rng, len(names), horizon), strict=True):
         _disturb(rng, name, begin, others, faults, incidents)
-    settings = Settings(sea=sea, body=body_of(subject.vehicle), faults=tuple(faults))
+    settings = Settings(sea=sea, body=body_of(subject.vehicle))
+    settings = fit(settings, faults, home_of(subject.mission), rng)
     return Plan(seed, number, subject, profile, vehicle_seed, settings, tuple(incidents), heading)
 
 
 def _troubles(rng: Random, count: int, vehicle: str) -> list[str]:
     """Names of its faults and of INCIDENTS."""
-    names = (*faults_of(vehicle), *INCIDENTS)
-    return rng.choices(names, [0.25 if n.startswith(IDLE) else 1.0 for n in names], k=count)
+    known = faults_of(vehicle)
+    seldom = {name for name, row in known.items() if row.needs or name.startswith(IDLE)}
+    names = (*known, *INCIDENTS)
+    return rng.choices(names, [SELDOM if n in seldom else 1.0 for n in names], k=count)
 
 
 def _disturb(

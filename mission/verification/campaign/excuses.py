@@ -8,6 +8,7 @@ ordered.
     unknown    whether the depth sensor says nothing that moves with the vehicle: then an ascent has
                no way to know what lifts it (R7)
     doubted    whether the depth of what rests is unknown, or may be contradicted for good
+    lied       m that lies of added sensors lead the estimate astray where nothing contradicts them
     left       from when to when nothing at rest may turn by itself: node AUTO is closed (R7, R13)
 
 All from the plant, the disturbances and what was acknowledged; never from what was believed.
@@ -20,6 +21,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
+from links.simulated.added import SENSORS
 from links.simulated.faults import FAULTS
 from links.simulated.settings import FaultEvent, Settings
 from mission.model import MANUAL_WAITING, STOPPED, SURFACED, Step, Tx
@@ -33,6 +35,8 @@ NEVER = 1e5  # s: by then what ends is over
 MOVES = 60.0  # s in which a depth shows that it moves as the vehicle does: two rounds of an ascent
 _MOVES_STILL = ("too_deep", "too_shallow", "late")  # faults of a depth that goes on moving with it
 _GARBAGE = ("depth_full_scale", "depth_absurd")
+_SPEEDS = ("speed_log", "doppler")  # of the sensors that are added
+_FAST, _TURNS = 1.5, 4  # m/s; courses of a mission, each known too late by a speed that comes late
 _ANSWERED = 6.5  # s within which a switch is acknowledged
 _UPWARD = {"documented": frozenset("UW"), "as-built": frozenset("U")}  # as built, W does not stick
 _RESTS = (STOPPED, SURFACED, MANUAL_WAITING)
@@ -116,6 +120,24 @@ def untamed(settings: Settings, end: float) -> int:
     dives = [f for f in settings.faults if f.name == "dives_until_up"]
     seconds = {t for f in dives for t in range(int(f.begin), int(min(fault_ends(f), end)))}
     return sum(unknown(settings, float(t)) for t in seconds)
+
+
+def lied(settings: Settings, end: float) -> float:
+    """m until ``end``: north and east each by as much. A constant offset of a place, a drift that
+    looks like a current, and a delay cannot be told from the sea; what is frozen or wild can."""
+    metres = 0.0
+    for fault in settings.faults:
+        sensor, _, how = fault.name.rpartition("_")
+        if sensor not in SENSORS:
+            continue
+        lasts, value = max(min(fault_ends(fault), end) - fault.begin, 0.0), abs(value_of(fault))
+        if how == "delay":
+            metres += value * _FAST * (_TURNS if sensor in _SPEEDS else 1)
+        elif how == "drift":
+            metres += value * lasts * (0.5 * lasts if sensor in _SPEEDS else 1.0)
+        elif how == "offset":
+            metres += value * (lasts if sensor in _SPEEDS else 1.0)
+    return math.sqrt(2.0) * metres
 
 
 def auto_closed(events: Sequence[Event]) -> Iterator[tuple[float, float]]:

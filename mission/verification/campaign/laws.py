@@ -33,7 +33,7 @@ physics explain:
     radius  the bound, and 8 s of way (two samples, their age, the limit's own step), and what
             dead reckoning cannot know since the last fix: 15 m, the current's way, a quarter of
             the way through the water; all of that way twice if the compass or a main thruster was
-            not healthy; and what the GPS was beside the truth
+            not healthy; what the GPS was beside the truth, and what added sensors lied (excuses)
     time    the bound, and 1 s, in the mission's legs; time under the stick counts
     report  5 s without a good report (R8), and 0.5 s, in the mission's legs
 
@@ -62,6 +62,7 @@ from mission.verification.campaign.excuses import (
     doubted_at_rest,
     helpless,
     left,
+    lied,
     lift,
     net,
     obeys_no_stop,
@@ -99,7 +100,9 @@ _ASTRAY = (
     "attitude_",
     "gps_stuck",
     "gps_in_turn",
+    "gps2_stuck",
 )
+_JUMPS = ("gps_jump", "gps2_jump")
 _GPS_CLOSED = re.compile(rb"@NS[OC]{2}C[OC]{3}\$")
 _SP = re.compile(rb"@SP,([^,$]*),([^,$]*),([^,$]*),([^,$]*),\$")
 _AUTO_CLOSED = re.compile(rb"@NS[OC]{5}C\$")
@@ -334,7 +337,8 @@ def _ranges(
 ) -> Iterator[Violation]:
     """A mission without a home has it where it began (R9)."""
     astray = any(f.name.startswith(_ASTRAY) for f in settings.faults)
-    beside = sum(f.value or 200.0 for f in settings.faults if f.name == "gps_jump")
+    beside = sum(f.value or 200.0 for f in settings.faults if f.name in _JUMPS)
+    beside += lied(settings, trial.truth.t)
     closed = any(isinstance(e, Said) and _GPS_CLOSED.search(e.data) for e in trial.events)
     blind = closed or any(f.name.startswith("gps_") for f in settings.faults)
     stalled = sum(end - begin for begin, end in stalls(trial.events))

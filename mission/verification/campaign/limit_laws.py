@@ -41,7 +41,15 @@ _APART, _UNDER_WAY, _DRIFTS = math.radians(75.0), 0.7, 32.0  # rad, m/s, s: 60 d
 _SURE = 1.645  # of a normal: 95 %
 _ANSWER = re.compile(rb"@ACK_Z")
 _NO_COURSE = (
-    *("gps_", "depth_", "heading_absurd", "heading_full", "heading_silent", "heading_frozen"),
+    *(
+        "gps_",
+        "gps2_",
+        "depth_",
+        "heading_absurd",
+        "heading_full",
+        "heading_silent",
+        "heading_frozen",
+    ),
     "heading_inter",
 )
 _SAYS_THE_SAME = ("heading_frozen", "heading_silent", "heading_inter")

@@ -21,6 +21,12 @@ TEXTS: Mapping[str, str] = {
     + "safety radius 600 time 20min depth 10 voltage 10\nassume current 0.5 start 100\n"
     "dive: depth 6 heading 0 gear 4 until depth >= 5.5 timeout 90\n"
     "out: heading 0 gear 8 for 60\nback: heading 180 gear 8 for 60\n" + _PASS,
+    # To a place and back to where it began, by the estimate alone.
+    "home": "mission home vehicle auv\n" + _HOME
+    + "safety radius 700 time 20min depth 10 voltage 10\nassume current 0.5\n"
+    "dive: depth 5 heading 0 gear 4 until depth >= 4.5 timeout 90\n"
+    "out: goto north 90 east 40 depth 5 within 15 gear 8 timeout 4min else up\n"
+    "back: goto home depth 5 within 15 gear 8 timeout 4min else up\n" + _PASS,
     # A long way one way, which ends by its clock.
     "away": "mission away vehicle auv\n" + _HOME
     + "safety radius 1500 time 30min depth 10 voltage 10\nassume current 0.5\n"

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from random import Random
 
+from links.simulated.added import LIES
 from links.simulated.settings import FaultEvent
 from mission.verification.campaign.scene import (
     AC,
@@ -239,6 +240,25 @@ def _clogged(rng: Random) -> Scene:
     return Scene("deep", (fault("depth_stuck", rng.uniform(14.0, 30.0)),))
 
 
+def _lying(*sensors: str) -> Callable[[Random], Scene]:
+    """One of them lies, from before the dive or in it; the current that is assumed sets."""
+
+    def draw(rng: Random) -> Scene:
+        name = f"{rng.choice(sensors)}_{rng.choice(LIES)}"
+        begin = rng.choice([1.0, round(rng.uniform(DOWN, 90.0), 1)])
+        text = rng.choice(["away", "there", "stubborn", "home"])
+        return Scene(text, (fault(name, begin),), current=round(rng.uniform(0.0, 0.5), 2))
+
+    return draw
+
+
+def _second_alone(rng: Random) -> Scene:
+    """The first receiver is out, and of the second nothing is true."""
+    gone = fault(rng.choice(["gps_silent", "gps_lost", "gps_stuck"]), rng.uniform(4.0, 90.0))
+    how = rng.choice(["gps2_stuck", "gps2_wanders", "gps2_jump", "gps2_lost"])
+    return Scene(rng.choice(["deep", "home"]), (gone, fault(how, rng.uniform(4.0, 90.0))))
+
+
 def _low_battery(rng: Random) -> Scene:
     low = fault("battery_low", rng.uniform(DOWN, 80.0), FOREVER, round(rng.uniform(7.0, 9.0), 1))
     return Scene("away", (low,), batteries=True)
@@ -298,6 +318,9 @@ AT_SEA: Mapping[str, SceneRow] = {
         "course and heading differ at the surface",
         lambda rng: Scene("transit", (fault("heading_off", 8.0, FOREVER, rng.uniform(150, 180)),)),
     ),
+    "lying_log": SceneRow("an added log of speed lies", _lying("speed_log", "doppler")),
+    "lying_place": SceneRow("an added acoustic system lies", _lying("acoustic", "ranges")),
+    "lying_second": SceneRow("the first receiver is out, the second lies", _second_alone),
     "low_battery": SceneRow("a control battery that is reported, and low", _low_battery),
     "blind_compass": SceneRow(
         "the compass fails under way", _sensor("heading_full_scale", "heading_frozen")

@@ -20,7 +20,8 @@ from dataclasses import replace
 from random import Random
 
 from links.simulated.board_faults import OF_BOARDS
-from links.simulated.faults import FAULTS, Fault
+from links.simulated.fault import Fault
+from links.simulated.faults import FAULTS
 from links.simulated.settings import FaultEvent
 from mission.verification.campaign.scene import Scene
 from mission.verification.campaign.scene_texts import ON_BOARDS
@@ -66,10 +67,11 @@ _ON_ALL: Mapping[str, tuple[str, ...]] = {
     ),
     NO_RECEIVER: (
         *("stuck_receiver", "wandering_receiver", "blind_and_wandering", "heavy_and_wandering"),
+        "lying_second",
     ),
     NO_SUCH_FAULT: (
         *("clogged", "wrong_compass", "loose_compass", "blind_compass", "full_scale_roll"),
-        *("blind_altimeter", "blind_above_the_bottom"),
+        *("blind_altimeter", "blind_above_the_bottom", "lying_log", "lying_place"),
     ),
     UNKNOWN_AT_REST: ("sinks_unseen",),
 }

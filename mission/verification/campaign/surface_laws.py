@@ -65,7 +65,7 @@ def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
     shallow = story.deepest(told - _AFLOAT, told) <= _SHALLOW
     fixed = story.deepest(t - 2.0, t) <= _FIXED
     unknown = not story.told_in(t - 6.0, t) or story.faulty(DEPTH_FAULTS, t - 20.0, t)
-    wanders = story.faulty(("gps_wanders",), t - 20.0, t)
+    wanders = story.faulty(("gps_wanders", "gps2_wanders"), t - 20.0, t)
     if wanders and ((unknown and _may_be_up(story, stay)) or story.depth(t) < _NEARLY):
         return  # nothing contradicts fixes as at the surface
     if not (shallow or fixed) and not story.faulty(_UNDETECTED, t - 10.0, t):
