@@ -39,6 +39,7 @@ class Condition:
     report_age: float | None = None  # inf: none ever came
     reports_within: float = 5.0  # else they are old
     afloat_without_fix: float | None = None  # at the surface, with a receiver
+    receivers: str = ""  # why the first of two receivers does not count
     refusal: str = ""
     refusal_age: float | None = None
     battery_runs_out: float | None = None  # until its limit, as it falls now
@@ -170,6 +171,8 @@ _ROWS = (
     AlarmRow("clock", 11, WARNING, "set it in idle: `auvmission time`", _clock),
     AlarmRow("broken", 12, DANGER, "mend it, then restart serve at the surface",
              lambda c: "; ".join(c.broken)),
+    AlarmRow("receiver", 13, WARNING, "look at the first receiver and its cable; the second has to "
+             "last", lambda c: c.receivers),
     AlarmRow("no contact", None, WARNING, "it goes on by itself; ask again, nearer or by modem",
              _silent),
     AlarmRow("OVERDUE", None, DANGER, "search, and call for help before the battery ends",

@@ -38,6 +38,7 @@ RAISED = [
     ("black box", Condition(recording="no space"), "no space"),
     ("clock", Condition(clock_off=-CLOCK_S - 1), "31 s behind"),
     ("broken", Condition(broken=("serve.yaml",)), "serve.yaml"),
+    ("receiver", Condition(receivers="the second counts"), "the second counts"),
     ("no contact", Condition(silent=130.0), "2 min ago"),
     ("OVERDUE", Condition(overdue="since 3"), "since 3"),
 ]
@@ -85,7 +86,7 @@ def test_bits_are_those_of_the_first_version_for_ever() -> None:
     assert {row.name: row.bit for row in ALARMS.values() if row.bit is not None} == {
         "emergency": 0, "limit": 1, "stop not obeyed": 2, "old report": 3, "no fix": 4, "refused": 5,
         "battery": 6, "link away": 7, "NOT SENT": 8, "disk": 9, "black box": 10, "clock": 11,
-        "broken": 12,
+        "broken": 12, "receiver": 13,
     }  # fmt: skip
 
 

@@ -28,9 +28,11 @@ PLACE = math.radians(30.29), math.radians(120.15)
 Change = Callable[[float, dict[str, GpsReceiver]], None]
 
 
-def counted(change: Change, seconds: int = 40, both: bool = True) -> list[tuple[float, str, Fix]]:
+def counted(
+    change: Change, seconds: int = 40, both: bool = True, used: Receivers | None = None
+) -> list[tuple[float, str, Fix]]:
     """What counts of two receivers that lie still, when and of which."""
-    start, out, used = datetime(2026, 6, 1, tzinfo=UTC), [], Receivers()
+    start, out, used = datetime(2026, 6, 1, tzinfo=UTC), [], used or Receivers()
     made = {
         name: GpsReceiver(SensorErrors(first_fix=0.0), Random(name), start)
         for name in ((GPS, GPS2) if both else (GPS,))
@@ -142,6 +144,39 @@ def test_of_the_second_only_news_counts_and_without_it_all_that_the_first_says()
     assert [t for t, _ in said(*stuck)] == [0.0, 1.0, 2.0]
     alone = [(float(t), GPS, 5.0) for t in (*range(30), *range(1830, 1850))]
     assert len(said(*alone)) == 50
+
+
+def trouble(change: Change, until: int = 60) -> list[str]:
+    """What is told of the receivers, after each second."""
+    told = list[str]()
+    used = Receivers()
+
+    def listening(now: float, made: dict[str, GpsReceiver]) -> None:
+        change(now, made)
+        told.append(used.trouble)
+
+    counted(listening, seconds=until, used=used)
+    return told
+
+
+def test_a_second_receiver_that_stands_in_is_told_until_the_first_counts_again() -> None:
+    def silent(now: float, made: dict[str, GpsReceiver]) -> None:
+        made[GPS].silent = 10 <= now < 40
+
+    told = trouble(silent)
+    words = "the first receiver says no fix: the second counts"
+    assert set(told[:24]) == {""}, "a few seconds are no trouble"
+    assert set(told[28:40]) == {words}
+    assert set(told[43:]) == {""}
+
+
+def test_what_is_told_of_a_receiver_says_whether_it_is_stuck_or_the_two_disagree() -> None:
+    def stuck(now: float, made: dict[str, GpsReceiver]) -> None:
+        made[GPS].stuck = now >= 10
+
+    assert trouble(stuck)[-1] == "the first receiver is stuck: the second counts"
+    assert "the two receivers say places 4" in trouble(apart_from_10)[-1]
+    assert set(trouble(unchanged)) == {""}
 
 
 DIVE = """mission dive vehicle auv

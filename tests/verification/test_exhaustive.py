@@ -21,6 +21,7 @@ from mission.engine.monitor import LimitMonitor
 from mission.model import AUTONOMOUS, STOPPED, SURFACED, Action, By, Tx, Verdict
 from mission.model.shipped import missions_folder
 from mission.model.vehicle import Vehicle
+from mission.navigation.added import Seen
 from mission.navigation.belief import DepthBelief
 from mission.navigation.health import SensorHealth, _Monitor
 from mission.onboard.runtime.commander import Commander
@@ -465,6 +466,11 @@ def _pushes_down_again(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Ascent, "_may_lift", lambda self, way, depth: depth is not None)
 
 
+def _any_place_opens_the_gate(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Seen, "confirmed", lambda self, a: True)
+    patch.setattr(Seen, "insists", lambda self, a: True)
+
+
 def _pushes_in_the_dark(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Ascent, "_may_lift", lambda self, way, depth: True)
 
@@ -476,6 +482,7 @@ BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_clear_while_surfacing, "surfacing", "no exit from an emergency but R7's"),
     (_no_reason, "surfacing", "no command without a reason"),
     (_stick_in_emergency, "stopped, stick held", "M takes over at once, in an emergency after 2 s of silence"),
+    (_any_place_opens_the_gate, "autonomous/dive , quiet", "from region to region only for a cause"),
     (_never_blind, "autonomous/dive , quiet", "a set whose reading is unknown is given up"),
     (_limits_sleep, "autonomous/dive , quiet", "a breach leads to its response where it acts, and only there"),
     (_areas_are_open, "autonomous/dive , quiet", "a breach leads to its response where it acts, and only there"),

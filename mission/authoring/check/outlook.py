@@ -10,9 +10,10 @@
 The mission is flown in its order, each leg as it is meant to end: to its places at its speed, after
 the way, the time or the depth that its guard waits for, else for as long as its clock says. It
 rises from the depth of before at the rate of its buoyancy, and fixes come once it has been up for
-some seconds. The current is taken to be anywhere in the disc that is assumed, so its sigma is
-half of that on each axis. Kalman's covariance needs no readings, only the way (Gelb, Applied
-Optimal Estimation, 1974, ch. 4.2); the figures are those of mission/navigation/model.py.
+some seconds; a surface leg that awaits none ends before. The current is taken to be anywhere in the
+disc that is assumed, so its sigma is half of that on each axis. Kalman's covariance needs no
+readings, only the way (Gelb, Applied Optimal Estimation, 1974, ch. 4.2); the figures are those of
+mission/navigation/model.py.
 
 What does not live here: what is seen of an area then (covered.py), what is demanded, refused and
 advised (purpose.py).
@@ -260,7 +261,8 @@ class _Course:
         if fixed:
             self._drift.fix()
         self._holds = {"surge": 0.0, "depth": 0.0}
-        self._deep, self._up = 0.0, math.inf
+        self._deep = 0.0
+        self._up = math.inf if fixed else 0.0  # what awaits no fix ends as soon as it is up
 
     def _to(self, point: Point) -> None:
         """Straight there; across the current it takes longer."""

@@ -32,6 +32,7 @@ GPS, GPS2 = "gps", "gps2"
 RECEIVERS = (GPS, GPS2)
 FAILOVER = 5.0  # s without a fix of the first
 BESIDE = 2.0  # s between two fixes that are compared
+TOLD = 10.0, 3  # s, fixes in a row: for so long the second counts, or they disagree, untold
 _STUCK = 5  # fixes in a row
 _SIGMAS, _LEAST, _FASTEST = 6.0, 3.0, 4.0  # of each noise; m, of a plain receiver's; m/s
 
@@ -43,6 +44,20 @@ class Receivers:
         self._said = {name: Receiver() for name in RECEIVERS}
         self._second = False  # it has ever said a fix
         self._doubts = 0  # in a row
+        self._apart = 0.0  # m, when last in doubt
+        self._stands_in: tuple[float, float] | None = None  # s: since when, and last
+
+    @property
+    def trouble(self) -> str:
+        """Why the first does not count as it should, as far as it lasts; "" if it does. While
+        nothing is said, as it was."""
+        seconds, doubts = TOLD
+        if self._doubts >= doubts:
+            return f"the two receivers say places {self._apart:.0f} m apart"
+        if self._stands_in is None or self._stands_in[1] - self._stands_in[0] < seconds:
+            return ""
+        how = "is stuck" if _stuck(self._last[GPS]) else "says no fix"
+        return f"the first receiver {how}: the second counts"
 
     def receive(self, rx: Rx) -> list[Fix | FrameFault]:
         """What counts of it."""
@@ -65,6 +80,8 @@ class Receivers:
             if not isinstance(one, Fix):
                 yield one
             elif self._is_news(link, one) and self._counts(link, one.t):
+                since = one.t if self._stands_in is None else self._stands_in[0]
+                self._stands_in = (since, one.t) if link == GPS2 else None
                 yield self._doubted(link, one)
 
     def _is_news(self, link: str, fix: Fix) -> bool:
@@ -85,11 +102,11 @@ class Receivers:
 
     def _doubted(self, link: str, fix: Fix) -> Fix:
         """As uncertain as it is from the other's place, if that is too far; more each time."""
-        apart = self._apart(link, fix)
+        self._apart = apart = self._between(link, fix)
         self._doubts = self._doubts + 1 if apart else 0
         return replace(fix, accuracy=max(fix.accuracy, apart * self._doubts)) if apart else fix
 
-    def _apart(self, link: str, fix: Fix) -> float:
+    def _between(self, link: str, fix: Fix) -> float:
         """m, from the other's place of the same time; 0 where noise explains it."""
         others = self._last[GPS if link == GPS2 else GPS2]
         if not others or fix.t - others[-1].t > BESIDE or _stuck(others):

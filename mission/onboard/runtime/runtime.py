@@ -373,7 +373,7 @@ class Runtime:
 
     def condition(self, now: float) -> Condition:
         """What the runtime knows that alarms go by."""
-        return self.situation.condition(*self._topside.refusals.last, now)
+        return self.situation.condition(*self._topside.refusals.last, now, self._gps.trouble)
 
     def state_report(self, asker: Peer, now: float) -> StateReport:
         return self.situation.state_report(self.condition(now), asker, self.commander.peer, now)

@@ -98,7 +98,10 @@ class Situation:
             fixed or (depth is not None and depth < AT_SURFACE_M)
         )
 
-    def condition(self, refusal: str, refused_at: float, now: float) -> Condition:
+    def condition(
+        self, refusal: str, refused_at: float, now: float, receivers: str = ""
+    ) -> Condition:
+        """``receivers``: what is wrong with them."""
         engine = self._engine
         watch, within = engine.core.watch, self._vehicle.stale_after
         breached = {row.name: row.why(watch) for row in engine.breaches if row.name != TELEMETRY}
@@ -110,6 +113,7 @@ class Situation:
             report_age=self.report_age(now) if self.telemetry or now > within else None,
             reports_within=within,
             afloat_without_fix=self._without_fix(now),
+            receivers=receivers,
             refusal=refusal,
             refusal_age=now - refused_at if refusal else None,
             battery_runs_out=self._runs_out(),

@@ -13,6 +13,7 @@ import itertools
 
 from mission.model import Chart
 from mission.model.tables import Table, derived
+from mission.verification.exhaustive.added_events import ADDED_EVENTS
 from mission.verification.exhaustive.cell import Configuration, Event
 from mission.verification.exhaustive.commands import COMMANDS, SETTLE, Play, of_word, script
 from mission.verification.exhaustive.configurations import SHALLOW
@@ -331,7 +332,7 @@ OTHERS = (
 )
 
 EVENTS: Table[str, Event] = Table(
-    lambda event: event.name, (*COMMANDS, *LIMITS, *READINGS, *OTHERS, *DOUBTS)
+    lambda event: event.name, (*COMMANDS, *LIMITS, *READINGS, *OTHERS, *DOUBTS, *ADDED_EVENTS)
 )
 
 

@@ -7,18 +7,20 @@ What does not live here: physics (the sea is told what it is), simulated firmwar
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from links.base import Rx
 from mission.engine.engine import Engine
 from mission.model import Estimate, Position, Step, Tx
-from mission.model.vehicle import Vehicle
+from mission.model.vehicle import Beacon, Vehicle
 from mission.navigation import Navigation
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.runtime.command_target import MODEM
 from mission.onboard.runtime.receivers import GPS as RECEIVER
-from mission.onboard.runtime.runtime import VEHICLE, Runtime
+from mission.onboard.runtime.receivers import GPS2 as SECOND
+from mission.onboard.runtime.runtime import SENSORS, VEHICLE, Runtime
 from mission.onboard.store import MemoryStore, Stored
 from mission.verification.exhaustive.fork import Fork
 from mission.verification.exhaustive.lines import (
@@ -40,6 +42,7 @@ _STOP = b"@ZAX0$"
 _CONFIGURATION = Configuration(links=LinkUrls(modem="memory://modem"))
 
 
+_BEACONS = {"1": Beacon(math.radians(30.2885), math.radians(120.1545), 5.0)}
 _BEGUN: dict[object, Fork[World]] = {}  # a runtime is made of nothing but these
 
 
@@ -74,6 +77,7 @@ class World(LockStep):
         line: Line | None = None,
     ) -> None:
         super().__init__(now)
+        vehicle = replace(vehicle, beacons=_BEACONS)
         self.vehicle, self.home, self.line = vehicle, home, line or line_of(vehicle)
         self.sea, self.notes = self.line.sea(), Notes()
         self.store = MemoryStore(stored)
@@ -154,6 +158,14 @@ class World(LockStep):
     def hear(self, data: bytes) -> None:
         """Something of the vehicle's."""
         self._take(self.runtime.receive(Rx(self.now, VEHICLE, data, "")))
+
+    def hear_added(self, data: bytes) -> None:
+        """What a sensor that was added says."""
+        self._take(self.runtime.receive(Rx(self.now, SENSORS, data)))
+
+    def hear_second(self, data: bytes) -> None:
+        """What a second receiver says."""
+        self._take(self.runtime.receive(Rx(self.now, SECOND, data)))
 
     def report(self) -> None:
         data = self.line.report(self.sea, self.home)

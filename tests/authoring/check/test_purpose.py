@@ -172,6 +172,18 @@ def test_a_rise_that_has_been_up_for_some_seconds_brings_a_fix() -> None:
     assert above[4] < above[1] + 2.0
 
 
+def test_a_surface_leg_brings_a_fix_only_where_it_waits_for_one() -> None:
+    def last(rest: str) -> float:
+        lines = TEXT.splitlines()
+        legs = ["out: heading 90 gear 6 for 5min", rest, "on: depth 6 heading 90 gear 6 for 60s"]
+        text = "\n".join([*lines[:5], *legs, lines[-1], ""])
+        return outlooks(prepare_text(text, "m").mission, AUV)[1]["on"]
+
+    known, passed = last("r: surface until fix timeout 4min"), last("r: surface timeout 4min")
+    assert passed > 2.0 * known
+    assert last("r: surface timeout 4min\nw: wait 20s") < 1.2 * known
+
+
 def test_a_depth_that_a_leg_is_not_led_to_does_not_end_it() -> None:
     (one,), (clock,) = (
         plain(f"{u} achieve position 900").outlook for u in ("until depth < 2 or depth > 8", "")
