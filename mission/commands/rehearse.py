@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
 from mission.commands.jobs import Where, job_options
-from mission.commands.options import AS_JSON, MISSION, PARAMETERS, SEED, VEHICLE
+from mission.commands.options import AS_JSON, BATHYMETRY, MISSION, PARAMETERS, SEED, VEHICLE
 from mission.commands.output import writing
+from mission.commands.seafloor import depths_of
 from mission.commands.unreadable import tell_unreadable
 
 
@@ -22,6 +24,7 @@ from mission.commands.unreadable import tell_unreadable
               "with all figures.")  # fmt: skip
 @PARAMETERS
 @VEHICLE
+@BATHYMETRY
 @AS_JSON
 @job_options
 def rehearse(
@@ -31,6 +34,7 @@ def rehearse(
     output: Path | None,
     parameters: tuple[str, ...],
     vehicle: str | None,
+    bathymetry: Path | None,
     as_json: bool,
     where: Where,
 ) -> None:
@@ -39,10 +43,14 @@ def rehearse(
     Tells how probably it is completed, the spreads of time, energy, position error and coverage,
     where it comes up (with the regions that hold 50, 90 and 99 % of the flights, for the boat),
     which limits came near, and the worst ten with the command that flies each again. The same seed
-    tells the same. Exit 0 if all were completed, 1 if not, 2 if MISSION cannot be read.
+    tells the same. With --bathymetry the sea floor follows the file, and the least water under the
+    vehicle is told, with how many flights ran aground.
+
+    Exit 0 if all were completed, 1 if not, 2 if MISSION cannot be read.
     """
     import functools
     import json
+    from hashlib import sha256
 
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
     from mission.verification.rehearsing.flights import Flown, rehearsed
@@ -61,9 +69,14 @@ def rehearse(
         tell_unreadable(error, as_json)
         raise SystemExit(2) from None
     tell = functools.partial(click.echo, err=True)
-    told_of = {"rehearsed": prepared.chart.digest, "seed": seed}
+    told_of: dict[str, Any] = {"rehearsed": prepared.chart.digest, "seed": seed}
+    floor = ""
+    if bathymetry is not None:
+        depths_of(bathymetry)
+        floor = str(bathymetry.resolve())
+        told_of["bathymetry"] = sha256(bathymetry.read_bytes()).hexdigest()[:16]
     with where.keeping(told_of, Flown) as kept:
-        made = rehearsed(prepared, vehicle, given, seed, flights, where.place, kept)
+        made = rehearsed(prepared, vehicle, given, seed, flights, where.place, kept, floor)
         ended = list(with_progress(made, flights, "flights", tell, kept.count))
     flown = [one for one in ended if isinstance(one, Flown)]
     for one in ended:

@@ -2,21 +2,13 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 if TYPE_CHECKING:
-    from links.simulated.settings import Settings
     from mission.authoring.bathymetry import Depths
-    from mission.model import Mission
-    from mission.verification.simulation.flightlog import Flight
-
-
-_TOUCHES = 0.3  # m: its altimeter lies so high when it lies on the floor, and some
 
 
 def depths_of(path: Path) -> Depths:
@@ -28,56 +20,3 @@ def depths_of(path: Path) -> Depths:
     except BathymetryError as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
-
-
-def over(settings: Settings, mission: Mission, depths: Depths) -> Settings:
-    """The same sea with that floor; where the file knows none, the one that the mission assumes,
-    else that of the settings."""
-    floor = dict(mission.assume).get("floor", settings.sea.floor)
-
-    def at(latitude: float, longitude: float) -> float | None:
-        return depths.at(math.degrees(latitude), math.degrees(longitude))
-
-    return replace(
-        settings, sea=replace(settings.sea, floor=floor, floor_at=at, floor_from=depths.source)
-    )
-
-
-@dataclass(frozen=True, slots=True)
-class Clearance:
-    """The least m of water under the vehicle, by truth, where the file knows the floor; s from the
-    beginning of the flight, degrees."""
-
-    least: float
-    t: float
-    latitude: float
-    longitude: float
-
-    def as_object(self) -> dict[str, float]:
-        return {
-            "least_m": round(self.least, 2),
-            "t": self.t,
-            "latitude": round(self.latitude, 7),
-            "longitude": round(self.longitude, 7),
-        }
-
-    @property
-    def told(self) -> str:
-        place = f"{self.latitude:.6f} {self.longitude:.6f}"
-        touched = ": aground" if self.least < _TOUCHES else ""
-        return f"least clearance   {self.least:.1f} m at {self.t:.0f} s, {place}{touched}"
-
-
-def clearance(flight: Flight, mission: Mission, depths: Depths) -> Clearance | None:
-    """None where the flight led over no floor that is known, or the mission names no home."""
-    from mission.navigation.geodesy import LocalFrame
-
-    if mission.home is None:
-        return None
-    frame, least = LocalFrame(mission.home), None
-    for at in flight.track:
-        latitude, longitude = map(math.degrees, frame.to_geodetic(at.north, at.east))
-        floor = depths.at(latitude, longitude)
-        if floor is not None and (least is None or floor - at.depth < least.least):
-            least = Clearance(floor - at.depth, at.t, latitude, longitude)
-    return least

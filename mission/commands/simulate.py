@@ -17,7 +17,7 @@ from mission.commands.options import (
     SETTINGS,
     VEHICLE,
 )
-from mission.commands.seafloor import Clearance, clearance, depths_of, over
+from mission.commands.seafloor import depths_of
 from mission.commands.unreadable import tell_unreadable
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from mission.onboard.blackbox import BlackBox
     from mission.verification.simulation.flightlog import Flight
     from mission.verification.simulation.flown import Flown
+    from mission.verification.simulation.seafloor import Clearance
 
 UNREADABLE = 2
 BLACK_BOX, PAGE = "flight.mcap", "report.html"
@@ -67,6 +68,7 @@ def simulate(
 
     from links.simulated.settings import SettingError, parse_settings
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
+    from mission.verification.simulation.seafloor import clearance, over
 
     depths = None if bathymetry is None else depths_of(bathymetry)
     try:

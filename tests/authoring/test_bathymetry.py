@@ -99,6 +99,46 @@ def test_a_table_goes_by_the_names_of_its_columns() -> None:
     assert bathymetry_of(table, "s.csv").at(30.0, 120.0) == 4.0
 
 
+def test_a_unit_behind_the_name_of_a_column_is_no_part_of_it() -> None:
+    table = "Latitude,Longitude,Depth (m)\n30,120,4\n30.001,120.001,6\n"
+    assert bathymetry_of(table, "s.csv").at(30.0, 120.0) == 4.0
+
+
+def test_depths_of_which_none_is_positive_are_heights_whatever_they_are_called() -> None:
+    below = "lon,lat,depth\n120,30,-4\n120.001,30.001,-6\n"
+    assert bathymetry_of(below, "s.csv").at(30.0, 120.0) == 4.0
+    ashore = below + "120.002,30.002,3\n"
+    assert bathymetry_of(ashore, "s.csv").at(30.0, 120.0) == -4.0
+
+
+@pytest.mark.parametrize("first", ["120 30 NaN\n", "120 30 4\n"])
+def test_a_sounding_that_is_nan_is_not_known(first: str) -> None:
+    rows = [f"{120 + i * 1e-4} {30 + j * 1e-4} {5 + i}" for i in range(9) for j in range(9)]
+    gap = "120.0004 30.0004 NaN"
+    found = bathymetry_of(first + "\n".join([gap, *rows]), "s.xyz")
+    assert found.at(30.0, 120.0) == (4.0 if "4" in first else 5.0)
+    assert float(found.deep[-1, -1]) == 13.0
+
+
+@pytest.mark.parametrize(
+    ("begin", "what"),
+    [
+        (b"II*\0", "a GeoTIFF; write it as an ESRI ASCII grid"),
+        (b"CDF\x01", "netCDF; write it as an ESRI ASCII grid"),
+        (b"\x89HDF\r\n", "netCDF or a BAG; write"),
+        (b"DSAA\n3 2\n", "a Surfer grid; write"),
+        (b"PK\x03\x04", "a ZIP archive; unpack it first"),
+    ],
+)
+def test_a_format_that_is_not_read_is_named_with_the_way_to_one_that_is(
+    begin: bytes, what: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "bay"
+    file.write_bytes(begin + bytes(100))
+    with pytest.raises(BathymetryError, match=f"bay: {what}"):
+        read_bathymetry(file)
+
+
 def test_an_area_of_s57_has_a_shallowest_and_a_deepest_depth_and_a_hole_is_a_hole() -> None:
     rings = [square(120, 30, 0.01), square(120.004, 30.004, 0.002)]
     found = bathymetry_of(geojson(({"DRVAL1": 5, "DRVAL2": 10}, "Polygon", rings)), "a.json")

@@ -6,6 +6,7 @@ import json
 import math
 import re
 import shlex
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 
@@ -17,13 +18,14 @@ from mission.authoring.prepare import prepare
 from mission.cli import main
 from mission.verification.rehearsing.flights import Flown, energy_of
 from mission.verification.rehearsing.page import html_page
-from mission.verification.rehearsing.report import quantile, regions, report_of, wilson
+from mission.verification.rehearsing.report import as_text, quantile, regions, report_of, wilson
 from mission.verification.rehearsing.sea import drawn
 from mission.verification.simulation.coverage import Coverage
 from mission.verification.simulation.flight import fly
 
 DIVE = prepare("first-dive")
 FLIGHTS = 4
+BAY = "ncols 2\nnrows 2\nxllcorner 120\nyllcorner 30\ncellsize 0.5\n20 20\n20 20\n"
 
 
 @pytest.fixture(scope="module")
@@ -99,6 +101,27 @@ def test_the_worst_flights_come_with_the_command_that_flies_them_again(
     settings = parse_settings(drawn(DIVE.mission, DIVE.vehicle, 5, first["flight"]))
     flight = fly(DIVE.mission, DIVE.vehicle, seed=5 + first["flight"], settings=settings)
     assert round(max(s.error for s in flight.samples), 1) == first["error_m"]
+
+
+def test_over_the_floor_of_a_file_the_least_water_is_told(tmp_path: Path) -> None:
+    file = tmp_path / "a bay.asc"
+    file.write_text(BAY, encoding="utf-8")
+    over = ["--bathymetry", str(file), "--json"]
+    command = ["rehearse", "first-dive", "--flights", "1", "--workers", "1", *over]
+    told = json.loads(CliRunner().invoke(main, command).stdout)
+    assert told["clearance_m"][0] == pytest.approx(20.0 - 5.0, abs=0.6)
+    assert told["aground"] == 0
+    assert shlex.split(told["worst"][0]["again"])[-2:] == over[:2]
+
+
+def test_flights_that_run_aground_are_counted_and_drawn_on_the_page() -> None:
+    rows = [replace(flown(n), clearance=metres) for n, metres in enumerate((0.1, 4.0, 5.0))]
+    made = report_of([*rows, flown(3)])
+    assert made.clearance is not None
+    assert made.clearance[1] == 1
+    assert "aground in 1" in as_text(made, "dive", 0)
+    assert "1 aground" in html_page(made, rows, "dive", 0, "dive")
+    assert "clearance" not in as_text(report_of([flown(0)]), "dive", 0)
 
 
 @pytest.mark.proof

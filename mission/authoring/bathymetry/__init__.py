@@ -22,12 +22,24 @@ from pathlib import Path
 
 from mission.authoring.bathymetry.esri import from_esri
 from mission.authoring.bathymetry.geojson import from_geojson
-from mission.authoring.bathymetry.grid import BathymetryError, Depths
+from mission.authoring.bathymetry.grid import CONVERT, BathymetryError, Depths
 from mission.authoring.bathymetry.soundings import from_table
 
 __all__ = ["BathymetryError", "Depths", "bathymetry_of", "read_bathymetry"]
 
 MOST_BYTES = 64 << 20
+_OTHERS = {  # how files begin that are not read
+    b"II*\0": "a GeoTIFF",
+    b"MM\0*": "a GeoTIFF",
+    b"II+\0": "a GeoTIFF",
+    b"CDF": "netCDF",
+    b"\x89HDF": "netCDF or a BAG",
+    b"DSAA": "a Surfer grid",
+    b"DSBB": "a Surfer grid",
+    b"DSRB": "a Surfer grid",
+    b"PK": "a ZIP archive",
+    b"\x1f\x8b": "compressed",
+}
 
 
 def read_bathymetry(path: Path) -> Depths:
@@ -40,6 +52,10 @@ def read_bathymetry(path: Path) -> Depths:
     if len(data) > MOST_BYTES:
         what = f"more than {MOST_BYTES >> 20} MB"
         raise BathymetryError(f"{path}: {what}; cut out the part that is flown over")
+    for begin, what in _OTHERS.items():
+        if data.startswith(begin):
+            archive = what in ("a ZIP archive", "compressed")
+            raise BathymetryError(f"{path}: {what}; {'unpack it first' if archive else CONVERT}")
     return bathymetry_of(data.decode("utf-8-sig", "replace"), str(path))
 
 

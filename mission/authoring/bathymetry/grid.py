@@ -23,6 +23,7 @@ READABLE = (
     "an ESRI ASCII grid begins with ncols, GeoJSON with {, a table with a line such as "
     "latitude,longitude,depth (.xyz: longitude latitude depth, without one)"
 )
+CONVERT = "write it as an ESRI ASCII grid first (gdal_translate -of AAIGrid IN OUT.asc)"
 
 
 class BathymetryError(ValueError):
@@ -131,6 +132,11 @@ def made(
         f"{what}, {shallow.shape[0]} x {shallow.shape[1]} cells, {way} of {low:.1f} to {high:.1f} m"
     )
     return Depths(source, north, west, step, shallow, deep, told)
+
+
+def nothing(word: str) -> bool:
+    """Whether it says that none is known (GMT)."""
+    return word.lower() == "nan"
 
 
 def finite(word: str, where: str) -> float:

@@ -1,18 +1,20 @@
 """Tables of soundings: a first line names latitude, longitude and depth; without one three columns
-without commas are longitude, latitude and depth, as .xyz has them.
+without commas are longitude, latitude and depth, as .xyz has them. A depth that is NaN is not known
+(GMT); depths of which none is positive are heights by their sign, whatever the column is called.
 """
 
 from __future__ import annotations
 
 import contextlib
 import csv
-import math
+import re
 from collections.abc import Iterable
 
 from mission.authoring.bathymetry.cells import Found, gathered
 from mission.authoring.bathymetry.geojson import HEIGHTS
-from mission.authoring.bathymetry.grid import READABLE, BathymetryError, Depths, finite
+from mission.authoring.bathymetry.grid import READABLE, BathymetryError, Depths, finite, nothing
 
+_UNIT = re.compile(r"\s*[(\[](m|meters?|metres?|deg|degrees?|°)[)\]]\Z")  # behind a name
 _NAMES = {
     0: ("latitude", "lat", "y"),
     1: ("longitude", "lon", "long", "lng", "x"),
@@ -26,13 +28,11 @@ def from_table(text: str, source: str) -> Depths:
     if not lines:
         raise BathymetryError(f"{source}: empty; {READABLE}")
     mark = next((m for m in (";", ",", "\t") if m in lines[0][1]), None)
-    head = [word.strip().strip('"').lower() for word in _split(lines[0][1], mark)]
-    found, order = Found(source), [1, 0, 2]
+    head = [_UNIT.sub("", word.strip().strip('"').lower()) for word in _split(lines[0][1], mark)]
+    found, order, named = Found(source), [1, 0, 2], "z"
     if not _numeric(head):
         order = [_column(head, names, source) for names in _NAMES.values()]
-        found.heights.add(head[order[2]] in HEIGHTS)
-        if head[order[2]] == "z":
-            found.heights.clear()
+        named = head[order[2]]
         lines = lines[1:]
     elif mark == "," or len(head) != 3:
         raise BathymetryError(
@@ -43,8 +43,11 @@ def from_table(text: str, source: str) -> Depths:
         if len(words) <= max(order):
             what = f"{len(words)} columns are too few; write {', '.join(head)}"
             raise BathymetryError(f"{source}:{number}: {what}")
-        a, b, c = (finite(words[k].strip(), f"{source}:{number}") for k in order)
-        found.points.append((a, b, c))
+        if not nothing(words[order[2]].strip()):
+            a, b, c = (finite(words[k].strip(), f"{source}:{number}") for k in order)
+            found.points.append((a, b, c))
+    if named in HEIGHTS or (named == "depth" and any(depth > 0.0 for _, _, depth in found.points)):
+        found.heights.add(named in HEIGHTS)
     return gathered(found, "soundings")
 
 
@@ -58,7 +61,7 @@ def _split(line: str, mark: str | None) -> list[str]:
 
 def _numeric(words: Iterable[str]) -> bool:
     try:
-        return all(math.isfinite(float(word)) for word in words)
+        return len([float(word) for word in words]) > 0
     except ValueError:
         return False
 

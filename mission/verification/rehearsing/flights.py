@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from links.simulated.settings import parse_settings
+from mission.authoring.bathymetry import Depths, read_bathymetry
 from mission.authoring.check.assumptions import Assumptions
 from mission.authoring.check.bounds import LegBounds
 from mission.authoring.importing.places import beside
@@ -20,6 +21,7 @@ from mission.verification.simulation.coverage import Coverage, coverage_of
 from mission.verification.simulation.flight import fly
 from mission.verification.simulation.flightlog import Flight
 from mission.verification.simulation.reaching import Achieved, achieved_by
+from mission.verification.simulation.seafloor import clearance, over
 from mission.verification.workers import results
 from mission.verification.workers.kept import Kept
 from mission.verification.workers.outcome import Lost
@@ -36,6 +38,7 @@ class Job:
     parameters: tuple[tuple[str, str], ...]
     seed: int
     number: int
+    bathymetry: str = ""  # a file of depths
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +59,8 @@ class Flown:
     surfaced: tuple[float, float] | None
     near: tuple[tuple[str, float], ...]
     achieved: tuple[Achieved, ...] = ()
+    bathymetry: str = ""
+    clearance: float | None = None  # m of water under it, the least; where the file knows the floor
 
     @property
     def covered(self) -> float:
@@ -71,11 +76,13 @@ def rehearsed(
     flights: int,
     at: Place,
     kept: Kept[Flown] | None = None,
+    bathymetry: str = "",
 ) -> Iterator[Flown | Lost]:
-    """In the order of their numbers, whatever works on them."""
+    """In the order of their numbers, whatever works on them. ``bathymetry``: a file that can be
+    read, wherever they are flown."""
     given = tuple(sorted(parameters.items()))
     jobs = [
-        Job(prepared.text, prepared.source, vehicle, given, seed, number)
+        Job(prepared.text, prepared.source, vehicle, given, seed, number, bathymetry)
         for number in range(flights)
     ]
     return results(_one, jobs, at, lambda job: f"flight {job.number}", kept)
@@ -85,8 +92,11 @@ def _one(job: Job) -> Flown:
     prepared = _prepared(job.text, job.source, job.vehicle, job.parameters)
     mission, vehicle = prepared.mission, prepared.vehicle
     settings = drawn(mission, vehicle, job.seed, job.number)
-    sea = parse_settings(settings)
+    sea, depths = parse_settings(settings), _depths(job.bathymetry)
+    if depths is not None:
+        sea = over(sea, mission, depths)
     flight = fly(mission, vehicle, seed=job.seed + job.number, settings=sea)
+    near = None if depths is None else clearance(flight, mission, depths)
     last = flight.track[-1] if flight.track and flight.at_surface else None
     return Flown(
         number=job.number,
@@ -100,7 +110,14 @@ def _one(job: Job) -> Flown:
         surfaced=(last.north, last.east) if last is not None else None,
         near=_near(flight, prepared),
         achieved=achieved_by(flight, mission),
+        bathymetry=job.bathymetry,
+        clearance=None if near is None else near.least,
     )
+
+
+@functools.lru_cache(maxsize=1)
+def _depths(path: str) -> Depths | None:
+    return read_bathymetry(Path(path)) if path else None
 
 
 @functools.lru_cache(maxsize=1)

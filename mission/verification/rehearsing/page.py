@@ -54,6 +54,8 @@ def _spreads(made: Rehearsal) -> Iterator[tuple[str, ...]]:
     yield _row("time, min", made.time, 60.0)
     yield _row("energy, Wh", made.energy, 3600.0)
     yield _row("position error, m", made.error, 1.0)
+    if made.clearance is not None:
+        yield _row(f"clearance, m ({made.clearance[1]} aground)", made.clearance[0], 1.0)
     for leg, (true, estimated) in made.coverage.items():
         yield _row(f"coverage of {leg}, %", true, 0.01)
         yield _row(f"coverage of {leg} by the estimate, %", estimated, 0.01)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from mission.verification.rehearsing.flights import Flown
+from mission.verification.simulation.seafloor import TOUCHES
 
 SHARES = (0.5, 0.9, 0.99)
 WORST = 10
@@ -53,6 +55,7 @@ class Rehearsal:
     regions: tuple[Region, ...]
     near: dict[str, float]  # of each limit, the greatest share that any flight used
     worst: tuple[Flown, ...]
+    clearance: tuple[Spread, int] | None = None  # m over the floor of a file; flights aground
 
 
 def report_of(flown: Sequence[Flown]) -> Rehearsal:
@@ -70,7 +73,12 @@ def report_of(flown: Sequence[Flown]) -> Rehearsal:
         regions=regions([f.surfaced for f in flown if f.surfaced is not None]),
         near={name: max(dict(f.near)[name] for f in flown) for name, _ in flown[0].near},
         worst=tuple(sorted(flown, key=_goodness)[:WORST]),
+        clearance=_clearance([f.clearance for f in flown if f.clearance is not None]),
     )
+
+
+def _clearance(least: Sequence[float]) -> tuple[Spread, int] | None:
+    return (Spread.of(least), sum(m < TOUCHES for m in least)) if least else None
 
 
 def _goodness(flown: Flown) -> tuple[bool, float, float]:
@@ -133,7 +141,8 @@ def regions(places: Sequence[tuple[float, float]]) -> tuple[Region, ...]:
 def again(flown: Flown, source: str, seed: int) -> str:
     """The command that flies it once more."""
     said = " ".join(f"--set {text}" for text in flown.settings)
-    return f"auvmission simulate {source} --seed {seed + flown.number} {said}"
+    floor = f" --bathymetry {shlex.quote(flown.bathymetry)}" if flown.bathymetry else ""
+    return f"auvmission simulate {source} --seed {seed + flown.number} {said}{floor}"
 
 
 # --- told -----------------------------------------------------------------------------------------
@@ -150,6 +159,9 @@ def as_text(made: Rehearsal, source: str, seed: int) -> str:
         _row("energy, Wh", made.energy, 3600.0),
         _row("error, m", made.error, 1.0),
     ]
+    if made.clearance is not None:
+        least, aground = made.clearance
+        rows.append(_row("clearance, m", least, 1.0) + f"  aground in {aground}" * bool(aground))
     for leg, (true, estimated) in made.coverage.items():
         rows.append(_row("coverage, %", true, 0.01) + f"  {leg}")
         rows.append(_row("  by estimate, %", estimated, 0.01) + f"  {leg}")
@@ -181,6 +193,7 @@ def as_object(made: Rehearsal, source: str, seed: int) -> dict[str, Any]:
         "time_s": _spread(made.time),
         "energy_wh": _spread(made.energy, 3600.0),
         "error_m": _spread(made.error),
+        **({} if made.clearance is None else _of_floor(*made.clearance)),
         "coverage": {
             leg: {"true": _spread(true), "estimated": _spread(estimated)}
             for leg, (true, estimated) in made.coverage.items()
@@ -212,6 +225,10 @@ def as_object(made: Rehearsal, source: str, seed: int) -> dict[str, Any]:
             for f in made.worst
         ],
     }
+
+
+def _of_floor(least: Spread, aground: int) -> dict[str, Any]:
+    return {"clearance_m": _spread(least), "aground": aground}
 
 
 def _spread(spread: Spread, unit: float = 1.0) -> list[float]:
