@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import atan2, cos, hypot, inf, pi, sin
+from math import atan2, cos, hypot, inf, pi, sin, sqrt
 from random import Random
 from typing import cast
 
@@ -129,10 +129,10 @@ class SimulatedBoard:
         self.name, self.seed, self.position = name, seed, position
         built = read_wire(vehicle_row(name).keys, wire)
         self.board = {**BOARDS, **ON_BUS}[name](Random(seed), Tolerances.parse(tolerances), built)
-        self.plant: Plant | Ground = Ground()
+        self.plant: Plant | Ground = Ground(sqrt(chosen.thrust))
         if isinstance(self.board, WaterBoard):
             speed, direction = chosen.sea.current
-            body = replace(self.board.body, buoyancy=chosen.body.buoyancy)
+            body = replace(chosen.pushed(self.board.body), buoyancy=chosen.body.buoyancy)
             self.plant = Plant(body, floor=chosen.sea.floor_under(position))
             self.plant.yaw = heading
             self.plant.current_north = speed * cos(direction)

@@ -16,7 +16,9 @@ LAG = 0.2  # s of the drive
 class Ground:
     lever = LEVER
 
-    def __init__(self) -> None:
+    def __init__(self, share: float = 1.0) -> None:
+        """``share``: of the speeds that are asked for."""
+        self._of_asked = share
         self.north = self.east = self.yaw = 0.0
         self.u = self.v = self.r = 0.0
         self.depth = self.depth_rate = self.roll = self.pitch = self.floor = 0.0
@@ -27,7 +29,9 @@ class Ground:
 
     def drive(self, asked: tuple[float, float, float]) -> None:
         """m/s ahead and to starboard, rad/s to starboard."""
-        self._asked = asked
+        ahead, aside, turn = asked
+        share = self._of_asked
+        self._asked = (share * ahead, share * aside, share * turn)
 
     def run(self, steps: int) -> None:
         for _ in range(steps):

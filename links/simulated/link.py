@@ -99,7 +99,9 @@ class SimulatedVehicle:
         rng = Random(seed)
         as_built = profile == "as-built"
         self.sea = sea = self.settings.sea
-        self.plant = Plant(self.settings.body, floor=sea.floor_under(position))
+        self.plant = Plant(
+            self.settings.pushed(self.settings.body), floor=sea.floor_under(position)
+        )
         self.plant.yaw = heading
         self.sensors = Sensors(
             self.settings.errors, rng, repeats_when_silent=as_built, declination=declination

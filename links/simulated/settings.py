@@ -44,11 +44,16 @@ class Settings:
     sea: Sea = field(default_factory=Sea)
     errors: SensorErrors = field(default_factory=SensorErrors)
     body: Body = field(default_factory=Body)
+    thrust: float = 1.0  # share that the main thrusters have of what their body's have
     faults: tuple[FaultEvent, ...] = ()
     splice: float | None = None  # chance; None: as the profile says
     added: Fitted = field(default_factory=Fitted)
     second_gps: float | None = None  # m: noise of a second receiver; None: it is not there
     sentences: tuple[str, ...] = ("GGA", "RMC")  # what the GPS receiver says every second
+
+    def pushed(self, body: Body) -> Body:
+        """``body`` with that thrust."""
+        return replace(body, main_thrust=self.thrust * body.main_thrust)
 
     def has(self, part: str) -> bool:
         """Whether what a fault ``needs`` is fitted; "" is."""
@@ -151,8 +156,7 @@ def _buoyancy(settings: Settings, text: str) -> Settings:
 
 
 def _thrust(settings: Settings, text: str) -> Settings:
-    main = settings.body.main_thrust * _number(text, 0.0, 4.0)
-    return replace(settings, body=replace(settings.body, main_thrust=main))
+    return replace(settings, thrust=_number(text, 0.0, 4.0))
 
 
 def _splice(settings: Settings, text: str) -> Settings:
@@ -213,7 +217,7 @@ SETTINGS: dict[str, Setting] = {
     "added_lie": Setting("HOW@BEGIN", f"added sensors: {', '.join(LIES)}", _lie),
     "first_fix": Setting("S", "after power-on", _errors("first_fix", 1.0)),
     "buoyancy": Setting("N", "net, upward", _buoyancy),
-    "thrust": Setting("SHARE", "of what the main thrusters have", _thrust),
+    "thrust": Setting("SHARE", "of what the main thrusters have; a robot's wheels alike", _thrust),
     "splice": Setting("CHANCE", "of an answer inside an @SD", _splice),
     "fault": Setting("NAME[=VALUE]@BEGIN[+DURATION]", "s; may be given again", _fault),
 }

@@ -14,8 +14,10 @@ import pytest
 from click.testing import CliRunner
 
 from links.simulated.settings import parse_settings
+from mission.authoring.language import parse
 from mission.authoring.prepare import prepare
 from mission.cli import main
+from mission.model.shipped import load_vehicle
 from mission.verification.rehearsing.flights import Flown, energy_of
 from mission.verification.rehearsing.page import html_page
 from mission.verification.rehearsing.report import as_text, quantile, regions, report_of, wilson
@@ -59,7 +61,7 @@ def test_the_vehicle_errs_as_its_file_says() -> None:
     biases = [s.errors.compass_bias for s in seas if s.errors.compass_bias is not None]
     sigma = math.sqrt(sum(b * b for b in biases) / len(biases))
     assert sigma == pytest.approx(DIVE.vehicle.sensors.heading_bias, rel=0.15)
-    assert len({s.body.main_thrust for s in seas}) > 100
+    assert len({s.thrust for s in seas}) > 100
 
 
 def test_a_seed_draws_the_same_sea_and_another_seed_another() -> None:
@@ -182,9 +184,20 @@ def test_the_chance_of_completion_has_an_interval_that_is_never_sure(hits: int, 
         assert (low, high) == (pytest.approx(0.8256, abs=1e-3), pytest.approx(0.9448, abs=1e-3))
 
 
-def test_thrust_is_a_share_of_what_the_main_thrusters_have() -> None:
-    whole, half = parse_settings([]), parse_settings(["thrust=0.5"])
-    assert half.body.main_thrust == 0.5 * whole.body.main_thrust
+@pytest.mark.parametrize(
+    ("name", "leg"), [("auv", "heading 0 gear 6"), ("rov", "gear 4"), ("robot", "gear 6")]
+)
+def test_thrust_is_a_share_of_what_the_vehicle_has_and_speed_its_root(name: str, leg: str) -> None:
+    mission = parse(
+        f"mission m vehicle {name}\nstart without fix\nsafety time 10min radius 300 depth 10\n"
+        f"assume current 0 start 0\na: {leg} for 20\n"
+    )
+
+    def way(*said: str) -> float:
+        vehicle = load_vehicle(name)
+        return fly(mission, vehicle, settings=parse_settings(said)).max_range
+
+    assert way("thrust=0.25") == pytest.approx(0.5 * way(), rel=0.2)
 
 
 def test_what_cannot_be_rehearsed_is_said(tmp_path: Path) -> None:

@@ -18,10 +18,11 @@ from links.simulated.sea import Sea
 from links.simulated.sensors import SensorErrors
 from links.simulated.settings import Settings
 from mission.model import Mission, Step
-from mission.verification.campaign.draw import Plan, Subject, body_of, profiles_of
+from mission.verification.campaign.draw import Plan, Subject, profiles_of
 from mission.verification.campaign.faults import ALARMED, FlightResult, fly_plan, result_of
 from mission.verification.campaign.laws import Violation
 from mission.verification.rig.trace import Trace
+from mission.verification.rig.vehicle import body_of
 
 NOISE, BUOYANCY = 0.2, (8.0, 20.0)  # m, N
 DEPTH = 45.0  # m, where a mission states none

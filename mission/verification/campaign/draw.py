@@ -19,11 +19,8 @@ from pathlib import Path
 from random import Random
 
 from links.simulated.board_faults import OF_BOARDS
-from links.simulated.boards import BOARDS
 from links.simulated.fault import Fault
 from links.simulated.faults import FAULTS
-from links.simulated.firmware.boards import WaterBoard
-from links.simulated.plant import Body
 from links.simulated.sea import Sea
 from links.simulated.settings import FaultEvent, Settings, setting_of
 from mission.authoring.language import script
@@ -35,7 +32,7 @@ from mission.verification.campaign.scene_texts import mission_of
 from mission.verification.campaign.staging import faults_of, scenes_of, staged_on
 from mission.verification.campaign.trial import FOREVER
 from mission.verification.rig.acts import Disturbance
-from mission.verification.rig.vehicle import flown, home_of
+from mission.verification.rig.vehicle import body_of, flown, home_of
 
 MOST = 5  # disturbances a flight
 CURRENT = 0.5  # m/s
@@ -138,12 +135,6 @@ def stage(name: str, seed: int, vehicle: str = "auv") -> Plan:
 def profiles_of(vehicle: str) -> tuple[str, ...]:
     """How it may have been built; only the AUV is known to be other than its document."""
     return PROFILES if vehicle == "auv" else ("documented",)
-
-
-def body_of(vehicle: str) -> Body:
-    """That of its simulated board."""
-    board = BOARDS.get(vehicle)
-    return board.body if board is not None and issubclass(board, WaterBoard) else Body()
 
 
 def rows(subjects: Sequence[Subject]) -> tuple[str, ...]:

@@ -33,12 +33,13 @@ from mission.model import AUTONOMOUS, IDLE_READY, SURFACED, Mission, Step
 from mission.model.vehicle import Vehicle
 from mission.verification.campaign.area_laws import against
 from mission.verification.campaign.disturbances import INCIDENTS
-from mission.verification.campaign.draw import ANY, body_of, profiles_of
+from mission.verification.campaign.draw import ANY, profiles_of
 from mission.verification.campaign.laws import AFLOAT, Violation
 from mission.verification.campaign.staging import faults_of
 from mission.verification.campaign.trial import FOREVER, try_out
 from mission.verification.rig.acts import Disturbance
 from mission.verification.rig.trace import Trace, from_home
+from mission.verification.rig.vehicle import body_of
 
 MOST = 3  # faults a flight
 BIAS = math.radians(4.0)  # one sigma, of the compass; cut at two (assumed: 12 deg)

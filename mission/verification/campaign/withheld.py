@@ -29,10 +29,11 @@ from mission.legs import LEGS
 from mission.legs.base import WAY
 from mission.legs.guidance import GIVES
 from mission.model.vehicle import Vehicle
-from mission.verification.campaign.draw import body_of, profiles_of
+from mission.verification.campaign.draw import profiles_of
 from mission.verification.campaign.proofs import BIAS, SPEED, Claim, Draw, Proof, draw_proof
 from mission.verification.campaign.staging import faults_of
 from mission.verification.campaign.trial import FOREVER
+from mission.verification.rig.vehicle import body_of
 
 HEAD = (
     "mission {name} vehicle auv\nhome 30.2874595 120.1535765\n"

@@ -15,10 +15,10 @@ from __future__ import annotations
 import math
 from random import Random
 
-from links.simulated.plant import Body
 from mission.authoring.check.assumptions import SPEED_SHARE, TWO_SIGMA
 from mission.model import Mission
 from mission.model.vehicle import Vehicle
+from mission.verification.rig.vehicle import body_of
 
 
 def drawn(mission: Mission, vehicle: Vehicle, seed: int, number: int) -> tuple[str, ...]:
@@ -28,7 +28,7 @@ def drawn(mission: Mission, vehicle: Vehicle, seed: int, number: int) -> tuple[s
     towards = rng.uniform(0.0, 360.0)
     bias = math.degrees(rng.gauss(vehicle.compass_bias, vehicle.sensors.heading_bias))
     thrust = (1.0 + max(-0.5, rng.gauss(0.0, SPEED_SHARE / TWO_SIGMA))) ** 2
-    buoyancy = max(0.3, rng.gauss(1.0, 0.1)) * Body().buoyancy
+    buoyancy = max(0.3, rng.gauss(1.0, 0.1)) * body_of(vehicle.codec).buoyancy
     texts = [
         f"current={speed:.3f}@{towards:.0f}",
         f"compass_bias={bias:.1f}",

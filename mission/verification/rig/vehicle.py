@@ -14,7 +14,9 @@ from types import MappingProxyType
 
 from links.simulated.added import Fitted, SimulatedBeacon
 from links.simulated.boards import BOARDS, ON_BUS, SimulatedBoard
+from links.simulated.firmware.boards import WaterBoard
 from links.simulated.link import HOME, START, SimulatedVehicle
+from links.simulated.plant import Body
 from links.simulated.settings import SettingError, Settings
 from mission.model import Mission
 from mission.model.shipped import load_vehicle
@@ -79,6 +81,12 @@ def simulated(
         tolerances=vehicle.tolerances,
         wire=vehicle.wire,
     )
+
+
+def body_of(codec: str) -> Body:
+    """That of the simulated vehicle or board."""
+    board = BOARDS.get(codec)
+    return board.body if board is not None and issubclass(board, WaterBoard) else Body()
 
 
 def _fitted(vehicle: Vehicle, settings: Settings | None) -> Settings | None:

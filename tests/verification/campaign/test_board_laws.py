@@ -21,7 +21,6 @@ from mission.onboard.runtime import repeater
 from mission.onboard.runtime.repeater import Repeater
 from mission.verification.campaign.draw import (
     INCIDENTS,
-    body_of,
     draw,
     profiles_of,
 )
@@ -34,6 +33,7 @@ from mission.verification.campaign.whole_flight import SUNK, UNLAWFUL, throughou
 from mission.verification.campaign.withheld import drawn_for
 from mission.verification.rig.speech import MOTION, Speech
 from mission.verification.rig.trace import Event, Said, Trace
+from mission.verification.rig.vehicle import body_of
 from protocol.messages import Order, Setpoint
 
 TEXTS = {

@@ -72,7 +72,7 @@ def test_an_incident_alone_breaks_no_law(name: str) -> None:
 
 
 def test_every_fault_and_every_incident_is_drawn() -> None:
-    plans = [draw(1, number, KNOWN, staged=0.0) for number in range(600)]
+    plans = [draw(1, number, KNOWN, staged=0.0) for number in range(1800)]
     assert {kind for plan in plans for kind in plan.kinds} == {*FAULTS, *INCIDENTS}
     assert max(len(plan.kinds) for plan in plans) == MOST
     for event in (event for plan in plans for event in plan.settings.faults):
