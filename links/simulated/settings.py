@@ -44,12 +44,12 @@ class Settings:
     sea: Sea = field(default_factory=Sea)
     errors: SensorErrors = field(default_factory=SensorErrors)
     body: Body = field(default_factory=Body)
-    thrust: float = 1.0  # share that the main thrusters have of what their body's have
     faults: tuple[FaultEvent, ...] = ()
     splice: float | None = None  # chance; None: as the profile says
     added: Fitted = field(default_factory=Fitted)
     second_gps: float | None = None  # m: noise of a second receiver; None: it is not there
     sentences: tuple[str, ...] = ("GGA", "RMC")  # what the GPS receiver says every second
+    thrust: float = 1.0  # share that the main thrusters have of what their body's have
 
     def pushed(self, body: Body) -> Body:
         """``body`` with that thrust."""

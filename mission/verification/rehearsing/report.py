@@ -160,8 +160,8 @@ def as_text(made: Rehearsal, source: str, seed: int) -> str:
         _row("error, m", made.error, 1.0),
     ]
     if made.clearance is not None:
-        least, aground = made.clearance
-        rows.append(_row("clearance, m", least, 1.0) + f"  aground in {aground}" * bool(aground))
+        spread, aground = made.clearance
+        rows.append(_row("clearance, m", spread, 1.0) + f"  aground in {aground}" * bool(aground))
     for leg, (true, estimated) in made.coverage.items():
         rows.append(_row("coverage, %", true, 0.01) + f"  {leg}")
         rows.append(_row("  by estimate, %", estimated, 0.01) + f"  {leg}")
