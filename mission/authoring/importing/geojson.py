@@ -1,5 +1,5 @@
 """GeoJSON (RFC 7946): each LineString is a route. A position is longitude, latitude, and perhaps
-metres upward; WGS 84 is the only datum.
+metres upward; WGS 84 is the only datum, which a ``crs`` of before RFC 7946 may say.
 
 A MultiLineString is a route for each of its lines. Points have no order, and areas are no path.
 """
@@ -21,6 +21,7 @@ from mission.authoring.importing.route import (
 )
 from mission.authoring.importing.tree import Value, values
 
+_WGS_84 = (":CRS84", "EPSG:4326", "EPSG::4326")
 _GEOMETRIES = {
     "Point": "a Point: points have no order, draw a line",
     "MultiPoint": "a MultiPoint: points have no order, draw a line",
@@ -30,15 +31,23 @@ _GEOMETRIES = {
 
 
 def read(data: bytes, found: Findings) -> Source:
-    root = values(data, found)
-    if root.get("crs").raw is not None:
-        found.leave_out("crs", "another datum than WGS 84: RFC 7946 knows no crs")
-    return Source(tuple(_routes(root, "", found)))
+    return Source(tuple(_routes(_root(data, found), "", found)))
 
 
 def areas(data: bytes, found: Findings) -> Source:
     """Each Polygon, as the corners of what it encloses: for who wants to cover it."""
-    return Source(tuple(_areas(values(data, found), "", found)))
+    return Source(tuple(_areas(_root(data, found), "", found)))
+
+
+def _root(data: bytes, found: Findings) -> Value:
+    """Refuses places that are not in longitude and latitude of WGS 84."""
+    root = values(data, found)
+    crs = root.get("crs")
+    name = crs.get("properties").get("name").text()
+    if crs.raw is not None and not name.upper().endswith(_WGS_84):
+        what = f"its places are in {name[:60] or 'another datum'}, not in WGS 84"
+        raise found.refusal("position", "crs", what, "ogr2ogr -t_srs EPSG:4326 makes them so")
+    return root
 
 
 def _areas(value: Value, name: str, found: Findings) -> Iterator[Route]:
@@ -49,6 +58,12 @@ def _areas(value: Value, name: str, found: Findings) -> Iterator[Route]:
     elif kind == "Feature" and value.get("geometry").raw is not None:
         said = value.get("properties").get("name").text()
         yield from _areas(value.get("geometry"), said, found)
+    elif kind == "GeometryCollection":
+        for geometry in value.get("geometries").items():
+            yield from _areas(geometry, name, found)
+    elif kind == "MultiPolygon":
+        for part in value.get("coordinates").items():
+            yield Route(name, part.path, partial(_corners, part, found))
     elif kind == "Polygon":
         yield Route(name, value.path, partial(_corners, value.get("coordinates"), found))
 

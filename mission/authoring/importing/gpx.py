@@ -74,5 +74,5 @@ def _arrival(element: Element, found: Findings) -> float | None:
         for inner in extension.within():
             if inner.name == "arrival_radius":
                 radius = number(inner.text, inner.name, inner.where, found)
-                return radius * _NAUTICAL_MILE if radius else None
+                return round(radius * _NAUTICAL_MILE, 2) if radius else None
     return None

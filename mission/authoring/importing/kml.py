@@ -1,11 +1,13 @@
 """KML 2.2 (OGC 07-147r2), and KMZ, a ZIP file that holds one: each LineString is a route.
 
+A Polygon and a LinearRing are areas: no path, but the corners of what somebody wants to cover.
 ``coordinates`` are "longitude,latitude,height" separated by white space. The height counts with
 altitudeMode absolute (from the sea's level), and relativeToSeaFloor (an altitude).
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import partial
 
 from mission.authoring.importing.archive import is_archive, member
@@ -26,6 +28,7 @@ from mission.authoring.importing.xml import Element, elements
 _LEFT_OUT = {
     "Point": "a Point: points have no order, draw a path",
     "Polygon": "a Polygon: an area is no path",
+    "LinearRing": "a LinearRing: an area is no path",
     "Track": "a Track, which is no plan",
     "NetworkLink": "a NetworkLink: nothing outside the file is read",
     "GroundOverlay": "a GroundOverlay, which is a picture",
@@ -34,10 +37,8 @@ _NO_HEIGHT = frozenset({"", "clampToGround", "clampToSeaFloor"})
 
 
 def read(data: bytes, found: Findings) -> Source:
-    if is_archive(data):
-        data = member(data, ".kml", "doc.kml", found)
     routes = []
-    for element in elements(data, "kml", found).within():
+    for element in _outside(_root(data, found)):
         if element.name in _LEFT_OUT:
             found.leave_out(element.where, _LEFT_OUT[element.name])
         elif element.name == "Placemark":
@@ -47,6 +48,43 @@ def read(data: bytes, found: Findings) -> Source:
                 if line.name == "LineString"
             ]
     return Source(tuple(routes))
+
+
+def areas(data: bytes, found: Findings) -> Source:
+    """Each Polygon and each LinearRing by itself, as its corners: for who wants to cover it."""
+    return Source(tuple(_areas(_root(data, found), "", found)))
+
+
+def _root(data: bytes, found: Findings) -> Element:
+    if is_archive(data):
+        data = member(data, ".kml", "doc.kml", found)
+    return elements(data, "kml", found)
+
+
+def _outside(element: Element) -> Iterator[Element]:
+    """It and all below, but for what is inside of a Polygon."""
+    yield element
+    for child in element.children if element.name != "Polygon" else ():
+        yield from _outside(child)
+
+
+def _areas(element: Element, name: str, found: Findings) -> Iterator[Route]:
+    name = element.said("name") or name
+    if element.name == "Polygon":
+        if element.one("innerBoundaryIs") is not None:
+            what = "an area with holes: draw it by one ring"
+            found.refuse("plan-form", element.where, what)
+        element = element.one("outerBoundaryIs", "LinearRing") or element
+    if element.name == "LinearRing":
+        yield Route(name, element.where, partial(_corners, element, found))
+        return
+    for child in element.children:
+        yield from _areas(child, name, found)
+
+
+def _corners(ring: Element, found: Findings) -> tuple[Step, ...]:
+    """Its last corner is its first."""
+    return _steps(ring, found)[:-1]
 
 
 def _steps(line: Element, found: Findings) -> tuple[Step, ...]:

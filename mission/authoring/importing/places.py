@@ -13,7 +13,7 @@ from itertools import groupby
 from pathlib import Path
 from types import MappingProxyType
 
-from mission.authoring.importing import chosen, format_of, geojson, gpx, load
+from mission.authoring.importing import chosen, format_of, geojson, gpx, kml, load
 from mission.authoring.importing.route import Findings, Go, ImportErrors, Source, position, text_of
 from mission.authoring.importing.route import number as read_number
 from mission.authoring.language.files import Files, PlacesError
@@ -23,7 +23,7 @@ from mission.model.extent import BYTES
 _LATITUDE, _LONGITUDE = ("latitude", "lat", "y"), ("longitude", "lon", "lng", "long", "x")
 # Where a file has no route: what else of it may be meant.
 _INSTEAD: Mapping[str, Callable[[bytes, Findings], Source]] = MappingProxyType(
-    {"gpx": gpx.tracks, "geojson": geojson.areas}
+    {"gpx": gpx.tracks, "geojson": geojson.areas, "kml": kml.areas}
 )
 _COLUMNS = "begin with a line such as latitude,longitude"
 

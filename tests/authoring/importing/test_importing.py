@@ -130,6 +130,11 @@ def test_a_mission_that_the_check_refuses_is_written_and_exits_1(tmp_path: Path)
         (".gpx", gpx(), "line 3: a waypoint outside any route"),
         (".geojson", geojson(), "features[0].geometry: a Polygon"),
         (".kml", kml(), "line 3: a Point"),
+        (
+            ".kml",
+            kml().replace(b"<Point>", b"<LinearRing/><Polygon><LinearRing/></Polygon><Point>"),
+            "line 3: a LinearRing: an area is no path\n",
+        ),
         (".plan", plan(), "mission.items[1]: command 201"),
         (".plan", plan(), "geoFence.polygons: a fence"),
         (".ma", slocum(), "line 4: num_legs_to_run -1"),
@@ -144,6 +149,24 @@ def test_what_is_left_out_is_named_by_line_or_path_on_the_terminal_and_in_the_fi
     result = imported(tmp_path, suffix, content, *answers())
     assert f"left out: {where}" in result.output
     assert f"# Left out: {where}" in (tmp_path / "made.yaml").read_text()
+
+
+def test_a_datum_that_is_wgs_84_is_no_other_and_another_is_refused(tmp_path: Path) -> None:
+    def content(name: str) -> bytes:
+        return geojson(crs={"type": "name", "properties": {"name": name}})
+
+    ours = imported(tmp_path, ".geojson", content("urn:ogc:def:crs:OGC:1.3:CRS84"), *answers())
+    assert "crs" not in ours.output
+    theirs = imported(tmp_path, ".geojson", content("urn:ogc:def:crs:EPSG::32650"), *answers())
+    assert theirs.exit_code == 2
+    assert "crs: its places are in urn:ogc:def:crs:EPSG::32650, not in WGS 84" in theirs.output
+    assert "ogr2ogr" in theirs.output
+
+
+def test_an_arrival_radius_is_written_as_a_length_that_can_be_read(tmp_path: Path) -> None:
+    content = gpx().replace(b"0.01<", b"0.050<")
+    imported(tmp_path, ".gpx", content, *answers())
+    assert "within: 92.6 m" in (tmp_path / "made.yaml").read_text()
 
 
 # --- what a file does not say -------------------------------------------------------------------

@@ -67,6 +67,14 @@ def test_yaml_names_a_file_and_a_path_with_a_blank_stands_in_quotes(tmp_path: Pa
 
 
 RING = [[lon, lat] for lat, lon in [*POINTS, POINTS[0]]]
+CRS = '"crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:OGC:1.3:CRS84"}}'
+SHORE = "<LinearRing><coordinates>" + " ".join(f"{lon},{lat},0" for lon, lat in RING)
+SHORE += "</coordinates></LinearRing>"
+
+
+def kml(area: str) -> str:
+    mooring = "<Placemark><Point><coordinates>120.1,30.2,0</coordinates></Point></Placemark>"
+    return f"<kml><Document>{mooring}<Placemark><name>bay</name>{area}</Placemark></Document></kml>"
 
 
 @pytest.mark.parametrize(
@@ -79,12 +87,43 @@ RING = [[lon, lat] for lat, lon in [*POINTS, POINTS[0]]]
             '{"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {}, '
             f'"geometry": {{"type": "Polygon", "coordinates": {[RING]}}}}}]}}',
         ),
+        ("r.geojson", f'{{"type": "MultiPolygon", "coordinates": {[[RING]]}, {CRS}}}'),
+        ("r.kml", kml(f"<Polygon><outerBoundaryIs>{SHORE}</outerBoundaryIs></Polygon>")),
+        ("r.kml", kml(SHORE)),
     ],
 )
 def test_an_area_may_come_from_a_file(name: str, text: str, tmp_path: Path) -> None:
     leg = f"cover file {name} spacing 20 gear 6 depth 3 timeout 9min"
     said = parse(f"{HEAD}go: cover {PLACES} spacing 20 gear 6 depth 3 timeout 9min\n")
     assert digest(read(written(tmp_path, name, text, leg))) == digest(said)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "what"),
+    [
+        (
+            "r.kml",
+            kml(
+                f"<Polygon><outerBoundaryIs>{SHORE}</outerBoundaryIs><innerBoundaryIs>{SHORE}"
+                "</innerBoundaryIs></Polygon>"
+            ),
+            "an area with holes",
+        ),
+        ("r.kml", kml(SHORE + SHORE), "2 routes"),
+        ("r.geojson", f'{{"type": "MultiPolygon", "coordinates": {[[RING], [RING]]}}}', "2 routes"),
+        (
+            "r.geojson",
+            f'{{"type": "Polygon", "coordinates": {[RING]}, {CRS.replace("CRS84", "3857")}}}',
+            "not in WGS 84",
+        ),
+    ],
+)
+def test_an_area_that_is_not_one_ring_in_degrees_is_refused(
+    name: str, text: str, what: str, tmp_path: Path
+) -> None:
+    leg = f"cover file {name} spacing 20 gear 6 depth 3 timeout 9min"
+    with pytest.raises(MissionErrors, match=what):
+        read(written(tmp_path, name, text, leg))
 
 
 def test_the_path_is_relative_to_the_mission(
