@@ -106,10 +106,10 @@ def test_what_the_boat_alone_knows_is_in_no_mask() -> None:
 
 
 def test_a_new_alarm_is_one_row_and_a_bit_is_given_once() -> None:
-    row = AlarmRow("hungry", 13, DANGER, "feed it", lambda c: "always")
+    row = AlarmRow("hungry", 14, DANGER, "feed it", lambda c: "always")
     with ALARMS.registered(row):
         assert [alarm.name for alarm in standing(Condition())] == ["hungry"]
-        assert alarms_of(1 << 13)[0].do == "feed it"
+        assert alarms_of(1 << 14)[0].do == "feed it"
     for bit, why in ((0, "emergency has bit 0"), (16, "bits 0 to 15")):
         with pytest.raises(ValueError, match=why):
             ALARMS.register(AlarmRow("other", bit, DANGER, "", lambda c: ""))
