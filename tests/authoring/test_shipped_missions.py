@@ -25,6 +25,15 @@ def test_there_are_eight_missions_each_with_a_comment_on_top() -> None:
         assert path.read_text(encoding="utf-8").startswith("# "), path
 
 
+@pytest.mark.parametrize("file", [*MISSIONS, *sorted((ROOT / "missions/others").glob("*.yaml"))])
+def test_each_states_its_purpose_and_has_time_for_it_against_the_current_it_assumes(
+    file: Path,
+) -> None:
+    report = check_prepared(prepare(file))
+    assert report.outlook
+    assert [one.leg for one in report.outlook if one.needs is not None] == []
+
+
 def test_the_shakedown_says_every_word_that_the_vehicle_follows() -> None:
     text = next(p for p in MISSIONS if p.stem == "shakedown").read_text(encoding="utf-8")
     plain = re.sub(r"#.*", "", text)

@@ -21,6 +21,7 @@ advised (purpose.py).
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -28,6 +29,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from mission.authoring.check.ascents import ascent_time
+from mission.authoring.check.assumptions import SPEED_SHARE, TWO_SIGMA
 from mission.authoring.check.covered import PIECES, Row, covered
 from mission.authoring.check.places import pattern_of, places_of
 from mission.legs import LEGS, Surface
@@ -45,6 +47,7 @@ _N, _E, _CN, _CE, _SCALE, _BIAS, _SIN, _COS, _WANDER = range(9)
 _STATES = 9
 MOST = 1000  # rows looked at, rounds included
 _VERTICAL = frozenset({"depth", "altitude", "heave"})  # each replaces the others
+_SLOW = 1.645 / TWO_SIGMA * SPEED_SHARE  # 95 % of dives lose less of their speed
 _SLOWEST = 0.2  # share of its speed that is counted on against the current
 
 
@@ -78,12 +81,15 @@ def expected(mission: Mission, vehicle: Vehicle) -> dict[str, Expected]:
     return outlooks(mission, vehicle)[0]
 
 
-def outlooks(mission: Mission, vehicle: Vehicle) -> tuple[dict[str, Expected], dict[str, float]]:
+def outlooks(
+    mission: Mission, vehicle: Vehicle
+) -> tuple[dict[str, Expected], dict[str, float], dict[str, float]]:
     """For each leg of rows, and for each other m that 95 % of dives stay within to its end, of
-    rounds the worst; by their paths. Raises TooManyError."""
+    rounds the worst; and for each that may have gone its way too late for its clock the s that 95 %
+    of dives need straight against the current (inf: never). By their paths. Raises TooManyError."""
     course = _Course(mission, vehicle)
     course.body(mission.body, "")
-    return course.found, course.errors
+    return course.found, course.errors, course.late
 
 
 class Drift:
@@ -165,6 +171,7 @@ class _Course:
         self._fixes = not mission.start_without_fix
         self.found: dict[str, Expected] = {}
         self.errors: dict[str, float] = {}
+        self.late: dict[str, float] = {}
 
     def body(self, body: Iterable[Node], path: str) -> None:
         for node in body:
@@ -219,10 +226,13 @@ class _Course:
         elif row.ascends:
             self._ascend(fixed=row.awaits_fix(kind))
         elif row.ends_at_last or row.places(kind):
+            places = [self._at, *places_of(kind, self._frame)]
+            self._watch(leg, path, sum(itertools.starmap(math.dist, itertools.pairwise(places))))
             for point in places_of(kind, self._frame):
                 self._to(point)
         else:
             time, speed = self._time(leg), self._speed
+            self._watch(leg, path, min(_ways(leg), default=0.0))
             bearing = self._holds.get("heading", 0.0)
             self._go(bearing, speed, time)
             north, east = self._at
@@ -230,6 +240,15 @@ class _Course:
             self._at = (north + way * math.cos(bearing), east + way * math.sin(bearing))
         if self._afloat:
             self._drift.fix()
+
+    def _watch(self, leg: Leg, path: str, way: float) -> None:
+        """Whether the clock of a leg that is meant to go so many m may end it before."""
+        clock, against = leg.duration or leg.timeout, (1.0 - _SLOW) * self._speed - self._current
+        if clock is None or way <= 0.0 or self._speed <= 0.0:
+            return
+        needs = way / against if against > 0.0 else math.inf
+        if needs > clock:
+            self.late[path] = max(needs, self.late.get(path, 0.0))
 
     @property
     def _afloat(self) -> bool:
@@ -320,6 +339,14 @@ class _Course:
         forth = pattern.framed(end)[0] > pattern.framed(begin)[0]
         pieces = tuple(across if forth else reversed(across))
         return Row(pieces, min(missed, math.dist(begin, end)), radius_95(self._drift.place))
+
+
+def _ways(leg: Leg) -> Iterator[float]:
+    """m over ground of which any alone ends it."""
+    for way in leg.exits:
+        for one in _either(way.guard.expression):
+            if one.variable == "travelled" and not one.operator.startswith("<"):
+                yield one.bound
 
 
 def _either(expression: Expression) -> Iterator[Comparison]:

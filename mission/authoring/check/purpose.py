@@ -37,13 +37,15 @@ _SHARES = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
 
 @dataclass(frozen=True, slots=True)
 class Outlook:
-    """Of one leg: shares, and m by row; without rows, at its end."""
+    """Of one leg: shares, and m by row; without rows, at its end. ``needs``: s, where its clock
+    may end it before it has gone its way."""
 
     leg: str
     coverage: float | None  # None: it says no swath
     errors: tuple[float, ...]
     aims: Aims
     rows: bool = True
+    needs: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +59,7 @@ def judged(mission: Mission, vehicle: Vehicle) -> Judged:
     if not any(_stated(mission.body, mission.achieve)):
         return Judged()
     try:
-        found, errors = outlooks(mission, vehicle)
+        found, errors, late = outlooks(mission, vehicle)
     except TooManyError:
         message = f"a purpose is stated, and more than {MOST} rows are flown"
         return Judged(refusals=(_refusal(mission, message, "make two missions of it"),))
@@ -66,7 +68,9 @@ def judged(mission: Mission, vehicle: Vehicle) -> Judged:
         if path in found:
             outlook = _outlook(path, found[path], aims)
         else:
-            outlook = Outlook(path, None, (errors[path],), tuple(aims.items()), rows=False)
+            outlook = Outlook(
+                path, None, (errors[path],), tuple(aims.items()), rows=False, needs=late.get(path)
+            )
         told.append(outlook)
         refusals += _refused(mission, vehicle, leg, outlook)
     return Judged(tuple(told), tuple(refusals))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import Any
 
@@ -57,7 +58,12 @@ def _outlook(one: Outlook) -> dict[str, Any]:
         "achieve": dict(one.aims),
         "coverage": None if one.coverage is None else round(one.coverage, 3),
         "error_m": [round(error, 1) for error in one.errors],
+        **({} if one.needs is None else {"needs_s": _finite(one.needs)}),
     }
+
+
+def _finite(seconds: float) -> int | None:
+    return None if math.isinf(seconds) else math.ceil(seconds)
 
 
 def unreadable_object(found: Iterable[Diagnostic]) -> dict[str, Any]:
@@ -107,4 +113,11 @@ def _expected(one: Outlook) -> str:
     rows = ", ".join(f"{error:.0f}" for error in one.errors[:_ROWS])
     more = " ..." if len(one.errors) > _ROWS else ""
     ends = "the end of each row" if one.rows else "its end"
-    return f"{coverage}position within {rows}{more} m at {ends} (95 % of dives)"
+    return f"{coverage}position within {rows}{more} m at {ends} (95 % of dives){_late(one)}"
+
+
+def _late(one: Outlook) -> str:
+    if one.needs is None:
+        return ""
+    time = "it makes no way" if math.isinf(one.needs) else f"it takes {math.ceil(one.needs)} s"
+    return f"; its clock may end it before: {time} straight against the current"

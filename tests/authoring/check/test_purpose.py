@@ -172,6 +172,44 @@ def test_a_rise_that_has_been_up_for_some_seconds_brings_a_fix() -> None:
     assert above[4] < above[1] + 2.0
 
 
+def clocked(until: str, current: float = 0.2) -> float | None:
+    """s that a leg is told to need beyond its clock of 240 s, at gear 8 (1 m/s)."""
+    lines = TEXT.replace("current 0.2", f"current {current}").splitlines()[:5]
+    leg = f"out: {until} gear 8 depth 6 timeout 240 achieve position 900"
+    text = "\n".join([*lines, leg, TEXT.splitlines()[-1], ""])
+    (one,) = report("", text).outlook
+    return one.needs
+
+
+def test_a_leg_whose_clock_may_end_it_before_its_way_is_done_is_told_so() -> None:
+    """95 % of dives make 83.6 % of the speed, less the current."""
+    assert clocked("heading 0 until travelled >= 150") is None
+    needs = clocked("heading 0 until travelled >= 155")
+    assert needs == pytest.approx(155 / 0.6355, rel=1e-3)
+    assert clocked("heading 0 until travelled >= 155", current=0.0) is None
+
+
+def test_so_is_one_that_goes_to_a_place_from_where_the_legs_before_led() -> None:
+    near, far = clocked("goto north 150 east 0"), clocked("goto north 200 east 0")
+    assert near is None
+    assert far is not None
+    assert 240.0 < far < 200 / 0.6355  # the dive has led it north already
+
+
+def test_a_leg_that_makes_no_way_against_the_current_is_told_so() -> None:
+    slow = TEXT.replace("current 0.2", "current 0.9").splitlines()[:5]
+    leg = "out: heading 0 until travelled >= 20 gear 8 depth 6 timeout 240 achieve position 900"
+    text = "\n".join([*slow, leg, TEXT.splitlines()[-1], ""])
+    told = report("", text)
+    assert told.outlook[0].needs == math.inf
+    assert "its clock may end it before: it makes no way" in as_text("m", told, "0" * 64)
+    assert as_object(told)["expected"][0]["needs_s"] is None
+
+
+def test_what_may_end_a_leg_but_its_way_is_no_matter_of_its_clock() -> None:
+    assert clocked("heading 0 until depth < 2") is None
+
+
 def test_a_surface_leg_brings_a_fix_only_where_it_waits_for_one() -> None:
     def last(rest: str) -> float:
         lines = TEXT.splitlines()
