@@ -15,11 +15,14 @@ from links.simulated.sensors import SensorErrors
 from links.simulated.settings import parse_settings
 from mission.analysis.replay.replay import replay
 from mission.authoring.language import parse
+from mission.model.alarms import standing
 from mission.model.shipped import load_vehicle
-from mission.onboard.configuration import parse_configuration
+from mission.onboard.configuration import Configuration, parse_configuration
 from mission.onboard.rates import rated
 from mission.onboard.runtime import records as rec
 from mission.onboard.runtime.receivers import FAILOVER, GPS, GPS2, Receivers
+from mission.onboard.runtime.runtime import Runtime
+from mission.onboard.store import MemoryStore
 from mission.verification.simulation.flight import fly
 from protocol.messages import Fix
 
@@ -177,6 +180,20 @@ def test_what_is_told_of_a_receiver_says_whether_it_is_stuck_or_the_two_disagree
     assert trouble(stuck)[-1] == "the first receiver is stuck: the second counts"
     assert "the two receivers say places 4" in trouble(apart_from_10)[-1]
     assert set(trouble(unchanged)) == {""}
+
+
+def test_the_runtimes_alarm_says_that_the_second_stands_in() -> None:
+    runtime = Runtime(Configuration(), AUV, MemoryStore())
+    receiver = GpsReceiver(SensorErrors(first_fix=0.0), Random(2), datetime(2026, 6, 1, tzinfo=UTC))
+    stood = list[bool]()
+    for second in range(1, 25):
+        receiver.report(second, 0.0, PLACE, (0.0, 0.0))
+        for chunk in receiver.take(second + 0.9):
+            runtime.receive(Rx(chunk.start, GPS2, chunk.data))
+        alarms = standing(runtime.condition(second + 0.9))
+        stood.append("receiver: the first receiver says no fix" in " ".join(map(str, alarms)))
+    assert not any(stood[:8])
+    assert all(stood[14:])
 
 
 DIVE = """mission dive vehicle auv
