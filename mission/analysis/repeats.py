@@ -4,24 +4,27 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from mission.model.shown import clock
+from mission.onboard.stream.events import HELD, answers_in, frame_text
 
-HELD = " (held)"  # how the repeater's reason ends
 _TRY = re.compile(r" \(try (\d+) of (\d+)\)$")
 _MOST = 5  # frames whose tries are told
+_ADDRESS = 4  # bytes: a CAN identifier, or the head of a board's frame with its command
+_ROUND_S = 1.0  # a frame that comes again so soon is held, whatever else is said between
 
 
 @dataclass(slots=True)
 class _Run:
-    """``count`` of the same, from ``begin`` to ``end``, s."""
+    """``count`` of the same, from ``begin`` to ``end``, s; ``forms``: so many differed."""
 
     what: str
     why: str
     begin: float
     end: float
     count: int = 1
+    forms: set[str] = field(default_factory=set)
 
     def goes_on(self, t: float) -> None:
         self.end, self.count = t, self.count + 1
@@ -32,20 +35,51 @@ class _Run:
             return f"at {clock(self.begin)}"
         return f"{self.count} times from {clock(self.begin)} to {clock(self.end)}"
 
+    @property
+    def row(self) -> tuple[str, str, str]:
+        often = f" ({self.count} times{self._differing}, until {clock(self.end)})"
+        return clock(self.begin), self.what, self.why + (often if self.count > 1 else "")
+
+    @property
+    def _differing(self) -> str:
+        return f", in {len(self.forms)} forms" if len(self.forms) > 1 else ""
+
+
+class Rows:
+    """Of a table: what, why and how often, where the same comes again within ``within`` s."""
+
+    def __init__(self, within: float) -> None:
+        self._within = within
+        self._runs: list[_Run] = []
+        self._last: dict[tuple[str, str], _Run] = {}
+
+    def add(self, t: float, what: str, why: str, same: str = "") -> None:
+        """``same``: what it has in common with others that are told in its row."""
+        run = self._last.get((same or what, why))
+        if run is not None and (run is self._runs[-1] or t - run.end <= self._within):
+            run.goes_on(t)
+        else:
+            self._last[same or what, why] = run = _Run(what, why, t, t)
+            self._runs.append(run)
+        run.forms.add(what)
+
+    def told(self) -> list[tuple[str, ...]]:
+        """When it began, what and why; in the order of their beginnings."""
+        return [run.row for run in self._runs]
+
 
 class Commands:
-    """The frames to the vehicle, in their order."""
+    """The frames to the vehicle. A board's round has several, and what steers changes in each
+    round: the frames of one address and one reason are told in one row."""
 
     def __init__(self) -> None:
-        self._runs: list[_Run] = []
+        self._rows = Rows(_ROUND_S)
         self._vain: dict[str, _Run] = {}
 
-    def add(self, t: float, frame: str, why: str) -> None:
-        plain = why.removesuffix(HELD)
-        if self._runs and (self._runs[-1].what, self._runs[-1].why) == (frame, plain):
-            self._runs[-1].goes_on(t)
-        else:
-            self._runs.append(_Run(frame, plain, t, t))
+    def add(self, t: float, data: bytes, why: str) -> None:
+        frame = frame_text(data)
+        address = "" if data.startswith(b"@") else data[:_ADDRESS].hex()
+        self._rows.add(t, frame, why.removesuffix(HELD), address)
         tried = _TRY.search(why)
         if tried is None or tried[1] != tried[2]:
             return
@@ -55,12 +89,8 @@ class Commands:
             self._vain[frame] = _Run(frame, tried[2], t, t)
 
     def rows(self) -> list[tuple[str, ...]]:
-        """When, frame and reason; what was said over and over by itself once."""
-        found: list[tuple[str, ...]] = []
-        for run in self._runs:
-            often = f" ({run.count} times, until {clock(run.end)})" if run.count > 1 else ""
-            found.append((clock(run.begin), run.what, run.why + often))
-        return found
+        """When, the first frame and reason; what was said over and over once."""
+        return self._rows.told()
 
     def in_vain(self) -> Iterator[str]:
         """What the vehicle did not answer at once, the most frequent first."""
@@ -69,6 +99,29 @@ class Commands:
             yield f"{run.what} took all of its {run.why} tries {run.when}: no answer to the others."
         if len(some) > _MOST:
             yield f"So did {len(some) - _MOST} other frames."
+
+
+class Words:
+    """What operators said that is answered, and how it was: by whom, word by word."""
+
+    def __init__(self) -> None:
+        self._said_to: dict[tuple[str, str, str], _Run] = {}
+
+    def add(self, t: float, who: str, data: bytes) -> None:
+        for word, refused in answers_in(data):
+            answer = "refused" if refused else "accepted"
+            key = who, word, answer
+            if key in self._said_to:
+                self._said_to[key].goes_on(t)
+            else:
+                self._said_to[key] = _Run(word, answer, t, t)
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """Who, word, answer, how often, from, to."""
+        return [
+            (who, f"@{word}", answer, str(run.count), clock(run.begin), clock(run.end))
+            for (who, word, answer), run in self._said_to.items()
+        ]
 
 
 class Again:

@@ -8,15 +8,15 @@ does not live here: single lines (journal), pictures (report), how it is printed
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any
 
-from mission.analysis.doubts import Doubts, lasting, summed
+from mission.analysis.doubts import Doubts, Spell, lasting, summed
 from mission.analysis.ended import ended_by
 from mission.analysis.journal import restart
-from mission.analysis.repeats import Again, Commands
+from mission.analysis.repeats import Again, Commands, Rows, Words
 from mission.analysis.unsaid import SILENT_S, Unsaid
 from mission.engine.limits import LIMITS
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Record, Step
@@ -25,12 +25,13 @@ from mission.model.shown import clock, duration
 from mission.onboard.blackbox import Gap
 from mission.onboard.runtime import records as rec
 from mission.onboard.runtime.runtime import VEHICLE
-from mission.onboard.stream.derived import MARGINS, Derivation
-from mission.onboard.stream.events import frame_text
-from mission.onboard.stream.topics import JOURNAL, STATE
+from mission.onboard.stream.derived import MARGINS, Derivation, Message
+from mission.onboard.stream.events import answers_in
+from mission.onboard.stream.topics import JOURNAL, STATE, TELEMETRY
 from mission.onboard.stream.wellknown import INFO
 
 REFUSED = "refused "  # how the engine's event of such an answer begins
+_SAME_ALARM_S = 60.0  # one that comes again so soon is one row
 _CUT_SHORT = frozenset({By.TIMEOUT, By.ELSE, By.ON, By.UNCERTAIN})
 _UNITS = {"depth": "m", "radius": "m", "time": "s", "voltage": "V"}
 
@@ -73,11 +74,12 @@ class _Told:
     commands: Commands = field(default_factory=Commands)
     again: Again = field(default_factory=Again)
     refusals: list[tuple[str, ...]] = field(default_factory=list)
-    alarms: list[tuple[str, ...]] = field(default_factory=list)
+    alarms: Rows = field(default_factory=lambda: Rows(_SAME_ALARM_S))
+    words: Words = field(default_factory=Words)
     least: dict[str, _Least] = field(default_factory=dict)
     says: list[str] = field(default_factory=list)
     commanders: dict[str, None] = field(default_factory=dict)
-    deepest: float = 0.0
+    deepest: tuple[float, float] = (0.0, 0.0)  # m, by a report that could be believed, and when
     farthest: float = 0.0
     lowest: tuple[float, float] | None = None  # m above the bottom, and when
 
@@ -98,10 +100,15 @@ def between(before: Sequence[Record | Gap], after: Sequence[Record | Gap]) -> Ch
     return Chapter("Between two recordings", (f"{says}.",))
 
 
+Seen = Callable[[Record, Sequence[Message], Derivation], None]
+
+
 class Teller:
     """Of one recording."""
 
-    def __init__(self, items: Iterable[Record | Gap]) -> None:
+    def __init__(self, items: Iterable[Record | Gap], seen: Seen | None = None) -> None:
+        """``seen`` is handed each record with what follows from it: nothing is derived twice."""
+        self._seen = seen
         self._told = _Told()
         self._derivation: Derivation | None = None
         self._doubts: Doubts | None = None
@@ -135,17 +142,27 @@ class Teller:
             self._step(rec.step_of(record.payload), self._derivation)
         elif record.kind == rec.TX:
             self._sent(record)
-        for message in self._derivation.receive(record):
-            if message.topic == STATE:
-                self._look(message.t, message.value)
-            elif message.topic == JOURNAL:
-                self._journal(message.t, message.value)
-            standing = self._derivation.standing
-            origin = standing.origin if standing else None
-            believed = self._doubts.believes("depth", message.t)
-            self._told.says += self._unsaid.receive(message, origin, believed)
+        messages = list(self._derivation.receive(record))
+        for message in messages:
+            self._message(message, self._derivation, self._doubts)
         if record.kind == rec.STANDING:
             self._stand(record.t, rec.read_standing(record))
+        if self._seen is not None:
+            self._seen(record, messages, self._derivation)
+
+    def _message(self, message: Message, derivation: Derivation, doubts: Doubts) -> None:
+        believed = doubts.believes("depth", message.t)
+        if message.topic == STATE:
+            self._look(message.t, message.value, derivation, believed)
+        elif message.topic == JOURNAL:
+            self._journal(message.t, message.value)
+        elif message.topic == TELEMETRY and believed and self._under_way:
+            deep = message.value["depth_m"] or 0.0
+            self._told.deepest = max(self._told.deepest, (deep, message.t), key=lambda at: at[0])
+        standing = derivation.standing
+        origin = standing.origin if standing else None
+        by_hand = self._state.startswith("manual")
+        self._told.says += self._unsaid.receive(message, origin, believed, by_hand)
 
     def _begin(self, start: rec.Start) -> None:
         when = datetime.fromtimestamp(start.wall, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
@@ -161,7 +178,7 @@ class Teller:
         breached, before = frozenset(standing.breached), self._breached
         self._breached = breached
         for limit in sorted(breached - (breached if before is None else before)):
-            self._told.alarms.append((clock(t), "limit", f"{limit} is breached{_bound(limit)}"))
+            self._told.alarms.add(t, "limit", f"{limit} is breached{_bound(limit)}")
 
     def _step(self, step: Step, derivation: Derivation) -> None:
         if step.event.startswith(REFUSED):
@@ -212,37 +229,38 @@ class Teller:
 
     def _sent(self, record: Record) -> None:
         tx = rec.read_tx(record)
-        row = (clock(tx.t), frame_text(tx.data), tx.reason)
         if tx.link == VEHICLE:
-            self._told.commands.add(tx.t, *row[1:])
-        elif tx.data.startswith(b"@ACK_") and tx.data.endswith(b"N$"):
-            self._told.refusals.append((*row, f"{tx.link} {tx.address}".rstrip()))
+            self._told.commands.add(tx.t, tx.data, tx.reason)
+            return
+        who = f"{tx.link} {tx.address}".rstrip()
+        self._told.words.add(tx.t, who, tx.data)
+        for word, refused in answers_in(tx.data):
+            if refused:
+                self._told.refusals.append((clock(tx.t), f"@ACK_{word}N$", tx.reason, who))
 
     def _journal(self, t: float, said: Mapping[str, Any]) -> None:
         if said["level"] <= INFO:
             if said["name"] == "store" and t > 0.0:
                 self._told.says.append(f"{clock(t)}: {said['message']}.")
         elif not said["message"].startswith("refused"):  # these have their own table
-            self._told.alarms.append((clock(t), said["name"], said["message"]))
+            self._told.alarms.add(t, said["name"], said["message"])
 
-    def _look(self, t: float, state: Mapping[str, Any]) -> None:
-        told, standing = self._told, self._derivation.standing if self._derivation else None
+    def _look(self, t: float, state: Mapping[str, Any], derivation: Derivation, deep: bool) -> None:
+        """``deep``: its depth can be believed; else the estimate only goes on as it last went."""
+        told, standing = self._told, derivation.standing
         if not self._under_way or standing is None:
             return
-        told.deepest = max(told.deepest, state["depth_m"] or 0.0)
-        if (
-            state["altitude_m"] is not None
-            and self._doubts
-            and self._doubts.believes("altitude", t)
-        ):
-            told.lowest = min(told.lowest or (state["altitude_m"], t), (state["altitude_m"], t))
+        doubts, low = self._doubts, state["altitude_m"]
+        if low is not None and doubts and doubts.believes("altitude", t):
+            told.lowest = min(told.lowest or (low, t), (low, t))
         if state["north_m"] is not None:
             far = float((state["north_m"] ** 2 + state["east_m"] ** 2) ** 0.5)
             told.farthest = max(told.farthest, far)
         for name in MARGINS:
             limit, left = name.removeprefix("to_").rpartition("_")[0], state[name]
             least = told.least.get(limit)
-            if left is not None and (least is None or left < least.left):
+            known = left is not None and (deep or limit != "depth")
+            if known and (least is None or left < least.left):
                 told.least[limit] = _Least(left, t, getattr(standing, limit))
 
     # --- what is told ----------------------------------------------------------------------------
@@ -257,9 +275,10 @@ class Teller:
             told.says.append(f"Who commanded: {', '.join(told.commanders)}.")
         if self._under_way:
             told.says += self._never_flown()
+            deep, when = told.deepest
             told.says.append(
-                f"By its own reports it was {told.deepest:.1f} m deep at most, and by its own "
-                f"estimate {told.farthest:.0f} m from home."
+                f"By its own reports it was {deep:.1f} m deep at most, at {clock(when)}, and by "
+                f"its own estimate {told.farthest:.0f} m from home."
             )
         if told.lowest is not None and self._under_way:
             metres, at = told.lowest
@@ -276,9 +295,12 @@ class Teller:
         """In this recording a leg was flown, or an emergency was there."""
         return bool(self._told.legs) or self._state.startswith(EMERGENCY)
 
+    def spells(self) -> Sequence[Spell]:
+        """When which sensor could not be believed."""
+        return self._doubts.spells(self._end) if self._doubts else ()
+
     def _doubted(self) -> Iterator[str]:
-        told = self._doubts.spells(self._end) if self._doubts else ()
-        spells = [spell for spell in told if spell.sensor == "depth"]
+        spells = [spell for spell in self.spells() if spell.sensor == "depth"]
         if (lasted := lasting(spells)) >= SILENT_S:
             reasons = ", ".join(dict.fromkeys(spell.reason for spell in spells))
             when = f"between {clock(spells[0].begin)} and {clock(spells[-1].end)}"
@@ -317,10 +339,16 @@ class Teller:
             (
                 "Sensors",
                 ("sensor", "was", "from", "to", "times", "in all"),
-                summed(self._doubts.spells(self._end) if self._doubts else ()),
+                summed(self.spells()),
                 "Each could be believed at all times.",
             ),
-            ("Alarms", ("at", "of", "what"), told.alarms, "There was none."),
+            ("Alarms", ("at", "of", "what"), told.alarms.told(), "There was none."),
+            (
+                "Words of operators",
+                ("from", "word", "was", "times", "first", "last"),
+                told.words.rows(),
+                "None was answered.",
+            ),
             ("Refusals", ("at", "answer", "why", "to"), told.refusals, "Nothing was refused."),
             (
                 "Commands to the vehicle",

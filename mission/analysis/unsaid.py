@@ -43,13 +43,18 @@ class Unsaid:
         self._wet: _Wet | None = None
 
     def receive(
-        self, message: Message, origin: Position | None, believed: bool = True
+        self,
+        message: Message,
+        origin: Position | None,
+        believed: bool = True,
+        by_hand: bool = False,
     ) -> Iterator[str]:
-        """``origin`` of the estimate's metres; ``believed``: the depth is."""
+        """``origin`` of the estimate's metres; ``believed``: the depth is; ``by_hand``: a stick
+        drives, and not every board reports then."""
         if message.topic == STATE:
             self._state = message.value
         elif message.topic == TELEMETRY:
-            yield from self._report(message.t, message.value["depth_m"])
+            yield from self._report(message.t, message.value["depth_m"], by_hand)
         elif message.topic == FIX:
             yield from self._fix(message.t, message.value, origin, believed)
 
@@ -69,10 +74,12 @@ class Unsaid:
                 f"{clock(wet.first)} to {clock(wet.last)}: no receiver hears there."
             )
 
-    def _report(self, t: float, depth: float | None) -> Iterator[str]:
+    def _report(self, t: float, depth: float | None, by_hand: bool) -> Iterator[str]:
         before, self._reported, self._depth = self._reported, t, depth
         if before is not None and t - before > SILENT_S:
-            yield f"{clock(t)}: the first report of the vehicle in {duration(round(t - before))}."
+            driven = ", which was driven by hand," if by_hand else ""
+            silent = duration(round(t - before))
+            yield f"{clock(t)}: the first report of the vehicle{driven} in {silent}."
 
     def _fix(
         self, t: float, fix: Mapping[str, Any], origin: Position | None, believed: bool

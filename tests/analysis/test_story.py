@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from click.testing import CliRunner, Result
 from links.simulated.settings import parse_settings
 from mission.analysis.doubts import Spell, summed
 from mission.analysis.journal import Wanted, follow, recordings, restart
-from mission.analysis.repeats import Commands
+from mission.analysis.repeats import Commands, Rows, Words
 from mission.analysis.story import Chapter, Table, story
 from mission.analysis.tell import as_html, as_markdown, as_text
 from mission.analysis.unsaid import Unsaid
@@ -25,6 +26,7 @@ from mission.model.shown import clock
 from mission.onboard.blackbox import BlackBox, Gap
 from mission.onboard.runtime.records import ListRecorder, tx_record
 from mission.onboard.stream.derived import Message
+from mission.onboard.stream.events import events_of
 from mission.onboard.stream.topics import FIX, STATE, TELEMETRY
 from mission.verification.simulation.flight import fly
 
@@ -140,6 +142,19 @@ def test_an_attitude_beyond_what_is_believed_is_told_as_what_it_may_be() -> None
     ]
 
 
+def test_a_depth_that_the_estimate_goes_on_to_guess_is_no_report(frozen: list[Record]) -> None:
+    """While none could be believed it went on as it had last sunk: 130 s of that were 32 m once."""
+    guessed = [
+        replace(r, payload=json.dumps(json.loads(r.payload) | {"depth": 9.5}).encode())
+        if r.kind == "estimate" and 60.0 < r.t < 90.0
+        else r
+        for r in frozen
+    ]
+    before, after = (story([records]) for records in (frozen, guessed))
+    assert after[0].says == before[0].says
+    assert chapter(after, "Limits") == chapter(before, "Limits")
+
+
 def test_how_near_the_bottom_came_is_told(frozen: list[Record]) -> None:
     text = as_text("dive", story([frozen]))
     (told,) = re.findall(r"By its altimeter the bottom was no nearer than ([\d.]+) m, at", text)
@@ -174,12 +189,83 @@ def test_an_ascent_that_goes_on_is_told_once_with_all_that_it_tried(frozen: list
 def test_what_is_held_is_told_once_with_how_often_it_was_said() -> None:
     commands = Commands()
     for t in range(4):
-        commands.add(float(t), "01 02", "entry of dive" + (" (held)" if t else ""))
-    commands.add(4.0, "03", "entry of up")
+        commands.add(float(t), b"\1\2", "entry of dive" + (" (held)" if t else ""))
+    commands.add(4.0, b"\3", "entry of up")
     assert commands.rows() == [
         ("0:00.0", "01 02", "entry of dive (4 times, until 0:03.0)"),
         ("0:04.0", "03", "entry of up"),
     ]
+
+
+def test_each_frame_of_a_boards_round_is_told_once_in_however_many_forms_it_steered() -> None:
+    commands = Commands()
+    for number in range(30):
+        held = " (held)" if number else ""
+        steered = bytes([0, 1, 7, 255, number // 10])
+        commands.add(number / 10, steered, f"entry of out{held}")
+        commands.add(number / 10, b"\xfe\xef\1\1", f"entry of out{held}")
+    assert commands.rows() == [
+        ("0:00.0", "00 01 07 ff 00", "entry of out (30 times, in 3 forms, until 0:02.9)"),
+        ("0:00.0", "fe ef 01 01", "entry of out (30 times, until 0:02.9)"),
+    ]
+
+
+def test_a_frame_that_is_said_again_later_is_told_again() -> None:
+    commands = Commands()
+    for t, frame in enumerate((b"@ZAS3$", b"@ZAS9$", b"@ZAS3$")):
+        commands.add(60.0 * t, frame, "out steers")
+    assert [row[:2] for row in commands.rows()] == [
+        ("0:00.0", "@ZAS3$"),
+        ("1:00.0", "@ZAS9$"),
+        ("2:00.0", "@ZAS3$"),
+    ]
+
+
+def test_a_limit_that_comes_and_goes_is_one_alarm_with_how_often() -> None:
+    alarms = Rows(60.0)
+    for t in (0.0, 2.0, 40.0, 200.0):
+        alarms.add(t, "limit", "descent is breached")
+        alarms.add(t, "vehicle", "no frame")
+    assert alarms.told() == [
+        ("0:00.0", "limit", "descent is breached (3 times, until 0:40.0)"),
+        ("0:00.0", "vehicle", "no frame (3 times, until 0:40.0)"),
+        ("3:20.0", "limit", "descent is breached"),
+        ("3:20.0", "vehicle", "no frame"),
+    ]
+
+
+def test_what_operators_said_is_told_by_whom_and_how_it_was_answered_by_modem_too() -> None:
+    words = Words()
+    words.add(1.0, "topside boat", b"@ACK_AAN$")
+    words.add(3.0, "topside boat", b"@ACK_AAA$")
+    by_modem = b"#\2\x12\0\2@ACK_AAA$@ACK_ACN$ZX"
+    words.add(9.0, "modem", by_modem)
+    words.add(12.0, "modem", by_modem)
+    assert words.rows() == [
+        ("topside boat", "@AA", "refused", "1", "0:01.0", "0:01.0"),
+        ("topside boat", "@AA", "accepted", "1", "0:03.0", "0:03.0"),
+        ("modem", "@AA", "accepted", "2", "0:09.0", "0:12.0"),
+        ("modem", "@AC", "refused", "2", "0:09.0", "0:12.0"),
+    ]
+
+
+def test_a_refusal_by_modem_is_told_as_one() -> None:
+    (items,) = recordings([SHORT])
+    answer = tx_record(Tx(2.0, "modem", b"#\2\t\0\2@ACK_AAN$ZX", "answers by modem"))
+    chapters = story([[items[0], answer]])
+    assert chapter(chapters, "Refusals").rows == (
+        ("0:02.0", "@ACK_AAN$", "answers by modem", "modem"),
+    )
+    said = [event for event in events_of(answer) if "refused" in event.says]
+    assert [event.says for event in said] == ["refused: @ACK_AAN$ - answers by modem"]
+
+
+def test_what_is_held_has_no_line_of_its_own_in_the_log() -> None:
+    told_once = [
+        events_of(tx_record(Tx(2.0, "vehicle", b"\1\2", why)))
+        for why in ("entry of out", "entry of out (held)")
+    ]
+    assert [len(events) for events in told_once] == [1, 0]
 
 
 def test_a_mission_that_is_cleared_is_told_and_its_legs_that_were_never_flown_as_well() -> None:
@@ -224,6 +310,13 @@ def test_a_silence_of_the_vehicle_and_the_first_fix_after_a_dive_are_told() -> N
         "1:40.0: the first fix in 99 s lay 50 m from where it took itself to be, 95 % sure within 61 m.",
     ]
     assert list(unsaid.at_last(100.0)) == []
+
+
+def test_a_silence_while_a_stick_drives_is_told_as_such() -> None:
+    unsaid = Unsaid()
+    reports = (of_report(t, 0.1) for t in (0.0, 12.0))
+    said = [s for message in reports for s in unsaid.receive(message, None, True, True)]
+    assert said == ["0:12.0: the first report of the vehicle, which was driven by hand, in 12 s."]
 
 
 def test_a_vehicle_that_says_nothing_more_is_told_with_its_last_report() -> None:

@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from mission.analysis.doubts import Doubts, Spell
+from mission.analysis.doubts import Spell
 from mission.analysis.journal import recordings, start_of
 from mission.analysis.smoothing import Track, smooth
+from mission.analysis.story import Chapter, Teller
 from mission.model import Position, Record
 from mission.model.vehicle import Vehicle
 from mission.navigation.filter import Array
@@ -20,7 +21,7 @@ from mission.navigation.geodesy import LocalFrame
 from mission.onboard.blackbox import Gap, first_part, notes_of
 from mission.onboard.runtime import records as rec
 from mission.onboard.stream.derived import Derivation, Message
-from mission.onboard.stream.senses import Senses
+from mission.onboard.stream.senses import Sensed, Senses
 from mission.onboard.stream.topics import FIX, PLAN, POSITION, STATE, TELEMETRY
 
 Point = tuple[float, float]  # east, north of the origin, m
@@ -55,6 +56,7 @@ class Dive:
     standing: list[rec.Standing] = field(default_factory=list)
     plan: list[dict[str, Any]] = field(default_factory=list)
     spells: Sequence[Spell] = ()  # of sensors that could not be believed
+    story: Sequence[Chapter] = ()  # what happened first, then the tables
     smoothed: Track | None = None
 
     def series(self, values: Sequence[Mapping[str, Any]], name: str) -> tuple[Array, Array]:
@@ -103,19 +105,19 @@ class Dive:
         start = start_of(items)
         if start is None:
             raise ValueError("there is no whole start record, so nothing says what vehicle it is")
-        derivation = Derivation(start)
-        dive = cls(derivation.start.vehicle, derivation.start.wall, items=items)
-        senses, doubts = Senses(derivation.start.vehicle), Doubts(derivation.start.vehicle)
-        sensed, end = [], 0.0
-        for record in (item for item in items if isinstance(item, Record)):
-            sensed += senses.hear(record)
-            doubts.receive(record)
-            end = max(end, record.t)
-            for message in derivation.receive(record):
+        begun = rec.read_start(start)
+        dive = cls(begun.vehicle, begun.wall, items=items)
+        senses, sensed = Senses(begun.vehicle), list[Sensed]()
+
+        def seen(record: Record, messages: Sequence[Message], derivation: Derivation) -> None:
+            sensed.extend(senses.hear(record))
+            for message in messages:
                 dive._take(message, derivation)
             if record.kind == rec.STANDING:
                 dive.standing.append(rec.read_standing(record))
-        dive.spells = doubts.spells(end)
+
+        teller = Teller(items, seen)
+        dive.story, dive.spells = list(teller.chapters()), teller.spells()
         if dive.fixes:
             dive.smoothed = smooth(sensed, vehicle or dive.vehicle, dive.origin)
         return dive

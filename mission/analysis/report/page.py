@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from mission.analysis.report.dive import Dive
 from mission.analysis.report.figures import as_svg, pictures_of
 from mission.analysis.report.words import day, headline, source, track_words
-from mission.analysis.story import between, story
+from mission.analysis.story import between
 from mission.analysis.tell import html_body, page, printable
 
 
@@ -25,7 +25,7 @@ def report_page(dives: Sequence[Dive]) -> str:
 
 
 def _dive(dive: Dive) -> list[str]:
-    happened, *tables = story([dive.items])
+    happened, *tables = dive.story
     drawn = [
         f"<figure>{as_svg(one)}<figcaption>{_escaped(one.caption)}</figcaption></figure>"
         for one in pictures_of(dive)

@@ -23,6 +23,7 @@ from mission.model import Estimate, Record, Step, Tx
 from mission.model.regions import EMERGENCY
 from mission.onboard.runtime.records import FAULT as FAULT_RECORD
 from mission.onboard.runtime.records import Observer
+from mission.onboard.stream.events import answers_in
 
 INFO, WARNING, FAULT = "info", "warning", "fault"
 LEVELS = {INFO: 6, WARNING: 4, FAULT: 3}  # syslog's numbers
@@ -104,10 +105,11 @@ class Journal:
 
     def answered(self, tx: Tx) -> None:
         """What topside was sent: told where it says no."""
-        if tx.data.startswith(b"@ACK_") and tx.data.endswith(b"N$"):
-            to = f"{tx.link} {tx.address}".rstrip()
-            said = f"refused: {_shown(tx.data)} to {to} - {tx.reason}"
-            self.warning(said, kind="refused commands")
+        to = f"{tx.link} {tx.address}".rstrip()
+        for word, refused in answers_in(tx.data):
+            if refused:
+                said = f"refused: @ACK_{word}N$ to {to} - {tx.reason}"
+                self.warning(said, kind="refused commands")
 
     def commands(self, peer: str, loser: str) -> None:
         if loser:

@@ -6,7 +6,8 @@ What does not live here: the dive as a whole (analysis.story), what a running se
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -15,6 +16,9 @@ from mission.model.regions import EMERGENCY
 from mission.onboard.runtime import records as rec
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.onboard.stream.wellknown import ERROR, INFO, WARNING
+
+HELD = " (held)"  # how the reason of what is said again ends
+_ANSWER = re.compile(rb"@ACK_([A-Z]{2})([A-Z])\$")  # by modem in an envelope, several at once
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,14 +66,22 @@ def _step(record: Record) -> list[Event]:
     return found + [Event(t, INFO, "engine", f"asks for {action}") for action in step.actions]
 
 
+def answers_in(data: bytes) -> Iterator[tuple[str, bool]]:
+    """Each word that these bytes to an operator answer, as ``AA``, and whether they refuse it."""
+    for word, letter in _ANSWER.findall(data):
+        yield word.decode(), letter == b"N"
+
+
 def _tx(record: Record) -> list[Event]:
+    """What is held was told when it was said first."""
     tx = rec.read_tx(record)
     if tx.link == VEHICLE:
+        if tx.reason.endswith(HELD):
+            return []
         return [Event(tx.t, INFO, "vehicle", f"sent {frame_text(tx.data)} - {tx.reason}")]
-    if tx.data.startswith(b"@ACK_") and tx.data.endswith(b"N$"):
-        to = f"{tx.link} {tx.address}".rstrip()
-        return [Event(tx.t, WARNING, to, f"refused: {frame_text(tx.data)} - {tx.reason}")]
-    return []
+    to = f"{tx.link} {tx.address}".rstrip()
+    words = [word for word, refused in answers_in(tx.data) if refused]
+    return [Event(tx.t, WARNING, to, f"refused: @ACK_{word}N$ - {tx.reason}") for word in words]
 
 
 def _fault(record: Record) -> list[Event]:
