@@ -7,11 +7,13 @@ import time
 
 import click
 
+from mission.commands.options import LinkUrl
+
 MONITOR = "tcp://127.0.0.1:4001"
 
 
 @click.command()
-@click.argument("url", default=MONITOR)
+@click.argument("url", type=LinkUrl(), default=MONITOR)
 @click.option(
     "--rate", default=5.0, show_default=True, metavar="HZ", help="Frames a second, at most."
 )
@@ -34,20 +36,22 @@ def monitor(
 
     Nothing that is said here commands the vehicle. Times are the engine's, in s.
 
-    Exit 0 when the time is over, 1 when there is no monitor, or it goes away.
+    Exit 0 when the time is over, 1 when there is no monitor, it goes away, or tells nothing.
     """
     from links.base import LinkError
     from mission.topside.console import observe
     from mission.topside.monitor import NoMonitor, Watched, wish
 
-    asked = wish(rate, most, values, track=track, plan=plan)
+    asked, watched = wish(rate, most, values, track=track, plan=plan), Watched()
     end = time.monotonic() + seconds if seconds else float("inf")
     try:
-        for frame in observe(url, asked, Watched()):
+        for frame in observe(url, asked, watched):
             if frame is not None:
                 click.echo(json.dumps(frame))
             if time.monotonic() >= end:
-                return
+                break
+        if watched.at is None:
+            raise NoMonitor(f"nothing was told for {seconds:g} s: is {url} the operator's port?")
     except (LinkError, NoMonitor) as error:
         click.echo(str(error), err=True)
         raise SystemExit(1) from None

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mission.commands.options import AS_JSON, MISSION, PARAMETERS, VEHICLE
+from mission.commands.options import AS_JSON, MISSION, PARAMETERS, VEHICLE, LinkUrl
 from mission.commands.unreadable import tell_unreadable
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 ALARM = 4  # exit status: it answers, and an alarm stands
 TO = click.option(
     "--to",
+    type=LinkUrl(),
     default="tcp://127.0.0.1:4000",
     show_default=True,
     metavar="URL",

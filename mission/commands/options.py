@@ -28,6 +28,24 @@ class ShippedOrFile(click.Path):
         return [*map(CompletionItem, fits)] or super().shell_complete(ctx, param, incomplete)
 
 
+class LinkUrl(click.ParamType):
+    """What cannot be a link's URL was said wrongly: exit 2, before anybody is called silent."""
+
+    name = "url"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        from links import LinkAddressError, parse_address
+        from mission.topside.underwater import modem_address
+        from mission.topside.upload import OperatorError
+
+        try:
+            modem = modem_address(value)
+            parse_address(value if modem is None else modem.link)
+        except (LinkAddressError, OperatorError) as error:
+            self.fail(str(error), param, ctx)
+        return str(value)
+
+
 def _missions() -> Iterable[str]:
     from mission.model.shipped import shipped_missions
 

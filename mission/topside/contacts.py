@@ -11,7 +11,7 @@ from pathlib import Path
 from mission.model.alarms import Alarm, Condition, standing
 from mission.topside.dives import Dives
 from mission.topside.monitor import Watched
-from mission.topside.overdue import contact_with, overdue
+from mission.topside.overdue import Contact, Dive, contact_with, heard, overdue
 from mission.topside.sources import ASK_UNDER_WATER_S
 from mission.topside.underwater import PREFIX
 
@@ -33,12 +33,22 @@ class Contacts:
         if watched.at is None or not self._to or now < self._kept + KEEP_S:
             return
         self._kept = now
-        wall = time.time() - (now - watched.at[1])
-        self.dives.contact(self._to, contact_with(watched.state, wall))
+        self.dives.contact(self._to, _contact(watched, now))
 
     def alarms(self, watched: Watched, now: float, live: bool) -> tuple[Alarm, ...]:
         """What the boat alone knows: silence, overdue."""
         silent = watched.silence(now) if live else None
-        late = overdue(self.dives.of(self._to), time.time()) if self._to else ""
-        gone = silent if silent is not None and silent > self.silent_s else None
-        return standing(Condition(silent=gone, overdue=late))
+        gone = silent is not None and silent > self.silent_s
+        late = overdue(self._dive(watched, now, live and not gone), time.time()) if self._to else ""
+        return standing(Condition(silent=silent if gone else None, overdue=late))
+
+    def _dive(self, watched: Watched, now: float, is_heard: bool) -> Dive:
+        """With the contact of now, which is not kept each time."""
+        dive = self.dives.of(self._to)
+        return heard(dive, _contact(watched, now)) if is_heard and watched.at is not None else dive
+
+
+def _contact(watched: Watched, now: float) -> Contact:
+    silent = watched.silence(now)
+    assert silent is not None  # it was heard
+    return contact_with(watched.state, time.time() - silent)

@@ -41,7 +41,9 @@ from protocol.topside import Answer, ConsoleCodec, encode
 ANSWER_S = 1.0
 TRIES = 3
 ROUNDS = 4  # in succession that brought nothing: then the line is called unusable
-WHAT_LISTENS = "is this a vehicle running auvmission serve?"
+WHAT_LISTENS = (
+    "is this the operator's port of a vehicle running auvmission serve, not its monitor's?"
+)
 
 
 class OperatorError(Exception):

@@ -362,3 +362,11 @@ def test_a_frozen_sensor_is_told_from_a_living_one() -> None:
     found = {one.what: one for one in port_probe.of_vehicle(auv, upside)}
     assert found["sensor depth"].condition is Condition.WARNING
     assert found["sensor roll"].condition is Condition.WARNING
+
+
+def test_what_never_came_has_no_age() -> None:
+    """A board's report is of now where a value in it is missing."""
+    missing = {"value": None, "unit": "m", "age_s": 0.1, "why": "missing"}
+    assert health.sensed(missing) == "MISSING"
+    stale = {"value": 3.0, "unit": "m", "age_s": 9.1, "why": "stale"}
+    assert health.sensed(stale) == "STALE, 9 s old: last 3.00 m"

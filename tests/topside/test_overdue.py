@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import math
+import time
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from mission.model import Position
+from mission.model.plain import to_plain
 from mission.navigation.geodesy import LocalFrame
+from mission.topside.contacts import Contacts
 from mission.topside.dives import FILE, KEPT, Dives
+from mission.topside.monitor import Watched
 from mission.topside.overdue import (
     UNSURE_M,
     Area,
@@ -153,3 +158,18 @@ def test_the_file_does_not_grow_for_ever(tmp_path: Path) -> None:
         dives.contact(f"tcp://v{number}:4000", UNDER_WAY)
     assert dives.of("tcp://v0:4000") == Dive()
     assert dives.of(f"tcp://v{KEPT + 4}:4000").contact == UNDER_WAY
+
+
+def test_overdue_ends_with_the_first_frame_that_comes_and_not_when_it_is_next_kept(
+    tmp_path: Path,
+) -> None:
+    wall = time.time()
+    late = Dive(wall - 1000.0, PLAN, replace(UNDER_WAY, wall=wall - 900.0))
+    file = {"plans": {}, "boats": {URL: to_plain(late)}}
+    (tmp_path / FILE).write_text(json.dumps(file), encoding="utf-8")
+    boat, known = Contacts(URL, tmp_path), Watched()
+    assert [alarm.name for alarm in boat.alarms(known, 0.0, True)] == ["OVERDUE"]
+    known.take({"n": 1, "t": 900.0, "state": {"state": "autonomous/out"}}, 1.0)
+    assert boat.alarms(known, 1.5, True) == ()
+    gone = [alarm.name for alarm in boat.alarms(known, 60.0, True)]
+    assert gone == ["no contact", "OVERDUE"]

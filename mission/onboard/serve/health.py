@@ -288,5 +288,6 @@ def sensed(sensor: Mapping[str, Any]) -> str:
     value = "" if sensor["value"] is None else f"{sensor['value']:.2f} {sensor['unit']}"
     if not sensor["why"]:
         return value if sensor["age_s"] is None else f"{value}, {sensor['age_s']:.0f} s ago"
-    age = "" if sensor["age_s"] is None else f", {sensor['age_s']:.0f} s old"
+    told = sensor["age_s"] is not None and sensor["why"] != "missing"  # it has no age: none came
+    age = f", {sensor['age_s']:.0f} s old" if told else ""
     return f"{sensor['why'].upper()}{age}{': last ' if value else ''}{value}"
