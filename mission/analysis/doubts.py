@@ -20,7 +20,10 @@ from protocol.messages import Fix, Telemetry
 
 DOUBTED = tuple(name for name in SENSORS if name != "position")  # none is heard under water
 _BLINK_S = 1.0
-_MEANS = {("attitude", "absurd"): "absurd, or on its side or back"}  # beyond 90 deg
+_MEANS = {
+    ("attitude", "absurd"): "absurd, or on its side or back",  # beyond 90 deg
+    ("altitude", "absurd"): "absurd, or without an echo",  # as the altimeter then says 0
+}
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ from mission.analysis.doubts import Doubts, Spell, lasting, summed
 from mission.analysis.ended import ended_by
 from mission.analysis.journal import restart
 from mission.analysis.repeats import Again, Commands, Rows, Words
-from mission.analysis.unsaid import SILENT_S, Unsaid
+from mission.analysis.unsaid import SILENT_S, Absence, Unsaid
 from mission.engine.limits import LIMITS
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Record, Step
 from mission.model.regions import EMERGENCY
@@ -113,7 +113,8 @@ class Teller:
         self._derivation: Derivation | None = None
         self._doubts: Doubts | None = None
         self._flown: Chart | None = None  # the mission that was started last
-        self._unsaid = Unsaid()
+        self._unsaid, self._absence = Unsaid(), Absence()
+        self._bounds: dict[str, float] = {}  # the limits in force, as they were last
         self._breached: frozenset[str] | None = None  # limits; None: before the first are known
         self._end = 0.0
         self._state = ""
@@ -138,6 +139,7 @@ class Teller:
             self._doubts = Doubts(self._derivation.start.vehicle)
             self._begin(self._derivation.start)
         self._doubts.receive(record)
+        self._absence.receive(record)
         if record.kind == rec.STEP:
             self._step(rec.step_of(record.payload), self._derivation)
         elif record.kind == rec.TX:
@@ -175,10 +177,19 @@ class Teller:
     def _stand(self, t: float, standing: rec.Standing) -> None:
         if standing.commander:
             self._told.commanders[standing.commander] = None
+        self._limited(t, standing)
         breached, before = frozenset(standing.breached), self._breached
         self._breached = breached
         for limit in sorted(breached - (breached if before is None else before)):
             self._told.alarms.add(t, "limit", f"{limit} is breached{_bound(limit)}")
+
+    def _limited(self, t: float, standing: rec.Standing) -> None:
+        """A limit that becomes another: by an operator's @SP, or by the mission that is loaded."""
+        bounds = {name: float(getattr(standing, name)) for name in _UNITS}
+        before, self._bounds = self._bounds or bounds, bounds
+        if changed := [name for name in bounds if bounds[name] != before[name]]:
+            says = (f"{n} {bounds[n]:g} {_UNITS[n]}, was {before[n]:g}" for n in changed)
+            self._told.says.append(f"{clock(t)}: limits in force: {'; '.join(says)}.")
 
     def _step(self, step: Step, derivation: Derivation) -> None:
         if step.event.startswith(REFUSED):
@@ -205,7 +216,9 @@ class Teller:
         """A limit that leads to no other state, but to words; an ascent that goes on."""
         for action in step.actions:
             what, _, why = action.partition(": ")
-            if why.startswith("limit ") or self._state.startswith(EMERGENCY):
+            if what.startswith("output "):
+                self._told.says.append(f"{clock(step.t)}: {why}: {what.removeprefix('output ')}.")
+            elif why.startswith("limit ") or self._state.startswith(EMERGENCY):
                 self._told.again.add(step.t, what, why, self._told.says)
 
     def _tell_state(self, step: Step, path: str, derivation: Derivation, because: str) -> None:
@@ -286,6 +299,7 @@ class Teller:
                 f"By its altimeter the bottom was no nearer than {metres:.1f} m, at {clock(at)}."
             )
         told.says += (*self._doubted(), *told.commands.in_vain(), *self._unsaid.at_last(self._end))
+        told.says += self._absence.at_last(self._end)
         told.says.append(f"The recording ends {clock(self._end)}, in {self._state or 'no state'}.")
         yield Chapter("What happened", tuple(told.says))
         yield from self._tables()

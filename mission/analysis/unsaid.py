@@ -12,9 +12,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from mission.model import Position
+from mission.model import Position, Record
 from mission.model.shown import clock, duration
 from mission.navigation.geodesy import LocalFrame
+from mission.onboard.runtime import records as rec
 from mission.onboard.stream.derived import Message
 from mission.onboard.stream.topics import FIX, STATE, TELEMETRY
 
@@ -30,6 +31,38 @@ class _Wet:
     count: int
     first: float
     last: float
+
+
+class Absence:
+    """When nobody was connected where somebody had been: an operator's port without an operator."""
+
+    def __init__(self) -> None:
+        self._there: dict[str, set[str]] = {}
+        self._gone: dict[str, list[tuple[float, float]]] = {}  # from, to; inf while it lasts
+
+    def receive(self, record: Record) -> None:
+        if record.kind not in (rec.CONNECTED, rec.DISCONNECTED):
+            return
+        link, address = rec.read_texts(record)
+        there, gone = self._there.setdefault(link, set()), self._gone.setdefault(link, [])
+        if record.kind == rec.CONNECTED:
+            there.add(address)
+            if gone and math.isinf(gone[-1][1]):
+                gone[-1] = gone[-1][0], record.t
+            return
+        there.discard(address)
+        if not there:
+            gone.append((record.t, math.inf))
+
+    def at_last(self, end: float) -> Iterator[str]:
+        for link, gone in self._gone.items():
+            told = [(begin, min(back, end)) for begin, back in gone]
+            told = [(begin, back) for begin, back in told if back - begin > SILENT_S]
+            if told:
+                lasted = duration(round(sum(back - begin for begin, back in told)))
+                often = "" if len(told) == 1 else f"{len(told)} times, "
+                when = f"between {clock(told[0][0])} and {clock(told[-1][1])}"
+                yield f"Nobody was connected to {link} for {lasted}, {often}{when}."
 
 
 class Unsaid:

@@ -17,14 +17,14 @@ from mission.analysis.journal import Wanted, follow, recordings, restart
 from mission.analysis.repeats import Commands, Rows, Words
 from mission.analysis.story import Chapter, Table, story
 from mission.analysis.tell import as_html, as_markdown, as_text
-from mission.analysis.unsaid import Unsaid
+from mission.analysis.unsaid import Absence, Unsaid
 from mission.authoring.prepare import prepare
 from mission.commands.log import log
 from mission.commands.story import story as story_command
 from mission.model import Position, Record, Tx
 from mission.model.shown import clock
 from mission.onboard.blackbox import BlackBox, Gap
-from mission.onboard.runtime.records import ListRecorder, tx_record
+from mission.onboard.runtime.records import ListRecorder, input_record, tx_record
 from mission.onboard.stream.derived import Message
 from mission.onboard.stream.events import events_of
 from mission.onboard.stream.topics import FIX, STATE, TELEMETRY
@@ -317,6 +317,39 @@ def test_a_silence_while_a_stick_drives_is_told_as_such() -> None:
     reports = (of_report(t, 0.1) for t in (0.0, 12.0))
     said = [s for message in reports for s in unsaid.receive(message, None, True, True)]
     assert said == ["0:12.0: the first report of the vehicle, which was driven by hand, in 12 s."]
+
+
+def test_a_limit_that_an_operator_makes_another_is_told() -> None:
+    (items,) = recordings([SHORT])
+    at, standing = next((i, r) for i, r in enumerate(items) if getattr(r, "kind", "") == "standing")
+    assert isinstance(standing, Record)
+    tighter = json.loads(standing.payload) | {"radius": 46.0}
+    changed = replace(standing, payload=json.dumps(tighter).encode())
+    says = story([[*items[: at + 1], changed, changed]])[0].says
+    before = json.loads(standing.payload)["radius"]
+    told = f"{clock(standing.t)}: limits in force: radius 46 m, was {before:g}."
+    assert [line for line in says if "radius 46 m" in line] == [told]
+
+
+def test_a_port_without_an_operator_is_told_with_how_long() -> None:
+    absence = Absence()
+    came_and_went = [(0.0, "connected"), (10.0, "disconnected"), (12.0, "connected"),
+                     (30.0, "disconnected"), (50.0, "connected"), (90.0, "disconnected")]  # fmt: skip
+    for t, kind in came_and_went:
+        absence.receive(input_record(t, kind, "topside", "boat"))
+    assert list(absence.at_last(100.0)) == [
+        "Nobody was connected to topside for 30 s, 2 times, between 0:30.0 and 1:40.0."
+    ]
+    assert list(Absence().at_last(100.0)) == []
+
+
+def test_outputs_that_are_made_safe_are_told_as_such(frozen: list[Record]) -> None:
+    (last,) = [r for r in frozen if r.kind == "step"][-1:]
+    step = json.loads(last.payload)
+    step |= {"entered": [], "actions": ["output video 1: outputs in emergency/surfacing"]}
+    made_safe = replace(last, payload=json.dumps(step).encode())
+    says = story([[*frozen, made_safe]])[0].says
+    assert f"{clock(last.t)}: outputs in emergency/surfacing: video 1." in says
 
 
 def test_a_vehicle_that_says_nothing_more_is_told_with_its_last_report() -> None:
