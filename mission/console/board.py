@@ -12,16 +12,16 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from mission.onboard.serve.monitor import Monitor
+from mission.onboard.serve.monitor import MOST_BYTES, Monitor
 from mission.topside.monitor import Watched
 
-_WISH = json.dumps({"wish": {"bytes": 60_000, "plan": False}}).encode() + b"\n"
+_WISH = json.dumps({"wish": {"bytes": MOST_BYTES, "plan": False}}).encode() + b"\n"
 BACK_S = 1.0  # that the vehicle's time may go back within one run
 
 
 class Board:
     def __init__(self) -> None:
-        self._monitor = Monitor()
+        self._monitor = Monitor(ahead=1, room=MOST_BYTES)
         self._of: Watched | None = None
         self._t, self._told = -math.inf, 0
 
@@ -73,7 +73,7 @@ class Board:
 
     def _anew(self, now: float) -> None:
         pages = list(self._monitor.viewers)
-        self._monitor = Monitor()
+        self._monitor = Monitor(ahead=1, room=MOST_BYTES)
         self._told = 0
         for page in pages:
             self.come(page, now)

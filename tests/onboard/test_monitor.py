@@ -74,18 +74,48 @@ def test_whatever_changes_a_viewer_ends_with_the_vehicles_own_state(
     assert show.watched.state == whole
 
 
-def test_one_frame_is_unanswered_and_the_newest_replaces_what_waits() -> None:
+def test_three_frames_at_most_are_unanswered_and_the_newest_replaces_what_waits() -> None:
+    show = Show()
+    sent = [show.send(STATE)]
+    while show.monitor.due(show.now) or show.now < 60.0:
+        show.now += 0.5
+        if show.monitor.due(show.now):
+            sent.append(show.send({**STATE, "depth": show.now}))
+    assert len(sent) == 3
+    for frame in sent:
+        show.answer(frame)
+    assert show.monitor.due(show.now) == [BOAT]
+    show.answer(show.send({**STATE, "depth": 99.0}))
+    assert show.watched.state["depth"] == 99.0
+
+
+def test_over_a_long_way_a_frame_leaves_before_the_last_is_answered() -> None:
     show = Show()
     first = show.send(STATE)
-    show.now = 9.0
-    assert show.monitor.due(show.now) == []
-    for depth in (1.0, 2.0, 3.0):
-        newest = {**STATE, "depth": depth}
+    show.now = 2.0
     show.answer(first)
+    second = show.send({**STATE, "depth": 1.0})
+    show.now = 2.9
+    assert show.monitor.due(show.now) == []
+    show.now = 3.0  # half a way there and back
     assert show.monitor.due(show.now) == [BOAT]
-    show.answer(show.send(newest))
-    assert show.watched.state["depth"] == 3.0
-    assert show.watched.at == (9.0, 9.0)
+    third = show.send({**STATE, "depth": 2.0})
+    show.answer(second + third)
+    assert show.watched.state["depth"] == 2.0
+
+
+def test_beside_the_state_a_late_answer_has_less_told_and_a_quick_one_more() -> None:
+    show = Show()
+    for n in range(200):
+        show.monitor.event(f"{n} s info: now here, and on the way to the next of the rows")
+    sizes = []
+    for n, took in enumerate((0.1, 0.1, 0.1, 2.0, 2.0, 2.0)):
+        show.now += 1.0
+        frame = show.send({**STATE, "depth": n})
+        sizes.append(len(frame))
+        show.now += took
+        show.answer(frame)
+    assert sizes[0] < sizes[1] < sizes[2] < sizes[3] > sizes[4] > sizes[5]
 
 
 def test_a_frame_holds_no_more_than_was_wished_and_states_come_before_the_track() -> None:

@@ -5,12 +5,12 @@
     viewer -> serve  {"wish": {"rate": 5, "bytes": 16000, "values": ["state"], "track": true}}
                      {"ack": 7}
 
-One JSON object a line. At most one frame is unanswered: what happens meanwhile waits here, of a
-state its newest, of events the newest ``EVENTS`` with the number of those that are missing as the
-``gap``. So nothing is old when it arrives, however thin the way, and nothing grows. A frame has no
-more bytes than was wished for: state first, then events, plan and track, over as many frames as
-they need. Who answers none for ``SILENT_S``, or says anything else, is sent away: no word of
-command is known here.
+One JSON object a line. At most ``AHEAD`` frames are unanswered, half of the quickest answer apart:
+what happens meanwhile waits here, of a state its newest, of events the newest ``EVENTS`` with the
+number of those that are missing as the ``gap``. So nothing is old when it arrives, however thin the
+way, and nothing grows. A frame has no more bytes than was wished for: state first, then of events,
+plan and track what does not delay the next. Who answers none for ``SILENT_S``, or says anything
+else, is sent away: no word of command is known here.
 
 What does not live here: the sockets (ports), what a state is made of (view).
 """
@@ -25,6 +25,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 SILENT_S = 20.0
+AHEAD = 2  # frames: one is older by a way back where the way is long, three wait where it is thin
+STALLED_S = 2.5  # nothing has left for so long: one more
+DELAYED_S = (
+    0.3  # s behind the quickest answer: what is told beside the state is halved, else doubled
+)
+LEAST_ROOM, ROOM = 250, 500  # bytes, for that; the first
 EVENTS = 200  # that wait for one viewer
 TRACK = 4096  # points that are kept: beyond, every other one
 TRACK_EVERY_S = 1.0
@@ -76,7 +82,9 @@ class Viewer:
     greeted: bool = False  # it has said what it wishes
     heard: bytes = b""
     number: int = 0
-    unanswered: bool = False
+    unanswered: deque[float] = field(default_factory=deque)  # when each was sent
+    quickest: float = math.inf  # s, of all answers
+    room: int = ROOM  # bytes beside the state
     sent_at: float = -math.inf
     since: float = 0.0  # when it came, or answered last
     known: dict[str, Any] = field(default_factory=dict)
@@ -86,13 +94,32 @@ class Viewer:
     told: int = 0  # points of the track
     thinned: int = 0
 
-    def is_due(self, now: float) -> bool:
-        ready = self.greeted and not self.unanswered
-        return ready and now >= self.sent_at + 1.0 / self.wish.rate - 1e-6
+    def is_due(self, now: float, ahead: int) -> bool:
+        """``ahead``: frames that may be unanswered."""
+        apart = min(self.quickest / AHEAD, STALLED_S) if self.unanswered else 0.0
+        if len(self.unanswered) >= ahead:
+            apart = STALLED_S if len(self.unanswered) == AHEAD else math.inf
+        return self.greeted and now >= self.sent_at + max(1.0 / self.wish.rate, apart) - 1e-6
+
+    def answer(self, number: int, now: float) -> bool:
+        """False: no such frame is unanswered. Those before it are answered, too."""
+        if not self.number - len(self.unanswered) < number <= self.number:
+            return False
+        while len(self.unanswered) > self.number - number:
+            took = now - self.unanswered.popleft()
+        self.quickest = min(self.quickest, took)
+        is_late = took > self.quickest + DELAYED_S
+        self.room = max(LEAST_ROOM, self.room // 2) if is_late else min(2 * self.room, MOST_BYTES)
+        self.since = now
+        return True
 
 
 class Monitor:
-    def __init__(self) -> None:
+    """``ahead``: frames that a viewer may leave unanswered; ``room``: bytes of its first beside the
+    state."""
+
+    def __init__(self, ahead: int = AHEAD, room: int = ROOM) -> None:
+        self._ahead, self._room = ahead, room
         self.viewers: dict[str, Viewer] = {}
         self.track = Track()
         self._plan: tuple[str, ...] = ()
@@ -117,7 +144,8 @@ class Monitor:
 
     def connected(self, address: str, now: float) -> None:
         plan = ("", *self._plan) if self._plan else ()
-        self.viewers[address] = Viewer(since=now, events=deque(self._recent), plan=plan)
+        recent = deque(self._recent)
+        self.viewers[address] = Viewer(since=now, events=recent, plan=plan, room=self._room)
 
     def disconnected(self, address: str) -> None:
         self.viewers.pop(address, None)
@@ -143,7 +171,9 @@ class Monitor:
 
     def due(self, now: float) -> list[str]:
         """Viewers that could be sent something now."""
-        return [address for address, viewer in self.viewers.items() if viewer.is_due(now)]
+        return [
+            address for address, viewer in self.viewers.items() if viewer.is_due(now, self._ahead)
+        ]
 
     def frame(self, address: str, state: State, t: float, now: float) -> bytes:
         """The next frame for this viewer, b"" if there is nothing new. ``t`` is the engine's
@@ -151,6 +181,7 @@ class Monitor:
         viewer = self.viewers[address]
         made = _Frame(viewer.number + 1, t, viewer.wish.bytes)
         _add_state(made, viewer, state)
+        made.leave(viewer.room)
         made.add_lines("events", viewer.events.popleft, lambda: len(viewer.events))
         if viewer.gap and made.add("gap", viewer.gap):
             viewer.gap = 0
@@ -160,7 +191,8 @@ class Monitor:
             self._add_track(made, viewer)
         if made.is_empty:
             return b""
-        viewer.number, viewer.unanswered = made.number, True
+        viewer.number = made.number
+        viewer.unanswered.append(now)
         viewer.sent_at = viewer.since = now
         return made.line
 
@@ -179,6 +211,10 @@ class _Frame:
         self._said: dict[str, Any] = {"n": number, "t": round(t, 3)}
         self._size = len(_dumps(self._said)) + 1
         self.is_empty = True
+
+    def leave(self, room: int) -> None:
+        """Bytes for all that follows."""
+        self._most = min(self._most, self._size + room)
 
     @property
     def line(self) -> bytes:
@@ -236,9 +272,9 @@ def _add_state(made: _Frame, viewer: Viewer, state: State) -> None:
 def _obey(viewer: Viewer, line: bytes, now: float) -> None:
     try:
         said = json.loads(line)
-        if list(said) == ["ack"] and viewer.unanswered and said["ack"] == viewer.number:
-            viewer.unanswered, viewer.since = False, now
-        elif list(said) == ["wish"]:
+        if list(said) == ["ack"] and viewer.answer(said["ack"], now):
+            return
+        if list(said) == ["wish"]:
             viewer.wish, viewer.greeted = _wish(said["wish"]), True
             viewer.since = now
         else:
