@@ -96,6 +96,29 @@ def test_a_damaged_electronic_chart_is_refused_with_its_name(tmp_path: Path, bod
         convert(cell)
 
 
+def test_a_chart_that_ends_its_reader_costs_itself_alone_and_is_named(
+    tmp_path: Path, cell: Path
+) -> None:
+    hurt, out = tmp_path / "DEADLY.000", tmp_path / "out.geojson"
+    hurt.write_bytes(_with(1578, 0))  # GDAL 3.12 reads beyond its memory
+    ran = run("chart", str(hurt), str(cell), "-o", str(out))
+    assert ran.exit_code == 2
+    assert "DEADLY.000: " in ran.output
+    assert "fetch the cell again" in ran.output
+    assert "CELL.000, 1 : 12000" in ran.output
+    assert len(json.loads(out.read_text())["features"]) == 6
+
+
+def test_several_charts_become_one_file(tmp_path: Path, cell: Path) -> None:
+    other = tmp_path / "OTHER.000"
+    other.write_bytes(enc_cell(SOUTH + 1, WEST))
+    ran = run("chart", str(cell), str(other))
+    assert ran.exit_code == 0
+    shapes = json.loads(ran.stdout)["features"]
+    assert len(shapes) == 12
+    assert str(shapes[-1]["geometry"]["coordinates"]).startswith("[25.003, 61.002")
+
+
 def test_what_cannot_be_made_out_of_an_electronic_chart_is_told_in_one_line(tmp_path: Path) -> None:
     cell = tmp_path / "HURT.000"
     cell.write_bytes(_with(2944, 82))  # an attribute that S-57 has not
