@@ -93,7 +93,7 @@ def seated(chromium: object, running: Console, **more: object) -> Iterator[Seat]
     seat.page.goto(running.address)
     try:
         yield seat
-        assert (seat.said, seat.hosts) == ([], {running.host})
+        assert (seat.said, seat.hosts) == ([], {running.host}), (seat.said, seat.hosts)
     finally:
         context.close()
 
