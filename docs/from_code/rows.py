@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from links.simulated.boards import BOARDS, ON_BUS, SimulatedBoard
+from mission.topside import words
 from protocol.codec import CannotEncode
 from protocol.examples import examples
 from protocol.fields import BinaryFrame, FrameType, Number, Raw
@@ -98,13 +99,13 @@ def rows_table(document: str) -> str:
 def rows(document: str) -> Iterator[Row]:
     for name, frame in frame_types().items():
         if frame.title.startswith(document):
-            for field, says in _fields(frame):
+            for field, says in fields(frame):
                 tested = ", ".join(f"`{file}`" for file in _tests(name, field))
-                reads, writes = _read(name, field), _written(name, field)
+                reads, writes = _read(name, field), written(name, field)
                 yield f"`{name}`", says, reads, writes, _flown(name, field), tested
 
 
-def _fields(frame: FrameType) -> Iterator[tuple[str, str]]:
+def fields(frame: FrameType) -> Iterator[tuple[str, str]]:
     """The name of each row, and as it is shown; what has none is a row as a whole."""
     if frame.name == "robot.DOWN":
         for row in COMMANDS:
@@ -142,7 +143,7 @@ def _telemetry_of(name: str, field: str) -> str:
     assert isinstance(frame, BinaryFrame)
     item = next(f for f in frame.fields if isinstance(f, Number | Raw) and f.name == field)
     values = dict(frame.decode(_raw(name)))
-    other = values | {field: _another(item, values[field])}
+    other = values | {field: another(item, values[field])}
     before, after = (_telemetry(name, frame.encode(v)) for v in (values, other))
     for one in dataclasses.fields(Telemetry):
         if getattr(before, one.name) != getattr(after, one.name):
@@ -150,7 +151,7 @@ def _telemetry_of(name: str, field: str) -> str:
     return ""
 
 
-def _another(item: Number | Raw, value: Any) -> Any:
+def another(item: Number | Raw, value: Any) -> Any:
     if isinstance(item, Raw):
         return "01" + str(value)[2:]
     if item.choices:
@@ -180,14 +181,15 @@ def _message(name: str) -> object | None:
 # --- written -------------------------------------------------------------------------------------
 
 
-def _written(name: str, field: str) -> str:
+def written(name: str, field: str) -> str:
     if why := NOBODY.get(name, {}).get(field):
         return why
     if name in DOWN:
         return ", ".join(_causes(name, field)) or BY_HAND
     if name in UP:
         return "the board"
-    return "`protocol.topside.encode`"
+    word = name.removeprefix("auv.")
+    return f"`send {word}`" if word in words.frame_types() else "`serve`"
 
 
 def _causes(name: str, field: str) -> Iterator[str]:

@@ -7,6 +7,8 @@ What does not live here: when (schedule).
 
 from __future__ import annotations
 
+from collections import ChainMap
+from collections.abc import Mapping
 from typing import Any
 
 from links.simulated.fault import Fault
@@ -60,3 +62,4 @@ OF_BOARDS = {
     "mainboard": LINE | IN_WATER | BATTERY | LEAK,
     "motorcan": {name: IN_WATER[name] for name in _BODY},
 }
+ANY: Mapping[str, Fault] = ChainMap(FAULTS, *OF_BOARDS.values())  # the AUV's own first

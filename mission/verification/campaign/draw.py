@@ -12,15 +12,12 @@ What does not live here: what a fault or an incident does (links.simulated.fault
 from __future__ import annotations
 
 import math
-from collections import ChainMap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from random import Random
 
-from links.simulated.board_faults import OF_BOARDS
-from links.simulated.fault import Fault
-from links.simulated.faults import FAULTS
+from links.simulated.board_faults import ANY
 from links.simulated.sea import Sea
 from links.simulated.settings import FaultEvent, Settings, setting_of
 from mission.authoring.language import script
@@ -50,7 +47,6 @@ SCENE_TIME, SCENE_FLOOR = 160.0, 30.0  # s that matter, m
 IDLE = ("temperature_", "magnetometer_", "battery_")  # nothing on this vehicle decides by them
 SELDOM = 0.25  # as often as others: what is idle, and what has to be fitted first
 PROFILES = ("as-built", "documented")
-ANY: Mapping[str, Fault] = ChainMap(FAULTS, *OF_BOARDS.values())
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from links.simulated.added import SENSORS
-from links.simulated.faults import FAULTS
+from links.simulated.board_faults import ANY
 from links.simulated.settings import FaultEvent, Settings
 from mission.model import MANUAL_WAITING, STOPPED, SURFACED, Step, Tx
 from mission.onboard.runtime.runtime import VEHICLE
@@ -45,7 +45,7 @@ _SWITCHED, _UP = b"@ACK_NSS$", b"@ZAU12$"
 
 def value_of(fault: FaultEvent) -> float:
     """As drawn, or as its row says."""
-    return FAULTS[fault.name].value if fault.value is None else fault.value
+    return ANY[fault.name].value if fault.value is None else fault.value
 
 
 def net(settings: Settings, t: float) -> float:

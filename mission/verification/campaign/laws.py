@@ -47,7 +47,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
-from links.simulated.faults import FAULTS
+from links.simulated.board_faults import ANY
 from links.simulated.settings import Settings
 from mission.engine.bounds import Bounds, in_force
 from mission.engine.limits import SILENCE
@@ -277,8 +277,8 @@ def _unseen(settings: Settings, trial: Trace, speed: float) -> float:
     """m by which a depth that looks well is, or leads, beside the truth."""
     metres = 0.0
     for fault in settings.faults:
-        lasts = min(fault.duration or FAULTS[fault.name].duration, trial.truth.t)
-        value = abs(fault.value or FAULTS[fault.name].value)
+        lasts = min(fault.duration or ANY[fault.name].duration, trial.truth.t)
+        value = abs(fault.value or ANY[fault.name].value)
         if fault.name == "depth_too_shallow":
             metres += value
         elif fault.name == "depth_drifting":

@@ -22,6 +22,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from random import Random
 
+from links.simulated.board_faults import ANY
 from links.simulated.plant import Body
 from links.simulated.sea import Sea
 from links.simulated.sensors import Health, Sensor, SensorErrors
@@ -33,7 +34,7 @@ from mission.model import AUTONOMOUS, IDLE_READY, SURFACED, Mission, Step
 from mission.model.vehicle import Vehicle
 from mission.verification.campaign.area_laws import against
 from mission.verification.campaign.disturbances import INCIDENTS
-from mission.verification.campaign.draw import ANY, profiles_of
+from mission.verification.campaign.draw import profiles_of
 from mission.verification.campaign.laws import AFLOAT, Violation
 from mission.verification.campaign.staging import faults_of
 from mission.verification.campaign.trial import FOREVER, try_out

@@ -13,7 +13,7 @@ import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from links.simulated.faults import FAULTS
+from links.simulated.board_faults import ANY
 from links.simulated.geodesy import moved
 from links.simulated.link import START, SimulatedVehicle
 from links.simulated.plant import DEAD_BAND_PWM, NEUTRAL_PWM
@@ -153,5 +153,5 @@ def fault_ends(event: FaultEvent) -> float:
     """At s; a fault for ever never."""
     duration = event.duration
     if duration is None:
-        duration = FAULTS[event.name].duration
+        duration = ANY[event.name].duration
     return math.inf if duration >= FOREVER else event.begin + duration

@@ -12,7 +12,7 @@ import pytest
 from known_missions import known_on
 from programs import run
 
-from links.simulated.settings import Settings
+from links.simulated.settings import FaultEvent, Settings
 from mission.authoring.language import parse
 from mission.authoring.prepare import check_prepared, prepare
 from mission.model import MANUAL_DRIVING, Action, Mission, Outcome, Step, Tx
@@ -178,6 +178,15 @@ def test_a_flight_that_ends_under_water_or_under_way_is_lost(name: str) -> None:
 def test_the_robot_has_no_law_of_the_water_and_the_others_have() -> None:
     assert [Speech(load_vehicle(name)).lifts for name in NAMES] == [True, True, False]
     assert set(MOTION) == {*NAMES, "mainboard"}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_flight_is_judged_whatever_fault_of_its_board_it_has(name: str) -> None:
+    mission, trace = flown(name)
+    faults = tuple(FaultEvent(fault, 1.0) for fault in faults_of(name))
+    settings = Settings(body=body_of(name), faults=faults)
+    found = violations(trace, mission, load_vehicle(name), "documented", settings)
+    assert {violation.kind for violation in found} <= {LOST, IGNORED}
 
 
 @pytest.mark.parametrize("name", NAMES)
