@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from every_output import with_every_output
 from from_code.rows import BY_HAND, DOWN, NOBODY, another, fields, written
 from programs import run
 from served import read_now, silent_board
@@ -21,8 +22,8 @@ from links import open_link
 from links.simulated.link import START
 from mission.authoring.prepare import prepare, prepare_text
 from mission.model import Tx
-from mission.model.shipped import load_vehicle, missions_folder
-from mission.model.vehicle import Output, Vehicle
+from mission.model.shipped import missions_folder
+from mission.model.vehicle import Vehicle
 from mission.topside.words import command
 from mission.verification.rig.program import FillableStore, Program
 from mission.verification.rig.rig import Rig
@@ -46,7 +47,6 @@ WIRES = {  # what the board of a codec hears
     "rov": ("rov.down",),
     "robot": ("robot.down",),
 }
-FILES = {"motorcan": "motorboards"}
 KEYS = {"coreboard": {"angle_error_deg": "5"}}  # what is said by its file alone
 STICK = (b"@MMF6$", b"@MMB6$", b"@MRR3$", b"@MRL3$", b"@MMU6$", b"@MMD6$")
 RELAYED: Mapping[str, tuple[Mapping[str, Any], ...]] = {  # to the AUV's STM32
@@ -120,29 +120,8 @@ class Person:
 
 
 def with_all(name: str) -> Vehicle:
-    """The shipped vehicle, whose file names every channel of its codec."""
-    outputs = tuple(_output(channel) for channel in VEHICLES[name].channels)
-    shipped = load_vehicle(FILES.get(name, name))
-    wire = {**shipped.wire, **KEYS.get(name, {})}
-    return replace(shipped, outputs=outputs, wire=wire)
-
-
-def _output(channel: Channel) -> Output:
-    safe = channel.low if channel.rest != channel.rest else channel.rest  # NaN: not stated
-    return Output(
-        channel.name,
-        channel.name,
-        channel.low,
-        channel.high,
-        safe,
-        channel.unit,
-        channel.whole,
-        channel.needed,
-        channel.excludes,
-        channel.final,
-        None,
-        channel.choices,
-    )
+    vehicle = with_every_output(name)
+    return replace(vehicle, wire={**vehicle.wire, **KEYS.get(name, {})})
 
 
 def levels(channel: Channel) -> tuple[float, ...]:

@@ -37,6 +37,7 @@ _TOPSIDE = 1.0  # s
 _LOST = 12  # frames: three commands of three tries, and one that a set replaced
 _LOW, _LOW_TIME = 0.6, 16.0  # V and s: 10 s, and three reports
 _ASTRAY, _GROWN, _STEERED = 40.0, 28.0, 14.0  # deg, deg, s: 30, 20 and 10 (R5)
+_WET, _MUTE = 5.0, ("stm32_silent", "bytes_corrupted")  # s: three reports, and what one takes
 _APART, _UNDER_WAY, _DRIFTS = math.radians(75.0), 0.7, 32.0  # rad, m/s, s: 60 deg, 0.4, 20 s
 _SURE = 1.645  # of a normal: 95 %
 _ANSWER = re.compile(rb"@ACK_Z")
@@ -73,6 +74,7 @@ def limit_laws(story: Story) -> Iterator[Violation]:
         yield from _topside(story, begin, end)
         yield from _unanswered(story, begin, end)
         yield from _voltage(story, begin, end)
+        yield from _leak(story, begin, end)
         yield from _blind(story, begin, end)
         yield from _false_alarm(story, flight[-1])
         yield from _clogged(story, flight)
@@ -177,6 +179,18 @@ def _voltage(story: Story, begin: float, end: float) -> Iterator[Violation]:
             and not others
         ):
             yield Violation(UNANSWERED, until, f"{fault.value} V, and still autonomous")
+
+
+def _leak(story: Story, begin: float, end: float) -> Iterator[Violation]:
+    """Where the vehicle reports it, several times a second."""
+    for fault in story.settings.faults:
+        since = max(fault.begin, begin)
+        known = since + _WET
+        there = fault.name == "leak" and known < min(fault_ends(fault), end)
+        unheard = story.faulty(_MUTE, since, known) or story.hindered(since, known)
+        if there and not unheard:
+            state = story.stay_at(known).state
+            yield Violation(UNANSWERED, known, f"water inside for {_WET:g} s: still in {state}")
 
 
 def _blind(story: Story, begin: float, end: float) -> Iterator[Violation]:

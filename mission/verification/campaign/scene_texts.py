@@ -108,6 +108,10 @@ def _held(vehicle: str) -> Mapping[str, str]:
         "deep": (wide, f"{dive.format(14, 13.5)}stand: depth 14 heading 0 gear 4 for 4min\n"),
         "adrift": ("radius 900 time 30min depth 24", _ADRIFT),
         "loose": ("radius 900 time 30min depth 45", _LOOSE),
+        "lit": (
+            "radius 1000 time 30min depth 10",
+            f"{dive.format(5, 4.5)}out: {far} 0 gear 4 output {_LIT[vehicle]} for 3min\n",
+        ),
         "stubborn": (
             "radius 1000 time 30min depth 10",
             f"{dive.format(5, 4.5)}out: {far} 0 gear 8 for 100\non_we_go: {far} 0 gear 8 for 100\n",
@@ -126,6 +130,7 @@ def _pushed(vehicle: str, safety: str, bodies: Mapping[str, str]) -> Mapping[str
     return {name: f"mission {name} {head}{body}" for name, body in bodies.items()}
 
 
+_LIT = {"coreboard": "usbl 1", "mainboard": "led1 70"}
 _BODIES = {
     "rov": {
         "there": f"{_DOWN.format(5.5)}out: gear 4 down 5 for 45\n"
@@ -135,10 +140,12 @@ _BODIES = {
         "loose": f"{_LOOSE}{_UP}",
         "adrift": f"{_ADRIFT}{_UP}",
         "pool": f"{_DOWN.format(4.5)}out: gear 3 down 5 for 60\n{_UP}",
+        "lit": f"{_DOWN.format(4.5)}out: gear 3 down 5 output lamp 80 for 100\n{_UP}",
     },
     "robot": {
         "there": "out: gear 6 for 50\nback: gear -6 for 50\n",
         "away": "out: gear 6 for 50\non_and_on: gear 3 for 100\n",
+        "lit": "out: gear 3 output gimbal_yaw 30 for 100\n",
         "deep": "out: gear 6 for 60\nspin: gear 0 right 6 for 20\nback: gear 6 for 40\n",
     },
 }

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from random import Random
 
-from mission.verification.campaign.scene import DOWN, Scene, SceneRow, fault
+from mission.verification.campaign.scene import DOWN, Scene, SceneRow, W, X, fault, say
 from mission.verification.campaign.scenes_aboard import ABOARD
 from mission.verification.campaign.scenes_at_sea import AT_SEA
 
@@ -24,5 +24,23 @@ def _leak(rng: Random) -> Scene:
     return Scene("away", (fault("leak", rng.uniform(DOWN, 90.0)),))
 
 
-# What only boards of documents 002 to 004 report.
-ON_BOARDS_ALONE: Mapping[str, SceneRow] = {"leak": SceneRow("water inside, and it is told", _leak)}
+def _lit(rng: Random) -> Scene:
+    """Outputs by the mission and by hand, each where its vehicle has it; then an emergency, and one
+    more word, which it refuses."""
+    t = rng.uniform(DOWN, 80.0)
+    short = b"@SP,2000,%d,100,10,$" % rng.randint(1, 2)
+    said = [say(DOWN - 4.0 + 0.2 * i, words) for i, words in enumerate(_BY_HAND)]
+    return Scene("lit", (), (*said, say(t, rng.choice((X, W, short))), say(t + 2.0, _BY_HAND[0])))
+
+
+_BY_HAND = (
+    b"@AO,servo,-10,$",  # ROV
+    *(b"@AO,usbl_frequency,45,$", b"@AO,ins,0,$", b"@AO,dvl,0,$"),  # core board
+    *(b"@AO,led2,50,$", b"@AO,side_scan,1,$"),  # sensor board
+    *(b"@AO,zoom,9,$", b"@AO,video,2,$"),  # robot
+)
+# What only boards of documents 002 to 004 have.
+ON_BOARDS_ALONE: Mapping[str, SceneRow] = {
+    "leak": SceneRow("water inside, and it is told", _leak),
+    "lit": SceneRow("outputs are on, and an emergency comes", _lit),
+}

@@ -18,7 +18,6 @@ _OF_BOARDS: _Reasons = {
     ),
     "its board repeats the newest, and nothing waits before that": ("relays first", "gap"),
     "W has the bytes of X0 and U12 there, and another way is left": ("way W",),
-    "no scene sets an output; each state tries them in test_outputs": ("safe outputs",),
     "the check refuses what would be held; test_outer_loop tries it": ("unconfirmed loop",),
 }
 _IN_WATER: _Reasons = {

@@ -2,8 +2,8 @@
 
     sunk        under water or going down, and no way up in time (depth_laws)
     unanswered  a limit passed in truth, and no response in time (limit_laws, area_laws)
-    unsent      a set or a stop that had to leave, and did not (word_laws)
-    unlawful    a move that the rules forbid (word_laws, surface_laws, clear_laws)
+    unsent      a set, a stop or a safe output that had to leave (word_laws, output_laws)
+    unlawful    a move that the rules forbid (word_laws, surface_laws, clear_laws, output_laws)
 
 A law is a row of FLIGHT_LAWS; what it finds is counted by its kinds.
 
@@ -25,6 +25,7 @@ from mission.verification.campaign.clear_laws import clear_laws
 from mission.verification.campaign.depth_laws import SUNK, depth_laws
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.limit_laws import UNANSWERED, limit_laws
+from mission.verification.campaign.output_laws import output_laws
 from mission.verification.campaign.story import Story
 from mission.verification.campaign.surface_laws import UNLAWFUL, surface_laws
 from mission.verification.campaign.word_laws import UNSENT, word_laws
@@ -47,6 +48,7 @@ FLIGHT_LAWS: Table[str, FlightLaw] = Table(
         FlightLaw("clear", (UNLAWFUL,), clear_laws),
         FlightLaw("depth", (SUNK,), depth_laws),
         FlightLaw("limits", (UNANSWERED,), limit_laws),
+        FlightLaw("outputs", (UNSENT, UNLAWFUL), output_laws),
         FlightLaw("surface", (UNLAWFUL,), surface_laws),
         FlightLaw("words", (UNSENT, UNLAWFUL), word_laws),
     ),

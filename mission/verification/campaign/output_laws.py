@@ -1,0 +1,137 @@
+"""Laws of what is set beside the motion (R18), by the bytes to a board of documents 002 to 004.
+
+    safe     within 0.5 s of an emergency every output that can be taken back is said to be safe,
+             and stays so while the emergency lasts
+    final    what cannot be taken back is set by an @AO alone, or, where the vehicle file arms it,
+             by an ascent of 120 s that has gained nothing
+
+The AUV's shipped file names no outputs. What does not live here: who may set what
+(mission.engine.outputs).
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from mission.engine.outputs import GAINS, WITHIN
+from mission.model import Tx
+from mission.model.regions import EMERGENCY
+from mission.model.vehicle import Output
+from mission.onboard.runtime.runtime import VEHICLE
+from mission.verification.campaign.laws import Violation
+from mission.verification.campaign.story import Stay, Story
+from mission.verification.campaign.surface_laws import UNLAWFUL
+from mission.verification.campaign.word_laws import UNSENT
+from protocol.framing import Frame
+from protocol.tolerances import Tolerances
+from protocol.vehicles import link
+from protocol.vehicles.robot_outputs import GIMBAL
+
+SAFE_S = 0.5  # s
+_ERROR = 1.0  # m of a depth that is read
+_AO = re.compile(rb"@AO,(\w+),")
+Levels = Mapping[str, float]  # by channel
+Said = tuple[float, Levels]
+_CARRIED = {
+    "coreboard": "coreboard.pc_to_main",
+    "rov": "rov.down",
+    "robot": "robot.down",
+    "mainboard": "coreboard.main_to_sensor",
+}
+
+
+def output_laws(story: Story) -> Iterator[Violation]:
+    if story.vehicle.codec not in _CARRIED or not story.vehicle.outputs:
+        return
+    said = list(_said(story))
+    for stay in story.stays:
+        if stay.state.startswith(EMERGENCY):
+            yield from _not_safe(story, stay, said)
+    for output in story.vehicle.outputs:
+        if output.irreversible:
+            yield from _not_asked(story, output, said)
+
+
+def _said(story: Story) -> Iterator[Said]:
+    """What each frame to the vehicle says of its channels."""
+    name = story.vehicle.codec
+    tolerances = Tolerances.parse(story.vehicle.tolerances)
+    channels = {output.channel for output in story.vehicle.outputs}
+
+    @functools.lru_cache(4096)
+    def read(data: bytes) -> Levels:
+        found = link(_CARRIED[name]).framer(tolerances).receive(data, 0.0)
+        frames = (frame.values() for frame in found if isinstance(frame, Frame))
+        said = (level for values in frames for level in _levels(name, values))
+        return {channel: level for channel, level in said if channel in channels}
+
+    for event in story.trial.events:
+        if isinstance(event, Tx) and event.link == VEHICLE and (levels := read(event.data)):
+            yield event.t, levels
+
+
+def _levels(name: str, values: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
+    if name == "robot":
+        yield from _of_robot(values)
+        return
+    for field, value in values.items():
+        if field == "passthrough":
+            yield from ((f"{field}{n}", byte) for n, byte in enumerate(bytes.fromhex(value), 1))
+        elif isinstance(value, int | float):
+            yield from ((field, value), (f"{field}_on", value))
+
+
+def _of_robot(values: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
+    """The gimbal's; the power module's have no safe value in the shipped file."""
+    of = values["address"], values["command"]
+    if of in ((GIMBAL, 0), (GIMBAL, 2)):
+        for axis in ("yaw", "pitch"):
+            yield f"gimbal_{axis}_deg", values.get(f"{axis}_cdeg", 0) / 100.0
+    for code, name in ((1, "video"), (3, "zoom")):
+        if of == (GIMBAL, code):
+            yield name, values[name]
+
+
+def _not_safe(story: Story, stay: Stay, said: list[Said]) -> Iterator[Violation]:
+    """The last word about each before the time is over, and every later one in the emergency."""
+    by = stay.begin + SAFE_S
+    if stay.end < by or story.hindered(stay.begin - SAFE_S, by):
+        return
+    for output in story.vehicle.outputs:
+        told = [(t, levels[output.channel]) for t, levels in said if output.channel in levels]
+        last = [level for t, level in told if t <= by][-1:]
+        later = [level for t, level in told if by < t < stay.end]
+        wrong = next((v for v in (*last, *later) if _differs(v, output.safe)), None)
+        if wrong is not None and not output.irreversible:
+            says = f"{output.name} is {wrong:g} in {stay.state}, safe is {output.safe:g}"
+            yield Violation(UNSENT, by, says)
+
+
+def _not_asked(story: Story, output: Output, said: list[Said]) -> Iterator[Violation]:
+    """The first frame that sets it."""
+    told = ((t, levels[output.channel]) for t, levels in said if output.channel in levels)
+    at = next((t for t, level in told if _differs(level, output.safe)), None)
+    if at is None or _ordered(story, output, at):
+        return
+    if output.ascent is None or not _in_vain(story, at):
+        yield Violation(UNLAWFUL, at, f"{output.name} is set, and nothing asked for it")
+
+
+def _ordered(story: Story, output: Output, t: float) -> bool:
+    words = (name for s in story.said if s.t <= t for name in _AO.findall(s.data))
+    return output.name.encode() in words
+
+
+def _in_vain(story: Story, t: float) -> bool:
+    """An ascent has lasted for the time, and the true depth has not fallen by more than can be
+    read wrongly."""
+    since = t - WITHIN
+    climbs = all(s.ascends for s in story.stays if s.begin < t and s.end > since)
+    return climbs and story.depth(since) - story.depth(t) < GAINS + _ERROR
+
+
+def _differs(level: float, safe: float) -> bool:
+    return abs(level - safe) > 0.01
