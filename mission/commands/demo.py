@@ -16,7 +16,12 @@ if TYPE_CHECKING:
     from mission.verification.simulation.demo import Demo, Progress
     from mission.verification.simulation.flightlog import Flight
 
-OWN = {"coreboard": "coreboard-dive", "rov": "rov-dive", "robot": "robot-drive"}
+OWN = {
+    "coreboard": "coreboard-dive",
+    "mainboard": "rov-dive",  # by thrust and time: nothing is held before signs are confirmed
+    "rov": "rov-dive",
+    "robot": "robot-drive",
+}
 
 
 @click.command()

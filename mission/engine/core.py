@@ -301,7 +301,8 @@ class Core(EngineState):
         self._move("stick", MANUAL_DRIVING, "the stick was moved", (), By.OPERATOR)
 
     def stick_silent(self) -> None:
-        why = "no M for 2 s: the STM32 back to automatic with everything stopped"
+        back = "the STM32 back to automatic with " if self.vehicle.codec == "auv" else ""
+        why = f"no M for 2 s: {back}everything stopped"
         self._move("silent", MANUAL_WAITING, why, self._stop(why), None)
 
     def stick_forgotten(self) -> None:

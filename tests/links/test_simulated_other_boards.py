@@ -81,6 +81,15 @@ def drive_of(vehicle: SimulatedBoard) -> float:
     return plant.u if isinstance(plant, Ground) else sum(plant.thrust[:2]) / 80.0
 
 
+@pytest.mark.parametrize("name", ["coreboard", "mainboard"])
+def test_no_sensor_that_is_well_says_the_same_three_times(name: str) -> None:
+    """As a real one does not; who asks whether a sensor lives goes by that."""
+    told = run(SimulatedBoard(name), 3.0)
+    for sensor in ("depth", "altitude", "heading", "pitch", "roll"):
+        said = [getattr(report, sensor) for report in told]
+        assert not any(a == b == c for a, b, c in zip(said, said[1:], said[2:], strict=False))
+
+
 def test_the_core_board_holds_heading_and_depth_in_closed_loop() -> None:
     vehicle = SimulatedBoard("coreboard")
     say(vehicle, Setpoint(surge=0.5, heading=radians(120), depth=3.0), 0.0, 60.0)

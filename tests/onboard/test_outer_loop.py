@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner
 from test_doctor_boards import simulated_board
 
+from links.simulated.settings import parse_settings
 from mission.authoring.prepare import Prepared, Unreadable, prepare
 from mission.commands.doctor import doctor
 from mission.model import Action, Result
@@ -19,9 +20,12 @@ from mission.model.vehicle import OuterLoop
 from mission.onboard.runtime.outer_loop import GROWS_S, STALE_S, LoopCloser
 from mission.onboard.runtime.repeater import Repeater
 from mission.verification.simulation.flight import fly
+from mission.verification.simulation.flightlog import Flight
 from protocol.codec import CannotEncode
+from protocol.framing import Frame
 from protocol.messages import Order, Setpoint, Telemetry
-from protocol.vehicles import codec
+from protocol.tolerances import Tolerances
+from protocol.vehicles import codec, link
 
 SHIPPED = Path("missions/vehicles/rov.yaml").read_text(encoding="utf-8")
 CONFIRMED = SHIPPED.replace("# confirmed:", "confirmed:")
@@ -162,6 +166,50 @@ def test_a_set_that_is_given_up_is_refused_once_and_the_board_told_neutral() -> 
         sent += [tx.data for tx in out]
     assert [o.frame.decode()[:17] for o in results] == ["depth is not held"]
     assert sent[-1] == board.encode(Setpoint())[0]
+
+
+# --- over the bytes of a flight ------------------------------------------------------------------
+
+SILENT_AT, SILENT_S = 24.0, 2.0
+
+
+def efforts(flight: Flight, begin: float, end: float) -> list[tuple[float, float, float]]:
+    """X, Z and F as the board reads them."""
+    framer = link("rov.down").framer(Tolerances())
+    sent = [tx.data for tx in flight.sent if tx.link == "vehicle" and begin < tx.t < end]
+    frames = [frame for data in sent for frame in framer.receive(data, 0.0)]
+    assert all(isinstance(frame, Frame) for frame in frames)
+    values = [frame.values() for frame in frames if isinstance(frame, Frame)]
+    return [(v["x"], v["z"], v["f"]) for v in values]
+
+
+def test_a_rov_whose_report_is_older_than_half_a_second_is_told_neutral_on_its_wire(
+    tmp_path: Path,
+) -> None:
+    made = ready(tmp_path)
+    silence = parse_settings((f"fault=stm32_silent@{SILENT_AT}+{SILENT_S}",))
+    flight = fly(made.mission, made.vehicle, seed=3, settings=silence)
+    known = SILENT_AT + STALE_S
+    assert (0.0, 0.0, 0.0) not in efforts(flight, SILENT_AT - 2.0, known - 0.06)
+    assert set(efforts(flight, known + 0.06, SILENT_AT + SILENT_S)) == {(0.0, 0.0, 0.0)}
+    back = efforts(flight, SILENT_AT + SILENT_S + 0.2, SILENT_AT + SILENT_S + 2.0)
+    assert (0.0, 0.0, 0.0) not in back
+    assert (flight.outcome, flight.at_surface) == ("completed", True)
+
+
+def test_a_rov_that_turns_the_other_way_is_told_neutral_on_its_wire_and_its_mission_ends(
+    tmp_path: Path,
+) -> None:
+    """The file confirms a sign that is not so: the error grows, and the set is refused."""
+    other = CONFIRMED.replace("tolerances:", "wire: {z_sign: -1}\ntolerances:", 1)
+    made = ready(tmp_path, other)
+    flight = fly(made.mission, made.vehicle, seed=3)
+    assert flight.legs[0].by == "else"
+    told = efforts(flight, 0.0, math.inf)
+    rises = next(i for i, (x, z, f) in enumerate(told) if x == z == 0.0 and f > 0.9)
+    assert (0.0, 0.0, 0.0) not in told[1:20], "it turns, and dives"
+    assert told[rises - 1] == (0.0, 0.0, 0.0)
+    assert flight.at_surface
 
 
 # --- the guided check ----------------------------------------------------------------------------

@@ -117,7 +117,7 @@ def test_600_ms_without_a_word_is_neutral_and_2_s_are_a_stop(name: str) -> None:
     assert let_go == pytest.approx(last + 0.6, abs=0.02)
     after = bench.to_board(last + 0.61)
     assert {tx.data for tx in after} == set(neutral)
-    assert any("no M for 2 s" in tx.reason for tx in after)
+    assert any("no M for 2 s: everything stopped" in tx.reason for tx in after)
     assert bench.runtime.state == MANUAL_WAITING
 
 

@@ -139,7 +139,7 @@ def worst(prepared: Prepared) -> float:
     return proved.worst_time
 
 
-@pytest.mark.parametrize("vehicle", ["auv", "coreboard", "rov", "robot"])
+@pytest.mark.parametrize("vehicle", ["auv", "coreboard", "mainboard", "rov", "robot"])
 def test_the_command_flies_the_vehicles_own_mission_and_leaves_its_pictures(
     tmp_path: Path, vehicle: str
 ) -> None:

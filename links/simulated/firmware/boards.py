@@ -31,7 +31,7 @@ from protocol.vehicles.keys import Wire
 
 ANTENNA = 0.3  # m: deeper, and the INS has no GPS to be aligned by
 ALIGNS = 3.0  # s after it was switched on (assumed)
-_DEPTH, _ANGLE, _HEADING, PLACE = 0.03, radians(0.3), radians(0.5), 2.0  # one sigma, m and rad
+DEPTH, _ANGLE, _HEADING, PLACE = 0.03, radians(0.3), radians(0.5), 2.0  # one sigma, m and rad
 CONTROL_V, POWER_V = 24.0, 48.0
 _FULL_RPM = 1000.0
 
@@ -132,7 +132,7 @@ class WaterBoard(Board):
         """Roll, pitch, yaw in deg and depth in m, as its sensors have them."""
         gauss = self.rng.gauss
         if self._depth is None or not self.troubles.depth_frozen:
-            self._depth = plant.depth + gauss(0.0, _DEPTH)
+            self._depth = plant.depth + gauss(0.0, DEPTH)
         yaw = degrees((plant.yaw + gauss(0.0, _HEADING) + pi) % (2.0 * pi) - pi)
         return (
             degrees(remainder(plant.roll + gauss(0.0, _ANGLE), tau)),
@@ -188,7 +188,7 @@ class CoreBoard(WaterBoard):
             "x_m": 0.0,
             "y_m": 0.0,
             "depth_m": depth,
-            "altitude_m": plant.floor - plant.depth + self.rng.gauss(0.0, _DEPTH),
+            "altitude_m": plant.floor - plant.depth + self.rng.gauss(0.0, DEPTH),
             "avoid_m": 0.0,
             "reserved50": "00" * 12,
             "mode": 0,

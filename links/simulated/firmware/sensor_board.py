@@ -14,7 +14,7 @@ from math import cos, degrees, inf, sin
 from random import Random
 from typing import Any
 
-from links.simulated.firmware.boards import ALIGNS, ANTENNA, PLACE, POWER_V, Place
+from links.simulated.firmware.boards import ALIGNS, ANTENNA, DEPTH, PLACE, POWER_V, Place
 from links.simulated.firmware.motors import MotorBoards
 from links.simulated.plant import Plant
 from protocol.framing import Frame
@@ -72,7 +72,7 @@ class SensorBoard(MotorBoards):
             "temperature_c": 18.0,
             "temperature2_c": 18.0,
             "depth_m": depth,
-            "altitude_m": plant.floor - plant.depth,
+            "altitude_m": plant.floor - plant.depth + gauss(0.0, DEPTH),
             "leak": digit if wet else 1 - digit,
             "leak_legacy_raw": older if wet else 1 - older,
             "roll_deg": roll,
