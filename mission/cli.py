@@ -16,7 +16,6 @@ import click
 
 from mission import __version__
 from mission.commands.examples import epilog
-from mission.model.compiled import build
 
 INTERRUPTED = 128 + signal.SIGINT  # exit code, as a shell has it
 
@@ -112,7 +111,18 @@ def _exists(module: str) -> bool:
     return importlib.util.find_spec(f"mission.commands.{module}") is not None
 
 
+def _tell_version(ctx: click.Context, _option: click.Parameter, asked: bool) -> None:
+    """``auvmission, version 1.0, pure Python``. The build is looked up for this alone."""
+    if not asked or ctx.resilient_parsing:
+        return
+    from mission.model.compiled import build
+
+    click.echo(f"auvmission, version {__version__}, {build()}")
+    ctx.exit()
+
+
 @click.group(cls=_Lazy, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(f"{__version__}, {build()}", prog_name="auvmission")
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_tell_version,
+              help="Show the version and exit.")  # fmt: skip
 def main() -> None:
     """Write, check, fly and replay missions of autonomous underwater vehicles."""

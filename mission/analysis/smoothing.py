@@ -13,11 +13,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from filterpy.kalman import rts_smoother
 
 from mission.model import Position
 from mission.model.vehicle import Vehicle
 from mission.navigation.filter import Array, Filter, Motion
+from mission.navigation.kalman import rts_smoother
 from mission.navigation.model import DEPTH, Figures, figures
 from mission.navigation.navigator import Navigation
 from protocol.messages import Aid, Fix, Telemetry

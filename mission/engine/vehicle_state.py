@@ -1,6 +1,6 @@
 """What the engine knows of the vehicle at an instant: the last reports, and what to believe.
 
-Before navigation is loaded (importing filterpy takes a second) a reported finite value is believed
+Before navigation is loaded (numpy and filterpy take a while) a reported finite value is believed
 while it is fresh: enough for the limits of an idle vehicle and for an ascent after a restart.
 
 What does not live here: the filter and the health rules (navigation), what follows from them

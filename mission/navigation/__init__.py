@@ -2,9 +2,9 @@
 
     Telemetry, Fix -> health (is each reading to be believed?) -> filter -> Estimate
 
-The only room that imports filterpy; importing the package does not (building a Navigation does,
-which takes about a second). Deterministic to the last bit: time is an input, there is no clock
-and no thread.
+The only room that imports filterpy, of that what it uses alone (``kalman``); importing the package
+does not, building a Navigation does. Deterministic to the last bit: time is an input, there is no
+clock and no thread.
 
 What does not live here: what the engine does about an invalid reading, guards, the wire.
 """

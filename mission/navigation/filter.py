@@ -17,9 +17,9 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from filterpy.kalman import KalmanFilter
 from numpy.typing import NDArray
 
+from mission.navigation.kalman import KalmanFilter
 from mission.navigation.model import (
     BOTTOM,
     CE,

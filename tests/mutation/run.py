@@ -38,10 +38,7 @@ from _pytest.runner import runtestprotocol
 from hypothesis import settings
 
 LIMIT_S = 120  # of one mutant's tests: beyond, it hangs, which was noticed
-_HEAVY = (
-    *("hypothesis.stateful", "numpy", "scipy.linalg", "filterpy.kalman"),
-    *("transitions.extensions", "lark", "yaml"),
-)
+_HEAVY = (*("hypothesis.stateful", "numpy", "transitions.extensions", "lark", "yaml"),)
 _OPTIONS = (
     "-x",
     "-q",

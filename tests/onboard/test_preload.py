@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import gc
+import json
+import subprocess
+import sys
 from collections.abc import Iterator
 
 import pytest
@@ -12,6 +15,28 @@ from mission.onboard.configuration import Configuration
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.serve.preload import prepare
 from mission.onboard.store import MemoryStore
+
+# what none of a start's work needs: each would add a tenth of it, or a multiple
+_UNUSED = ("filterpy", "scipy", "matplotlib", "pandas", "textual")
+_START = """
+import json, sys
+import mission.onboard.serve.serve
+from mission.model.shipped import load_vehicle
+from mission.onboard.configuration import Configuration
+from mission.onboard.runtime.runtime import Runtime
+from mission.onboard.serve.preload import prepare
+from mission.onboard.store import MemoryStore
+prepare(Runtime(Configuration(), load_vehicle("auv"), MemoryStore()))
+print(json.dumps(sorted(sys.modules)))
+"""
+
+
+def imported(program: str, *arguments: str) -> list[str]:
+    """The modules that a new interpreter has at the end of a program that prints them, as JSON."""
+    call = [sys.executable, "-c", program, *arguments]
+    done = subprocess.run(call, check=True, capture_output=True, text=True)
+    found: list[str] = json.loads(done.stdout.splitlines()[-1])
+    return found
 
 
 @pytest.fixture(autouse=True)
@@ -51,3 +76,22 @@ def test_a_filter_that_cannot_be_loaded_leaves_the_collector_on(
     with pytest.raises(ImportError, match="no filterpy"):
         prepare(runtime())
     assert gc.isenabled()
+
+
+def test_a_start_of_serve_imports_the_filter_and_nothing_of_what_lies_beside_it() -> None:
+    found = imported(_START)
+    assert "mission.navigation.kalman" in found
+    assert not [name for name in found if name.split(".")[0] in _UNUSED]
+    assert len(found) < 800  # about 660; with all of filterpy 1700
+
+
+def test_a_page_of_help_imports_no_room_of_the_program() -> None:
+    help_page = (
+        "import json, sys; from click.testing import CliRunner; from mission.cli import main;"
+        "assert not CliRunner().invoke(main, ['--help']).exit_code;"
+        "print(json.dumps(sorted(sys.modules)))"
+    )
+    rooms = {".".join(name.split(".")[:2]) for name in imported(help_page)}
+    assert {room for room in rooms if room.startswith("mission")} == {
+        *("mission", "mission.cli", "mission.commands"),
+    }

@@ -172,7 +172,7 @@ class Server:
         self._schedule()
 
     async def _navigate(self, runtime: Runtime) -> None:
-        """The filter's import takes a second and more: not in this thread."""
+        """The import of the filter and the check takes a while: not in this thread."""
         loop = asyncio.get_running_loop()
         try:
             navigation = await loop.run_in_executor(None, prepare, runtime)

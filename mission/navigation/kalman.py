@@ -1,0 +1,64 @@
+"""filterpy's KalmanFilter and its smoother, without the rest of that package.
+
+``import filterpy.kalman`` imports all of filterpy, and with it most of scipy: two thirds of what a
+start of `serve` computed, for log-likelihoods and other filters that nobody here asks for. Two of
+its files are all that is used, and they need numpy alone; they are run here as they are installed.
+Whoever does ask for a log-likelihood gets it, and imports the rest then.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from importlib.machinery import ModuleSpec
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+_ABOVE = ("filterpy.common", "filterpy.stats")  # the packages that kalman_filter.py imports from
+
+
+def _log_density(*args: Any, **kwargs: Any) -> Any:
+    from filterpy.stats import logpdf
+
+    return logpdf(*args, **kwargs)
+
+
+def _folder() -> Path:
+    spec = importlib.util.find_spec("filterpy")
+    if spec is None or spec.origin is None:
+        raise ModuleNotFoundError("No module named 'filterpy'", name="filterpy")
+    return Path(spec.origin).parent
+
+
+def _run(name: str, path: Path) -> ModuleType:
+    """The module of a file, which is in ``sys.modules`` under no name."""
+    spec: ModuleSpec | None = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def _load() -> ModuleType:
+    """filterpy/kalman/kalman_filter.py, with filterpy/common/helpers.py in place of its package."""
+    folder = _folder()
+    helpers = _run(f"{__name__}.helpers", folder / "common" / "helpers.py")
+    stats = ModuleType("filterpy.stats")
+    stats.logpdf = _log_density  # type: ignore[attr-defined]
+    before = {name: sys.modules.get(name) for name in _ABOVE}
+    sys.modules.update(zip(_ABOVE, (helpers, stats), strict=True))
+    try:
+        return _run(f"{__name__}.kalman_filter", folder / "kalman" / "kalman_filter.py")
+    finally:
+        for name, module in before.items():
+            if module is None:
+                del sys.modules[name]
+            else:
+                sys.modules[name] = module
+
+
+_FILTERPY = _load()
+KalmanFilter: Any = _FILTERPY.KalmanFilter
+rts_smoother: Any = _FILTERPY.rts_smoother
