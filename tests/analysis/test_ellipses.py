@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 
 import pytest
-from matplotlib.figure import Figure
-from matplotlib.patches import Ellipse
+from later import Later
 
 from mission.analysis.ellipses import LARGEST, draw_ellipses, ellipse, width_of
+
+drawing, patches = Later("matplotlib.figure"), Later("matplotlib.patches")
 
 
 def test_the_ellipse_of_equal_sigmas_is_a_circle_of_the_95_percent_radius() -> None:
@@ -29,16 +30,16 @@ def test_the_ellipse_points_where_the_doubt_is(
 
 
 def test_an_ellipse_lies_on_the_picture_as_it_lies_on_the_sea() -> None:
-    axes = Figure().subplots()
+    axes = drawing.Figure().subplots()
     draw_ellipses(axes, [(3.0, 2.0, (5.0, 4.0, 5.0))], 100.0, "k")
-    (drawn,) = [patch for patch in axes.patches if isinstance(patch, Ellipse)]
+    (drawn,) = [patch for patch in axes.patches if isinstance(patch, patches.Ellipse)]
     assert drawn.get_center() == (3.0, 2.0)
     assert drawn.angle == pytest.approx(45.0)  # of east: north-east is half way
     assert drawn.width == pytest.approx(3.0 * drawn.height)
 
 
 def test_an_ellipse_that_would_bury_the_track_is_left_out_and_none_widens_the_frame() -> None:
-    axes = Figure().subplots()
+    axes = drawing.Figure().subplots()
     axes.plot([0.0, 100.0], [0.0, 10.0])
     frame = axes.get_xlim(), axes.get_ylim()
     sigma = LARGEST * 100.0 / ellipse((1.0, 0.0, 1.0))[0]

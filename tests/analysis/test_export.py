@@ -10,17 +10,10 @@ import re
 import sys
 from pathlib import Path
 
-import fastkml
-import gpxpy
-import pandas as pd
 import pytest
-import shapely
 from click.testing import CliRunner, Result
-from fastkml import features, gx
-from fastkml.utils import find_all
-from pyarrow import parquet
+from later import Later
 from recorded_flight import recorded
-from shapely.geometry import shape
 
 from mission.analysis.export import FORMS
 from mission.analysis.export.columns import ExportError, sheets
@@ -35,6 +28,13 @@ from mission.onboard.blackbox import BlackBox
 from mission.onboard.runtime.records import tx_record
 from mission.onboard.stream.topics import TOPICS
 
+pandas, parquet, shapely = Later("pandas"), Later("pyarrow.parquet"), Later("shapely")
+gpxpy, fastkml, tracks = Later("gpxpy"), Later("fastkml"), Later("fastkml.gx")
+features, utils, geometry = (
+    Later("fastkml.features"),
+    Later("fastkml.utils"),
+    Later("shapely.geometry"),
+)
 SHORT = Path(__file__).parent / "recorded" / "short-time.mcap"
 HOSTILE = (
     "=1+1", "+1", "-1", "@SUM(A1)", "\t=1", " =1", "'=1", "\uff1d1", "a;=1", 'a"b,c', "a\r\nb",
@@ -101,14 +101,14 @@ def same(kind: str, seen: object, wanted: object) -> bool:
 def test_pandas_reads_every_value_of_every_topic_back_from_csv(
     folder: Path, said: dict[str, list[Line]]
 ) -> None:
-    columns = pd.read_csv(folder / "columns.csv", keep_default_na=False)
+    columns = pandas.read_csv(folder / "columns.csv", keep_default_na=False)
     assert set(columns["topic"]) == set(said)
     for topic, wanted in said.items():
         kinds = columns[columns["topic"] == topic].set_index("column")["kind"]
         texts = {
             name: str for name, kind in kinds.items() if kind not in ("number", "integer", "flag")
         }
-        table = pd.read_csv(
+        table = pandas.read_csv(
             folder / f"{topic}.csv", dtype=texts, keep_default_na=False,
             na_values={name: [""] for name in kinds.index}, engine="python",
         )  # fmt: skip
@@ -116,7 +116,7 @@ def test_pandas_reads_every_value_of_every_topic_back_from_csv(
         assert len(table) == len(wanted)
         for row, line in zip(table.to_dict("records"), wanted, strict=True):
             assert row["t_s"] == line.value.get("t", line.t)
-            assert abs(pd.Timestamp(row["time_utc"]).timestamp() - line.wall) < 2e-6
+            assert abs(pandas.Timestamp(row["time_utc"]).timestamp() - line.wall) < 2e-6
             for name, value in flat(dict(line.value)).items():
                 if name == "t" or (value is None and name not in row):  # a table that is null
                     continue
@@ -203,13 +203,15 @@ def test_a_reader_of_kml_finds_track_fixes_and_plan(
 ) -> None:
     read = fastkml.KML.parse(folder / "track.kml")
     states = [line for line in said["state"] if line.value["latitude_deg"] is not None]
-    items = [item for track in find_all(read, of_type=gx.Track) for item in track.track_items]
+    items = [
+        item for track in utils.find_all(read, of_type=tracks.Track) for item in track.track_items
+    ]
     assert len(items) == len(states)
     for item, line in zip(items, states, strict=True):
         place = line.value["longitude_deg"], line.value["latitude_deg"], -line.value["depth_m"]
         assert item.coord.coords[0] == pytest.approx(place, abs=1e-8)
         assert item.when.dt.timestamp() == pytest.approx(line.wall, abs=1e-3)
-    marks = list(find_all(read, of_type=features.Placemark))
+    marks = list(utils.find_all(read, of_type=features.Placemark))
     assert len([m for m in marks if m.times is not None]) == len(said["fix"])
     assert {"home", "radius"} <= {mark.name for mark in marks}
 
@@ -245,7 +247,7 @@ def test_gpxpy_reads_areas_as_closed_tracks_that_nobody_steers_along(fenced: Pla
 
 def test_a_reader_of_kml_finds_the_areas_as_polygons(fenced: Places) -> None:
     read = fastkml.KML.parse(io.BytesIO(kml(fenced)))
-    marks = {mark.name: mark for mark in find_all(read, of_type=features.Placemark)}
+    marks = {mark.name: mark for mark in utils.find_all(read, of_type=features.Placemark)}
     seen = {
         name: [list(at) for at in mark.geometry.exterior.coords] for name, mark in marks.items()
     }
@@ -259,12 +261,12 @@ def test_a_reader_of_geojson_finds_track_fixes_and_plan(
     read = json.loads((folder / "track.geojson").read_text())
     by = {of: [f for f in read["features"] if f["properties"]["of"] == of]
           for of in ("plan", "track", "fix")}  # fmt: skip
-    assert all(shape(f["geometry"]).is_valid for some in by.values() for f in some)
+    assert all(geometry.shape(f["geometry"]).is_valid for some in by.values() for f in some)
     states = [line for line in said["state"] if line.value["latitude_deg"] is not None]
     track = [
         p
         for f in by["track"]
-        for p in shapely.get_coordinates(shape(f["geometry"]), include_z=True)
+        for p in shapely.get_coordinates(geometry.shape(f["geometry"]), include_z=True)
     ]
     wanted = [
         (v["longitude_deg"], v["latitude_deg"], -v["depth_m"]) for v in (s.value for s in states)
@@ -369,7 +371,7 @@ def test_what_is_missing_in_a_damaged_log_is_told_and_the_rest_is_exported(tmp_p
     assert "are missing between" in ran.stderr
     (items,) = recordings([path])
     wanted = sum(isinstance(i, Record) and i.kind == "estimate" for i in items)
-    assert len(pd.read_csv(tmp_path / "cut" / "estimate.csv")) == wanted > 10
+    assert len(pandas.read_csv(tmp_path / "cut" / "estimate.csv")) == wanted > 10
 
 
 @pytest.mark.parametrize("form", ["gpx", "kml", "geojson"])

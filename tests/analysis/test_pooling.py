@@ -6,7 +6,6 @@ import math
 import random
 
 import pytest
-from scipy import stats
 
 from mission.analysis.pooling import pool
 from mission.analysis.scores import honest
@@ -52,5 +51,7 @@ def test_one_log_says_nothing_of_other_days() -> None:
 
 @pytest.mark.parametrize("ends", [4, 7, 20, 100])
 def test_right_ellipses_have_a_mean_nees_as_chi_square_says(ends: int) -> None:
+    from scipy import stats  # takes longer to import than all else here
+
     limits = stats.chi2.ppf([0.025, 0.975], 2 * ends) / (2 * ends)
     assert honest(ends) == pytest.approx(tuple(limits), rel=0.02)

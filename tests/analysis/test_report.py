@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
-from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
+from later import Later
 
 from mission.analysis.doubts import Spell
 from mission.analysis.journal import recordings
@@ -30,6 +29,7 @@ from mission.onboard.blackbox import BlackBox, close_recording, notes_of
 from mission.onboard.runtime.records import RX, read_rx, tx_record
 from mission.onboard.runtime.runtime import VEHICLE
 
+drawing, patches = Later("matplotlib.figure"), Later("matplotlib.patches")
 RECORDED = Path(__file__).parent / "recorded"
 SHORT, HEAVY, AGAIN = (
     RECORDED / f"{name}.mcap" for name in ("short-time", "heavy-then-ended", "begun-again")
@@ -165,14 +165,14 @@ def test_metadata_of_a_file_that_is_open_or_damaged_are_none(tmp_path: Path) -> 
 
 
 @pytest.fixture(scope="module")
-def drawn() -> tuple[Figure, Dive]:
+def drawn() -> tuple[Any, Dive]:
     (items,) = recordings([SHORT])
-    dive, figure = Dive.of(items, None), Figure(figsize=(8.5, 6.5))
+    dive, figure = Dive.of(items, None), drawing.Figure(figsize=(8.5, 6.5))
     draw_map(figure.subplots(), dive)
     return figure, dive
 
 
-def test_the_track_fills_the_map_and_no_ellipse_buries_it(drawn: tuple[Figure, Dive]) -> None:
+def test_the_track_fills_the_map_and_no_ellipse_buries_it(drawn: tuple[Any, Dive]) -> None:
     figure, dive = drawn
     (axes,) = figure.axes
     places = np.array([(s["east_m"], s["north_m"]) for s in dive.states if s["east_m"] is not None])
@@ -189,7 +189,7 @@ def test_the_track_fills_the_map_and_no_ellipse_buries_it(drawn: tuple[Figure, D
 
 @pytest.mark.parametrize("corner", [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)])
 def test_the_scale_stands_where_no_track_is(corner: tuple[float, float]) -> None:
-    axes = Figure().subplots()
+    axes = drawing.Figure().subplots()
     axes.set_xlim(-100.0, 100.0)
     axes.set_ylim(-100.0, 100.0)
     shown = [(corner[0] * at, corner[1] * at) for at in np.linspace(50.0, 95.0, 20)]
@@ -199,7 +199,7 @@ def test_the_scale_stands_where_no_track_is(corner: tuple[float, float]) -> None
         assert all(np.hypot(east - e, north - n) > 30.0 for e, n in shown)
 
 
-def test_scale_graticule_and_every_leg_are_on_the_map(drawn: tuple[Figure, Dive]) -> None:
+def test_scale_graticule_and_every_leg_are_on_the_map(drawn: tuple[Any, Dive]) -> None:
     figure, dive = drawn
     (axes,) = figure.axes
     (scale,) = [text for text in axes.texts if text.get_text().endswith(" m")]
@@ -280,14 +280,14 @@ def is_reported_after(item: object, t: float) -> bool:
 
 def bars(picture: Picture) -> list[tuple[float, float]]:
     """From and to, of the last axes."""
-    axes = Figure().subplots(picture.rows, 1)
+    axes = drawing.Figure().subplots(picture.rows, 1)
     picture.draw(axes)
-    patches = (patch for patch in axes[-1].patches if isinstance(patch, Rectangle))
-    return [(one.get_x(), one.get_x() + one.get_width()) for one in patches]
+    bars = (patch for patch in axes[-1].patches if isinstance(patch, patches.Rectangle))
+    return [(one.get_x(), one.get_x() + one.get_width()) for one in bars]
 
 
 def hatched(picture: Picture) -> list[tuple[float, float]]:
-    axes = Figure().subplots(1, 1)
+    axes = drawing.Figure().subplots(1, 1)
     picture.draw([axes])
     return [
         (patch.get_x(), patch.get_x() + patch.get_width())

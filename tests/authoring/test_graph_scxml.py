@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from graph_charts import chart
+from later import installed
 
 from mission.authoring.graph.scxml import RESUME, event_of, events, identifier, scxml
 from mission.authoring.prepare import prepare
@@ -19,7 +20,7 @@ from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge
 from mission.model.regions import AGAIN, LEG, REGION_EDGES
 from mission.model.shipped import missions_folder
 
-io = pytest.importorskip("statemachine.io", reason="python-statemachine is not installed")
+io = installed("statemachine.io", "python-statemachine is not installed")
 
 NESTED = """mission nested vehicle auv
 home 30.2874595 120.1535765

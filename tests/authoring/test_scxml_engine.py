@@ -10,9 +10,7 @@ import random
 from pathlib import Path
 
 import pytest
-
-pytest.importorskip("statemachine.io", reason="python-statemachine is not installed")
-
+from later import installed
 from test_graph_scxml import walk
 
 from mission.authoring.compiler.compiler import compile_mission
@@ -20,6 +18,7 @@ from mission.authoring.language import digest, parse
 from mission.model import Chart, Group, Leg, Node
 from mission.model.shipped import load_vehicle
 
+installed("statemachine.io", "python-statemachine is not installed")
 GUARDS = ("travelled >= 50", "depth > 3", "altitude < 2 or elapsed > 9s", "not battery < 11")
 DEEPEST = 3
 

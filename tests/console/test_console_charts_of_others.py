@@ -7,10 +7,8 @@ from pathlib import Path
 
 import pytest
 from enc_cell import enc_cell
+from later import installed
 from programs import run
-
-pytest.importorskip("pyogrio", reason="pip install 'auvmission[chart]'")
-pytest.importorskip("shapely", reason="pip install 'auvmission[chart]'")
 
 from mission.console.charts import world
 from mission.console.charts.enc import convert
@@ -18,6 +16,8 @@ from mission.console.charts.layer import ChartError
 from mission.console.charts.shelf import Shelf, read_chart
 from mission.console.charts.world import NAME, read_world
 
+installed("pyogrio", "pip install 'auvmission[chart]'")
+installed("shapely", "pip install 'auvmission[chart]'")
 SOUTH, WEST = 60.0, 25.0
 
 

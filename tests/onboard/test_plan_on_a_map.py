@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from matplotlib.figure import Figure
-from shapely.geometry import shape
+from later import Later
 
 from mission.analysis.report.dive import Dive
 from mission.analysis.report.map import draw_map
@@ -17,6 +16,7 @@ from mission.model.shipped import load_vehicle
 from mission.navigation.geodesy import LocalFrame
 from mission.onboard.stream.plan import plan_geojson
 
+drawing, geometry = Later("matplotlib.figure"), Later("shapely.geometry")
 HOME = Position(30.2874595, 120.1535765)
 TEXT = """mission fenced vehicle auv
 home 30.2874595 120.1535765
@@ -43,7 +43,7 @@ def test_every_area_is_a_ring_on_the_map_where_the_mission_has_it(
     areas = {f["properties"]["name"]: f for f in features if f["geometry"]["type"] == "Polygon"}
     assert list(areas) == ["bay", "wreck"]
     for feature in areas.values():
-        ring = shape(feature["geometry"]).exterior
+        ring = geometry.shape(feature["geometry"]).exterior
         assert ring.is_ccw, "as RFC 7946 wants it"
     (ring,) = areas["wreck"]["geometry"]["coordinates"]
     assert ring[0] == ring[-1]
@@ -59,7 +59,7 @@ def test_every_area_is_a_ring_on_the_map_where_the_mission_has_it(
 
 def test_the_map_of_a_report_says_what_is_kept_out_of(features: list[dict[str, Any]]) -> None:
     dive = Dive(load_vehicle("auv"), 0.0, origin=HOME, plan=features)
-    axes = Figure().subplots()
+    axes = drawing.Figure().subplots()
     draw_map(axes, dive)
     legend = axes.get_legend()
     assert legend is not None
@@ -81,8 +81,8 @@ def test_what_a_leg_covers_is_a_ring_on_the_map_and_once() -> None:
     found = plan_geojson(chart, HOME)["features"]
     rings = [f for f in found if f["geometry"]["type"] == "Polygon"]
     assert [f["properties"]["name"] for f in rings] == ["field", "a"]
-    assert shape(rings[1]["geometry"]).exterior.is_ccw
-    axes = Figure().subplots()
+    assert geometry.shape(rings[1]["geometry"]).exterior.is_ccw
+    axes = drawing.Figure().subplots()
     draw_map(axes, Dive(load_vehicle("auv"), 0.0, origin=HOME, plan=[rings[1]]))
     legend = axes.get_legend()
     assert legend is not None

@@ -16,24 +16,25 @@ import time
 from collections.abc import Callable
 from fcntl import ioctl
 from pathlib import Path
+from typing import Any
 
 import pytest
+from later import Later
 from served import PATIENCE, running, silent_board, soon
-from textual.widgets import RichLog, Static
 
 from mission.analysis.replay.playback import Playback
 from mission.authoring.prepare import prepare
 from mission.model.alarms import Alarm
 from mission.onboard.runtime.records import ListRecorder
 from mission.onboard.serve.viewing import Viewing
-from mission.topside import panels, watch
+from mission.topside import panels
 from mission.topside.contacts import Contacts
 from mission.topside.monitor import Watched
 from mission.topside.panels import BAD, CAREFUL, DIM, GOOD
 from mission.topside.sources import Source, from_frames, from_monitor, from_recording
-from mission.topside.watch import WatchApp
 from mission.verification.simulation.flight import fly
 
+screen, widgets = Later("mission.topside.watch"), Later("textual.widgets")  # and textual
 STATE = {
     "state": "autonomous/rises/down", "leg": "rises/down", "depth": 2.5, "latitude": 30.0,
     "longitude": 120.0, "ellipse": [6.6, 3.2, 95], "report_at": 99.0, "fix_at": 43.0, "alarms": [],
@@ -120,15 +121,17 @@ def test_the_strip_hangs_from_the_surface() -> None:
 
 
 class Screen:
-    def __init__(self, app: WatchApp) -> None:
+    def __init__(self, app: Any) -> None:
         self.app = app
 
     def text(self, name: str) -> str:
-        return str(self.app.query_one(f"#{name}", Static).render())
+        return str(self.app.query_one(f"#{name}", widgets.Static).render())
 
     @property
     def journal(self) -> str:
-        return "\n".join(line.text for line in self.app.query_one("#journal", RichLog).lines)
+        return "\n".join(
+            line.text for line in self.app.query_one("#journal", widgets.RichLog).lines
+        )
 
 
 def driven(
@@ -137,7 +140,7 @@ def driven(
     """``play`` gets the screen, and what presses a key or waits until something holds."""
 
     async def main() -> None:
-        app = WatchApp(source, to, memory)
+        app = screen.WatchApp(source, to, memory)
         async with app.run_test(size=(110, 44)) as pilot:
 
             async def do(key: str | Callable[[], bool]) -> None:
@@ -157,7 +160,9 @@ def driven(
 def test_a_live_vehicle_is_watched_and_stopped_with_one_key(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(watch, "CONFIRM_S", PATIENCE)  # whatever else the machine has to do
+    monkeypatch.setattr(
+        "mission.topside.watch.CONFIRM_S", PATIENCE
+    )  # whatever else the machine has to do
     with (
         silent_board() as (_, board),
         running(tmp_path, f"serial://{board}", monitor="tcp://127.0.0.1:0") as pi,

@@ -24,7 +24,6 @@ from served import soon
 from mission.cli import main
 from mission.verification.campaign.faults import fly_numbered
 from mission.verification.workers import results
-from mission.verification.workers.cluster import url_of
 from mission.verification.workers.code import code
 from mission.verification.workers.outcome import Lost, Unreachable
 from mission.verification.workers.places import Place, place
@@ -207,6 +206,8 @@ def test_a_scheduler_that_is_not_there_is_told_with_exit_2(
 
 
 def test_beyond_this_machine_it_is_tls() -> None:
+    from mission.verification.workers.cluster import url_of  # and Dask with it
+
     for address in ("127.0.0.1:8786", "localhost:8786", "[::1]:8786"):
         assert url_of(address) == f"tcp://{address}"
     for address in ("192.168.1.7:8786", "cluster:8786", "[fe80::1]:8786"):

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from matplotlib.figure import Figure
+from later import Later
 
 from mission.authoring.prepare import prepare
 from mission.cli import main
@@ -20,6 +20,7 @@ from mission.verification.planned.formats import FORMATS
 from mission.verification.planned.picture import _plan_view
 from mission.verification.planned.track import Plan, planned
 
+drawing = Later("matplotlib.figure")
 TEXT = """
 mission small vehicle auv
 home 30.2874595 120.1535765
@@ -96,7 +97,7 @@ def test_an_area_whose_rows_come_up_for_fixes_is_filled_once(tmp_path: Path) -> 
     text = re.sub(r"keep out .*", "", text)
     (tmp_path / "m.mission").write_text(text)
     ready = prepare(tmp_path / "m.mission")
-    axes = Figure().subplots()
+    axes = drawing.Figure().subplots()
     _plan_view(axes, planned(ready.mission, ready.chart, ready.vehicle))
     assert sum(patch.get_alpha() == 0.10 for patch in axes.patches) == 1
 

@@ -14,8 +14,6 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner, Result
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from links.simulated.link import SimulatedVehicle
 from links.simulated.settings import parse_settings
@@ -406,6 +404,9 @@ def test_forty_legs_fit_into_the_picture_and_no_number_hides_another() -> None:
     flight = flown()
     every = flight.mission_time / 40.0
     legs = tuple(LegFlown(f"survey_line_{i}", i * every, (i + 1) * every, "for") for i in range(40))
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(9.0, 10.0), layout="constrained")
     FigureCanvasAgg(figure)
     plot.drawn(figure, replace(flight, legs=legs), "many")

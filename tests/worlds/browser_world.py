@@ -12,9 +12,10 @@ from dataclasses import dataclass, field
 
 import pytest
 from console_world import Console
+from later import installed
 from served import PATIENCE
 
-playwright = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
+playwright = installed("playwright.sync_api", "pip install playwright")
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 IN_A_BROWSER = [
     pytest.mark.browser,
