@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -55,16 +56,15 @@ def test_a_file_never_closed_is_read_to_its_last_flush(tmp_path: Path) -> None:
 
 
 def test_a_file_cut_at_any_byte_is_a_prefix_of_its_records(tmp_path: Path) -> None:
-    whole = written(tmp_path).read_bytes()
-    cut = tmp_path / "cut.mcap"
+    path = written(tmp_path)
     counts = []
-    for length in range(len(whole)):
-        cut.write_bytes(whole[:length])
-        found = list(read_records(cut))
+    for length in reversed(range(path.stat().st_size)):
+        os.truncate(path, length)  # a tenth of the time of a file written anew
+        found = list(read_records(path))
         assert found == RECORDS[: len(found)]
         counts.append(len(found))
-    assert counts == sorted(counts)
-    assert counts[-1] == len(RECORDS)
+    assert counts == sorted(counts, reverse=True)
+    assert counts[0] == len(RECORDS)
 
 
 @settings(max_examples=60, deadline=None)
@@ -236,14 +236,16 @@ def test_of_a_closed_file_nothing_is_missing_and_a_cut_one_says_where_it_ends(
 ) -> None:
     path = written(tmp_path)
     assert missing(path) == ()
-    whole = path.read_bytes()
-    for cut in range(len(blackbox.MAGIC), len(whole) - 40, 7):  # 7 meets every place in a record
-        path.write_bytes(whole[:cut])
+    again, size = path.with_name("again.mcap"), path.stat().st_size
+    shutil.copy(path, again)
+    for cut in reversed(
+        range(len(blackbox.MAGIC), size - 40, 7)
+    ):  # 7 meets every place in a record
+        os.truncate(path, cut)
         (gap,) = missing(path)
         assert gap.cut
         assert gap.at + gap.lost == cut
-        again = path.with_name("again.mcap")
-        again.write_bytes(whole[: gap.at])
+        os.truncate(again, gap.at)
         assert list(read_records(again)) == list(read_records(path))
         (nothing,) = missing(again)
         assert nothing.whole

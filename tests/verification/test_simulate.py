@@ -8,6 +8,7 @@ import itertools
 import json
 import math
 import re
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -42,6 +43,7 @@ from mission.verification.simulation.flightlog import Flight, LegFlown
 from mission.verification.simulation.legtable import table
 
 ROOT = Path(__file__).resolve().parents[2]
+EARLIER = ROOT / "tests" / "analysis" / "recorded" / "heavy-then-ended.mcap"
 PROFILES = ("as-built", "documented")
 SHORT = """\
 mission short vehicle auv
@@ -351,8 +353,10 @@ def test_the_report_holds_the_track_and_a_black_box_that_replays(
     short: Path, tmp_path: Path
 ) -> None:
     folder = tmp_path / "a" / "report"
-    for _ in range(2):  # a second one replaces the first
-        assert run(short, "--report", folder).exit_code == 0
+    folder.mkdir(parents=True)
+    shutil.copy(EARLIER, folder / "flight.mcap")  # an earlier one,
+    (folder / "track.png").write_bytes(b"an earlier one")  # which this one replaces
+    assert run(short, "--report", folder).exit_code == 0
     assert (folder / "track.png").read_bytes().startswith(b"\x89PNG")
     assert replay(list(read_records(folder / "flight.mcap"))).identical
 
