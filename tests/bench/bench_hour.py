@@ -60,10 +60,18 @@ ROOMS = {
 }  # fmt: skip
 
 
+def quartiles(values: list[float]) -> tuple[float, float, float]:
+    """Of one value: that value, which `statistics.quantiles` refuses."""
+    low, middle, high = statistics.quantiles(values, n=4) if len(values) > 1 else values * 3
+    return low, middle, high
+
+
 def main(turns: int = 32) -> dict[str, float]:
     """The naive hour is cut into slices about as long as a flight of ours, and they take turns:
     whatever else the machine does meets all of them alike. So each turn has a ratio of its own,
-    and their median is what counts."""
+    and their median is what counts. ValueError of no turn at all."""
+    if turns < 1:
+        raise ValueError(f"{turns} turns: one or more are needed")
     say = sys.stdout.write
     mission, vehicle = parse(MISSION), load_vehicle("auv")
     chart = compile_mission(mission, vehicle, digest(mission))
@@ -83,7 +91,7 @@ def main(turns: int = 32) -> dict[str, float]:
     say(f"  naive parts      {other * HOUR:6.2f} s   {1 / other:7.0f} times real time\n")
     say(f"  this engine      {one * HOUR:6.2f} s   {1 / one:7.0f} times real time\n")
     ratios = [naive / own for naive, own in zip(theirs, ours, strict=True)]
-    low, ratio, high = statistics.quantiles(ratios, n=4)
+    low, ratio, high = quartiles(ratios)
     added = statistics.median(full / own for full, own in zip(boxed, ours, strict=True))
     say(f"  ratio            {ratio:6.1f}     (15 or more wanted), half of the turns ")
     say(f"{low:.1f} to {high:.1f}\n")

@@ -11,7 +11,7 @@ import sys
 import time
 from collections.abc import Callable
 
-from mission.authoring.check import check_mission
+from mission.authoring.check import Report, check_mission
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, parse, to_yaml
 from mission.model.shipped import load_vehicle
@@ -23,7 +23,7 @@ def mission_of(legs: int) -> str:
     head = "mission big vehicle auv\nhome 30.2874595 120.1535765\nsafety radius 2000 time 240min\n"
     return head + "".join(
         f"leg_{n}: heading {n % 360} gear {1 + n % 8} depth {1 + n % 20} "
-        f"until travelled >= {3 + n % 100} or altitude < 1.5 sure 90% timeout 5s\n"
+        f"until travelled >= {3 + n % 100} or altitude < 1.5 sure 90% timeout 1s\n"
         for n in range(legs)
     )
 
@@ -36,9 +36,13 @@ def spent(work: Callable[[], object]) -> float:
     return time.process_time() - begun
 
 
-def judge(text: str) -> object:
+def judge(text: str) -> Report:
+    """RuntimeError where it is refused: a refusal costs less than what it did not do."""
     mission, vehicle = parse(text), load_vehicle("auv")
-    return check_mission(compile_mission(mission, vehicle, digest(mission)), vehicle)
+    report = check_mission(compile_mission(mission, vehicle, digest(mission)), vehicle)
+    if not report.ok:
+        raise RuntimeError(report.refusals[0].message)
+    return report
 
 
 def main() -> dict[str, float]:
