@@ -16,9 +16,8 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
+from mission.engine.readings import Scope, Value
 from mission.engine.variables import (
-    Scope,
-    Value,
     Variable,
     difference,
     row_of,

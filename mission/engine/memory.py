@@ -16,7 +16,8 @@ import math
 from collections.abc import Iterable
 from typing import Self
 
-from mission.engine.variables import Scope, Variable, row_of, value_of
+from mission.engine.readings import Scope
+from mission.engine.variables import Variable, row_of, value_of
 from mission.model import Back, Chart, Trend, terms
 from mission.model.copies import copied
 

@@ -20,7 +20,8 @@ from mission.engine.clearance import Clearance, is_guarded
 from mission.engine.lasting import Lasting
 from mission.engine.memory import Memory
 from mission.engine.plan import Plan, name_of, plan_of, repeat_of
-from mission.engine.variables import VARIABLES, Scope, Value, value_of
+from mission.engine.readings import Scope, Value
+from mission.engine.variables import VARIABLES, value_of
 from mission.engine.vehicle_state import VehicleState
 from mission.engine.words import short
 from mission.legs import Pilot, Track, View

@@ -43,6 +43,7 @@ MODULES = (
     "mission.engine.lasting",
     "mission.engine.limits",
     "mission.engine.monitor",
+    "mission.engine.readings",
     "mission.engine.rest",
     "mission.engine.restart",
     "mission.engine.run",

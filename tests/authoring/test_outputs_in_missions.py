@@ -16,7 +16,8 @@ from mission.authoring.language import MissionErrors, digest, parse, to_lines, t
 from mission.authoring.language.schema import schema
 from mission.engine.engine import Engine
 from mission.engine.guards import Sheet
-from mission.engine.variables import Scope, reading_row, value_of
+from mission.engine.readings import Scope
+from mission.engine.variables import reading_row, value_of
 from mission.model import Chart, Health, Loaded
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Vehicle

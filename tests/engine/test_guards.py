@@ -12,7 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.engine.guards import Sheet
-from mission.engine.variables import VARIABLES, Scope, reading_of, value_of
+from mission.engine.readings import Scope
+from mission.engine.variables import VARIABLES, reading_of, value_of
 from mission.legs import Track
 from mission.model import And, Comparison, Guard, Health, NavigationMode, Not, Or, terms
 from mission.navigation import distribution

@@ -16,7 +16,8 @@ from mission.authoring.graph import words
 from mission.authoring.language import MissionErrors, digest, parse, to_lines, to_yaml
 from mission.authoring.language.manual import PARTS
 from mission.authoring.language.schema import schema_text
-from mission.engine.variables import VARIABLES, Scope, Variable
+from mission.engine.readings import Scope
+from mission.engine.variables import VARIABLES, Variable
 from mission.model import Mission
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import STALE_AFTER
