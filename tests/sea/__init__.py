@@ -11,3 +11,9 @@ and TCP. Laws judge by truth and by bytes, never by what the program says of its
 
 Time is the sea's own (`clock`): it advances when the program has nothing left to do.
 """
+
+import sys
+from pathlib import Path
+
+# As pytest has it (pyproject, `pythonpath`), also where a scene is flown by hand.
+sys.path.append(str(Path(__file__).parents[1] / "worlds"))

@@ -47,6 +47,7 @@ class Slave:
     deaf_after: float = float("inf")  # s: it hears nothing any more
     senses: Senses = field(default_factory=Senses)
     will: Will | None = None
+    mute: bool = False  # it reports nothing
     words: list[Word] = field(default_factory=list)
     gears: Gears = field(default_factory=Gears)
 
@@ -111,7 +112,7 @@ class Slave:
         """Say what is due."""
         if now >= self.next_report:
             self.next_report += self.PERIOD + self.random.uniform(-0.004, 0.004)
-            self.line.send(now, self.report(now))
+            self.line.send(now, b"" if self.mute else self.report(now))
 
 
 class CoreBoard(Slave):

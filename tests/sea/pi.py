@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -40,6 +41,8 @@ class Pi:
     ended: list[tuple[float, int]] = field(default_factory=list)  # unasked: time, return code
     wanted: bool = True  # systemd wants it to run
     without: str = ""  # a module that its next start cannot import
+    full: bool = False  # no file grows any more, at later starts neither
+    booted: float = 0.0  # s, when the Pi was switched on
     before: Callable[[], None] = lambda: None
     _asked: bool = False
     _due: float | None = None
@@ -72,12 +75,15 @@ class Pi:
                     **self.clock.environment(),
                     "HOME": str(self.folder),
                     "SEA_WITHOUT": self.without,
+                    "SEA_BOOT": str(self.booted),
                 },
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 preexec_fn=_dies_with_the_sea,
             )
+        if self.full:
+            self.fill_disk()
         self.clock.begin(self.process.pid, self.running)
 
     def step(self, wrote: bool) -> None:
@@ -103,6 +109,17 @@ class Pi:
             self.process.send_signal(which)
             if which == signal.SIGKILL:
                 self.process.wait()
+
+    def fill_disk(self) -> None:
+        """From now on no write to a file succeeds: Python gets an OSError (setrlimit(2), EFBIG)."""
+        self.full = True
+        if self.process and self.running():
+            resource.prlimit(self.process.pid, resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY))
+
+    def power_cut(self) -> None:
+        """The Pi loses its power and has it back: a crash, and a monotonic clock that begins anew."""
+        self.signal(signal.SIGKILL)
+        self.booted = self.clock.now
 
     def systemctl_stop(self) -> None:
         """SIGTERM, and no restart."""

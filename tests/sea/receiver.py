@@ -3,7 +3,7 @@
 GGA, RMC and GSA of several talkers. The antenna stays wet for some seconds after it comes up; fixes
 have 1.5 m of noise that wanders, 5 to 11 satellites and a dilution to match. Under water it says
 "no fix", or, where a scene wants it, lies: the last place again (`stuck`), two or three places in turn
-(`alternating`), plausible places that wander (`wandering`).
+(`alternating`, `cycling`), what it kept of yesterday until it has a fix (`yesterday`), plausible places that wander (`wandering`).
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Receiver:
     body: Body
     line: Line
     seed: int = 0
-    mode: str = "honest"  # honest, silent, stuck, alternating, wandering, dead
+    mode: str = "honest"  # honest, silent, stuck, alternating, cycling, yesterday, wandering, dead
     talker: str = "GN"
 
     def __post_init__(self) -> None:
@@ -68,6 +68,8 @@ class Receiver:
 
     def _place(self, now: float) -> tuple[tuple[float, float] | None, int]:
         draw = self.random
+        if self.mode == "yesterday":
+            return (2600.0 + draw.gauss(0, 0.3), -1900.0 + draw.gauss(0, 0.3)), draw.randint(5, 8)
         if self.dry_since is not None and now - self.dry_since >= self.wet_for:
             self.error = [0.95 * e + draw.gauss(0, 0.4) for e in self.error]
             self.last = (self.body.pose.x + self.error[0], self.body.pose.y + self.error[1])

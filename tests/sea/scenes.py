@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.sea import ascents, boards, people, senses, trials
+from tests.sea import ascents, boards, mixtures, people, senses, trials, wrecks
 from tests.sea.scene import Scene
 
 SCENES: tuple[Scene, ...] = (
@@ -11,4 +11,6 @@ SCENES: tuple[Scene, ...] = (
     *people.SCENES,
     *trials.SCENES,
     *boards.SCENES,
+    *wrecks.SCENES,
+    *mixtures.SCENES,
 )

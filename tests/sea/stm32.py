@@ -71,6 +71,7 @@ class Board:
     senses: Senses = field(default_factory=Senses)
     will: Will | None = None
     mute: bool = False  # it reports nothing
+    yes_until: float = 0.0  # s: until then it answers Y and goes on as it was
     lag: float = 0.0  # s between a word and what it does; the acknowledgement does not wait
     words: list[Word] = field(default_factory=list)
     gears: Gears = field(default_factory=Gears)
@@ -138,7 +139,7 @@ class Board:
         done = code in "FBLRUDSEHAXW" and (gearless or amount <= 12)
         if done and self.will:
             self.will.heard(now, code)
-        if done:
+        if done and now >= self.yes_until:
             self.late.append((now + self.lag, code, amount, value))
             self._catch_up(now)
         letter = "A" if self.built else code

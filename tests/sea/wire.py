@@ -15,6 +15,7 @@ import time
 import tty
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 
 BURST_GAP = 0.008  # s of silence that end a burst (the board waits for 20 ms and finds it by then)
 
@@ -83,12 +84,15 @@ class Line:
     _burst_ends: float = 0.0
 
     def __post_init__(self) -> None:
+        self._open()
+        self.path = os.ttyname(self.slave)
+        self._dice = random.Random(self.baud)
+
+    def _open(self) -> None:
         self.master, self.slave = os.openpty()
         for fd in (self.master, self.slave):
             tty.setraw(fd)
         os.set_blocking(self.master, False)
-        self.path = os.ttyname(self.slave)
-        self._dice = random.Random(self.baud)
 
     def send(self, now: float, data: bytes) -> None:
         """Put bytes on the line behind those that are on it."""
@@ -151,6 +155,24 @@ class Line:
             ended.append(self._burst)
             self._burst = b""
         return ended
+
+    def vanish(self) -> None:
+        """The device is gone, and with it its name; what it sends meanwhile is lost."""
+        self.receive()
+        self.close()
+        Path(self.path).unlink()
+        self.plugged = False
+        self._open()
+
+    def come_back(self) -> None:
+        """It is there again, as another device; `path`, a link as udev makes one, leads to it."""
+        Path(self.path).symlink_to(os.ttyname(self.slave))
+        self.plugged = True
+
+    def link(self, path: Path) -> None:
+        """Be known by a link from now on, as `/dev/serial0` is one."""
+        path.symlink_to(self.path)
+        self.path = str(path)
 
     def flush(self) -> None:
         """Forget what nobody has read, as a driver does between close and open."""

@@ -74,6 +74,7 @@ class World:
         self.clock = WallClock() if self.real else Clock()
         self.folder = Path(tempfile.mkdtemp(prefix="sea-pi-"))
         self.line = Line(self.baud)
+        self.line.link(self.folder / "serial0")
         self.lines = [self.line]
         self.board = self.make_board(self.body, self.line)
         self.receiver: Receiver | None = None

@@ -6,6 +6,9 @@ folder of a sea, the clocks and the waits of this process become the sea's: `tim
 `os.read` count what passes serial ports. Nothing else of the program is touched, and none of its
 modules is named here.
 
+SEA_BOOT says at which of the sea's times the Pi was switched on: `time.monotonic` counts from there.
+The second number of the sea's file moves `time.time` alone: a wall clock that was set, or lost its date.
+
 SEA_WITHOUT names a module whose import shall fail, as on a card with a broken file.
 
 A wait tells the sea "at this time nothing is left to do, wake me at that time", and then really waits:
@@ -82,6 +85,7 @@ def install(folder: Path) -> None:
     own = threading.local()
     really = selectors.EpollSelector.select
     start = time.time()
+    boot = float(os.environ.get("SEA_BOOT", "0"))
     really_write, really_read, really_some = os.write, os.read, select.select
 
     def now() -> float:
@@ -120,10 +124,10 @@ def install(folder: Path) -> None:
         return data
 
     os.write, os.read = write, read
-    time.monotonic = now
-    time.monotonic_ns = lambda: int(now() * 1e9)
-    time.time = lambda: start + now()
-    time.time_ns = lambda: int((start + now()) * 1e9)
+    time.monotonic = lambda: now() - boot
+    time.monotonic_ns = lambda: int((now() - boot) * 1e9)
+    time.time = lambda: start + now() + memory[1]
+    time.time_ns = lambda: int((start + now() + memory[1]) * 1e9)
     time.sleep = sleep  # type: ignore[assignment]
     select.select = some
     selectors.EpollSelector.select = choose  # type: ignore[method-assign,assignment]
