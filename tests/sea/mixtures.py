@@ -213,7 +213,7 @@ def robot_trouble(what: str) -> Script:
     """The robot drives; its reports end, or the program does."""
 
     def script(world: World) -> Steps:
-        yield from go(world, ROBOT.replace("20s", "2min"))
+        yield from go(world, ROBOT.replace("20s", "60s"))
         yield from world.wait(8)
         world.mark("due")
         if what == "mute":

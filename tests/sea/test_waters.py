@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
 from tests.sea.body import Body, Gears
 from tests.sea.others import xor
+from tests.sea.pi import ROOT
+from tests.sea.scenes import SCENES
 from tests.sea.stm32 import Board
 from tests.sea.wire import Line, crc_modbus, crc_stm32, modem_frame
 
@@ -86,3 +91,31 @@ def test_two_frames_in_one_burst_are_one_frame_to_the_board() -> None:
     line.close()
     assert [word.text for word in board.words] == ["@ZAX0$@ZAU12$", "@ZAD8$"]
     assert board.control(1000.3, 0.03).up == (-8.0, -8.0, -8.0)
+
+
+def test_the_scenes_are_found_by_hand_as_by_pytest() -> None:
+    listed = subprocess.run(
+        [sys.executable, "-m", "tests.sea", "--list"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    names = [line.split()[0] for line in listed.stdout.splitlines()]
+    assert names == [scene.name for scene in SCENES]
+    assert len(set(names)) == len(names), "a name says which one is flown"
+
+
+def test_a_port_that_vanished_is_found_again_by_its_name(tmp_path: Path) -> None:
+    line = Line(9600)
+    line.link(tmp_path / "serial0")
+    line.vanish()
+    assert not (tmp_path / "serial0").exists()
+    line.come_back()
+    with (tmp_path / "serial0").open("wb", buffering=0) as port:
+        port.write(b"@ZAX0$")
+        heard = b""
+        while len(heard) < 6:
+            heard += line.receive()
+    assert heard == b"@ZAX0$"
+    line.close()
