@@ -28,7 +28,7 @@ class ShippedOrFile(click.Path):
         return [*map(CompletionItem, fits)] or super().shell_complete(ctx, param, incomplete)
 
 
-class LinkUrl(click.ParamType):
+class LinkUrl(click.ParamType):  # type: ignore[type-arg]  # generic since click 8.3
     """What cannot be a link's URL was said wrongly: exit 2, before anybody is called silent."""
 
     name = "url"
