@@ -220,12 +220,14 @@ class Core(EngineState):
         self, name: str, why: str, by: By, evaluations: tuple[Evaluation, ...] = ()
     ) -> None:
         """emergency/surfacing, from anywhere; ``name`` is the row of the region table. An ascent
-        that a leg has begun goes on: to begin it anew would undo what it has found out. An
-        operator's W leaves as it is, whatever the ascent begins with."""
+        that is under way, or that a leg has begun, goes on: to begin it anew would undo what it has
+        found out. An operator's W leaves as it is, and what the ascent does behind it."""
         run, vehicle_state = self.flying, self.vehicle_state
         sinking = name == "limit" and self._rests
         self._sank = self._sank or (sinking and self.active == SURFACED)
-        begun = run.ascent if run is not None and run.climbing and by is By.LIMIT else None
+        begun = self.ascent if self.active == SURFACING else None
+        if run is not None and run.climbing and by is By.LIMIT:
+            begun = run.ascent
         self._to_emergency()
         self.stop_at = self.stopped_at = None
         self.watch.set_sent(None)
@@ -239,9 +241,11 @@ class Core(EngineState):
             overturned=vehicle_state.overturned,
             upward=sinking or vehicle_state.depth is None,
         )
-        actions = () if begun else self.ascent.first()
+        actions: tuple[Action, ...] = ()
         if by is By.OPERATOR and self.ascent.way is not Order.SURFACE:
-            actions = (Action(Order.SURFACE, why), *actions)
+            actions = (Action(Order.SURFACE, why),)
+        if by is By.OPERATOR or not begun:
+            actions = (*actions, Action(self.ascent.way, why))
         self._move(name, SURFACING, why, actions, by, evaluations)
 
     def _to_emergency(self) -> None:

@@ -242,6 +242,18 @@ def test_a_way_under_which_what_sank_has_just_turned_round_has_another_turn(last
     assert (ascent.act(10.0, last, False) == ()) is kept
 
 
+def test_an_operator_who_says_w_again_and_again_keeps_no_other_way_back():
+    """Each leaves, and behind it what the ascent does."""
+    world = surfacing()
+    for _ in range(5):
+        world.wait(5.0)
+        world.tell(W)
+    said = sent(world)
+    assert said[:2] == [(5.0, Order.SURFACE), (10.0, UPWARD)]
+    at = {t: [c for u, c in said if u == t] for t in (15.0, 25.0)}
+    assert at == {15.0: [Order.SURFACE, UPWARD], 25.0: [Order.SURFACE, Order.STOP]}
+
+
 @pytest.mark.parametrize("doubt", ["frozen", "absurd", "missing"])
 def test_an_unknown_depth_counts_as_not_falling(doubt: str):
     world = surfacing()

@@ -106,6 +106,13 @@ def doubted_at_rest(settings: Settings, end: float) -> bool:
     return any(f.name not in _GARBAGE or fault_ends(f) >= end - MOVES for f in faults)
 
 
+def dives_unseen(settings: Settings, t: float) -> bool:
+    """A board dives by itself, and no report or none with a depth to believe tells of it."""
+    there = {f.name for f in settings.faults if f.begin <= t < fault_ends(f)}
+    dives = any(name.startswith("dives_") for name in there)
+    return dives and ("stm32_silent" in there or unknown(settings, t))
+
+
 def unknown_and_heavy(settings: Settings, end: float) -> int:
     """s until ``end`` in which it sinks by itself and nobody knows whether it does: the ways that
     take turns then (R7) lift it for ten seconds of thirty."""

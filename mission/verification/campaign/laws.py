@@ -59,6 +59,7 @@ from mission.verification.campaign.excuses import (
     NEVER,
     SLIGHT,
     SPARE,
+    dives_unseen,
     doubted_at_rest,
     helpless,
     left,
@@ -149,9 +150,11 @@ def _allowed(settings: Settings, profile: str, trial: Trace) -> float:
     believed (R7). What is heavy, with a sensor from which nobody can know whether it rises, has its
     thrusters for a third of the time: physics does not promise that it comes up by that."""
     floats, lifted = net(settings, NEVER), lift(settings, profile, NEVER)
+    rests = not trial.state.startswith(AUTONOMOUS) and trial.state != SURFACING
+    if rests and dives_unseen(settings, trial.truth.t):
+        return math.inf
     if floats > SLIGHT and lifted >= floats:
         return AFLOAT
-    rests = not trial.state.startswith(AUTONOMOUS) and trial.state != SURFACING
     doubted = rests and doubted_at_rest(settings, trial.truth.t)
     is_left = any(end == math.inf for _, end in left(trial.events))
     alone = doubted or is_left or unknown(settings, NEVER)
