@@ -132,7 +132,7 @@ class _Trial(Rig):
         waits = self.operator.started is None and not self.operator.failure
         self.sea.advance(self.now)
         rests = self.program.state.startswith(_AT_REST) and self.sea.plant.depth <= _AFLOAT
-        if waits or not rests or self.now < self._last:
+        if waits or not rests or self.now < self._last or self.program.is_leaving:
             self._rests_since = None
             return False
         if self._rests_since is None:

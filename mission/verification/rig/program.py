@@ -124,6 +124,11 @@ class Program:
         self._leave(now, said=at_once)
         return out
 
+    @property
+    def is_leaving(self) -> bool:
+        """Told to end, and still there."""
+        return self._leaves is not None
+
     def _leave(self, now: float, *, said: bool = False) -> None:
         """Where it was told to, and may."""
         runtime = self.runtime
