@@ -27,13 +27,17 @@ _DERIVED = frozenset(topic.name for topic in DERIVED)
 _ALL: frozenset[str] = frozenset({JOURNAL})
 
 
+UNTIMED = "time not known"
+
+
 class UnknownTopic(ValueError):
     """Says which there are."""
 
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """``wall`` in s since 1970 UTC; ``value`` as the topic's schema says."""
+    """``wall`` in s since 1970 UTC, ``t`` where no start record tells when that was; ``value`` as
+    the topic's schema says."""
 
     t: float
     wall: float
@@ -42,7 +46,7 @@ class Line:
 
     def __str__(self) -> str:
         clock = datetime.fromtimestamp(self.wall, UTC).strftime("%Y-%m-%d %H:%M:%S.%f")[:-3]
-        head = f"{clock} {self.t:10.3f}"
+        head = f"{clock if self.wall > self.t else UNTIMED:23} {self.t:10.3f}"
         if self.topic != JOURNAL:
             return f"{head}  {self.topic}  {json.dumps(self.value)}"
         level = LEVELS.get(self.value["level"], "")

@@ -97,7 +97,7 @@ def story(recordings: Sequence[Sequence[Record | Gap]]) -> list[Chapter]:
 
 def between(before: Sequence[Record | Gap], after: Sequence[Record | Gap]) -> Chapter:
     says = restart(before, after).strip("- ")
-    return Chapter("Between two recordings", (f"{says}.",))
+    return Chapter("Between two recordings", (f"{says[0].upper()}{says[1:]}.",))
 
 
 Seen = Callable[[Record, Sequence[Message], Derivation], None]

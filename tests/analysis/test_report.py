@@ -16,7 +16,7 @@ from later import Later
 from mission.analysis.doubts import Spell
 from mission.analysis.journal import recordings
 from mission.analysis.report.dive import Dive
-from mission.analysis.report.figures import Picture, map_of, pictures_of
+from mission.analysis.report.figures import Picture, map_of, pictures_of, unbroken
 from mission.analysis.report.map import _scale, draw_map
 from mission.analysis.report.words import figures, track_words
 from mission.analysis.story import story
@@ -172,6 +172,16 @@ def drawn() -> tuple[Any, Dive]:
     return figure, dive
 
 
+@pytest.mark.parametrize(("offset", "named"), [(0.0, True), (500.0, False)])
+def test_home_is_in_the_legend_where_it_is_on_the_map(offset: float, named: bool) -> None:
+    (items,) = recordings([SHORT])
+    dive, axes = Dive.of(items, None), drawing.Figure().subplots()
+    dive.fixes, dive.plan, dive.smoothed, dive.covariances = [], [], None, []
+    dive.states = [s | {"north_m": n + offset} for s in dive.states if (n := s["north_m"])]
+    draw_map(axes, dive)
+    assert ("home" in axes.get_legend_handles_labels()[1]) is named
+
+
 def test_the_track_fills_the_map_and_no_ellipse_buries_it(drawn: tuple[Any, Dive]) -> None:
     figure, dive = drawn
     (axes,) = figure.axes
@@ -310,3 +320,11 @@ def test_a_recording_without_a_fix_has_a_page_and_says_so(tmp_path: Path) -> Non
     assert "there is no fix" in page.text
     assert "script" not in page.tags
     assert reported(box.path, "-o", tmp_path / "dry.png").exit_code == 2
+
+
+def test_a_heading_about_north_is_drawn_as_one_line() -> None:
+    north = np.array([359.0, 1.0, np.nan, 358.0])
+    assert np.array_equal(unbroken(north), [-1.0, 1.0, np.nan, -2.0], equal_nan=True)
+    south = np.array([179.0, 181.0])
+    assert np.array_equal(unbroken(south), south)
+    assert np.isnan(unbroken(np.array([np.nan]))).all()

@@ -397,7 +397,7 @@ def test_two_runs_of_the_program_are_told_in_their_order_with_what_was_under_way
     titles = [one.title for one in chapters]
     assert titles.count("What happened") == 2
     between = chapters[titles.index("Between two recordings")]
-    assert re.search(r"the program began again 118\.7 s later: ", between.says[0])
+    assert re.search(r"The program began again 118\.7 s later: ", between.says[0])
     assert "was under way" in between.says[0] or "under way was" in between.says[0]
     first = [says for one in chapters[:1] for says in one.says]
     assert first[0].startswith("The program (version")
@@ -421,6 +421,14 @@ def test_what_is_missing_is_told_by_log_and_story(tmp_path: Path) -> None:
     lines = logged(path).stdout
     assert "are missing between" in lines
     assert "is cut behind" in lines
+
+
+def test_without_a_start_record_no_date_is_made_up(tmp_path: Path) -> None:
+    empty = tmp_path / "empty.mcap"
+    empty.write_bytes(b"")
+    ran = logged(empty)
+    assert ran.exit_code == 0
+    assert ran.stdout.startswith("time not known               0.000  warning black box: ")
 
 
 def test_a_log_can_be_asked_by_topic_time_and_text() -> None:

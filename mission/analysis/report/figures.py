@@ -12,10 +12,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from mission.analysis.drawing import draw_quality, timed
 from mission.analysis.report.dive import Dive
 from mission.analysis.report.map import draw_map, marks_of, plain, planned
 from mission.analysis.report.words import simulated
+from mission.navigation.filter import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -142,9 +145,19 @@ def _margins(axes: Sequence[Axes], dive: Dive, known: Rows) -> None:
 def _values(axes: Sequence[Axes], dive: Dive, rows: Rows, unit: str) -> None:
     for one, (name, says) in zip(axes, rows, strict=True):
         t, values = dive.series(dive.telemetry, name)
+        if name == "heading_deg":
+            values = unbroken(values)
         one.plot(t, values, ".", ms=2, color="#2b5c8a")
         _dress(one, f"{says}, {unit}".removesuffix(", "))
     timed(axes)
+
+
+def unbroken(heading: Array) -> Array:
+    """Degrees, about 0 instead of from 0 to 360 where they lie closer together so."""
+    about = (heading + 180.0) % 360.0 - 180.0
+    known = np.isfinite(heading)
+    closer = known.any() and np.ptp(about[known]) < np.ptp(heading[known])
+    return about if closer else heading
 
 
 def _dress(axes: Axes, label: str) -> None:

@@ -60,7 +60,9 @@ def draw_map(axes: Axes, dive: Dive) -> None:
     shown += [(e, n) for n, e in dive.smoothed.smoothed] if dive.smoothed is not None else []
     width = _frame(axes, shown or [(0.0, 0.0)])
     _ellipses(axes, dive, t, np.column_stack([east, north]), width)
-    axes.plot(0.0, 0.0, "*", color="k", ms=9, mfc="w", label="home", zorder=5)
+    (west, east_edge), (south, north_edge) = axes.get_xlim(), axes.get_ylim()
+    if west <= 0.0 <= east_edge and south <= 0.0 <= north_edge:
+        axes.plot(0.0, 0.0, "*", color="k", ms=9, mfc="w", label="home", zorder=5)
     if known.any():
         at = np.flatnonzero(known)[-1]
         axes.plot(east[at], north[at], "s", color="k", ms=5, mfc="w", label="end, estimated",
