@@ -50,9 +50,9 @@ class Absence:
             if gone and math.isinf(gone[-1][1]):
                 gone[-1] = gone[-1][0], record.t
             return
-        there.discard(address)
-        if not there:
+        if address in there and len(there) == 1:  # an end may be told twice
             gone.append((record.t, math.inf))
+        there.discard(address)
 
     def at_last(self, end: float) -> Iterator[str]:
         for link, gone in self._gone.items():

@@ -334,7 +334,8 @@ def test_a_limit_that_an_operator_makes_another_is_told() -> None:
 def test_a_port_without_an_operator_is_told_with_how_long() -> None:
     absence = Absence()
     came_and_went = [(0.0, "connected"), (10.0, "disconnected"), (12.0, "connected"),
-                     (30.0, "disconnected"), (50.0, "connected"), (90.0, "disconnected")]  # fmt: skip
+                     (30.0, "disconnected"), (31.0, "disconnected"), (50.0, "connected"),
+                     (90.0, "disconnected"), (95.0, "disconnected")]  # fmt: skip
     for t, kind in came_and_went:
         absence.receive(input_record(t, kind, "topside", "boat"))
     assert list(absence.at_last(100.0)) == [
