@@ -177,7 +177,7 @@ def test_home_is_in_the_legend_where_it_is_on_the_map(offset: float, named: bool
     (items,) = recordings([SHORT])
     dive, axes = Dive.of(items, None), drawing.Figure().subplots()
     dive.fixes, dive.plan, dive.smoothed, dive.covariances = [], [], None, []
-    dive.states = [s | {"north_m": n + offset} for s in dive.states if (n := s["north_m"])]
+    dive.states = [{**s, "north_m": n + offset} for s in dive.states if (n := s["north_m"])]
     draw_map(axes, dive)
     assert ("home" in axes.get_legend_handles_labels()[1]) is named
 
