@@ -68,7 +68,8 @@ def checked(text: str, source: str, vehicle: str | None) -> dict[str, Any]:
         home = next((p["at"] for p in named["places"] if p["kind"] == "home"), None)
         wrong = unreadable_object(error.diagnostics)
         return {**EMPTY, "text": text, "home": home, **wrong, **named}
-    return {**shown(prepared), **as_object(check_prepared(prepared)), **named}
+    told = shown(prepared, drawn=False)  # of a text under work nobody sees the graph
+    return {**told, **as_object(check_prepared(prepared)), **named}
 
 
 def _names(read: Draft) -> list[str]:
@@ -77,13 +78,15 @@ def _names(read: Draft) -> list[str]:
     return sorted({name.text for name in named if name is not None})
 
 
-def shown(prepared: Prepared) -> dict[str, Any]:
+def shown(prepared: Prepared, drawn: bool = True) -> dict[str, Any]:
+    """``drawn``: with its graph."""
     mission, chart = prepared.mission, prepared.chart
-    home, problem = mission.home, ""
+    home, picture, problem = mission.home, "", ""
     try:
-        drawn = svg(outline(chart, None), False)
+        parts = outline(chart, None)
+        picture = svg(parts, False) if drawn else ""
     except TooLarge as error:
-        drawn, problem = "", str(error)
+        problem = str(error)
     if home is None:
         problem = problem or "the mission names no home: no map before it is under way"
     return {
@@ -92,7 +95,7 @@ def shown(prepared: Prepared) -> dict[str, Any]:
         "vehicle": mission.vehicle,
         "text": prepared.text,
         "lines": len(script(mission)),
-        "svg": drawn,
+        "svg": picture,
         "map": None if home is None else plan_geojson(chart, home),
         "home": None if home is None else [home.latitude_deg, home.longitude_deg],
         "radius": min(prepared.vehicle.limits.radius, mission.safety.radius or math.inf),
