@@ -23,10 +23,11 @@ from tests.sea.laws import (
     off_within,
     reached,
 )
+from tests.sea.nuisances import gaps
 from tests.sea.others import CoreBoard, Robot, Rov
 from tests.sea.scene import LIGHT, Scene, Script, boat, dive, go, mission, order
 from tests.sea.world import World
-from tests.sea.wrecks import BACK, gaps
+from tests.sea.wrecks import BACK
 
 Steps = Iterator[None]
 LIFTED: tuple[Law, ...] = (reached(), home(300, HELD, off=False), never_deeper(22), lives())

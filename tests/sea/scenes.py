@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.sea import ascents, boards, mixtures, people, senses, trials, wrecks
+from tests.sea import ascents, boards, mixtures, nuisances, people, senses, trials, wrecks
 from tests.sea.scene import Scene
 
 SCENES: tuple[Scene, ...] = (
@@ -12,5 +12,6 @@ SCENES: tuple[Scene, ...] = (
     *trials.SCENES,
     *boards.SCENES,
     *wrecks.SCENES,
+    *nuisances.SCENES,
     *mixtures.SCENES,
 )
