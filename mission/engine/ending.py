@@ -63,8 +63,11 @@ def settled(core: Core) -> bool:
 
 
 def last_words(core: Core) -> None:
-    """Sends the commands that have to hold when the program is gone."""
+    """Sends the commands that have to hold when the program is gone. What an ascent has let go at
+    the surface stays so."""
     if settled(core) or core.region == IDLE or core.active == STOPPED:
+        return
+    if core.active == SURFACED and not _is_deep(core):
         return
     if core.active != SURFACING and _at_surface(core):
         core.stop_in("end", SURFACED, f"{WHY}, at the surface")

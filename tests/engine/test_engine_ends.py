@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from engine_world import M, World, X, compiled, leg, mission
+from engine_world import M, W, World, X, compiled, leg, mission
 
 from mission.engine.ascent import UPWARD
 from mission.model import (
@@ -177,6 +177,18 @@ def test_there_are_no_last_words_where_nothing_is_under_way(state: str):
     world.tell(Ending(now=True))
     world.wait(4.0)
     assert (world.state, since(world, before)) == (state, [])
+
+
+def test_what_was_just_let_go_at_the_surface_is_left_so_where_time_is_out():
+    world = flying_at(5.0)
+    world.tell(W)
+    world.depth = 0.2
+    world.wait(8.0)
+    world.tell(Ending())
+    assert (world.state, world.engine.settled) == (SURFACED, False)
+    before = len(world.actions)
+    world.tell(Ending(now=True))
+    assert (world.state, since(world, before)) == (SURFACED, [])
 
 
 def test_what_has_sunk_again_from_surfaced_is_left_with_thrust_upward():
