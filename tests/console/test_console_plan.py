@@ -59,6 +59,12 @@ def test_every_shipped_mission_is_answered_with_its_places_and_where_their_numbe
                 float(text[begin : begin + length].split()[0])
 
 
+def test_the_graph_is_drawn_of_what_is_on_board_and_of_no_text_under_work() -> None:
+    text = shipped_missions()["transect"].read_text(encoding="utf-8")
+    assert plans.checked(text, "transect.yaml", None)["svg"] == ""
+    assert "<svg" in plans.on_board(TRANSECT.split("\n"), None)["svg"]
+
+
 def test_a_text_with_errors_keeps_its_places_and_its_home() -> None:
     found = plans.checked(TRANSECT.replace("surface: true", "surfaec: true"), "t.yaml", None)
     assert not found["ok"]
