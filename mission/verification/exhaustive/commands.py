@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 
 from mission.model import Chart
 from mission.verification.exhaustive.cell import Configuration, Event
+from mission.verification.exhaustive.lines import ways_of
 from mission.verification.exhaustive.world import TENDER, World
 from protocol.messages import MissionLine, SetSafety, SetTime
 from protocol.operator_words import OperatorWord
@@ -37,6 +38,7 @@ WIDE = encode(SetSafety(radius=60000.0))
 LOOSE = encode(SetSafety(radius=65000.0))
 FALSE_HEAD = b"#\x02\x80\x0c\x01"  # of a content of 3200 bytes
 COPIED = 6.0  # s that a copy is late: the answers are given, and the 5 s of two paths are over
+TURN = 10.0  # s each way of an ascent is given (R7)
 SETTLE = 0.3  # s: the line, and an answer of the STM32
 BELOW = 3.0  # s: the modem's turn
 WORD = "word"  # the path of an event that was made of a row of WORDS: the boat's
@@ -173,9 +175,16 @@ def _slides(world: World, seconds: float) -> None:
         world.wait(1.0 / 60.0)
 
 
+def behind(world: World) -> float:
+    """s by which a way comes later where the W was said in an ascent, which goes on (R7)."""
+    ascent = world.engine.core.ascent
+    again = ascent is not None and ascent.began < world.now - 2.0 * SETTLE
+    return TURN * (len(ways_of(world.line)) - 1) if again else 0.0
+
+
 def _surfaces_under_a_slider(world: World) -> None:
     world.say(b"@ZAWF$")
-    _slides(world, 12.0)
+    _slides(world, 12.0 + behind(world))
 
 
 def _surfaces_behind_noise(world: World) -> None:

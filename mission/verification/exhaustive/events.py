@@ -11,11 +11,20 @@ from __future__ import annotations
 
 import itertools
 
+from mission.engine.ending import STAYS_UP
 from mission.model import Chart
 from mission.model.tables import Table, derived
 from mission.verification.exhaustive.added_events import ADDED_EVENTS
 from mission.verification.exhaustive.cell import Configuration, Event
-from mission.verification.exhaustive.commands import COMMANDS, SETTLE, Play, of_word, script
+from mission.verification.exhaustive.commands import (
+    COMMANDS,
+    SETTLE,
+    TURN,
+    Play,
+    behind,
+    of_word,
+    script,
+)
 from mission.verification.exhaustive.configurations import SHALLOW
 from mission.verification.exhaustive.doubts import DOUBTS
 from mission.verification.exhaustive.exit_inputs import come_true, end_leg
@@ -33,8 +42,6 @@ from mission.verification.exhaustive.world import World
 from protocol.messages import SetSafety
 from protocol.operator_words import WORDS
 from protocol.topside import encode
-
-TURN = 10.0  # s each way of an ascent is given (R7)
 
 # --- readings ------------------------------------------------------------------------------
 
@@ -252,7 +259,7 @@ def _rises_by_thrust(world: World) -> None:
     world.wait(SETTLE)
     world.rises_by = U12
     ways = ways_of(world.line)
-    world.wait(TURN * (ways.index(U12) or len(ways)) + 14.0)
+    world.wait(TURN * (ways.index(U12) or len(ways)) + 14.0 + behind(world))
 
 
 def _sinks_for_ever(world: World) -> None:
@@ -288,7 +295,7 @@ def _ends(*, deep: bool) -> Play:
         world.put(world.deep if deep else SHALLOW)
         world.wait(8.5)
         world.end()
-        world.wait(1.0)
+        world.wait(1.0 if deep else STAYS_UP)  # whether it floats is seen first
 
     return script(play)
 
