@@ -13,7 +13,7 @@ _SHARE = click.FloatRange(0.0, 1.0)
 
 
 @click.command()
-@click.option("--range", "range_m", type=click.FloatRange(0.0, 1e5), default=1000.0,
+@click.option("--range", "range_m", type=click.FloatRange(0.0, 1e5, min_open=True), default=1000.0,
               show_default=True, metavar="M", help="Slant range between the modems.")  # fmt: skip
 @click.option("--rate", type=click.FloatRange(1.0, 1e6), default=1000.0, show_default=True,
               metavar="BIT/S", help="Bit rate on the water.")  # fmt: skip
@@ -55,7 +55,7 @@ def water(
     channel = Channel(Water(range_m, rate, loss, errors, preamble), seed, told)
     places = {name: folder.resolve() / name for name in ENDS}
     _plug(places, channel.paths)
-    boat = f"modem+serial://{places['boat']}?range={range_m:g}&rate={rate:g}"
+    boat = f"modem+serial://{places['boat']}?range={range_m:.12g}&rate={rate:.12g}"
     modem = f"serial://{places['vehicle']}"
     if as_json:
         click.echo(json.dumps({"boat": boat, "vehicle": modem}))

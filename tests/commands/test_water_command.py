@@ -121,7 +121,7 @@ def test_an_operator_rehearses_a_dive_by_modem_with_the_real_programs(tmp_path: 
 
 
 def test_where_every_burst_is_lost_nothing_is_called_done(tmp_path: Path) -> None:
-    words = ("--loss", "1", "--range", "0", "--rate", "1000000", "--folder", str(tmp_path))
+    words = ("--loss", "1", "--range", "1", "--rate", "1000000", "--folder", str(tmp_path))
     with process("water", *words, "--json") as channel_process:
         ends = told(channel_process)
         assert str((tmp_path / "boat").readlink()).startswith("/dev/")

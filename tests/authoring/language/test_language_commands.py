@@ -285,7 +285,7 @@ def test_an_empty_file_is_shown_without_an_empty_line() -> None:
 def test_converted_yaml_reads_as_the_documentation_writes_it() -> None:
     text = call("convert", MISSIONS / "harbour-survey.mission", "--to", "yaml").stdout
     assert "home: {latitude: 30.2874595, longitude: 120.1535765}\n" in text
-    assert "safety: {radius: 1100 m, time: 40 min, depth: 30 m, voltage: 10 V}\n" in text
+    assert "safety: {radius: 1400 m, time: 45 min, depth: 30 m, voltage: 10 V}\n" in text
 
 
 def test_a_word_behind_a_number_where_a_unit_may_stand_is_told_as_one() -> None:
