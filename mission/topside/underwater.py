@@ -27,6 +27,7 @@ from protocol.state_frame import MOST
 from protocol.topside import Answer, ConsoleCodec, encode
 from protocol.topside_frames import LONG
 
+_MOST = 1e6  # m, bit/s
 PREFIX = "modem+"
 RANGE_M, BIT_RATE = 1000.0, 300.0  # the slow and far case: a timeout too long only costs time
 _ACK = 9  # bytes
@@ -60,8 +61,9 @@ def _number(url: str, text: str | float, option: str, unit: str) -> float:
         value = float(text)
     except ValueError:
         value = 0.0
-    if not 0.0 < value < 1e6:
-        raise WrongAddress(f"{url}: {option}={text}: a number of {unit} above 0 is needed")
+    if not 0.0 < value <= _MOST:
+        needed = f"a number of {unit} above 0, at most {_MOST:.0f}, is needed"
+        raise WrongAddress(f"{url}: {option}={text}: {needed}")
     return value
 
 
