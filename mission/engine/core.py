@@ -286,7 +286,8 @@ class Core(EngineState):
         kind = ("stopped" if self.active == STOPPED else "rest") if self._rests else ""
         if kind != self._rested:
             self._rested = kind
-            self.rest.begin()
+            proved = self.active == SURFACED and self.let_go_at > -math.inf
+            self.rest.begin(SURFACE_DEPTH if proved else math.nan)
         report = self.vehicle_state.telemetry
         if not kind or report is None:
             return

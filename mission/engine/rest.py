@@ -53,10 +53,12 @@ class Rest:
     def clone(self) -> Self:
         return copied(self)
 
-    def begin(self) -> None:
-        """Starts anew in another state: what was seen before says nothing about it."""
+    def begin(self, shallowest: float = math.nan) -> None:
+        """Starts anew in another state: what was seen before says nothing about it, but
+        ``shallowest`` m of an ascent that proved the surface, by whatever did."""
         self._t = self._since = -math.inf
-        self._depth = self._smooth = self._shallowest = self._from = math.nan
+        self._depth = self._smooth = self._from = math.nan
+        self._shallowest = shallowest
         self._sunk_at: float | None = None
 
     def take(self, t: float, depth: float | None, deep: float = DEEP) -> None:
@@ -66,8 +68,8 @@ class Rest:
         since, change = t - self._t, abs(depth - self._depth)
         sinks = change <= _FASTER * self._fastest * max(since, 1.0) + _JUMP  # not: the first one
         if not sinks:
-            self.begin()
-            self._shallowest = depth
+            before = self._shallowest if math.isnan(self._depth) else math.nan
+            self.begin(depth if math.isnan(before) else min(before, depth))
         if not sinks or since > _LONGEST:
             self._smooth = self._from = depth
             self._since = t

@@ -307,6 +307,20 @@ def test_seconds_of_fixes_are_the_surface_too_where_no_depth_is_believed():
     assert world.commands()[-1] is Order.STOP
 
 
+def test_what_sank_out_of_surfaced_is_brought_up_by_the_first_depth_that_is_known_there():
+    """The surface was proved by fixes; no depth was known in surfaced before."""
+    world = surfacing(0.6)
+    world.nav.doubt["depth"] = "absurd"
+    world.wait(60.0)
+    fixes(world, 7)
+    assert world.state == SURFACED
+    world.wait(20.0)
+    world.nav.doubt.clear()
+    world.depth = 20.0
+    world.wait(6.0)
+    assert world.state == SURFACING
+
+
 RISE, SINK = VEHICLE.ascent_buoyancy, VEHICLE.limits.descent_rate
 OWN_DEPTH = VEHICLE.limits.depth
 

@@ -34,7 +34,7 @@ SLIGHT, SPARE = 1.0, 8.0  # N that may lift too slowly; N of lift that make a ri
 NEVER = 1e5  # s: by then what ends is over
 MOVES = 60.0  # s in which a depth shows that it moves as the vehicle does: two rounds of an ascent
 _MOVES_STILL = ("too_deep", "too_shallow", "late")  # faults of a depth that goes on moving with it
-_GARBAGE = ("depth_full_scale", "depth_absurd")
+_GARBAGE = ("depth_full_scale", "depth_absurd", "stm32_silent")
 _SPEEDS = ("speed_log", "doppler")  # of the sensors that are added
 _FAST, _TURNS = 1.5, 4  # m/s; courses of a mission, each known too late by a speed that comes late
 _ANSWERED = 6.5  # s within which a switch is acknowledged
@@ -88,13 +88,14 @@ def helpless(settings: Settings, profile: str, end: float) -> int:
 
 
 def unknown(settings: Settings, t: float) -> bool:
-    """The depth sensor says nothing at ``t`` from which could be known whether the vehicle rises:
-    while it does not move with it, and for ``MOVES`` s after anything has changed."""
+    """The depth sensor, or the board, says nothing at ``t`` from which could be known whether the
+    vehicle rises: while it does not move with it, and for ``MOVES`` s after that."""
     for fault in settings.faults:
         sensor, _, how = fault.name.partition("_")
         begin, end = fault.begin, fault_ends(fault)
         shown = begin + MOVES if how in _MOVES_STILL else end
-        if sensor == "depth" and (begin <= t < shown or end <= t < end + MOVES):
+        tells = sensor == "depth" or fault.name == "stm32_silent"
+        if tells and (begin <= t < shown or end <= t < end + MOVES):
             return True
     return False
 
@@ -102,7 +103,7 @@ def unknown(settings: Settings, t: float) -> bool:
 def doubted_at_rest(settings: Settings, end: float) -> bool:
     """A depth that is unknown in the end, or may have been left contradicted (R5): nothing turns by
     it. Garbage is neither, once it is over for ``MOVES`` s."""
-    faults = [f for f in settings.faults if f.name.startswith("depth_")]
+    faults = [f for f in settings.faults if f.name.startswith(("depth_", "stm32_silent"))]
     return any(f.name not in _GARBAGE or fault_ends(f) >= end - MOVES for f in faults)
 
 
@@ -110,7 +111,7 @@ def dives_unseen(settings: Settings, t: float) -> bool:
     """A board dives by itself, and no report or none with a depth to believe tells of it."""
     there = {f.name for f in settings.faults if f.begin <= t < fault_ends(f)}
     dives = any(name.startswith("dives_") for name in there)
-    return dives and ("stm32_silent" in there or unknown(settings, t))
+    return dives and unknown(settings, t)
 
 
 def unknown_and_heavy(settings: Settings, end: float) -> int:
