@@ -182,6 +182,7 @@ def test_a_plan_from_a_template_to_the_vehicle_and_another_by_drop(
         code.press("Control+z")
         expect(code).to_have_value(first)
         expect(verdict).to_contain_text("from home")
+        expect(plan.locator(".draft-chart")).to_have_attribute("data-still", "planned")
         chart = plan.locator("canvas")
         box = chart.bounding_box()
         assert box is not None
