@@ -161,9 +161,9 @@ class Ascent:
     def _may_lift(self, way: Way, depth: float | None) -> bool:
         return depth is not None and way not in self._downward
 
-    def _begin_turn(self, now: float, depth: float | None, turn: float = TURN) -> None:
+    def _begin_turn(self, now: float, depth: float | None, turn: float | None = None) -> None:
         self._since = self._looked = now
-        self._turn = turn
+        self._turn = TURN if turn is None else turn
         self._start_depth = self._deepest = depth
 
     def _fallen(self, now: float, depth: float | None) -> float | None:
