@@ -6,6 +6,7 @@ import json
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
@@ -304,8 +305,8 @@ def _surface_by_faith(patch: pytest.MonkeyPatch) -> None:
 def _gives_up(patch: pytest.MonkeyPatch) -> None:
     act = Ascent.act
 
-    def tired(self: Ascent, now: float, depth: float | None, over: bool) -> tuple[Action, ...]:
-        return act(self, now, depth, over) if now < self.began + 25.0 else ()
+    def tired(self: Ascent, now: float, *seen: Any) -> tuple[Action, ...]:
+        return act(self, now, *seen) if now < self.began + 25.0 else ()
 
     patch.setattr(Ascent, "act", tired)
 
