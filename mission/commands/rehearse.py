@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,6 +13,10 @@ from mission.commands.options import AS_JSON, BATHYMETRY, MISSION, PARAMETERS, S
 from mission.commands.output import writing
 from mission.commands.seafloor import depths_of
 from mission.commands.unreadable import tell_unreadable
+
+if TYPE_CHECKING:
+    from mission.verification.rehearsing.flights import Flown
+    from mission.verification.rehearsing.report import Rehearsal
 
 
 @click.command()
@@ -50,12 +55,9 @@ def rehearse(
     """
     import functools
     import json
-    from hashlib import sha256
 
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
     from mission.verification.rehearsing.flights import Flown, rehearsed
-    from mission.verification.rehearsing.page import html_page
-    from mission.verification.rehearsing.picture import draw_rehearsal
     from mission.verification.rehearsing.report import as_object, as_text, report_of
     from mission.verification.workers.outcome import Lost
     from mission.verification.workers.progress import with_progress
@@ -69,13 +71,9 @@ def rehearse(
         tell_unreadable(error, as_json)
         raise SystemExit(2) from None
     tell = functools.partial(click.echo, err=True)
-    told_of: dict[str, Any] = {"rehearsed": prepared.chart.digest, "seed": seed}
-    floor = ""
-    if bathymetry is not None:
-        depths_of(bathymetry)
-        floor = str(bathymetry.resolve())
-        told_of["bathymetry"] = sha256(bathymetry.read_bytes()).hexdigest()[:16]
-    with where.keeping(told_of, Flown) as kept:
+    floor = "" if bathymetry is None else str(bathymetry.resolve())
+    asked = {"rehearsed": prepared.chart.digest, "seed": seed, **_asked_of(bathymetry)}
+    with where.keeping(asked, Flown) as kept:
         made = rehearsed(prepared, vehicle, given, seed, flights, where.place, kept, floor)
         ended = list(with_progress(made, flights, "flights", tell, kept.count))
     flown = [one for one in ended if isinstance(one, Flown)]
@@ -89,11 +87,31 @@ def rehearse(
     told = as_object(report, source, seed)
     click.echo(json.dumps(told) if as_json else as_text(report, source, seed))
     if output is not None:
-        name = prepared.mission.name
-        with writing(output):
-            if output.suffix.lower() == ".html":
-                page = html_page(report, flown, source, seed, name)
-                output.write_text(page, encoding="utf-8")
-            else:
-                draw_rehearsal(report, flown, output, name)
+        _write(output, report, flown, source, seed, prepared.mission.name)
     raise SystemExit(0 if report.outcomes.get("completed", 0) == flights else 1)
+
+
+def _asked_of(bathymetry: Path | None) -> dict[str, str]:
+    """What tells one file of depths from another, where results are kept. A file that cannot be
+    read ends the command with 2."""
+    from hashlib import sha256
+
+    if bathymetry is None:
+        return {}
+    depths_of(bathymetry)
+    return {"bathymetry": sha256(bathymetry.read_bytes()).hexdigest()[:16]}
+
+
+def _write(
+    output: Path, report: Rehearsal, flown: Sequence[Flown], source: str, seed: int, name: str
+) -> None:
+    """The page or the picture, as the suffix says."""
+    from mission.verification.rehearsing.page import html_page
+    from mission.verification.rehearsing.picture import draw_rehearsal
+
+    with writing(output):
+        if output.suffix.lower() == ".html":
+            page = html_page(report, flown, source, seed, name)
+            output.write_text(page, encoding="utf-8")
+        else:
+            draw_rehearsal(report, flown, output, name)
