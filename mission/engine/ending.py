@@ -1,7 +1,8 @@
 """An orderly end of the program: the vehicle surfaces first, then the program ends.
 
     a mission, or the stick over one   --> emergency/surfacing, as by W; at a proved surface stopped
-    the stick in use                   --> is left to whoever moves it, until it is silent (R6)
+    the stick in use under water       --> is left to whoever moves it, until it is silent (R6)
+    the stick in use elsewhere         --> X0, and what it says from then on is refused
     an ascent                          --> goes on
     elsewhere                          --> stays as it is: a thruster that stands is not turned
 

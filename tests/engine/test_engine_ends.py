@@ -128,6 +128,20 @@ def test_the_stick_alone_at_the_surface_is_stopped_at_once():
     world.tell(Ending())
     assert world.commands() == [STOP]
     assert world.engine.settled
+    world.tell(M)
+    assert "nobody would stop what the stick moves" in world.verdicts[-1].why
+
+
+def test_the_stick_is_heard_until_the_vehicle_needs_nobody():
+    world = flying_at(5.0)
+    world.tell(Ending())
+    world.wait(2.5)
+    world.tell(M)
+    assert (world.verdicts[-1].accepted, world.state) == (True, MANUAL_DRIVING)
+    on_deck = World()
+    on_deck.wait(8.0)
+    on_deck.tell(Ending(), M)
+    assert (on_deck.verdicts[-1].accepted, on_deck.commands()) == (False, [])
 
 
 def test_the_stick_alone_and_deep_leads_to_an_ascent_unless_auto_is_closed():

@@ -124,7 +124,7 @@ def violations(
     found = [Violation(SPURIOUS, s.t, s.says) for s in spurious]
     if trial.raised:
         found.append(Violation(RAISED, trial.truth.t, trial.raised))
-    elif trial.truth.depth > _allowed(settings, profile, trial):
+    elif _depth_at_end(trial, settings) > _allowed(settings, profile, trial):
         says = f"{trial.truth.depth:.1f} m deep at the end, in {trial.state}"
         found.append(Violation(LOST, trial.truth.t, says))
     elif trial.turning and trial.state != SURFACING and not _may_turn(trial, settings):
@@ -142,6 +142,14 @@ def violations(
         found += _ranges(trial, flown, settings, mission.home is not None)
     found += _times(trial, flown)
     return sorted(found, key=lambda violation: violation.t)
+
+
+def _depth_at_end(trial: Trace, settings: Settings) -> float:
+    """m. An ascent that goes on tries letting go, too (R7): what is heavy sinks for that time."""
+    if trial.state != SURFACING or net(settings, NEVER) >= SLIGHT:
+        return trial.truth.depth
+    end = trial.truth.t
+    return min(place.depth for place in trial.track if place.t >= end - WHOLE_ROUND)
 
 
 def _allowed(settings: Settings, profile: str, trial: Trace) -> float:

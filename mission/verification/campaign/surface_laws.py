@@ -17,6 +17,7 @@ from mission.model import SURFACED, SURFACING, By
 from mission.model.regions import EMERGENCY
 from mission.model.vehicle import STALE_AFTER
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
+from mission.verification.campaign.excuses import SLIGHT, lift
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import AGAIN, Stay, Story
 
@@ -64,7 +65,8 @@ def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
     told = t - _REPORTS  # the last report may be as old: what sinks since is not known
     shallow = story.deepest(told - _AFLOAT, told) <= _SHALLOW
     fixed = story.deepest(t - 2.0, t) <= _FIXED
-    unknown = not story.told_in(t - 6.0, t) or story.faulty(DEPTH_FAULTS, t - 20.0, t)
+    in_vain = lift(story.settings, story.profile, t) < SLIGHT  # pushes contradict a true depth
+    unknown = in_vain or not story.told_in(t - 6.0, t) or story.faulty(DEPTH_FAULTS, t - 20.0, t)
     wanders = story.faulty(("gps_wanders", "gps2_wanders"), t - 20.0, t)
     if wanders and ((unknown and _may_be_up(story, stay)) or story.depth(t) < _NEARLY):
         return  # nothing contradicts fixes as at the surface
@@ -79,6 +81,8 @@ def _may_be_up(story: Story, stay: Stay) -> bool:
     """Its ascent has lasted as long as buoyancy takes from where it truly began (R7); or a cable
     or a program that stood still kept the words of it back."""
     begin = _ascends_since(story, stay)
+    if lift(story.settings, story.profile, stay.begin) < SLIGHT:  # it may have sunk all the while
+        return True
     if story.hindered(begin + 2.0 * AGAIN, stay.begin):  # behind a restart it begins anew
         return True
     return stay.begin - begin >= story.depth(begin) / story.vehicle.ascent_buoyancy

@@ -185,7 +185,8 @@ def _begins_again(story: Story, stay: Stay) -> Iterator[Violation]:
     full = any(done.act is Act.FILL and done.t < stay.begin for done in story.done)
     due = stay.begin + _UPWARD
     again = any(done.act is Act.KILL and stay.begin <= done.t <= due for done in story.done)
-    if was.end - was.begin < _DURABLE or full or again or due > story.end:
+    stood = story.hindered(stay.begin, due)
+    if was.end - was.begin < _DURABLE or full or again or stood or due > story.end:
         return
     now = story.stay_at(stay.begin + 1e-6).state
     if was.state in (STOPPED, SURFACED) and not now.startswith(EMERGENCY):

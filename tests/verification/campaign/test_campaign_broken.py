@@ -117,6 +117,35 @@ def test_a_depth_that_freezes_in_a_dive_lets_no_made_up_fix_end_the_ascent_below
     assert any(kind == "unlawful" and "surfaced, said" in says for kind, says in found)
 
 
+def in_the_lagoon(*faults: FaultEvent) -> Plan:
+    plan = stage("heavy_for_ever", 3)
+    return replace(plan, settings=replace(plan.settings, faults=faults), incidents=())
+
+
+def test_what_is_heavy_is_home_while_its_ascent_brings_it_up_in_turns_and_lost_without() -> None:
+    """As flight 1959 of seed 505: nothing can prove the surface, and W is one of the ways."""
+    plan = in_the_lagoon(
+        FaultEvent("heavy", 48.4, 1e6, 38.4),
+        FaultEvent("deaf_to_w", 48.4, 1e6),
+        FaultEvent("depth_too_deep", 48.4, 1e6, 6.5),
+        FaultEvent("gps_stuck", 32.3, 1e6),
+    )
+    assert judged(plan) == set()
+    with broken("way U12"):
+        found = judged(plan)
+    assert any(kind == "lost" and "deep at the end" in says for kind, says in found)
+
+
+def test_made_up_fixes_may_end_the_ascent_of_what_no_word_lifts_and_of_nothing_else() -> None:
+    """As flight 326 of seed 505: pushes that move nothing contradict a depth that is true."""
+    wandering = FaultEvent("gps_wanders", 6.0, 1e6), FaultEvent("deaf_to_w", 56.4, 1e6)
+    weak = FaultEvent("verticals_weak", 35.9, 1e6, 0.574)
+    assert judged(in_the_lagoon(*wandering, weak, FaultEvent("heavy", 56.4, 1e6, 44.7))) == set()
+    with broken("fixes too early"), broken("fixes against movement"):
+        found = judged(in_the_lagoon(*wandering, FaultEvent("depth_frozen", 56.4, 154.5)))
+    assert any(kind == "unlawful" and "surfaced, said" in says for kind, says in found)
+
+
 def test_a_push_that_led_deeper_upside_down_is_seen_when_it_comes_again() -> None:
     """Where D12 does not bring it up before."""
     with broken("way D12"), broken("pushed down again"):
