@@ -167,8 +167,11 @@ class Ascent:
         self._start_depth = self._deepest = depth
 
     def _fallen(self, now: float, depth: float | None) -> float | None:
-        """m from the deepest of the turn's depths, ``LOOK`` apart; None where one is not known."""
-        if depth is None or self._start_depth is None or self._deepest is None:
+        """m from the deepest of the turn's depths, ``LOOK`` apart, from the first known one on."""
+        if self._start_depth is None:
+            self._start_depth = self._deepest = depth
+            return None
+        if depth is None or self._deepest is None:
             return None
         if now >= self._looked + LOOK:
             self._looked, self._deepest = now, max(self._deepest, depth)

@@ -158,6 +158,17 @@ def test_where_it_may_be_upside_down_unseen_it_is_let_go_ever_longer():
     assert {span for way, span in spans if way is not Order.STOP} == {10}
 
 
+def test_a_depth_that_is_known_in_the_middle_of_a_turn_shows_whether_it_rises():
+    ascent = begun(None)
+    rising = [ascent.act(float(t), None if t < 3 else 20.0 - 0.1 * t, False) for t in range(1, 30)]
+    assert not any(rising)
+    ascent = begun(None)
+    assert [t for t in range(1, 25) if ascent.act(float(t), None if t < 3 else 20.0, False)] == [
+        10,
+        20,
+    ]
+
+
 @pytest.mark.parametrize("seen", [(20.0, False, True), (None, False, False)])
 def test_a_depth_or_an_attitude_that_is_known_again_ends_a_long_turn(seen):
     ascent, ticks = begun(None), iter(range(10, 400, 10))
