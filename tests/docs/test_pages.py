@@ -61,3 +61,11 @@ def test_a_page_may_leave_out_what_a_command_prints(tmp_path: Path) -> None:
     page.write_text(f"```console\n{shown}```\n", encoding="utf-8")
     (tmp_path / "work").mkdir()
     Page(page, tmp_path / "work").run()
+
+
+@pytest.mark.parametrize("wing", ["mission", "links", "protocol"])
+def test_a_module_has_at_most_the_lines_that_contributors_are_told(wing: str) -> None:
+    modules = list((ROOT / wing).rglob("*.py"))
+    long = [path for path in modules if len(path.read_text().splitlines()) > 400]
+    assert modules
+    assert not long, "part them"

@@ -1,11 +1,6 @@
 """What may not come of a disturbed flight: a vehicle lost, a limit overrun, a program that raises.
 
-**Lost**: not at the surface, or with a thruster that turns, at the end, which comes
-``trial.ASCENT`` after the last fault is over and the last mission must have ended. A thruster may
-turn while it still surfaces: without depth and fix it never knows that it has arrived (R7). Faults
-that make surfacing physically impossible all end before that (draw.OUT_OF_HAND, WEIGHT); what
-the check assumes away (a dead Pi while the STM32 is in automatic, an STM32 that hangs for ever
-with its thrusters on) is not drawn.
+**Lost**: at the end, by `home`.
 
 **Overrun**: truly beyond a limit in force (the tightest of the mission's, the vehicle's, and the
 operator's @SP that was acknowledged) while autonomous or surfacing, by more than detection and
@@ -51,26 +46,18 @@ from links.simulated.board_faults import ANY
 from links.simulated.settings import Settings
 from mission.engine.bounds import Bounds, in_force
 from mission.engine.limits import SILENCE
-from mission.model import AUTONOMOUS, STOPPED, SURFACED, SURFACING, Mission, Step, Tx
+from mission.model import AUTONOMOUS, STOPPED, SURFACING, Mission, Step, Tx
 from mission.model.vehicle import Vehicle
 from mission.verification.campaign import board_laws as of_board
 from mission.verification.campaign.audit import audit
 from mission.verification.campaign.excuses import (
-    NEVER,
-    SLIGHT,
-    SPARE,
-    dives_unseen,
-    doubted_at_rest,
     helpless,
     left,
     lied,
-    lift,
-    net,
-    obeys_no_stop,
-    unknown,
     unknown_and_heavy,
     untamed,
 )
+from mission.verification.campaign.home import WHOLE_ROUND, lost
 from mission.verification.campaign.obedience import ignored
 from mission.verification.rig.acts import Act
 from mission.verification.rig.speech import MOTION
@@ -78,12 +65,9 @@ from mission.verification.rig.trace import Done, Event, Said, Told, Trace, from_
 from protocol.messages import SetSafety
 
 LOST, OVERRUN, SPURIOUS, RAISED, IGNORED = "lost", "overrun", "spurious", "raised", "ignored"
-AFLOAT = 0.5  # m (R7)
-HELD = 3.0  # m of a body that its thrusters hold up
-SANK = 0.6  # m: 1 m by a sensor that may be 0.4 m off (R7, at rest)
 DEPTH_MARGIN, DEPTH_ERROR = 1.0, 0.4  # m
 SAMPLES, UNPROVED, TURNED, BLIND = 4.2, 11.0, 3.0, 18.0  # s
-ROUND, WHOLE_ROUND = 30.0, 40.0  # s of an ascent's three ways; letting go may have two turns
+ROUND = 30.0  # s of an ascent's three ways
 WAY, FIX_ERROR, SHARE = 8.0, 15.0, 0.25  # s, m, of the way
 LATE = 1.0  # s
 NEAR = 0.25  # m/s
@@ -124,12 +108,8 @@ def violations(
     found = [Violation(SPURIOUS, s.t, s.says) for s in spurious]
     if trial.raised:
         found.append(Violation(RAISED, trial.truth.t, trial.raised))
-    elif _depth_at_end(trial, settings) > _allowed(settings, profile, trial):
-        says = f"{trial.truth.depth:.1f} m deep at the end, in {trial.state}"
-        found.append(Violation(LOST, trial.truth.t, says))
-    elif trial.turning and trial.state != SURFACING and not _may_turn(trial, settings):
-        says = f"its thrusters turn at the end, in {trial.state}"
-        found.append(Violation(LOST, trial.truth.t, says))
+    elif why := lost(trial, profile, settings):
+        found.append(Violation(LOST, trial.truth.t, why))
     late = (
         of_board.ignored(trial.events, vehicle, settings)
         if board
@@ -142,54 +122,6 @@ def violations(
         found += _ranges(trial, flown, settings, mission.home is not None)
     found += _times(trial, flown)
     return sorted(found, key=lambda violation: violation.t)
-
-
-def _depth_at_end(trial: Trace, settings: Settings) -> float:
-    """m. An ascent that goes on tries letting go, too (R7): what is heavy sinks for that time."""
-    if trial.state != SURFACING or net(settings, NEVER) >= SLIGHT:
-        return trial.truth.depth
-    end = trial.truth.t
-    return min(place.depth for place in trial.track if place.t >= end - WHOLE_ROUND)
-
-
-def _allowed(settings: Settings, profile: str, trial: Trace) -> float:
-    """m at the end. Physics: what no word that its board obeys can lift stays down. An order: what
-    sinks while AUTO is closed is not brought up, nor what sinks at rest with a depth that is not
-    believed (R7). What is heavy, with a sensor from which nobody can know whether it rises, has its
-    thrusters for a third of the time: physics does not promise that it comes up by that."""
-    floats, lifted = net(settings, NEVER), lift(settings, profile, NEVER)
-    rests = not trial.state.startswith(AUTONOMOUS) and trial.state != SURFACING
-    if rests and dives_unseen(settings, trial.truth.t):
-        return math.inf
-    if floats > SLIGHT and lifted >= floats:
-        return AFLOAT
-    doubted = rests and doubted_at_rest(settings, trial.truth.t)
-    is_left = any(end == math.inf for _, end in left(trial.events))
-    alone = doubted or is_left or unknown(settings, NEVER)
-    return math.inf if alone or lifted < SPARE else HELD
-
-
-def _may_turn(trial: Trace, settings: Settings) -> bool:
-    """It sank out of surfaced, or so its sensor said: a thruster holds it up (R7, at rest). Or its
-    board obeys no stop, and at rest nothing but X is said."""
-    if obeys_no_stop(settings, trial.events):
-        return True
-    said = any(f.name.startswith("depth_") for f in settings.faults)
-    return trial.state == SURFACED and (said or _sank(trial))
-
-
-def _sank(trial: Trace) -> bool:
-    """In truth, out of surfaced, and was brought up by itself."""
-    before = ""
-    for event in trial.events:
-        if not (isinstance(event, Step) and event.entered):
-            continue
-        state = event.entered[-1]
-        again = before == SURFACED and state == SURFACING and event.trigger == "limit"
-        if again and trial.track[min(int(event.t), len(trial.track) - 1)].depth > SANK:
-            return True
-        before = state
-    return False
 
 
 @dataclass(frozen=True, slots=True)

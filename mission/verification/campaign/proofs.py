@@ -35,7 +35,8 @@ from mission.model.vehicle import Vehicle
 from mission.verification.campaign.area_laws import against
 from mission.verification.campaign.disturbances import INCIDENTS
 from mission.verification.campaign.draw import profiles_of
-from mission.verification.campaign.laws import AFLOAT, Violation
+from mission.verification.campaign.home import AFLOAT
+from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.staging import faults_of
 from mission.verification.campaign.trial import FOREVER, try_out
 from mission.verification.rig.acts import Disturbance

@@ -184,9 +184,9 @@ def _begins_again(story: Story, stay: Stay) -> Iterator[Violation]:
     was = next(s for s in reversed(story.stays) if s.end <= dead.begin and s.state != DEAD)
     full = any(done.act is Act.FILL and done.t < stay.begin for done in story.done)
     due = stay.begin + _UPWARD
-    again = any(done.act is Act.KILL and stay.begin <= done.t <= due for done in story.done)
-    stood = story.hindered(stay.begin, due)
-    if was.end - was.begin < _DURABLE or full or again or stood or due > story.end:
+    stops = (Act.KILL, Act.STALL)
+    again = any(done.act in stops and stay.begin <= done.t <= due for done in story.done)
+    if was.end - was.begin < _DURABLE or full or again or due > story.end:
         return
     now = story.stay_at(stay.begin + 1e-6).state
     if was.state in (STOPPED, SURFACED) and not now.startswith(EMERGENCY):

@@ -1,0 +1,94 @@
+"""Whether a flight has brought its vehicle home.
+
+**Lost**: not at the surface, or with a thruster that turns, at the end, which comes
+``trial.ASCENT`` after the last fault is over and the last mission must have ended. A thruster may
+turn while it still surfaces: without depth and fix it never knows that it has arrived (R7). Faults
+that make surfacing physically impossible all end before that (draw.OUT_OF_HAND, WEIGHT); what
+the check assumes away (a dead Pi while the STM32 is in automatic, an STM32 that hangs for ever
+with its thrusters on) is not drawn.
+
+What does not live here: what may not happen on the way (laws, whole_flight).
+"""
+
+from __future__ import annotations
+
+import math
+
+from links.simulated.settings import Settings
+from mission.model import AUTONOMOUS, SURFACED, SURFACING, Step
+from mission.verification.campaign.excuses import (
+    NEVER,
+    SLIGHT,
+    SPARE,
+    dives_unseen,
+    doubted_at_rest,
+    left,
+    lift,
+    net,
+    obeys_no_stop,
+    unknown,
+)
+from mission.verification.rig.trace import Trace
+
+AFLOAT = 0.5  # m (R7)
+HELD = 3.0  # m of a body that its thrusters hold up
+SANK = 0.6  # m: 1 m by a sensor that may be 0.4 m off (R7, at rest)
+WHOLE_ROUND = 40.0  # s of an ascent's three ways, the last of them twice as long
+
+
+def lost(trial: Trace, profile: str, settings: Settings) -> str:
+    """Why it is, or ""."""
+    if _depth_at_end(trial, settings) > _allowed(settings, profile, trial):
+        return f"{trial.truth.depth:.1f} m deep at the end, in {trial.state}"
+    if trial.turning and trial.state != SURFACING and not _may_turn(trial, settings):
+        return f"its thrusters turn at the end, in {trial.state}"
+    return ""
+
+
+def _depth_at_end(trial: Trace, settings: Settings) -> float:
+    """m. An ascent that goes on lets go in its turn (R7): what is heavy sinks for that time."""
+    since = trial.truth.t - WHOLE_ROUND
+    entered = max((e.t for e in trial.events if isinstance(e, Step) and e.entered), default=0.0)
+    if trial.state != SURFACING or entered > since or net(settings, NEVER) >= SLIGHT:
+        return trial.truth.depth
+    return min(place.depth for place in trial.track if place.t >= since)
+
+
+def _allowed(settings: Settings, profile: str, trial: Trace) -> float:
+    """m at the end. Physics: what no word that its board obeys can lift stays down. An order: what
+    sinks while AUTO is closed is not brought up, nor what sinks at rest with a depth that is not
+    believed (R7). What is heavy, with a sensor from which nobody can know whether it rises, has its
+    thrusters for a third of the time: physics does not promise that it comes up by that."""
+    floats, lifted = net(settings, NEVER), lift(settings, profile, NEVER)
+    rests = not trial.state.startswith(AUTONOMOUS) and trial.state != SURFACING
+    if rests and dives_unseen(settings, trial.truth.t):
+        return math.inf
+    if floats > SLIGHT and lifted >= floats:
+        return AFLOAT
+    doubted = rests and doubted_at_rest(settings, trial.truth.t)
+    is_left = any(end == math.inf for _, end in left(trial.events))
+    alone = doubted or is_left or unknown(settings, NEVER)
+    return math.inf if alone or lifted < SPARE else HELD
+
+
+def _may_turn(trial: Trace, settings: Settings) -> bool:
+    """It sank out of surfaced, or so its sensor said: a thruster holds it up (R7, at rest). Or its
+    board obeys no stop, and at rest nothing but X is said."""
+    if obeys_no_stop(settings, trial.events):
+        return True
+    said = any(f.name.startswith("depth_") for f in settings.faults)
+    return trial.state == SURFACED and (said or _sank(trial))
+
+
+def _sank(trial: Trace) -> bool:
+    """In truth, out of surfaced, and was brought up by itself."""
+    before = ""
+    for event in trial.events:
+        if not (isinstance(event, Step) and event.entered):
+            continue
+        state = event.entered[-1]
+        again = before == SURFACED and state == SURFACING and event.trigger == "limit"
+        if again and trial.track[min(int(event.t), len(trial.track) - 1)].depth > SANK:
+            return True
+        before = state
+    return False
