@@ -3,7 +3,7 @@
     records --Doubts--> spells of disbelief, sensor by sensor
 
 What the engine alone knows, how it pushed, is not asked here: a depth that only thrust contradicts
-looks well. What does not live here: what health is (navigation.health).
+is told by its limit. What does not live here: what health is (navigation.health).
 """
 
 from __future__ import annotations
@@ -15,10 +15,13 @@ from mission.model import Health, Record
 from mission.model.shown import clock, duration
 from mission.model.vehicle import Vehicle
 from mission.navigation.health import SENSORS, SensorHealth
+from mission.onboard.runtime import records as rec
 from mission.onboard.stream.senses import CLOCKS, Senses
 from protocol.messages import Fix, Telemetry
 
 DOUBTED = tuple(name for name in SENSORS if name != "position")  # none is heard under water
+CONTRADICTED = "depth contradicted"  # the limit
+_ABOARD = "contradicted on board"
 _BLINK_S = 1.0
 _MEANS = {
     ("attitude", "absurd"): "absurd, or on its side or back",  # beyond 90 deg
@@ -67,9 +70,12 @@ class Doubts:
         self._health = SensorHealth(vehicle.reports, vehicle.stale_after)
         self._timeline = Timeline(vehicle.reports)
         self._heard = False
+        self._contradicted = False  # the depth, by the engine
 
     def receive(self, record: Record) -> None:
         """What comes no more is stale. Before the first report there is no doubt."""
+        if record.kind == rec.STANDING:
+            self._contradicted = CONTRADICTED in rec.read_standing(record).breached
         for sensed in self._senses.hear(record):
             if isinstance(sensed, Telemetry):
                 self._health.telemetry(sensed)
@@ -77,10 +83,16 @@ class Doubts:
             elif isinstance(sensed, Fix):
                 self._health.fix(sensed)
         if self._heard and record.kind in CLOCKS:
-            self._timeline.look(self._health.of, record.t)
+            self._timeline.look(self._of, record.t)
 
     def believes(self, sensor: str, t: float) -> bool:
-        return self._health.of(sensor, t).valid
+        return self._of(sensor, t).valid
+
+    def _of(self, sensor: str, t: float) -> Health:
+        health = self._health.of(sensor, t)
+        if sensor == "depth" and self._contradicted and health.valid:
+            return Health(False, _ABOARD, health.age)
+        return health
 
     def spells(self, end: float) -> Sequence[Spell]:
         return self._timeline.spells(end)

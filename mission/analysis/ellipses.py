@@ -1,7 +1,7 @@
 """95 % ellipses on a plan, east to the right and north up, in m; of flights, dives and tracks.
 
-An ellipse that is larger than a quarter of the frame would bury the track, and is left out; none
-makes the frame larger.
+An ellipse that is larger than a quarter of the frame would bury the track, and so would many that
+lie on one another: they are left out. None makes the frame larger.
 """
 
 from __future__ import annotations
@@ -29,13 +29,18 @@ def ellipse(covariance: Covariance) -> tuple[float, float, float]:
 def draw_ellipses(
     axes: Axes, places: Iterable[Placed], width: float, colour: str, label: str = "95 % ellipses"
 ) -> None:
-    """Those that a frame of ``width`` m has room for; the legend gets the label if one is drawn."""
+    """Those that a frame of ``width`` m has room for, each clear of the one before it; the legend
+    gets the label if one is drawn."""
     from matplotlib.patches import Ellipse
 
+    last = (math.inf, math.inf, 0.0)  # east, north, long axis
     for east, north, covariance in places:
         along, across, bearing = ellipse(covariance)
         if along > LARGEST * width or not math.isfinite(east + north):
             continue
+        if math.hypot(east - last[0], north - last[1]) < (along + last[2]) / 2.0:
+            continue
+        last = east, north, along
         angle = 90.0 - math.degrees(bearing)
         axes.add_artist(Ellipse((east, north), along, across, angle=angle, fill=False, ec=colour,
                                 lw=0.6, alpha=0.7, label=label, zorder=2.5))  # fmt: skip

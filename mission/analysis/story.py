@@ -17,7 +17,8 @@ from mission.analysis.doubts import Doubts, Spell, lasting, summed
 from mission.analysis.ended import ended_by
 from mission.analysis.journal import restart
 from mission.analysis.repeats import Again, Commands, Rows, Words
-from mission.analysis.unsaid import SILENT_S, Absence, Unsaid
+from mission.analysis.resting import SILENT_S
+from mission.analysis.unsaid import Absence, Unsaid
 from mission.engine.limits import LIMITS
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Record, Step
 from mission.model.regions import EMERGENCY
@@ -170,6 +171,7 @@ class Teller:
         when = datetime.fromtimestamp(start.wall, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
         says = f"The program (version {start.version}, vehicle {start.vehicle.name}) began {when}."
         self._told.says.append(says)
+        self._unsaid = Unsaid("position" in start.vehicle.reports)
         if start.store.under_way:
             before = f"Before, it had been interrupted: {start.store.under_way} was under way."
             self._told.says.append(before)

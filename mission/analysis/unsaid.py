@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from mission.analysis.resting import SILENT_S, Sunk, Unfixed
 from mission.model import Position, Record
 from mission.model.shown import clock, duration
 from mission.navigation.geodesy import LocalFrame
@@ -19,7 +20,6 @@ from mission.onboard.runtime import records as rec
 from mission.onboard.stream.derived import Message
 from mission.onboard.stream.topics import FIX, STATE, TELEMETRY
 
-SILENT_S = 5.0  # between two reports
 ALONE_S = 60.0  # without a fix: then it is told how far off the next one lies
 DEEP_M = 2.0  # where no receiver hears anything
 
@@ -66,9 +66,10 @@ class Absence:
 
 
 class Unsaid:
-    """Of one run of the program."""
+    """Of one run of the program; ``receiver``: its vehicle reports where it is."""
 
-    def __init__(self) -> None:
+    def __init__(self, receiver: bool = True) -> None:
+        self._unfixed, self._sunk = Unfixed() if receiver else None, Sunk()
         self._reported: float | None = None
         self._fixed: float | None = None
         self._depth: float | None = None
@@ -86,13 +87,26 @@ class Unsaid:
         drives, and not every board reports then."""
         if message.topic == STATE:
             self._state = message.value
+            self._sunk.state(message.t, message.value["state"])
         elif message.topic == TELEMETRY:
-            yield from self._report(message.t, message.value["depth_m"], by_hand)
+            depth = message.value["depth_m"]
+            yield from self._report(message.t, depth, by_hand)
+            self._sunk.report(depth)
+            if self._unfixed is not None:
+                yield from self._unfixed.report(message.t, depth, believed)
         elif message.topic == FIX:
+            if self._unfixed is not None:
+                yield from self._unfixed.fix(message.t)
             yield from self._fix(message.t, message.value, origin, believed)
 
     def at_last(self, end: float) -> Iterator[str]:
         """What can only be told of the whole, which ends there."""
+        if self._unfixed is not None:
+            yield from self._unfixed.at_last(end)
+            if self._fixed is not None and end - self._fixed > ALONE_S:
+                alone = duration(round(end - self._fixed))
+                yield f"The last fix came {clock(self._fixed)}, {alone} before the recording ends."
+        yield from self._sunk.at_last()
         if self._reported is None:
             yield "The vehicle never reported."
         elif end - self._reported > SILENT_S:

@@ -50,6 +50,15 @@ def test_an_ellipse_that_would_bury_the_track_is_left_out_and_none_widens_the_fr
     assert [text.get_text() for text in axes.legend().get_texts()] == ["95 % ellipses"]
 
 
+def test_ellipses_that_lie_on_one_another_are_drawn_once() -> None:
+    axes = drawing.Figure().subplots()
+    size = ellipse((1.0, 0.0, 1.0))[0]
+    places = [(east * size, 0.0, (1.0, 0.0, 1.0)) for east in (0.0, 0.5, 0.99, 1.01, 1.5, 2.02)]
+    draw_ellipses(axes, places, 100.0, "k")
+    centres = [patch.get_center()[0] / size for patch in axes.patches]
+    assert centres == pytest.approx([0.0, 1.01, 2.02])
+
+
 def test_the_width_of_a_frame_is_its_long_side_whatever_is_not_known() -> None:
     assert width_of([(0.0, 0.0), (3.0, -7.0), (math.nan, 900.0)]) == 7.0
     assert width_of([]) == 0.0

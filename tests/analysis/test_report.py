@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from html.parser import HTMLParser
 from pathlib import Path
@@ -17,7 +18,7 @@ from mission.analysis.doubts import Spell
 from mission.analysis.journal import recordings
 from mission.analysis.report.dive import Dive
 from mission.analysis.report.figures import Picture, map_of, pictures_of, unbroken
-from mission.analysis.report.map import _scale, draw_map
+from mission.analysis.report.map import _scale, draw_map, flown_of, near
 from mission.analysis.report.words import figures, track_words
 from mission.analysis.story import story
 from mission.commands.report import report
@@ -195,6 +196,27 @@ def test_the_track_fills_the_map_and_no_ellipse_buries_it(drawn: tuple[Any, Dive
         assert np.all((low < at) & (at < high))
     assert all(2.0 * max(p.get_width(), p.get_height()) <= width for p in axes.patches)
     assert len(axes.patches) <= 10
+
+
+@pytest.mark.parametrize(("length_m", "beyond"), [(8.0, False), (900.0, True)])
+def test_the_track_fills_the_map_of_a_dive_that_ended_early(length_m: float, beyond: bool) -> None:
+    (items,) = recordings([SHORT])
+    dive, axes = Dive.of(items, None), drawing.Figure().subplots()
+    assert dive.origin is not None
+    latitude, longitude = dive.origin.latitude_deg, dive.origin.longitude_deg
+    far = [longitude, latitude + math.degrees(length_m / 6_371_000.0)]
+    dive.plan = [feature("goto", [[longitude, latitude], far])]
+    draw_map(axes, dive)
+    flown = flown_of(dive)
+    long = max(10.0, float(np.max(np.ptp(flown, axis=0))))
+    assert np.ptp(axes.get_ylim()) < 2.6 * long, "half of it on each side, and the margin"
+    assert ("goes on beyond" in map_of(dive).caption) is beyond
+
+
+def test_where_nothing_is_known_of_the_track_the_whole_plan_fills_the_map() -> None:
+    plan = [(0.0, 0.0), (0.0, 900.0)]
+    assert near([], plan) == plan
+    assert near([(0.0, 0.0), (0.0, 100.0)], plan) == [(0.0, 0.0), (0.0, 150.0)]
 
 
 @pytest.mark.parametrize("corner", [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)])

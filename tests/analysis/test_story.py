@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -15,6 +16,7 @@ from links.simulated.settings import parse_settings
 from mission.analysis.doubts import Spell, summed
 from mission.analysis.journal import Wanted, follow, recordings, restart
 from mission.analysis.repeats import Commands, Rows, Words
+from mission.analysis.resting import Sunk, Unfixed
 from mission.analysis.story import Chapter, Table, story
 from mission.analysis.tell import as_html, as_markdown, as_text
 from mission.analysis.unsaid import Absence, Unsaid
@@ -296,7 +298,8 @@ def of_fix(t: float, latitude: float, longitude: float) -> Message:
 
 def test_a_silence_of_the_vehicle_and_the_first_fix_after_a_dive_are_told() -> None:
     unsaid, home = Unsaid(), Position(30.0, 120.0)
-    at = Message(STATE, 99.0, {"north_m": 30.0, "east_m": 40.0, "radius_95_m": 61.2})
+    where = {"north_m": 30.0, "east_m": 40.0, "radius_95_m": 61.2, "state": "idle/ready"}
+    at = Message(STATE, 99.0, where)
     said = [
         sentence
         for message in (
@@ -310,6 +313,80 @@ def test_a_silence_of_the_vehicle_and_the_first_fix_after_a_dive_are_told() -> N
         "1:40.0: the first fix in 99 s lay 50 m from where it took itself to be, 95 % sure within 61 m.",
     ]
     assert list(unsaid.at_last(100.0)) == []
+
+
+def waits(*reports: tuple[float, float], fixes: tuple[float, ...] = (), end: float) -> list[str]:
+    """What is said of waiting for a fix, by depths at times and the times of fixes."""
+    unfixed, said = Unfixed(), list[str]()
+    for t, depth in sorted([*reports, *((t, math.nan) for t in fixes)]):
+        said += unfixed.fix(t) if math.isnan(depth) else unfixed.report(t, depth, True)
+    return [*said, *unfixed.at_last(end)]
+
+
+def test_a_long_wait_for_a_fix_at_the_surface_is_told() -> None:
+    up = [(float(t), 0.2) for t in range(10, 61, 2)]
+    told = "{}: until then it had been at the surface without a fix for {}."
+    assert waits(*up, fixes=(45.0,), end=60.0) == [told.format("0:45.0", "35 s")]
+    assert waits(*up, (62.0, 3.0), fixes=(11.0, 20.0), end=90.0) == [told.format("1:02.0", "42 s")]
+    assert waits(*up, end=60.0) == [told.format("1:00.0", "50 s")]
+
+
+def test_no_wait_is_told_under_water_in_silence_or_while_fixes_come() -> None:
+    up = [(float(t), 0.2) for t in range(10, 61, 2)]
+    assert waits(*((t, 3.0) for t, _ in up), end=60.0) == []
+    assert waits((10.0, 0.2), (58.0, 0.2), end=60.0) == [], "where it was between is not known"
+    assert waits(*up, fixes=(11.0, 35.0), end=60.0) == []
+    unfixed = Unfixed()
+    assert not [s for t, d in up for s in unfixed.report(t, d, False)], "nor can the depth be"
+    assert not list(unfixed.at_last(60.0))
+
+
+def test_a_vehicle_without_a_receiver_waits_for_no_fix() -> None:
+    for receiver in (True, False):
+        unsaid = Unsaid(receiver)
+        for t in range(0, 80, 2):
+            list(unsaid.receive(of_report(float(t), 0.1), None))
+        assert bool(list(unsaid.at_last(79.0))) is receiver
+
+
+def test_the_last_fix_is_told_where_the_recording_goes_on_long_without() -> None:
+    unsaid = Unsaid()
+    for message in (of_report(0.0, 9.0), of_fix(1.0, 30.0, 120.0), of_report(98.0, 9.0)):
+        list(unsaid.receive(message, None, believed=False))
+    assert list(unsaid.at_last(100.0)) == [
+        "The last fix came 0:01.0, 99 s before the recording ends."
+    ]
+
+
+@pytest.mark.parametrize(
+    ("state", "depths", "told"),
+    [
+        ("emergency/surfaced", (10.2, 11.0, 39.8), True),
+        ("idle/ready", (0.1, 3.0), True),
+        ("emergency/stopped", (8.0, 4.0), False),
+        ("emergency/surfacing", (1.0, 9.0), False),
+        ("autonomous/dive", (1.0, 9.0), False),
+    ],
+)
+def test_what_sank_at_rest_is_told_whatever_its_depth_is_worth(
+    state: str, depths: tuple[float, ...], told: bool
+) -> None:
+    sunk = Sunk()
+    for t, one, depth in ((1.0, "autonomous/leg", 99.0), *((9.0, state, d) for d in depths)):
+        sunk.state(t, one)
+        sunk.report(depth)
+    says = f"{state}: its reports said {depths[0]:.1f} m when that began at 0:09.0"
+    assert any(says in line for line in sunk.at_last()) is told
+
+
+def test_a_depth_that_only_the_engine_contradicted_is_told_for_as_long_as_it_did() -> None:
+    chapters = story([flown("fault=depth_stuck@12+2000")])
+    rows = [row for row in chapter(chapters, "Sensors").rows if row[0] == "depth"]
+    (alarm,) = [
+        row for row in chapter(chapters, "Alarms").rows if row[2].startswith("depth contradicted")
+    ]
+    assert rows[0][1] == "contradicted on board"
+    assert rows[0][2] == alarm[0]
 
 
 def test_a_silence_while_a_stick_drives_is_told_as_such() -> None:

@@ -1,7 +1,7 @@
 """The map of a dive: plan, track by legs, fixes, some 95 % ellipses, scale, graticule, north.
 
-The track and the plan's lines fill the frame. The size of an ellipse that would bury them is in the
-page's figures.
+The track and the plan's lines fill the frame; of a plan that was not flown to its end only what is
+near the track. The size of an ellipse that would bury them is in the page's figures.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ _PLAN, _SMOOTHED, _FIX, _AREA = "#888888", "#222222", "#117733", "#aa4400"
 _DISC = {"boxstyle": "circle,pad=0.15", "fc": "w", "lw": 0.5}
 _ELLIPSES, _ELLIPSE = 10, "#555555"
 _MARGIN, _NARROWEST = 0.08, 0.6  # of the frame, of its long side
+_SMALLEST = 10.0  # m, that a frame shows
+_NEAR = 0.5  # of the track's long side: so far beside it the plan widens the frame
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,8 +58,8 @@ def draw_map(axes: Axes, dive: Dive) -> None:
         fixes = [dive.local(f["latitude_deg"], f["longitude_deg"]) for f in dive.fixes]
         axes.plot(*_columns(fixes), ".", color=_FIX, ms=4, label="fixes", zorder=4)
     known = np.isfinite(east)
-    shown = [*zip(east[known], north[known], strict=True), *(p for line in lines for p in line)]
-    shown += [(e, n) for n, e in dive.smoothed.smoothed] if dive.smoothed is not None else []
+    flown = flown_of(dive)
+    shown = [*flown, *near(flown, [point for line in lines for point in line])]
     width = _frame(axes, shown or [(0.0, 0.0)])
     _ellipses(axes, dive, t, np.column_stack([east, north]), width)
     (west, east_edge), (south, north_edge) = axes.get_xlim(), axes.get_ylim()
@@ -73,6 +75,22 @@ def draw_map(axes: Axes, dive: Dive) -> None:
     axes.annotate("N", (0.96, 0.97), (0.96, 0.87), xycoords="axes fraction", ha="center",
                   va="center", arrowprops={"arrowstyle": "->", "lw": 1.2})  # fmt: skip
     axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+
+
+def flown_of(dive: Dive) -> list[Point]:
+    """The estimated and the smoothed track."""
+    states = [state for state in dive.states if state["north_m"] is not None]
+    flown = [(state["east_m"], state["north_m"]) for state in states]
+    return flown + ([(e, n) for n, e in dive.smoothed.smoothed] if dive.smoothed else [])
+
+
+def near(flown: Sequence[Point], plan: Sequence[Point]) -> list[Point]:
+    """The plan, drawn in to what is near the track; all of it where there is none."""
+    if not flown or not plan:
+        return list(plan)
+    low, high = np.min(flown, axis=0), np.max(flown, axis=0)
+    reach = _NEAR * max(_SMALLEST, *(high - low))
+    return [(float(e), float(n)) for e, n in np.clip(plan, low - reach, high + reach)]
 
 
 def planned(dive: Dive) -> list[list[Point]]:
@@ -142,7 +160,7 @@ def _ellipses(axes: Axes, dive: Dive, t: Array, places: Array, width: float) -> 
 def _frame(axes: Axes, shown: Sequence[Point]) -> float:
     """Around what is shown; returns its long side, m. The short one has room for its labels."""
     low, high = np.min(shown, axis=0), np.max(shown, axis=0)
-    spans = np.maximum(high - low, 10.0) * (1 + 2 * _MARGIN)
+    spans = np.maximum(high - low, _SMALLEST) * (1 + 2 * _MARGIN)
     east, north = np.maximum(spans, _NARROWEST * np.max(spans)) / 2.0
     middle = (low + high) / 2.0
     axes.set_xlim(middle[0] - east, middle[0] + east)
