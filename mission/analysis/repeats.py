@@ -68,6 +68,27 @@ class Rows:
         return [run.row for run in self._runs]
 
 
+class Refusals:
+    """Answers that say no: once where the same comes again within ``within`` s."""
+
+    def __init__(self, within: float) -> None:
+        self._within = within
+        self._runs: list[tuple[_Run, str]] = []
+        self._last: dict[tuple[str, str, str], _Run] = {}
+
+    def add(self, t: float, answer: str, why: str, to: str) -> None:
+        run = self._last.get((answer, why, to))
+        if run is not None and t - run.end <= self._within:
+            run.goes_on(t)
+        else:
+            self._last[answer, why, to] = run = _Run(answer, why, t, t)
+            self._runs.append((run, to))
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """When it began, answer, why, to whom; in the order of their beginnings."""
+        return [(*run.row, to) for run, to in self._runs]
+
+
 class Commands:
     """The frames to the vehicle. A board's round has several, and what steers changes in each
     round: the frames of one address and one reason are told in one row."""

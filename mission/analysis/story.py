@@ -16,7 +16,7 @@ from typing import Any
 from mission.analysis.doubts import Doubts, Spell, lasting, summed
 from mission.analysis.ended import ended_by
 from mission.analysis.journal import restart
-from mission.analysis.repeats import Again, Commands, Rows, Words
+from mission.analysis.repeats import Again, Commands, Refusals, Rows, Words
 from mission.analysis.resting import SILENT_S
 from mission.analysis.unsaid import Absence, Unsaid
 from mission.engine.limits import LIMITS
@@ -32,7 +32,7 @@ from mission.onboard.stream.topics import JOURNAL, STATE, TELEMETRY
 from mission.onboard.stream.wellknown import INFO
 
 REFUSED = "refused "  # how the engine's event of such an answer begins
-_SAME_ALARM_S = 60.0  # one that comes again so soon is one row
+_SAME_AGAIN_S = 60.0  # an alarm or a refusal that comes again so soon is one row
 _CUT_SHORT = frozenset({By.TIMEOUT, By.ELSE, By.ON, By.UNCERTAIN})
 _UNITS = {"depth": "m", "radius": "m", "time": "s", "voltage": "V"}
 
@@ -74,8 +74,8 @@ class _Told:
     legs: list[_Leg] = field(default_factory=list)
     commands: Commands = field(default_factory=Commands)
     again: Again = field(default_factory=Again)
-    refusals: list[tuple[str, ...]] = field(default_factory=list)
-    alarms: Rows = field(default_factory=lambda: Rows(_SAME_ALARM_S))
+    refusals: Refusals = field(default_factory=lambda: Refusals(_SAME_AGAIN_S))
+    alarms: Rows = field(default_factory=lambda: Rows(_SAME_AGAIN_S))
     words: Words = field(default_factory=Words)
     least: dict[str, _Least] = field(default_factory=dict)
     says: list[str] = field(default_factory=list)
@@ -195,8 +195,8 @@ class Teller:
 
     def _step(self, step: Step, derivation: Derivation) -> None:
         if step.event.startswith(REFUSED):
-            row = clock(step.t), step.event.removeprefix(REFUSED), "the vehicle answered N", VEHICLE
-            self._told.refusals.append(row)
+            frame = step.event.removeprefix(REFUSED)
+            self._told.refusals.add(step.t, frame, "the vehicle answered N", VEHICLE)
         if not step.entered:
             self._tell_again(step)
             return
@@ -251,7 +251,7 @@ class Teller:
         self._told.words.add(tx.t, who, tx.data)
         for word, refused in answers_in(tx.data):
             if refused:
-                self._told.refusals.append((clock(tx.t), f"@ACK_{word}N$", tx.reason, who))
+                self._told.refusals.add(tx.t, f"@ACK_{word}N$", tx.reason, who)
 
     def _journal(self, t: float, said: Mapping[str, Any]) -> None:
         if said["level"] <= INFO:
@@ -365,7 +365,12 @@ class Teller:
                 told.words.rows(),
                 "None was answered.",
             ),
-            ("Refusals", ("at", "answer", "why", "to"), told.refusals, "Nothing was refused."),
+            (
+                "Refusals",
+                ("at", "answer", "why", "to"),
+                told.refusals.rows(),
+                "Nothing was refused.",
+            ),
             (
                 "Commands to the vehicle",
                 ("at", "frame", "why"),

@@ -18,7 +18,7 @@ from mission.model.shown import clock, duration
 from mission.navigation.geodesy import LocalFrame
 from mission.onboard.runtime import records as rec
 from mission.onboard.stream.derived import Message
-from mission.onboard.stream.topics import FIX, STATE, TELEMETRY
+from mission.onboard.stream.topics import AID, FIX, STATE, TELEMETRY
 
 ALONE_S = 60.0  # without a fix: then it is told how far off the next one lies
 DEEP_M = 2.0  # where no receiver hears anything
@@ -75,6 +75,7 @@ class Unsaid:
         self._depth: float | None = None
         self._state: Mapping[str, Any] = {}
         self._wet: _Wet | None = None
+        self._added = 0  # values of sensors that were added
 
     def receive(
         self,
@@ -94,6 +95,8 @@ class Unsaid:
             self._sunk.report(depth)
             if self._unfixed is not None:
                 yield from self._unfixed.report(message.t, depth, believed)
+        elif message.topic == AID:
+            self._added += 1
         elif message.topic == FIX:
             if self._unfixed is not None:
                 yield from self._unfixed.fix(message.t)
@@ -113,6 +116,11 @@ class Unsaid:
             yield (
                 f"The vehicle's last report came {clock(self._reported)}, "
                 f"{duration(round(end - self._reported))} before the recording ends."
+            )
+        if self._added:
+            yield (
+                f"Sensors that were added said {self._added} values; what the estimate made of "
+                "them is not told here."
             )
         if self._wet is not None:
             wet = self._wet

@@ -15,7 +15,7 @@ from click.testing import CliRunner, Result
 from links.simulated.settings import parse_settings
 from mission.analysis.doubts import Spell, summed
 from mission.analysis.journal import Wanted, follow, recordings, restart
-from mission.analysis.repeats import Commands, Rows, Words
+from mission.analysis.repeats import Commands, Refusals, Rows, Words
 from mission.analysis.resting import Sunk, Unfixed
 from mission.analysis.story import Chapter, Table, story
 from mission.analysis.tell import as_html, as_markdown, as_text
@@ -29,7 +29,7 @@ from mission.onboard.blackbox import BlackBox, Gap
 from mission.onboard.runtime.records import ListRecorder, input_record, tx_record
 from mission.onboard.stream.derived import Message
 from mission.onboard.stream.events import events_of
-from mission.onboard.stream.topics import FIX, STATE, TELEMETRY
+from mission.onboard.stream.topics import AID, FIX, STATE, TELEMETRY
 from mission.verification.simulation.flight import fly
 
 RECORDED = Path(__file__).parent / "recorded"
@@ -347,6 +347,28 @@ def test_a_vehicle_without_a_receiver_waits_for_no_fix() -> None:
         for t in range(0, 80, 2):
             list(unsaid.receive(of_report(float(t), 0.1), None))
         assert bool(list(unsaid.at_last(79.0))) is receiver
+
+
+def test_sensors_that_were_added_are_not_told_as_believed() -> None:
+    unsaid = Unsaid()
+    for t in (0.0, 1.0):
+        assert not list(unsaid.receive(Message(AID, t, {}), None))
+    assert any(line.startswith("Sensors that were added said 2 values;") for line in (
+        unsaid.at_last(1.0)
+    ))  # fmt: skip
+    assert not any("added" in line for line in Unsaid().at_last(1.0))
+
+
+def test_a_refusal_that_comes_again_is_one_row_with_how_often() -> None:
+    refusals = Refusals(60.0)
+    for t in (1.0, 2.0, 3.0, 90.0):
+        refusals.add(t, "@ACK_AWN$", "idle only", "boat")
+    refusals.add(91.0, "@ACK_AWN$", "idle only", "another boat")
+    assert refusals.rows() == [
+        ("0:01.0", "@ACK_AWN$", "idle only (3 times, until 0:03.0)", "boat"),
+        ("1:30.0", "@ACK_AWN$", "idle only", "boat"),
+        ("1:31.0", "@ACK_AWN$", "idle only", "another boat"),
+    ]
 
 
 def test_the_last_fix_is_told_where_the_recording_goes_on_long_without() -> None:

@@ -370,3 +370,8 @@ def test_what_never_came_has_no_age() -> None:
     assert health.sensed(missing) == "MISSING"
     stale = {"value": 3.0, "unit": "m", "age_s": 9.1, "why": "stale"}
     assert health.sensed(stale) == "STALE, 9 s old: last 3.00 m"
+
+
+@pytest.mark.parametrize(("value", "shown"), [(0.0, "no, 0 s ago"), (1.0, "yes, 0 s ago")])
+def test_a_leak_is_there_or_not(value: float, shown: str) -> None:
+    assert health.sensed({"value": value, "unit": "", "age_s": 0.4, "why": ""}) == shown

@@ -285,9 +285,14 @@ def as_lines(found: Mapping[str, Any], wall: float) -> Iterator[str]:
 
 def sensed(sensor: Mapping[str, Any]) -> str:
     """What is not to be believed is no value of now: why, and how old it is."""
-    value = "" if sensor["value"] is None else f"{sensor['value']:.2f} {sensor['unit']}"
+    value = "" if sensor["value"] is None else _value(sensor["value"], sensor["unit"])
     if not sensor["why"]:
         return value if sensor["age_s"] is None else f"{value}, {sensor['age_s']:.0f} s ago"
     told = sensor["age_s"] is not None and sensor["why"] != "missing"  # it has no age: none came
     age = f", {sensor['age_s']:.0f} s old" if told else ""
     return f"{sensor['why'].upper()}{age}{': last ' if value else ''}{value}"
+
+
+def _value(value: float, unit: str) -> str:
+    """What has no unit is a leak: there is one, or there is none."""
+    return f"{value:.2f} {unit}" if unit else ("yes" if value else "no")
