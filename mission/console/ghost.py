@@ -19,7 +19,6 @@ from collections.abc import Awaitable, Callable
 from mission.console.asked import BODY, Said
 
 LONGEST_S = 300.0
-STILL_S = 60.0  # of one in still water
 AT_ONCE = 2  # of all pages
 KEPT = 8  # of those in still water
 OUTPUT = 8 << 20  # bytes
@@ -67,7 +66,7 @@ class Ghosts:
         job = _job({**said, "settings": (), "seed": 0}, vehicle, "plan")
         async with self._place:
             if (known := self._known.pop(job, None)) is None:
-                known = await self._flown(job, min(STILL_S, self._longest))
+                known = await self._flown(job, self._longest)
             if known["is"] != "refused":
                 self._known[job] = known
             if len(self._known) > KEPT:

@@ -21,6 +21,7 @@ from served import TEXT, running, silent_board
 
 from mission.authoring.prepare import prepare
 from mission.console.charts.shelf import Shelf
+from mission.console.ghost import LONGEST_S
 from mission.console.recorded import Recorded
 from mission.console.recording import Recording
 from mission.onboard.runtime.records import ListRecorder
@@ -115,8 +116,10 @@ def test_a_recording_is_played_and_scrubbed(chromium: object) -> None:
         review = seat.page.locator("#review")
         playwright.expect(review).to_be_visible()
         review.get_by_label("Speed", exact=True).select_option("100")
-        seat.shows("#state", "autonomous")
+        seat.shows("#review .at", re.compile(r"([0-9:]+) / \1 "))  # at its end
         seat.shows("#state", "idle/ready")
+        review.locator("input[type=range]").fill("60")
+        seat.shows("#state", "autonomous")
         review.locator("input[type=range]").fill("1")
         seat.shows("#review .at", "0:0")
         seat.page.get_by_text("Compare", exact=True).click()
@@ -154,12 +157,18 @@ def test_charts_lie_under_the_vehicle_and_tell_the_depth_there(
 
 GPX = """<gpx xmlns="http://www.topografix.com/GPX/1/1"><rte><name>bay</name>
 <rtept lat="30.288" lon="120.154"/><rtept lat="30.289" lon="120.154"/></rte></gpx>"""
+FLOWN_MS = 1000 * LONGEST_S  # a flight yields to all else, and the product bounds it
 DROP = """([name, text]) => {
   const carried = new DataTransfer();
   carried.items.add(new File([text], name));
   const drop = new DragEvent('drop', {dataTransfer: carried, bubbles: true, cancelable: true});
   document.getElementById('planner').dispatchEvent(drop);
 }"""
+
+
+def has_still_track(plan: playwright.Locator) -> None:  # type: ignore[name-defined]
+    chart = playwright.expect(plan.locator(".draft-chart"))
+    chart.to_have_attribute("data-still", "planned", timeout=FLOWN_MS)
 
 
 def test_a_plan_from_a_template_to_the_vehicle_and_another_by_drop(
@@ -172,7 +181,7 @@ def test_a_plan_from_a_template_to_the_vehicle_and_another_by_drop(
         code, verdict = plan.locator("textarea"), plan.locator(".verdict")
         plan.get_by_label("Template …").select_option("transect")
         expect(verdict).to_contain_text("from home")
-        expect(plan.locator(".draft-chart")).to_have_attribute("data-still", "planned")
+        has_still_track(plan)
         first = code.input_value()
         code.press("Control+End")
         page.keyboard.type("wrong")
@@ -182,7 +191,7 @@ def test_a_plan_from_a_template_to_the_vehicle_and_another_by_drop(
         code.press("Control+z")
         expect(code).to_have_value(first)
         expect(verdict).to_contain_text("from home")
-        expect(plan.locator(".draft-chart")).to_have_attribute("data-still", "planned")
+        has_still_track(plan)
         chart = plan.locator("canvas")
         box = chart.bounding_box()
         assert box is not None
@@ -203,7 +212,7 @@ def test_a_plan_from_a_template_to_the_vehicle_and_another_by_drop(
         expect(code).to_have_value(moved)
         expect(verdict).to_contain_text("from home")
         plan.get_by_role("button", name="Fly").click()
-        expect(plan.locator(".ghost-says")).to_contain_text("COMPLETED")
+        expect(plan.locator(".ghost-says")).to_contain_text("COMPLETED", timeout=FLOWN_MS)
         expect(plan.locator(".ghost-says")).to_contain_text("current=0.2@45")
         seat.press_twice("Upload")
         seat.shows("#state", "idle/ready")
@@ -236,6 +245,7 @@ def test_what_was_proved_of_an_older_text_is_grey_and_says_so(
     nobody = console_of("tcp://127.0.0.1:1", tmp_path)
     with nobody as (running, _), seated(chromium, running) as seat:
         page, expect = seat.page, playwright.expect
+        page.route_web_socket("**/ws/ghost*", lambda _: None)  # it flies, and is never there
         seat.tab("Plan")
         plan = page.locator("#planner")
         verdict = plan.locator(".verdict")

@@ -4,8 +4,8 @@
  */
 
 import { el, mark, say } from './dom.js';
+import { asked } from './flight.js';
 import { clock, length } from './format.js';
-import { Line } from './wire.js';
 import { word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page */
@@ -32,7 +32,7 @@ export class GhostBox {
     this.root = el('section', { class: 'ghost' }, this._title,
       el('div', { class: 'ghost-asks' }, el('label', {}, this._seaName, this._sea),
         el('label', {}, this._seedName, this._seed), this._fly), this._time, this._says);
-    /** @type {Line | null} */
+    /** @type {import('./wire.js').Line | null} */
     this._line = null;
     /** @type {any} */
     this._done = null;
@@ -67,11 +67,8 @@ export class GhostBox {
     const seed = Math.trunc(this._seed.valueAsNumber) || 0;
     const job = { do: 'fly', ...this._plan(), seed, settings: this._sea.value.split(/\s+/).filter(Boolean) };
     this.forget();
-    this._line = new Line('/ws/ghost?', this._page().token, {
-      opened: () => this._line?.send(job),
-      heard: (answer) => this._heard(answer),
-      closed: (why) => this._end(why || word('ghost_lost')),
-    });
+    this._line = asked(this._page().token, job,
+      { heard: (answer) => this._heard(answer), refused: (why) => this._end(why) });
     this._page().redraw();
   }
 

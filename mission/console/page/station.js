@@ -8,7 +8,7 @@
 
 import { Intents } from './intents.js';
 import { HUNG_MS, Vehicle, isLive, update } from './state.js';
-import { Line, ask } from './wire.js';
+import { HUNG, Line, ask } from './wire.js';
 
 /** @typedef {import('./state.js').Setup} Setup
  * @typedef {import('./state.js').Stale} Stale
@@ -80,7 +80,7 @@ export class Station {
 
   /** @param {string} why */
   _closed(why) {
-    this.problem = why === 'hung' ? '' : why;
+    this.problem = why === HUNG ? '' : why;
     this._unshown = 0;
     this._changed();
   }

@@ -4,7 +4,7 @@
  * the last change, the newest alone.
  */
 
-import { Line } from './wire.js';
+import { asked } from './flight.js';
 
 const REST_MS = 700; // of the text, before it is flown
 
@@ -14,7 +14,7 @@ export class StillWater {
     this._token = token;
     this._found = found;
     this._timer = 0;
-    /** @type {Line | null} */
+    /** @type {import('./wire.js').Line | null} */
     this._line = null;
   }
 
@@ -35,15 +35,13 @@ export class StillWater {
 
   /** @param {{text: string, source: string}} plan */
   _ask(plan) {
-    const line = new Line('/ws/ghost?', this._token(), {
-      opened: () => line.send({ do: 'plan', ...plan }),
+    this._line = asked(this._token(), { do: 'plan', ...plan }, {
       heard: (said) => {
-        line.close();
+        this._line?.close();
         this._line = null;
         this._found(said);
       },
-      closed: () => this.forget(), // the next text asks again
+      refused: () => this.forget(),
     });
-    this._line = line;
   }
 }

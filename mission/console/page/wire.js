@@ -7,6 +7,7 @@
 
 export const AGAIN_MS = 1000;
 const OPENING_MS = 3000;
+export const HUNG = 'hung'; // why a connection was left that said nothing in time
 const REFUSED = 1008; // the server's: what we said is none of its words
 
 /** @typedef {{opened?: () => void, closed?: (why: string) => void,
@@ -64,7 +65,7 @@ export class Line {
   /** Something within so many ms. @param {number} ms */
   _expect(ms) {
     clearTimeout(this._timer);
-    if (ms > 0) this._timer = setTimeout(() => this._gone('hung'), ms);
+    if (ms > 0) this._timer = setTimeout(() => this._gone(HUNG), ms);
   }
 
   /** @param {string} why */

@@ -269,7 +269,6 @@ export const WORDS = {
   ghost_cancel: ['Cancel', '取消'],
   ghost_flies: ['It flies …', '试航中……'],
   ghost_time: ['Time of the ghost flight', '虚拟航行时间'],
-  ghost_lost: ['The console does not answer', '控制台无应答'],
   ghost_completed: ['COMPLETED', '完成'],
   ghost_emergency: ['EMERGENCY', '应急'],
   ghost_failed: ['FAILED', '失败'],
