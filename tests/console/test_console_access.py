@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from browser_world import IN_A_BROWSER, Seat, playwright, seated
-from console_world import at_sea, console
+from console_world import at_sea, console, console_of
 from from_code.cockpit import SIZES
 from served import TEXT
 
@@ -38,8 +38,9 @@ CUT_OFF = """async () => {
   for (let n = 0; n < 3; n += 1) await new Promise(requestAnimationFrame);
   const right = (at) => at.getBoundingClientRect().right;
   const rooms = [...document.querySelectorAll('.room')].filter((room) => room.clientWidth);
-  return rooms.filter((room) => [...room.children].some((one) => right(one) > right(room) + 1))
-    .map((room) => room.id);
+  const state = document.getElementById('state');
+  const wide = rooms.filter((room) => [...room.children].some((one) => right(one) > right(room) + 1));
+  return [...wide, ...(state.scrollWidth > state.clientWidth ? [state] : [])].map((one) => one.id);
 }"""
 LOOKS = (  # colours know no language; the names of buttons are English for what follows
     ("dark", "zh-Hans"),
@@ -97,6 +98,19 @@ def test_nothing_in_a_recording_is_hard_to_see_to_read_or_to_reach(chromium: obj
         seat.page.get_by_text("Compare", exact=True).click()
         seat.page.locator("#layers").click()
         assert found(seat, "Review") == []
-        for size, (width, height) in SIZES.items():
+        seat.page.locator("#review input[type=range]").fill("60")
+        seat.shows("#state", "autonomous/rises/")  # a long one
+        for size, (width, height) in {**SIZES, "turned": (768, 1024)}.items():
             seat.page.set_viewport_size({"width": width, "height": height})
             assert (size, seat.page.evaluate(CUT_OFF)) == (size, [])
+
+
+def test_what_was_chosen_stays_where_a_tablet_is_turned(chromium: object, tmp_path: Path) -> None:
+    nobody = console_of("tcp://127.0.0.1:1", tmp_path)
+    with nobody as (running, _), seated(chromium, running) as seat:
+        for size, room in (((1024, 768), "Plan"), ((768, 1024), "Legs")):
+            seat.page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
+            seat.page.get_by_role("tab", name=room, exact=True).locator("visible=true").click()
+            seat.page.set_viewport_size(dict(zip(("height", "width"), size, strict=True)))
+            tab = seat.page.get_by_role("tab", name=room, exact=True).locator("visible=true")
+            playwright.expect(tab).to_have_attribute("aria-selected", "true")

@@ -37,6 +37,8 @@ export class Chart {
     this._view = new View();
     this._isFollowing = true;
     this._isFitted = '';
+    this._hadStill = false;
+    this._scale = 0; // that of the last fit: another one is somebody's own
     this._panning = new Panning(this._canvas, this._view, { redraw, fit: () => this._fit(),
       moved: () => {
         this._isFollowing = false;
@@ -61,7 +63,8 @@ export class Chart {
     if (frame) this._scene.charts = { draw: (pen, view) => this._charts.draw(pen, view, frame) };
     Object.assign(this._scene, { beside: besides(page, frame, now) });
     this._box.show();
-    this._aim(`${vehicle.setup.id} ${this._frame?.lat} ${this._frame?.lon} ${vehicle.plan?.digest}`);
+    this._aim(`${vehicle.setup.id} ${this._frame?.lat} ${this._frame?.lon} ${vehicle.plan?.digest}`,
+      Boolean(vehicle.still));
     const inks = inksOf(INK_NAMES);
     for (const layer of LAYERS) layer(drawn.pen, this._view, this._scene, inks);
     if (!this._scene.hasPlace) this._empty(drawn.pen, inks.soft);
@@ -70,14 +73,20 @@ export class Chart {
     this._tellPointer();
   }
 
-  /** What is there is shown once; later the vehicle is kept in sight. @param {string} of */
-  _aim(of) {
+  /** What is there is shown once, and again when the planned track comes or the ellipse outgrows
+   * the chart, unless somebody has moved it; later the vehicle is kept in sight.
+   * @param {string} of @param {boolean} hasStill */
+  _aim(of, hasStill) {
     const scene = this._scene;
     if (scene === null || !scene.hasPlace) return;
-    if (this._isFitted !== of) {
+    const isOwn = !this._isFollowing || this._view.scale !== this._scale;
+    const hasMore = hasStill && !this._hadStill;
+    if (this._isFitted !== of || (!isOwn && (hasMore || this._view.isOutgrown(scene.here?.ellipse?.[0] ?? 0)))) {
       this._isFitted = of;
       this._view.fit(this._points(scene));
+      this._scale = this._view.scale;
     }
+    this._hadStill = hasStill;
     if (!this._isFollowing || scene.here === null) return;
     const [x, y] = this._view.toScreen(scene.here.at);
     const [wide, high] = [this._view.width * EDGE, this._view.height * EDGE];

@@ -54,11 +54,15 @@ function open(setup, token) {
   const here = () => page;
   const alarms = new Alarms(byId('banner'), byId('sound'));
   const charts = new Charts(token, redraw);
+  const picked = (/** @type {string} */ room) => {
+    for (const place of tabs) place.take(room);
+    redraw();
+  };
   const tabs = [
-    new Tabs(byId('centre'), ['chart', 'legs', 'planner'], 'wide-off', redraw),
-    new Tabs(byId('side'), ['command', 'stick', 'checklist'], 'wide-off', redraw),
+    new Tabs(byId('centre'), ['chart', 'legs', 'planner'], 'wide-off', picked),
+    new Tabs(byId('side'), ['command', 'stick', 'checklist'], 'wide-off', picked),
     new Tabs(byId('tabs'), ['chart', 'status', 'command', 'stick', 'strips', 'journal', 'legs',
-      'planner', 'checklist'], 'narrow-off', redraw),
+      'planner', 'checklist'], 'narrow-off', picked),
   ];
   const rooms = [
     new Bar(byId, (station) => {

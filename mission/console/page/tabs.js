@@ -3,7 +3,8 @@
  * Rooms that share a place take turns in it: two places on a wide screen, one on a narrow one.
  *
  * Each tab names its room; arrow keys go from one to the next. A room that is out of sight on the
- * one is ``wide-off``, on the other ``narrow-off``.
+ * one is ``wide-off``, on the other ``narrow-off``. What is picked on the one stands on the other,
+ * too: a tablet is turned.
  */
 
 import { byId, el, mark, say } from './dom.js';
@@ -13,21 +14,22 @@ import { word } from './words.js';
 
 export class Tabs {
   /** @param {HTMLElement} root @param {readonly string[]} rooms ids, which are words, too
-   * @param {Off} off @param {() => void} redraw */
-  constructor(root, rooms, off, redraw) {
+   * @param {Off} off @param {(room: string) => void} picked by hand: every place takes it */
+  constructor(root, rooms, off, picked) {
     this._rooms = rooms;
     this._off = off;
-    this._redraw = redraw;
+    this._picked = picked;
     this._buttons = rooms.map((room) => el('button', { type: 'button', role: 'tab',
-      'aria-controls': room, onclick: () => this.choose(room) }));
+      'aria-controls': room, onclick: () => picked(room) }));
     root.replaceChildren(...this._buttons);
     root.addEventListener('keydown', (event) => this._key(event));
     this.chosen = rooms[0] ?? '';
-    this.choose(this.chosen);
+    this.take(this.chosen);
   }
 
-  /** @param {string} room */
-  choose(room) {
+  /** Nothing changes where another place has it. @param {string} room */
+  take(room) {
+    if (!this._rooms.includes(room)) return;
     this.chosen = room;
     this._rooms.forEach((one, i) => {
       byId(one).classList.toggle(this._off, one !== room);
@@ -36,7 +38,6 @@ export class Tabs {
       mark(button, 'aria-selected', String(one === room));
       button.tabIndex = one === room ? 0 : -1;
     });
-    this._redraw();
   }
 
   /** @param {KeyboardEvent} event */
@@ -44,7 +45,7 @@ export class Tabs {
     const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     if (by === undefined) return;
     const i = (this._rooms.indexOf(this.chosen) + by + this._rooms.length) % this._rooms.length;
-    this.choose(this._rooms[i] ?? this.chosen);
+    this._picked(this._rooms[i] ?? this.chosen);
     this._buttons[i]?.focus();
     event.preventDefault();
   }

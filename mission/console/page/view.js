@@ -50,6 +50,11 @@ export class View {
     this.north += north - n;
   }
 
+  /** What reaches so far around the middle is not on the screen. @param {number} radius m */
+  isOutgrown(radius) {
+    return radius * this.scale > Math.min(this.width, this.height) / 2;
+  }
+
   /** @param {Pair} point m */
   centre([east, north]) {
     this.east = east;

@@ -38,6 +38,12 @@ test('all that is to be seen is on the screen', () => {
   }
 });
 
+test('what has been fitted is not outgrown, and what reaches beyond the screen is', () => {
+  const shown = view();
+  shown.fit([[-90, 0], [90, 0], [0, -90], [0, 90]]);
+  assert.deepEqual([shown.isOutgrown(90), shown.isOutgrown(300), shown.isOutgrown(0)], [false, true, false]);
+});
+
 test('a single point is shown with some water around it', () => {
   const shown = view();
   shown.fit([[3, 4]]);
