@@ -6,8 +6,9 @@ from pathlib import Path
 
 import click
 
-from mission.commands.options import MISSION, PARAMETERS, VEHICLE
+from mission.commands.options import BATHYMETRY, MISSION, PARAMETERS, VEHICLE
 from mission.commands.output import by_suffix, write
+from mission.commands.seafloor import depths_of
 
 
 @click.command()
@@ -16,22 +17,35 @@ from mission.commands.output import by_suffix, write
               help="File to write; its suffix says what: .png .svg .html .geojson")  # fmt: skip
 @PARAMETERS
 @VEHICLE
-def plan(mission: Path, output: Path, parameters: tuple[str, ...], vehicle: str | None) -> None:
+@BATHYMETRY
+def plan(
+    mission: Path,
+    output: Path,
+    parameters: tuple[str, ...],
+    vehicle: str | None,
+    bathymetry: Path | None,
+) -> None:
     """Draw where MISSION means to go: its track in still water, over a grid.
 
     Shows legs, areas, turning points with their times, the depth, and where the vehicle may be by
-    its own estimate with 95 %, which grows until the next fix. Exit 0, or 2 if MISSION cannot be
-    read, or does not come to its end in still water.
+    its own estimate with 95 %, which grows until the next fix. With --bathymetry the sea floor
+    of the file lies under the depth, and the least water under the vehicle is told.
+
+    Exit 0, or 2 if MISSION cannot be read, or does not come to its end in still water.
     """
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
     from mission.verification.planned.formats import FORMATS
     from mission.verification.planned.track import Unplanned, planned
 
     row = by_suffix(output, FORMATS)
+    depths = None if bathymetry is None else depths_of(bathymetry)
     try:
         prepared = prepare(mission, vehicle, parameters_of(parameters))
-        drawn = row.write(planned(prepared.mission, prepared.chart, prepared.vehicle))
+        made = planned(prepared.mission, prepared.chart, prepared.vehicle, depths)
+        drawn = row.write(made)
     except (Unreadable, Unplanned) as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
     write(output, drawn)
+    if made.clearance is not None:
+        click.echo(made.clearance.told)

@@ -5,19 +5,22 @@ from __future__ import annotations
 import json
 import math
 import re
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from later import Later
 
+from mission.authoring.bathymetry import bathymetry_of
 from mission.authoring.prepare import prepare
 from mission.cli import main
 from mission.model import Local, Position
 from mission.navigation.geodesy import LocalFrame
 from mission.verification.planned.formats import FORMATS
-from mission.verification.planned.picture import _plan_view
+from mission.verification.planned.picture import _plan_view, _profile
 from mission.verification.planned.track import Plan, planned
 
 drawing = Later("matplotlib.figure")
@@ -31,6 +34,25 @@ dive: depth 4 heading 0 gear 6 until depth >= 3.5 timeout 60
 mow: rows 2 bearing 90 length 60 spacing 20 side starboard from north 30 east 10 within 5 gear 6 timeout 8min
 up: surface until fix timeout 3min
 """
+
+# Depths of 9 m, 3 m from latitude 30.2877 on, which is 27 m north of home; none known in the east.
+BAY = """ncols 2
+nrows 2
+xllcorner 120.1530
+yllcorner 30.2869
+cellsize 0.0008
+nodata_value -9999
+3 -9999
+9 -9999
+"""
+
+
+@pytest.fixture(scope="module")
+def over_bay(tmp_path_factory: pytest.TempPathFactory) -> Plan:
+    file = tmp_path_factory.mktemp("plan") / "small.mission"
+    file.write_text(TEXT)
+    ready = prepare(file)
+    return planned(ready.mission, ready.chart, ready.vehicle, bathymetry_of(BAY, "bay.asc"))
 
 
 @pytest.fixture(scope="module")
@@ -68,6 +90,77 @@ def test_the_uncertainty_grows_as_long_as_there_is_no_fix(plan: Plan) -> None:
     assert mow.spots[-1].axes[0] > 2.0 * mow.spots[0].axes[0]
 
 
+def test_over_a_file_each_place_has_its_floor_and_none_where_it_knows_none(over_bay: Plan) -> None:
+    spots = [spot for leg in over_bay.stretches for spot in leg.spots]
+    assert {spot.floor for spot in spots} == {9.0, 3.0, None}
+    edge = 21.5  # m east of home, where the file ends
+    for spot in spots:
+        if abs(spot.east - edge) > 3.0:
+            assert (spot.floor is None) is (spot.east > edge)
+        if spot.floor == 9.0:
+            assert spot.north < 32.0
+
+
+def test_the_way_is_the_one_that_is_meant_where_the_floor_is_too_shallow(
+    plan: Plan, over_bay: Plan
+) -> None:
+    meant, over = (
+        [(s.t, s.north, s.east, s.depth) for leg in one.stretches for s in leg.spots]
+        for one in (plan, over_bay)
+    )
+    assert np.array(over) == pytest.approx(np.array(meant), abs=1e-3)
+    assert plan.clearance is None
+    assert over_bay.clearance is not None
+    assert over_bay.clearance.aground
+    deep = max(s.depth for leg in plan.stretches for s in leg.spots)
+    assert over_bay.clearance.least == pytest.approx(3.0 - deep, abs=0.3)
+
+
+def test_every_format_tells_the_least_water(plan: Plan, over_bay: Plan) -> None:
+    least = f"{over_bay.stretches[1].water:.1f} m"
+    assert least.startswith("-1.")
+    page = FORMATS[".html"].write(over_bay).decode()  # with the picture
+    assert f"least water under it {least}: aground" in page
+    assert f"<td>{least}</td>" in page
+    features = json.loads(FORMATS[".geojson"].write(over_bay))["features"]
+    mow = next(p for f in features if (p := f["properties"]).get("leg") == "mow")
+    assert mow["is"] == "track"
+    assert f"{mow['water_m']:.1f} m" == least
+    assert b"water_m" not in FORMATS[".geojson"].write(plan)
+
+
+def test_the_floor_is_drawn_under_the_depth_and_keeps_the_dive_in_sight(over_bay: Plan) -> None:
+    axes = drawing.Figure().subplots()
+    _profile(axes, over_bay)
+    (drawn,) = axes.collections
+    levels = {round(y, 1) for path in drawn.get_paths() for _, y in path.vertices}
+    assert {3.0, 9.0} < levels
+    deep = [
+        replace(leg, spots=tuple(replace(s, floor=900.0) for s in leg.spots))
+        for leg in over_bay.stretches
+    ]
+    axes = drawing.Figure().subplots()
+    _profile(axes, replace(over_bay, stretches=tuple(deep)))
+    assert 4.0 < axes.get_ylim()[0] < 20.0
+
+
+def test_the_command_tells_where_the_water_is_least(tmp_path: Path) -> None:
+    (tmp_path / "a.mission").write_text(TEXT)
+    (tmp_path / "bay.asc").write_text(BAY)
+    command = ["plan", str(tmp_path / "a.mission"), "-o", str(tmp_path / "a.geojson")]
+    command += ["--bathymetry", str(tmp_path / "bay.asc")]
+    run = CliRunner().invoke(main, command)
+    assert run.exit_code == 0, run.output
+    assert re.fullmatch(
+        r"least clearance +-1\.\d m at \d+ s, 30\.28\d+ 120\.15\d+: aground\n", run.stdout
+    )
+    without = (tmp_path / "a.mission").read_text().replace("home 30.2874595 120.1535765\n", "")
+    (tmp_path / "a.mission").write_text(without)
+    run = CliRunner().invoke(main, command)
+    assert run.exit_code == 2
+    assert "names no home, so that no depth lies under it; write home" in run.output
+
+
 def test_a_mission_says_the_same_plan_each_time(plan: Plan) -> None:
     assert FORMATS[".svg"].write(plan) == FORMATS[".svg"].write(plan)
 
@@ -78,6 +171,7 @@ def test_every_format_is_what_its_suffix_says(plan: Plan) -> None:
     assert b"<svg" in drawn[".svg"]
     assert b"<svg" in drawn[".html"]
     assert b"<td>mow</td>" in drawn[".html"]
+    assert b"least water" not in drawn[".html"]
     assert json.loads(drawn[".geojson"])["type"] == "FeatureCollection"
 
 

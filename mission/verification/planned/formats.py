@@ -13,7 +13,7 @@ from typing import Any
 from mission.legs.base import Point
 from mission.navigation.geodesy import LocalFrame
 from mission.verification.planned.picture import minutes, picture, rows
-from mission.verification.planned.track import Plan, Spot, Unplanned
+from mission.verification.planned.track import Plan, Spot, Stretch, Unplanned
 
 _STYLE = (
     "body{font-family:sans-serif;margin:2em;max-width:60em}svg{max-width:100%;height:auto}"
@@ -35,16 +35,24 @@ def page(plan: Plan) -> bytes:
     drawn = drawn[drawn.index("<svg") :]
     lines = "".join(
         f"<tr><td>{escape(leg.name)}</td><td>{minutes(leg.begin)}</td><td>{minutes(leg.end)}</td>"
-        f"<td>{radius:.0f} m</td></tr>"
+        f"<td>{radius:.0f} m</td>{_water(plan, leg)}</tr>"
         for leg, radius in rows(plan)
     )
-    head = "<tr><th>leg</th><th>begins</th><th>ends</th><th>95 % within, at its end</th></tr>"
+    water = "" if plan.clearance is None else "<th>least water under it</th>"
+    head = "<th>leg</th><th>begins</th><th>ends</th><th>95 % within, at its end</th>" + water
+    table = f"<table><tr>{head}</tr>{lines}</table>"
     title = escape(plan.mission)
     return (
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{title}</title>'
-        f"<style>{_STYLE}</style><h1>{title}, as planned</h1>{drawn}<table>{head}{lines}</table>"
+        f"<style>{_STYLE}</style><h1>{title}, as planned</h1>{drawn}{table}"
         "</html>\n"
     ).encode()
+
+
+def _water(plan: Plan, leg: Stretch) -> str:
+    if plan.clearance is None:
+        return ""
+    return "<td>not known</td>" if leg.water is None else f"<td>{leg.water:.1f} m</td>"
 
 
 def geojson(plan: Plan) -> bytes:
@@ -67,8 +75,9 @@ def _features(plan: Plan, frame: LocalFrame) -> Iterator[dict[str, Any]]:
     for leg in plan.stretches:
         told = {"leg": leg.name, "begin_s": round(leg.begin, 1), "end_s": round(leg.end, 1)}
         line = [_degrees((s.north, s.east), frame, s.depth) for s in leg.spots]
+        water = {} if leg.water is None else {"water_m": round(leg.water, 2)}
         if len(line) > 1:
-            yield _feature("LineString", line, {"is": "track", **told})
+            yield _feature("LineString", line, {"is": "track", **told, **water})
         if leg.area:
             yield _feature("Polygon", [_ring(leg.area, frame)], {"is": "area", "leg": leg.name})
         for spot in leg.turns:

@@ -1,7 +1,8 @@
 """The planned track as a picture: plan view over a grid, and depth over time.
 
 The ellipses about the track hold it with 95 % by its estimate; they grow until the next fix. Legs
-have a colour and a number; turning points a mark, and their time where there is room.
+have a colour and a number; turning points a mark, and their time where there is room. Under the
+depth lies the sea floor of a file, where it is known.
 
 matplotlib is imported when a picture is drawn, with the Agg back end: no display is needed.
 """
@@ -20,9 +21,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _PALETTE = ("#3b7ea1", "#c19a2e", "#2f8f7f", "#b8505f", "#7d7d2a", "#8d3f8d", "#4f6fa8", "#256f2f")
+_GROUND = "#8a7452"
 _INK, _BAND = "#2b2b2b", "#c1440e"
 _RGB = (0.72, 0.31, 0.37)  # of what is kept out of
 _ELLIPSES = 14
+_IN_SIGHT = 4.0  # times the greatest depth: a floor below that would make the dive small
 _ROOM = 0.03  # of the picture's width: nearer than this, two times would hide each other
 
 
@@ -42,9 +45,10 @@ def picture(plan: Plan, format_: str) -> bytes:
         _plan_view(above, plan)
         _profile(below, plan)
         widest = max((s.axes[0] for leg in plan.stretches for s in leg.spots), default=0.0)
+        under = "" if plan.clearance is None else f",\nleast water under it {_water(plan)}"
         figure.suptitle(
             f"{plan.mission}: planned, {minutes(plan.seconds)} min in still water, "
-            f"95 % within {widest:.0f} m at worst",
+            f"95 % within {widest:.0f} m at worst{under}",
             fontsize=11,
         )
         metadata = {"Date": None} if format_ == "svg" else None
@@ -54,6 +58,11 @@ def picture(plan: Plan, format_: str) -> bytes:
 
 def minutes(seconds: float) -> str:
     return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
+
+
+def _water(plan: Plan) -> str:
+    near = plan.clearance
+    return "" if near is None else f"{near.least:.1f} m" + (": aground" if near.aground else "")
 
 
 def _colour(index: int) -> str:
@@ -134,6 +143,7 @@ def _profile(axes: Axes, plan: Plan) -> None:
     for index, leg in enumerate(plan.stretches):
         axes.plot([s.t / 60.0 for s in leg.spots], [s.depth for s in leg.spots],
                   color=_colour(index), lw=2.0)  # fmt: skip
+    _draw_floor(axes, plan)
     axes.invert_yaxis()
     axes.set_xlabel("minutes from the start")
     axes.set_ylabel("depth, m")
@@ -145,6 +155,20 @@ def _profile(axes: Axes, plan: Plan) -> None:
     )
     spread.set_ylabel("95 % radius of the position, m", color=_BAND)
     spread.set_ylim(bottom=0.0)
+
+
+def _draw_floor(axes: Axes, plan: Plan) -> None:
+    """Of the file, under the way; it has gaps where the file knows none."""
+    spots = [spot for leg in plan.stretches for spot in leg.spots]
+    known = [spot.floor for spot in spots if spot.floor is not None]
+    if not known:
+        return
+    deepest = max(max(spot.depth for spot in spots), 1.0)
+    below = min(1.05 * max(deepest, *known), _IN_SIGHT * deepest)
+    floor = [math.nan if s.floor is None else min(s.floor, below) for s in spots]
+    top = axes.get_ylim()[0]
+    axes.fill_between([s.t / 60.0 for s in spots], floor, below, color=_GROUND, lw=0, alpha=0.55)
+    axes.set_ylim(top, below)
 
 
 def rows(plan: Plan) -> list[tuple[Stretch, float]]:

@@ -2,7 +2,7 @@
 
 The product itself flies it, so that every leg, guard and fix is as at sea, and the uncertainty is
 what the vehicle's own estimate will say. Nothing is disturbed: the way that is drawn is the way
-that is meant.
+that is meant. The sea floor is the one that the mission assumes, or that of a file of depths.
 
     Unplanned         (the author must act: the mission does not come to its end in still water)
 """
@@ -11,11 +11,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from links.simulated.plant import Body
 from links.simulated.sea import Sea
 from links.simulated.sensors import SensorErrors
 from links.simulated.settings import Settings
+from mission.authoring.bathymetry import Depths
 from mission.authoring.check.fenced import fenced
 from mission.authoring.check.places import local_of, pattern_of, places_of
 from mission.engine.areas import Fence
@@ -28,6 +30,7 @@ from mission.navigation.distribution import PLANE_95
 from mission.navigation.geodesy import LocalFrame
 from mission.verification.simulation.flight import fly
 from mission.verification.simulation.flightlog import Flight, Sample
+from mission.verification.simulation.seafloor import Clearance, over
 
 _CIRCLE = 36  # corners of a circle that is drawn
 _TRUE = SensorErrors(  # noise alone, without which a sensor counts as frozen
@@ -42,7 +45,8 @@ class Unplanned(ValueError):
 @dataclass(frozen=True, slots=True)
 class Spot:
     """The vehicle at ``t`` s: m from home, m deep; ``axes`` are the half axes (m) of the 95 %
-    ellipse and ``bearing`` that of the longer one (rad)."""
+    ellipse and ``bearing`` that of the longer one (rad); ``floor`` (m) lies under it, where a file
+    knows it."""
 
     t: float
     north: float
@@ -50,6 +54,12 @@ class Spot:
     depth: float
     axes: tuple[float, float]
     bearing: float
+    floor: float | None = None
+
+    @property
+    def water(self) -> float | None:
+        """m under the vehicle."""
+        return None if self.floor is None else self.floor - self.depth
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +73,11 @@ class Stretch:
     turns: tuple[Spot, ...]
     area: tuple[Point, ...]  # its outline, m from home; empty where it has none
 
+    @property
+    def water(self) -> float | None:
+        """The least m under the vehicle, where the floor is known."""
+        return min((spot.water for spot in self.spots if spot.water is not None), default=None)
+
 
 @dataclass(frozen=True, slots=True)
 class Plan:
@@ -72,28 +87,61 @@ class Plan:
     seconds: float
     stretches: tuple[Stretch, ...]
     fences: tuple[Fence, ...] = ()
+    clearance: Clearance | None = None  # the least water under it; where a file knows the floor
 
 
-def planned(mission: Mission, chart: Chart, vehicle: Vehicle) -> Plan:
-    """Raises Unplanned."""
-    floor = dict(mission.assume).get("floor")
-    sea = Sea() if floor is None else Sea(floor=floor)
-    flight = fly(mission, vehicle, settings=Settings(sea=sea, errors=_TRUE))
-    if flight.outcome != "completed":
-        raise Unplanned(f"in still water it is not completed: {flight.reason}")
-    frame = LocalFrame(mission.home) if mission.home is not None else None
+@dataclass(frozen=True, slots=True)
+class _Ground:
+    """Where the plane of the plan lies, and the depths of its sea floor, as far as known."""
+
+    frame: LocalFrame | None
+    depths: Depths | None
+
+    def floor(self, north: float, east: float) -> float | None:
+        if self.depths is None or self.frame is None:
+            return None
+        return self.depths.at(*map(math.degrees, self.frame.to_geodetic(north, east)))
+
+    def clearance(self, stretches: tuple[Stretch, ...]) -> Clearance | None:
+        spots = [spot for leg in stretches for spot in leg.spots if spot.water is not None]
+        if self.frame is None or not spots:
+            return None
+        spot = min(spots, key=lambda spot: spot.water or 0.0)
+        place = map(math.degrees, self.frame.to_geodetic(spot.north, spot.east))
+        return Clearance(spot.water or 0.0, spot.t, *place)
+
+
+def planned(mission: Mission, chart: Chart, vehicle: Vehicle, depths: Depths | None = None) -> Plan:
+    """Over the sea floor of ``depths``, where they know it. Raises Unplanned."""
+    if depths is not None and mission.home is None:
+        raise Unplanned("the mission names no home, so that no depth lies under it; write home")
+    flight = fly(mission, vehicle, settings=_still(mission, depths))
+    ground = _Ground(LocalFrame(mission.home) if mission.home is not None else None, depths)
     legs = {state.path.partition("/")[2]: state for state in chart.states if state.leg}
+    stretches = tuple(_stretches(flight, legs, ground))
+    near = ground.clearance(stretches)
+    if flight.outcome != "completed":
+        under = "" if near is None else f"; {near.told}"
+        raise Unplanned(f"in still water it is not completed: {flight.reason}{under}")
     radius = min(vehicle.limits.radius, mission.safety.radius or math.inf)
-    stretches = tuple(_stretches(flight, legs, frame))
-    return Plan(mission.name, mission.home, radius, flight.mission_time, stretches, fenced(mission))
+    seconds, fences = flight.mission_time, fenced(mission)
+    return Plan(mission.name, mission.home, radius, seconds, stretches, fences, near)
 
 
-def _stretches(
-    flight: Flight, legs: dict[str, State], frame: LocalFrame | None
-) -> Iterator[Stretch]:
+def _still(mission: Mission, depths: Depths | None) -> Settings:
+    """Over a floor of a file that is seen and not touched: the way stays the one that is meant."""
+    floor = dict(mission.assume).get("floor")
+    still = Settings(sea=Sea() if floor is None else Sea(floor=floor), errors=_TRUE)
+    if depths is None:
+        return still
+    return over(replace(still, body=Body(floor_clearance=-math.inf)), mission, depths)
+
+
+def _stretches(flight: Flight, legs: dict[str, State], ground: _Ground) -> Iterator[Stretch]:
+    frame = ground.frame
     for flown in flight.legs:
         inside = [s for s in flight.samples if flown.entered <= s.t <= flown.left]
-        spots = tuple(_spot(sample) for sample in inside)
+        spots = tuple(_spot(sample, ground) for sample in inside)
         state = legs.get(flown.name.partition("#")[0])
         kind = state.leg.kind if state is not None and isinstance(state.leg, Leg) else None
         begin = (spots[0].north, spots[0].east) if spots else (0.0, 0.0)
@@ -104,14 +152,16 @@ def _stretches(
         yield Stretch(flown.name, flown.entered, flown.left, spots, turns, area)
 
 
-def _spot(sample: Sample) -> Spot:
+def _spot(sample: Sample, ground: _Ground) -> Spot:
     """Where it means to be: the estimate, which has nothing to be wrong about in still water."""
     estimate = sample.estimate
     nn, ne, ee = estimate.covariance
     middle, spread = (nn + ee) / 2.0, math.hypot((nn - ee) / 2.0, ne)
     axes = (PLANE_95 * math.sqrt(middle + spread), PLANE_95 * math.sqrt(max(middle - spread, 0.0)))
     bearing = 0.5 * math.atan2(2.0 * ne, nn - ee)
-    return Spot(sample.t, estimate.north, estimate.east, sample.true.depth, axes, bearing)
+    floor = ground.floor(sample.true.north, sample.true.east)
+    north, east, depth = estimate.north, estimate.east, sample.true.depth
+    return Spot(sample.t, north, east, depth, axes, bearing, floor)
 
 
 def _nearest(spots: tuple[Spot, ...], point: Point) -> Spot:

@@ -40,6 +40,10 @@ class Clearance:
     latitude: float
     longitude: float
 
+    @property
+    def aground(self) -> bool:
+        return self.least < TOUCHES
+
     def as_object(self) -> dict[str, float]:
         return {
             "least_m": round(self.least, 2),
@@ -51,7 +55,7 @@ class Clearance:
     @property
     def told(self) -> str:
         place = f"{self.latitude:.6f} {self.longitude:.6f}"
-        touched = ": aground" if self.least < TOUCHES else ""
+        touched = ": aground" if self.aground else ""
         return f"least clearance   {self.least:.1f} m at {self.t:.0f} s, {place}{touched}"
 
 
