@@ -96,6 +96,10 @@ class Shortcut:
     read: Callable[[bytes, int, int, int, float], Stretch]
     message: Callable[[Frame], object]
 
+    def __deepcopy__(self, memo: object) -> Shortcut:
+        """Itself: mypyc would fill a frozen copy by setting its attributes."""
+        return self
+
 
 @dataclass(frozen=True, slots=True)
 class LinkRow:
@@ -340,17 +344,24 @@ def _finder(firsts: set[bytes]) -> Callable[[bytes], Callable[[int], int]]:
     """For the data: where the next frame can begin, -1 for nowhere."""
     if len(firsts) == 1:
         (first,) = firsts
-        return lambda data: partial(data.find, first)
-    search = re.compile(b"[" + b"".join(map(re.escape, sorted(firsts))) + b"]").search
+        return partial(_byte_in, first)
+    return partial(_pattern_in, re.compile(b"[" + b"".join(map(re.escape, sorted(firsts))) + b"]"))
 
-    def finder(data: bytes) -> Callable[[int], int]:
-        def find(at: int) -> int:
-            found = search(data, at)
-            return -1 if found is None else found.start()
 
-        return find
+# No closures: a framer is copied, and mypyc's cannot be.
 
-    return finder
+
+def _byte_in(first: bytes, data: bytes) -> Callable[[int], int]:
+    return partial(data.find, first)
+
+
+def _pattern_in(pattern: re.Pattern[bytes], data: bytes) -> Callable[[int], int]:
+    return partial(_start, pattern, data)
+
+
+def _start(pattern: re.Pattern[bytes], data: bytes, at: int) -> int:
+    found = pattern.search(data, at)
+    return -1 if found is None else found.start()
 
 
 def no_stretch(data: bytes, at: int, last: int, base: int, t: float) -> Stretch:
@@ -358,7 +369,11 @@ def no_stretch(data: bytes, at: int, last: int, base: int, t: float) -> Stretch:
     return (), 0, at
 
 
-_NO_SHORTCUT = Shortcut(b"\0", 0, no_stretch, lambda frame: frame)
+def _as_it_is(frame: object) -> object:
+    return frame
+
+
+_NO_SHORTCUT = Shortcut(b"\0", 0, no_stretch, _as_it_is)
 
 
 def _by_length(candidate: tuple[int, int, FrameType]) -> tuple[int, int]:

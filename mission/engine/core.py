@@ -306,7 +306,7 @@ class Core(EngineState):
         self._move("stick", MANUAL_DRIVING, "the stick was moved", (), By.OPERATOR)
 
     def stick_silent(self) -> None:
-        back = "the STM32 back to automatic with " if self.vehicle.codec == "auv" else ""
+        back = f"{self.manual_ends} with " if self.manual_ends else ""
         why = f"no M for 2 s: {back}everything stopped"
         self._move("silent", MANUAL_WAITING, why, self._stop(why), None)
 

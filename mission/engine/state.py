@@ -37,7 +37,8 @@ class EngineState:
             sink=vehicle.limits.descent_rate,
             deepest=vehicle.limits.depth,
         )
-        self.ways = vehicle_row(vehicle.codec).ways
+        row = vehicle_row(vehicle.codec)
+        self.ways, self.manual_ends = row.ways, row.manual_ends
         self.machine = Machine()
         self.chart: Chart | None = None
         self.operator = SetSafety()

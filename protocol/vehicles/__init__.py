@@ -45,7 +45,8 @@ class VehicleRow:
     """``make(dialect, tolerances, battery_scale, wire)``, with one of its ``dialects`` and values
     of its ``keys``. ``ways``: what an ascent tries, in turn (R7); no two are the same bytes.
     ``channels`` can be set beside the motion, ``sources`` be read beside the telemetry. ``links``
-    are those that ``decode`` knows; ``examples`` one good frame of each type."""
+    are those that ``decode`` knows; ``examples`` one good frame of each type. ``manual_ends``: how
+    the journal puts it that a stop ends the board's own manual; "" where it has none."""
 
     name: str
     make: Callable[[str, Tolerances, BatteryScale, Wire], VehicleCodec]
@@ -57,6 +58,7 @@ class VehicleRow:
     sources: tuple[Source, ...] = ()
     links: tuple[LinkRow, ...] = ()
     examples: tuple[tuple[str, bytes], ...] = ()
+    manual_ends: str = ""
 
 
 _THRUST_OR_NONE = (Order.SURFACE, Order.STOP)  # its SURFACE is full vertical thrust
@@ -90,6 +92,7 @@ VEHICLES: Table[str, VehicleRow] = Table(
             channels=auv_outputs.CHANNELS,
             sources=auv_outputs.SOURCES,
             links=auv.LINKS,
+            manual_ends="the STM32 back to automatic",
         ),
         silent(
             "coreboard",

@@ -15,6 +15,7 @@ from mission.model import (
     SURFACING,
     Group,
 )
+from mission.model.shipped import load_vehicle
 from protocol.messages import Emergency, Order, Setpoint, StartMission
 
 
@@ -61,6 +62,23 @@ def test_two_seconds_of_silence_stop_everything_and_bring_reports_back():
     world.wait(0.02, reports=False)
     assert world.state == MANUAL_WAITING
     assert [a.command for _, a in world.actions[begun:]] == [Order.STOP]
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("auv", "no M for 2 s: the STM32 back to automatic with everything stopped"),
+        *((name, "no M for 2 s: everything stopped") for name in ("coreboard", "robot")),
+    ],
+)
+def test_the_journal_says_of_a_silent_stick_what_a_stop_does_to_the_manual_of_the_board(
+    name: str, why: str
+):
+    world = World(vehicle=load_vehicle(name))
+    world.tell(world.report(), M)
+    world.wait(2.1)
+    assert world.state == MANUAL_WAITING
+    assert world.actions[-1][1].reason == why
 
 
 def test_the_stick_takes_over_again_from_waiting():

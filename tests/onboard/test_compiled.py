@@ -7,6 +7,7 @@ import hashlib
 import importlib.machinery
 import importlib.util
 import os
+import pickle
 import runpy
 import shutil
 import subprocess
@@ -23,7 +24,9 @@ from served import PATIENCE
 from mission.cli import main
 from mission.model import compiled
 from mission.onboard.doctor import doctor
+from mission.onboard.runtime.operator_channels import operator_channels
 from mission.verification.exhaustive.fork import Fork
+from protocol.tolerances import Tolerances
 
 ROOT = Path(__file__).resolve().parents[2]
 TREE = ROOT / "build" / "compiled"
@@ -35,13 +38,17 @@ def sources(tree: Path) -> dict[Path, bytes]:
     return {p.relative_to(tree): p.read_bytes() for n in PACKAGES for p in (tree / n).rglob("*.py")}
 
 
-def both(*arguments: str, folder: Path | None = None) -> tuple[str, str]:
-    """What the program prints and, with a folder, the digests of the files that it leaves there."""
+def both(
+    *arguments: str, folder: Path | None = None, of: tuple[str, ...] = ("-m", "mission")
+) -> tuple[str, str]:
+    """What the program prints and, with a folder, the digests of the files that it leaves there;
+    ``of``: what Python is told to run."""
     if not PYTHON.exists():
         missing("no compiled build: make compiled")
     if sources(TREE) != sources(ROOT):
         missing("the compiled build is of other sources: make compiled")
-    return _run(sys.executable, ROOT, arguments, folder), _run(PYTHON, TREE, arguments, folder)
+    words = (*of, *arguments)
+    return _run(sys.executable, ROOT, words, folder), _run(PYTHON, TREE, words, folder)
 
 
 def missing(why: str) -> NoReturn:
@@ -54,7 +61,7 @@ def missing(why: str) -> NoReturn:
 def _run(python: str | Path, tree: Path, arguments: tuple[str, ...], folder: Path | None) -> str:
     if folder is not None:
         arguments = (*arguments, "--report", str(folder))
-    command = [str(python), "-m", "mission", *arguments]
+    command = [str(python), *arguments]
     told = subprocess.run(command, cwd=tree, capture_output=True, text=True, check=False)
     left = sorted(folder.iterdir()) if folder else []
     return "\n".join(
@@ -118,6 +125,31 @@ Native.__mypyc_attrs__ = ("depth", "never_set")  # type: ignore[attr-defined]
 
 def test_a_copy_has_what_a_compiled_class_holds() -> None:
     assert Fork(Native(3.0)).copy().depth == 3.0
+
+
+FORESEEN = """
+import copy
+from mission.onboard.runtime.operator_channels import operator_channels
+from protocol.tolerances import Tolerances
+channel = operator_channels(Tolerances())("{link}")
+channel.receive(b"@AD,DU$@D", 0.0)
+print(copy.deepcopy(channel).receive(b"U$", 0.0), channel.receive(b"U$", 0.0))
+"""
+LINKS = ("topside", "modem")
+
+
+@pytest.mark.parametrize("link", LINKS)
+def test_an_operators_channel_holds_no_function_that_only_the_interpreter_can_copy(
+    link: str,
+) -> None:
+    pickle.dumps(operator_channels(Tolerances())(link))  # refuses closures, which mypyc's are
+
+
+@pytest.mark.parametrize("link", LINKS)
+def test_a_compiled_serve_foresees_what_an_upload_will_make_whole(link: str) -> None:
+    pure, quick = both(of=("-c", FORESEEN.format(link=link)))
+    assert pure == quick
+    assert pure.startswith("exit 0")
 
 
 SOURCE = """from __future__ import annotations
