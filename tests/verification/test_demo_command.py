@@ -11,9 +11,11 @@ import pytest
 from click.testing import CliRunner
 from served import noted_processes
 
+from mission.authoring.prepare import prepare
 from mission.commands import demo as command
 from mission.verification.simulation.demo import Demo, DemoError, Progress, not_as_planned
 from mission.verification.simulation.flightlog import Flight, LegFlown
+from mission.verification.simulation.staged import Stage, own_bus
 
 
 def test_a_folder_with_somebody_elses_files_is_left_alone(tmp_path: Path) -> None:
@@ -135,3 +137,12 @@ def test_what_is_not_as_planned_is_named() -> None:
     assert not_as_planned(replace(flown, legs=legs[:1])) == []
     lost = replace(flown, legs=legs[:1], at_surface=False, outcome="emergency")
     assert len(not_as_planned(lost)) == 2
+
+
+def test_two_demonstrations_at_a_time_have_a_bus_each(tmp_path: Path) -> None:
+    """Frames by multicast reach whoever listens: each would fly with the other's thrust."""
+    numbers = (1, 2, 255, 256, 257, 65535, 65536, 70000, 4194303)
+    assert len({own_bus(number) for number in numbers}) == len(numbers)
+    stage = Stage(prepare("rov-dive", "mainboard"), tmp_path, "mainboard", 1.0, 0, ())
+    with stage.vehicle() as told:
+        assert told["vehicle"].startswith(f"{own_bus(os.getpid())}&sensors=")

@@ -53,7 +53,7 @@ class Stage:
         command = [sys.executable, "-m", "mission", "vehicle", self._vehicle_file()]
         command += ["--folder", str(self.folder), "--port", str(self.port), "--json"]
         command += ["--seed", str(self.seed), "--speed", str(self.speed)]
-        command += ["--track", str(self.folder / "truth.csv")]
+        command += ["--track", str(self.folder / "truth.csv"), "--bus", own_bus(os.getpid())]
         for setting in self.settings:
             command += ["--set", setting]
         home = self.prepared.mission.home
@@ -101,6 +101,13 @@ class Stage:
                     process.kill()
                     process.wait()
                 lines.close()
+
+
+def own_bus(process: int) -> str:
+    """The URL of a CAN bus that no other process of this computer simulates a vehicle on: frames
+    by multicast reach whoever listens to the group."""
+    group = f"{192 + (process >> 16) % 64}.{process >> 8 & 255}.{process & 255}"
+    return f"can://239.{group}?interface=udp_multicast"
 
 
 @contextmanager
