@@ -17,6 +17,7 @@ from mission.model.tables import Table
 
 WARNING, DANGER = "warning", "danger"  # to be looked at; to be acted on now
 
+UNPROVED_S = 120.0  # of an ascent in which no depth is believed
 AFLOAT_S = 60.0  # at the surface without a fix
 REFUSED_S = 120.0  # that a refusal is told as an alarm
 UNSENT_S = 60.0
@@ -36,6 +37,7 @@ class Condition:
     reason: str = ""
     breached: Mapping[str, str] = field(default_factory=lambda: NO_LIMITS)  # limit: its words
     unobeyed: bool = False  # a report contradicts a stop
+    unproved: float | None = None  # since an ascent began in which no depth is believed now
     report_age: float | None = None  # inf: none ever came
     reports_within: float = 5.0  # else they are old
     afloat_without_fix: float | None = None  # at the surface, with a receiver
@@ -85,6 +87,12 @@ def _emergency(c: Condition) -> str:
 
 def _breached(c: Condition) -> str:
     return "; ".join(c.breached.values())
+
+
+def _unproved(c: Condition) -> str:
+    if c.unproved is None or c.unproved < UNPROVED_S:
+        return ""
+    return f"it has been on its way up for {c.unproved:.0f} s and believes no depth: it pushes on"
 
 
 def _report(c: Condition) -> str:
@@ -173,6 +181,8 @@ _ROWS = (
              lambda c: "; ".join(c.broken)),
     AlarmRow("receiver", 13, WARNING, "look at the first receiver and its cable; the second has to "
              "last", lambda c: c.receivers),
+    AlarmRow("surface unproved", 14, DANGER, "a fix ends it; where you see it at the surface and "
+             "hold it: `auvmission stop`, then `auvmission clear`", _unproved),
     AlarmRow("no contact", None, WARNING, "it goes on by itself; ask again, nearer or by modem",
              _silent),
     AlarmRow("OVERDUE", None, DANGER, "search, and call for help before the battery ends",

@@ -14,6 +14,7 @@ from mission.model.alarms import (
     FREE_B,
     REFUSED_S,
     RUNS_OUT_S,
+    UNPROVED_S,
     UNSENT_S,
     AlarmRow,
     Condition,
@@ -39,12 +40,14 @@ RAISED = [
     ("clock", Condition(clock_off=-CLOCK_S - 1), "31 s behind"),
     ("broken", Condition(broken=("serve.yaml",)), "serve.yaml"),
     ("receiver", Condition(receivers="the second counts"), "the second counts"),
+    ("surface unproved", Condition(unproved=UNPROVED_S), "up for 120 s"),
     ("no contact", Condition(silent=130.0), "2 min ago"),
     ("OVERDUE", Condition(overdue="since 3"), "since 3"),
 ]
 NOT_YET = [
     Condition(),
     Condition(state="autonomous/a"),
+    Condition(unproved=UNPROVED_S - 0.1),
     Condition(report_age=5.0),
     Condition(report_age=9.0, reports_within=10.0),
     Condition(afloat_without_fix=AFLOAT_S - 0.1),
@@ -86,7 +89,7 @@ def test_bits_are_those_of_the_first_version_for_ever() -> None:
     assert {row.name: row.bit for row in ALARMS.values() if row.bit is not None} == {
         "emergency": 0, "limit": 1, "stop not obeyed": 2, "old report": 3, "no fix": 4, "refused": 5,
         "battery": 6, "link away": 7, "NOT SENT": 8, "disk": 9, "black box": 10, "clock": 11,
-        "broken": 12, "receiver": 13,
+        "broken": 12, "receiver": 13, "surface unproved": 14,
     }  # fmt: skip
 
 
@@ -106,10 +109,10 @@ def test_what_the_boat_alone_knows_is_in_no_mask() -> None:
 
 
 def test_a_new_alarm_is_one_row_and_a_bit_is_given_once() -> None:
-    row = AlarmRow("hungry", 14, DANGER, "feed it", lambda c: "always")
+    row = AlarmRow("hungry", 15, DANGER, "feed it", lambda c: "always")
     with ALARMS.registered(row):
         assert [alarm.name for alarm in standing(Condition())] == ["hungry"]
-        assert alarms_of(1 << 14)[0].do == "feed it"
+        assert alarms_of(1 << 15)[0].do == "feed it"
     for bit, why in ((0, "emergency has bit 0"), (16, "bits 0 to 15")):
         with pytest.raises(ValueError, match=why):
             ALARMS.register(AlarmRow("other", bit, DANGER, "", lambda c: ""))

@@ -190,6 +190,19 @@ def test_at_the_surface_without_a_fix_for_a_minute_is_an_alarm_where_there_is_a_
         assert pi.alarms() == wanted
 
 
+def test_an_ascent_that_believes_no_depth_says_after_a_while_that_it_pushes_on() -> None:
+    for unplugged in (True, False):
+        pi = Pi()
+        pi.until(4.0)
+        pi.unplugged = unplugged
+        pi.say(b"@ZAWF$")
+        pi.until(123.0)
+        assert "surface unproved" not in pi.alarms()
+        pi.until(125.0)
+        assert ("surface unproved" in pi.alarms()) is unplugged
+    assert pi.runtime.state == "emergency/surfaced", "by its depth"
+
+
 def test_a_battery_that_falls_to_its_limit_is_an_alarm_in_time() -> None:
     pi = Pi()
     vehicle = replace(VEHICLE, constant_batteries=False)

@@ -310,6 +310,8 @@ const NAMES = {
   'black box': '黑匣子',
   clock: '时钟',
   broken: '损坏',
+  receiver: '定位接收机',
+  'surface unproved': '水面未证实',
   'no contact': '失去联系',
   OVERDUE: '逾期未归',
 };

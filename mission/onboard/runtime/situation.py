@@ -110,6 +110,7 @@ class Situation:
             reason=engine.reason,
             breached=breached,
             unobeyed=now - engine.doubted_at <= DOUBT_S,
+            unproved=self._unproved(now),
             report_age=self.report_age(now) if self.telemetry or now > within else None,
             reports_within=within,
             afloat_without_fix=self._without_fix(now),
@@ -118,6 +119,12 @@ class Situation:
             refusal_age=now - refused_at if refusal else None,
             battery_runs_out=self._runs_out(),
         )
+
+    def _unproved(self, now: float) -> float | None:
+        core = self._engine.core
+        if core.ascent is None or core.vehicle_state.depth is not None:
+            return None
+        return now - core.ascent.began
 
     def state_report(
         self, condition: Condition, asker: Peer, commander: Peer | None, now: float
