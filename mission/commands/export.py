@@ -39,8 +39,9 @@ def export(files: tuple[Path, ...], output: Path, forms: tuple[str, ...], force:
         if not force:
             _refuse_what_is_there(into, forms)
         for log, folder in zip(logs, into, strict=True):
+            made = _made(log, forms)
             with writing(folder):
-                _write(log, folder, forms)
+                _write(folder, made)
     except (BlackBoxError, ExportError) as error:
         raise _failed(str(error)) from None
 
@@ -53,7 +54,8 @@ def _refuse_what_is_there(into: Sequence[Path], forms: Sequence[str]) -> None:
         raise ExportError(f"{min(there)} is there: --force writes over it, or name another folder")
 
 
-def _write(log: Path, folder: Path, forms: Sequence[str]) -> None:
+def _made(log: Path, forms: Sequence[str]) -> list[tuple[str, bytes]]:
+    """The files of a log; what is missing in it is told."""
     from mission.analysis.export import FORMS, ExportError
     from mission.analysis.journal import recordings
     from mission.onboard.blackbox import Gap
@@ -68,6 +70,10 @@ def _write(log: Path, folder: Path, forms: Sequence[str]) -> None:
         raise ExportError(why) from None
     for gap in (item for item in items if isinstance(item, Gap) and not item.whole):
         click.echo(str(gap), err=True)
+    return made
+
+
+def _write(folder: Path, made: Sequence[tuple[str, bytes]]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in made:
         (folder / name).write_bytes(content)

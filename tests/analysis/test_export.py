@@ -389,6 +389,7 @@ def test_what_cannot_be_read_written_or_made_is_named(
     notes.write_text("no black box")
     ran = exported(notes, "-o", tmp_path / "out", "--as", "csv")
     assert (ran.exit_code, "notes.txt" in ran.stderr) == (2, True)
+    assert "cannot be written" not in ran.stderr
     ran = exported(SHORT, "-o", notes / "out", "--as", "gpx")
     assert (ran.exit_code, "cannot be written" in ran.stderr) == (2, True)
     monkeypatch.setitem(sys.modules, "pyarrow", None)
