@@ -229,7 +229,7 @@ def test_a_tab_that_the_browser_hides_lets_the_vehicle_go_within_two_seconds(
         soon(lambda: tabs.is_seen() == "visible, in front", "seen again")
         tabs.shows("#state", "manual/waiting")
         tabs.key("ArrowUp", "keyDown")  # as a key that is still down tells itself again
-        tabs.shows("#stick", "Let go")
+        tabs.shows("#stick", "then hold it again")
         (found,) = drives(tmp_path)
     assert found.is_in_time, found
 

@@ -15,8 +15,9 @@ const FIRST = 3;
 /** @typedef {{surge: number, turn: number, heave: number}} Axes ahead, to starboard, up: -1 to 1
  * @typedef {{id: string, timestamp: number, buttons: readonly {pressed: boolean}[],
  *   axes: readonly number[], connected: boolean}} Pad
- * @typedef {{axes: Axes | null, why: '' | 'hidden' | 'still' | 'gone' | 'first'}} Held
- *   ``axes``: null while the dead man's button is let go */
+ * @typedef {{axes: Axes | null, why: '' | 'hidden' | 'away' | 'still' | 'gone' | 'first'}} Held
+ *   ``axes``: null while the dead man's button is let go; ``away``: the page was hidden, is in front
+ *   again, and the button has been held since */
 
 /** @type {Readonly<Record<string, Partial<Axes>>>} */
 const KEYS = {
@@ -78,7 +79,8 @@ export class Hand {
     if (this._shift && this._areKeysFree) return this._counted(this._ofKeys());
     const isAway = !isInFront || (pad === null && this._why === 'gone');
     if (!onPad && !this._shift) return { axes: null, why: isAway ? this._why : '' };
-    return { axes: null, why: onPad && this._isPadFree ? 'still' : this._why || 'first' };
+    const before = this._why === 'hidden' && isInFront ? 'away' : this._why || 'first';
+    return { axes: null, why: onPad && this._isPadFree ? 'still' : before };
   }
 
   /** @param {Axes} axes @returns {Held} */

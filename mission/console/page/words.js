@@ -206,6 +206,8 @@ export const WORDS = {
   stick_ready: ['Ready: hold the dead man\'s button', '就绪：按住安全键'],
   stick_driving: ['DRIVING', '操纵中'],
   stick_hidden: ['Let go: the page is not in front', '已松开：页面不在前台'],
+  stick_away: ['Let go of the dead man\'s button, then hold it again: the page was not in front',
+    '请松开安全键再按住：页面曾不在前台'],
   stick_still: ['Let go: the pad says nothing new', '已松开：手柄无新数据'],
   stick_gone: ['Let go: the pad is gone', '已松开：手柄已断开'],
   stick_first: ['Let go of the dead man\'s button first', '请先松开安全键'],

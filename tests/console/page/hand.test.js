@@ -45,7 +45,7 @@ test('a page that is not in front lets go, and goes on only after the button was
   const hand = free();
   assert.ok(hand.held(pad(1), true, 0).axes);
   assert.deepEqual(hand.held(pad(2), false, 100), { axes: null, why: 'hidden' });
-  assert.deepEqual(hand.held(pad(3), true, 200), { axes: null, why: 'hidden' });
+  assert.deepEqual(hand.held(pad(3), true, 200), { axes: null, why: 'away' });
   assert.deepEqual(hand.held(pad(4, false), true, 300), { axes: null, why: '' });
   assert.ok(hand.held(pad(5), true, 400).axes);
 });
@@ -56,7 +56,7 @@ test('a key that was down when the page went away is not down when it is back', 
   hand.drop('hidden');
   hand.press('PageUp', true, true);
   hand.press('ShiftLeft', true, true);
-  assert.deepEqual(hand.held(null, true, 0), { axes: null, why: 'hidden' });
+  assert.deepEqual(hand.held(null, true, 0), { axes: null, why: 'away' });
   hand.release('PageUp', true);
   hand.release('ShiftLeft', false);
   hand.press('ShiftLeft', true);
