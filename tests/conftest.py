@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import atexit
 import gc
 import os
+import shutil
 import tempfile
 from collections.abc import Generator
 from pathlib import Path
@@ -11,8 +13,12 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
-# what commands of the boat remember is not that of whoever runs the tests
-os.environ["XDG_STATE_HOME"] = tempfile.mkdtemp(prefix="auvmission-tests-")
+# what programs remember is neither that of whoever runs the tests nor of a worker beside this one
+FONTS = Path("~/.cache/matplotlib").expanduser()  # looking for all fonts takes seconds
+HOME = tempfile.mkdtemp(prefix="auvmission-tests-")
+os.environ.setdefault("MPLCONFIGDIR", str(FONTS))
+os.environ |= {"HOME": HOME, "XDG_STATE_HOME": f"{HOME}/state"}
+atexit.register(shutil.rmtree, HOME, ignore_errors=True)
 
 ROOT = Path(__file__).resolve().parent.parent
 

@@ -24,6 +24,7 @@ from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.doctor import doctor as rows
 from mission.onboard.doctor import port_probe
 from mission.onboard.doctor.findings import Condition, Finding
+from mission.onboard.kept import default_folder
 from mission.onboard.serve import health
 from mission.onboard.serve.instance_lock import only_one
 from mission.onboard.serve.keys import make_keys
@@ -148,7 +149,11 @@ def test_a_wrong_configuration_is_a_fault_with_its_keys(tmp_path: Path) -> None:
     assert "shipped ones" in of(found, "configuration")["says"]
 
 
-def test_a_configuration_that_is_not_there_is_to_be_given_and_not_mended(tmp_path: Path) -> None:
+def test_a_configuration_that_is_not_there_is_to_be_given_and_not_mended(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    (default_folder() / "store").mkdir(parents=True)  # an empty one: nothing is under way
     ran = CliRunner().invoke(doctor, ["-c", str(tmp_path / "none.yaml"), "--json"])
     found = of(json.loads(ran.stdout), "configuration")
     assert ran.exit_code == 1
