@@ -38,6 +38,7 @@ _GARBAGE = ("depth_full_scale", "depth_absurd", "stm32_silent")
 _SPEEDS = ("speed_log", "doppler")  # of the sensors that are added
 _FAST, _TURNS = 1.5, 4  # m/s; courses of a mission, each known too late by a speed that comes late
 _ANSWERED = 6.5  # s within which a switch is acknowledged
+_REPORTED = 2.0  # s within which a board reports a depth
 _UPWARD = {"documented": frozenset("UW"), "as-built": frozenset("U")}  # as built, W does not stick
 _RESTS = (STOPPED, SURFACED, MANUAL_WAITING)
 _SWITCHED, _UP = b"@ACK_NSS$", b"@ZAU12$"
@@ -105,6 +106,18 @@ def doubted_at_rest(settings: Settings, end: float) -> bool:
     it. Garbage is neither, once it is over for ``MOVES`` s."""
     faults = [f for f in settings.faults if f.name.startswith(("depth_", "stm32_silent"))]
     return any(f.name not in _GARBAGE or fault_ends(f) >= end - MOVES for f in faults)
+
+
+def blind_from_its_begin(settings: Settings, events: Sequence[Event]) -> bool:
+    """It sank while its depth was garbage from the program's first report on: at rest nobody knows
+    of a depth that it has sunk from, and it may be on deck (R7)."""
+    begun = max((e.t for e in events if isinstance(e, Done) and e.act is Act.BOOT), default=0.0)
+    return any(
+        f.name in _GARBAGE
+        and f.begin <= begun + _REPORTED < fault_ends(f)
+        and net(settings, fault_ends(f)) < SLIGHT
+        for f in settings.faults
+    )
 
 
 def dives_unseen(settings: Settings, t: float) -> bool:

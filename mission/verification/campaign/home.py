@@ -20,6 +20,7 @@ from mission.verification.campaign.excuses import (
     NEVER,
     SLIGHT,
     SPARE,
+    blind_from_its_begin,
     dives_unseen,
     doubted_at_rest,
     left,
@@ -56,17 +57,20 @@ def _depth_at_end(trial: Trace, settings: Settings) -> float:
 
 def _allowed(settings: Settings, profile: str, trial: Trace) -> float:
     """m at the end. Physics: what no word that its board obeys can lift stays down. An order: what
-    sinks while AUTO is closed is not brought up, nor what sinks at rest with a depth that is not
-    believed (R7). What is heavy, with a sensor from which nobody can know whether it rises, has its
+    sinks while AUTO is closed is not brought up, nor does anything tame a board that dives until it
+    hears U12; nor is what sinks at rest with a depth that is not believed, or was from the begin
+    (R7). What is heavy, with a sensor from which nobody can know whether it rises, has its
     thrusters for a third of the time: physics does not promise that it comes up by that."""
     floats, lifted = net(settings, NEVER), lift(settings, profile, NEVER)
     rests = not trial.state.startswith(AUTONOMOUS) and trial.state != SURFACING
-    if rests and dives_unseen(settings, trial.truth.t):
+    is_left = any(end == math.inf for _, end in left(trial.events))
+    dives = is_left and obeys_no_stop(settings, trial.events)
+    if rests and (dives or dives_unseen(settings, trial.truth.t)):
         return math.inf
     if floats > SLIGHT and lifted >= floats:
         return AFLOAT
-    doubted = rests and doubted_at_rest(settings, trial.truth.t)
-    is_left = any(end == math.inf for _, end in left(trial.events))
+    blind = blind_from_its_begin(settings, trial.events)
+    doubted = rests and (blind or doubted_at_rest(settings, trial.truth.t))
     alone = doubted or is_left or unknown(settings, NEVER)
     return math.inf if alone or lifted < SPARE else HELD
 

@@ -91,6 +91,7 @@ _JUMPS = ("gps_jump", "gps2_jump")
 _GPS_CLOSED = re.compile(rb"@NS[OC]{2}C[OC]{3}\$")
 _SP = re.compile(rb"@SP,([^,$]*),([^,$]*),([^,$]*),([^,$]*),\$")
 _AUTO_CLOSED = re.compile(rb"@NS[OC]{5}C\$")
+_SET = b"@ACK_SPP$"
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,7 +159,7 @@ def spans(trial: Trace, mission: Mission, vehicle: Vehicle) -> Iterator[Span]:
                 if found := _SP.search(data):
                     asked = _merged(given, found)
                 interrupted = interrupted and not _AUTO_CLOSED.search(data)
-            case Tx(t=t, data=b"@ACK_SPP$"):
+            case Tx(t=t, data=data) if _SET in data:  # by modem within an envelope
                 given = asked
                 news = replace(span, bounds=in_force(vehicle, mission.safety, given))
             case _:

@@ -27,6 +27,8 @@ from mission.verification.campaign.faults import fly_plan, result_of
 from mission.verification.campaign.noticing import Flights, notice
 from mission.verification.campaign.scene_texts import TEXTS, mission_of
 from mission.verification.campaign.scenes import SCENES
+from mission.verification.rig.acts import MODEM, Act, Disturbance
+from protocol.modem import Sender, wrap
 
 pytestmark = pytest.mark.proof  # long: make proofs
 
@@ -144,6 +146,43 @@ def test_made_up_fixes_may_end_the_ascent_of_what_no_word_lifts_and_of_nothing_e
     with broken("fixes too early"), broken("fixes against movement"):
         found = judged(in_the_lagoon(*wandering, FaultEvent("depth_frozen", 56.4, 154.5)))
     assert any(kind == "unlawful" and "surfaced, said" in says for kind, says in found)
+
+
+def test_a_limit_that_was_tightened_by_modem_acts_and_is_asked_for() -> None:
+    """As flight 1992 of seed 707: the answer leaves within an envelope."""
+    plan = stage("shallow_depth", 0)
+    words = (replace(d, data=wrap(d.data, Sender.TOPSIDE), link=MODEM) for d in plan.disturbances)
+    by_modem = replace(plan, incidents=(replace(plan.incidents[0], disturbances=tuple(words)),))
+    assert judged(by_modem) == set()
+    with broken("limit depth"):
+        found = judged(by_modem)
+    assert any(kind == "unanswered" and "depth passed" in says for kind, says in found)
+
+
+def test_what_dives_until_it_hears_u12_is_left_alone_while_auto_is_closed_and_then_alone() -> None:
+    """As flight 6592 of seed 707: nothing turns by itself, and the board obeys nothing else."""
+    plan = stage("started_with_auto_closed", 0)
+    diving = FaultEvent("dives_until_up", 68.8, 1e6)
+    closed = replace(plan, settings=replace(plan.settings, faults=(diving,)))
+    assert judged(closed) == set()
+    with broken("way U12"):
+        found = judged(replace(closed, incidents=()))
+    assert any(kind == "lost" and "deep at the end" in says for kind, says in found)
+
+
+def test_what_sinks_behind_a_restart_that_knew_no_depth_is_left_and_otherwise_brought_up() -> None:
+    """As flight 5865 of seed 707: it may be on deck, and a depth of 30 m an error."""
+    plan = stage("sinks_unseen", 0)
+    (heavy, garbage), (drawn,) = plan.settings.faults, plan.incidents
+    ended = (*drawn.disturbances, Disturbance(58.6, Act.END))
+    restarted = replace(plan, incidents=(replace(drawn, disturbances=ended),))
+    assert judged(restarted) == set()
+    later = replace(garbage, begin=garbage.begin + 6.0)
+    seen = replace(restarted, settings=replace(plan.settings, faults=(heavy, later)))
+    assert judged(seen) == set()
+    with broken("sank unseen"):
+        found = judged(seen)
+    assert any(kind == "lost" and "in idle" in says for kind, says in found)
 
 
 def test_a_push_that_led_deeper_upside_down_is_seen_when_it_comes_again() -> None:
