@@ -22,7 +22,7 @@ from mission.engine.limits import LIMITS
 from mission.model.shipped import load_vehicle
 from mission.onboard.runtime import frontseat
 from mission.verification.campaign.broken import BROKEN, broken
-from mission.verification.campaign.draw import Plan, draw, stage
+from mission.verification.campaign.draw import Drawn, Plan, draw, stage
 from mission.verification.campaign.faults import fly_plan, result_of
 from mission.verification.campaign.noticing import Flights, notice
 from mission.verification.campaign.scene_texts import TEXTS, mission_of
@@ -173,12 +173,13 @@ def test_what_dives_until_it_hears_u12_is_left_alone_while_auto_is_closed_and_th
 def test_what_sinks_behind_a_restart_that_knew_no_depth_is_left_and_otherwise_brought_up() -> None:
     """As flight 5865 of seed 707: it may be on deck, and a depth of 30 m an error."""
     plan = stage("sinks_unseen", 0)
-    (heavy, garbage), (drawn,) = plan.settings.faults, plan.incidents
-    ended = (*drawn.disturbances, Disturbance(58.6, Act.END))
-    restarted = replace(plan, incidents=(replace(drawn, disturbances=ended),))
-    assert judged(restarted) == set()
-    later = replace(garbage, begin=garbage.begin + 6.0)
-    seen = replace(restarted, settings=replace(plan.settings, faults=(heavy, later)))
+    acts = (Act.SAY, b"@ZAWF$", 36.0), (Act.END, b"", 58.6), (Act.SAY, b"@AC$", 84.6)
+    words = Drawn("sinks_unseen", 0.0, tuple(Disturbance(t, act, data) for act, data, t in acts))
+    heavy, garbage = FaultEvent("heavy", 92.6, 1e6, 29.0), FaultEvent("depth_full_scale", 88.6, 183)
+    plan = replace(plan, profile="as-built", incidents=(words,))
+    assert judged(replace(plan, settings=replace(plan.settings, faults=(heavy, garbage)))) == set()
+    later = replace(garbage, begin=91.6)
+    seen = replace(plan, settings=replace(plan.settings, faults=(heavy, later)))
     assert judged(seen) == set()
     with broken("sank unseen"):
         found = judged(seen)
