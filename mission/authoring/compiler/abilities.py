@@ -247,9 +247,13 @@ def _asked(
         yield refused(
             "never-known",
             place,
-            f"{name} is known only in legs that go to a place",
+            f"{name} is known only in {_legs_that_give(name)} legs",
             "use travelled, range or elapsed",
         )
+
+
+def _legs_that_give(name: str) -> str:
+    return ", ".join(sorted(row.name for row in LEGS.values() if name in row.gives))
 
 
 def _between_reports(term: Trend, vehicle: Vehicle, place: Where) -> Iterator[Diagnostic]:
