@@ -98,6 +98,7 @@ def same(kind: str, seen: object, wanted: object) -> bool:
     return bool(seen == wanted)
 
 
+@pytest.mark.proof
 def test_pandas_reads_every_value_of_every_topic_back_from_csv(
     folder: Path, said: dict[str, list[Line]]
 ) -> None:

@@ -99,6 +99,7 @@ class Viewer:
                 return channel["topic"], t / 1e9, value
 
 
+@pytest.mark.proof
 def test_a_client_of_the_protocol_decodes_every_topic_by_its_schema(tmp_path: Path) -> None:
     (items,) = recordings([recorded(tmp_path / "dive.mcap", "first-dive.yaml", "doppler=0.03")])
     first = {message.topic: message for message in reversed(list(playing.messages(items)))}
@@ -286,6 +287,7 @@ def test_a_dive_is_played_at_its_speed_and_ends_when_it_is_told_to() -> None:
     assert ran.stdout.startswith("viewers connect to ws://127.0.0.1:")
 
 
+@pytest.mark.proof
 def test_a_vehicle_under_way_is_served_from_its_monitor(tmp_path: Path) -> None:
     with (
         silent_board() as (_, board),

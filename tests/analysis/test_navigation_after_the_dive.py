@@ -93,6 +93,7 @@ def test_a_track_without_any_fix_is_refused() -> None:
         smooth([Telemetry(1.0, depth=1.0)], VEHICLE)
 
 
+@pytest.mark.proof
 def test_calibration_finds_scale_and_bias(flown: Flown) -> None:
     other = fly_plan(2, bias_deg=7.0, learning=True)
     done = calibrate([flown.items, other.items], OFF)
@@ -104,6 +105,7 @@ def test_calibration_finds_scale_and_bias(flown: Flown) -> None:
     assert done.held_out
 
 
+@pytest.mark.proof
 def test_calibration_pays_on_a_dive_that_it_has_not_seen(flown: Flown) -> None:
     """One fix before the dive: nothing is learned on the way but the current."""
     done = calibrate([flown.items, fly_plan(2, bias_deg=7.0, learning=True).items], OFF)
@@ -162,6 +164,7 @@ def test_no_figure_is_less_known_by_logs_that_agree_with_the_vehicle_file(flown:
     assert done.vehicle.calibration.deviation_sigma == VEHICLE.calibration.deviation_sigma
 
 
+@pytest.mark.proof
 def test_calibrating_again_with_the_same_logs_makes_nothing_surer(flown: Flown) -> None:
     once = calibrate([flown.items], OFF).vehicle
     again = calibrate([flown.items], once).vehicle
@@ -219,6 +222,7 @@ def box(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.proof
 def test_report_draws_and_tells(box: Path, tmp_path: Path) -> None:
     picture = tmp_path / "track.png"
     result = CliRunner().invoke(report_command, [str(box), "-o", str(picture), "--json"])
@@ -235,6 +239,7 @@ def test_report_of_something_else_says_so(tmp_path: Path) -> None:
     assert "x.mcap" in result.output
 
 
+@pytest.mark.proof
 def test_a_picture_or_section_that_cannot_be_written_is_told(box: Path, tmp_path: Path) -> None:
     nowhere = tmp_path / "absent" / "x.png"
     for command, option in (

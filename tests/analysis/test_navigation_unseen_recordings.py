@@ -139,6 +139,7 @@ def test_how_a_file_is_written_changes_no_figure(
     assert found == [pytest.approx(row, abs=1e-6) for row in plain]
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize(
     "home", [Position(-32.85, -70.0), Position(32.85, 179.9995), Position(1e-4, -1e-4)]
 )
@@ -160,6 +161,7 @@ def test_a_glider_crosses_the_date_line(tmp_path: Path, home: Position) -> None:
     assert scores[0].reference_pct is not None
 
 
+@pytest.mark.proof
 def test_wild_places_cost_themselves_and_the_other_runs_nothing(tmp_path: Path) -> None:
     clean, _ = scored(tmp_path / "clean", ("a.csv", run(0)), ("b.csv", run(1)))
     wild = run(0)
@@ -172,6 +174,7 @@ def test_wild_places_cost_themselves_and_the_other_runs_nothing(tmp_path: Path) 
         assert other == pytest.approx(one, abs=3.0)
 
 
+@pytest.mark.proof
 def test_a_recording_is_never_taught_by_its_own_copy_or_a_piece_of_it(tmp_path: Path) -> None:
     alone, _ = scored(tmp_path / "alone", ("a.csv", run(0)))
     copies = ("b.csv", run(0)), ("c.csv", run(0)[30:200])
@@ -180,6 +183,7 @@ def test_a_recording_is_never_taught_by_its_own_copy_or_a_piece_of_it(tmp_path: 
     assert all(s.reference_pct is None for s in among)
 
 
+@pytest.mark.proof
 def test_files_of_one_name_are_told_apart(tmp_path: Path) -> None:
     for i in range(2):
         scored(tmp_path / f"day {i}.csv", ("run.csv", run(i)))
@@ -221,10 +225,12 @@ def trusted(folder: Path, vehicle: Vehicle) -> float:
     return calibrate_by([log], glider_vehicle(vehicle, log.period)).trusted
 
 
+@pytest.mark.proof
 def test_dives_of_one_log_narrow_figures_of_which_it_taught_none(tmp_path: Path) -> None:
     assert trusted(tmp_path, VEHICLE) < 0.9
 
 
+@pytest.mark.proof
 def test_dives_of_one_log_never_narrow_what_it_taught(tmp_path: Path) -> None:
     vague = replace(VEHICLE, sensors=replace(VEHICLE.sensors, heading_bias=1.0))
     assert trusted(tmp_path, vague) == 1.0

@@ -70,6 +70,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Page, Path]:
     return Page(path / "dive.html"), path / "map.pdf"
 
 
+@pytest.mark.proof
 def test_the_page_names_no_other_host(made: tuple[Page, Path]) -> None:
     page, _ = made
     assert "//" not in page.text
@@ -132,6 +133,7 @@ def test_every_picture_of_a_dive_is_a_png_and_a_pdf(tmp_path: Path) -> None:
         assert str(path) in ran.stdout
 
 
+@pytest.mark.proof
 def test_the_page_of_a_simulation_says_its_sea_and_its_seed(tmp_path: Path) -> None:
     mission = tmp_path / "hop.mission"
     mission.write_text(HOP)
@@ -328,6 +330,7 @@ def hatched(picture: Picture) -> list[tuple[float, float]]:
     ]
 
 
+@pytest.mark.proof
 def test_a_recording_without_a_fix_has_a_page_and_says_so(tmp_path: Path) -> None:
     (items,) = recordings([SHORT])
     box = BlackBox(tmp_path / "dry.mcap")

@@ -431,6 +431,7 @@ def _calls(work: Callable[[], object]) -> int:
     return count
 
 
+@pytest.mark.proof
 def test_four_times_the_legs_are_compiled_with_four_times_the_calls():
     small, large = _long(250), _long(1000)
     compiled(small)

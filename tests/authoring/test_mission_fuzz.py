@@ -124,6 +124,7 @@ def spoilt(draw: st.DrawFn) -> str:
     return text
 
 
+@pytest.mark.proof
 @settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
 @given(spoilt())
 def test_a_spoilt_mission_is_judged_and_runs_nothing(text: str) -> None:
@@ -150,6 +151,7 @@ def test_no_place_of_an_expression_reaches_python(nasty: str) -> None:
             judged(f"mission {nasty} vehicle {nasty}\na: for 5s")
 
 
+@pytest.mark.proof
 def test_rounds_in_rounds_are_judged_by_a_bounded_walk() -> None:
     """The judging stands in the way of X and W while it lasts."""
     lines = ["mission long vehicle auv", "start without fix"]
@@ -161,6 +163,7 @@ def test_rounds_in_rounds_are_judged_by_a_bounded_walk() -> None:
     assert ROUNDS <= 5000  # legs walked, some tenths of a second
 
 
+@pytest.mark.proof
 def test_nothing_that_a_mission_reaches_names_eval_exec_or_an_unsafe_loader() -> None:
     here = Path(mission.__file__).parent
     rooms = [

@@ -63,6 +63,7 @@ def test_a_shipped_mission_comes_home_in_a_current(path: Path, profile: str) -> 
     assert flight.max_depth <= proved.max_depth
 
 
+@pytest.mark.proof
 def test_thermocline_field_ends_its_search_where_the_water_grows_cold_and_covers_the_field() -> (
     None
 ):
@@ -105,6 +106,7 @@ def test_a_name_that_is_neither_says_which_missions_there_are(
         prepare("first-dive.yaml")
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize(("vehicle", "name"), OTHERS.items())
 def test_each_of_the_other_vehicles_has_a_shipped_mission_that_comes_home(
     vehicle: str, name: str
@@ -147,6 +149,7 @@ def test_the_page_of_the_vehicles_names_what_the_core_board_flies_and_what_it_is
     assert named("coreboard", "Cannot") == set(shipped_missions()) - fits
 
 
+@pytest.mark.proof
 def test_the_page_of_the_vehicles_names_what_the_main_board_flies_once_its_signs_are_confirmed(
     tmp_path: Path,
 ) -> None:

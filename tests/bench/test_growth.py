@@ -86,12 +86,14 @@ def test_what_a_table_tells_is_read_from_the_page_again() -> None:
     assert points_of(page) == {"legs": points}
 
 
+@pytest.mark.proof
 def test_a_process_tells_its_time_and_its_memory() -> None:
     cost = checked(of_legs(3))
     assert cost.time > NOISE[0]
     assert cost.memory > NOISE[1]
 
 
+@pytest.mark.proof
 def test_a_mission_that_the_check_refuses_is_no_row_of_a_table() -> None:
     with pytest.raises(RuntimeError, match=r"exit 1\n(?s:.*)repeat less"):
         checked(of_rounds(2500))

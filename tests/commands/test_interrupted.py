@@ -78,6 +78,7 @@ def test_every_command_that_is_interrupted_ends_with_exit_130_and_one_word(
     assert (ran.exit_code, ran.stdout, ran.stderr) == (CODE, "", "interrupted\n")
 
 
+@pytest.mark.proof
 def test_flights_in_several_processes_end_with_their_processes() -> None:
     process = begun("-m", "mission", "faults", "--flights", "2000", "--workers", "2")
     try:
@@ -111,6 +112,7 @@ def test_flights_that_were_interrupted_are_kept_and_the_rest_flown_later(tmp_pat
     assert kept.read_bytes().startswith(there)
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("after", [0, 3])
 def test_jobs_that_never_end_do_not_outlive_who_wanted_them(after: int) -> None:
     """Interrupted while the processes begin, and while they work."""
@@ -151,6 +153,7 @@ def test_a_soak_tells_what_it_found_until_it_was_interrupted(
     assert '"missions": 0' in ran.stdout
 
 
+@pytest.mark.proof
 def test_a_demonstration_waits_for_no_process_that_does_not_end(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -179,6 +179,7 @@ def test_a_port_that_is_not_there_says_so() -> None:
     assert "no device /dev/ttyNOSUCH" in ran.stderr
 
 
+@pytest.mark.proof
 def test_where_a_serve_has_the_port_its_own_stream_is_shown_and_it_is_left_alone(
     tmp_path: Path,
 ) -> None:

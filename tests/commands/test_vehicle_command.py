@@ -39,6 +39,7 @@ def line(started: subprocess.Popen[str]) -> str:
     return started.stdout.readline()
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("name", NAMES)
 def test_each_vehicle_is_served_watched_and_stopped_as_it_would_be_at_sea(
     tmp_path: Path, name: str

@@ -87,6 +87,7 @@ def test_what_is_lost_or_damaged_does_not_arrive_as_it_was(water: Water) -> None
         assert b"".join(rx.data for rx in vehicle.receive(0.0)) != b"b" * 50
 
 
+@pytest.mark.proof
 def test_an_operator_rehearses_a_dive_by_modem_with_the_real_programs(tmp_path: Path) -> None:
     mission, ready = tmp_path / "pool.txt", tmp_path / "ready.json"
     mission.write_text(TEXT)

@@ -28,6 +28,7 @@ def cell(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.proof
 def test_an_electronic_chart_becomes_shapes_with_their_depths(cell: Path) -> None:
     out = cell.with_suffix(".geojson")
     ran = run("chart", str(cell), "-o", str(out))
@@ -69,6 +70,7 @@ def test_a_chart_in_other_places_or_units_than_ours_is_refused(
         convert(cell)
 
 
+@pytest.mark.proof
 def test_what_is_no_electronic_chart_is_refused_with_its_name(tmp_path: Path) -> None:
     (tmp_path / "no.000").write_bytes(b"nothing of the kind")
     ran = run("chart", str(tmp_path / "no.000"))
@@ -96,6 +98,7 @@ def test_a_damaged_electronic_chart_is_refused_with_its_name(tmp_path: Path, bod
         convert(cell)
 
 
+@pytest.mark.proof
 def test_a_chart_that_ends_its_reader_costs_itself_alone_and_is_named(
     tmp_path: Path, cell: Path
 ) -> None:
@@ -109,6 +112,7 @@ def test_a_chart_that_ends_its_reader_costs_itself_alone_and_is_named(
     assert len(json.loads(out.read_text())["features"]) == 6
 
 
+@pytest.mark.proof
 def test_several_charts_become_one_file(tmp_path: Path, cell: Path) -> None:
     other = tmp_path / "OTHER.000"
     other.write_bytes(enc_cell(SOUTH + 1, WEST))
@@ -119,6 +123,7 @@ def test_several_charts_become_one_file(tmp_path: Path, cell: Path) -> None:
     assert str(shapes[-1]["geometry"]["coordinates"]).startswith("[25.003, 61.002")
 
 
+@pytest.mark.proof
 def test_what_cannot_be_made_out_of_an_electronic_chart_is_told_in_one_line(tmp_path: Path) -> None:
     cell = tmp_path / "HURT.000"
     cell.write_bytes(_with(2944, 82))  # an attribute that S-57 has not
@@ -128,6 +133,7 @@ def test_what_cannot_be_made_out_of_an_electronic_chart_is_told_in_one_line(tmp_
     assert "RuntimeWarning" not in ran.output
 
 
+@pytest.mark.proof
 def test_the_coasts_of_the_world_lie_under_all_charts_and_say_how_far_off_they_are(
     tmp_path: Path, cell: Path
 ) -> None:

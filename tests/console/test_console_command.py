@@ -29,6 +29,7 @@ def setup_of(host: str, token: str) -> dict[str, object]:
     return found
 
 
+@pytest.mark.proof
 def test_several_vehicles_are_on_one_page_and_ctrl_c_ends_it() -> None:
     words = ["--to", "deck=tcp://127.0.0.1:1", "--to", "tls://[::1]:9?keys=keys"]
     with process("console", *words, "--no-browser") as console:

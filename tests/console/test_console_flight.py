@@ -245,6 +245,7 @@ def test_the_command_is_taken_kept_and_left(tmp_path: Path) -> None:
             page.until(lambda s: s["command"]["is"] == "nobody", "left")
 
 
+@pytest.mark.proof
 def test_the_command_is_not_left_in_the_middle_of_an_upload(tmp_path: Path) -> None:
     rows = "".join(f"a{n}: heading 90 gear 4 for 2s\n" for n in range(60))
     with cockpit(tmp_path) as (_, console, _), console.socket("frames") as frames:
@@ -284,6 +285,7 @@ def asked_clear(pi: Running) -> bytes:
 # --- X and W --------------------------------------------------------------------------------------
 
 
+@pytest.mark.proof
 def test_x_is_obeyed_however_old_and_while_an_upload_is_under_way(tmp_path: Path) -> None:
     rows = "".join(f"a{n}: heading 90 gear 4 for 2s\n" for n in range(60))
     text = TEXT.replace("up: ", f"{rows}up: ")

@@ -158,6 +158,7 @@ def test_a_difference_is_what_changes_for_the_vehicle_and_line_by_line() -> None
         difference("legs: [", "t.yaml", TRANSECT, None)
 
 
+@pytest.mark.proof
 def test_missions_that_differ_in_each_line_are_compared_in_a_while() -> None:
     def turned(by: int) -> str:
         rows = (
@@ -217,6 +218,7 @@ def test_a_ghost_flies_in_the_sea_that_was_chosen_and_says_which() -> None:
         assert len(done["track"]) == len(done["believed"])
 
 
+@pytest.mark.proof
 def test_a_ghost_that_cannot_fly_says_why() -> None:
     with console(list) as running, running.socket("ghost") as socket:
         socket.send(json.dumps({**FLY, "settings": ["moon=1"]}))
@@ -284,6 +286,7 @@ def test_the_console_goes_on_while_a_ghost_flies() -> None:
 STEERED = {"do": "plan", "text": DIP, "source": "dip.mission"}
 
 
+@pytest.mark.proof
 def test_legs_by_heading_have_a_track_in_still_water_and_are_less_sure_as_they_go() -> None:
     with console(list) as running, running.socket("ghost") as socket:
         socket.send(json.dumps(STEERED))
@@ -299,6 +302,7 @@ def test_legs_by_heading_have_a_track_in_still_water_and_are_less_sure_as_they_g
     assert 0.0 <= bearing < 180.0
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize(
     ("text", "says"),
     [

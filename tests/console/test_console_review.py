@@ -47,6 +47,7 @@ def says(socket: ClientConnection, **word: object) -> None:
     socket.send(json.dumps(word))
 
 
+@pytest.mark.proof
 def test_a_recording_stands_goes_to_a_time_and_back(review: Console) -> None:
     with review.socket("frames") as frames, review.socket("review") as hand:
         page = Page(frames)
@@ -111,6 +112,7 @@ def whole(records: list[Record]) -> Film:
     return film
 
 
+@pytest.mark.proof
 def test_what_stood_at_a_time_is_the_same_by_the_film_as_by_running_up_to_it(
     records: list[Record], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -183,6 +185,7 @@ def test_a_thread_that_fails_plays_no_more(
 # --- afterwards -----------------------------------------------------------------------------------
 
 
+@pytest.mark.proof
 def test_afterwards_the_track_is_known_as_it_was_estimated_and_smoothed(
     review: Console, records: list[Record]
 ) -> None:

@@ -176,6 +176,7 @@ def test_a_tab_costs_a_frame_for_each_change_and_none_while_nothing_is_new() -> 
     assert made == dict.fromkeys(pages, 10)
 
 
+@pytest.mark.proof
 def test_a_day_of_frames_leaves_no_more_than_the_bounds() -> None:
     monitor, watched, board, clock = Monitor(), Watched(), Board(), VehicleClock()
     monitor.connected("console", 0.0)

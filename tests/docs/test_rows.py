@@ -15,6 +15,7 @@ def table() -> list[tuple[str, ...]]:
     return [row for document in DOCUMENTS for row in rows(document)]
 
 
+@pytest.mark.proof
 def test_every_frame_and_every_field_of_it_is_a_row(table: list[tuple[str, ...]]) -> None:
     shown = {(frame.strip("`"), field.strip("`")) for frame, field, *_ in table}
     assert {frame for frame, _ in shown} == set(frame_types())

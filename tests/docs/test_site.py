@@ -156,6 +156,7 @@ def test_every_topic_of_the_black_box_has_its_fields_with_their_meaning() -> Non
         )
 
 
+@pytest.mark.proof
 def test_the_pictures_show_every_room_and_the_whole_way() -> None:
     picture = PARTS["layers"]("")
     for room in rooms():

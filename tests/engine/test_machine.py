@@ -49,6 +49,7 @@ def trees(draw, depth: int = 0):
     return tuple(nodes)
 
 
+@pytest.mark.proof
 @settings(max_examples=40, deadline=None)
 @given(trees(), st.randoms(use_true_random=False))
 def test_the_library_agrees_with_a_plain_interpreter(body, rng: random.Random):

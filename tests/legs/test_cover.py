@@ -259,6 +259,7 @@ up: surface until fix timeout 3min
 """
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("seed", [0, 1])
 def test_a_survey_that_the_check_lets_pass_truly_covers_its_area_in_its_current(seed: int) -> None:
     prepared = prepare_text(SURVEY, "bay.mission")

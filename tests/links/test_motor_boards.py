@@ -81,6 +81,7 @@ def multicast() -> bool:
     return True
 
 
+@pytest.mark.proof
 @pytest.mark.skipif(not multicast(), reason="no UDP multicast here")
 def test_two_programs_meet_on_a_bus_by_udp_multicast(tmp_path: Path) -> None:
     bus, track = "can://239.74.163.7?interface=udp_multicast", tmp_path / "track.csv"

@@ -232,6 +232,7 @@ def test_a_frozen_depth_repeats_to_the_bit(name: str) -> None:
     assert len({t.heading for t in heard}) > 10
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("name", ["coreboard", "robot"])
 def test_a_battery_falls_as_it_is_used_and_when_it_is_told_to(name: str) -> None:
     vehicle = SimulatedBoard(name, seed=1)

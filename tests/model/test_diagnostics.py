@@ -51,6 +51,7 @@ def codes_named(path: Path) -> Iterator[str]:
                     yield given.value
 
 
+@pytest.mark.proof
 def test_every_code_that_the_sources_name_is_in_the_table() -> None:
     named = {code for path in SOURCES for code in codes_named(path)}
     assert len(named) > 80

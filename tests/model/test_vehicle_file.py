@@ -179,6 +179,7 @@ def test_all_mistakes_of_a_vehicle_file_are_told_at_once_by_their_lines() -> Non
         assert any(word in row for row in rows)
 
 
+@pytest.mark.proof
 def test_a_vehicle_file_with_a_number_spoilt_is_refused_or_is_checked_against() -> None:
     """A small seeded sample of many: nothing but the program's own refusals comes of them."""
     chance = random.Random(21)

@@ -285,6 +285,7 @@ def flown(*settings: str) -> float:
     return math.hypot(last.estimate.north - last.true.north, last.estimate.east - last.true.east)
 
 
+@pytest.mark.proof
 def test_flown_by_truth_each_is_worth_what_the_manual_says() -> None:
     without = flown()
     assert without > 20.0

@@ -14,6 +14,7 @@ from mission.navigation.kalman import KalmanFilter, rts_smoother
 whole = Later("filterpy.kalman")
 
 
+@pytest.mark.proof
 def test_the_filter_and_the_smoother_are_the_files_that_filterpy_installs() -> None:
     """The same files: so the same arithmetic, to the last bit."""
     theirs = whole.KalmanFilter

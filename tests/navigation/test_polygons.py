@@ -43,6 +43,7 @@ def test_what_is_a_polygon_is_one_to_shapely(polygon) -> None:
     assert (fault(polygon) == "") == (made.is_valid and made.area >= 1.0 and distinct)
 
 
+@pytest.mark.proof
 @given(corners, points)
 def test_inside_and_the_distance_to_the_edge_are_those_of_shapely(polygon, point) -> None:
     made = shape(polygon)
@@ -50,6 +51,7 @@ def test_inside_and_the_distance_to_the_edge_are_those_of_shapely(polygon, point
     assert to_edge(polygon, point) == pytest.approx(made.exterior.distance(Point(point)), abs=1e-9)
 
 
+@pytest.mark.proof
 @given(corners)
 def test_either_way_round_is_the_same_area(polygon) -> None:
     made = shape(polygon)
@@ -64,6 +66,7 @@ def test_two_segments_are_as_far_apart_as_shapely_says(a, b, c, d) -> None:
     assert between((a, b), (c, d)) == pytest.approx(far, abs=1e-9)
 
 
+@pytest.mark.proof
 @given(st.lists(points, min_size=1, max_size=12), corners)
 def test_a_hull_is_as_far_from_the_edge_as_shapely_says(cloud, polygon) -> None:
     made = shape(polygon)

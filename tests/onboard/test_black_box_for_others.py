@@ -78,12 +78,14 @@ def decoded(path: Path) -> Counter[str]:
     return seen
 
 
+@pytest.mark.proof
 def test_every_topic_of_a_growing_file_is_decoded_by_its_schema_alone(growing: Path) -> None:
     seen = decoded(growing)
     assert seen.keys() >= {"start", "rx", "tx", "step", "estimate", "standing", "mission"}
     assert seen.keys() <= {topic.name for topic in RAW}
 
 
+@pytest.mark.proof
 def test_every_topic_of_a_closed_part_is_decoded_by_its_schema_alone(done: Path) -> None:
     seen = decoded(done)
     assert seen.keys() >= {topic.name for topic in DERIVED}
@@ -120,6 +122,7 @@ def test_a_closed_part_says_what_it_is_of(done: Path) -> None:
     assert b"harbour" in attached[f"mission-{digest[:8]}.yaml"]
 
 
+@pytest.mark.proof
 def test_index_and_statistics_of_a_closed_part_are_true(done: Path) -> None:
     seen = decoded(done)
     with done.open("rb") as file:
@@ -201,6 +204,7 @@ def test_the_map_of_the_plan_goes_from_corner_to_corner_of_the_rows() -> None:
 # --- the closing itself --------------------------------------------------------------------------
 
 
+@pytest.mark.proof
 def test_a_closing_that_the_disk_cuts_leaves_the_part_as_it_was(
     box: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -216,6 +220,7 @@ def test_a_closing_that_the_disk_cuts_leaves_the_part_as_it_was(
     assert [path.name for path in box.parent.iterdir()] == [box.name]
 
 
+@pytest.mark.proof
 def test_a_new_file_that_says_something_else_never_takes_the_place_of_the_old(
     box: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -245,6 +250,7 @@ def test_what_is_damaged_of_the_first_form_or_closed_already_stays_as_it_is(
     assert {path: path.read_bytes() for path in (box, old, again)} == before
 
 
+@pytest.mark.proof
 def test_what_a_power_cut_left_behind_is_closed_with_all_its_whole_records(box: Path) -> None:
     box.write_bytes(box.read_bytes()[:-300])
     records = list(read_records(box))
@@ -259,6 +265,7 @@ def test_the_part_that_is_being_written_is_left_alone(box: Path) -> None:
     assert close_folder(box.parent, box) == 0
 
 
+@pytest.mark.proof
 def test_a_further_part_knows_what_the_first_one_said(growing: Path, tmp_path: Path) -> None:
     path = tmp_path / "box.mcap"
     whole = list(read_parts(growing))

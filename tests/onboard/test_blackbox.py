@@ -55,6 +55,7 @@ def test_a_file_never_closed_is_read_to_its_last_flush(tmp_path: Path) -> None:
     assert list(read_records(written(tmp_path, close=False))) == RECORDS
 
 
+@pytest.mark.proof
 def test_a_file_cut_at_any_byte_is_a_prefix_of_its_records(tmp_path: Path) -> None:
     path = written(tmp_path)
     counts = []
@@ -231,6 +232,7 @@ def test_two_starts_in_one_second_have_two_files(tmp_path: Path) -> None:
     assert new_path(tmp_path, 1.75e9) != first
 
 
+@pytest.mark.proof
 def test_of_a_closed_file_nothing_is_missing_and_a_cut_one_says_where_it_ends(
     tmp_path: Path,
 ) -> None:

@@ -421,6 +421,7 @@ _RELAYED = [b"@DS%d,%d$" % (n, a) for n in (1, 2, 3) for a in (-15, 0, 22)]
 _RELAYED += [b"@DA1,1$", b"@RI$", b"@RSOOOOOOO$"]
 
 
+@pytest.mark.proof
 @settings(max_examples=200, deadline=None)
 @given(
     st.lists(

@@ -114,6 +114,7 @@ def tried(pi: Running, host: str) -> socket.socket:
     return made
 
 
+@pytest.mark.proof
 def test_ten_thousand_connections_tried_leave_the_operator_his(tmp_path: Path) -> None:
     with (
         silent_board() as (master, device),

@@ -37,6 +37,7 @@ def test_a_disk_that_knows_no_locks_keeps_nobody_from_beginning(
         pass
 
 
+@pytest.mark.proof
 def test_a_serve_by_hand_beside_the_service_ends_with_the_reason(tmp_path: Path) -> None:
     ready = tmp_path / "ready.json"
     with silent_board() as (_, device):

@@ -165,6 +165,7 @@ _EVENTS = st.one_of(
 )
 
 
+@pytest.mark.proof
 @settings(max_examples=40, deadline=None)
 @given(st.lists(_EVENTS, min_size=1, max_size=8), st.sampled_from(["Y", "N", ""]))
 def test_no_mix_of_sliders_floods_orders_and_sticks_keeps_anything_back(script, answers) -> None:

@@ -59,6 +59,7 @@ def weights(flight: Flight) -> list[int]:
     return [item.values()["drop_weight"] for item in read if isinstance(item, Frame)]
 
 
+@pytest.mark.proof
 def test_with_its_signs_confirmed_it_flies_holds_goes_home_and_comes_up(tmp_path: Path) -> None:
     flight = flown(tmp_path, TEXT)
     legs = [(leg.name, leg.by) for leg in flight.legs]
@@ -72,6 +73,7 @@ def test_with_its_signs_confirmed_it_flies_holds_goes_home_and_comes_up(tmp_path
     assert not any(weights(flight)), "nothing lets the weight go by itself"
 
 
+@pytest.mark.proof
 def test_the_operator_drops_the_weight_by_name_in_any_state(tmp_path: Path) -> None:
     flight = flown(tmp_path, STAY, Cue(30.0, b"@AO,weight,1,$"))
     dropped = weights(flight)
@@ -101,6 +103,7 @@ def test_a_drop_weight_is_named_as_what_cannot_be_taken_back_or_refused() -> Non
     assert "cannot be taken back: say irreversible: true" in str(caught.value)
 
 
+@pytest.mark.proof
 def test_leds_and_switches_are_safe_again_in_an_emergency(tmp_path: Path) -> None:
     flight = flown(tmp_path, TEXT, Cue(30.0, b"@ZAWF$"))
     framer = link("coreboard.main_to_sensor").framer()

@@ -62,6 +62,7 @@ VALUES = st.dictionaries(
 )
 
 
+@pytest.mark.proof
 @given(states=st.lists(VALUES, min_size=1, max_size=6), most=st.integers(200, 3000))
 @settings(max_examples=100, deadline=None)
 def test_whatever_changes_a_viewer_ends_with_the_vehicles_own_state(

@@ -179,6 +179,7 @@ BUILT = [
 ]
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize(("name", "tolerances", "wire"), BUILT, ids=lambda value: str(value)[:40])
 def test_a_board_that_was_built_otherwise_flies_by_its_vehicle_file(
     name: str, tolerances: dict[str, str], wire: dict[str, str]

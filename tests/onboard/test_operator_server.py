@@ -393,6 +393,7 @@ def test_a_safety_set_with_the_wrong_count_is_not_answered(pi: Pi) -> None:
     assert pi.hear(b"@SP,1,2$@NI$") == [b"@ACK_NI\x2f$"]
 
 
+@pytest.mark.proof
 def test_a_flood_of_commands_is_remembered_in_bounds(pi: Pi) -> None:
     for i in range(REMEMBERED + 2000):
         pi.hear(SetSafety(radius=float(i + 1)), i * 1e-4)

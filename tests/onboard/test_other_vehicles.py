@@ -114,6 +114,7 @@ up: surface until fix timeout 3min
 """
 
 
+@pytest.mark.proof
 def test_a_board_that_tells_no_thrust_still_knows_its_way_by_what_it_was_told(
     tmp_path: Path,
 ) -> None:
@@ -324,6 +325,7 @@ def test_on_the_ground_it_is_always_at_the_surface() -> None:
     assert load_vehicle("robot").drives
 
 
+@pytest.mark.proof
 def test_a_start_refused_for_want_of_a_fix_says_what_allows_it() -> None:
     text = "mission m vehicle rov\nhome 30 120\n{}a: gear 4 for 20\n"
     refused = fly(parse(text.format("")), load_vehicle("rov"))

@@ -52,6 +52,7 @@ def loop() -> OuterLoop:
     return found
 
 
+@pytest.mark.proof
 def test_the_rov_holds_depth_and_heading_and_comes_up(tmp_path: Path) -> None:
     made = ready(tmp_path)
     flight = fly(made.mission, made.vehicle, seed=3)
@@ -183,6 +184,7 @@ def efforts(flight: Flight, begin: float, end: float) -> list[tuple[float, float
     return [(v["x"], v["z"], v["f"]) for v in values]
 
 
+@pytest.mark.proof
 def test_a_rov_whose_report_is_older_than_half_a_second_is_told_neutral_on_its_wire(
     tmp_path: Path,
 ) -> None:

@@ -50,6 +50,7 @@ def runtime() -> Runtime:
     return Runtime(Configuration(), load_vehicle("auv"), MemoryStore())
 
 
+@pytest.mark.proof
 def test_the_collector_does_not_look_through_what_is_there_for_good() -> None:
     gc.collect()  # what nobody holds any more is thrown away, not frozen
     before = len(gc.get_objects())
@@ -78,6 +79,7 @@ def test_a_filter_that_cannot_be_loaded_leaves_the_collector_on(
     assert gc.isenabled()
 
 
+@pytest.mark.proof
 def test_a_start_of_serve_imports_the_filter_and_nothing_of_what_lies_beside_it() -> None:
     found = imported(_START)
     assert "mission.navigation.kalman" in found

@@ -10,6 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from ports import free_port
 from served import read_now, silent_board, soon
 
@@ -76,6 +77,7 @@ def test_the_end_does_not_wait_for_ever() -> None:
     os.close(writer)
 
 
+@pytest.mark.proof
 def test_x_leaves_though_the_terminal_is_gone(tmp_path: Path) -> None:
     """As when serve was started over a radio that has gone: hung up, and nobody reads."""
     ready = tmp_path / "ready.json"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -94,6 +95,7 @@ def test_the_ends_of_two_frames_never_join_to_a_third() -> None:
     assert not any(isinstance(one, Manual) and b"F12" in one.frame for one in found)
 
 
+@pytest.mark.proof
 @settings(max_examples=200, deadline=None)
 @given(
     st.lists(st.integers(1, 40), max_size=30),

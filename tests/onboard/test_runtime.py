@@ -478,6 +478,7 @@ FRAMES = [
 LINKS = ("vehicle", "gps", "topside", "modem", "nodes")
 
 
+@pytest.mark.proof
 @given(
     st.lists(
         st.tuples(

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import pytest
 from core_world import MISSIONS, Boat, CoreWorld, Known
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
@@ -263,7 +264,7 @@ class ServeCore(RuleBasedStateMachine):
         raise AssertionError("a conversation that does not end")
 
 
-TestServeCore = ServeCore.TestCase
+TestServeCore = pytest.mark.proof(ServeCore.TestCase)
 
 
 def test_every_fault_of_the_board_is_one_of_the_table() -> None:

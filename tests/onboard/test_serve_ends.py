@@ -244,6 +244,7 @@ def test_systemd_hears_ready_and_the_steps_of_the_drive(
     assert heard.count(b"WATCHDOG=1") >= 4
 
 
+@pytest.mark.proof
 def test_the_program_tells_a_parent_where_it_listens_and_ends_by_sigterm(tmp_path: Path) -> None:
     ready = tmp_path / "ready.json"
     with silent_board() as (_, device):

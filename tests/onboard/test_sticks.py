@@ -180,6 +180,7 @@ def test_an_order_ends_the_stick_and_what_it_held_does_not_come_back(name: str) 
     assert bench.runtime.state == STOPPED
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("name", NAMES)
 def test_a_mission_flies_on_when_the_stick_is_given_back_in_its_midst(
     name: str, tmp_path: Path

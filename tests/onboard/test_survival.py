@@ -235,6 +235,7 @@ def killed_in_a_mission(folder: Path, turn: int, speed: float, pause: float) -> 
     return Killed(first - killed, computing)
 
 
+@pytest.mark.proof
 def test_killed_in_a_mission_the_first_commands_after_the_restart_are_upward(
     tmp_path: Path,
 ) -> None:
@@ -311,6 +312,7 @@ def test_a_disk_that_fills_at_any_byte_splits_no_record_of_the_black_box(tmp_pat
         box.close()
 
 
+@pytest.mark.proof
 def test_the_health_file_is_whole_at_any_moment(tmp_path: Path) -> None:
     with silent_board() as device, service(tmp_path, device) as pi:
         pi.start()

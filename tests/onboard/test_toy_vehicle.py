@@ -177,6 +177,7 @@ def test_a_mission_is_proved_for_it_or_refused_by_what_it_lacks(tmp_path: Path, 
         prepared(tmp_path, sled, "start without fix\na: depth 3 for 20\n")
 
 
+@pytest.mark.proof
 def test_it_is_flown_on_its_own_board_recorded_and_replayed_to_the_bit(
     tmp_path: Path, sled: Path
 ) -> None:

@@ -111,6 +111,7 @@ def test_a_wide_pulse_is_a_fraction_beyond_one() -> None:
 finite = st.floats(-400, 400, width=32)
 
 
+@pytest.mark.proof
 @settings(max_examples=200, deadline=None)
 @given(
     st.lists(st.one_of(finite, st.floats(width=32)), min_size=15, max_size=15),
@@ -280,6 +281,7 @@ def encodable(dialect: str, setpoint: Setpoint) -> list[bytes] | None:
         return None
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize(("dialect", "stm32"), [("as-built", AsBuilt), ("documented", Documented)])
 @settings(max_examples=150, deadline=None)
 @given(data=st.data(), rng=st.randoms(use_true_random=False))
@@ -308,6 +310,7 @@ def test_a_setpoint_is_reached_from_any_earlier_state(
     assert used.acts() == fresh.acts()
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize(("dialect", "stm32"), [("as-built", AsBuilt), ("documented", Documented)])
 @settings(max_examples=150, deadline=None)
 @given(data=st.data())

@@ -201,6 +201,7 @@ def test_any_chunking_gives_the_same_frames(sizes: list[int], name: str) -> None
     assert on(name, *chunks, STREAM[at:]) == on(name, STREAM)
 
 
+@pytest.mark.proof
 @settings(max_examples=150, deadline=None)
 @given(
     st.lists(
@@ -278,6 +279,7 @@ def quickly(chunks: Sequence[bytes]) -> tuple[list[Any], Framer]:
     return [item if isinstance(item, FrameFault) else item[1:] for item in items], framer
 
 
+@pytest.mark.proof
 @settings(max_examples=300, deadline=None)
 @given(
     st.lists(st.sampled_from(["<b>", "<b>", "<c>", "<B>", "<", "b>", ".", ".."]), max_size=30),
@@ -589,6 +591,7 @@ def test_bytes_that_come_before_the_timer_complete_a_frame_however_late() -> Non
     assert isinstance(found, Frame)
 
 
+@pytest.mark.proof
 @settings(max_examples=200, deadline=None)
 @given(st.lists(st.tuples(st.binary(max_size=6), st.floats(0.0, 0.9)), max_size=60))
 def test_the_timer_always_moves_on(chunks: list[tuple[bytes, float]]) -> None:

@@ -48,6 +48,7 @@ def read(raw: bytes) -> StateReport:
     return answer
 
 
+@pytest.mark.proof
 @settings(max_examples=300, deadline=None)
 @given(report=reports())
 def test_any_state_fits_into_64_bytes_and_state_ages_and_alarms_are_never_cut(

@@ -157,6 +157,7 @@ def driven(
     asyncio.run(main())
 
 
+@pytest.mark.proof
 def test_a_live_vehicle_is_watched_and_stopped_with_one_key(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -186,6 +187,7 @@ def test_a_live_vehicle_is_watched_and_stopped_with_one_key(
         driven(from_monitor(url), pi.url, tmp_path, play)
 
 
+@pytest.mark.proof
 def test_without_a_monitor_the_operators_port_is_asked(tmp_path: Path) -> None:
     with silent_board() as (_, board), running(tmp_path, f"serial://{board}") as pi:
 
@@ -211,6 +213,7 @@ def flown() -> list:  # type: ignore[type-arg]
     return recorder.records
 
 
+@pytest.mark.proof
 def test_a_recording_is_shown_as_it_was_and_commands_nobody(tmp_path: Path) -> None:
     async def play(screen: Screen, do: Callable[..., object]) -> None:
         await do(lambda: "rises/let_go" in screen.journal)  # type: ignore[misc]
@@ -249,6 +252,7 @@ def monitor_of(pi: object) -> str:
     return f"tcp://127.0.0.1:{viewing.port.link.port}"  # type: ignore[union-attr]
 
 
+@pytest.mark.proof
 def test_it_runs_in_a_real_terminal_and_ends_with_a_key() -> None:
     import pyte
 

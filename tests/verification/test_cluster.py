@@ -193,6 +193,7 @@ def test_the_command_flies_on_the_cluster_as_it_flies_here(cluster: Place) -> No
     assert there.stdout == CliRunner().invoke(main, [*call, "local"]).stdout
 
 
+@pytest.mark.proof
 def test_a_scheduler_that_is_not_there_is_told_with_exit_2(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

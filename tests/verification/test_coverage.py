@@ -88,6 +88,7 @@ def test_the_lawnmower_sees_nine_tenths_of_its_area_in_the_current_that_it_assum
     assert min(found) >= 0.9
 
 
+@pytest.mark.proof
 def test_without_fixes_the_estimate_believes_what_is_not_so(tmp_path: Any) -> None:
     text = prepare("lawnmower").text.replace("resurface: 1,", "")
     text = text.replace(
@@ -100,6 +101,7 @@ def test_without_fixes_the_estimate_believes_what_is_not_so(tmp_path: Any) -> No
     assert one.true < 0.6
 
 
+@pytest.mark.proof
 def test_the_coverage_is_in_the_json_of_a_flight() -> None:
     run = CliRunner().invoke(main, ["simulate", "lawnmower", "--json"])
     (found,) = json.loads(run.stdout)["coverage"]

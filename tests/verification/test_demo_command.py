@@ -100,6 +100,7 @@ def test_progress_is_where_the_vehicle_takes_itself_to_be(
     ]
 
 
+@pytest.mark.proof
 def test_a_demonstration_that_is_told_to_end_ends_its_processes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -139,6 +140,7 @@ def test_what_is_not_as_planned_is_named() -> None:
     assert len(not_as_planned(lost)) == 2
 
 
+@pytest.mark.proof
 def test_two_demonstrations_at_a_time_have_a_bus_each(tmp_path: Path) -> None:
     """Frames by multicast reach whoever listens: each would fly with the other's thrust."""
     numbers = (1, 2, 255, 256, 257, 65535, 65536, 70000, 4194303)

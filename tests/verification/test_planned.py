@@ -116,6 +116,7 @@ def test_the_way_is_the_one_that_is_meant_where_the_floor_is_too_shallow(
     assert over_bay.clearance.least == pytest.approx(3.0 - deep, abs=0.3)
 
 
+@pytest.mark.proof
 def test_every_format_tells_the_least_water(plan: Plan, over_bay: Plan) -> None:
     least = f"{over_bay.stretches[1].water:.1f} m"
     assert least.startswith("-1.")
@@ -161,10 +162,12 @@ def test_the_command_tells_where_the_water_is_least(tmp_path: Path) -> None:
     assert "names no home, so that no depth lies under it; write home" in run.output
 
 
+@pytest.mark.proof
 def test_a_mission_says_the_same_plan_each_time(plan: Plan) -> None:
     assert FORMATS[".svg"].write(plan) == FORMATS[".svg"].write(plan)
 
 
+@pytest.mark.proof
 def test_every_format_is_what_its_suffix_says(plan: Plan) -> None:
     drawn = {suffix: row.write(plan) for suffix, row in FORMATS.items()}
     assert drawn[".png"].startswith(b"\x89PNG")
@@ -175,6 +178,7 @@ def test_every_format_is_what_its_suffix_says(plan: Plan) -> None:
     assert json.loads(drawn[".geojson"])["type"] == "FeatureCollection"
 
 
+@pytest.mark.proof
 def test_areas_are_drawn_and_on_the_map(plan: Plan) -> None:
     (fence,) = plan.fences
     assert fence.area.name == "wreck"
@@ -234,6 +238,7 @@ def test_what_cannot_be_written_is_refused(
     assert (tmp_path / name).exists() is not bool(message)
 
 
+@pytest.mark.proof
 def test_places_of_other_kinds_are_where_the_legs_go() -> None:
     ready = prepare("loiter")
     plan = planned(ready.mission, ready.chart, ready.vehicle)

@@ -61,6 +61,7 @@ def test_a_leg_that_was_not_flown_has_missed_its_purpose() -> None:
     assert [one.reached for one in found] == [False] * 4
 
 
+@pytest.mark.proof
 def test_simulate_tells_whether_the_flight_achieved_it() -> None:
     run = CliRunner().invoke(main, ["simulate", "lawnmower", "--json"])
     flown = json.loads(run.stdout)

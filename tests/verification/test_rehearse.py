@@ -69,6 +69,7 @@ def test_a_seed_draws_the_same_sea_and_another_seed_another() -> None:
     assert drawn(DIVE.mission, DIVE.vehicle, 1, 7) != drawn(DIVE.mission, DIVE.vehicle, 2, 7)
 
 
+@pytest.mark.proof
 def test_every_figure_of_a_rehearsal_is_told(told: tuple[dict[str, object], Path]) -> None:
     report, picture = told
     assert report["flights"] == FLIGHTS
@@ -80,6 +81,7 @@ def test_every_figure_of_a_rehearsal_is_told(told: tuple[dict[str, object], Path
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.proof
 def test_a_page_has_the_picture_and_every_figure_and_loads_nothing() -> None:
     rows = [flown(n, error=float(n), true=1.0 - n / 10.0) for n in range(4)]
     rows.append(flown(4, outcome="emergency"))
@@ -116,6 +118,7 @@ def test_over_the_floor_of_a_file_the_least_water_is_told(tmp_path: Path) -> Non
     assert shlex.split(told["worst"][0]["again"])[-2:] == over[:2]
 
 
+@pytest.mark.proof
 def test_flights_that_run_aground_are_counted_and_drawn_on_the_page() -> None:
     rows = [replace(flown(n), clearance=metres) for n, metres in enumerate((0.1, 4.0, 5.0))]
     made = report_of([*rows, flown(3)])
@@ -184,6 +187,7 @@ def test_the_chance_of_completion_has_an_interval_that_is_never_sure(hits: int, 
         assert (low, high) == (pytest.approx(0.8256, abs=1e-3), pytest.approx(0.9448, abs=1e-3))
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize(
     ("name", "leg"), [("auv", "heading 0 gear 6"), ("rov", "gear 4"), ("robot", "gear 6")]
 )

@@ -349,6 +349,7 @@ def test_a_mission_with_errors_is_told_with_lines_and_not_flown(tmp_path: Path) 
     assert any(row["hint"] for row in told["refusals"])
 
 
+@pytest.mark.proof
 def test_the_report_holds_the_track_and_a_black_box_that_replays(
     short: Path, tmp_path: Path
 ) -> None:
@@ -404,6 +405,7 @@ def test_the_table_names_the_reading_that_a_leg_was_blind_of() -> None:
     assert table(flight, ready.chart).splitlines()[1].endswith("refused or blind (depth unknown)")
 
 
+@pytest.mark.proof
 def test_forty_legs_fit_into_the_picture_and_no_number_hides_another() -> None:
     flight = flown()
     every = flight.mission_time / 40.0

@@ -39,6 +39,7 @@ def among_squares(job: Job, at: Place = TWO) -> Any:
     return outcome
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("at", [LOCAL, place("processes", 1), TWO, place("processes", 5)])
 def test_results_come_in_the_order_of_their_jobs(at: Place) -> None:
     assert list(results(do, SQUARES, at)) == [do(square) for square in SQUARES]
@@ -55,6 +56,7 @@ def test_the_same_flights_are_the_same_to_the_bit_in_whichever_process() -> None
     assert all(len(digest) == 16 for digest in digests)
 
 
+@pytest.mark.proof
 def test_a_process_that_is_killed_costs_its_job_another_try_and_no_other_anything(
     tmp_path: Path,
 ) -> None:
@@ -62,18 +64,21 @@ def test_a_process_that_is_killed_costs_its_job_another_try_and_no_other_anythin
     assert len(list(tmp_path.iterdir())) == 2
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_job_that_kills_its_processes_is_told_by_its_name(workers: int) -> None:
     lost = among_squares(("dies", 0), place("processes", workers))
     assert lost == Lost("('dies', 0)", "killed by SIGKILL, then killed by SIGKILL")
 
 
+@pytest.mark.proof
 def test_a_job_that_hangs_is_tried_again_and_then_told(tmp_path: Path) -> None:
     at = place("processes", 2, patience=1.0)
     assert among_squares(("hangs_once", tmp_path), at) == "answered"
     assert among_squares(("hangs", 0), at) == Lost("('hangs', 0)", "hung, then hung")
 
 
+@pytest.mark.proof
 def test_a_process_that_stands_still_is_given_up(tmp_path: Path) -> None:
     with working(do, place("processes", 1, patience=2.0)) as batch:
         (pid,) = batch([("tells_its_process", tmp_path)])
@@ -81,6 +86,7 @@ def test_a_process_that_stands_still_is_given_up(tmp_path: Path) -> None:
         assert list(batch(SQUARES)) == [do(square) for square in SQUARES]
 
 
+@pytest.mark.proof
 def test_a_job_that_is_out_of_memory_is_told_so() -> None:
     assert among_squares(("eats", 0)) == Lost("('eats', 0)", "out of memory, then out of memory")
 
@@ -93,6 +99,7 @@ def test_a_job_that_raises_is_told_at_once_and_can_be_raised(at: Place, tmp_path
         had(lost)
 
 
+@pytest.mark.proof
 def test_a_result_that_cannot_be_sent_is_told() -> None:
     assert "cannot be sent" in among_squares(("sends_what_cannot_be_sent", 0)).why
 
@@ -131,6 +138,7 @@ def kept_squares(path: Path, jobs: list[Job], at: Place = LOCAL) -> list[Any]:
         return list(results(do, jobs, at, kept=kept))
 
 
+@pytest.mark.proof
 def test_what_is_kept_is_not_done_again(tmp_path: Path) -> None:
     file, tries = tmp_path / "kept.jsonl", tmp_path / "tries"
     tries.mkdir()
@@ -141,6 +149,7 @@ def test_what_is_kept_is_not_done_again(tmp_path: Path) -> None:
     assert len(list(tries.iterdir())) == 1
 
 
+@pytest.mark.proof
 def test_a_result_that_is_read_back_is_the_same_to_the_bit(tmp_path: Path) -> None:
     flown = [fly_numbered(9, number, KNOWN) for number in range(2)]
     for _ in range(2):

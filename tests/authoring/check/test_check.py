@@ -280,6 +280,7 @@ def test_a_fix_at_the_surface_forgets_the_error() -> None:
     assert with_fix.uncertainty <= without.uncertainty
 
 
+@pytest.mark.proof
 def test_rounds_beyond_what_can_be_walked_are_refused_not_walked_for_ever() -> None:
     body = (
         "".join(f"repeat 9999 r{i}:\n" for i in range(3))

@@ -106,6 +106,7 @@ def test_a_parameter_from_outside_is_checked(parameters: dict[str, str], message
     assert message in str(errors(text, parameters))
 
 
+@pytest.mark.proof
 def test_a_mission_is_at_most_as_long_as_the_wire_can_count() -> None:
     text = "mission m vehicle auv\n" + "wait 5\n" * 9999
     assert [p.code for p in errors(text).diagnostics] == ["too-long"]

@@ -212,6 +212,7 @@ def test_shipped_missions_fit_the_schema(path: Path) -> None:
     assert complaints(to_yaml(load(path))) == []
 
 
+@pytest.mark.proof
 @SOME
 @given(missions())
 def test_whatever_is_written_as_yaml_fits_the_schema(mission: Mission) -> None:

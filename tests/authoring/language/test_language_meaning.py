@@ -75,6 +75,7 @@ def test_a_word_sets_its_field_in_si(words: str, expected: dict[str, float]) -> 
     assert all(math.copysign(1, v) == 1 for v in settings(words).values() if v == 0)
 
 
+@pytest.mark.proof
 def test_every_heading_in_tenths_of_a_degree_comes_back_to_the_last_bit() -> None:
     said = [str(tenths / 10).removesuffix(".0") for tenths in range(3600)]
     mission = parse("\n".join(f"a{n}: heading {text} for 5" for n, text in enumerate(said)))

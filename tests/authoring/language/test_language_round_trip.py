@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from generated_missions import missions
 from hypothesis import HealthCheck, given, settings
 
@@ -24,6 +25,7 @@ SOME = settings(
 )
 
 
+@pytest.mark.proof
 @SOME
 @given(missions())
 def test_a_mission_survives_its_texts_its_script_and_its_layout(mission: Mission) -> None:
@@ -38,6 +40,7 @@ def test_a_mission_survives_its_texts_its_script_and_its_layout(mission: Mission
         assert layout.formatted(tidy) == tidy
 
 
+@pytest.mark.proof
 @SOME
 @given(missions())
 def test_a_mission_survives_its_script(mission: Mission) -> None:

@@ -137,6 +137,7 @@ def test_a_monster_is_refused_in_few_words(text: str) -> None:
     first(text)
 
 
+@pytest.mark.proof
 def test_targets_by_the_thousand_are_each_looked_up_once() -> None:
     text = HEAD + "".join(f"a{n}: depth 5 for 1s else b{n}\n" for n in range(3_000))
     assert first(text).code == "unknown-target"
@@ -157,6 +158,7 @@ def test_a_line_script_that_fits_the_wire_is_judged_however_it_is_nested() -> No
         assert caught.value.diagnostics[0].code == "too-deep"
 
 
+@pytest.mark.proof
 def test_a_graph_that_nobody_could_look_at_is_not_drawn() -> None:
     vehicle = load_vehicle("auv")
     for count in (extent.PICTURE.most - 1, extent.PICTURE.most + 1):

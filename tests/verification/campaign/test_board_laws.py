@@ -89,6 +89,7 @@ def is_word(event: Event) -> bool:
     return isinstance(event, Tx) and event.link == "vehicle"
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("order", [b"@ZAX0$", b"@ZAWF$"])
 def test_a_flight_with_the_stick_and_an_order_keeps_every_law(name: str, order: bytes) -> None:
@@ -100,6 +101,7 @@ def test_a_flight_with_the_stick_and_an_order_keeps_every_law(name: str, order: 
     assert trace.truth.depth < 0.5
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("name", NAMES)
 def test_a_push_that_nothing_asks_for_is_spurious(name: str) -> None:
     frame = Speech(load_vehicle(name)).board.encode(Setpoint(surge=-0.9))[-1]
@@ -189,6 +191,7 @@ def test_a_flight_is_judged_whatever_fault_of_its_board_it_has(name: str) -> Non
     assert {violation.kind for violation in found} <= {LOST, IGNORED}
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("name", NAMES)
 def test_what_is_drawn_for_a_board_is_what_it_can_have(name: str) -> None:
     known = known_on(name)

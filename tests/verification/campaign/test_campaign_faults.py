@@ -71,6 +71,7 @@ def test_an_incident_alone_breaks_no_law(name: str) -> None:
         assert kinds_of(flown(disturbances, profile), profile) == set()
 
 
+@pytest.mark.proof
 def test_every_fault_and_every_incident_is_drawn() -> None:
     plans = [draw(1, number, KNOWN, staged=0.0) for number in range(1800)]
     assert {kind for plan in plans for kind in plan.kinds} == {*FAULTS, *INCIDENTS}
@@ -167,6 +168,7 @@ def test_upside_down_with_no_depth_and_no_angle_it_comes_to_rest_at_the_surface(
 # --- the laws bite -------------------------------------------------------------------------------
 
 
+@pytest.mark.proof
 def test_a_vehicle_that_does_not_come_up_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Ascent, "act", lambda self, *seen: ())
     settings = parse_settings(["fault=stm32_silent@60+20"])
@@ -241,6 +243,7 @@ def test_a_set_that_relays_keep_back_is_ignored(monkeypatch: pytest.MonkeyPatch)
     assert IGNORED in kinds_of(flown([Disturbance(60.0, Act.SAY, b"@ZAWF$"), *slider]))
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("profile", PROFILES)
 def test_a_thruster_that_turns_at_the_end_is_a_loss(
     profile: str, monkeypatch: pytest.MonkeyPatch

@@ -252,6 +252,7 @@ def test_the_flights_that_came_nearest_break_no_law(law: str) -> None:
     assert not result.violations, (worst, result)
 
 
+@pytest.mark.proof
 def test_the_command_tells_what_came_nearest_and_flies_it_again() -> None:
     run = CliRunner().invoke
     done = run(faults, ["--search", "--flights", "2", "--workers", "1", "--seed", "3"])
