@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from mission.authoring.compiler.granularity import rounded
 from mission.engine.clearance import Clearance, is_guarded
 from mission.engine.limits import LIMITS
+from mission.engine.variables import VARIABLES
 from mission.model import (
     AUTONOMOUS,
     IMPLICIT_SURFACE,
@@ -86,6 +87,7 @@ def told(chart: Chart, vehicle: Vehicle, assume: Assumptions, floor: bool) -> It
         yield f"sea floor nowhere deeper than {assume.floor:g} m{why}"
     yield from too_fast(chart, vehicle)
     yield from _off(chart.mission, vehicle)
+    yield from _constant(chart, vehicle)
     yield "a dead Pi, or a board that hangs with its thrusters on, does not happen"
 
 
@@ -116,6 +118,23 @@ def _off(mission: Mission, vehicle: Vehicle) -> Iterator[str]:
             off.setdefault(why, []).append("radius and all areas" if areas else row.name)
     for why, names in off.items():
         yield f"{why}: limits that are off, to be watched from outside: {', '.join(names)}"
+
+
+def _constant(chart: Chart, vehicle: Vehicle) -> Iterator[str]:
+    """What is asked of readings that never change: it is so from the start on, or never."""
+    guards = (edge.guard for edge in chart.edges if edge.guard is not None)
+    asked = (name for guard in guards for term in terms(guard.expression) for name in term.asks)
+    names = [name for name in dict.fromkeys(asked) if "battery" in _source(name)]
+    if names and vehicle.constant_batteries:
+        yield (
+            f"what the mission asks of {' and '.join(names)} is so from the start on or never: "
+            f"{vehicle.name} reports the same in every flight"
+        )
+
+
+def _source(name: str) -> tuple[str, ...]:
+    variable = VARIABLES.get(name)
+    return () if variable is None else variable.source
 
 
 def _kept_clear(chart: Chart, vehicle: Vehicle) -> Iterator[str]:

@@ -13,7 +13,7 @@ from mission.authoring.check import Report, check_mission
 from mission.authoring.check.assumptions import FROZEN, LATE, STICKS
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, parse
-from mission.authoring.prepare import prepare
+from mission.authoring.prepare import check_prepared, prepare
 from mission.cli import main
 from mission.model.shipped import load_vehicle
 
@@ -138,6 +138,18 @@ def test_a_trend_over_less_depth_than_a_dive_makes_between_reports_is_told() -> 
     assert said.endswith("ask within 3 m or more")
     for fine in ("5 m", "0.8 m", "3 s"):
         assert not [x for x in report(asked.format(fine)).assumed if "not known in a dive" in x]
+
+
+def test_what_is_asked_of_batteries_that_never_change_is_told() -> None:
+    """The AUV as built reports 12 V: a mission that comes up below 13 V does so at once."""
+
+    def told(mission: str, vehicle: str) -> list[str]:
+        assumed = check_prepared(prepare(mission, vehicle)).assumed
+        return [line for line in assumed if "what the mission asks of battery " in line]
+
+    assert len(told("coreboard-dive", "auv")) == 1
+    assert not told("coreboard-dive", "auv-documented")
+    assert not told("robot-drive", "auv"), "it asks for none"
 
 
 def test_an_altitude_hold_assumes_a_floor_and_says_so() -> None:
