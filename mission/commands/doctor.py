@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -55,10 +56,11 @@ def doctor(
 
     from mission.onboard.doctor.findings import Condition
 
-    vehicle = _named(config)
-    if ask and not on_deck and (vehicle is None or vehicle.codec == "auv"):
+    vehicle, is_served = _named(config)
+    if ask and not on_deck and not is_served and (vehicle is None or vehicle.codec == "auv"):
         click.confirm(_ON_DECK, abort=True, err=True)
-    if signs and not in_water and (vehicle is None or vehicle.outer_loop is not None):
+    closes = vehicle is None or vehicle.outer_loop is not None
+    if signs and not in_water and not is_served and closes:
         click.confirm(_IN_WATER, abort=True, err=True)
     found: list[Finding] = []
 
@@ -78,16 +80,21 @@ def doctor(
     raise SystemExit(1 if faults else 0)
 
 
-def _named(config: Path | None) -> Vehicle | None:
-    """None where it cannot be told: then nothing is left out."""
+def _named(config: Path | None) -> tuple[Vehicle | None, bool]:
+    """And whether a serve has its port, so that nothing is said to it. None where it cannot be
+    told: then nothing is left out."""
     from mission.model.diagnostics import Diagnosed
     from mission.model.shipped import load_vehicle
     from mission.onboard.configuration import load_configuration
+    from mission.onboard.serve import health
 
     try:
-        return load_vehicle(load_configuration(config).vehicle)
+        configuration = load_configuration(config)
+        folder, wall = configuration.folder, time.time()
+        served = health.read(folder, wall) is not None or health.mute(folder, wall) is not None
+        return load_vehicle(configuration.vehicle), served
     except (Diagnosed, ImportError):
-        return None
+        return None, False
 
 
 def _examined(config: Path | None, ask: bool, move: bool) -> Iterator[Finding]:

@@ -134,7 +134,8 @@ def _margins(state: StateReport | None) -> dict[str, float | None] | None:
 
 _OF_REPORT = ("depth_m", "altitude_m", "heading_deg", "pitch_deg", "roll_deg", "battery_v",
               "power_v")  # fmt: skip
-_OF_STORE = ("store", "lines", "missing", "digest", "refusal")
+_OF_STORE = ("lines", "missing", "digest", "refusal")
+_HELD = "takes no upload: not idle"  # the document's `running`, in an emergency, too
 
 
 def as_lines(looked: Looked) -> Iterator[str]:
@@ -160,6 +161,7 @@ def as_lines(looked: Looked) -> Iterator[str]:
         if left is None and name == "time_min":
             continue  # no mission is under way
         yield f"to {name.partition('_')[0]:9} {shown}"
+    yield from _rows({"store": _HELD if found["store"] == "running" else found["store"]})
     yield from _rows({name: found[name] for name in _OF_STORE})
 
 

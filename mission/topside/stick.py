@@ -169,7 +169,8 @@ class Stick:
 
     def _stop(self, link: Link) -> None:
         self._helm.drop()
-        self._outputs.clear()  # an emergency makes them safe
+        self._outputs.clear()  # an emergency makes them safe: none is as it was set
+        self._seen.output = ""
         link.send(EMERGENCIES[Order.STOP], time.monotonic())
         self._seen.sent = EMERGENCIES[Order.STOP]
 
@@ -195,7 +196,7 @@ class Stick:
                 self._seen.store = answer
             case Ack(group="Z"):
                 self._seen.stop = "X acknowledged" if answer.ok else "X NOT acknowledged"
-            case Ack(group="A", function="O"):
+            case Ack(group="A", function="O") if self._seen.output:
                 said = self._seen.output.partition(":")[0]
                 self._seen.output = f"{said}: {'set' if answer.ok else 'REFUSED'}"
 

@@ -64,6 +64,10 @@ from protocol.topside_frames import NODES, SENSORS
 SWITCH_TRIES = 7  # a second each: the nodes have 5 s to change (R13)
 AGED = " ago"  # the end of a refusal in @AR that is not of now
 UNACKNOWLEDGED = "the Pi has it and passes it on; no frame acknowledges it: watch it"
+LACKS = "no R and no D"  # of a board of documents 002 to 004
+ELSEWHERE = (
+    "no words for power (R) and rudders (D): what it has is set by its outputs, auvmission output"
+)
 
 Took = Callable[[Mapping[str, Any]], None]
 
@@ -197,4 +201,4 @@ def _refusal(answer: Answer) -> str:
     """Of a relayed word or the stick, just now; "" where there is none."""
     why = answer.refusal if isinstance(answer, StoreReport) else ""
     is_ours = why.startswith(("relay:", "manual:")) and not why.endswith(AGED)
-    return why if is_ours else ""
+    return why.replace(LACKS, ELSEWHERE) if is_ours else ""

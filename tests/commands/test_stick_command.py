@@ -383,6 +383,18 @@ def test_x_stops_everything_at_once(tmp_path: Path) -> None:
         assert wire.bytes.rpartition(b"@ZAX0$")[2].count(b"@MR") == 0
 
 
+def test_behind_x_no_output_is_shown_as_it_was_set(tmp_path: Path) -> None:
+    """An emergency has made it safe."""
+    with steering(tmp_path, "--output", "l=lamp:80", kind="rov") as (person, _, pi):
+        person.hold(UP, 0.5)
+        person.type(b"l")
+        soon(lambda: b"lamp 80: set" in person.look(), "the lamp")
+        person.type(b"x")
+        soon(lambda: pi.has_told("emergency/stopped"), "the state")
+        soon(lambda: b"X acknowledged" in person.look(), "its line")
+        assert b"lamp" not in person.look().rpartition(b"X acknowledged")[2]
+
+
 def killed(person: Person) -> None:
     person.process.kill()
 

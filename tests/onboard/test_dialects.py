@@ -233,7 +233,7 @@ def test_doctor_asks_nothing_where_a_serve_has_the_port(tmp_path: Path) -> None:
         port = f"serial://{sea.paths[0]}"
         with running(tmp_path / "pi", port, speed=4.0):
             soon((tmp_path / "pi" / health.FILE).exists, "the health of serve")
-            ran = examined(tmp_path, "auv", port, "--ask", "--on-deck")
+            ran = examined(tmp_path, "auv", port, "--ask")  # and nobody, where it lies
     assert "a serve has the vehicle's port" in dialect(ran)["says"]
 
 

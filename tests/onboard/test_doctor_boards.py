@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import date
@@ -12,7 +13,7 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
-from served import PATIENCE, read_now, silent_board, simulated
+from served import PATIENCE, read_now, running, silent_board, simulated, soon
 
 from links.simulated.boards import BOARDS as SIMULATED
 from links.simulated.boards import SimulatedBoard
@@ -23,6 +24,7 @@ from mission.model.shipped import load_vehicle
 from mission.onboard.doctor import port_probe, signs
 from mission.onboard.doctor.boards import BOARDS, board
 from mission.onboard.doctor.findings import Condition
+from mission.onboard.serve import health
 from protocol.vehicles import VEHICLES
 
 FOREIGN = ("STM32", "@SD", "@R", "shakedown", "float-test", "drop weight")  # of document 000 alone
@@ -77,6 +79,23 @@ def test_what_drives_is_told_of_wheels_and_of_nothing_in_the_water(tmp_path: Pat
     words = ("thruster", "surface", "dive", "limit depth", "descent", "buoyan")
     assert not [text for text in told for word in words if word in text]
     assert any("keeps the wheels as they are" in text for text in told)
+
+
+def test_with_a_serve_nobody_is_told_to_check_what_the_vehicle_never_reports(
+    tmp_path: Path,
+) -> None:
+    with simulated_board("robot") as device:
+        port, folder = f"serial://{device}", tmp_path / "pi"
+        with running(folder, port, kind="robot"):
+            soon((folder / health.FILE).exists, "the health of serve")
+            soon(lambda: '"battery": {"value": 2' in (folder / health.FILE).read_text(), "volts")
+            found = examined(tmp_path, "robot", device)
+            told = "\n".join(health.as_lines(health.read(folder, time.time()) or {}, time.time()))
+    assert not [one for one in found if one["what"].startswith("sensor ")]
+    assert of(found, "margin voltage")["says"].endswith("V left, limit 20 V")
+    assert "heading          absent, as the vehicle file says" in told
+    assert "limit off        leak: robot does not report leak" in told
+    assert "MISSING" not in told
 
 
 @pytest.mark.parametrize(("name", "says"), [("rov", "f_sign: -1"), ("mainboard", "no key for it")])

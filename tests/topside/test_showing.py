@@ -32,6 +32,12 @@ def test_state_leg_setpoint_and_commander_are_told_in_words() -> None:
     assert told["margins"] == {"depth_m": 7, "radius_m": 860, "time_min": 31, "voltage_v": 1.9}
 
 
+def test_a_store_that_is_held_is_not_said_to_run_a_mission() -> None:
+    """The document's word for it is `running`, also in an emergency without one."""
+    assert "store        takes no upload: not idle" in shown(LOOKED)
+    assert as_object(LOOKED)["store"] == "running"
+
+
 def test_every_value_of_the_boards_has_the_age_of_its_report() -> None:
     text = shown(LOOKED)
     assert "depth_m      3.2   1 s ago" in text

@@ -28,6 +28,7 @@ from protocol.messages import (
     Manual,
     NodeSwitch,
     Relay,
+    Setpoint,
     SetTime,
     StateReport,
     Status,
@@ -38,6 +39,7 @@ from protocol.messages import (
 from protocol.topside import Answer, encode
 from protocol.vehicles import frame_types as all_types
 from protocol.vehicles.motorcan import CanFrame, record
+from protocol.vehicles.stick import steered
 
 WORDS = {
     e.type.removeprefix("auv."): e.raw for e in reversed(examples()) if e.type.startswith("auv.")
@@ -163,6 +165,24 @@ def test_a_vehicle_without_the_word_says_so_where_a_mask_was_asked_for() -> None
     none = StoreReport("empty", 0, 0, "", "", "relay: this vehicle has no @RI")
     with pytest.raises(Refused, match="has no @RI"):
         held(power({}), QUIET, none)
+
+
+def test_whoever_asks_another_board_for_power_or_a_rudder_is_told_what_sets_its_devices() -> None:
+    with pytest.raises(CannotEncode) as caught:
+        steered(Setpoint(), b"@RI$", {})
+    none = StoreReport("empty", 0, 0, "", "", f"relay: {caught.value}")
+    for script in (power({}), power({"light": True})):
+        with pytest.raises(Refused, match="auvmission output"):
+            held(script, QUIET, none)
+    with pytest.raises(Refused, match="auvmission output"):
+        held(say(command("D", plain("D"))), none)
+
+
+@pytest.mark.parametrize("angle", ["-16", "23", "30"])
+def test_a_rudder_beyond_its_stops_is_refused_in_its_own_figures(angle: str) -> None:
+    ran = run("rudder", "left", angle)
+    assert ran.exit_code == 2
+    assert f"{angle} is outside -15..22 deg" in ran.stderr
 
 
 def test_a_switch_changes_the_nodes_that_are_named_and_no_other() -> None:

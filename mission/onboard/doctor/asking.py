@@ -26,9 +26,16 @@ TRIES = 3
 _FILES = {"as-built": "auv", "documented": "auv-documented"}
 
 
+def needless(vehicle: Vehicle) -> Finding | None:
+    """Why this vehicle is not asked; None: it can be."""
+    if vehicle.codec == "auv":
+        return None
+    return ok(WHAT, "not asked: this board answers nothing, and has one dialect")
+
+
 def dialect_finding(url: str, vehicle: Vehicle) -> Finding:
-    if vehicle.codec != "auv":
-        return ok(WHAT, "not asked: this board answers nothing, and has one dialect")
+    if (told := needless(vehicle)) is not None:
+        return told
     try:
         link = open_link("vehicle", url)
     except LinkError as error:

@@ -238,10 +238,7 @@ def _keys(folder: Path) -> Finding:
 def _ports(context: CheckContext) -> Iterator[Finding]:
     links = context.configuration.links
     if context.running is not None or context.mute is not None:
-        todo = "stop serve (systemctl stop auvmission), then ask again"
-        for asked, what in ((context.ask, asking.WHAT), (context.move, signs.WHAT)):
-            if asked:
-                yield fault(what, "not asked: a serve has the vehicle's port", todo)
+        yield from _not_asked(context)
     if context.running is not None:
         yield from _of_running(context, context.running)
         return
@@ -262,6 +259,16 @@ def _ports(context: CheckContext) -> Iterator[Finding]:
         yield port_probe.port_finding("modem port", links.modem)
     if links.sensors is not None:
         yield from port_probe.sensors_findings(links.sensors)
+
+
+def _not_asked(context: CheckContext) -> Iterator[Finding]:
+    """What a serve that runs keeps from being asked, or what nobody would ask."""
+    todo = "stop serve (systemctl stop auvmission), then ask again"
+    for asked, rows in ((context.ask, asking), (context.move, signs)):
+        if asked:
+            yield rows.needless(context.vehicle) or fault(
+                rows.WHAT, "not asked: a serve has the vehicle's port", todo
+            )
 
 
 def _without_gps(vehicle: Vehicle) -> Finding:
@@ -308,13 +315,14 @@ def _of_running(context: CheckContext, running: Mapping[str, Any]) -> Iterator[F
             says = f"{link['received']} bytes in, {link['sent']} out, {link['faults']} faults"
             yield ok(f"link {name}", says)
     for name, sensor in running["sensors"].items():
-        if sensor["why"] and name not in ("leak", "range", "uncertainty"):
+        if sensor["why"] not in ("", "absent") and name not in ("leak", "range", "uncertainty"):
             yield warning(
                 f"sensor {name}", sensor["why"], f"check it before the {trip(context.vehicle)}"
             )
     for name, margin in running["margins"].items():
-        left = "not known now" if margin["left"] is None else f"{margin['left']:g} {margin['unit']}"
-        yield ok(f"margin {name}", f"{left} to {margin['bound']:g} {margin['unit']}")
+        unit = margin["unit"]
+        left = "not known now" if margin["left"] is None else f"{margin['left']:.1f} {unit} left"
+        yield ok(f"margin {name}", f"{left}, limit {margin['bound']:g} {unit}")
     for name in running["breached"]:
         yield fault(f"limit {name}", "is breached now", "see auvmission status --local")
     if running["black_box_failure"]:

@@ -26,6 +26,7 @@ from protocol.vehicles.adapter import SilentBoard
 
 WHAT = "axes and signs"
 REST_S = 1.0
+NO_LOOP = ok(WHAT, "not tried: the Pi closes no loop for this vehicle")
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,10 +55,15 @@ def probes_of(vehicle: Vehicle) -> tuple[Probe, ...]:
     )
 
 
+def needless(vehicle: Vehicle) -> Finding | None:
+    """Why nothing is tried with this vehicle; None: it can be."""
+    return NO_LOOP if vehicle.outer_loop is None else None
+
+
 def sign_findings(url: str, vehicle: Vehicle) -> Iterator[Finding]:
     board = codec(*vehicle.speaks)
     if vehicle.outer_loop is None or not isinstance(board, SilentBoard):
-        yield ok(WHAT, "not tried: the Pi closes no loop for this vehicle")
+        yield NO_LOOP
         return
     try:
         link = open_link("vehicle", url)

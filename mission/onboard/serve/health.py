@@ -20,7 +20,7 @@ from typing import Any
 
 from mission import __version__
 from mission.engine.limits import LIMITS
-from mission.engine.variables import VARIABLES
+from mission.engine.variables import CLOCK, VARIABLES
 from mission.model import Reading
 from mission.model.alarms import Alarm
 from mission.model.plain import to_plain
@@ -37,11 +37,13 @@ _SHOWN = (
     "depth", "altitude", "heading", "pitch", "roll", "speed", "range", "uncertainty", "fix_age",
     "battery", "temperature", "leak",
 )  # fmt: skip
+_OF_POSITION = ("range", "uncertainty", "fix_age")  # without one they are never known
 
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """``why``: stale, missing, frozen, absurd; "" where the value is to be believed."""
+    """``why``: stale, missing, frozen, absurd, or absent where the vehicle file has no such sensor;
+    "" where the value is to be believed."""
 
     value: float | None
     unit: str
@@ -170,11 +172,18 @@ def _sensor(name: str, reading: Reading, late: float, vehicle: Vehicle) -> Senso
     row, value = VARIABLES[name], _finite(reading.value + late * VARIABLES[name].timed)
     if row.unit == "deg" and value is not None:
         value = math.degrees(value)
+    absent = reading.reason == "missing" and not _needs(name) <= vehicle.reports
+    why = "absent" if absent else reading.reason
     if row.max_age == math.inf:  # estimated on
-        return Sensor(value, row.unit, None, reading.reason)
+        return Sensor(value, row.unit, None, why)
     age = reading.age + late
-    why = reading.reason or ("stale" if age > vehicle.stale_after else "")
+    why = why or ("stale" if age > vehicle.stale_after else "")
     return Sensor(value, row.unit, _finite(age), why)
+
+
+def _needs(name: str) -> set[str]:
+    """What the vehicle has to report for it to be ever known."""
+    return {"position"} if name in _OF_POSITION else {*VARIABLES[name].source} - {CLOCK}
 
 
 def _finite(value: float) -> float | None:
@@ -267,7 +276,7 @@ def as_lines(found: Mapping[str, Any], wall: float) -> Iterator[str]:
         )
         yield f"{'to ' + name:16} {left}, limit {margin['bound']:g} {margin['unit']}"
     for name, why in found["disarmed"].items():
-        yield f"{'no ' + name:16} {why}"
+        yield f"{'limit off':16} {name}: {why}"
     for name, sensor in found["sensors"].items():
         yield f"{name:16} {sensed(sensor)}".rstrip()
     for name, link in found["links"].items():
@@ -285,6 +294,8 @@ def as_lines(found: Mapping[str, Any], wall: float) -> Iterator[str]:
 
 def sensed(sensor: Mapping[str, Any]) -> str:
     """What is not to be believed is no value of now: why, and how old it is."""
+    if sensor["why"] == "absent":
+        return "absent, as the vehicle file says"
     value = "" if sensor["value"] is None else _value(sensor["value"], sensor["unit"])
     if not sensor["why"]:
         return value if sensor["age_s"] is None else f"{value}, {sensor['age_s']:.0f} s ago"
