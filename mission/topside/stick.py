@@ -73,12 +73,12 @@ class Seen:
             f"gear {self.gear:2}",
             f"sent {self.sent.decode('ascii'):14}",
             f"answer {now - self.answered:.1f} s ago",
+            self.stop,  # news first: a narrow terminal shows no more
+            self.output,
+            refusal,
             depth,
             "" if heading is None else f"heading {heading % 360.0:.0f}",
             f"of {self.status.time[11:]}" if self.status is not None and self.status.time else "",
-            self.stop,
-            self.output,
-            refusal,
         )
         return "  ".join(part for part in parts if part)
 
@@ -130,7 +130,7 @@ class Stick:
         self._helm.hold(self._push(now))
         if words := self._helm.words(now):
             link.send(b"".join(words), now)
-            self._seen.sent = b" ".join(words)
+            self._seen.sent, self._seen.stop = b" ".join(words), ""
         self._set_outputs(link)
         if now >= self._ask_at:
             self._ask_at = now + ASK_S

@@ -384,14 +384,15 @@ def test_x_stops_everything_at_once(tmp_path: Path) -> None:
 
 
 def test_behind_x_no_output_is_shown_as_it_was_set(tmp_path: Path) -> None:
-    """An emergency has made it safe."""
+    """An emergency has made it safe; and what is new stands where a narrow terminal shows it."""
     with steering(tmp_path, "--output", "l=lamp:80", kind="rov") as (person, _, pi):
         person.hold(UP, 0.5)
         person.type(b"l")
         soon(lambda: b"lamp 80: set" in person.look(), "the lamp")
         person.type(b"x")
         soon(lambda: pi.has_told("emergency/stopped"), "the state")
-        soon(lambda: b"X acknowledged" in person.look(), "its line")
+        soon(lambda: b"X acknowledged" in person.look(), "its line, of 80 characters")
+        time.sleep(2 * PERIOD_S)
         assert b"lamp" not in person.look().rpartition(b"X acknowledged")[2]
 
 
