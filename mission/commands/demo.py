@@ -123,8 +123,9 @@ def _leave(flight: Flight, prepared: Prepared, out: Path, flown: Demo) -> None:
     vehicle = prepared.vehicle
     dialect = vehicle.dialect if vehicle.codec == "auv" else ""
     told = Flown(
-        prepared.mission.name, vehicle.name, dialect, flown.seed, flown.settings, sea, None
-    )
+        prepared.mission.name, vehicle.name, dialect, flown.seed, flown.settings, sea, None,
+        vehicle.drives,
+    )  # fmt: skip
     page = report_page(dives_of([box], notes=told.as_notes()))
     (out / "report.html").write_text(page, encoding="utf-8")
     click.echo(f"page {out / 'report.html'}, pictures in {out}, black box {box}")

@@ -107,7 +107,9 @@ def _flown(
         box = None if report is None else _black_box(report)
         flight = fly(mission, vehicle, profile, seed, sea, box)
         bias = flight.compass_bias
-        flown = Flown(mission.name, vehicle.name, spoken, seed, settings, sea.sea, bias)
+        flown = Flown(
+            mission.name, vehicle.name, spoken, seed, settings, sea.sea, bias, vehicle.drives
+        )
         if box is not None and report is not None:
             _report(box, flight, flown, report)
     except OSError as error:

@@ -13,8 +13,6 @@ graph).
 
 from __future__ import annotations
 
-import bisect
-import csv
 import json
 import math
 import time
@@ -23,17 +21,26 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from links.simulated.geodesy import local
 from mission.analysis.ellipses import ellipse
 from mission.authoring.language import script
 from mission.authoring.prepare import Prepared
 from mission.model import Estimate, NavigationMode, Position, Step
 from mission.onboard.blackbox import read_parts
-from mission.onboard.runtime.records import ESTIMATE, START, STEP, estimate_of, read_start, step_of
+from mission.onboard.runtime.records import (
+    ESTIMATE,
+    STANDING,
+    START,
+    STEP,
+    estimate_of,
+    read_standing,
+    read_start,
+    step_of,
+)
 from mission.topside.console import converse
 from mission.topside.upload import OperatorError, start, status, upload
-from mission.verification.simulation.flightlog import Flight, FlightEnd, FlightLog, TruePlace
+from mission.verification.simulation.flightlog import Flight, FlightEnd, FlightLog
 from mission.verification.simulation.staged import READY_S, DemoError, Lines, Stage, told_to_end
+from mission.verification.simulation.truth import Home, Truth, read_truth
 from protocol.messages import Status, StoreReport
 
 POLL_S = 0.25  # real, between two @DU
@@ -151,10 +158,12 @@ class Demo:
     # --- what came of it -----------------------------------------------------------------------
 
     def _flight(self, box: Path, vehicle_wall: float, wall: float) -> Flight:
-        """From the black box, with the true track beside it."""
-        track = self._track()
-        times = [place.t for place in track]
-        log = FlightLog(self.prepared.mission)
+        """From the black box, with the true track beside it, counted from where the vehicle itself
+        counts: a home that it took from a fix is as far off as that fix."""
+        truth = self._truth()
+        given = self.prepared.mission.home
+        home = truth.begin if given is None else _radians(given)
+        log, homes = FlightLog(self.prepared.mission), list[Home]()
         offset, last, state = 0.0, 0.0, "idle/ready"
         for record in read_parts(box):
             last = max(last, record.t)
@@ -164,32 +173,22 @@ class Demo:
                 step = step_of(record.payload)
                 log.step(step)
                 state = step.entered[-1] if step.entered else state
+            elif record.kind == STANDING and (origin := read_standing(record).origin) is not None:
+                home = _radians(origin)
             elif record.kind == ESTIMATE:
                 log.estimate(estimate_of(record.payload))
-        beside = (bisect.bisect_left(times, e.t + offset) for e in log.estimates)
-        seen = tuple(track[min(at, len(track) - 1)] for at in beside)
-        shifted = tuple(TruePlace(p.t - offset, p.north, p.east, p.depth) for p in track)
-        at_surface = track[-1].depth < 0.5
-        digest = self.prepared.chart.digest
-        return log.flight("", FlightEnd(last, digest, wall, state, shifted, seen, at_surface))
+                homes += [home] * (len(log.estimates) - len(homes))
+        beside = zip(log.estimates, homes, strict=True)
+        seen = tuple(truth.place(e.t + offset, counted) for e, counted in beside)
+        at_surface = float(truth.depth[-1]) < 0.5
+        digest, track = self.prepared.chart.digest, truth.track(home, offset)
+        return log.flight("", FlightEnd(last, digest, wall, state, track, seen, at_surface))
 
-    def _track(self) -> list[TruePlace]:
-        home = self.prepared.mission.home
-        with (self.folder / "truth.csv").open(newline="", encoding="ascii") as file:
-            rows = list(csv.DictReader(file))
-        if not rows:
-            raise DemoError(f"the simulated vehicle left no track in {self.folder / 'truth.csv'}")
-        first = (
-            math.radians(float(rows[0]["latitude_deg"])),
-            math.radians(float(rows[0]["longitude_deg"])),
-        )
-        origin = _radians(home) if home is not None else first
-        places = []
-        for row in rows:
-            latitude, longitude = float(row["latitude_deg"]), float(row["longitude_deg"])
-            north, east = local(origin, math.radians(latitude), math.radians(longitude))
-            places.append(TruePlace(float(row["t"]), north, east, float(row["depth_m"])))
-        return places
+    def _truth(self) -> Truth:
+        path = self.folder / "truth.csv"
+        if (truth := read_truth(path)) is None:
+            raise DemoError(f"the simulated vehicle left no track in {path}")
+        return truth
 
 
 def _radians(position: Position) -> tuple[float, float]:

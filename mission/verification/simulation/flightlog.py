@@ -95,6 +95,12 @@ class Flight:
     compass_bias: float | None = None  # rad, true; None: no compass that has one, or not known
 
     @property
+    def on_land(self) -> bool:
+        """It has no depth, and reports none."""
+        is_deep = any(s.estimate.depth is not None or s.true.depth for s in self.samples)
+        return bool(self.samples) and not is_deep
+
+    @property
     def error_end(self) -> float | None:
         return self.samples[-1].error if self.samples else None
 

@@ -27,6 +27,7 @@ class Flown:
     settings: Sequence[str]  # of --set, as they were given
     sea: Sea
     compass_bias: float | None
+    drives: bool = False  # on the ground: no sea is about it
 
     def as_object(self) -> dict[str, Any]:
         bias = self.compass_bias
@@ -51,7 +52,7 @@ class Flown:
             "mission": self.mission,
             "simulated": self.profile or self.vehicle,
             "seed": str(self.seed),
-            "sea": _sea(self.sea),
+            "sea": self._where,
             "set": " ".join(self.settings),
         }
 
@@ -62,11 +63,15 @@ class Flown:
         profile = f", {self.profile}" if self.profile else ""
         return [
             f"simulated         {self.mission} on {self.vehicle}{profile}",
-            f"sea               {_sea(self.sea)}",
+            f"sea               {self._where}",
             f"set               {' '.join(self.settings) or 'nothing'}",
             f"seed              {self.seed}",
             f"compass bias      {compass}",
         ]
+
+    @property
+    def _where(self) -> str:
+        return "on the ground" if self.drives else _sea(self.sea)
 
 
 def _current_object(current: Current) -> dict[str, float]:

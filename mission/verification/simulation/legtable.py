@@ -30,6 +30,7 @@ def _brought(flight: Flight, mission: Mission) -> list[str]:
 
 def _figures(flight: Flight) -> list[str]:
     far = f"{flight.max_range:.1f} m from home (true)"
+    deep = f"{'range':17} " if flight.on_land else f"depth, range      {flight.max_depth:.1f} m, "
     error_end, error_p95 = flight.error_end, flight.error_p95
     errors = (
         "unknown"
@@ -41,7 +42,7 @@ def _figures(flight: Flight) -> list[str]:
         f"outcome           {flight.outcome}: {flight.reason}",
         f"final state       {flight.final_state}",
         f"mission           {flight.mission_time:.1f} s, digest {flight.digest[:16]}",
-        f"depth, range      {flight.max_depth:.1f} m, {far}",
+        f"{deep}{far}",
         f"navigation error  {errors}",
         f"flown in          {flight.wall:.2f} s{speed}",
     ]

@@ -18,7 +18,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mission.analysis.ellipses import Placed, draw_ellipses, width_of
-from mission.verification.simulation.flightlog import Flight, LegFlown, Sample
+from mission.model import Estimate
+from mission.verification.simulation.flightlog import Flight, LegFlown, Sample, TruePlace
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -60,8 +61,9 @@ def title_of(flight: Flight, title: str) -> str:
     if flight.outcome != "completed":
         rows += textwrap.wrap(flight.reason, _TITLE_WIDTH)
     if flight.error_end is not None:
+        deep = "" if flight.on_land else f"to {flight.max_depth:.1f} m deep and "
         rows.append(
-            f"{flight.mission_time / 60:.1f} min, to {flight.max_depth:.1f} m deep and "
+            f"{flight.mission_time / 60:.1f} min, {deep}"
             f"{flight.max_range:.0f} m from home; the estimate is {flight.error_end:.1f} m off "
             "at the end"
         )
@@ -85,11 +87,13 @@ def _plain(name: str) -> str:
 
 def _draw_plan(axes: Axes, flight: Flight, marks: dict[str, _Mark]) -> None:
     samples = flight.samples
+    knows = len({(s.estimate.north, s.estimate.east) for s in samples}) > 1
     flown = [(leg, [s for s in samples if leg.entered <= s.t <= leg.left]) for leg in flight.legs]
     for leg, seen in flown:  # by the estimate, as the guards saw it
+        places = [_where(s, knows) for s in seen]
         axes.plot(
-            [s.estimate.east for s in seen],
-            [s.estimate.north for s in seen],
+            [place.east for place in places],
+            [place.north for place in places],
             color=marks[_plain(leg.name)].colour,
             linewidth=5.0,
             solid_capstyle="round",
@@ -119,8 +123,14 @@ def _draw_plan(axes: Axes, flight: Flight, marks: dict[str, _Mark]) -> None:
     flown_at = [(s.true.east, s.true.north) for s in samples]
     width = width_of([*flown_at, *((s.estimate.east, s.estimate.north) for s in samples)])
     draw_ellipses(axes, _placed(_spread(samples, _ELLIPSES)), width, _ESTIMATE)
-    _number_legs(axes, flown, marks)
+    spots = [(leg, [_where(s, knows) for s in seen]) for leg, seen in flown]
+    _number_legs(axes, spots, marks)
     as_map(axes)
+
+
+def _where(sample: Sample, knows: bool) -> Estimate | TruePlace:
+    """Where a leg is drawn; of a vehicle that does not know its way where it truly is."""
+    return sample.estimate if knows else sample.true
 
 
 def _placed(samples: Sequence[Sample]) -> Iterator[Placed]:
@@ -138,7 +148,9 @@ def as_map(axes: Axes) -> None:
 
 
 def _number_legs(
-    axes: Axes, flown: Sequence[tuple[LegFlown, Sequence[Sample]]], marks: dict[str, _Mark]
+    axes: Axes,
+    flown: Sequence[tuple[LegFlown, Sequence[Estimate | TruePlace]]],
+    marks: dict[str, _Mark],
 ) -> None:
     """One a leg, about its middle, where there is room; further rounds lie about there, too."""
     low, high = axes.get_xlim()
@@ -148,7 +160,7 @@ def _number_legs(
     for leg, seen in flown:
         if not seen or leg.name != _plain(leg.name):
             continue
-        spots = (seen[int(share * (len(seen) - 1))].estimate for share in (0.5, 0.25, 0.75))
+        spots = (seen[int(share * (len(seen) - 1))] for share in (0.5, 0.25, 0.75))
         at = next(
             (
                 spot
@@ -197,7 +209,7 @@ def _draw_profile(axes: Axes, flight: Flight, marks: dict[str, _Mark]) -> None:
             )
     axes.plot(
         [s.t for s in flight.samples],
-        [s.true.depth for s in flight.samples],
+        [math.nan if flight.on_land else s.true.depth for s in flight.samples],
         color=_TRUE,
         linewidth=1.2,
     )
@@ -211,7 +223,10 @@ def _draw_profile(axes: Axes, flight: Flight, marks: dict[str, _Mark]) -> None:
     )
     axes.invert_yaxis()
     axes.set_xlabel("s from the start of the mission")
-    axes.set_ylabel("depth, m")
+    if flight.on_land:
+        axes.set_yticks([])
+    else:
+        axes.set_ylabel("depth, m")
     axes.grid(alpha=0.3)
     if named:
         below = (0.5, -0.2)  # beside the curves it would hide one of them
