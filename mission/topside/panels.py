@@ -21,6 +21,7 @@ BAR, STRIP, ROWS = 20, 100, 4  # characters
 LOW, LOWER = 0.25, 0.1  # of a margin
 _BLOCKS = " ▁▂▃▄▅▆▇█"
 _UNITS = {"to_depth": "m", "to_radius": "m", "to_time": "min", "to_voltage": "V"}
+_REPORTED = ("to_depth", "to_voltage")  # as old as the report
 _VOLTAGE = 0.2  # of the limit: what a full bar has above it
 
 
@@ -96,12 +97,18 @@ def _aged(name: str, age: float | None, within: float) -> Line:
     return Line(f"{name:10} {ago(age)}{'   OLD' if is_old else ''}", CAREFUL if is_old else PLAIN)
 
 
-def margins(watched: Watched) -> Iterator[Line]:
+def margins(watched: Watched, now: float) -> Iterator[Line]:
+    is_old = (watched.age("report_at", now) or 0.0) > REPORT_S
     for name, unit in _UNITS.items():
         left, limit = watched.state.get(name) or (None, None)
         what = f"{name.removeprefix('to_'):8}"
         if left is None:
             yield Line(f"{what} not known", DIM)
+            continue
+        if is_old and name in _REPORTED:
+            yield Line(
+                f"{what} {left:g} {unit} left{'' if limit is None else f' of {limit:g}'}   OLD", DIM
+            )
             continue
         if limit is None:  # by @AE, which tells no limit
             yield Line(f"{what} {left:g} {unit} left", BAD if left <= 0.0 else PLAIN)

@@ -134,6 +134,7 @@ def _margins(state: StateReport | None) -> dict[str, float | None] | None:
 
 _OF_REPORT = ("depth_m", "altitude_m", "heading_deg", "pitch_deg", "roll_deg", "battery_v",
               "power_v")  # fmt: skip
+_REPORTED = ("depth_m", "voltage_v")  # margins that are as old as the report
 _OF_STORE = ("lines", "missing", "digest", "refusal")
 _HELD = "takes no upload: not idle"  # the document's `running`, in an emergency, too
 
@@ -160,7 +161,8 @@ def as_lines(looked: Looked) -> Iterator[str]:
         shown = "not known" if left is None else f"{left:g} {unit.replace('v', 'V')}"
         if left is None and name == "time_min":
             continue  # no mission is under way
-        yield f"to {name.partition('_')[0]:9} {shown}"
+        old = stale if name in _REPORTED and left is not None else ""
+        yield f"to {name.partition('_')[0]:9} {shown}{old}"
     yield from _rows({"store": _HELD if found["store"] == "running" else found["store"]})
     yield from _rows({name: found[name] for name in _OF_STORE})
 

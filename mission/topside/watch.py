@@ -106,7 +106,7 @@ class WatchApp(App[None]):
             banner.insert(0, Line(self.source.problem, panels.CAREFUL))
         self._put("banner", banner)
         self._put("state", panels.state(watched, now))
-        self._put("margins", panels.margins(watched))
+        self._put("margins", panels.margins(watched, now))
         self._put("place", panels.place(watched, now))
         self._put("depth", panels.strip(watched))
         self._ring([*mine, *(Alarm(**plain) for plain in watched.state.get("alarms") or ())])

@@ -66,6 +66,9 @@ def test_an_old_report_is_said_to_be_old_at_each_of_its_values() -> None:
     assert "reports      OLD: the last one is 61 s old" in text
     assert "depth_m      3.2   61 s ago   OLD" in text
     assert text.startswith("ALARM old report: the last report of the vehicle's board is 61 s old")
+    assert "to depth     7 m   OLD" in text
+    assert "to voltage   1.9 V   OLD" in text
+    assert "to radius    860 m\n" in text, "the estimate goes on"
 
 
 @pytest.mark.parametrize(

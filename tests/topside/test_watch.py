@@ -82,9 +82,16 @@ def test_what_is_not_known_is_not_made_up() -> None:
 
 
 def test_a_margin_is_a_bar_that_warns_in_time() -> None:
-    styles = [line.style for line in panels.margins(watched())]
+    styles = [line.style for line in panels.margins(watched(), 0.0)]
     assert styles == [BAD, GOOD, CAREFUL, DIM]
-    assert "0.4 m left of 5" in texts(panels.margins(watched()))
+    assert "0.4 m left of 5" in texts(panels.margins(watched(), 0.0))
+
+
+def test_margins_of_an_old_report_are_old() -> None:
+    depth, radius, _, voltage = panels.margins(watched(to_voltage=[1.0, 10.0]), 30.0)
+    assert depth == ("depth    0.4 m left of 5   OLD", DIM)
+    assert voltage == ("voltage  1 V left of 10   OLD", DIM)
+    assert radius.style == GOOD
 
 
 def test_silence_is_told_first_and_alarms_by_their_danger() -> None:
