@@ -19,6 +19,7 @@ from mission.onboard.runtime.records import ListRecorder
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.runtime.situation import TREND_EVERY_S, Situation
 from mission.onboard.serve.health import of_drive
+from mission.onboard.serve.view import view
 from mission.onboard.store import MemoryStore, Stored
 from protocol.messages import Fix, StateReport, Telemetry
 from protocol.state_frame import MOST
@@ -262,6 +263,9 @@ def test_afloat_without_a_receiver_the_pi_tells_where_its_board_says_it_is(
         for tx in runtime.handle_timer(now):
             board.vehicle_link.send(tx.data, now)
     assert (runtime.status(10.0).fix is None) is bool(gps or gps2)
+    fixed, told = view(runtime, ())["fix_at"], runtime.situation.fix_age(10.0)
+    assert (fixed is None) is (told is None) is bool(gps or gps2)
+    assert fixed is None or 10.0 - fixed == pytest.approx(told, abs=0.01), "viewers see the same"
 
 
 def test_by_a_depth_that_is_not_believed_a_vehicle_is_at_no_surface() -> None:

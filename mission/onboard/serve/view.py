@@ -38,7 +38,7 @@ def view(runtime: Runtime, alarms: Iterable[Alarm]) -> dict[str, Any]:
         "depth": _bare(runtime, "depth"),
         **_place(runtime),
         "report_at": _rounded(known.telemetry.t) if known.telemetry else None,
-        "fix_at": _rounded(known.fix.t) if known.fix else None,
+        "fix_at": _fixed(runtime),
         "setpoint": setpoint_words(known.setpoint),
         "commander": str(runtime.commander.peer or ""),
         **_margins(runtime),
@@ -77,6 +77,13 @@ def _place(runtime: Runtime) -> dict[str, Any]:
         "ellipse": [*axes, round(math.degrees(bearing) % 180.0)],
         "current": [round(estimate.current_north, 2), round(estimate.current_east, 2)],
     }
+
+
+def _fixed(runtime: Runtime) -> float | None:
+    """When it last knew its place from outside: by a receiver, or without one by itself."""
+    now = runtime.engine.core.now
+    age = runtime.situation.fix_age(now)
+    return None if age is None else _rounded(now - age)
 
 
 def _margins(runtime: Runtime) -> dict[str, Any]:
