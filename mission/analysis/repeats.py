@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -9,9 +10,12 @@ from dataclasses import dataclass, field
 from mission.model.shown import clock
 from mission.onboard.stream.events import HELD, answers_in, frame_text
 
+_LONG, _MOVED_M = 4, 0.5  # times that an ascent says something again; m
 _TRY = re.compile(r" \(try (\d+) of (\d+)\)$")
 _MOST = 5  # frames whose tries are told
 _ADDRESS = 4  # bytes: a CAN identifier, or the head of a board's frame with its command
+_MEASURED = re.compile(r"(?<=the depth is )-?[\d.]+ m, no less")
+_ASCENT_S = 60.0  # between two of the same words of an ascent that goes on
 _ROUND_S = 1.0  # a frame that comes again so soon is held, whatever else is said between
 
 
@@ -54,12 +58,16 @@ class Rows:
         self._last: dict[tuple[str, str], _Run] = {}
 
     def add(self, t: float, what: str, why: str, same: str = "") -> None:
-        """``same``: what it has in common with others that are told in its row."""
-        run = self._last.get((same or what, why))
-        if run is not None and (run is self._runs[-1] or t - run.end <= self._within):
+        """``same``: what it has in common with others that are told in its row. The measured depth
+        in a reason makes none of its own."""
+        key, within = (same or what, _MEASURED.sub("", why)), self._within
+        if key[1] != why:
+            within = max(within, _ASCENT_S)
+        run = self._last.get(key)
+        if run is not None and (run is self._runs[-1] or t - run.end <= within):
             run.goes_on(t)
         else:
-            self._last[same or what, why] = run = _Run(what, why, t, t)
+            self._last[key] = run = _Run(what, why, t, t)
             self._runs.append(run)
         run.forms.add(what)
 
@@ -151,10 +159,16 @@ class Again:
     def __init__(self) -> None:
         self._run, self._said = _Run("", "", 0.0, 0.0), dict[str, None]()
         self._place: int | None = None  # of its sentence
+        self._shallow, self._deep = math.inf, -math.inf  # m, by the reports since it began
 
     def end(self) -> None:
         """Another state is entered."""
         self._place = None
+
+    def report(self, depth: float | None) -> None:
+        """Of the vehicle, m."""
+        if depth is not None:
+            self._shallow, self._deep = min(self._shallow, depth), max(self._deep, depth)
 
     def add(self, t: float, what: str, why: str, says: list[str]) -> None:
         """Adds a sentence to ``says``, or tells more in its own."""
@@ -163,6 +177,7 @@ class Again:
             self._run.goes_on(t)
         else:
             self._run, self._said, self._place = _Run(what, root, t, t), {}, len(says)
+            self._shallow, self._deep = math.inf, -math.inf
             says.append("")
         self._said[what] = None
         says[self._place] = self._told(why)
@@ -173,4 +188,13 @@ class Again:
         if run.count == 1:
             return f"{clock(run.begin)}: {why}; said again: {said}."
         often = f"said again {run.count} times, in turn: {said}"
-        return f"{clock(run.begin)} to {clock(run.end)}: {run.why}; {often}."
+        return f"{clock(run.begin)} to {clock(run.end)}: {run.why}; {often}{self._unmoved}."
+
+    @property
+    def _unmoved(self) -> str:
+        """Of a depth that does not follow for long."""
+        spread = self._deep - self._shallow
+        if self._run.count < _LONG or not 0.0 <= spread < _MOVED_M:
+            return ""
+        range_ = f"{self._shallow:.1f} to {self._deep:.1f} m"
+        return f". All the while its reports said {range_}: it did not rise, or its depth is stuck"

@@ -15,10 +15,11 @@ from typing import Any
 
 from mission.analysis.doubts import Doubts, Spell, lasting, summed
 from mission.analysis.ended import ended_by
+from mission.analysis.extremes import Extremes
 from mission.analysis.journal import restart
 from mission.analysis.repeats import Again, Commands, Refusals, Rows, Words
 from mission.analysis.resting import SILENT_S
-from mission.analysis.unsaid import Absence, Unsaid
+from mission.analysis.unsaid import Absence, Power, Unsaid
 from mission.engine.limits import LIMITS
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Record, Step
 from mission.model.regions import EMERGENCY
@@ -80,9 +81,6 @@ class _Told:
     least: dict[str, _Least] = field(default_factory=dict)
     says: list[str] = field(default_factory=list)
     commanders: dict[str, None] = field(default_factory=dict)
-    deepest: tuple[float, float] = (0.0, 0.0)  # m, by a report that could be believed, and when
-    farthest: float = 0.0
-    lowest: tuple[float, float] | None = None  # m above the bottom, and when
 
 
 def story(recordings: Sequence[Sequence[Record | Gap]]) -> list[Chapter]:
@@ -114,7 +112,9 @@ class Teller:
         self._derivation: Derivation | None = None
         self._doubts: Doubts | None = None
         self._flown: Chart | None = None  # the mission that was started last
-        self._unsaid, self._absence = Unsaid(), Absence()
+        self._unsaid, self._absence, self._extremes = Unsaid(), Absence(), Extremes()
+        self._power = Power()
+        self._acting: frozenset[str] = frozenset()  # limits that the vehicle's reports let act
         self._bounds: dict[str, float] = {}  # the limits in force, as they were last
         self._breached: frozenset[str] | None = None  # limits; None: before the first are known
         self._end = 0.0
@@ -159,9 +159,12 @@ class Teller:
             self._look(message.t, message.value, derivation, believed)
         elif message.topic == JOURNAL:
             self._journal(message.t, message.value)
-        elif message.topic == TELEMETRY and believed and self._under_way:
-            deep = message.value["depth_m"] or 0.0
-            self._told.deepest = max(self._told.deepest, (deep, message.t), key=lambda at: at[0])
+        elif message.topic == TELEMETRY:
+            depth = message.value["depth_m"]
+            self._told.again.report(depth)
+            self._extremes.last = depth if believed else None
+            if believed and self._under_way:
+                self._extremes.report(message.t, depth)
         standing = derivation.standing
         origin = standing.origin if standing else None
         by_hand = self._state.startswith("manual")
@@ -172,6 +175,9 @@ class Teller:
         says = f"The program (version {start.version}, vehicle {start.vehicle.name}) began {when}."
         self._told.says.append(says)
         self._unsaid = Unsaid("position" in start.vehicle.reports)
+        self._extremes = Extremes(start.vehicle.reports)
+        acting = (name for name, row in LIMITS.items() if not row.disarmed(start.vehicle))
+        self._acting = frozenset(acting)
         if start.store.under_way:
             before = f"Before, it had been interrupted: {start.store.under_way} was under way."
             self._told.says.append(before)
@@ -246,6 +252,7 @@ class Teller:
         tx = rec.read_tx(record)
         if tx.link == VEHICLE:
             self._told.commands.add(tx.t, tx.data, tx.reason)
+            self._told.says += self._power.sent(tx.t, tx.data)
             return
         who = f"{tx.link} {tx.address}".rstrip()
         self._told.words.add(tx.t, who, tx.data)
@@ -265,16 +272,12 @@ class Teller:
         told, standing = self._told, derivation.standing
         if not self._under_way or standing is None:
             return
-        doubts, low = self._doubts, state["altitude_m"]
-        if low is not None and doubts and doubts.believes("altitude", t):
-            told.lowest = min(told.lowest or (low, t), (low, t))
-        if state["north_m"] is not None:
-            far = float((state["north_m"] ** 2 + state["east_m"] ** 2) ** 0.5)
-            told.farthest = max(told.farthest, far)
+        low = self._doubts is not None and self._doubts.believes("altitude", t)
+        self._extremes.state(t, state, low)
         for name in MARGINS:
             limit, left = name.removeprefix("to_").rpartition("_")[0], state[name]
             least = told.least.get(limit)
-            known = left is not None and (deep or limit != "depth")
+            known = left is not None and (deep or limit != "depth") and limit in self._acting
             if known and (least is None or left < least.left):
                 told.least[limit] = _Least(left, t, getattr(standing, limit))
 
@@ -290,19 +293,11 @@ class Teller:
             told.says.append(f"Who commanded: {', '.join(told.commanders)}.")
         if self._under_way:
             told.says += self._never_flown()
-            deep, when = told.deepest
-            told.says.append(
-                f"By its own reports it was {deep:.1f} m deep at most, at {clock(when)}, and by "
-                f"its own estimate {told.farthest:.0f} m from home."
-            )
-        if told.lowest is not None and self._under_way:
-            metres, at = told.lowest
-            told.says.append(
-                f"By its altimeter the bottom was no nearer than {metres:.1f} m, at {clock(at)}."
-            )
+            told.says += self._extremes.says()
         told.says += (*self._doubted(), *told.commands.in_vain(), *self._unsaid.at_last(self._end))
         told.says += self._absence.at_last(self._end)
-        told.says.append(f"The recording ends {clock(self._end)}, in {self._state or 'no state'}.")
+        ends = f"The recording ends {clock(self._end)}, in {self._state or 'no state'}"
+        told.says.append(f"{ends}{self._extremes.at_last}.")
         yield Chapter("What happened", tuple(told.says))
         yield from self._tables()
 
@@ -346,7 +341,12 @@ class Teller:
             for leg in told.legs
         ]
         limits = [
-            (name, f"{one.bound:g} {_UNITS[name]}", f"{one.left:.1f} {_UNITS[name]}", clock(one.t))
+            (
+                name,
+                f"{one.bound:g} {_UNITS[name]}",
+                f"{one.left:z.1f} {_UNITS[name]}",
+                clock(one.t),
+            )
             for name, one in told.least.items()
         ]
         parts: tuple[tuple[str, tuple[str, ...], Sequence[tuple[str, ...]], str], ...] = (

@@ -8,6 +8,7 @@ What does not live here: decisions and commands (story), the smoothed track (smo
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -19,9 +20,11 @@ from mission.navigation.geodesy import LocalFrame
 from mission.onboard.runtime import records as rec
 from mission.onboard.stream.derived import Message
 from mission.onboard.stream.topics import AID, FIX, STATE, TELEMETRY
+from protocol.topside_frames import SENSORS
 
 ALONE_S = 60.0  # without a fix: then it is told how far off the next one lies
 DEEP_M = 2.0  # where no receiver hears anything
+_SWITCHED = re.compile(rb"@RS([OC]{%d})\$" % len(SENSORS))
 
 
 @dataclass(slots=True)
@@ -65,6 +68,23 @@ class Absence:
                 yield f"Nobody was connected to {link} for {lasted}, {often}{when}."
 
 
+class Power:
+    """Of the vehicle's devices, as operators have it switched by ``@RS``."""
+
+    def __init__(self) -> None:
+        self._letters = ""
+
+    def sent(self, t: float, data: bytes) -> Iterator[str]:
+        found = _SWITCHED.fullmatch(data)
+        if found is None or found[1].decode() == self._letters:
+            return
+        self._letters = found[1].decode()
+        pairs = list(zip(SENSORS, self._letters, strict=True))
+        on, off = ([name for name, letter in pairs if letter == which] for which in "OC")
+        says = (f"{', '.join(names)} {to}" for names, to in ((on, "on"), (off, "off")) if names)
+        yield f"{clock(t)}: an operator had power switched: {'; '.join(says)}."
+
+
 class Unsaid:
     """Of one run of the program; ``receiver``: its vehicle reports where it is."""
 
@@ -95,6 +115,8 @@ class Unsaid:
             self._sunk.report(depth)
             if self._unfixed is not None:
                 yield from self._unfixed.report(message.t, depth, believed)
+                if message.value["latitude_deg"] is not None:  # it knows its place by itself
+                    yield from self._unfixed.fix(message.t)
         elif message.topic == AID:
             self._added += 1
         elif message.topic == FIX:
@@ -131,6 +153,8 @@ class Unsaid:
 
     def _report(self, t: float, depth: float | None, by_hand: bool) -> Iterator[str]:
         before, self._reported, self._depth = self._reported, t, depth
+        if before is None and t > SILENT_S:
+            yield f"{clock(t)}: the first report of the vehicle; until then it had said nothing."
         if before is not None and t - before > SILENT_S:
             driven = ", which was driven by hand," if by_hand else ""
             silent = duration(round(t - before))

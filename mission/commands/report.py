@@ -16,13 +16,15 @@ if TYPE_CHECKING:
 
     from mission.analysis.report.dive import Dive
 
+_PICTURES = (".png", ".pdf", ".svg")
+
 
 @click.command()
 @click.argument("files", nargs=-1, required=True, metavar="FILE...",
                 type=click.Path(path_type=Path, dir_okay=False))  # fmt: skip
 @click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False),
               help="Page to write; default: the first FILE with the suffix .html. With the suffix "
-              ".png the smoothed track of one FILE alone, as a picture.")  # fmt: skip
+              ".png, .pdf or .svg the smoothed track of one FILE alone.")  # fmt: skip
 @click.option("--map", "map_", type=click.Path(path_type=Path, dir_okay=False),
               help="The map of one FILE as well, as a PNG, PDF or SVG, by its suffix.")  # fmt: skip
 @click.option("--pictures", type=click.Path(path_type=Path, file_okay=False),
@@ -53,8 +55,8 @@ def report(
     _check_one(files, page, map_, pictures)
     try:
         dives = dives_of(files, load_vehicle(vehicle) if vehicle else None)
-        if page.suffix == ".png" and dives[0].smoothed is None:
-            raise ValueError("there is no fix: a track has no place")
+        if page.suffix in _PICTURES and dives[0].smoothed is None:
+            raise ValueError("there is no fix of a receiver: no smoothed track")
     except (BlackBoxError, VehicleError) as error:
         raise _failed(str(error)) from None
     except (ValueError, KeyError, TypeError) as error:
@@ -73,9 +75,9 @@ def report(
 def _check_one(
     files: tuple[Path, ...], page: Path, map_: Path | None, pictures: Path | None
 ) -> None:
-    if len(files) > 1 and (map_ or pictures or page.suffix == ".png"):
+    if len(files) > 1 and (map_ or pictures or page.suffix in _PICTURES):
         raise click.UsageError("pictures and a map are of one FILE")
-    if map_ is not None and map_.suffix not in (".png", ".pdf", ".svg"):
+    if map_ is not None and map_.suffix not in _PICTURES:
         raise click.UsageError(f"--map {map_}: a map is a .png, .pdf or .svg")
 
 
@@ -91,7 +93,7 @@ def _write(
     dive = dives[0]
     title = "\n".join(filter(None, (headline(dive), simulated(dive))))
     with writing(page):
-        if page.suffix == ".png" and dive.smoothed is not None:
+        if page.suffix in _PICTURES and dive.smoothed is not None:
             draw_track(dive.smoothed, dive.spells, page, title)
         else:
             page.write_text(report_page(dives), encoding="utf-8")

@@ -21,6 +21,7 @@ from mission.analysis.report.figures import Picture, map_of, pictures_of, unbrok
 from mission.analysis.report.map import _scale, draw_map, flown_of, near
 from mission.analysis.report.words import figures, track_words
 from mission.analysis.story import story
+from mission.authoring.prepare import prepare
 from mission.commands.report import report
 from mission.commands.simulate import simulate
 from mission.model import Position, Record, Tx
@@ -29,6 +30,7 @@ from mission.model.shown import clock
 from mission.onboard.blackbox import BlackBox, close_recording, notes_of
 from mission.onboard.runtime.records import RX, read_rx, tx_record
 from mission.onboard.runtime.runtime import VEHICLE
+from mission.verification.simulation.flight import fly
 
 drawing, patches = Later("matplotlib.figure"), Later("matplotlib.patches")
 RECORDED = Path(__file__).parent / "recorded"
@@ -107,9 +109,38 @@ def test_several_dives_are_on_one_page_in_the_order_of_their_starts(tmp_path: Pa
     happened = [m.start() for m in re.finditer("<h2>What happened", page.text)]
     dives = [m.start() for m in re.finditer("<h2>Dive", page.text)]
     assert sorted(happened + dives) == [dives[0], happened[0], dives[1], happened[1]]
-    for more in (("-o", tmp_path / "day.png"), ("--pictures", tmp_path / "pictures")):
+    for more in (("-o", tmp_path / "day.pdf"), ("--pictures", tmp_path / "pictures")):
         ran = reported(AGAIN, HEAVY, *more)
         assert (ran.exit_code, "of one FILE" in ran.output) == (2, True)
+
+
+@pytest.mark.parametrize(("suffix", "head"), [(".png", b"\x89PNG"), (".pdf", b"%PDF")])
+def test_the_smoothed_track_alone_is_a_picture_as_its_suffix_says(
+    suffix: str, head: bytes, tmp_path: Path
+) -> None:
+    path = tmp_path / f"track{suffix}"
+    ran = reported(SHORT, "-o", path)
+    assert ran.exit_code == 0, ran.output
+    assert path.read_bytes().startswith(head)
+
+
+def test_what_a_vehicle_does_not_report_has_no_empty_picture(tmp_path: Path) -> None:
+    """Of the robot a battery alone; of the ROV neither battery, altitude nor place."""
+    rows = {"robot-drive": {"margins": 2, "batteries": 1},
+            "rov-dive": {"map": 1, "depth": 1, "margins": 2, "attitude": 3, "sensors": 1}}  # fmt: skip
+    for name, expected in rows.items():
+        prepared, box = prepare(Path(name)), BlackBox(tmp_path / f"{name}.mcap")
+        fly(prepared.mission, prepared.vehicle, seed=3, recorder=box)
+        box.close()
+        (items,) = recordings([box.path])
+        made = {one.name: one for one in pictures_of(Dive.of(items, None))}
+        assert {one.name: one.rows for one in made.values()} == expected
+    assert made["map"].caption == "Map: estimated track by legs."
+    axes = drawing.Figure().subplots()
+    made["map"].draw([axes])
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("east of home, m", "north of home, m")
+    numbers = [text.get_text() for text in axes.texts]
+    assert "1, 2, 3" in numbers, "legs on one spot do not cover one another"
 
 
 def test_what_happened_stands_before_the_pictures(made: tuple[Page, Path]) -> None:

@@ -15,11 +15,11 @@ from click.testing import CliRunner, Result
 from links.simulated.settings import parse_settings
 from mission.analysis.doubts import Spell, summed
 from mission.analysis.journal import Wanted, follow, recordings, restart
-from mission.analysis.repeats import Commands, Refusals, Rows, Words
+from mission.analysis.repeats import Again, Commands, Refusals, Rows, Words
 from mission.analysis.resting import Sunk, Unfixed
 from mission.analysis.story import Chapter, Table, story
 from mission.analysis.tell import as_html, as_markdown, as_text
-from mission.analysis.unsaid import Absence, Unsaid
+from mission.analysis.unsaid import Absence, Power, Unsaid
 from mission.authoring.prepare import prepare
 from mission.commands.log import log
 from mission.commands.story import story as story_command
@@ -183,9 +183,77 @@ def test_an_ascent_that_goes_on_is_told_once_with_all_that_it_tried(frozen: list
     says = story([frozen])[0].says
     (again,) = [line for line in says if "said again" in line]
     assert re.search(
-        r"in turn: everything stopped, emergency surfacing, surge 0 heave -1\.$", again
-    )
+        r"in turn: everything stopped, emergency surfacing, surge 0 heave -1\. All the while its "
+        r"reports said (\d\.\d) to \1 m: it did not rise, or its depth is stuck\.$", again,
+    )  # fmt: skip
     assert again.count("after 10 s") == 0
+
+
+def test_an_ascent_whose_depth_falls_is_not_told_as_stuck() -> None:
+    for end, stuck in ((4.8, True), (4.4, False)):
+        again, says = Again(), list[str]()
+        for n in range(5):
+            again.report(5.0 if n < 4 else end)
+            again.add(
+                float(n), "surge 0 heave -1", f"W: after 10 s the depth is {n} m, no less", says
+            )
+            again.report(5.0 if n < 3 else end)
+        assert ("its reports said 4.8 to 5.0 m" in says[0]) is stuck
+
+
+def test_what_an_ascent_says_over_and_over_is_one_row_a_frame_whatever_depth_it_saw() -> None:
+    commands = Commands()
+    for n in range(4):
+        why = f"W: after 10 s the depth is {3.0 + n / 10} m, no less"
+        commands.add(20.0 * n, b"@ZAX0$", why)
+        commands.add(20.0 * n + 0.1, b"@ZAU12$", why)
+    commands.add(200.0, b"@ZAX0$", "W: after 10 s the depth is 3.0 m, no less")
+    says = "W: after 10 s the depth is 3.0 m, no less"
+    assert commands.rows() == [
+        ("0:00.0", "@ZAX0$", f"{says} (4 times, until 1:00.0)"),
+        ("0:00.1", "@ZAU12$", f"{says} (4 times, until 1:00.1)"),
+        ("3:20.0", "@ZAX0$", says),
+    ]
+
+
+def test_power_that_an_operator_has_switched_is_told_by_device_once() -> None:
+    power = Power()
+    said = [
+        says
+        for t, data in enumerate((b"@RSCCOCOCC$", b"@RSCCOCOCC$", b"@RI$", b"@RSOOOOOOO$"))
+        for says in power.sent(float(t), data)
+    ]
+    assert said == [
+        "0:00.0: an operator had power switched: BDGPS, radio on; "
+        "CTD, altimeter, UACM, magnetometer, light off.",
+        "0:03.0: an operator had power switched: "
+        "CTD, altimeter, BDGPS, UACM, radio, magnetometer, light on.",
+    ]
+
+
+def test_a_first_report_that_comes_late_is_told() -> None:
+    for t, said in ((4.0, False), (11.0, True)):
+        first = list(Unsaid().receive(of_report(t, 1.0), None))
+        assert bool(first) is said
+    assert first == ["0:11.0: the first report of the vehicle; until then it had said nothing."]
+
+
+def test_how_deep_it_was_when_the_recording_ends_is_told_where_it_can_be_believed(
+    frozen: list[Record],
+) -> None:
+    assert re.search(r"ends \S+, in idle/ready, 0\.\d m deep by its last report\.$",
+                     story([flown()])[0].says[-1])  # fmt: skip
+    assert story([frozen])[0].says[-1].endswith(", in emergency/surfaced.")
+
+
+def test_what_a_vehicle_has_no_sense_for_is_not_told() -> None:
+    prepared, recorder = prepare(Path("robot-drive")), ListRecorder()
+    fly(prepared.mission, prepared.vehicle, "", 3, parse_settings(()), recorder)
+    text = as_text("dive", story([recorder.records]))
+    assert "m deep" not in text
+    assert "from home" not in text
+    limits = chapter(story([recorder.records]), "Limits").rows
+    assert [row[0] for row in limits] == ["time", "voltage"], "the others cannot act"
 
 
 def test_what_is_held_is_told_once_with_how_often_it_was_said() -> None:
@@ -289,7 +357,7 @@ def test_the_depth_of_an_ascent_after_a_restart_counts() -> None:
 
 
 def of_report(t: float, depth: float | None) -> Message:
-    return Message(TELEMETRY, t, {"depth_m": depth})
+    return Message(TELEMETRY, t, {"depth_m": depth, "latitude_deg": None})
 
 
 def of_fix(t: float, latitude: float, longitude: float) -> Message:
@@ -347,6 +415,16 @@ def test_a_vehicle_without_a_receiver_waits_for_no_fix() -> None:
         for t in range(0, 80, 2):
             list(unsaid.receive(of_report(float(t), 0.1), None))
         assert bool(list(unsaid.at_last(79.0))) is receiver
+
+
+def test_a_vehicle_that_knows_its_place_by_itself_waits_for_no_fix() -> None:
+    unsaid = Unsaid()
+    for t in range(0, 80, 2):
+        placed = {"depth_m": 0.1, "latitude_deg": 30.0 if t < 30 else None}
+        list(unsaid.receive(Message(TELEMETRY, float(t), placed), None))
+    assert list(unsaid.at_last(79.0)) == [
+        "1:19.0: until then it had been at the surface without a fix for 51 s."
+    ]
 
 
 def test_sensors_that_were_added_are_not_told_as_believed() -> None:

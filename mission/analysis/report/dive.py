@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from mission.analysis.doubts import Spell
+from mission.analysis.extremes import TRACKED_BY
 from mission.analysis.journal import recordings, start_of
 from mission.analysis.smoothing import Track, smooth
 from mission.analysis.story import Chapter, Teller
@@ -58,6 +59,12 @@ class Dive:
     spells: Sequence[Spell] = ()  # of sensors that could not be believed
     story: Sequence[Chapter] = ()  # what happened first, then the tables
     smoothed: Track | None = None
+
+    @property
+    def is_tracked(self) -> bool:
+        """Its vehicle tells where it is or where it heads; else the estimate stays at home."""
+        known = any(state["north_m"] is not None for state in self.states)
+        return known and bool(self.vehicle.reports & TRACKED_BY)
 
     def series(self, values: Sequence[Mapping[str, Any]], name: str) -> tuple[Array, Array]:
         """Times and values, NaN where nothing is known."""

@@ -18,6 +18,7 @@ from mission.analysis.drawing import draw_quality, timed
 from mission.analysis.report.dive import Dive
 from mission.analysis.report.map import draw_map, flown_of, marks_of, near, plain, planned
 from mission.analysis.report.words import simulated
+from mission.engine.limits import LIMITS
 from mission.navigation.filter import Array
 
 if TYPE_CHECKING:
@@ -45,21 +46,21 @@ class Picture:
 
 def pictures_of(dive: Dive) -> Iterator[Picture]:
     """Those that the dive has something for."""
-    if any(state["north_m"] is not None for state in dive.states):
+    if dive.is_tracked:
         yield map_of(dive)
-    if dive.states:
+    if any(state["depth_m"] is not None for state in dive.states):
         caption = "Depth as the vehicle took it to be, with the legs."
         if any(spell.sensor == "depth" for spell in dive.spells):
             caption += " Hatched: it was not to be believed."
         yield Picture("depth", caption, 1, (9, 3), lambda axes: _depth(axes[0], dive))
-    known = [(n, u) for n, u in _MARGINS if any(s[n] is not None for s in dive.states)]
+    known = [(n, u) for n, u in _MARGINS if _acts(dive, n)]
     if known:
         caption, size = "What was left to each limit.", (9.0, 1.3 * len(known))
         yield Picture("margins", caption, len(known), size, lambda a: _margins(a, dive, known))
     for name, rows, unit in (
         ("attitude", _ATTITUDE, "deg"), ("batteries", _BATTERIES, "V"), ("sensors", _SENSORS, "")
     ):  # fmt: skip
-        yield _values_of(dive, name, rows, unit)
+        yield from _values_of(dive, name, rows, unit)
     track = dive.smoothed
     if track is not None:
         caption = "Fixes: innovations, residuals, and when which sensor could not be believed."
@@ -72,15 +73,26 @@ def map_of(dive: Dive) -> Picture:
     shown = ["plan"] if plan else []
     shown += ["estimated track by legs"]
     shown += ["smoothed track", "fixes"] if dive.smoothed is not None else []
-    caption = f"Map: {', '.join(shown)}{of}. 95 % ellipses that would bury the track are left out."
+    caption = f"Map: {', '.join(shown)}{of}."
+    if dive.covariances:
+        caption += " 95 % ellipses that would bury the track are left out."
     if near(flown_of(dive), plan) != plan:
         caption += " The plan goes on beyond the map."
     return Picture("map", caption, 1, (8.5, 6.5), lambda axes: draw_map(axes[0], dive), "tight")
 
 
-def _values_of(dive: Dive, name: str, rows: Rows, unit: str) -> Picture:
-    caption, size = f"{name.capitalize()}.", (9.0, 1.4 * len(rows))
-    return Picture(name, caption, len(rows), size, lambda axes: _values(axes, dive, rows, unit))
+def _acts(dive: Dive, margin: str) -> bool:
+    """It is a margin that is known, to a limit that can act."""
+    limit = LIMITS[margin.removeprefix("to_").rpartition("_")[0]]
+    return not limit.disarmed(dive.vehicle) and any(s[margin] is not None for s in dive.states)
+
+
+def _values_of(dive: Dive, name: str, rows: Rows, unit: str) -> Iterator[Picture]:
+    """Of those rows that the vehicle has said anything of."""
+    said = [row for row in rows if any(one[row[0]] is not None for one in dive.telemetry)]
+    if said:
+        caption, size = f"{name.capitalize()}.", (9.0, 1.4 * len(said))
+        yield Picture(name, caption, len(said), size, lambda axes: _values(axes, dive, said, unit))
 
 
 def save(picture: Picture, path: Path, title: str) -> None:

@@ -28,6 +28,7 @@ _DISC = {"boxstyle": "circle,pad=0.15", "fc": "w", "lw": 0.5}
 _ELLIPSES, _ELLIPSE = 10, "#555555"
 _MARGIN, _NARROWEST = 0.08, 0.6  # of the frame, of its long side
 _SMALLEST = 10.0  # m, that a frame shows
+_APART = 0.02  # of the frame's long side, of two numbers of legs
 _NEAR = 0.5  # of the track's long side: so far beside it the plan widens the frame
 
 
@@ -56,12 +57,14 @@ def draw_map(axes: Axes, dive: Dive) -> None:
     _track(axes, dive, t, np.column_stack([east, north]))
     if dive.origin is not None:
         fixes = [dive.local(f["latitude_deg"], f["longitude_deg"]) for f in dive.fixes]
-        axes.plot(*_columns(fixes), ".", color=_FIX, ms=4, label="fixes", zorder=4)
+        if fixes:
+            axes.plot(*_columns(fixes), ".", color=_FIX, ms=4, label="fixes", zorder=4)
     known = np.isfinite(east)
     flown = flown_of(dive)
     shown = [*flown, *near(flown, [point for line in lines for point in line])]
     width = _frame(axes, shown or [(0.0, 0.0)])
     _ellipses(axes, dive, t, np.column_stack([east, north]), width)
+    _number(axes, dive, t, np.column_stack([east, north]), width)
     (west, east_edge), (south, north_edge) = axes.get_xlim(), axes.get_ylim()
     if west <= 0.0 <= east_edge and south <= 0.0 <= north_edge:
         axes.plot(0.0, 0.0, "*", color="k", ms=9, mfc="w", label="home", zorder=5)
@@ -71,6 +74,10 @@ def draw_map(axes: Axes, dive: Dive) -> None:
                   zorder=5)  # fmt: skip
     if dive.origin is not None:
         _graticule(axes, LocalFrame(dive.origin), width)
+    else:
+        axes.set_xlabel("east of home, m", fontsize=8)
+        axes.set_ylabel("north of home, m", fontsize=8)
+        axes.grid(color="#bbbbbb", lw=0.5, zorder=0)
     _scale(axes, width, [*shown, (0.0, 0.0)])
     axes.annotate("N", (0.96, 0.97), (0.96, 0.87), xycoords="axes fraction", ha="center",
                   va="center", arrowprops={"arrowstyle": "->", "lw": 1.2})  # fmt: skip
@@ -133,13 +140,30 @@ def _track(axes: Axes, dive: Dive, t: Array, places: Array) -> None:
         mark, line = marks[stay.leg], places[within]
         axes.plot(line[:, 0], line[:, 1], color=mark.colour, lw=3.0, solid_capstyle="round",
                   label="" if stay.leg in named else mark.label, zorder=2)  # fmt: skip
-        if len(line) and stay.leg not in named:
-            axes.annotate(str(mark.number), line[len(line) // 2], fontsize=8, zorder=7,
-                          ha="center", va="center", bbox=_DISC)  # fmt: skip
         named.add(stay.leg)
     if dive.smoothed is not None:
         north, east = dive.smoothed.smoothed.T
         axes.plot(east, north, color=_SMOOTHED, lw=0.8, label="smoothed", zorder=3)
+
+
+def _number(axes: Axes, dive: Dive, t: Array, places: Array, width: float) -> None:
+    """Each leg's number on its first way; those that would cover one another in one place."""
+    found: list[tuple[Array, list[str]]] = []
+    stays = {stay.leg: stay for stay in reversed(dive.stays())}
+    for leg, mark in marks_of(dive.stays()).items():
+        within = (t >= stays[leg].begin) & (t <= stays[leg].end) & np.isfinite(places[:, 0])
+        if not within.any():
+            continue
+        line = places[within]
+        middle = line[len(line) // 2]
+        beside = next((n for at, n in found if np.hypot(*(at - middle)) < _APART * width), None)
+        if beside is None:
+            found.append((middle, [str(mark.number)]))
+        else:
+            beside.append(str(mark.number))
+    for at, numbers in found:
+        axes.annotate(", ".join(numbers), tuple(at), fontsize=8, zorder=7, ha="center",
+                      va="center", bbox=_DISC)  # fmt: skip
 
 
 def _ellipses(axes: Axes, dive: Dive, t: Array, places: Array, width: float) -> None:

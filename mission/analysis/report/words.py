@@ -72,7 +72,7 @@ def figures(dive: Dive) -> dict[str, Any] | None:
 def track_words(dive: Dive) -> str:
     """The same as lines."""
     if (f := figures(dive)) is None:
-        return "track      there is no fix: it has no place"
+        return "track      there is no fix of a receiver: no smoothed track"
     apart, radius = f["filtered_from_smoothed_m"], f["smoothed_radius_95_m"]
     nis = "" if f["mean_nis"] is None else f", mean NIS {f['mean_nis']:.2f} (2 is honest)"
     rows = [

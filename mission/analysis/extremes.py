@@ -1,0 +1,58 @@
+"""How deep and how far a vehicle went, and how near the bottom, by what it knew of itself.
+
+    reports and states --Extremes--> sentences
+
+What it has no sense for is not told: a vehicle without a depth was not "0 m deep".
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from mission.model.shown import clock
+
+TRACKED_BY = frozenset({"heading", "position"})  # of what it reports; with neither it stays at home
+
+
+class Extremes:
+    """Of one run of the program, while a mission or an emergency is under way; ``reports``: what
+    the vehicle can tell. Depths and altitudes in m, with the time."""
+
+    def __init__(self, reports: frozenset[str] = frozenset()) -> None:
+        self._tracked = bool(reports & TRACKED_BY)
+        self._deepest: tuple[float, float] | None = None
+        self._lowest: tuple[float, float] | None = None
+        self._farthest: float | None = None
+        self.last: float | None = None  # m, by the newest report; None: not to be believed
+
+    @property
+    def at_last(self) -> str:
+        return "" if self.last is None else f", {max(self.last, 0.0):.1f} m deep by its last report"
+
+    def report(self, t: float, depth: float | None) -> None:
+        """``depth``: one that could be believed."""
+        if depth is not None and (self._deepest is None or depth > self._deepest[0]):
+            self._deepest = depth, t
+
+    def state(self, t: float, state: Mapping[str, Any], altitude_believed: bool) -> None:
+        low, north = state["altitude_m"], state["north_m"]
+        if low is not None and altitude_believed:
+            self._lowest = min(self._lowest or (low, t), (low, t))
+        if north is not None and self._tracked:
+            self._farthest = max(self._farthest or 0.0, math.hypot(north, state["east_m"]))
+
+    def says(self) -> Iterator[str]:
+        said = []
+        if self._deepest is not None:
+            deep, at = self._deepest
+            said.append(f"by its own reports it was {deep:.1f} m deep at most, at {clock(at)}")
+        if self._farthest is not None:
+            went = "" if said else "it went "
+            said.append(f"by its own estimate {went}{self._farthest:.0f} m from home")
+        if whole := ", and ".join(said):
+            yield f"{whole[0].upper()}{whole[1:]}."
+        if self._lowest is not None:
+            metres, at = self._lowest
+            yield f"By its altimeter the bottom was no nearer than {metres:.1f} m, at {clock(at)}."
