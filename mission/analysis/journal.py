@@ -16,9 +16,11 @@ from typing import Any
 
 from mission.analysis.replay.rerun import failed_writes, feed, runtime_from
 from mission.model import Record
-from mission.onboard.blackbox import FLUSH_S, Gap, GrowingBox, first_part, recording
+from mission.onboard.blackbox import FLUSH_S, Gap, GrowingBox, first_part, recording, told_start
 from mission.onboard.runtime import records as rec
+from mission.onboard.stream import wellknown
 from mission.onboard.stream.derived import Derivation
+from mission.onboard.stream.events import events_of
 from mission.onboard.stream.topics import DERIVED, JOURNAL, TOPICS
 from mission.onboard.stream.wellknown import ERROR, WARNING
 
@@ -76,8 +78,15 @@ class Wanted:
 def recordings(paths: Sequence[Path]) -> list[list[Record | Gap]]:
     """Each once, by their starts' wall times; of the first form, with what was not on record then.
     Raises BlackBoxError."""
-    read = [list(recording(path)) for path in dict.fromkeys(map(first_part, paths))]
+    read = [_begun(path) for path in dict.fromkeys(map(first_part, paths))]
     return sorted((_with_standing(items) for items in read), key=_began)
+
+
+def _begun(path: Path) -> list[Record | Gap]:
+    """With a start by what is attached, where the record of it is lost."""
+    items = list(recording(path))
+    start = None if start_of(items) is not None else told_start(path)
+    return items if start is None else [start, *items]
 
 
 def _with_standing(items: list[Record | Gap]) -> list[Record | Gap]:
@@ -133,6 +142,10 @@ class Lines:
             self._derivation = Derivation(record)
         if record.kind in self._wanted.topics:
             yield Line(record.t, self._wall(record.t), record.kind, json.loads(record.payload))
+        if self._derivation is None and JOURNAL in self._wanted.topics:
+            for event in events_of(record):  # what needs no start to be told
+                said = wellknown.log(event.t, event.level, event.of, event.says)
+                yield Line(event.t, event.t, JOURNAL, said)
         if self._derivation is not None and self._wanted.topics & _DERIVED:
             for message in self._derivation.receive(record):
                 yield Line(message.t, self._wall(message.t), message.topic, message.value)

@@ -117,8 +117,7 @@ class Teller:
         self._acting: frozenset[str] = frozenset()  # limits that the vehicle's reports let act
         self._bounds: dict[str, float] = {}  # the limits in force, as they were last
         self._breached: frozenset[str] | None = None  # limits; None: before the first are known
-        self._end = 0.0
-        self._state = ""
+        self._end, self._state = 0.0, ""
         for item in items:
             if isinstance(item, Gap):
                 self._gap(item)
@@ -130,6 +129,7 @@ class Teller:
     def _gap(self, gap: Gap) -> None:
         if not gap.whole:
             self._told.says.append(f"Not everything is on record: {gap}.")
+            self._unsaid.forget()
 
     def _take(self, record: Record) -> None:
         self._end = max(self._end, record.t)
@@ -176,8 +176,7 @@ class Teller:
         self._told.says.append(says)
         self._unsaid = Unsaid("position" in start.vehicle.reports)
         self._extremes = Extremes(start.vehicle.reports)
-        acting = (name for name, row in LIMITS.items() if not row.disarmed(start.vehicle))
-        self._acting = frozenset(acting)
+        self._acting = frozenset(n for n, r in LIMITS.items() if not r.disarmed(start.vehicle))
         if start.store.under_way:
             before = f"Before, it had been interrupted: {start.store.under_way} was under way."
             self._told.says.append(before)
@@ -303,8 +302,9 @@ class Teller:
 
     @property
     def _under_way(self) -> bool:
-        """In this recording a leg was flown, or an emergency was there."""
-        return bool(self._told.legs) or self._state.startswith(EMERGENCY)
+        """In this recording a leg was flown, an emergency was there, or nobody knows."""
+        unknown = self._unsaid.lost and not self._state
+        return unknown or bool(self._told.legs) or self._state.startswith(EMERGENCY)
 
     def spells(self) -> Sequence[Spell]:
         """When which sensor could not be believed."""

@@ -96,6 +96,7 @@ class Unsaid:
         self._state: Mapping[str, Any] = {}
         self._wet: _Wet | None = None
         self._added = 0  # values of sensors that were added
+        self.lost = False  # records are missing: what was not heard may have been said
 
     def receive(
         self,
@@ -124,6 +125,10 @@ class Unsaid:
                 yield from self._unfixed.fix(message.t)
             yield from self._fix(message.t, message.value, origin, believed)
 
+    def forget(self) -> None:
+        """Records are missing: nobody knows what was said meanwhile."""
+        self.lost, self._reported, self._fixed = True, None, None
+
     def at_last(self, end: float) -> Iterator[str]:
         """What can only be told of the whole, which ends there."""
         if self._unfixed is not None:
@@ -133,7 +138,8 @@ class Unsaid:
                 yield f"The last fix came {clock(self._fixed)}, {alone} before the recording ends."
         yield from self._sunk.at_last()
         if self._reported is None:
-            yield "The vehicle never reported."
+            if not self.lost:
+                yield "The vehicle never reported."
         elif end - self._reported > SILENT_S:
             yield (
                 f"The vehicle's last report came {clock(self._reported)}, "
@@ -153,7 +159,7 @@ class Unsaid:
 
     def _report(self, t: float, depth: float | None, by_hand: bool) -> Iterator[str]:
         before, self._reported, self._depth = self._reported, t, depth
-        if before is None and t > SILENT_S:
+        if before is None and t > SILENT_S and not self.lost:
             yield f"{clock(t)}: the first report of the vehicle; until then it had said nothing."
         if before is not None and t - before > SILENT_S:
             driven = ", which was driven by hand," if by_hand else ""
@@ -169,7 +175,7 @@ class Unsaid:
             return
         before, self._fixed = self._fixed, t
         north, east = self._state.get("north_m"), self._state.get("east_m")
-        if t - (before or 0.0) < ALONE_S:
+        if t - (before or 0.0) < ALONE_S or (before is None and self.lost):
             return
         if before is None or origin is None or north is None or east is None:
             yield f"{clock(t)}: the first fix in {duration(round(t - (before or 0.0)))}."

@@ -25,7 +25,7 @@ from mission.commands.log import log
 from mission.commands.story import story as story_command
 from mission.model import Position, Record, Tx
 from mission.model.shown import clock
-from mission.onboard.blackbox import BlackBox, Gap
+from mission.onboard.blackbox import BlackBox, Gap, close_part
 from mission.onboard.runtime.records import ListRecorder, input_record, tx_record
 from mission.onboard.stream.derived import Message
 from mission.onboard.stream.events import events_of
@@ -599,6 +599,33 @@ def test_what_is_missing_is_told_by_log_and_story(tmp_path: Path) -> None:
     lines = logged(path).stdout
     assert "are missing between" in lines
     assert "is cut behind" in lines
+
+
+def test_a_closed_file_that_lost_its_beginning_is_told_by_what_is_attached(tmp_path: Path) -> None:
+    box, path = BlackBox(tmp_path / "begin.mcap"), tmp_path / "begin.mcap"
+    for record in flown():
+        box.record(record)
+    box.close()
+    assert close_part(path)
+    data = path.read_bytes()
+    whole, first = told(path), data.index(b"zstd")  # of the first chunk, whose size stands before
+    path.write_bytes(data[: first + 99] + bytes([data[first + 99] ^ 1]) + data[first + 100 :])
+    missing = story(recordings([path]))
+    text = as_text("dive", missing)
+    assert missing[0].says[0] == told(path).splitlines()[5] == whole.splitlines()[5]
+    assert "are missing between its beginning and 20." in missing[0].says[1]
+    for made_up in ("first report", "first fix", "never reported"):
+        assert made_up not in text, "what was not recorded may have been said"
+    assert "m deep at most" in text
+    assert logged(path).stdout.splitlines()[1].startswith("2025-")
+    attached = data.index(b'"reports"')
+    both = bytearray(path.read_bytes())
+    both[attached] ^= 1
+    path.write_bytes(both)
+    assert "nothing says what vehicle it is" in told(path)
+    lines = logged(path).stdout.splitlines()
+    assert any("vehicle: sent @ZA" in line for line in lines), "what needs no start is told"
+    assert all(line.startswith("time not known") for line in lines)
 
 
 def test_without_a_start_record_no_date_is_made_up(tmp_path: Path) -> None:

@@ -10,7 +10,13 @@ What does not live here: what the payloads mean (runtime.records), what is deriv
 """
 
 from mission.onboard.blackbox.box import BlackBox
-from mission.onboard.blackbox.closed import close_folder, close_part, close_recording, notes_of
+from mission.onboard.blackbox.closed import (
+    close_folder,
+    close_part,
+    close_recording,
+    notes_of,
+    told_start,
+)
 from mission.onboard.blackbox.form import FLUSH_S, KINDS, LIMIT, MAGIC, BlackBoxError
 from mission.onboard.blackbox.parts import file_name, first_part, new_path, part_path
 from mission.onboard.blackbox.reading import (
@@ -44,4 +50,5 @@ __all__ = [
     "read_parts",
     "read_records",
     "recording",
+    "told_start",
 ]

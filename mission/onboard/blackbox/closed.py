@@ -11,18 +11,22 @@ What does not live here: when it is done (serve), what is derived (stream).
 
 from __future__ import annotations
 
+import io
 import json
 import os
+import re
 import struct
+import zlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import islice
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
+from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
-from mcap.records import Metadata
+from mcap.records import Attachment, Metadata
 from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
 
@@ -30,18 +34,29 @@ from mission import __version__
 from mission.authoring.language import MissionErrors, parse_script, to_yaml
 from mission.model import Record
 from mission.model.plain import to_plain
-from mission.onboard.blackbox.form import HEAD, MAGIC, NS, OP_METADATA, PROFILE, schema_text
+from mission.onboard.blackbox.form import (
+    HEAD,
+    MAGIC,
+    NS,
+    OP_ATTACHMENT,
+    OP_METADATA,
+    PROFILE,
+    schema_text,
+)
 from mission.onboard.blackbox.parts import part_number, parts_of
 from mission.onboard.blackbox.reading import content, read_records
 from mission.onboard.blackbox.scan import Found, Scan, is_first_form
 from mission.onboard.kept import sync_folder
 from mission.onboard.runtime import records as rec
+from mission.onboard.store import Stored
 from mission.onboard.stream.derived import Derivation
 from mission.onboard.stream.topics import DERIVED, RAW
 
 CHUNK_S = 20.0  # the unit of loss; shorter ones are larger with their indexes
 _CHUNK_BYTES = 1 << 18  # of a vehicle that says much
 _NOTHING: Mapping[str, str] = {}
+_ATTACHED = ("vehicle", "configuration")  # of the start
+_STAMPS = 8 + 8  # bytes before the name of an attachment
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +122,33 @@ def notes_of(path: Path) -> Mapping[str, str]:
         return _NOTHING
     last = first[-1] if first else None
     return last.metadata if isinstance(last, Metadata) else _NOTHING
+
+
+def told_start(path: Path) -> Record | None:
+    """The start of a closed first part that has lost its first chunk: by what is attached. What was
+    in its store is not known, and told as nothing. None where that is lost, too. Raises
+    BlackBoxError."""
+    data, notes = content(path), notes_of(path)
+    found = [_attached(data, f"{name}.json") for name in _ATTACHED]
+    if part_number(path) != 1 or not all(found):
+        return None
+    whole = [one for one in found if one is not None]
+    plain: dict[str, Any] = {n: json.loads(a.data) for n, a in zip(_ATTACHED, whole, strict=True)}
+    plain |= {"version": notes.get("version", "not known"), "store": to_plain(Stored())}
+    plain |= {"form": int(notes.get("form", rec.FORM)), "wall": whole[0].log_time / NS}
+    return Record(0.0, rec.START, json.dumps(plain).encode())
+
+
+def _attached(data: bytes, name: str) -> Attachment | None:
+    """What is attached under this name, wherever it stands; None where it is not whole."""
+    named = re.escape(len(name).to_bytes(4, "little") + name.encode())
+    begins = re.compile(b"%c(.{8}).{%d}%b" % (OP_ATTACHMENT, _STAMPS, named), re.DOTALL)
+    for one in begins.finditer(data):
+        body = data[one.end(1) : one.end(1) + int.from_bytes(one[1], "little")]
+        if zlib.crc32(body[:-4]) == int.from_bytes(body[-4:], "little"):
+            found: Attachment = Attachment.read(ReadDataStream(io.BytesIO(body)))
+            return found
+    return None
 
 
 def is_closed(data: bytes) -> bool:
@@ -212,7 +254,7 @@ def _attachments(start: rec.Start, found: Iterable[Found]) -> list[tuple[str, st
     plain = to_plain(start)
     made = [
         (f"{name}.json", "application/json", json.dumps(plain[name], indent=2).encode())
-        for name in ("vehicle", "configuration")
+        for name in _ATTACHED
     ]
     for record in _missions(found):
         said = json.loads(record.payload)
