@@ -124,3 +124,15 @@ def test_the_system_journal_gets_levels_and_a_terminal_times(
     monkeypatch.setenv("JOURNAL_STREAM", "8:1")
     assert printed("fault: two\nrows", 0.0) == "<3>two\n<3>rows"
     assert printed("no level: x", 0.0) == "<6>no level: x"
+
+
+def test_what_is_only_held_is_not_told_again_and_what_cannot_leave_is() -> None:
+    desk = Desk()
+    for reason in ("row1 steers", "row1 steers (held)"):
+        desk.journal.commanded(Tx(1.0, "vehicle", b"\xfe\x02", reason), sent=True)
+    assert desk.lines == ["info: to the vehicle: fe 02 - row1 steers"]
+    desk.journal.commanded(Tx(1.0, "vehicle", b"\xfe\x02", "row1 steers (held)"), sent=False)
+    assert desk.lines[1].startswith("warning: NOT SENT, the port is closed: fe 02 - row1 steers")
+    for _ in range(2):
+        desk.journal.commanded(Tx(1.0, "vehicle", b"\xfe\x02", "row1 steers (held)"), sent=True)
+    assert desk.lines[2:] == ["info: to the vehicle: fe 02 - row1 steers (held)"], "it leaves again"

@@ -18,6 +18,7 @@ from served import PATIENCE, running, silent_board, simulated, soon
 from links import open_link
 from links.base import LinkError
 from mission.commands.monitor import monitor as monitor_command
+from mission.onboard.serve.journal import OF_A_KIND
 from mission.onboard.serve.keys import make_keys
 from mission.onboard.serve.listening import listening_to_viewers
 from mission.onboard.serve.monitor import EVENTS, SILENT_S, TRACK, Monitor, Track, Unwelcome
@@ -308,6 +309,20 @@ def test_a_viewer_sees_what_the_pi_is_doing_and_can_say_no_word_of_command(tmp_p
         assert any("now emergency/stopped" in event for event in watched.events)
     gone = CliRunner().invoke(monitor_command, [url])
     assert gone.exit_code == 1
+
+
+def test_a_flood_of_what_is_no_viewer_leaves_some_lines_in_the_journal(tmp_path: Path) -> None:
+    with (
+        silent_board() as (_, board),
+        running(tmp_path, f"serial://{board}", monitor="tcp://127.0.0.1:0") as pi,
+    ):
+        place = place_of(pi)
+        for _ in range(OF_A_KIND + 20):
+            with observer(place, b"garbage\n") as viewer:
+                soon(lambda v=viewer: v.recv(100) == b"", "its end")  # type: ignore[misc]
+        assert pi.has_told("warning: monitor: 127.0.0.1:")
+        assert pi.tells_within_its_rate("is sent away: it said", OF_A_KIND)
+        assert pi.has_told("viewers: beyond")
 
 
 def test_ten_viewers_who_read_nothing_hold_nobody_up_and_nothing_grows(tmp_path: Path) -> None:

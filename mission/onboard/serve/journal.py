@@ -23,7 +23,7 @@ from mission.model import Estimate, Record, Step, Tx
 from mission.model.regions import EMERGENCY
 from mission.onboard.runtime.records import FAULT as FAULT_RECORD
 from mission.onboard.runtime.records import Observer
-from mission.onboard.stream.events import answers_in
+from mission.onboard.stream.events import HELD, answers_in
 
 INFO, WARNING, FAULT = "info", "warning", "fault"
 LEVELS = {INFO: 6, WARNING: 4, FAULT: 3}  # syslog's numbers
@@ -47,6 +47,7 @@ class Journal:
     def __init__(self, write: Callable[[str], None], now: Callable[[], float]) -> None:
         self._write, self._now = write, now
         self.told: dict[str, _Told] = {}
+        self._unsent = False  # the last command could not leave
 
     def info(self, text: str, key: str = "", kind: str = "") -> None:
         """``key``: what counts as the same thing; by itself the text."""
@@ -94,7 +95,11 @@ class Journal:
     # --- what a runtime does -----------------------------------------------------------------
 
     def commanded(self, tx: Tx, sent: bool) -> None:
-        """What the vehicle was sent; always told, a stick that is held once a minute."""
+        """What the vehicle was sent; always told, a stick that is held once a minute, and what is
+        only held not again."""
+        if sent and tx.reason.endswith(HELD) and not self._unsent:
+            return
+        self._unsent = not sent
         frame = _shown(tx.data)
         manual = "@M" in tx.reason or "@D" in tx.reason
         key = _COMMAND + (tx.reason if manual else f"{frame} {tx.reason}")

@@ -20,6 +20,7 @@ import time
 import traceback
 from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from links.base import Rx
@@ -79,6 +80,8 @@ class Server:
         viewers = got.configuration.links.monitor
         self.viewing = Viewing(listening_to_viewers(viewers), self._see, tell) if viewers else None
         self._journal = Journal(self.viewing.told(tell) if self.viewing else tell, time.monotonic)
+        if self.viewing:
+            self.viewing.tell = partial(self._journal.warning, kind="viewers")
         self._tell, self._ready, self._speed = self._journal.warning, ready, speed
         self._observer = Several(self._journal, *([observer] if observer else []))
         self._limiter, self._began = RateLimiter(time.monotonic()), time.monotonic()

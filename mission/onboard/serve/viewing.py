@@ -26,7 +26,8 @@ Seen = tuple[float, Mapping[str, Any], Iterable[str]]
 
 
 class Viewing:
-    """``look`` gives what there is to see, None while there is nothing."""
+    """``look`` gives what there is to see, None while there is nothing; ``tell`` is told who is
+    sent away."""
 
     def __init__(
         self,
@@ -35,7 +36,7 @@ class Viewing:
         tell: Callable[[str], None],
         wall: Callable[[], float] = time.time,
     ) -> None:
-        self.monitor, self._look, self._tell, self._wall = Monitor(), look, tell, wall
+        self.monitor, self._look, self.tell, self._wall = Monitor(), look, tell, wall
         self.port = Port(MONITOR, url, self._readable, lambda port: self._meet(), tell)
         self._tracked = 0.0
 
@@ -107,6 +108,6 @@ class Viewing:
             self.monitor.disconnected(address)
 
     def _send_away(self, address: str, why: str) -> None:
-        self._tell(f"monitor: {address} is sent away: {why}")
+        self.tell(f"monitor: {address} is sent away: {why}")
         self.port.drop_peer(address)
         self.monitor.disconnected(address)
