@@ -234,6 +234,8 @@ class Vehicle:
         if key == self._planned:
             return
         self._planned = key
+        if key[0] and self._plan["digest"] == key[0]:
+            return  # by its digest it is the same, also while its lines are told anew
         if (known := self._known.get(key[0])) is not None:
             self._plan = known
             return

@@ -123,6 +123,24 @@ def test_a_vehicle_that_is_gone_is_silent_and_an_alarm_says_so(tmp_path: Path) -
             pi.stop()
 
 
+def test_the_plan_stays_known_while_the_vehicle_is_gone(tmp_path: Path) -> None:
+    with silent_board() as (_, board):
+        pi = Running(tmp_path, f"serial://{board}", monitor="tcp://127.0.0.1:0")
+        try:
+            converse(pi.url, upload(LINES, digest(MISSION), quiet))
+            with (
+                console_of(pi.url, tmp_path, monitor_of(pi)) as (console, _),
+                console.socket("frames") as socket,
+            ):
+                page = Page(socket)
+                page.until(lambda s: s.get("plan") == DIGEST, "the plan")
+                pi.stop()
+                page.until(lambda s: (s["silence"] or 0) > 5, "silence")
+                assert (page.state["plan"], plan_of(console)["digest"]) == (DIGEST, DIGEST)
+        finally:
+            pi.stop()
+
+
 # --- intents --------------------------------------------------------------------------------------
 
 
