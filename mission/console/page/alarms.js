@@ -17,6 +17,7 @@ import { named, word } from './words.js';
  * @typedef {Alarm & {of: string, whose: string}} Owned ``of``: the vehicle's id; ``whose``: its name,
  *   "" where there is but one */
 
+const NO_CONTACT = 'no contact'; // as the boat's own alarm is called
 const EVERY_MS = { danger: 1500, warning: 10_000 };
 const TONES = { danger: [880, 660, 880], warning: [520] }; // Hz
 const TONE_S = 0.16;
@@ -30,19 +31,24 @@ export function standing(station, now) {
   const tell = (/** @type {string} */ name, /** @type {Alarm['level']} */ level, words = '') =>
     alarms.push({ name, level, words, do: '' });
   const quiet = silence(vehicle, now);
+  const isSilent = isLive(vehicle) && !isHung(vehicle, now) && quiet !== null
+    && quiet > vehicle.setup.silent_s;
   if (vehicle.heardAt === null) tell(word('opening'), 'warning', station.problem);
   else if (isHung(vehicle, now)) {
     tell(word('lost', lasting((now - vehicle.heardAt) / 1000)), 'danger', station.problem);
   } else if (isLive(vehicle) && quiet === null) {
     tell(word('unheard'), 'warning', vehicle.state['problem'] ?? '');
-  } else if (isLive(vehicle) && quiet !== null && quiet > vehicle.setup.silent_s) {
+  } else if (isSilent) {
     tell(word('silent', lasting(quiet)), 'danger', vehicle.state['problem'] ?? '');
   }
   if (vehicle.setup.source === 'recording' && vehicle.state['problem']) {
     tell(word('review'), 'danger', vehicle.state['problem']);
   }
   const told = /** @type {Alarm[]} */ (vehicle.state['alarms'] ?? []);
-  alarms.push(...told.map((one) => ({ ...one, name: named(one.name) })));
+  for (const one of told) {
+    if (one.name === NO_CONTACT && isSilent && alarms[0]) alarms[0].do = one.do; // said once
+    else alarms.push({ ...one, name: named(one.name) });
+  }
   return alarms.sort((a, b) => rank(a) - rank(b));
 }
 

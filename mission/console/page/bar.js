@@ -5,7 +5,7 @@
 
 import { el, mark, say } from './dom.js';
 import { ago, clock } from './format.js';
-import { age, isOld, silence } from './state.js';
+import { LATE_S, age, isLive, isOld, sinceWord } from './state.js';
 import { word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page
@@ -27,7 +27,7 @@ export class Bar {
   show(page, now) {
     const { vehicle } = page.chosen;
     this._showVehicles(page);
-    const quiet = silence(vehicle, now);
+    const quiet = sinceWord(vehicle, now);
     const old = isOld(vehicle, now) ? '' : null;
     const state = vehicle.state['state'];
     say(this._state, state || word('unknown'));
@@ -40,6 +40,8 @@ export class Bar {
     say(this._mission, missionText(page.chosen, now));
     say(this._commander, commander(page.chosen));
     say(this._heard, ago(quiet));
+    const isLate = isLive(vehicle) && !vehicle.setup.under_water && (quiet ?? 0) > LATE_S;
+    mark(this._heard, 'data-level', isLate ? 'careful' : null);
   }
 
   /** @param {Page} page */

@@ -119,6 +119,7 @@ export class Editor {
 
   show() {
     mark(this.area, 'aria-label', word('plan_text'));
+    mark(this.area, 'placeholder', word('plan_begin'));
     this._drawMarks();
   }
 

@@ -10,11 +10,23 @@ import { word } from './words.js';
 
 const ROWS = 400; // on the screen; search looks through all
 const NEAR_PX = 40;
+const STAMP = /^(\d{4}-\d\d-\d\d)T(?=\d\d:\d\d:\d\d)/;
 
 /** @param {string} line @returns {'danger' | 'warning' | null} */
 export function levelOf(line) {
   if (/\b(ALARM|fault|emergency)\b/.test(line)) return 'danger';
   return /\b(warning|refused|NOT SENT)\b/.test(line) ? 'warning' : null;
+}
+
+/** Each with its day where that is another than the line's before. @param {readonly string[]} lines */
+export function byDay(lines) {
+  let day = '';
+  return lines.map((line) => {
+    const own = STAMP.exec(line)?.[1] ?? '';
+    const told = own && own === day ? line.slice(own.length + 1) : line.replace(STAMP, '$1 ');
+    day = own || day;
+    return told;
+  });
 }
 
 export class Journal {
@@ -24,6 +36,9 @@ export class Journal {
     this._search = el('input', { type: 'search', oninput: redraw });
     this._list = el('ol', { tabindex: '0' });
     this._shown = '';
+    this._isAtEnd = true; // whoever reads there goes on there, whatever becomes of the room's size
+    this._list.addEventListener('scroll', () => this._look());
+    new ResizeObserver(() => this._follow()).observe(this._list);
     root.replaceChildren(el('div', { class: 'head' }, this._title, this._search), this._list);
   }
 
@@ -40,16 +55,25 @@ export class Journal {
     if (shown === this._shown) return;
     this._shown = shown;
     const lines = vehicle.events.filter((line) => line.toLowerCase().includes(wanted)).slice(-ROWS);
-    const atEnd = this._list.scrollHeight - this._list.scrollTop - this._list.clientHeight < NEAR_PX;
     this._list.replaceChildren(...this._rows(lines, vehicle.gap));
-    if (atEnd) this._list.scrollTop = this._list.scrollHeight;
+    this._follow();
+  }
+
+  _look() {
+    const { scrollHeight, scrollTop, clientHeight } = this._list;
+    if (clientHeight) this._isAtEnd = scrollHeight - scrollTop - clientHeight < NEAR_PX;
+  }
+
+  _follow() {
+    if (this._isAtEnd) this._list.scrollTop = this._list.scrollHeight;
   }
 
   /** @param {string[]} lines @param {number} gap */
   _rows(lines, gap) {
-    const rows = lines.map((line) => {
+    const told = byDay(lines);
+    const rows = lines.map((line, i) => {
       const level = levelOf(line);
-      return el('li', level ? { 'data-level': level } : {}, line);
+      return el('li', level ? { 'data-level': level } : {}, told[i] ?? line);
     });
     if (gap) rows.unshift(el('li', { class: 'empty' }, word('missing', gap)));
     return rows.length ? rows : [el('li', { class: 'empty' }, word('nothing'))];

@@ -57,9 +57,11 @@ export class Margins {
     const none = name === 'to_time' && !vehicle.state['mission_began'] ? 'not_started' : 'unknown';
     say(shown.left, left === null ? word(none) : left < 0 ? word('beyond', far) : far);
     const seconds = name === 'to_time' ? null : runsOut(vehicle.strips[name] ?? []);
+    const isFloor = name === 'to_voltage'; // the limit lies below the value
     const soon = seconds !== null && seconds < SOON_S;
     say(shown.note, soon ? word('reaches', lasting(seconds))
-      : limit === null || (left ?? 0) < 0 ? '' : word('of', `${number(limit, digits).replace(/\.0$/, '')} ${unit}`));
+      : limit === null || (left ?? 0) < 0 ? ''
+        : word(isFloor ? 'above' : 'of', `${number(limit, digits).replace(/\.0$/, '')} ${unit}`));
   }
 }
 

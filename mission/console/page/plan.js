@@ -287,7 +287,8 @@ export class Plan {
     this._problem = '';
     if (text === this._editor.text) {
       this._chart.take(said, this._isNew);
-      if (said.digest) this._still.want({ text, source: this._source });
+      if (said.ok) this._still.want({ text, source: this._source });
+      else if (said.digest) this._still.refuse(word('still_refused'));
       this._isNew = false;
       this._editor.names = said.names;
       this._editor.judge(said.refusals.filter((/** @type {any} */ one) => one.line));

@@ -40,6 +40,7 @@ export const MEASURED = {
   roll: ['°', 0],
 };
 
+export const LATE_S = 2; // without a word of a vehicle that is asked each second: it may hang
 const STRIPS = ['depth', 'altitude', 'heading', 'pitch', 'roll', 'battery'];
 
 export class Vehicle {
@@ -163,6 +164,15 @@ export function silence(vehicle, now) {
   return told + Math.max(0, now - vehicle.heardAt) / 1000;
 }
 
+/** Seconds since the vehicle's program has said anything at all, in frames or in answers, of which
+ * one comes each second; null: nobody says. @param {Vehicle} vehicle @param {number} now ms */
+export function sinceWord(vehicle, now) {
+  const lines = Object.values(vehicle.state['lines'] ?? {}).filter((age) => typeof age === 'number');
+  const quiet = silence(vehicle, now);
+  const since = Math.max(0, now - (vehicle.heardAt ?? now)) / 1000;
+  return quiet === null ? null : Math.min(quiet, ...lines.map((age) => age + since));
+}
+
 /** Of a value that is measured with ``at``. @param {Vehicle} vehicle @param {any} value
  * @param {string} at @param {number} stale s @param {number} now ms @returns {Freshness} */
 export function freshness(vehicle, value, at, stale, now) {
@@ -183,13 +193,22 @@ export function isLive(vehicle) {
   return vehicle.setup.to !== '' && vehicle.setup.source !== 'recording';
 }
 
-/** Seconds until a margin is used up, at the rate of the last minute; null: it is not falling.
+/** Seconds until a margin is used up, at the rate of the last minute, or of its last quarter where
+ * that is less: a dive that is over falls no more. null: it is not falling.
  * @param {Sample[]} samples of what is left */
 export function runsOut(samples, over = 60) {
   const last = samples.at(-1);
   if (last === undefined || last[1] === null || last[1] <= 0) return null;
-  const first = samples.find(([t, v]) => v !== null && t >= last[0] - over);
-  if (first === undefined || first[1] === null || last[0] - first[0] < over / 4) return null;
-  const rate = (first[1] - last[1]) / (last[0] - first[0]);
+  const rates = [over, over / 4].map((within) => falls(samples, last, within, over / 4));
+  const rate = Math.min(...rates);
   return rate > 1e-6 ? last[1] / rate : null;
+}
+
+/** In a second; 0: nobody knows. @param {Sample[]} samples @param {Sample} last
+ * @param {number} within @param {number} least s that it takes to be known */
+function falls(samples, last, within, least) {
+  const first = samples.findLast(([t, v]) => v !== null && t <= last[0] - within)
+    ?? samples.find(([, v]) => v !== null);
+  if (first === undefined || last[0] - first[0] < least) return 0;
+  return (Number(first[1]) - Number(last[1])) / (last[0] - first[0]);
 }

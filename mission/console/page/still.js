@@ -26,11 +26,17 @@ export class StillWater {
     this._found(null);
   }
 
-  /** @param {{text: string, source: string}} plan that can be read */
+  /** @param {{text: string, source: string}} plan that is proved */
   want(plan) {
     this.forget();
     this._found({ is: 'flown' });
     this._timer = setTimeout(() => this._ask(plan), REST_MS);
+  }
+
+  /** No vehicle would take the text. @param {string} why */
+  refuse(why) {
+    this.forget();
+    this._found({ is: 'refused', says: why });
   }
 
   /** @param {{text: string, source: string}} plan */

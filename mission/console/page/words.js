@@ -125,6 +125,7 @@ export const WORDS = {
   to_voltage: ['Voltage', '电压'],
   beyond: ['BEYOND by {0}', '超限 {0}'],
   of: ['of {0}', '限值 {0}'],
+  above: ['above {0}', '高于 {0}'],
   reaches: ['gone in {0}', '{0} 后用尽'],
 
   // strips
@@ -233,6 +234,8 @@ export const WORDS = {
   planner: ['Plan', '计划'],
   plan_text: ['Text of the plan. Control and space completes, control Z undoes',
     '计划文本。Ctrl+空格补全，Ctrl+Z 撤销'],
+  plan_begin: ['Write a mission, choose a template, or drop a file here',
+    '编写任务、选择模板，或将文件拖到此处'],
   plan_chart_keys: ['Chart of the plan: arrow keys move it, N and P choose a place, Enter takes it up and puts it down, A adds in the middle, Delete removes',
     '计划海图：方向键移动，N 和 P 选点，Enter 拾起并放下，A 在中央添加，Delete 删除'],
   plan_template: ['Template …', '模板……'],
@@ -253,6 +256,7 @@ export const WORDS = {
   still_water: ['planned, in still water', '静水中的计划'],
   still_flown: ['the planned track is being worked out …', '正在计算计划航迹……'],
   still_none: ['no planned track: {0}', '无计划航迹：{0}'],
+  still_refused: ['what is refused is not flown', '未通过的任务不试航'],
   plan_proof: ['Proof', '证明'],
   plan_old: ['of the text of {0} ago, the newest is being proved: {1}', '{0} 前文本的结果，新文本正在证明：{1}'],
   plan_refused: ['Refused: {0}', '未通过：{0}'],
@@ -284,7 +288,7 @@ export const WORDS = {
   import_depth: ['Depth, m', '深度，米'],
   import_gear: ['Gear', '档位'],
   import_pick: ['Route', '航线'],
-  import_swap: ['Exchanged', '经纬互换'],
+  import_swap: ['Exchange latitude and longitude', '经纬互换'],
   import_again: ['Import', '导入'],
   import_drop: ['Close', '关闭'],
 

@@ -5,7 +5,7 @@ import { standingOfAll } from '../../../mission/console/page/alarms.js';
 import { findings } from '../../../mission/console/page/seen.js';
 import { broken } from '../../../mission/console/page/layers.js';
 import { Frame } from '../../../mission/console/page/geo.js';
-import { levelOf } from '../../../mission/console/page/journal.js';
+import { byDay, levelOf } from '../../../mission/console/page/journal.js';
 import { level } from '../../../mission/console/page/margins.js';
 import { Goal, eventNear } from '../../../mission/console/page/review.js';
 import { frameOf, routesOf, sceneOf, stillOf } from '../../../mission/console/page/scene.js';
@@ -55,6 +55,11 @@ test('the journal shows what somebody should look at', () => {
   assert.equal(levelOf('41.0 s info: now idle/ready'), null);
 });
 
+test('the journal tells the day where it is another', () => {
+  const lines = ['2026-11-23T23:59:59Z info: a', '2026-11-23T23:59:59Z info: b', 'what', '2026-11-24T00:00:01Z info: c'];
+  assert.deepEqual(byDay(lines), ['2026-11-23 23:59:59Z info: a', '23:59:59Z info: b', 'what', '2026-11-24 00:00:01Z info: c']);
+});
+
 test('the alarms of every live vehicle stand, worst first, whichever is looked at', () => {
   const station = (id, to, level) => {
     const vehicle = new Vehicle({ id, name: `auv-${id}`, to, source: to ? 'monitor' : 'recording', speed: 1, silent_s: 5 });
@@ -86,6 +91,19 @@ test('how long a vehicle may be silent is its own: by modem longer', () => {
   const told = (one) => standingOfAll({ stations: [one], chosen: one }, 0).map((a) => a.level);
   assert.deepEqual(told(station(35)), []);
   assert.deepEqual(told(station(5)), ['danger']);
+});
+
+test('that a vehicle is silent is said once, with what to do', () => {
+  const alarms = [{ name: 'no contact', level: 'warning', words: 'heard 6 s ago', do: 'ask again' },
+    { name: 'emergency', level: 'danger', words: '', do: '' }];
+  const told = (silent) => {
+    const vehicle = new Vehicle({ id: '1', name: 'auv', to: 'x', source: 'frames', speed: 1, silent_s: 5 });
+    update(vehicle, { n: 1, t: 1, state: { silence: silent, alarms } }, 0);
+    const station = { vehicle, problem: '' };
+    return standingOfAll({ stations: [station], chosen: station }, 0).map((one) => [one.name.slice(0, 11), one.do]);
+  };
+  assert.deepEqual(told(6), [['NOTHING NEW', 'ask again'], ['emergency', '']]);
+  assert.deepEqual(told(1), [['emergency', ''], ['no contact', 'ask again']]);
 });
 
 test('before a dive the page says what it can see of link, sensors, limits, alarms and mission', () => {

@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 
 import {
-  EVENTS, SAMPLES, TRACK, Vehicle, age, freshness, isHung, isLive, pace, runsOut, silence, timeOf, update,
+  EVENTS, SAMPLES, TRACK, Vehicle, age, freshness, isHung, isLive, pace, runsOut, silence, sinceWord, timeOf, update,
 } from '../../../mission/console/page/state.js';
 
 const SETUP = { id: '1', name: 'auv-1', to: 'tcp://vehicle:4000', source: 'monitor', under_water: false,
@@ -129,6 +129,15 @@ test('a recording stands still until it is played, and then runs as fast as it i
   assert.equal(isLive(vehicle), false);
 });
 
+test('a word of the vehicle is an answer, too', () => {
+  const lines = (orders, commands) => heard({ n: 1, t: 1, state: { silence: 3, lines: { orders, commands } } });
+  assert.equal(sinceWord(lines(0.5, null), 2000), 1.5);
+  assert.equal(sinceWord(lines(null, 0.25), 2000), 1.25);
+  assert.equal(sinceWord(lines(null, null), 2000), 4);
+  assert.equal(sinceWord(lines(8, 9), 2000), 4);
+  assert.equal(sinceWord(heard({ n: 1, t: 1, state: { silence: null } }), 0), null);
+});
+
 test('a margin that falls says when it is used up, and one that does not says nothing', () => {
   const falling = Array.from({ length: 61 }, (_, t) => [t, 100 - t]);
   assert.equal(runsOut(falling), 40);
@@ -136,4 +145,13 @@ test('a margin that falls says when it is used up, and one that does not says no
   assert.equal(runsOut(falling.slice(0, 10)), null);
   assert.equal(runsOut([...falling, [61, null]]), null);
   assert.equal(runsOut([]), null);
+});
+
+test('a margin that falls no more is not said to be used up soon', () => {
+  const dived = Array.from({ length: 61 }, (_, t) => [t, 100 - Math.min(t, 40)]);
+  assert.equal(runsOut(dived), null);
+  const begun = Array.from({ length: 61 }, (_, t) => [t, 100 - Math.max(0, t - 30)]);
+  assert.equal(runsOut(begun), 140);
+  const seldom = [[0, 100], [40, 60], [80, 20]];
+  assert.equal(runsOut(seldom), 20);
 });
