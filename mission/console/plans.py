@@ -16,7 +16,7 @@ from mission.authoring.check.show import as_object, unreadable_object
 from mission.authoring.editing.handles import handles
 from mission.authoring.graph.outline import TooLarge, outline
 from mission.authoring.graph.svg import svg
-from mission.authoring.language import Draft, script
+from mission.authoring.language import Draft, to_lines
 from mission.authoring.language.clauses import LegText, Opening
 from mission.authoring.prepare import (
     Prepared,
@@ -83,8 +83,7 @@ def shown(prepared: Prepared, drawn: bool = True) -> dict[str, Any]:
     mission, chart = prepared.mission, prepared.chart
     home, picture, problem = mission.home, "", ""
     try:
-        parts = outline(chart, None)
-        picture = svg(parts, False) if drawn else ""
+        picture = svg(outline(chart, None), False) if drawn else ""
     except TooLarge as error:
         problem = str(error)
     if home is None:
@@ -94,7 +93,7 @@ def shown(prepared: Prepared, drawn: bool = True) -> dict[str, Any]:
         "name": mission.name,
         "vehicle": mission.vehicle,
         "text": prepared.text,
-        "lines": len(script(mission)),
+        "lines": to_lines(mission).count("\n"),
         "svg": picture,
         "map": None if home is None else plan_geojson(chart, home),
         "home": None if home is None else [home.latitude_deg, home.longitude_deg],

@@ -108,6 +108,12 @@ def test_a_console_that_hangs_is_noticed_and_told_its_orders_when_it_goes_on(
             page.close()
 
 
+BELOW = """() => {
+  const lines = document.querySelector('#journal ol');
+  return lines.clientHeight ? lines.scrollHeight - lines.scrollTop - lines.clientHeight : Infinity;
+}"""
+
+
 def test_a_recording_is_played_and_scrubbed(chromium: object) -> None:
     prepared, recorder = prepare("float-test"), ListRecorder()
     fly(prepared.mission, prepared.vehicle, recorder=recorder)
@@ -118,6 +124,9 @@ def test_a_recording_is_played_and_scrubbed(chromium: object) -> None:
         review.get_by_label("Speed", exact=True).select_option("100")
         seat.shows("#review .at", re.compile(r"([0-9:]+) / \1 "))  # at its end
         seat.shows("#state", "idle/ready")
+        for width in (390, 1400):
+            seat.page.set_viewport_size({"width": width, "height": 900})
+        until(seat.page, lambda: seat.page.evaluate(BELOW) < 2)
         review.locator("input[type=range]").fill("60")
         seat.shows("#state", "autonomous")
         review.locator("input[type=range]").fill("1")
@@ -149,6 +158,9 @@ def test_charts_lie_under_the_vehicle_and_tell_the_depth_there(
         page.locator("#chart-layers input[type=file]").set_input_files(tmp_path / "rock.geojson")
         seat.shows("#chart-layers", "rock.geojson")
         seat.shows("#chart-layers", "heights, turned into depths")
+        (tmp_path / "broken.geojson").write_text("[")
+        page.locator("#chart-layers input[type=file]").set_input_files(tmp_path / "broken.geojson")
+        seat.shows("#chart-layers", "broken.geojson: no GeoJSON")
         page.mouse.move(300, 400)
         seat.shows("#chart-pointer", "charted 7.0 m")
         page.get_by_label("floor.asc", exact=True).uncheck()

@@ -183,7 +183,7 @@ export class Charts {
     const answer = await fetch(`/api/charts/${encodeURIComponent(file.name)}`, { method: 'POST',
       headers: { Authorization: `Bearer ${this._token}` }, body: file });
     const said = await answer.json().catch(() => ({}));
-    if (!answer.ok) throw new Refused(answer.status, said.says ?? answer.statusText);
+    if (!answer.ok || said.says) throw new Refused(answer.status, said.says ?? answer.statusText);
     this.layers = this.layers.filter((layer) => layer.name !== said.name);
   }
 }

@@ -161,8 +161,8 @@ function otherSays(own, its, page, now) {
   const there = timeThere(page.compared.by, t, own, its);
   const [a, b] = [lastAt(own.then, t), lastAt(its.then, there)];
   if (its.problem && !its.then.length) return its.problem;
-  const far = a && b ? length(apart(a, b)) : '—';
-  return word('apart_at', far, there < 0 ? `−${clock(-there)}` : clock(there));
+  const at = there < 0 ? `−${clock(-there)}` : clock(there);
+  return a && b ? word('apart_at', length(apart(a, b)), at) : word('apart_none', at);
 }
 
 /** m, on the earth: enough for some kilometres. @param {Past} a @param {Past} b */

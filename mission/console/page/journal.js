@@ -14,7 +14,7 @@ const STAMP = /^(\d{4}-\d\d-\d\d)T(?=\d\d:\d\d:\d\d)/;
 
 /** @param {string} line @returns {'danger' | 'warning' | null} */
 export function levelOf(line) {
-  if (/\b(ALARM|fault|emergency)\b/.test(line)) return 'danger';
+  if (/\b(?:ALARM|fault|now emergency)\b/.test(line)) return 'danger'; // no ascent that is planned
   return /\b(warning|refused|NOT SENT)\b/.test(line) ? 'warning' : null;
 }
 

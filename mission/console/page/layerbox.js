@@ -24,7 +24,7 @@ export class LayerBox {
     this._list = el('ul');
     this._file = el('input', { type: 'file', multiple: true, accept: FILES, class: 'unseen', tabindex: '-1' });
     this._open = el('button', { type: 'button', onclick: () => this._file.click() });
-    this._root.replaceChildren(this._title, this._list, this._problem, this._open, this._file);
+    this._root.replaceChildren(this._title, this._problem, this._list, this._open, this._file);
     this._shown = '';
     this._button.addEventListener('click', () => {
       this._root.hidden = !this._root.hidden;

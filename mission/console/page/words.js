@@ -79,6 +79,7 @@ export const WORDS = {
   working_out: ['Being worked out …', '正在计算……'],
   was_off: ['estimate off by {0} here', '此处估计偏差 {0}'],
   off_in_all: ['{0} in the mean, {1} at most', '平均 {0}，最大 {1}'],
+  apart_none: ['the other has no place at {0}', '另一次在 {0} 没有位置'],
   apart_at: ['{0} from the other at {1}', '与另一次（{1}）相距 {0}'],
   charts: ['Charts', '底图'],
   no_charts: ['None: open a file, or drop it on the chart', '无：请打开文件，或将其拖到海图上'],

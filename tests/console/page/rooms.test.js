@@ -53,6 +53,8 @@ test('the journal shows what somebody should look at', () => {
   assert.equal(levelOf('41.0 s ALARM limit: depth'), 'danger');
   assert.equal(levelOf('41.0 s warning: N to @AA'), 'warning');
   assert.equal(levelOf('41.0 s info: now idle/ready'), null);
+  assert.equal(levelOf('41.0 s warning: now emergency/surfacing - W'), 'danger');
+  assert.equal(levelOf('41.0 s info: now autonomous/up - depth: emergency surfacing: entry of up'), null);
 });
 
 test('the journal tells the day where it is another', () => {
