@@ -38,6 +38,7 @@ export class Journal {
     this._shown = '';
     this._isAtEnd = true; // whoever reads there goes on there, whatever becomes of the room's size
     this._list.addEventListener('scroll', () => this._look());
+    this._size = ''; // px, that it was followed in
     new ResizeObserver(() => this._follow()).observe(this._list);
     root.replaceChildren(el('div', { class: 'head' }, this._title, this._search), this._list);
   }
@@ -59,12 +60,14 @@ export class Journal {
     this._follow();
   }
 
+  /** Another size scrolls by itself, which nobody has wished. */
   _look() {
     const { scrollHeight, scrollTop, clientHeight } = this._list;
-    if (clientHeight) this._isAtEnd = scrollHeight - scrollTop - clientHeight < NEAR_PX;
+    if (this._size === sizeOf(this._list)) this._isAtEnd = scrollHeight - scrollTop - clientHeight < NEAR_PX;
   }
 
   _follow() {
+    this._size = sizeOf(this._list);
     if (this._isAtEnd) this._list.scrollTop = this._list.scrollHeight;
   }
 
@@ -78,4 +81,9 @@ export class Journal {
     if (gap) rows.unshift(el('li', { class: 'empty' }, word('missing', gap)));
     return rows.length ? rows : [el('li', { class: 'empty' }, word('nothing'))];
   }
+}
+
+/** @param {Element} at */
+function sizeOf({ clientWidth, clientHeight }) {
+  return `${clientWidth} ${clientHeight}`;
 }

@@ -7,7 +7,7 @@
  */
 
 import { inksOf, sheet } from './canvas.js';
-import { el, say } from './dom.js';
+import { el, mark, say } from './dom.js';
 import { clock, number } from './format.js';
 import { font } from './layers.js';
 import { pace, timeOf } from './state.js';
@@ -55,6 +55,13 @@ export function runs(samples, from, to, gap = GAP_S) {
   return found;
 }
 
+/** As many as have room, from the first on; behind the last comes the first again. @template T
+ * @param {readonly T[]} of @param {number} first @param {number} fit @returns {T[]} */
+export function turned(of, first, fit) {
+  const begin = of.length > fit ? first % of.length : 0;
+  return [...of.slice(begin), ...of.slice(0, begin)].slice(0, fit);
+}
+
 export class Strips {
   /** @param {HTMLElement} root @param {() => void} redraw */
   constructor(root, redraw) {
@@ -62,7 +69,10 @@ export class Strips {
     this._span = SPANS_S[1] ?? 0;
     /** @type {number | null} px */
     this._pointer = null;
-    this._title = el('h2');
+    this._fit = 1; // strips that have room
+    this._first = 0; // of those that are known, where not all have room
+    this._more = el('button', { type: 'button', class: 'more', onclick: () => this._turn() });
+    this._title = el('h2', {}, this._more);
     this._spans = el('div', { class: 'tabs', role: 'group' },
       ...SPANS_S.map((s) => el('button', { type: 'button', onclick: () => this._choose(s) })));
     this._canvas = el('canvas', { role: 'img', 'aria-label': word('strips') });
@@ -76,6 +86,12 @@ export class Strips {
   /** @param {number} span s */
   _choose(span) {
     this._span = span;
+    this._redraw();
+  }
+
+  /** To those that have no room now. */
+  _turn() {
+    this._first += this._fit;
     this._redraw();
   }
 
@@ -95,7 +111,9 @@ export class Strips {
     const first = Math.min(to, ...Object.values(vehicle.strips).map((s) => s[0]?.[0] ?? to));
     const from = Math.min(this._span ? Math.max(first, to - this._span) : first, to - SHORTEST_S);
     const wanted = SPECS.filter((s) => vehicle.strips[s.name]?.some(([, v]) => v !== null));
-    const specs = wanted.slice(0, Math.max(1, Math.floor((drawn.height - 18) / HIGH)));
+    this._fit = Math.max(1, Math.floor((drawn.height - 18) / HIGH));
+    const specs = turned(wanted, this._first, this._fit);
+    this._sayMore(wanted.length);
     const { pen, width, height } = drawn;
     const inks = inksOf(NAMES);
     pen.clearRect(0, 0, width, height);
@@ -108,8 +126,15 @@ export class Strips {
     this._tell(specs, vehicle);
   }
 
+  /** @param {number} count of strips that are known */
+  _sayMore(count) {
+    this._more.disabled = count <= this._fit;
+    say(this._more, this._more.disabled ? word('strips') : `${word('strips')} ▾`);
+    mark(this._more, 'aria-label', this._more.disabled ? null : word('strips_more'));
+    mark(this._more, 'title', this._more.disabled ? null : word('strips_more'));
+  }
+
   _words() {
-    say(this._title, word('strips'));
     [...this._spans.children].forEach((button, i) => {
       const span = SPANS_S[i] ?? 0;
       say(button, span ? word('minutes', span / 60) : word('all'));

@@ -131,6 +131,7 @@ export const WORDS = {
 
   // strips
   strips: ['Strips', '曲线'],
+  strips_more: ['Strips: show the others', '曲线：显示其余'],
   all: ['All', '全部'],
 
   // journal

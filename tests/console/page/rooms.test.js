@@ -11,7 +11,7 @@ import { Goal, eventNear } from '../../../mission/console/page/review.js';
 import { frameOf, routesOf, sceneOf, stillOf } from '../../../mission/console/page/scene.js';
 import { Vehicle, update } from '../../../mission/console/page/state.js';
 import { progress } from '../../../mission/console/page/states.js';
-import { bounds, runs } from '../../../mission/console/page/strips.js';
+import { bounds, runs, turned } from '../../../mission/console/page/strips.js';
 import { letter } from '../../../mission/console/page/urgent.js';
 
 test('a margin is careful within a quarter of its limit, bad within a tenth, and beyond it', () => {
@@ -41,6 +41,12 @@ test('a line of a strip breaks where nothing was known, or for long', () => {
   assert.deepEqual(runs(samples, 0, 40), [[[0, 1], [1, 2]], [[3, 4]], [[30, 5]]]);
   assert.deepEqual(runs(samples, 2, 10), [[[3, 4]]]);
   assert.equal(runs(samples, 3, 40, 50).length, 1);
+});
+
+test('strips that have no room have their turn', () => {
+  const all = ['a', 'b', 'c', 'd', 'e'];
+  assert.deepEqual([0, 2, 4].map((first) => turned(all, first, 2).join('')), ['ab', 'cd', 'ea']);
+  assert.deepEqual(turned(all, 4, 5), all);
 });
 
 test('depth begins at the surface, and a voltage does not begin at zero', () => {
