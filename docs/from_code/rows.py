@@ -2,7 +2,8 @@
 
     read      the field is changed in a good frame: what of the message that the codec makes changes
     written   each axis, order, output and key is changed: which changes the field
-    flown     the simulated board says or hears the frame; of what it says, whether it varies
+    flown     the simulated board says or hears the frame; of what it says, whether it varies, or by
+              which fault
     tested    the test files that name the field, else those that name its frame
 
 Nothing is kept by hand but why a row has no reader or writer here (``BETWEEN_BOARDS``, ``NOBODY``).
@@ -18,8 +19,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from links.simulated.boards import BOARDS, ON_BUS, SimulatedBoard
+from links.simulated.settings import SettingError, parse_settings
+from mission.model.shipped import load_vehicle
+from mission.model.vehicle import Vehicle
 from mission.topside import words
+from mission.verification.rig.vehicle import simulated
 from protocol.codec import CannotEncode
 from protocol.examples import examples
 from protocol.fields import BinaryFrame, FrameType, Number, Raw
@@ -278,6 +282,13 @@ def _field(name: str, field: str, values: Mapping[str, Any]) -> Iterator[object]
         yield values[field]
 
 
+_LINKS_UP = {
+    "auv.SD": "auv.from_stm32",
+    "coreboard.MAIN_TO_PC": "coreboard.main_to_pc",
+    "coreboard.SENSOR_TO_MAIN": "coreboard.sensor_to_main",
+    "rov.UP": "rov.up",
+    "robot.UP": "robot.up",
+}
 _LINKS = {
     "auv": "auv.to_stm32",
     "coreboard": "coreboard.pc_to_main",
@@ -293,25 +304,52 @@ _LINKS = {
 
 def _flown(name: str, field: str) -> str:
     board = UP.get(name) or DOWN.get(name)
-    if name in UP and board in (*BOARDS, *ON_BUS):
-        seen = {repr(values[field]) for values in _said_by(name)}
-        return "varies" if len(seen) > 1 else "constant"
-    return "simulated board" if board else "simulated boat and Pi"
+    if name not in UP:
+        return "simulated board" if board else "simulated boat and Pi"
+    if _varies(name, field):
+        return "varies"
+    return next((f"by `fault={f}`" for f in _FAULTS if _varies(name, field, f)), "constant")
+
+
+def _varies(name: str, field: str, *faults: str) -> bool:
+    return len({repr(values[field]) for values in _said_by(name, *faults)}) > 1
 
 
 @functools.cache
-def _said_by(name: str) -> tuple[Mapping[str, Any], ...]:
-    """What a simulated board reports within 20 s under way."""
-    row, frame = _row(UP[name]), frame_types()[name]
-    vehicle, board = SimulatedBoard(row.name, 1), codec(row.name, row.dialects[0], {})
-    found: list[Mapping[str, Any]] = []
-    wanted = Setpoint(surge=0.5) if row.name == "robot" else Setpoint(surge=0.5, heave=0.6)
-    for tick in range(200):
+def _said_by(name: str, *faults: str) -> tuple[Mapping[str, Any], ...]:
+    """What a simulated board reports in 30 s: at rest, under way and down, round; as its vehicle
+    file has it, with its sensors switched on. Nothing where it cannot have such a fault."""
+    vehicle, framer = load_vehicle(UP[name]), link(_LINKS_UP[name]).framer(Tolerances())
+    try:
+        line = simulated(vehicle, 1, parse_settings([f"fault={f}@15" for f in faults])).vehicle_link
+    except SettingError:
+        return ()
+    board, found = codec(*vehicle.speaks), list[Mapping[str, Any]]()
+    switches = {c.name: c.high for c in _row(vehicle.codec).channels if c.name in _SENSORS}
+    for tick in range(300):
         now = tick / 10
-        for raw in board.encode(wanted):
-            vehicle.vehicle_link.send(raw, now)
-        found += [dict(frame.decode(rx.data)) for rx in vehicle.vehicle_link.receive(now)]
+        said = [*board.take_outputs(switches).values()] if switches else []
+        said += board.encode(_wanted(now, vehicle))
+        if name == "auv.SD":  # it has rudders, and hears one word at a time
+            said.append(b"@DS%d,%d$" % (1 + tick // 8 % 2, -15 if now < 15.0 else 20))
+            said = [] if tick % 4 else [said[tick // 4 % len(said)]]
+        for raw in said:
+            line.send(raw, now)
+        heard = (item for rx in line.receive(now) for item in framer.receive(rx.data, rx.t))
+        found += [dict(i.values()) for i in heard if isinstance(i, Frame) and i.type.name == name]
     return tuple(found)
+
+
+_FAULTS = ("leak", "battery_low")
+_SENSORS = ("ins_on", "dvl_on", "usbl_on")
+
+
+def _wanted(now: float, vehicle: Vehicle) -> Setpoint:
+    if now < 8.0:
+        return Setpoint()
+    if now > 20.0:
+        return Setpoint(turn=0.5)
+    return Setpoint(surge=0.5, heave=None if vehicle.drives else 0.5)
 
 
 def _tests(name: str, field: str) -> list[str]:

@@ -43,6 +43,19 @@ def test_what_a_board_reports_is_read_into_telemetry_or_told_why_not(
             assert read.startswith("`Telemetry."), (frame, field, read)
 
 
+def test_of_what_a_board_reports_what_never_varies_is_what_the_page_names(
+    table: list[tuple[str, ...]],
+) -> None:
+    """Sensors that nothing is behind in the simulator; all else varies, or by a fault."""
+    still = {row[1].strip("`") for row in table if row[4] == "constant"}
+    usbl = {f"usbl{n}" for n in range(1, 7)} | {"usbl_x_m", "usbl_y_m"}
+    reserved = {"reserved50", "reserved83", "reserved12", "reserved18", "reserved124", "buf"}
+    dvl = {"dvl_y", "dvl_z"} | {f"vo_{axis}" for axis in "xyz"}
+    named = {"x_m", "y_m", "avoid_m", "mode", "metal_pct", "battery_control", "battery_power"}
+    named |= {"temperature_c", "temperature2_c", "mx", "my", "mz", "ad1", "ad2", "ad3", "ad4"}
+    assert still == usbl | reserved | dvl | named
+
+
 def test_what_a_board_hears_is_written_by_something_or_told_why_not(
     table: list[tuple[str, ...]],
 ) -> None:
