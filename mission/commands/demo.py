@@ -115,7 +115,6 @@ def _leave(flight: Flight, prepared: Prepared, out: Path, flown: Demo) -> None:
     from mission.verification.simulation.legtable import table
     from mission.verification.simulation.plot import draw_flight
 
-    draw_flight(flight, out / "track.png", prepared.mission.name)
     (out / "graph.svg").write_text(svg(outline(prepared.chart, None), False))
     click.echo(table(flight, prepared.chart))
     box = max((out / "pi" / "log").glob("*.mcap"))
@@ -126,6 +125,7 @@ def _leave(flight: Flight, prepared: Prepared, out: Path, flown: Demo) -> None:
         prepared.mission.name, vehicle.name, dialect, flown.seed, flown.settings, sea, None,
         vehicle.drives,
     )  # fmt: skip
+    draw_flight(flight, out / "track.png", prepared.mission.name, told.caption)
     page = report_page(dives_of([box], notes=told.as_notes()))
     (out / "report.html").write_text(page, encoding="utf-8")
     click.echo(f"page {out / 'report.html'}, pictures in {out}, black box {box}")

@@ -147,7 +147,7 @@ def _fly_one(
         result = _fly_calmly(seed, known, int(name))
     else:
         plan = _plan(name, seed, known)
-        with _recorders(report) as recorder:
+        with _recorders(report, plan, name) as recorder:
             vehicle = plan.vehicle
             result = result_of(plan, fly_plan(plan, vehicle, recorder), vehicle, plan.profile)
     totals.add(result)
@@ -351,12 +351,16 @@ def _soak_many(
 
 
 @contextmanager
-def _recorders(folder: Path | None) -> Iterator[Callable[[], Recorder | None]]:
-    """A black box for each life of the program, all of them whole at the end."""
+def _recorders(
+    folder: Path | None, plan: Plan, name: str
+) -> Iterator[Callable[[], Recorder | None]]:
+    """A black box for each life of the program, all of them whole and closed at the end, with sea
+    and seed; what went wrong is told beside them, for whoever has first read what they say."""
     if folder is None:
         yield lambda: None
         return
-    from mission.onboard.blackbox import BlackBox
+    from mission.onboard.blackbox import BlackBox, close_recording
+    from mission.verification.simulation.flown import Flown
 
     lives: list[BlackBox] = []
 
@@ -369,8 +373,11 @@ def _recorders(folder: Path | None) -> Iterator[Callable[[], Recorder | None]]:
     try:
         yield make
     finally:
+        of, sea = plan.subject.mission.name, plan.settings.sea
+        flown = Flown(of, plan.vehicle.name, plan.profile, plan.seed, (), sea, None)
         for box in lives:
             box.close()
+            close_recording(box.path, flown.as_notes() | {"seed": f"{plan.seed}, flight {name}"})
 
 
 def _story(name: str, result: FlightResult, again: str) -> str:

@@ -160,4 +160,4 @@ def _report(box: BlackBox, flight: Flight, flown: Flown, folder: Path) -> None:
     close_recording(box.path, flown.as_notes())
     page = report_page(dives_of([box.path]))
     (folder / PAGE).write_text(page, encoding="utf-8")
-    draw_flight(flight, folder / "track.png", flown.mission)
+    draw_flight(flight, folder / "track.png", flown.mission, flown.caption)

@@ -17,6 +17,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from links.simulated.link import SimulatedVehicle
+from links.simulated.sea import Sea
 from links.simulated.settings import parse_settings
 from mission.analysis.replay.replay import replay
 from mission.analysis.replay.rerun import failed_writes, feed, runtime_from
@@ -40,6 +41,7 @@ from mission.verification.rig.vehicle import simulated
 from mission.verification.simulation import plot
 from mission.verification.simulation.flight import fly
 from mission.verification.simulation.flightlog import Flight, LegFlown
+from mission.verification.simulation.flown import Flown
 from mission.verification.simulation.legtable import table
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -392,8 +394,12 @@ def test_every_leg_of_a_picture_has_a_number_and_neighbours_differ_in_colour() -
 
 def test_a_picture_of_a_flight_that_never_began_says_why(tmp_path: Path) -> None:
     flight = flown(lines=["mission short vehicle auv", "a: depth 500 timeout 10"])
+    sea = Sea(current=(0.123456, 0.0), floor=20.04)
+    caption = Flown("short", "auv", "", 7, ("floor=20",), sea, None).caption
+    assert caption == "current 0.123 m/s towards 0 deg, floor at 20 m, set floor=20, seed 7"
     assert "refused" in plot.title_of(flight, "short")
-    plot.draw_flight(flight, tmp_path / "track.png", "short")
+    assert plot.title_of(flight, "short", caption).endswith(f"\n{caption}")
+    plot.draw_flight(flight, tmp_path / "track.png", "short", caption)
     assert (tmp_path / "track.png").stat().st_size > 1000
 
 

@@ -56,6 +56,12 @@ class Flown:
             "set": " ".join(self.settings),
         }
 
+    @property
+    def caption(self) -> str:
+        """Sea, settings and seed, for a picture."""
+        said = f"set {' '.join(self.settings)}" if self.settings else ""
+        return ", ".join(filter(None, (_sea(self.sea), said, f"seed {self.seed}")))
+
     def as_lines(self) -> list[str]:
         """Rows like those of the figures."""
         bias = self.compass_bias
@@ -82,11 +88,11 @@ def _current_object(current: Current) -> dict[str, float]:
 def _sea(sea: Sea) -> str:
     deep = "" if sea.deep_current is None else f" ({_current(sea.deep_current)} at the floor)"
     other = f" where {sea.floor_from} knows none" if sea.floor_from else ""
-    return f"{_current(sea.current)}{deep}, floor at {sea.floor:g} m{other}"
+    return f"{_current(sea.current)}{deep}, floor at {round(sea.floor, 1):g} m{other}"
 
 
 def _current(current: Current) -> str:
     speed, towards = current
-    return (
-        f"current {speed:g} m/s towards {math.degrees(towards):.0f} deg" if speed else "no current"
-    )
+    if not speed:
+        return "no current"
+    return f"current {round(speed, 3):g} m/s towards {math.degrees(towards):.0f} deg"

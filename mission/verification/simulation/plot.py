@@ -34,8 +34,8 @@ _TRUE, _ESTIMATE = "#2b2b2b", "#c1440e"
 _PALETTE = ("#88ccee", "#ddcc77", "#44aa99", "#cc6677", "#999933", "#aa4499", "#6699cc", "#117733")
 
 
-def draw_flight(flight: Flight, path: Path, title: str) -> None:
-    """Writes a PNG."""
+def draw_flight(flight: Flight, path: Path, title: str, caption: str = "") -> None:
+    """Writes a PNG. ``caption``: sea and seed."""
     import matplotlib as mpl
 
     mpl.use("Agg")
@@ -44,19 +44,19 @@ def draw_flight(flight: Flight, path: Path, title: str) -> None:
 
     figure = Figure(figsize=(9.0, 10.0), layout="constrained")
     FigureCanvasAgg(figure)
-    drawn(figure, flight, title)
+    drawn(figure, flight, title, caption)
     figure.savefig(path, dpi=110)
 
 
-def drawn(figure: Figure, flight: Flight, title: str) -> None:
+def drawn(figure: Figure, flight: Flight, title: str, caption: str = "") -> None:
     plan, profile = figure.subplots(2, 1, height_ratios=(2.2, 1.0))
     marks = marks_of(flight.legs)
     _draw_plan(plan, flight, marks)
     _draw_profile(profile, flight, marks)
-    figure.suptitle(title_of(flight, title), fontsize=11)
+    figure.suptitle(title_of(flight, title, caption), fontsize=11)
 
 
-def title_of(flight: Flight, title: str) -> str:
+def title_of(flight: Flight, title: str, caption: str = "") -> str:
     rows = [f"{title}: {flight.outcome}"]
     if flight.outcome != "completed":
         rows += textwrap.wrap(flight.reason, _TITLE_WIDTH)
@@ -67,6 +67,7 @@ def title_of(flight: Flight, title: str) -> str:
             f"{flight.max_range:.0f} m from home; the estimate is {flight.error_end:.1f} m off "
             "at the end"
         )
+    rows += textwrap.wrap(caption, _TITLE_WIDTH)
     return "\n".join(rows)
 
 

@@ -20,6 +20,7 @@ from mission.engine.engine import Engine
 from mission.engine.monitor import LimitMonitor
 from mission.model import IDLE_EMPTY, IDLE_READY, SURFACED, SURFACING, Action, Step, Tx
 from mission.model.shipped import load_vehicle
+from mission.onboard.blackbox import notes_of
 from mission.onboard.runtime.commander import Commander
 from mission.onboard.runtime.frontseat import Frontseat
 from mission.verification.campaign.disturbances import INCIDENTS
@@ -95,7 +96,10 @@ def test_the_command_ends_with_one_object_and_flies_one_again(tmp_path: Path) ->
     found = json.loads(done.stdout.splitlines()[-1])
     assert (found["flights"], found["lost"], found["overruns"], found["spurious"]) == (1, 0, 0, 0)
     assert sum(found["faults"].values()) == len(draw(4, 2, KNOWN).kinds)
-    assert (tmp_path / "life1.mcap").stat().st_size > 10_000
+    notes = notes_of(tmp_path / "life1.mcap")
+    assert (notes["seed"], notes["simulated"]) == ("4, flight 2", draw(4, 2, KNOWN).profile)
+    assert "floor at" in notes["sea"]
+    assert "set" not in notes or not notes["set"], "what went wrong is not told before the story"
 
 
 # --- what it has found ---------------------------------------------------------------------------
