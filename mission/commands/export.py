@@ -28,7 +28,7 @@ def export(files: tuple[Path, ...], output: Path, forms: tuple[str, ...], force:
 
     Each FILE goes into a folder of its own in --output, by its name. Units are in columns.csv, in
     Parquet with each field. Files that are there are not written over unless --force says so. Exit
-    2 where a file cannot be used or written.
+    2 where a file cannot be used or written; what can be is written all the same.
     """
     from mission.analysis.export import ExportError, folders
     from mission.onboard.blackbox import BlackBoxError, first_part
@@ -38,10 +38,16 @@ def export(files: tuple[Path, ...], output: Path, forms: tuple[str, ...], force:
         into = folders(output, logs)
         if not force:
             _refuse_what_is_there(into, forms)
+        wrong = False
         for log, folder in zip(logs, into, strict=True):
-            made = _made(log, forms)
+            made, why = _made(log, forms)
             with writing(folder):
                 _write(folder, made)
+            for one in why:
+                click.echo(one, err=True)
+            wrong = wrong or bool(why)
+        if wrong:
+            raise SystemExit(2)
     except (BlackBoxError, ExportError) as error:
         raise _failed(str(error)) from None
 
@@ -54,26 +60,31 @@ def _refuse_what_is_there(into: Sequence[Path], forms: Sequence[str]) -> None:
         raise ExportError(f"{min(there)} is there: --force writes over it, or name another folder")
 
 
-def _made(log: Path, forms: Sequence[str]) -> list[tuple[str, bytes]]:
-    """The files of a log; what is missing in it is told."""
+def _made(log: Path, forms: Sequence[str]) -> tuple[list[tuple[str, bytes]], list[str]]:
+    """The files of a log, and why there are no others; what is missing in it is told."""
     from mission.analysis.export import FORMS, ExportError
     from mission.analysis.journal import recordings
     from mission.onboard.blackbox import Gap
 
+    made, why = list[tuple[str, bytes]](), dict[str, None]()
     try:
         (items,) = recordings([log])
-        made = [file for form in dict.fromkeys(forms) for file in FORMS[form](items)]
-    except ExportError as error:
-        raise ExportError(f"{log}: {error}") from None
+        for form in dict.fromkeys(forms):
+            try:
+                made += list(FORMS[form](items))
+            except ExportError as error:
+                why[f"{log}: {error}"] = None
     except (ValueError, KeyError, TypeError) as error:
-        why = f"{log}: its start record is not one of this version: {error}"
-        raise ExportError(why) from None
+        old = f"{log}: its start record is not one of this version: {error}"
+        raise ExportError(old) from None
     for gap in (item for item in items if isinstance(item, Gap) and not item.whole):
         click.echo(str(gap), err=True)
-    return made
+    return made, list(why)
 
 
 def _write(folder: Path, made: Sequence[tuple[str, bytes]]) -> None:
+    if not made:
+        return
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in made:
         (folder / name).write_bytes(content)

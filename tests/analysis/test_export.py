@@ -383,6 +383,15 @@ def test_a_log_without_any_place_says_so(form: str, tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
+def test_a_log_without_a_place_keeps_no_other_form_and_no_other_log_back(tmp_path: Path) -> None:
+    out, placeless = tmp_path / "out", hostile_box(tmp_path)
+    ran = exported(placeless, SHORT, "-o", out, "--as", "gpx", "--as", "kml", "--as", "parquet")
+    assert ran.exit_code == 2
+    assert ran.stderr.count("nothing in it has a place") == 1
+    assert {path.suffix for path in (out / placeless.stem).iterdir()} == {".parquet"}
+    assert {path.suffix for path in (out / SHORT.stem).iterdir()} == {".gpx", ".kml", ".parquet"}
+
+
 def test_what_cannot_be_read_written_or_made_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
