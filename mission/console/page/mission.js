@@ -107,6 +107,7 @@ function refusal({ line, message, hint }) {
 export function proof(proved) {
   if (!proved) return '';
   const { worst_time_s: t, worst_energy_wh: e, max_range_m: r, max_depth_m: d, uncertainty_m: u } = proved;
-  return [word('proof_time', lasting(t ?? 0)), `${number(e, 0)} Wh`, word('proof_range', length(r ?? 0)),
-    word('proof_depth', length(d ?? 0)), `±\u00a0${length(u ?? 0)}`].join(' · ');
+  const parts = [word('proof_time', lasting(t ?? 0)), `${number(e, 0)} Wh`, word('proof_range', length(r ?? 0)),
+    word('proof_depth', length(d ?? 0)), `± ${length(u ?? 0)}`];
+  return parts.map((one) => one.replaceAll(' ', '\u00a0')).join(' · '); // no figure is cut from its unit
 }
