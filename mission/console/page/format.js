@@ -46,7 +46,8 @@ export function bearing(deg) {
 /** @param {number} m */
 export function length(m) {
   if (m < 10) return `${number(m, 1)} m`;
-  return m < 2000 ? `${number(m, 0)} m` : `${number(m / 1000, 2)} km`;
+  if (m < 2000) return `${number(m, 0)} m`;
+  return `${number(m / 1000, m < 10_000 ? 2 : m < 100_000 ? 1 : 0)} km`;
 }
 
 /** Degrees and minutes to 2 m, as a chart has them. @param {number} lat @param {number} lon deg */

@@ -33,6 +33,6 @@ test('a place has degrees and minutes, and 60 minutes are a degree', () => {
 
 test('times and lengths are short', () => {
   assert.deepEqual([5, 65, 3600, 3725].map(clock), ['0:05', '1:05', '1:00:00', '1:02:05']);
-  assert.deepEqual([3.14, 31.4, 1999, 2345].map(length), ['3.1 m', '31 m', '1999 m', '2.35 km'].map(
-    (t) => t));
+  assert.deepEqual([3.14, 31.4, 1999, 2345, 23_450, 100_000].map(length),
+    ['3.1 m', '31 m', '1999 m', '2.35 km', '23.4 km', '100 km']);
 });
