@@ -24,6 +24,7 @@ import { word } from './words.js';
  *   places as latitude and longitude */
 
 const FAR_M = 20000; // beyond, another frame
+const SAME_M = 0.01;
 const CARRY_PX = 6; // of an arrow key
 const AROUND_M = 200; // a place alone
 
@@ -88,7 +89,17 @@ export class DraftChart {
       this._frame = new Frame(...(/** @type {Pair} */ (first)));
       this._isFitted = false;
     }
+    if (said.home && this._frame) this._measureFrom(said.home);
     if (isNew) Object.assign(this, { _isFitted: false, _isAlone: true });
+  }
+
+  /** The grid counts from home, as the text does; what is on the screen stays. @param {Pair} home */
+  _measureFrom(home) {
+    const by = this._frame?.toLocal(...home) ?? [0, 0];
+    if (Math.hypot(...by) < SAME_M) return;
+    this._frame = new Frame(...home);
+    this._view.shift(by);
+    if (this._carried) this._carried = [this._carried[0] - by[0], this._carried[1] - by[1]];
   }
 
   /** The track in still water; of a plan by heading nothing else is there to be looked at.
@@ -124,10 +135,12 @@ export class DraftChart {
   /** @returns {Scene} */
   _scene() {
     const frame = this._frame;
+    const still = frame ? stillOf(this.still, frame) : null;
+    if (still && this.ghost) still.turns = []; // its own ellipses stand there
     /** @type {Scene} */
     const made = { hasPlace: frame !== null, home: frame && this._home ? frame.toLocal(...this._home) : null,
       radius: this._radius, routes: frame ? routesOf(this._map, frame) : [],
-      still: frame ? stillOf(this.still, frame) : null, leg: this.places[this.chosen]?.path ?? '',
+      still, leg: this.places[this.chosen]?.path ?? '',
       target: null, track: [], here: null, others: [] };
     if (frame) made.charts = { draw: (pen, view) => this._charts.draw(pen, view, frame) };
     return made;

@@ -98,7 +98,7 @@ export class Importing {
   /** @param {string} why */
   _refuse(why) {
     this._since = 0;
-    say(this._why, why);
+    say(this._why, inFields(why));
     this.root.hidden = false;
     this._take.hidden = this._file === null;
     this._page().redraw();
@@ -115,6 +115,12 @@ export class Importing {
     this.root.hidden = true;
     this._page().redraw();
   }
+}
+
+/** What a command line would be told, of the fields here. @param {string} why */
+export function inFields(why) {
+  return why.replace(/--(home|depth|gear|pick|swap)\b/g, (_, name) =>
+    `“${word(`import_${name}`).split(/[:,：，]/)[0]}”`);
 }
 
 /** @param {Uint8Array} bytes */

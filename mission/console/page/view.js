@@ -61,6 +61,11 @@ export class View {
     this.north = north;
   }
 
+  /** Another origin: what is on the screen stays. @param {Pair} by m, where it lies */
+  shift([east, north]) {
+    this.centre([this.east - east, this.north - north]);
+  }
+
   /** All of the points on the screen. @param {Pair[]} points m @param {number} [margin] px */
   fit(points, margin = 56) {
     if (points.length === 0) return;

@@ -3,9 +3,10 @@ import test from 'node:test';
 
 import { completions, contextAt, helpOn, wordAt, written } from '../../../mission/console/page/completing.js';
 import { near } from '../../../mission/console/page/differing.js';
+import { DraftChart } from '../../../mission/console/page/draftchart.js';
 import { Frame } from '../../../mission/console/page/geo.js';
 import { History } from '../../../mission/console/page/history.js';
-import { base64, Importing } from '../../../mission/console/page/importing.js';
+import { base64, Importing, inFields } from '../../../mission/console/page/importing.js';
 import { drawPlaces, placeNear } from '../../../mission/console/page/places.js';
 import { lineAt, linesOf, rangeOf } from '../../../mission/console/page/texts.js';
 import { View } from '../../../mission/console/page/view.js';
@@ -175,4 +176,19 @@ test('an import that is closed replaces no text, whatever its answer is', async 
       assert.equal(panel.root.hidden, closes || !said.says);
     }
   }
+});
+
+test('what an import asks for is named as the fields are', () => {
+  assert.equal(inFields('say --home LATITUDE,LONGITUDE, or --home first'), 'say “Home” LATITUDE,LONGITUDE, or “Home” first');
+  assert.equal(inFields('say --depth, or --altitude'), 'say “Depth”, or --altitude');
+});
+
+test('the grid of a plan counts from its home, and a home that is moved moves nothing on the screen', () => {
+  const view = Object.assign(new View(), { width: 400, height: 200, scale: 2, east: 10, north: 20 });
+  const chart = Object.assign(Object.create(DraftChart.prototype), { _frame: new Frame(60, 25), _view: view });
+  const middle = () => chart._frame.toEarth(...view.toWorld([200, 100]));
+  const before = middle();
+  chart.take({ home: [60.001, 25.001], places: [] }, false);
+  assert.deepEqual([chart._frame.lat, chart._frame.lon], [60.001, 25.001]);
+  middle().forEach((degrees, i) => assert.ok(Math.abs(degrees - before[i]) < 1e-7));
 });
