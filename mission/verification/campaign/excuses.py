@@ -28,7 +28,7 @@ from mission.model import MANUAL_WAITING, STOPPED, SURFACED, Step, Tx
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.verification.campaign.trial import AUTO_NODE, fault_ends
 from mission.verification.rig.acts import Act
-from mission.verification.rig.trace import Done, Event, Said
+from mission.verification.rig.trace import Done, Event, Said, Told
 
 SLIGHT, SPARE = 1.0, 8.0  # N that may lift too slowly; N of lift that make a rise within a turn
 NEVER = 1e5  # s: by then what ends is over
@@ -118,6 +118,14 @@ def blind_from_its_begin(settings: Settings, events: Sequence[Event]) -> bool:
         and net(settings, fault_ends(f)) < SLIGHT
         for f in settings.faults
     )
+
+
+def overturned_untold(settings: Settings, events: Sequence[Event]) -> bool:
+    """It lies upside down in the end, and no report has come since: nothing tells that two of the
+    three ways, which take turns (R7), push it down."""
+    told = max((e.t for e in events if isinstance(e, Told)), default=-math.inf)
+    over = [f for f in settings.faults if f.name == "capsized" and fault_ends(f) >= NEVER]
+    return any(told < f.begin for f in over)
 
 
 def dives_unseen(settings: Settings, t: float) -> bool:

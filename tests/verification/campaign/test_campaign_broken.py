@@ -186,6 +186,15 @@ def test_what_sinks_behind_a_restart_that_knew_no_depth_is_left_and_otherwise_br
     assert any(kind == "lost" and "in idle" in says for kind, says in found)
 
 
+def test_what_capsizes_unknown_to_all_may_be_pushed_down_and_what_is_told_may_not() -> None:
+    """As flight 9625 of seed 707: U12 and W take their turns where nothing is reported."""
+    over = FaultEvent("capsized", 64.5, 1e6)
+    assert judged(in_the_lagoon(FaultEvent("stm32_silent", 29.2, 1e6), over)) == set()
+    with broken("upside down"):
+        found = judged(stage("capsized_and_heavy", 0))
+    assert any(kind == "sunk" and "led deeper" in says for kind, says in found), found
+
+
 def test_a_push_that_led_deeper_upside_down_is_seen_when_it_comes_again() -> None:
     """Where D12 does not bring it up before."""
     with broken("way D12"), broken("pushed down again"):
