@@ -19,6 +19,7 @@ from mission.analysis.journal import recordings
 from mission.analysis.report.dive import Dive
 from mission.analysis.report.figures import Picture, map_of, pictures_of, unbroken
 from mission.analysis.report.map import _scale, draw_map, flown_of, near
+from mission.analysis.report.numbers import along, around, as_runs
 from mission.analysis.report.words import figures, track_words
 from mission.analysis.story import story
 from mission.authoring.prepare import prepare
@@ -140,7 +141,18 @@ def test_what_a_vehicle_does_not_report_has_no_empty_picture(tmp_path: Path) -> 
     made["map"].draw([axes])
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("east of home, m", "north of home, m")
     numbers = [text.get_text() for text in axes.texts]
-    assert "1, 2, 3" in numbers, "legs on one spot do not cover one another"
+    assert "1\u20133" in numbers, "legs on one spot do not cover one another"
+
+
+def test_numbers_that_would_cover_one_another_are_told_as_one() -> None:
+    assert as_runs([3, 1, 2, 5, 7, 8]) == "1\u20133, 5, 7, 8"
+    assert list(along([(1.0, 1), (2.0, 2), (9.0, 3)], 2.0)) == [(1.5, "1, 2"), (9.0, "3")]
+    assert list(along([(t, 1 + t % 2) for t in range(9)], 2.0)) == [(4.0, "1, 2")]
+    assert list(along([], 2.0)) == []
+    places = [((0.0, 0.0), 1), ((3.0, 0.0), 2), ((6.0, 1.0), 3), ((0.0, 4.0), 4), ((9.0, 0.0), 5)]
+    assert list(around(places, 100.0)) == [
+        ((0.0, 0.0), "1\u20133"), ((0.0, 4.0), "4"), ((9.0, 0.0), "5")
+    ]  # fmt: skip
 
 
 def test_what_happened_stands_before_the_pictures(made: tuple[Page, Path]) -> None:

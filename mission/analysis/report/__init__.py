@@ -2,5 +2,6 @@
 
 dive      what is shown of a recording    figures   depth, attitude, sensors, margins over time
 map       plan, track and ellipses        page      all of it as HTML
+numbers   of legs, where there is room
 What does not live here: the story (story), the smoothed track (smoothing).
 """

@@ -17,6 +17,7 @@ import numpy as np
 from mission.analysis.drawing import draw_quality, timed
 from mission.analysis.report.dive import Dive
 from mission.analysis.report.map import draw_map, flown_of, marks_of, near, plain, planned
+from mission.analysis.report.numbers import along
 from mission.analysis.report.words import simulated
 from mission.engine.limits import LIMITS
 from mission.navigation.filter import Array
@@ -30,6 +31,7 @@ _ATTITUDE: Rows = (("heading_deg", "heading"), ("pitch_deg", "pitch"), ("roll_de
 _BATTERIES: Rows = (("control_v", "control"), ("power_v", "power"))
 _SENSORS: Rows = (("altitude_m", "altitude, m"), ("temperature_c", "temperature, \u00b0C"))
 _MARGINS = (("to_depth_m", "m"), ("to_radius_m", "m"), ("to_time_s", "s"), ("to_voltage_v", "V"))
+_APART = 0.025  # of the time: two numbers of legs
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,8 +133,11 @@ def _depth(axes: Axes, dive: Dive) -> None:
     marks = marks_of(stays)
     for stay in stays:
         axes.axvspan(stay.begin, stay.end, color=marks[stay.leg].colour, alpha=0.35, lw=0)
-        axes.text((stay.begin + stay.end) / 2.0, 1.02, str(marks[stay.leg].number), fontsize=7,
-                  ha="center", transform=axes.get_xaxis_transform())  # fmt: skip
+    middles = [((stay.begin + stay.end) / 2.0, marks[stay.leg].number) for stay in stays]
+    lasts = max(dive.states[-1]["t"] - dive.states[0]["t"], 1.0)
+    for at, numbers in along(middles, _APART * lasts):
+        axes.text(at, 1.02, numbers, fontsize=7, ha="center",
+                  transform=axes.get_xaxis_transform())  # fmt: skip
     t, depth = dive.series(dive.states, "depth_m")
     axes.plot(t, depth, color="#222222", lw=1.0)
     for spell in dive.spells:

@@ -15,6 +15,7 @@ import numpy as np
 
 from mission.analysis.ellipses import draw_ellipses
 from mission.analysis.report.dive import Dive, Point, Stay
+from mission.analysis.report.numbers import around
 from mission.navigation.filter import Array
 from mission.navigation.geodesy import LocalFrame
 from mission.onboard.stream.plan import COVERED
@@ -28,7 +29,6 @@ _DISC = {"boxstyle": "circle,pad=0.15", "fc": "w", "lw": 0.5}
 _ELLIPSES, _ELLIPSE = 10, "#555555"
 _MARGIN, _NARROWEST = 0.08, 0.6  # of the frame, of its long side
 _SMALLEST = 10.0  # m, that a frame shows
-_APART = 0.02  # of the frame's long side, of two numbers of legs
 _NEAR = 0.5  # of the track's long side: so far beside it the plan widens the frame
 
 
@@ -147,23 +147,17 @@ def _track(axes: Axes, dive: Dive, t: Array, places: Array) -> None:
 
 
 def _number(axes: Axes, dive: Dive, t: Array, places: Array, width: float) -> None:
-    """Each leg's number on its first way; those that would cover one another in one place."""
-    found: list[tuple[Array, list[str]]] = []
+    """Each leg's number on its first way."""
+    found: list[tuple[Point, int]] = []
     stays = {stay.leg: stay for stay in reversed(dive.stays())}
     for leg, mark in marks_of(dive.stays()).items():
         within = (t >= stays[leg].begin) & (t <= stays[leg].end) & np.isfinite(places[:, 0])
-        if not within.any():
-            continue
-        line = places[within]
-        middle = line[len(line) // 2]
-        beside = next((n for at, n in found if np.hypot(*(at - middle)) < _APART * width), None)
-        if beside is None:
-            found.append((middle, [str(mark.number)]))
-        else:
-            beside.append(str(mark.number))
-    for at, numbers in found:
-        axes.annotate(", ".join(numbers), tuple(at), fontsize=8, zorder=7, ha="center",
-                      va="center", bbox=_DISC)  # fmt: skip
+        if within.any():
+            east, north = places[within][int(within.sum()) // 2]
+            found.append(((float(east), float(north)), mark.number))
+    for place, numbers in around(found, width):
+        box = _DISC if len(numbers) < 3 else _DISC | {"boxstyle": "round,pad=0.15"}
+        axes.annotate(numbers, place, fontsize=8, zorder=7, ha="center", va="center", bbox=box)
 
 
 def _ellipses(axes: Axes, dive: Dive, t: Array, places: Array, width: float) -> None:
