@@ -86,17 +86,22 @@ function gridNumbers(pen, view, inks, step) {
   const [east, south] = view.toWorld([view.width, view.height]);
   font(pen, 11);
   pen.fillStyle = inks.soft;
+  Object.assign(pen, { strokeStyle: inks.paper, lineWidth: 3, lineJoin: 'round' }); // on a bright scan
+  const put = (/** @type {string} */ text, /** @type {number} */ x, /** @type {number} */ y) => {
+    pen.strokeText(text, x, y);
+    pen.fillText(text, x, y);
+  };
   const far = (/** @type {number} */ m, /** @type {string} */ more, /** @type {string} */ less) =>
     m === 0 ? '0' : `${length(Math.abs(m)).replace('.0 ', ' ')} ${m > 0 ? more : less}`;
   pen.textAlign = 'center';
   for (const e of ticks(west, east, step)) {
     const [x] = view.toScreen([e, 0]);
-    if (x > 60 && x < view.width - 60) pen.fillText(far(e, 'E', 'W'), x, 13);
+    if (x > 60 && x < view.width - 60) put(far(e, 'E', 'W'), x, 13);
   }
   pen.textAlign = 'left';
   for (const n of ticks(south, north, step)) {
     const [, y] = view.toScreen([0, n]);
-    if (y > 26 && y < view.height - 60) pen.fillText(far(n, 'N', 'S'), 5, y - 4);
+    if (y > 26 && y < view.height - 60) put(far(n, 'N', 'S'), 5, y - 4);
   }
 }
 
