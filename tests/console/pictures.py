@@ -6,6 +6,7 @@ python tests/console/pictures.py      into docs/pictures/cockpit, where the site
 from __future__ import annotations
 
 import re
+import signal
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -35,6 +36,8 @@ def opened(chromium: object, *words: str) -> Iterator[Seat]:
         seat.page.goto(address.removeprefix("open ").strip())
         yield seat
         context.close()
+        program.send_signal(signal.SIGINT)  # with the sea that it began
+        program.wait()
 
 
 def take(seat: Seat, *views: str) -> None:
