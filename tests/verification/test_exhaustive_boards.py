@@ -26,7 +26,7 @@ from protocol.messages import Order, Setpoint, Telemetry
 from protocol.vehicles import codec
 
 MISSIONS = {"coreboard": "coreboard-dive", "rov": "rov-dive", "robot": "robot-drive"}
-EVERY = {"coreboard": 20, "rov": 16, "robot": 9}  # of the configurations: a sample of seconds
+EVERY = {"coreboard": 20, "rov": 16, "robot": 1}  # of the configurations: a sample of seconds
 HERE = Position(30.0, 120.0)
 # Limits that nothing in the bytes of a board can bring about.
 ELSEWHERE = {
