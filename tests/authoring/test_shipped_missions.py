@@ -9,7 +9,6 @@ import pytest
 
 from links.simulated.settings import parse_settings
 from mission.authoring.prepare import Unreadable, check_prepared, mission_file, prepare
-from mission.model.shipped import shipped_missions
 from mission.verification.simulation.flight import fly
 from mission.verification.simulation.reaching import achieved_by
 
@@ -122,42 +121,6 @@ def test_each_of_the_other_vehicles_has_a_shipped_mission_that_comes_home(
     assert {leg.by for leg in flight.legs} <= {"until", "for", "end"}
     assert flight.mission_time <= proved.worst_time
     assert flight.max_depth <= proved.max_depth
-
-
-def passing(vehicle: str) -> set[str]:
-    return {name for name in shipped_missions() if passes(name, vehicle)}
-
-
-def passes(name: str, vehicle: str) -> bool:
-    try:
-        return check_prepared(prepare(name, vehicle)).ok
-    except Unreadable:
-        return False
-
-
-def named(vehicle: str, item: str) -> set[str]:
-    """The shipped missions that this item of the vehicle's section in docs/vehicles.md names."""
-    page = (ROOT / "docs" / "vehicles.md").read_text(encoding="utf-8")
-    (section,) = (part for part in page.split("\n## ") if f"`vehicle: {vehicle}`" in part)
-    (told,) = (part for part in section.split("\n- ") if part.startswith(f"*{item}.*"))
-    return set(re.findall(r"`([a-z-]+)`", told)) & set(shipped_missions())
-
-
-def test_the_page_of_the_vehicles_names_what_the_core_board_flies_and_what_it_is_refused() -> None:
-    fly, fits = named("coreboard", "Flies"), passing("coreboard")
-    assert fly == fits - {"rov-dive", "robot-drive"}
-    assert named("coreboard", "Cannot") == set(shipped_missions()) - fits
-
-
-@pytest.mark.proof
-def test_the_page_of_the_vehicles_names_what_the_main_board_flies_once_its_signs_are_confirmed(
-    tmp_path: Path,
-) -> None:
-    shipped = (ROOT / "missions" / "vehicles" / "mainboard.yaml").read_text(encoding="utf-8")
-    confirmed = tmp_path / "mainboard.yaml"
-    confirmed.write_text(shipped.replace("# confirmed:", "confirmed:"), encoding="utf-8")
-    fits = passing(str(confirmed)) | passing("mainboard")
-    assert named("mainboard", "Flies") == fits - {"robot-drive"}
 
 
 @pytest.mark.parametrize(

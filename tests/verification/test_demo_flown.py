@@ -21,7 +21,6 @@ from mission.topside.console import converse
 from mission.topside.upload import start
 from mission.verification.simulation.demo import LEFT, PLANNED, Demo, Progress
 
-pytestmark = [pytest.mark.proof, pytest.mark.minutes]
 SPEED = 6.0
 AFTER = 15.0  # s of mission until somebody takes the stick
 HELD = 4.0  # s
@@ -64,6 +63,7 @@ def fits(name: str, file: str) -> bool:
     return check_prepared(prepared).ok
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("vehicle", FLIES)
 def test_the_page_of_the_vehicles_names_what_each_of_them_flies(
     tmp_path: Path, vehicle: str
@@ -117,6 +117,8 @@ def states(folder: Path) -> list[str]:
     return [step.entered[-1] for step in steps if step.entered]
 
 
+@pytest.mark.proof
+@pytest.mark.minutes
 @pytest.mark.parametrize(("vehicle", "mission"), PAIRS)
 def test_what_a_vehicle_can_fly_comes_home_on_it_with_the_stick_taken_and_given_back(
     tmp_path: Path, vehicle: str, mission: str
@@ -143,6 +145,8 @@ def worst(prepared: Prepared) -> float:
     return proved.worst_time
 
 
+@pytest.mark.proof
+@pytest.mark.minutes
 @pytest.mark.parametrize("vehicle", ["auv", "coreboard", "mainboard", "rov", "robot"])
 def test_the_command_flies_the_vehicles_own_mission_and_leaves_its_pictures(
     tmp_path: Path, vehicle: str
