@@ -46,6 +46,7 @@ def test_a_shipped_mission_states_what_it_is_flown_for(path: Path) -> None:
     assert report.outlook
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("profile", ["as-built", "documented"])
 @pytest.mark.parametrize("path", MISSIONS, ids=lambda p: p.stem)
 def test_a_shipped_mission_comes_home_in_a_current(path: Path, profile: str) -> None:

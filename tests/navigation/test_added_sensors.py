@@ -132,6 +132,7 @@ def flood(kind: str, rate: int) -> Iterator[Said]:
                 yield Aid(item.t + 0.01 + 1.98 * k / (2 * rate), kind, aids(kind, truth, rng))
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("rate", [5, 100])
 def test_a_doppler_log_that_speaks_often_makes_the_estimate_no_surer_than_it_is(rate: int) -> None:
     items = under_water(flood("ground", rate))

@@ -133,6 +133,7 @@ def try_many(boxes: dict[str, Path], tmp_path: Path, form: str, times: int) -> N
         try_one(tmp_path / "damaged.mcap", whole, known, number, form)
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("form", FORMS)
 def test_whatever_bytes_are_damaged_all_that_is_whole_is_read_and_the_rest_is_told(
     boxes: dict[str, Path], tmp_path: Path, form: str

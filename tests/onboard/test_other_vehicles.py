@@ -82,6 +82,7 @@ def flown(name: str, *said: Cue) -> Flight:
     return fly(ready.mission, ready.vehicle, seed=3, said=said)
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("name", TEXTS)
 def test_a_suitable_mission_is_flown_to_its_end_at_the_surface(name: str) -> None:
     flight = flown(name)

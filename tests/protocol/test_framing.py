@@ -524,6 +524,7 @@ def test_random_and_hostile_bytes_are_faults_and_nothing_else(name: str) -> None
         assert len(framer.buffer) == 0
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("name", [row.name for row in links()])
 def test_a_million_hostile_bytes_cost_no_more_than_one_look_at_each(
     name: str, monkeypatch: pytest.MonkeyPatch

@@ -118,6 +118,7 @@ def test_a_program_killed_after_a_disk_was_full_at_the_start_still_surfaces(prof
     assert trial.state == SURFACED
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("profile", PROFILES)
 @pytest.mark.parametrize("death", [Act.DIE_BEFORE, Act.DIE_AFTER])
 def test_a_program_killed_between_the_end_and_its_stop_leaves_no_thruster_on(
@@ -155,6 +156,7 @@ def test_a_program_killed_with_the_stick_held_leaves_no_thruster_on(profile: str
     assert trial.state == IDLE_EMPTY
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("profile", PROFILES)
 def test_upside_down_with_no_depth_and_no_angle_it_comes_to_rest_at_the_surface(
     profile: str,

@@ -59,6 +59,7 @@ def to_board(events: tuple[Event, ...], begin: float, end: float) -> list[Tx]:
     return [e for e in events if isinstance(e, Tx) and e.link == "vehicle" and begin < e.t < end]
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("name", TEXTS)
 def test_a_flight_whose_outputs_are_safe_behind_an_x_keeps_the_law(name: str) -> None:
     events = trace_of(name)[1].events
