@@ -113,7 +113,7 @@ def test_an_operator_rehearses_a_dive_by_modem_with_the_real_programs(tmp_path: 
                 radio = json.loads(ready.read_text())["topside"]  # by modem a refusal lasts 2 min
                 started = run("start", "--to", radio, "--wait", "60")
                 assert started.exit_code == 0, started.stderr
-                assert "running" in run("status", *to).stdout
+                assert "autonomous" in run("status", *to).stdout
                 assert "stop" in run("stop", *to).stderr
                 assert run("surface", *to).exit_code == 0
         channel_process.send_signal(signal.SIGINT)
