@@ -29,6 +29,7 @@ def test_the_ellipse_points_where_the_doubt_is(
     assert math.degrees(found) == pytest.approx(bearing)
 
 
+@pytest.mark.proof
 def test_an_ellipse_lies_on_the_picture_as_it_lies_on_the_sea() -> None:
     axes = drawing.Figure().subplots()
     draw_ellipses(axes, [(3.0, 2.0, (5.0, 4.0, 5.0))], 100.0, "k")

@@ -46,6 +46,7 @@ def errors(places: np.ndarray, track: Track, flown: Flown) -> np.ndarray:
     return np.hypot(*(places - where).T)
 
 
+@pytest.mark.proof
 def test_smoothing_is_nearer_to_the_truth_than_filtering_and_that_than_the_raw(
     track: Track, flown: Flown
 ) -> None:
@@ -119,6 +120,7 @@ def test_calibration_pays_on_a_dive_that_it_has_not_seen(flown: Flown) -> None:
     assert after < 0.7 * before
 
 
+@pytest.mark.proof
 def test_the_section_is_read_back_as_it_was_meant(flown: Flown, tmp_path: Path) -> None:
     done = calibrate([flown.items], OFF)
     base = yaml.safe_load((missions_folder() / "vehicles" / "auv.yaml").read_text())
@@ -140,6 +142,7 @@ def told(vehicle: Vehicle) -> tuple[object, ...]:
     return (c.speed_scale, c.speed_scale_sigma), bias, (c.deviation, c.deviation_sigma)
 
 
+@pytest.mark.proof
 def test_what_the_logs_do_not_teach_stays_as_the_vehicle_file_has_it() -> None:
     """One fix, a dive, and a fix: nothing tells a current from a bias or a wrong speed."""
     done = calibrate([fly_plan(3, bias_deg=7.0, learning=False).items], VEHICLE)
@@ -150,6 +153,7 @@ def test_what_the_logs_do_not_teach_stays_as_the_vehicle_file_has_it() -> None:
     assert all("kept as it was; to teach it" in line for line in lines)
 
 
+@pytest.mark.proof
 def test_no_figure_is_less_known_by_logs_that_agree_with_the_vehicle_file(flown: Flown) -> None:
     sure = replace(
         VEHICLE,
@@ -173,6 +177,7 @@ def test_calibrating_again_with_the_same_logs_makes_nothing_surer(flown: Flown) 
     assert again.calibration.speed_scale == pytest.approx(once.calibration.speed_scale, rel=0.02)
 
 
+@pytest.mark.proof
 def test_logs_that_contradict_a_sure_vehicle_file_are_believed(flown: Flown) -> None:
     wrong = replace(
         VEHICLE,
@@ -252,6 +257,7 @@ def test_a_picture_or_section_that_cannot_be_written_is_told(box: Path, tmp_path
         assert f"{nowhere}: cannot be written: No such file or directory" in result.stderr
 
 
+@pytest.mark.proof
 def test_calibrate_prints_a_section_and_draws(box: Path, tmp_path: Path) -> None:
     picture = tmp_path / "cal.png"
     result = CliRunner().invoke(calibrate_command, [str(box), "--plot", str(picture)])

@@ -268,6 +268,7 @@ def test_what_cannot_be_scored_says_why(tmp_path: Path, rows: Rows, said: str) -
     assert json.loads(result.stdout)["coverage"] is None
 
 
+@pytest.mark.proof
 def test_short_runs_teach_where_nothing_else_does(tmp_path: Path) -> None:
     """Their speed is near 2 m/s; 1.5 is what is believed where nothing was recorded."""
     files = [(f"{i}.csv", run(i, seconds=50)) for i in range(3)]

@@ -47,6 +47,7 @@ def test_a_box_that_was_recorded_long_ago_gives_the_same_bytes_and_states(path: 
     assert found.identical, summary(found)
 
 
+@pytest.mark.proof
 def test_a_flight_from_the_file_is_identical(recorded: list[Record], tmp_path: Path) -> None:
     path = saved(tmp_path / "box.mcap", recorded)
     ran = CliRunner().invoke(command, [str(path)])

@@ -636,6 +636,7 @@ def test_without_a_start_record_no_date_is_made_up(tmp_path: Path) -> None:
     assert ran.stdout.startswith("time not known               0.000  warning black box: ")
 
 
+@pytest.mark.proof
 def test_a_log_can_be_asked_by_topic_time_and_text() -> None:
     everything = logged(SHORT).stdout.splitlines()
     assert len(everything) > 20

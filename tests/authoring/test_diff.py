@@ -99,6 +99,7 @@ def test_every_change_of_a_figure_is_one_row(
     assert all(b != a for _, _, _, b, a in told)
 
 
+@pytest.mark.proof
 def test_no_figure_of_a_mission_changes_unseen(tmp_path: Path) -> None:
     source = SURVEY.splitlines(keepends=True)
     (tmp_path / "a.mission").write_text(SURVEY, encoding="utf-8")

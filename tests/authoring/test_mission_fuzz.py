@@ -132,6 +132,7 @@ def test_a_spoilt_mission_is_judged_and_runs_nothing(text: str) -> None:
         judged(text)
 
 
+@pytest.mark.proof
 @settings(max_examples=80, deadline=None)
 @given(st.lists(st.text(alphabet=st.characters(min_codepoint=32, max_codepoint=126), max_size=60), max_size=8))  # fmt: skip
 @example(["mission a vehicle auv", "x: " + "(" * 190])

@@ -49,6 +49,7 @@ def test_an_electronic_chart_becomes_shapes_with_their_depths(cell: Path) -> Non
     }
 
 
+@pytest.mark.proof
 def test_the_places_of_an_electronic_chart_are_kept_to_a_centimetre(cell: Path) -> None:
     by_class = {f["properties"]["class"]: f["geometry"] for f in convert(cell).geojson["features"]}
     assert by_class["WRECKS"]["coordinates"] == [WEST + 0.003, SOUTH + 0.002]

@@ -483,6 +483,7 @@ def test_a_page_that_answers_nothing_is_sent_away(
         soon(lambda: vehicle.board.pages == 0, "the page is forgotten")
 
 
+@pytest.mark.proof
 def test_a_mission_that_runs_is_watched_to_its_leg(tmp_path: Path) -> None:
     with at_sea(tmp_path) as (pi, console, _), console.socket("frames") as frames:
         page = Page(frames)

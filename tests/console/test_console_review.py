@@ -66,6 +66,7 @@ def test_a_recording_stands_goes_to_a_time_and_back(review: Console) -> None:
         assert all(point[0] <= 1.0 for point in page.track)
 
 
+@pytest.mark.proof
 def test_it_plays_as_fast_as_it_is_told(review: Console) -> None:
     with review.socket("frames") as frames, review.socket("review") as hand:
         page = Page(frames)
@@ -128,6 +129,7 @@ def test_what_stood_at_a_time_is_the_same_by_the_film_as_by_running_up_to_it(
         assert (found.track, found.plan, found.told) == (ran.track, ran.plan, ran.told)
 
 
+@pytest.mark.proof
 def test_playing_on_from_a_time_ends_where_a_jump_would(records: list[Record]) -> None:
     film = whole(records)
     watched = film.at(10.0, 0.0)
@@ -137,6 +139,7 @@ def test_playing_on_from_a_time_ends_where_a_jump_would(records: list[Record]) -
     assert (watched.state, watched.track, watched.told) == (there.state, there.track, there.told)
 
 
+@pytest.mark.proof
 def test_a_jump_runs_nothing_again(records: list[Record], monkeypatch: pytest.MonkeyPatch) -> None:
     """However long the recording is: the film has been run once."""
     ran = list[float]()

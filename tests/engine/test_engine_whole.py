@@ -116,6 +116,7 @@ def test_the_same_inputs_give_the_same_outputs():
         assert script(seed, started(), 150) == script(seed, started(), 150)
 
 
+@pytest.mark.proof
 def test_a_snapshot_holds_everything_that_decides_what_comes_next():
     for seed in range(20):
         world = started()

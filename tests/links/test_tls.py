@@ -144,6 +144,7 @@ def test_who_has_no_certificate_keeps_nobody_out_who_has_one(keys: Path) -> None
     made.close()
 
 
+@pytest.mark.proof
 def test_half_handshakes_by_the_hundred_from_its_own_address_keep_no_certificate_out(
     server: TcpServer, keys: Path
 ) -> None:

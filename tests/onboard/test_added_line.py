@@ -58,6 +58,7 @@ def test_what_the_sensors_said_is_on_record_and_replayed_to_the_bit() -> None:
     assert replay(records).identical
 
 
+@pytest.mark.proof
 def test_ranges_and_ensembles_are_replayed_to_the_bit_and_decoded() -> None:
     records = flown("doppler_pd0=0.03", "ranges=2", vehicle=BEACONED)
     assert replay(records).identical

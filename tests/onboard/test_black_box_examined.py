@@ -27,6 +27,7 @@ def box(growing: Path, tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.proof
 def test_an_examination_finds_nothing_in_a_file_that_grew_nor_once_it_is_closed(box: Path) -> None:
     assert examine(box) == []
     assert close_part(box)

@@ -68,6 +68,7 @@ def test_a_file_cut_at_any_byte_is_a_prefix_of_its_records(tmp_path: Path) -> No
     assert counts[0] == len(RECORDS)
 
 
+@pytest.mark.proof
 @settings(max_examples=60, deadline=None)
 @given(
     st.lists(

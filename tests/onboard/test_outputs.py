@@ -129,6 +129,7 @@ def test_a_leg_sets_its_outputs_the_next_keeps_them_and_the_ascent_makes_them_sa
     assert refused == [REFUSED, REFUSED]
 
 
+@pytest.mark.proof
 def test_a_mission_that_names_no_output_leaves_what_was_set_by_hand(tmp_path: Path) -> None:
     text = ROV.replace(" output lamp 80", "").replace(" output lamp 0", "")
     ready = prepared(tmp_path, text)

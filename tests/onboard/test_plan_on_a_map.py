@@ -57,6 +57,7 @@ def test_every_area_is_a_ring_on_the_map_where_the_mission_has_it(
     assert local == {(60, 260), (60, 320), (130, 320)}
 
 
+@pytest.mark.proof
 def test_the_map_of_a_report_says_what_is_kept_out_of(features: list[dict[str, Any]]) -> None:
     dive = Dive(load_vehicle("auv"), 0.0, origin=HOME, plan=features)
     axes = drawing.Figure().subplots()

@@ -120,6 +120,7 @@ def board(frames: list[bytes]) -> dict[str, object]:
     return dict(state)
 
 
+@pytest.mark.proof
 @settings(max_examples=150, deadline=None)
 @given(st.lists(st.tuples(WORDS, st.integers(0, 2)), max_size=120))
 def test_whatever_comes_however_fast_the_vehicle_ends_as_it_was_told(script) -> None:

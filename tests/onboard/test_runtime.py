@@ -230,6 +230,7 @@ def test_a_restart_in_the_end_of_an_emergency_turns_nothing(during: str) -> None
     assert set(boat.to_vehicle()) == {b"@ZAX0$"}
 
 
+@pytest.mark.proof
 def test_a_restart_names_the_leg_that_was_active() -> None:
     boat = Boat(MemoryStore(Stored(THREE)))
     boat.until(4.0)

@@ -94,6 +94,7 @@ def replays(pi: Running) -> bool:
     return replay(list(read_parts(Path(pi.ready.black_box)))).identical
 
 
+@pytest.mark.proof
 def test_serve_that_is_ended_in_a_mission_brings_the_vehicle_up_and_stops_it_first(
     tmp_path: Path,
 ) -> None:

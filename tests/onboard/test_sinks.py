@@ -78,6 +78,7 @@ def test_parts_that_are_closed_are_put_into_their_last_form_beside_the_program(
     assert list(read_records(box.path)) == records
 
 
+@pytest.mark.proof
 def test_where_nothing_but_the_part_that_is_written_is_there_no_process_closes_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -83,6 +83,7 @@ def test_what_is_no_sentence_is_one_fault_of_its_kind(raw: bytes, kind: str) -> 
     assert found[0].kind == kind
 
 
+@pytest.mark.proof
 @given(st.lists(st.sampled_from([GGA, RMC, OTHER]), min_size=1), st.integers(1, 200))
 def test_every_sentence_is_found_whatever_the_pieces_it_comes_in(
     sentences: list[bytes], size: int

@@ -167,6 +167,7 @@ def test_a_tolerance_accepts_what_is_refused_without_it_and_back(
         assert tolerant == expected
 
 
+@pytest.mark.proof
 def test_a_tolerance_refuses_nothing_that_is_right_without_it() -> None:
     """Those that accept more; the others say which of two readings holds."""
     more = (

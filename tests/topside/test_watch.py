@@ -234,6 +234,7 @@ def test_a_recording_is_shown_as_it_was_and_commands_nobody(tmp_path: Path) -> N
     driven(from_recording(Playback(flown()), 50.0), "", tmp_path, play)
 
 
+@pytest.mark.proof
 def test_a_playback_shows_the_state_of_its_time() -> None:
     played, known = Playback(flown()), Watched()
     seen = []

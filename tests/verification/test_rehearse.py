@@ -93,6 +93,7 @@ def test_a_page_has_the_picture_and_every_figure_and_loads_nothing() -> None:
     assert not re.search(r"<script|<link|src=|url\(http", made)
 
 
+@pytest.mark.proof
 def test_the_worst_flights_come_with_the_command_that_flies_them_again(
     told: tuple[dict[str, object], Path],
 ) -> None:

@@ -81,6 +81,7 @@ def test_every_fault_and_every_incident_is_drawn() -> None:
         assert event.name not in OUT_OF_HAND or (event.duration or 0.0) < FOREVER
 
 
+@pytest.mark.proof
 def test_a_flight_is_told_by_its_seed_and_number_alone() -> None:
     assert draw(5, 7, KNOWN) == draw(5, 7, KNOWN)
     assert draw(5, 7, KNOWN) != draw(6, 7, KNOWN)
@@ -181,6 +182,7 @@ def test_a_vehicle_that_does_not_come_up_is_lost(monkeypatch: pytest.MonkeyPatch
     assert LOST in kinds_of(flown([], settings=settings), settings=settings)
 
 
+@pytest.mark.proof
 def test_a_limit_that_nobody_looks_at_is_overrun(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(LimitMonitor, "look", lambda self, reported, fixed: [])
     silent = parse_settings(["fault=stm32_silent@60+20"])
@@ -236,6 +238,7 @@ def test_an_order_that_does_not_leave_at_once_is_ignored(monkeypatch: pytest.Mon
     assert IGNORED in kinds_of(flown([Disturbance(60.0, Act.SAY, b"@ZAX0$")]))
 
 
+@pytest.mark.proof
 def test_a_set_that_relays_keep_back_is_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
     following = Frontseat.next_out
 
