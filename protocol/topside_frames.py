@@ -236,12 +236,14 @@ class OutputFrame(TextFrame):
 
 # --- 1.2.2 remote control ---
 
+RUDDER_TRAVEL = (-15, 22)  # deg, up positive
 SERVO = (Letters("mode", 1, "AS"), Digit("servo", "123"), Sep(","), Int("angle", -37, 37))
 
 
 def _rudder(values: Values) -> FaultKind | None:
-    """Set: the travel, -15..22 deg; add: any step within the whole travel."""
-    beyond = values["mode"] == "S" and not -15 <= values["angle"] <= 22
+    """Set: the travel; add: any step within the whole of it."""
+    lowest, highest = RUDDER_TRAVEL
+    beyond = values["mode"] == "S" and not lowest <= values["angle"] <= highest
     return FaultKind.OUT_OF_RANGE if beyond else None
 
 

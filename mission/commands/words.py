@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 ANGLES = {"ignore_unknown_options": True}  # -5 is an angle, not an option
 SERVOS = {"left": 1, "right": 2, "both": 3}
-LOWEST, HIGHEST = -15, 22  # deg that a rudder turns to
 
 
 @click.command()
@@ -142,8 +141,11 @@ def rudder(servo: str, angle: int, step: bool, to: str, as_json: bool) -> None:
 
     Exit 0 when the Pi has it: no frame tells that it turned.
     """
-    if not step and not LOWEST <= angle <= HIGHEST:
-        raise click.UsageError(f"{angle} is outside {LOWEST}..{HIGHEST} deg")
+    from protocol.topside_frames import RUDDER_TRAVEL
+
+    lowest, highest = RUDDER_TRAVEL
+    if not step and not lowest <= angle <= highest:
+        raise click.UsageError(f"{angle} is outside {lowest}..{highest} deg")
     values = {"mode": "A" if step else "S", "servo": SERVOS[servo], "angle": angle}
     say_word(to, "D", values, as_json)
 

@@ -85,9 +85,8 @@ def _ascends_from_stick(core: Core) -> bool:
 def _may_sink_again(core: Core) -> bool:
     """Whether an ascent has let it go too short a time ago to tell, by a depth, that it floats.
     What drives on the ground does not."""
-    let_go = core.active == SURFACED and core.vehicle_state.depth is not None
-    let_go = let_go and not core.vehicle.drives
-    return let_go and core.now < core.let_go_at + STAYS_UP
+    floats = core.vehicle_state.depth is not None and not core.vehicle.drives
+    return floats and core.active == SURFACED and core.now < core.let_go_at + STAYS_UP
 
 
 def _is_deep(core: Core) -> bool:

@@ -60,11 +60,11 @@ from protocol.topside import (
     to_pi_frames,
 )
 from protocol.topside_frames import NODES, SENSORS
+from protocol.vehicles.stick import LACKS
 
 SWITCH_TRIES = 7  # a second each: the nodes have 5 s to change (R13)
 AGED = " ago"  # the end of a refusal in @AR that is not of now
 UNACKNOWLEDGED = "the Pi has it and passes it on; no frame acknowledges it: watch it"
-LACKS = "no R and no D"  # of a board of documents 002 to 004
 ELSEWHERE = (
     "no words for power (R) and rudders (D): what it has is set by its outputs, auvmission output"
 )

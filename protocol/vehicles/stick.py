@@ -21,6 +21,7 @@ from protocol.messages import Setpoint
 from protocol.vehicles.keys import Key, Wire
 
 _WORD = re.compile(rb"@(MM|MR)([A-Z])(\d{1,5})\$")
+LACKS = "no R and no D"
 _FULL = {"MM": 12, "MR": 5}
 _AXES = {
     "MMF": ("surge", 1),
@@ -50,7 +51,7 @@ def steered(held: Setpoint, word: bytes, wire: Wire) -> Setpoint:
     kind = word[1:3].decode("ascii", "replace")
     found = _WORD.fullmatch(word)
     if found is None and not kind.startswith("M"):
-        raise CannotEncode("this vehicle has no R and no D")
+        raise CannotEncode(f"this vehicle has {LACKS}")
     axis, sign = _AXES.get(f"{kind}{found[2].decode()}" if found else "", ("", 0))
     if found is None or not axis:
         raise CannotEncode(f"this vehicle has no @{kind}: {_NONE.get(kind, 'no such word')}")

@@ -183,6 +183,32 @@ def has_still_track(plan: playwright.Locator) -> None:  # type: ignore[name-defi
     chart.to_have_attribute("data-still", "planned", timeout=FLOWN_MS)
 
 
+def drags_a_place_and_undoes_it(
+    page: playwright.Page,  # type: ignore[name-defined]
+    chart: playwright.Locator,  # type: ignore[name-defined]
+    code: playwright.Locator,  # type: ignore[name-defined]
+) -> None:
+    """The first behind home, and has it where it was dragged to in the end: one line is another."""
+    expect, first = playwright.expect, code.input_value()
+    box = chart.bounding_box()
+    assert box is not None
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    chart.press("n")  # home
+    chart.press("n")  # what is chosen stands in the middle
+    page.mouse.move(*middle)
+    page.mouse.down()
+    page.mouse.move(middle[0] + 5, middle[1] + 4, steps=4)  # its purpose holds at any scale
+    page.mouse.up()
+    expect(code).not_to_have_value(first)
+    moved = code.input_value()
+    rows = zip(first.split("\n"), moved.split("\n"), strict=True)
+    assert sum(before != after for before, after in rows) == 1
+    chart.press("Control+z")
+    expect(code).to_have_value(first)
+    chart.press("Control+y")
+    expect(code).to_have_value(moved)
+
+
 def test_a_plan_from_a_template_to_the_vehicle_and_another_by_drop(
     chromium: object, tmp_path: Path
 ) -> None:
@@ -205,23 +231,7 @@ def test_a_plan_from_a_template_to_the_vehicle_and_another_by_drop(
         expect(verdict).to_contain_text("from home")
         has_still_track(plan)
         chart = plan.locator("canvas")
-        box = chart.bounding_box()
-        assert box is not None
-        middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-        chart.press("n")  # home
-        chart.press("n")  # what is chosen stands in the middle
-        page.mouse.move(*middle)
-        page.mouse.down()
-        page.mouse.move(middle[0] + 5, middle[1] + 4, steps=4)  # its purpose holds at any scale
-        page.mouse.up()
-        expect(code).not_to_have_value(first)
-        moved = code.input_value()
-        rows = zip(first.split("\n"), moved.split("\n"), strict=True)
-        assert sum(before != after for before, after in rows) == 1
-        chart.press("Control+z")
-        expect(code).to_have_value(first)
-        chart.press("Control+y")
-        expect(code).to_have_value(moved)
+        drags_a_place_and_undoes_it(page, chart, code)
         expect(verdict).to_contain_text("from home")
         plan.get_by_role("button", name="Fly").click()
         expect(plan.locator(".ghost-says")).to_contain_text("COMPLETED", timeout=FLOWN_MS)

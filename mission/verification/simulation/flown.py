@@ -60,7 +60,7 @@ class Flown:
     def caption(self) -> str:
         """Sea, settings and seed, for a picture."""
         said = f"set {' '.join(self.settings)}" if self.settings else ""
-        return ", ".join(filter(None, (_sea(self.sea), said, f"seed {self.seed}")))
+        return ", ".join(filter(None, (self._where, said, f"seed {self.seed}")))
 
     def as_lines(self) -> list[str]:
         """Rows like those of the figures."""
