@@ -183,6 +183,9 @@ def has_still_track(plan: playwright.Locator) -> None:  # type: ignore[name-defi
     chart.to_have_attribute("data-still", "planned", timeout=FLOWN_MS)
 
 
+SLID = "px => { document.body.style.paddingTop = px + 'px'; }"
+
+
 def drags_a_place_and_undoes_it(
     page: playwright.Page,  # type: ignore[name-defined]
     chart: playwright.Locator,  # type: ignore[name-defined]
@@ -209,6 +212,31 @@ def drags_a_place_and_undoes_it(
     expect(code).to_have_value(moved)
 
 
+def holds_a_place_while_an_alarm_moves_the_page(
+    page: playwright.Page,  # type: ignore[name-defined]
+    chart: playwright.Locator,  # type: ignore[name-defined]
+    code: playwright.Locator,  # type: ignore[name-defined]
+) -> None:
+    """It stays where it was: under the finger is another place now."""
+    edits: list[str] = []
+    page.on("request", lambda asked: edits.append(asked.url) if "/api/edit" in asked.url else None)
+    box, before = chart.bounding_box(), code.input_value()
+    assert box is not None
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    for moves_on in (True, False):
+        chart.press("p")
+        chart.press("n")
+        page.mouse.move(*middle)
+        page.mouse.down()
+        page.mouse.move(middle[0] + 9, middle[1], steps=3)
+        page.evaluate(SLID, 56)
+        if moves_on:
+            page.mouse.move(middle[0] + 12, middle[1], steps=3)
+        page.mouse.up()
+        page.evaluate(SLID, 0)
+    assert code.input_value() == before and not edits
+
+
 def test_a_plan_from_a_template_to_the_vehicle_and_another_by_drop(
     chromium: object, tmp_path: Path
 ) -> None:
@@ -229,9 +257,11 @@ def test_a_plan_from_a_template_to_the_vehicle_and_another_by_drop(
         code.press("Control+z")
         expect(code).to_have_value(first)
         expect(verdict).to_contain_text("from home")
+        seat.shows("#banner", "old report")  # of a silent board: it moves the page once
         has_still_track(plan)
         chart = plan.locator("canvas")
         drags_a_place_and_undoes_it(page, chart, code)
+        holds_a_place_while_an_alarm_moves_the_page(page, chart, code)
         expect(verdict).to_contain_text("from home")
         plan.get_by_role("button", name="Fly").click()
         expect(plan.locator(".ghost-says")).to_contain_text("COMPLETED", timeout=FLOWN_MS)

@@ -28,6 +28,7 @@ export class Panning {
     this.pointer = null;
     /** @type {Taken | null} */
     this._taken = null;
+    this._takenAt = ''; // where the canvas lay then
     this._listen();
   }
 
@@ -93,6 +94,18 @@ export class Panning {
     this._fingers.set(event.pointerId, at);
     this._leave(null); // two fingers move the chart
     if (this._fingers.size === 1) this._taken = this._hooks.take?.(at, event.pointerType === 'touch') ?? null;
+    this._takenAt = this._lies();
+  }
+
+  /** Where on the page, and how large. */
+  _lies() {
+    const { x, y, width, height } = this._canvas.getBoundingClientRect();
+    return `${x} ${y} ${width} ${height}`;
+  }
+
+  /** An alarm pushed the page down under the finger: what is held would land elsewhere. */
+  _hasSlid() {
+    return this._lies() !== this._takenAt;
   }
 
   /** One finger moves it, two draw it nearer. @param {PointerEvent} event */
@@ -102,6 +115,11 @@ export class Panning {
     this.pointer = to;
     const before = this._fingers.get(event.pointerId);
     if (before === undefined) return this._hooks.redraw();
+    if (this._taken && this._hasSlid()) {
+      this._fingers.clear();
+      this.cancel();
+      return this._hooks.redraw();
+    }
     const other = [...this._fingers].find(([id]) => id !== event.pointerId)?.[1];
     if (other !== undefined) {
       const far = (/** @type {Pair} */ p) => Math.hypot(p[0] - other[0], p[1] - other[1]);
@@ -116,7 +134,8 @@ export class Panning {
   _up(event) {
     this._fingers.delete(event.pointerId);
     if (event.type === 'pointerleave' || event.pointerType === 'touch') this.pointer = null;
-    this._leave(event.type === 'pointerup' ? [event.offsetX, event.offsetY] : null);
+    const isWhole = event.type === 'pointerup' && !this._hasSlid();
+    this._leave(isWhole ? [event.offsetX, event.offsetY] : null);
     this._hooks.redraw();
   }
 
