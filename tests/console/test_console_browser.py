@@ -234,7 +234,8 @@ def holds_a_place_while_an_alarm_moves_the_page(
             page.mouse.move(middle[0] + 12, middle[1], steps=3)
         page.mouse.up()
         page.evaluate(SLID, 0)
-    assert code.input_value() == before and not edits
+    assert code.input_value() == before
+    assert not edits
 
 
 def test_a_plan_from_a_template_to_the_vehicle_and_another_by_drop(
