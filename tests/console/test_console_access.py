@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from browser_world import IN_A_BROWSER, Seat, playwright, seated
+from browser_world import DROP, IN_A_BROWSER, Seat, playwright, seated
 from console_world import at_sea, console, console_of
 from from_code.cockpit import SIZES
 from served import TEXT
@@ -84,6 +84,9 @@ def test_nothing_under_way_is_hard_to_see_to_read_or_to_reach(
         page.keyboard.type("wrong")
         playwright.expect(plan.locator(".marks .wrong")).to_be_visible()
         wrong += found(seat, "Plan with a mistake")
+        page.evaluate(DROP, [f"{'a-long-name-' * 40}.yaml", "# " + "x" * ((1 << 20) - 3)])
+        playwright.expect(plan.locator(".plan-says")).to_contain_text("a-long-name")
+        wrong += found(seat, "Plan with words that scroll")
         assert wrong == []
 
 

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from browser_world import IN_A_BROWSER, playwright, seated, until
+from browser_world import DROP, IN_A_BROWSER, playwright, seated, until
 from console_world import at_sea, cockpit, console, console_of
 from programs import process
 from served import TEXT, running, silent_board
@@ -170,12 +170,6 @@ def test_charts_lie_under_the_vehicle_and_tell_the_depth_there(
 GPX = """<gpx xmlns="http://www.topografix.com/GPX/1/1"><rte><name>bay</name>
 <rtept lat="30.288" lon="120.154"/><rtept lat="30.289" lon="120.154"/></rte></gpx>"""
 FLOWN_MS = 1000 * LONGEST_S  # a flight yields to all else, and the product bounds it
-DROP = """([name, text]) => {
-  const carried = new DataTransfer();
-  carried.items.add(new File([text], name));
-  const drop = new DragEvent('drop', {dataTransfer: carried, bubbles: true, cancelable: true});
-  document.getElementById('planner').dispatchEvent(drop);
-}"""
 
 
 def has_still_track(plan: playwright.Locator) -> None:  # type: ignore[name-defined]

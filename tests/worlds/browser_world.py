@@ -21,6 +21,13 @@ IN_A_BROWSER = [
     pytest.mark.browser,
     pytest.mark.skipif(CHROMIUM is None, reason="no chromium here: apt-get install chromium"),
 ]
+# A file of a name and a text is dropped on the plan.
+DROP = """([name, text]) => {
+  const carried = new DataTransfer();
+  carried.items.add(new File([text], name));
+  const drop = new DragEvent('drop', {dataTransfer: carried, bubbles: true, cancelable: true});
+  document.getElementById('planner').dispatchEvent(drop);
+}"""
 FLAGS = ("--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run",
          "--disable-sync", "--disable-component-update",
          "--host-resolver-rules=MAP evil.example 127.0.0.1")  # fmt: skip

@@ -78,7 +78,7 @@ export class Plan {
     this._differing = new Differing(page, plan);
     this._importing = new Importing(page, (text, source, notes) => this._open(text, source, notes));
     this._tools = this._makeTools();
-    this._says = el('p', { class: 'plan-says', role: 'status' });
+    this._says = el('p', { class: 'plan-says', role: 'status', tabindex: '0' });
     this._notes = el('ul', { class: 'notes' });
     root.replaceChildren(el('div', { class: 'tools' }, ...Object.values(this._tools).map((t) => t.root),
       this._says), this._importing.root,
