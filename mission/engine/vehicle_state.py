@@ -32,6 +32,7 @@ from mission.navigation.fixes import FIX_DEPTH, SETTLED, Receiver, metres
 from protocol.messages import Aid, Fix, Setpoint, Telemetry
 
 SURFACE_DEPTH = 0.5  # m (R7)
+IN_AIR = -FIX_DEPTH  # m: no zero of a sensor to go by is off by as much (R5)
 SURFACE_TIME = 6.0  # s (R7)
 MAINS, THRUSTERS = 2, 5  # of the actuators: the first are the mains; rudders follow
 _ALL = 0.75  # share of full thrust: as deep, or as high, as it goes
@@ -152,7 +153,7 @@ class VehicleState:
         lives = depth is not None and self._has_changed(depth)
         if lives:
             self.believed_depth, self._believed_at = depth, report.t
-        if depth is None or depth >= SURFACE_DEPTH or not lives:
+        if depth is None or not IN_AIR < depth < SURFACE_DEPTH or not lives:
             self._shallow_since = None
         elif self._shallow_since is None or (silent and not self._grounded):
             self._shallow_since = report.t

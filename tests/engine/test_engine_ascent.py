@@ -290,6 +290,26 @@ def test_the_surface_is_six_seconds_of_shallow_depth():
     assert world.commands()[-1] is Order.STOP
 
 
+def test_a_depth_in_the_air_proves_no_surface_and_a_fix_beside_it_does():
+    """As flight 13619 of seed 707: a zero that drifts, 9 m off, said 2 m above the water."""
+    world = surfacing()
+    climb(world, 0.5, 38.0)
+    for _ in range(20):
+        world.depth = -0.9 if world.depth > -0.85 else world.depth - 0.05
+        world.wait(2.0)
+    assert world.state == SURFACING
+    fixes(world, 2)
+    assert world.state == SURFACED
+
+
+def test_a_zero_that_is_half_a_metre_off_is_the_surface_all_the_same():
+    world = surfacing()
+    climb(world, 0.5, 38.0)
+    world.depth = -0.6
+    world.wait(8.1)
+    assert world.state == SURFACED
+
+
 def test_a_wave_over_the_hull_begins_the_six_seconds_anew():
     world = surfacing()
     for _ in range(10):

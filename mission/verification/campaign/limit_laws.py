@@ -14,6 +14,7 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import groupby
 
 from mission.model import Step
 from mission.verification.campaign.audit import commands_of
@@ -37,6 +38,7 @@ _TOPSIDE = 1.0  # s
 _LOST = 12  # frames: three commands of three tries, and one that a set replaced
 _LOW, _LOW_TIME = 0.6, 16.0  # V and s: 10 s, and three reports
 _ASTRAY, _GROWN, _STEERED = 40.0, 28.0, 14.0  # deg, deg, s: 30, 20 and 10 (R5)
+_FALLEN = 6.0  # deg: 10 (R5), and the noise of two reports
 _WET, _MUTE = 5.0, ("stm32_silent", "bytes_corrupted")  # s: three reports, and what one takes
 _APART, _UNDER_WAY, _DRIFTS = math.radians(75.0), 0.7, 32.0  # rad, m/s, s: 60 deg, 0.4, 20 s
 _SURE = 1.645  # of a normal: 95 %
@@ -215,7 +217,8 @@ def _blind(story: Story, begin: float, end: float) -> Iterator[Violation]:
 
 
 def _clogged(story: Story, flight: list[Stay]) -> Iterator[Violation]:
-    """A port that clogs 1 m or more short of what is held: at most the bound and 6 m (R5)."""
+    """A port that clogs 1 m or more short of what is held: at most 6 m beyond the bound that was in
+    force then (R5). One that an operator tightens later nobody can hold without a depth."""
     for fault in story.faults(("depth_stuck",), flight[0].begin, flight[-1].end):
         stay = story.stay_at(fault.begin)
         sets = [c for b, e, c in _sets(story, stay) if b <= fault.begin < e]
@@ -225,7 +228,7 @@ def _clogged(story: Story, flight: list[Stay]) -> Iterator[Violation]:
         alone = len(story.faults((*others, "unexplained", "obeys", "deaf_to"), 0.0, end)) == 1
         if not short or not alone or story.hindered(fault.begin, end):
             continue
-        bound = min(s.bounds.depth for s in story.spans if s.begin <= end and s.end >= fault.begin)
+        bound = next(s.bounds.depth for s in story.spans if s.end >= fault.begin)
         if (deepest := story.deepest(fault.begin, end)) > bound + _CLOGGED:
             says = f"{deepest:.1f} m deep with a clogged port, limit {bound:g} m"
             yield Violation(UNANSWERED, end, says)
@@ -304,24 +307,34 @@ def _asks_down(command: Setpoint, depth: float) -> bool:
 
 def _heading_astray(story: Story, stay: Stay) -> Iterator[Violation]:
     """By the reports: the compass is what the limit has."""
-    for begin, end, command in _sets(story, stay):
-        if command.heading is None or story.faulty(("heading_absurd", "heading_full"), begin, end):
+    for begin, end, heading in _headings(story, stay):
+        if heading is None or story.faulty(("heading_absurd", "heading_full"), begin, end):
             continue
-        wanted = math.degrees(command.heading)
+        wanted = math.degrees(heading)
         errors = [
             (r.t, abs(math.remainder(-r.yaw - wanted, 360.0)))
             for r in story.reports
             if begin < r.t < end and abs(r.yaw) <= 180.0
         ]
-        seen = 0
+        seen, (since, least), peak = 0, errors[0] if errors else (begin, 0.0), 0.0
         for (t, error), (_, last) in zip(errors[1:], errors, strict=False):
-            grown = error - errors[0][1] > _GROWN and error >= last - 4.0
-            late = t - errors[0][0] > _STEERED and error > _ASTRAY
+            if error < peak - _FALLEN:  # its time begins anew
+                since, least, peak = t, error, error
+            peak = max(peak, error)
+            grown = error - least > _GROWN and error >= last - 4.0
+            late = t - since > _STEERED and error > _ASTRAY
             seen = seen + 1 if grown and late else 0
             if seen > _SPARE + 1 and _is_plain(story, t - 10.0, t, _SAYS_THE_SAME):
                 says = f"heading {error:.0f} deg off and growing, and still in {stay.state}"
                 yield Violation(UNANSWERED, t, says)
                 return
+
+
+def _headings(story: Story, stay: Stay) -> Iterator[tuple[float, float, float | None]]:
+    """From when to when each is asked for, by one set or by several."""
+    for heading, group in groupby(_sets(story, stay), lambda found: found[2].heading):
+        sets = list(group)
+        yield sets[0][0], sets[-1][1], heading
 
 
 def _without_power(story: Story, stay: Stay) -> Iterator[Violation]:

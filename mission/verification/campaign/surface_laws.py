@@ -25,6 +25,8 @@ UNLAWFUL = "unlawful"
 _SHALLOW, _AFLOAT, _FIXED = 1.0, 4.0, 0.4  # m within s before, m that allow a fix
 _REPORTS = 2.0  # s between two
 _NEARLY = 1.2  # m: 0.8 (R7), and the sensor
+_NEW = 20.0  # s in which a program that began anew has not heard a place twice
+_REPEATING = ("gps_stuck", "gps2_stuck", "gps_in_turn")
 _START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
 _CLEAR_AGAIN = 4.5, 30.5  # s
 _AC = re.compile(rb"@AC\$")
@@ -68,8 +70,11 @@ def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
     in_vain = lift(story.settings, story.profile, t) < SLIGHT  # pushes contradict a true depth
     unknown = in_vain or not story.told_in(t - 6.0, t) or story.faulty(DEPTH_FAULTS, t - 20.0, t)
     wanders = story.faulty(("gps_wanders", "gps2_wanders"), t - 20.0, t)
-    if wanders and ((unknown and _may_be_up(story, stay)) or story.depth(t) < _NEARLY):
+    repeats = story.faulty(_REPEATING, t - 20.0, t) and story.hindered(t - _NEW, t)
+    if (wanders or repeats) and story.depth(t) < _NEARLY:
         return  # nothing contradicts fixes as at the surface
+    if wanders and unknown and _may_be_up(story, stay):
+        return
     if not (shallow or fixed) and not story.faulty(_UNDETECTED, t - 10.0, t):
         says = (
             f"surfaced, said {story.depth(t):.1f} m deep, {story.depth(t - _AFLOAT):.1f} m before"

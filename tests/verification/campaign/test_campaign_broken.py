@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+import math
 from collections import Counter
 from dataclasses import replace
 
@@ -16,7 +17,7 @@ from mission.authoring.check import check_mission
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest
 from mission.commands.faults import faults
-from mission.engine import monitor
+from mission.engine import monitor, vehicle_state
 from mission.engine.core import Core
 from mission.engine.limits import LIMITS
 from mission.model.shipped import load_vehicle
@@ -193,6 +194,54 @@ def test_what_capsizes_unknown_to_all_may_be_pushed_down_and_what_is_told_may_no
     with broken("upside down"):
         found = judged(stage("capsized_and_heavy", 0))
     assert any(kind == "sunk" and "led deeper" in says for kind, says in found), found
+
+
+def test_a_depth_that_drifts_into_the_air_ends_no_ascent(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As flight 13619 of seed 707: told to end, it would be gone at 5 m."""
+    drifts = FaultEvent("depth_drifting", 17.9, 1e6, -0.122)
+    plan = replace(stage("ended", 0), profile="as-built")
+    acts = (Act.SAY, b"@ZAWF$", 50.1), (Act.END, b"", 52.1)
+    words = Drawn("ended", 0.0, tuple(Disturbance(t, act, data) for act, data, t in acts))
+    settings = replace(plan.settings, faults=(drifts,))
+    plan = replace(plan, settings=settings, incidents=(words,))
+    assert judged(plan) == set()
+    monkeypatch.setattr(vehicle_state, "IN_AIR", -math.inf)
+    assert any("told to end" in says for _, says in judged(plan))
+
+
+def test_a_limit_that_is_tightened_behind_a_clogged_port_is_not_asked_for() -> None:
+    """As flight 14186 of seed 707: at 8 m an operator allows 5 m, by a port that says 5 m."""
+    plan = stage("clogged", 0)
+    said = Disturbance(plan.settings.faults[0].begin + 12.0, Act.SAY, b"@SP,,,5,,$")
+    tightened = replace(plan, incidents=(replace(plan.incidents[0], disturbances=(said,)),))
+    assert judged(tightened) == set()
+    with broken("belief"):
+        found = judged(tightened)
+    assert any(kind == "unanswered" and "clogged port" in says for kind, says in found)
+
+
+def test_a_compass_that_has_turned_back_has_its_seconds_anew() -> None:
+    """As flight 16946 of seed 707: stuck for a while, told the truth, and then mirrored."""
+    plan = stage("wrong_compass", 0)
+    yoyo = next(subject for subject in KNOWN if subject.path.stem == "yoyo-profile")
+    stuck = FaultEvent("heading_stuck", 535.3, 22.8, 0.822)
+    mirrored = FaultEvent("heading_mirrored", 561.9, 1e6)
+    settings = replace(plan.settings, faults=(stuck, mirrored))
+    plan = replace(plan, subject=yoyo, settings=settings, incidents=())
+    assert judged(plan) == set()
+    with broken("limit heading does not follow"):
+        found = judged(plan)
+    assert any(kind == "unanswered" and "off and growing" in says for kind, says in found)
+
+
+def test_a_place_that_a_program_has_not_heard_yet_may_end_an_ascent_within_the_last_metre() -> None:
+    """As flight 17504 of seed 707: four places in turn, behind a restart."""
+    plan = stage("restarted", 0)
+    acts = (Act.KILL, 7.6), (Act.BOOT, 10.96), (Act.JOIN, 11.7)
+    words = Drawn("restarted", 0.0, tuple(Disturbance(t, act) for act, t in acts))
+    in_turn = FaultEvent("gps_in_turn", 14.5, 40.5, 4.0)
+    plan = replace(plan, settings=replace(plan.settings, faults=(in_turn,)), incidents=(words,))
+    assert judged(plan) == set()
 
 
 def test_a_push_that_led_deeper_upside_down_is_seen_when_it_comes_again() -> None:
