@@ -1,7 +1,7 @@
 """What may not happen at any instant of a disturbed flight, by the truth and by the bytes.
 
     sunk        under water or going down, and no way up in time (depth_laws)
-    unanswered  a limit passed in truth, and no response in time (limit_laws, area_laws)
+    unanswered  a limit passed in truth, and no response in time (limit_laws, leg_laws, area_laws)
     unsent      a set, a stop or a safe output that had to leave (word_laws, output_laws)
     unlawful    a move that the rules forbid (word_laws, surface_laws, clear_laws, output_laws)
 
@@ -24,6 +24,7 @@ from mission.verification.campaign.area_laws import area_laws
 from mission.verification.campaign.clear_laws import clear_laws
 from mission.verification.campaign.depth_laws import SUNK, depth_laws
 from mission.verification.campaign.laws import Violation
+from mission.verification.campaign.leg_laws import leg_laws
 from mission.verification.campaign.limit_laws import UNANSWERED, limit_laws
 from mission.verification.campaign.output_laws import output_laws
 from mission.verification.campaign.story import Story
@@ -47,6 +48,7 @@ FLIGHT_LAWS: Table[str, FlightLaw] = Table(
         FlightLaw("areas", (UNANSWERED,), area_laws),
         FlightLaw("clear", (UNLAWFUL,), clear_laws),
         FlightLaw("depth", (SUNK,), depth_laws),
+        FlightLaw("legs", (UNANSWERED,), leg_laws),
         FlightLaw("limits", (UNANSWERED,), limit_laws),
         FlightLaw("outputs", (UNSENT, UNLAWFUL), output_laws),
         FlightLaw("surface", (UNLAWFUL,), surface_laws),
