@@ -43,7 +43,8 @@ NEEDED = ["mypy>=1.18", "setuptools>=65"]
 CHECKING = ["--config-file=", "--no-site-packages", "--ignore-missing-imports"]
 FLAGS = ["-ffp-contract=off"]
 _MARK = "@mypyc_attr(allow_interpreted_subclasses=True)\n"
-_CLASS = re.compile(r"^(?=class \w+(\(ABC\))?:)", re.MULTILINE)
+_BASES = "ABC|Watch"  # of the classes that are inherited from, or copied
+_CLASS = re.compile(rf"^(?=class \w+(\(({_BASES})\))?:)", re.MULTILINE)
 _FUTURE = re.compile(r"^(from __future__ import annotations\n)", re.MULTILINE)
 _IMPORT = """from typing import TYPE_CHECKING
 if TYPE_CHECKING:
@@ -116,7 +117,8 @@ def _sources(folder: Path) -> list[Path]:
 
 @contextmanager
 def marked(sources: list[Path]) -> Iterator[list[Path]]:
-    """Within it the classes without bases say that others may inherit from them."""
+    """Within it the classes without bases, and those of ``_BASES``, say that others may inherit
+    from them."""
     before = {source: source.read_text() for source in sources}
     try:
         for source, text in before.items():

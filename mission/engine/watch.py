@@ -52,16 +52,15 @@ class Descent:
     def clone(self) -> Self:
         return copied(self)
 
-    def take(self, vehicle_state: VehicleState, asked: bool, fastest: float) -> None:
-        depth, report = vehicle_state.depth, vehicle_state.telemetry
-        if depth is None or report is None:
+    def take(self, t: float, depth: float | None, asked: bool, fastest: float) -> None:
+        if depth is None:
             self.unexplained = None
             return
-        since, before = report.t - self._t, self._depth
+        since, before = t - self._t, self._depth
         if 0.0 < since < _RATE_TIME:
             self.unexplained = None
             return
-        self._t, self._depth = report.t, depth
+        self._t, self._depth = t, depth
         if asked or self._shallowest is None:
             self._shallowest = depth
         self._shallowest = min(self._shallowest, depth)
@@ -180,11 +179,10 @@ class Watch:
         assert report is not None
         self.heard = report.t
         asked = self.ascending or self._dive_asked()
-        self.descent.take(self.vehicle_state, asked, self.vehicle.limits.descent_rate)
+        depth = self.vehicle_state.depth
+        self.descent.take(report.t, depth, asked, self.vehicle.limits.descent_rate)
         heading = report.heading if self.vehicle_state.health("heading").valid else None
-        self.progress.take(
-            report.t, self.vehicle_state.depth, self.sent.depth if self.sent else None
-        )
+        self.progress.take(report.t, depth, self.sent.depth if self.sent else None)
         self.steering.take(report.t, heading, self.sent.heading if self.sent else None)
 
     def look_for_depth(self) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -31,8 +30,7 @@ def sunk(
     """After these depths at these times."""
     descent = Descent()
     for t, depth in reports:
-        known: Any = SimpleNamespace(depth=depth, telemetry=SimpleNamespace(t=t))
-        descent.take(known, asked, fastest)
+        descent.take(t, depth, asked, fastest)
     return descent
 
 
@@ -67,8 +65,7 @@ def test_two_metres_are_an_allowance_below_the_shallowest_depth_since_it_was_ask
     assert sunk((0.0, 4.0), (2.0, 1.0), (4.0, 3.001)).unexplained
     descent = sunk((0.0, 0.0), (2.0, 5.0), asked=True)
     assert not descent.unexplained
-    known: Any = SimpleNamespace(depth=7.0, telemetry=SimpleNamespace(t=4.0))
-    descent.take(known, False, 9.0)
+    descent.take(4.0, 7.0, False, 9.0)
     assert not descent.unexplained
 
 

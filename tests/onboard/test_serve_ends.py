@@ -109,6 +109,7 @@ def test_serve_that_is_ended_in_a_mission_brings_the_vehicle_up_and_stops_it_fir
     assert replays(pi)
 
 
+@pytest.mark.replaces
 def test_serve_that_has_no_time_to_bring_the_vehicle_up_leaves_its_thrust_upward(
     tmp_path: Path,
 ) -> None:
@@ -121,6 +122,7 @@ def test_serve_that_has_no_time_to_bring_the_vehicle_up_leaves_its_thrust_upward
     assert replays(pi)
 
 
+@pytest.mark.replaces
 def test_told_to_end_twice_serve_ends_at_once_with_its_last_words(tmp_path: Path) -> None:
     with diving(tmp_path, PATIENCE) as (pi, _, heard):
         pi.tell_to_end()
@@ -130,6 +132,7 @@ def test_told_to_end_twice_serve_ends_at_once_with_its_last_words(tmp_path: Path
     assert replays(pi)
 
 
+@pytest.mark.replaces
 def test_while_serve_ends_the_operator_is_heard_and_no_mission_starts(tmp_path: Path) -> None:
     with diving(tmp_path, PATIENCE) as (pi, _, heard):
         with pi.boat() as boat:

@@ -205,6 +205,7 @@ def test_a_dive_beyond_its_limit_is_an_overrun(monkeypatch: pytest.MonkeyPatch) 
     assert any(v.kind == OVERRUN and v.says.startswith("depth") for v in found)
 
 
+@pytest.mark.replaces
 def test_a_program_that_raises_is_a_violation(monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(self: Engine, now: float, inputs: object = ()) -> None:
         raise ZeroDivisionError
@@ -213,6 +214,7 @@ def test_a_program_that_raises_is_a_violation(monkeypatch: pytest.MonkeyPatch) -
     assert kinds_of(flown([])) == {RAISED}
 
 
+@pytest.mark.replaces
 def test_a_byte_that_nobody_asked_for_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     honest = Frontseat.poll
 
@@ -225,6 +227,7 @@ def test_a_byte_that_nobody_asked_for_is_seen(monkeypatch: pytest.MonkeyPatch) -
     assert kinds_of(flown([])) == {"spurious"}
 
 
+@pytest.mark.replaces
 def test_an_order_that_does_not_leave_at_once_is_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
     honest, dropped = Frontseat.command, []
 

@@ -208,6 +208,7 @@ def test_every_margin_is_seen_to_fall() -> None:
 # --- which flights tell a rule from its absence ----------------------------------------------------
 
 
+@pytest.mark.replaces
 def test_a_rule_is_reached_where_it_could_have_made_a_difference() -> None:
     with reached() as rules:
         fly_near(stage("shallow_depth", 0))
