@@ -6,7 +6,8 @@
 A way that makes the depth fall, from the deepest of its turn on, is kept for as long as it does,
 and said once more when it no longer does: the board may have lost it. One under which a vehicle
 that sank has just turned round has another turn. Behind a push the wrong way a vehicle sinks on
-before it rises, and letting go then has two turns.
+before it rises, and letting go then has two turns. Full thrust has two when it comes round again:
+by a depth that comes 12 s late what one way lifts is seen in the turn of the next.
 An unknown depth counts as not falling. Where the attitude is doubtful too, any push may lead down:
 each time the vehicle is let go that lasts twice as long, up to 160 s, and then 10 s again, since
 what is heavy needs the pushes. It never gives up. Where it begins depends on what is known: with X0
@@ -53,6 +54,8 @@ class Ascent:
             "_let_go",
             "_looked",
             "_overturned_at",
+            "_push",
+            "_pushed",
             "_since",
             "_start_depth",
             "_ways",
@@ -83,6 +86,8 @@ class Ascent:
             first = UPWARD
         self._at = ways.index(first) if first in ways else 0
         self.way: Way = ways[self._at]
+        self._push = UPWARD if UPWARD in ways else Order.SURFACE  # that has two turns later
+        self._pushed = self.way == self._push
         self._overturned_at = now - OVERTURNED_PAUSE
 
     @property
@@ -139,6 +144,9 @@ class Ascent:
             turn, self._let_go = math.ldexp(TURN, self._let_go % LONGER), self._let_go + 1
         elif self.way is Order.STOP and driven:
             turn = 2.0 * TURN
+        elif self.way == self._push:
+            turn = 2.0 * TURN if self._pushed and depth is not None and not overturned else TURN
+            self._pushed = True
         self._begin_turn(now, depth, turn)
 
     def _see(self, *, dark: bool) -> None:

@@ -38,16 +38,16 @@ def sent(world: World) -> list[tuple[float, Setpoint | Order]]:
 
 def test_while_the_depth_does_not_fall_all_ways_are_tried_in_turn_for_ever():
     world = surfacing()
-    world.wait(50.5)
+    world.wait(60.5)
     assert sent(world) == [
         (10.0, UPWARD),
         (20.0, Order.STOP),
         (30.0, Order.SURFACE),
         (40.0, UPWARD),
-        (50.0, Order.STOP),
+        (60.0, Order.STOP),
     ]
     world.wait(3600.0)
-    assert len(world.actions) == 5 + 360
+    assert len(world.actions) == 5 + 3 * 90
     assert world.state == SURFACING
 
 
@@ -218,6 +218,15 @@ def test_a_way_that_is_given_up_says_what_was_seen():
         (action,) = begun(before).act(10.0, after, False)
         assert action.reason == f"why: after 10 s the depth {seen}"
         assert action.command in (UPWARD, Order.STOP)
+
+
+def test_of_a_depth_that_comes_late_the_way_before_is_tried_for_longer():
+    """As flight 8485 of seed 808: while it was let go it was seen to rise, from before."""
+    ascent, depths = begun(20.0), [20.0] * 7
+    for t in range(0, 400, 2):
+        ascent.act(float(t), depths[-7], False)  # 12 s old
+        depths.append(depths[-1] + (-0.3 if ascent.way == UPWARD else 0.6))
+    assert min(depths) < 3.0
 
 
 def test_a_copy_of_an_ascent_goes_its_own_way():

@@ -114,10 +114,11 @@ def word_within(pattern: str, seconds: float, mark: str) -> Law:
     return law
 
 
-def held_up(patience: float = 40.0, sink: float = 2.3) -> Law:
+def held_up(patience: float = 50.0, sink: float = 2.3) -> Law:
     """From `due` on: deeper than `sink` and not 0.5 m higher than `patience` s ago: a word upward.
 
-    Three ways of 10 s each take turns; so 40 s without an upward word are a way out of turn.
+    Three ways take turns, full thrust for 20 s when it comes again and letting go for 20 s behind a push
+    that led deeper; so 50 s without an upward word are a way out of turn.
     """
 
     def law(world: World) -> str:

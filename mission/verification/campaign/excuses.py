@@ -143,11 +143,18 @@ def unknown_and_heavy(settings: Settings, end: float) -> int:
     )
 
 
-def untamed(settings: Settings, end: float) -> int:
+def untamed(settings: Settings, events: Sequence[Event], end: float) -> int:
     """s until ``end`` in which a board dives by itself until it hears U12, and no depth tells: at
-    rest, where an unknown depth turns nothing, X alone is said (R7)."""
-    dives = [f for f in settings.faults if f.name == "dives_until_up"]
-    seconds = {t for f in dives for t in range(int(f.begin), int(min(fault_ends(f), end)))}
+    rest, where an unknown depth turns nothing, X alone is said (R7), and once it is obeyed not even
+    that: one that dives until it hears X goes on, too."""
+    rests = list(_rests(events))
+    dives = [f for f in settings.faults if f.name in ("dives_until_up", "dives_until_stop")]
+    seconds = {
+        t
+        for f in dives
+        for t in range(int(f.begin), int(min(fault_ends(f), end)))
+        if f.name == "dives_until_up" or any(a <= t <= b for a, b in rests)
+    }
     return sum(unknown(settings, float(t)) for t in seconds)
 
 

@@ -35,7 +35,7 @@ from mission.verification.rig.trace import Trace
 AFLOAT = 0.5  # m (R7)
 HELD = 3.0  # m of a body that its thrusters hold up
 SANK = 0.6  # m: 1 m by a sensor that may be 0.4 m off (R7, at rest)
-WHOLE_ROUND = 40.0  # s of an ascent's three ways, the last of them twice as long
+WHOLE_ROUND = 50.0  # s of an ascent's three ways, the last two of them twice as long
 
 
 def lost(trial: Trace, profile: str, settings: Settings) -> str:
@@ -81,8 +81,9 @@ def _allowed(settings: Settings, profile: str, trial: Trace) -> float:
 
 def _may_turn(trial: Trace, settings: Settings) -> bool:
     """It sank out of surfaced, or so its sensor said: a thruster holds it up (R7, at rest). Or its
-    board obeys no stop, and at rest nothing but X is said."""
-    if obeys_no_stop(settings, trial.events):
+    board obeys no stop, and at rest nothing but X is said; or it turns by itself, and nothing
+    tells of it."""
+    if obeys_no_stop(settings, trial.events) or dives_unseen(settings, trial.truth.t):
         return True
     said = any(f.name.startswith("depth_") for f in settings.faults)
     return trial.state == SURFACED and (said or _sank(trial))

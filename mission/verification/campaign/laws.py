@@ -198,7 +198,8 @@ def _dive(settings: Settings, profile: str, trial: Trace) -> float:
     heavy = sum(f.value or 8.0 for f in settings.faults if f.name == "heavy")
     thrust = 3.0 * body.vertical_thrust - (body.buoyancy - heavy)
     speed = math.sqrt(max(thrust, 0.0) / body.quadratic[2])
-    seconds = SAMPLES + TURNED + (UNPROVED if profile == "as-built" else 1.0)
+    in_vain = profile == "as-built" or any(f.name == "dives_until_up" for f in settings.faults)
+    seconds = SAMPLES + TURNED + (UNPROVED if in_vain else 1.0)  # of a W
     if any(f.name.startswith(_UNSEEN) for f in settings.faults) or _acts(trial, Act.UNPLUG):
         seconds += BLIND
     again = WHOLE_ROUND if any(f.name.startswith("dives_") for f in settings.faults) else UNPROVED
@@ -209,7 +210,7 @@ def _dive(settings: Settings, profile: str, trial: Trace) -> float:
             seconds += ROUND
     end = trial.truth.t
     seconds += helpless(settings, profile, end) + unknown_and_heavy(settings, end)
-    seconds += untamed(settings, end)
+    seconds += untamed(settings, trial.events, end)
     seconds += len(_acts(trial, Act.KILL)) * (DOWN + UNPROVED)
     pulled = zip(_acts(trial, Act.UNPLUG), _acts(trial, Act.PLUG), strict=False)
     seconds += sum(plug - unplug + UNPROVED for unplug, plug in pulled)

@@ -150,8 +150,8 @@ def _without_power(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _uncertain(story: Story, stay: Stay) -> Iterator[Violation]:
-    """Once it becomes uncertain, another leg: unless it is on its way up already."""
-    if stay.ascends or stay.state.endswith("/surface"):
+    """Once it becomes uncertain, another leg: unless it is in that one, or on its way up."""
+    if stay.ascends or stay.state.endswith(("/surface", f"/{story.mission.on_uncertain}")):
         return
     certain, seen = False, 0
     for told in story.told_in(stay.begin, stay.end):

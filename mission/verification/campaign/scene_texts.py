@@ -103,7 +103,7 @@ def _held(vehicle: str) -> Mapping[str, str]:
         "there": (shallow, f"{dive.format(6, 5.5)}{out}back: {near} 180 gear 8 for 60\n"),
         "away": (
             "radius 1000 time 30min depth 10",
-            f"{dive.format(5, 4.5)}out: {far} 0 gear 8 for 5min\n",
+            f"{dive.format(5, 4.5)}out: {far} 0 gear 6 for 6min\n",
         ),
         "deep": (wide, f"{dive.format(14, 13.5)}stand: depth 14 heading 0 gear 4 for 4min\n"),
         "adrift": ("radius 900 time 30min depth 24", _ADRIFT),
@@ -114,7 +114,7 @@ def _held(vehicle: str) -> Mapping[str, str]:
         ),
         "stubborn": (
             "radius 1000 time 30min depth 10",
-            f"{dive.format(5, 4.5)}out: {far} 0 gear 8 for 90\non_we_go: {far} 0 gear 8 for 90\n",
+            f"{dive.format(5, 4.5)}out: {far} 0 gear 6 for 100\non_we_go: {far} 0 gear 6 for 100\n",
         ),
     }
     made = {name: _at_place(name, vehicle, *text) for name, text in texts.items()}

@@ -40,22 +40,26 @@ def _at_the_surface(cell: Cell) -> Verdict:
 
 def _never_gives_up(cell: Cell) -> Verdict:
     """While the depth does not fall: the vehicle's ways (W, X0 with U12, X0 alone) in turn, 10 s
-    each, for as long as it takes. In an ascent W leaves, and the turn that is under way goes on."""
+    each (full thrust twice as long from the second time on), for as long as it takes. In an ascent
+    W leaves, and the turn that is under way goes on."""
     if cell.event.path != "sinks":
         return None
     again = cell.configuration.state == SURFACING
     ways = _ways(cell)[again:]
-    turns = [b[0] - a[0] for a, b in pairwise(ways)]
-    wanted = int((cell.world.now - cell.before.t) / _TURN)
+    told = [t for t, _ in ways]
+    turns = [b - a for a, b in pairwise([*told, cell.world.now])]
+    pushes = [i for i, (_, way) in enumerate(ways) if way == U12]
+    lasting = [_TURN * (2 if i in pushes[not again :] else 1) for i in range(len(ways))]
+    beyond = [turn - due for turn, due in zip(turns, lasting, strict=True)]
     own = ways_of(cell.line)
     at = own.index(ways[0][1]) if again and ways else 0
     order = [own[(at + i) % len(own)] for i in range(len(ways))]
     return wrong(
         (cell.state != SURFACING, f"the state is {cell.state}"),
         ([way for _, way in ways] != order, f"{ways} were tried"),
-        (len(turns) < wanted - 1 - again, f"{len(ways)} ways tried in {wanted} turns"),
-        (any(abs(seconds - _TURN) > 0.5 for seconds in turns[again:]), f"{turns} s each"),
-        (any(seconds > _TURN + 0.5 for seconds in turns), f"{turns} s each"),
+        (not ways, "no way was tried"),
+        (any(late > 0.5 for late in beyond), f"{turns} s each"),
+        (any(late < -0.5 for late in beyond[again:-1]), f"{turns} s each"),
     )
 
 

@@ -93,10 +93,19 @@ def test_only_behind_a_depth_that_was_wrong_is_what_sinks_left_to_a_third_of_the
 
 def test_a_board_that_obeys_u12_alone_is_let_dive_only_while_no_depth_tells():
     dives = "fault=dives_until_up@10+20"
-    assert untamed(parse_settings([dives]), 100.0) == 0
-    assert untamed(parse_settings([dives, "fault=depth_frozen@5+20"]), 100.0) == 20
-    assert untamed(parse_settings([dives, "fault=depth_frozen@5+20"]), 15.0) == 5
-    assert untamed(parse_settings(["fault=depth_frozen@5+20"]), 100.0) == 0
+    assert untamed(parse_settings([dives]), (), 100.0) == 0
+    assert untamed(parse_settings([dives, "fault=depth_frozen@5+20"]), (), 100.0) == 20
+    assert untamed(parse_settings([dives, "fault=depth_frozen@5+20"]), (), 15.0) == 5
+    assert untamed(parse_settings(["fault=depth_frozen@5+20"]), (), 100.0) == 0
+
+
+def test_a_board_that_obeys_x_alone_is_let_dive_only_at_rest_and_while_no_depth_tells():
+    """As flight 7077 of seed 808: surfaced, and its board silent."""
+    dives, silent = "fault=dives_until_stop@10+20", "fault=stm32_silent@5+200"
+    up = Step(12.0, "", (), (), (SURFACING,), (), "W", None)
+    assert untamed(parse_settings([dives, silent]), (), 100.0) == 20
+    assert untamed(parse_settings([dives, silent]), (up,), 100.0) == 3
+    assert untamed(parse_settings([dives]), (), 100.0) == 0
 
 
 @pytest.mark.parametrize(
