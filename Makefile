@@ -5,7 +5,7 @@ READY := .venv/.ready
 # Where that is set, every process of every test would compile all modules anew: twice the time.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo console browser test coverage proofs check lint types bench growth compiled score campaign faults exhaustive sea docs pictures links clean
+.PHONY: demo console browser test coverage proofs check lint types bench growth compiled test-compiled score campaign faults exhaustive sea docs pictures links clean
 
 DATA ?= ../shared/data/trajectories
 SEED ?= 0
@@ -57,6 +57,9 @@ growth: $(READY)        ## what grows how: docs/growth.md anew, with its picture
 compiled: $(READY)      ## the same sources by mypyc, in build/compiled; needs a C compiler
 	$(BIN)/python hatch_build.py build/compiled
 	@build/compiled/.venv/bin/auvmission --version
+
+test-compiled: compiled ## the tests on the compiled build; ROOMS="tests/engine tests/links" for those alone
+	cd build/compiled && .venv/bin/python -m pytest -n 4 --dist worksteal $(ROOMS)
 
 score: $(READY)         ## the estimate on recorded trajectories; DATA=folder of CSV files
 	@$(BIN)/auvmission score $(DATA)

@@ -220,7 +220,7 @@ def test_a_way_that_is_given_up_says_what_was_seen():
         assert action.command in (UPWARD, Order.STOP)
 
 
-def test_of_a_depth_that_comes_late_the_way_before_is_tried_for_longer():
+def test_of_a_depth_that_comes_late_full_thrust_is_tried_for_longer():
     """As flight 8485 of seed 808: while it was let go it was seen to rise, from before."""
     ascent, depths = begun(20.0), [20.0] * 7
     for t in range(0, 400, 2):
