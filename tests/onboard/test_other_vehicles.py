@@ -250,18 +250,12 @@ def test_every_set_of_a_chart_that_compiles_has_its_bytes(tmp_path: Path) -> Non
 
 
 def test_noise_between_two_quick_reports_is_no_descent() -> None:
-    vehicle_state, descent = VehicleState(), Descent()
+    descent = Descent()
     for i in range(100):
-        t = 0.1 * i
-        vehicle_state.at(t)
-        vehicle_state.take_telemetry(Telemetry(t, depth=3.0 + 0.06 * (i % 2)))
-        descent.take(vehicle_state, asked=True, fastest=0.5)
+        descent.take(0.1 * i, 3.0 + 0.06 * (i % 2), asked=True, fastest=0.5)
         assert not descent.unexplained
     for i in range(100, 140):
-        t = 0.1 * i
-        vehicle_state.at(t)
-        vehicle_state.take_telemetry(Telemetry(t, depth=3.0 + 0.1 * (i - 100)))
-        descent.take(vehicle_state, asked=True, fastest=0.5)
+        descent.take(0.1 * i, 3.0 + 0.1 * (i - 100), asked=True, fastest=0.5)
     assert "sinking at 1.00 m/s" in descent.words
 
 

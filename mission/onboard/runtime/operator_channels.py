@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 from links import baud_of
@@ -150,7 +151,8 @@ def operator_channels(
     tolerances: Tolerances, modem: str | None = None
 ) -> Callable[[str], OperatorChannel]:
     """What makes one for a connection over the link of a name; ``modem``: its URL."""
-    baud = baud_of(modem or "", BAUD)
-    return lambda link: (
-        ModemChannel(tolerances, baud) if link == MODEM else StreamChannel(tolerances)
-    )
+    return partial(_channel, tolerances, baud_of(modem or "", BAUD))
+
+
+def _channel(tolerances: Tolerances, baud: float, link: str) -> OperatorChannel:
+    return ModemChannel(tolerances, baud) if link == MODEM else StreamChannel(tolerances)
