@@ -198,11 +198,13 @@ def _dive(settings: Settings, profile: str, trial: Trace) -> float:
     heavy = sum(f.value or 8.0 for f in settings.faults if f.name == "heavy")
     thrust = 3.0 * body.vertical_thrust - (body.buoyancy - heavy)
     speed = math.sqrt(max(thrust, 0.0) / body.quadratic[2])
-    in_vain = profile == "as-built" or any(f.name == "dives_until_up" for f in settings.faults)
+    dives = [f.name for f in settings.faults if f.name.startswith("dives_")]
+    in_vain = profile == "as-built" or "dives_until_up" in dives
     seconds = SAMPLES + TURNED + (UNPROVED if in_vain else 1.0)  # of a W
+    seconds += WHOLE_ROUND * max(len(dives) - 1, 0)  # one of which begins in the last one's cure
     if any(f.name.startswith(_UNSEEN) for f in settings.faults) or _acts(trial, Act.UNPLUG):
         seconds += BLIND
-    again = WHOLE_ROUND if any(f.name.startswith("dives_") for f in settings.faults) else UNPROVED
+    again = WHOLE_ROUND if dives else UNPROVED
     for fault in settings.faults:
         if fault.name in _OUT_OF_HAND:
             seconds += (fault.duration or 0.0) + again

@@ -26,6 +26,7 @@ _SHALLOW, _AFLOAT, _FIXED = 1.0, 4.0, 0.4  # m within s before, m that allow a f
 _REPORTS = 2.0  # s between two
 _NEARLY = 1.2  # m: 0.8 (R7), and the sensor
 _NEW = 20.0  # s in which a program that began anew has not heard a place twice
+_DOUBTED = 40.0  # s
 _REPEATING = ("gps_stuck", "gps2_stuck", "gps_in_turn")
 _START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
 _CLEAR_AGAIN = 4.5, 30.5  # s
@@ -112,6 +113,7 @@ def _is_cleared(story: Story, stay: Stay) -> Iterator[Violation]:
     early, late = t - _CLEAR_AGAIN[1], t - _CLEAR_AGAIN[0]
     asked = any(early <= s.t <= late and _AC.search(s.data) for s in story.said)
     bound = _START_FREE if asked else _CLEAR
-    unknown = asked and not story.told_in(t - STALE_AFTER, t)  # R7: no depth is believed
+    in_vain = story.faulty(("verticals_",), t - _DOUBTED, t)  # pushes contradict a true depth
+    unknown = asked and (in_vain or not story.told_in(t - STALE_AFTER, t))  # none is believed (R7)
     if depth > bound and not unknown and not story.faulty(DEPTH_FAULTS, t - 10.0, t):
         yield Violation(UNLAWFUL, t, f"cleared {depth:.1f} m deep")

@@ -234,6 +234,26 @@ def test_a_compass_that_has_turned_back_has_its_seconds_anew() -> None:
     assert any(kind == "unanswered" and "off and growing" in says for kind, says in found)
 
 
+def test_a_second_clear_beside_thrusters_that_push_in_vain_may_come_deep() -> None:
+    """As flight 11757 of seed 909: a true depth is contradicted, and an unknown one forbids none."""
+    plan = stage("cleared_below", 0)
+    dead = replace(
+        plan, settings=replace(plan.settings, faults=(FaultEvent("verticals_dead", 30.2, 1e6),))
+    )
+    assert judged(dead) == set()
+    with broken("cleared below"):
+        found = judged(plan)
+    assert any(kind == "unlawful" and "cleared" in says for kind, says in found)
+
+
+def test_a_board_with_two_ways_of_diving_costs_a_round_more() -> None:
+    """As flight 15535 of seed 909: the second begins while U12 ends the first."""
+    plan = stage("dives_until_stop", 0)
+    first = plan.settings.faults[0].begin
+    both = (*plan.settings.faults, FaultEvent("dives_until_up", first + 14.9, 1e6))
+    assert judged(replace(plan, settings=replace(plan.settings, faults=both))) == set()
+
+
 def test_a_place_that_a_program_has_not_heard_yet_may_end_an_ascent_within_the_last_metre() -> None:
     """As flight 17504 of seed 707: four places in turn, behind a restart."""
     plan = stage("restarted", 0)
