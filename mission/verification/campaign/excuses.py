@@ -129,10 +129,18 @@ def overturned_untold(settings: Settings, events: Sequence[Event]) -> bool:
 
 
 def dives_unseen(settings: Settings, t: float) -> bool:
-    """A board dives by itself, and no report or none with a depth to believe tells of it."""
-    there = {f.name for f in settings.faults if f.begin <= t < fault_ends(f)}
-    dives = any(name.startswith("dives_") for name in there)
-    return dives and unknown(settings, t)
+    """A board dives by itself, and no report or none with a depth to believe tells of it. Nor does
+    one later, where the sensor was wrong meanwhile: it comes back elsewhere, and on the ground
+    nothing moves by which it could be believed again (R5)."""
+    there = [f for f in settings.faults if f.begin <= t < fault_ends(f)]
+    dives = [f.begin for f in there if f.name.startswith("dives_")]
+    wrong = [
+        fault_ends(f)
+        for f in settings.faults
+        if f.name.startswith("depth_") and f.name not in _GARBAGE and f.begin <= t
+    ]
+    doubted = bool(dives and wrong) and max(wrong) > min(dives)
+    return doubted or (bool(dives) and unknown(settings, t))
 
 
 def unknown_and_heavy(settings: Settings, end: float) -> int:

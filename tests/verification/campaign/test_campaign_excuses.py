@@ -14,6 +14,7 @@ from mission.verification.campaign.audit import audit
 from mission.verification.campaign.calm import alarms, calm
 from mission.verification.campaign.excuses import (
     auto_closed,
+    dives_unseen,
     doubted_at_rest,
     helpless,
     left,
@@ -97,6 +98,19 @@ def test_a_board_that_obeys_u12_alone_is_let_dive_only_while_no_depth_tells():
     assert untamed(parse_settings([dives, "fault=depth_frozen@5+20"]), (), 100.0) == 20
     assert untamed(parse_settings([dives, "fault=depth_frozen@5+20"]), (), 15.0) == 5
     assert untamed(parse_settings(["fault=depth_frozen@5+20"]), (), 100.0) == 0
+
+
+def test_a_dive_at_rest_is_unseen_while_no_depth_tells_and_where_the_sensor_was_wrong_meanwhile():
+    """As mission 2758 of soak 14: on the ground in idle, and a depth that stood comes back there."""
+    dives = "fault=dives_until_up@10+1000000"
+    for faults, unseen in (
+        ([dives], False),
+        ([dives, "fault=depth_stuck@12+60"], True),
+        ([dives, "fault=depth_stuck@2+6"], False),
+        ([dives, "fault=depth_full_scale@12+60"], False),
+        (["fault=depth_stuck@12+60"], False),
+    ):
+        assert dives_unseen(parse_settings(faults), 1000.0) is unseen, faults
 
 
 def test_a_board_that_obeys_x_alone_is_let_dive_only_at_rest_and_while_no_depth_tells():
