@@ -381,4 +381,6 @@ def _downward(report: Telemetry) -> float | None:
 
 
 def _good(fix: Fix) -> bool:
-    return fix.hdop is not None and fix.hdop <= _HDOP
+    """What the vehicle itself says of its place, at a proved surface, has no HDOP."""
+    own = fix.accuracy == math.inf
+    return own or (fix.hdop is not None and fix.hdop <= _HDOP)

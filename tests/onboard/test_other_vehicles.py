@@ -275,6 +275,13 @@ def test_a_position_of_its_own_proves_no_surface_but_counts_as_a_fix_there() -> 
         vehicle_state.take_telemetry(Telemetry(float(i), depth=0.1, position=here))
     assert vehicle_state.fix is not None
     assert vehicle_state.surfaced(0.0)
+    assert vehicle_state.home_from_fixes() is None
+    for i in range(29, 31):
+        vehicle_state.at(float(i))
+        vehicle_state.take_telemetry(Telemetry(float(i), depth=0.1, position=here))
+    home = vehicle_state.home_from_fixes()
+    assert home is not None, "five of its own at a proved surface are a home"
+    assert math.radians(home.latitude_deg) == pytest.approx(here[0])
 
 
 class Listener:

@@ -22,6 +22,7 @@ from mission.topside.upload import start
 from mission.verification.simulation.demo import LEFT, PLANNED, Demo, Progress
 
 SPEED = 6.0
+SLOWER = {"mainboard": 3.0}  # what the Pi itself holds needs reports of the last half second (R17)
 AFTER = 15.0  # s of mission until somebody takes the stick
 HELD = 4.0  # s
 PAGE = Path(__file__).parents[2] / "docs" / "vehicles.md"
@@ -80,8 +81,9 @@ def test_the_page_of_the_vehicles_has_every_vehicle_that_reports_and_every_missi
 class Person:
     """Watches a demonstration, takes its stick for a while, and has the mission go on."""
 
-    def __init__(self) -> None:
+    def __init__(self, speed: float) -> None:
         self.topside = ""
+        self._speed = speed
         self.did: list[str] = []
         self._since: float | None = None  # the mission is under way, by our clock
 
@@ -94,7 +96,7 @@ class Person:
         if not self.did and progress.state == "autonomous":
             now = time.monotonic()
             self._since = now if self._since is None else self._since
-            if now - self._since > AFTER / SPEED:
+            if now - self._since > AFTER / self._speed:
                 self._push()
         elif self.did == ["pushed"] and place == MANUAL_WAITING:
             converse(self.topside, start(patience=30))
@@ -103,10 +105,10 @@ class Person:
     def _push(self) -> None:
         host, port = self.topside.removeprefix("tcp://").split(":")
         with socket.create_connection((host, int(port))) as boat:
-            end = time.monotonic() + HELD / SPEED
+            end = time.monotonic() + HELD / self._speed
             while time.monotonic() < end:
                 boat.sendall(b"@MMF6$")
-                time.sleep(0.2 / SPEED)
+                time.sleep(0.2 / self._speed)
         self.did.append("pushed")
 
 
@@ -124,8 +126,9 @@ def test_what_a_vehicle_can_fly_comes_home_on_it_with_the_stick_taken_and_given_
     tmp_path: Path, vehicle: str, mission: str
 ) -> None:
     file = named(vehicle, tmp_path)
-    prepared, out, person = prepare(mission, file), tmp_path / "out", Person()
-    demo = Demo(prepared, out, SPEED, file, 0, (), worst(prepared), person.tell, person.show)
+    speed = SLOWER.get(vehicle, SPEED)
+    prepared, out, person = prepare(mission, file), tmp_path / "out", Person(speed)
+    demo = Demo(prepared, out, speed, file, 0, (), worst(prepared), person.tell, person.show)
     flight = demo.fly()
     assert person.did == ["pushed", "given back"]
     assert (flight.outcome, flight.at_surface) == ("completed", True)
