@@ -8,6 +8,8 @@ Only standard data frames (11-bit identifier, at most 8 bytes) are carried: remo
 and FD frames are counted in ``skipped``. python-can is an extra (auvmission[can]) and is imported
 when a bus is opened; its ``virtual`` interface connects programs' links within one process.
 
+``can://239.74.163.2:43113?interface=udp_multicast`` is a bus between programs of one computer or
+network. python-can hears every group of its port: two buses need two ports.
 ``sensors=/dev/ttyUSB1`` joins a serial line to the bus, at ``baud`` (links.joined).
 
 What does not live here: what identifiers mean (protocol).
@@ -15,6 +17,7 @@ What does not live here: what identifiers mean (protocol).
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from links import Address, LinkAddressError
@@ -31,9 +34,15 @@ _STANDARD = 0x7FF
 
 class CanLink:
     def __init__(
-        self, name: str, channel: str, *, interface: str = "socketcan", bitrate: int = BITRATE
+        self,
+        name: str,
+        channel: str,
+        *,
+        interface: str = "socketcan",
+        bitrate: int = BITRATE,
+        port: int | None = None,
     ) -> None:
-        """Raises LinkAbsent."""
+        """``port``: of a bus by UDP, None for python-can's own. Raises LinkAbsent."""
         try:
             import can
         except ImportError:
@@ -42,7 +51,8 @@ class CanLink:
         self._message, self._error = can.Message, can.CanError
         self.bus: Any = None
         try:
-            self.bus = can.Bus(channel=channel, interface=interface, bitrate=bitrate)
+            more: dict[str, Any] = {} if port is None else {"port": port}
+            self.bus = can.Bus(channel=channel, interface=interface, bitrate=bitrate, **more)
         except (can.CanError, OSError, ValueError, ImportError) as error:
             raise LinkAbsent(
                 f"{name}: no CAN bus {channel} by {interface}: {error}; is it up "
@@ -117,15 +127,17 @@ def _records(name: str, data: bytes) -> list[tuple[int, bytes]]:
     return out
 
 
-def settings(address: Address) -> tuple[str, str, int]:
-    """Channel, interface and bit rate. Raises LinkAddressError."""
+def settings(address: Address) -> tuple[str, str, int, int | None]:
+    """Channel, interface, bit rate and port. Raises LinkAddressError."""
     channel = address.host + address.path
     if not channel:
         raise LinkAddressError(f"{address.url}: name the bus, e.g. can://can0")
     interface = address.options.get("interface", "socketcan")
     bitrate = int(address.number("bitrate", BITRATE, 10_000, 1_000_000))
     _baud(address)
-    return channel, interface, bitrate
+    if address.port is not None and interface != "udp_multicast":
+        raise LinkAddressError(f"{address.url}: a port is of interface=udp_multicast alone")
+    return channel, interface, bitrate, address.port
 
 
 def _baud(address: Address) -> int:
@@ -134,13 +146,14 @@ def _baud(address: Address) -> int:
 
 
 def open_url(name: str, address: Address) -> Link:
-    channel, interface, bitrate = settings(address)
+    channel, interface, bitrate, port = settings(address)
+    bus = partial(CanLink, name, channel, interface=interface, bitrate=bitrate, port=port)
     device = address.options.get("sensors")
     if device is None:
-        return CanLink(name, channel, interface=interface, bitrate=bitrate)
+        return bus()
     line = SerialLink(name, device, _baud(address))
     try:
-        return JoinedLink(name, CanLink(name, channel, interface=interface, bitrate=bitrate), line)
+        return JoinedLink(name, bus(), line)
     except LinkError:
         line.close()
         raise

@@ -33,7 +33,7 @@ MARK = "# Written by auvmission vehicle"
 @click.option("--modem", metavar="URL", help="Of its acoustic modem, e.g. one end of `water`.")
 @click.option("--bus", metavar="URL",
               help="The CAN bus of mainboard and motorboards; two at a time need one each, e.g. "
-                   "can://239.74.163.9?interface=udp_multicast.")  # fmt: skip
+                   "can://239.74.163.9:43119?interface=udp_multicast.")  # fmt: skip
 @click.option("--folder", type=click.Path(path_type=Path, file_okay=False),
               help="For serve.yaml, the ports, serve; default: out/VEHICLE.")  # fmt: skip
 @click.option("--track", type=click.Path(path_type=Path, dir_okay=False),

@@ -6,8 +6,10 @@ import sys
 from collections.abc import Iterator
 
 import pytest
+from link_pair import multicast
+from served import soon
 
-from links import LinkAddressError, open_link
+from links import LinkAddressError, check_url, open_link
 from links.base import Link, LinkAbsent, LinkClosed, LinkError
 
 can = pytest.importorskip("can", reason="python-can is not installed: pip install auvmission[can]")
@@ -104,3 +106,24 @@ def test_a_setpoint_crosses_a_bus_and_is_read_by_the_motor_boards_table(
         {"fx_g": 2500, "fy_g": 0, "fz_g": 0},
         {"mx_nm": 0, "my_nm": 0, "mz_nm": -20},
     ]
+
+
+@pytest.mark.skipif(not multicast(), reason="no UDP multicast here")
+def test_two_buses_of_one_computer_hear_nothing_of_each_other() -> None:
+    """python-can hears every group of its port: each has a port of its own."""
+    urls = [f"can://239.74.163.{4 + i}:{43114 + i}?interface=udp_multicast" for i in (0, 0, 1)]
+    near, far, other = (open_link("bus", url) for url in urls)
+    try:
+        near.send(FORCE, 0.0)
+        heard: list[bytes] = []
+        soon(lambda: heard.extend(rx.data for rx in far.receive(0.0)) or bool(heard), "the frame")
+        assert heard == [FORCE]
+        assert other.receive(0.0) == []
+    finally:
+        for link in (near, far, other):
+            link.close()
+
+
+def test_a_port_is_of_buses_by_udp_alone() -> None:
+    with pytest.raises(LinkAddressError, match="a port is of interface=udp_multicast alone"):
+        check_url("can://can0:43113")

@@ -84,7 +84,7 @@ def multicast() -> bool:
 @pytest.mark.proof
 @pytest.mark.skipif(not multicast(), reason="no UDP multicast here")
 def test_two_programs_meet_on_a_bus_by_udp_multicast(tmp_path: Path) -> None:
-    bus, track = "can://239.74.163.7?interface=udp_multicast", tmp_path / "track.csv"
+    bus, track = "can://239.74.163.7:43117?interface=udp_multicast", tmp_path / "track.csv"
     words = ("--bus", bus, "--folder", str(tmp_path / "it"), "--track", str(track), "--json")
     with process("vehicle", "motorboards", *words) as sea:
         assert sea.stdout is not None
@@ -107,7 +107,7 @@ def test_two_programs_meet_on_a_bus_by_udp_multicast(tmp_path: Path) -> None:
 @pytest.mark.skipif(not multicast(), reason="no UDP multicast here")
 def test_the_pi_in_the_main_boards_place_is_served_watched_and_told_by_name(tmp_path: Path) -> None:
     """Sensor board on a pseudo-terminal, motor boards on a bus, and one serve for both."""
-    bus, ready = "can://239.74.163.8?interface=udp_multicast", tmp_path / "ready.json"
+    bus, ready = "can://239.74.163.8:43118?interface=udp_multicast", tmp_path / "ready.json"
     words = ("--bus", bus, "--folder", str(tmp_path / "it"), "--port", "0", "--json")
     with process("vehicle", "mainboard", *words) as sea:
         assert sea.stdout is not None
@@ -131,6 +131,8 @@ def _told(box: Path) -> dict[str, int]:
     """What the sensor board was told last."""
     frames = [read_tx(one).data for one in read_parts(box) if one.kind == TX]
     told = [data for data in frames if data[:2] == b"\xfe\xef"]
+    if not told:
+        return {}
     (frame,) = link("coreboard.main_to_sensor").framer().receive(told[-1], 0.0)
     assert isinstance(frame, Frame)
     return {name: frame.values()[name] for name in ("led1", "drop_weight")}

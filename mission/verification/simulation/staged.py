@@ -27,6 +27,7 @@ from typing import Any
 from mission.authoring.prepare import Prepared
 from mission.model.shipped import vehicle_file
 
+PORTS = range(10_000, 32_000)  # of buses by UDP: below those that systems give by themselves
 READY_S = 20.0  # real, for a process to say that it is there
 STOP_S = 10.0  # real, for a process to end when told
 HURRY_S = 0.5  # the same, where whoever has begun it does not get to its end
@@ -105,9 +106,9 @@ class Stage:
 
 def own_bus(process: int) -> str:
     """The URL of a CAN bus that no other process of this computer simulates a vehicle on: frames
-    by multicast reach whoever listens to the group."""
+    by multicast reach whoever listens to the port, whatever the group."""
     group = f"{192 + (process >> 16) % 64}.{process >> 8 & 255}.{process & 255}"
-    return f"can://239.{group}?interface=udp_multicast"
+    return f"can://239.{group}:{PORTS.start + process % len(PORTS)}?interface=udp_multicast"
 
 
 @contextmanager
