@@ -16,6 +16,7 @@ from mission.authoring.prepare import Prepared, Unreadable, check_prepared, prep
 from mission.model import MANUAL_DRIVING, MANUAL_WAITING
 from mission.model.shipped import shipped_missions, shipped_vehicles, vehicle_file
 from mission.onboard.blackbox import read_parts
+from mission.onboard.blackbox.parts import first_part
 from mission.onboard.runtime.records import STEP, step_of
 from mission.topside.console import converse
 from mission.topside.upload import start
@@ -114,7 +115,7 @@ class Person:
 
 def states(folder: Path) -> list[str]:
     """As they were entered, the first of all aside."""
-    (box,) = (folder / "pi" / "log").glob("*.mcap")
+    (box,) = {first_part(path) for path in (folder / "pi" / "log").glob("*.mcap")}
     steps = (step_of(r.payload) for r in read_parts(box) if r.kind == STEP)
     return [step.entered[-1] for step in steps if step.entered]
 

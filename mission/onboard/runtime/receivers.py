@@ -64,8 +64,12 @@ class Receivers:
         return list(self._counted(rx.link, self._decoders[rx.link].receive(rx.data, rx.t)))
 
     def next_timer(self) -> float | None:
-        dues = (decoder.next_timer() for decoder in self._decoders.values())
-        return min((due for due in dues if due is not None), default=None)
+        first: float | None = None
+        for decoder in self._decoders.values():
+            due = decoder.next_timer()
+            if due is not None and (first is None or due < first):
+                first = due
+        return first
 
     def flush(self, now: float) -> list[tuple[str, list[Fix | FrameFault]]]:
         """The same of what was waiting until now, by link."""

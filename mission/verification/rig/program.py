@@ -174,22 +174,26 @@ class Program:
         return out + self._shifted(lambda runtime, at: runtime.handle_timer(at), now)
 
     def next_timer(self) -> float | None:
-        due = self.runtime.next_timer() if self.runtime else None
-        dues = [
-            self._navigation_due,
-            self._gone or self._leaves,
-            None if due is None else due + self._zero,
-        ]
-        return min((t for t in dues if t is not None), default=None)
+        first = self.runtime.next_timer() if self.runtime else None
+        if first is not None:
+            first += self._zero
+        for due in (self._navigation_due, self._gone or self._leaves):
+            if due is not None and (first is None or due < first):
+                first = due
+        return first
 
     def _shifted(self, call: Callable[[Runtime, float], list[Tx]], now: float) -> list[Tx]:
         if self.runtime is None:
             return []
-        at, due = now - self._zero, self.runtime.next_timer()
-        if self._zero and due is not None and at < due < at + _SAME:  # the sum was rounded
-            at = due
+        at = now - self._zero
+        if self._zero:
+            due = self.runtime.next_timer()
+            if due is not None and at < due < at + _SAME:  # the sum was rounded
+                at = due
         try:
-            out = [replace(tx, t=now) for tx in call(self.runtime, at)]
+            out = call(self.runtime, at)
+            if self._zero:
+                out = [replace(tx, t=now) for tx in out]
         except Died:
             self.kill()
             return []
