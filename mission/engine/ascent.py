@@ -30,6 +30,7 @@ from protocol.messages import UPWARD, Order, Setpoint
 TURN = 10.0  # s each way is given (R7)
 LOOK = 1.0  # s between two depths of which the deepest is taken: not the noise of hundreds
 FALL = 0.3  # m in that time: 0.03 m/s, twice the noise of the difference of two depths
+SANK = 0.6  # m deeper than at its begin, and it has sunk on: else it has to be higher than then
 ROUND = 0.1  # m less than the deepest: what had sunk a metre has turned round
 DOWNWARD = Setpoint(heave=1.0)  # lifts a vehicle that is upside down
 OVERTURNED_TURN = 5.0  # s that DOWNWARD is given (R7)
@@ -132,8 +133,10 @@ class Ascent:
         start, deepest = self._start_depth, self._deepest
         if fallen is None or start is None or deepest is None:
             return False
-        self._kept = self._kept or fallen >= FALL
-        return fallen >= FALL or (deepest - start > DEEPER and fallen >= ROUND)
+        sank = deepest - start
+        rises = fallen >= FALL and (fallen >= sank + FALL or sank > SANK)
+        self._kept = self._kept or rises
+        return rises or (sank > DEEPER and fallen >= ROUND)
 
     def _change(self, now: float, depth: float | None, overturned: bool) -> None:
         """Begins the turn of the next way."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from itertools import pairwise
 
 import pytest
@@ -218,6 +219,16 @@ def test_a_way_that_is_given_up_says_what_was_seen():
         (action,) = begun(before).act(10.0, after, False)
         assert action.reason == f"why: after 10 s the depth {seen}"
         assert action.command in (UPWARD, Order.STOP)
+
+
+def test_the_noise_of_a_depth_that_stands_keeps_no_way_for_long():
+    """As calm flight 80 of seed 15: W, which left it at 6 m, was kept for minutes by noise of 0.2 m."""
+    for seed in range(300):
+        noise, ascent, told = random.Random(seed), begun(6.0), 0.0
+        while ascent.way is Order.SURFACE and told < 100.0:
+            told += 2.0
+            ascent.act(told, 6.0 + noise.gauss(0.0, 0.2), False)
+        assert told < 60.0, seed
 
 
 def test_of_a_depth_that_comes_late_full_thrust_is_tried_for_longer():
