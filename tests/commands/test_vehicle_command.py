@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from programs import process, run
-from served import PATIENCE, soon
+from served import ASKED_AGAIN, PATIENCE, soon
 
 from links import parse_address
 from links.serial import SerialLink
@@ -54,7 +54,8 @@ def test_each_vehicle_is_served_watched_and_stopped_as_it_would_be_at_sea(
         with process("serve", *words):
             soon(ready.exists, "serve")
             to = json.loads(ready.read_text())["topside"]
-            soon(lambda: "new" in run("status", "--to", to).stdout, "its reports")
+            told = ("status", "--to", to)
+            soon(lambda: "new" in run(*told).stdout, "its reports", pause=ASKED_AGAIN)
             stopped = run("stop", "--to", to)
             assert stopped.exit_code == (0 if name in ("auv", "rov") else 3)
             words = (said["vehicle"], "-c", said["config"], "--json", "--for", str(PATIENCE))

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 from programs import process, run
-from served import PATIENCE, TEXT, soon
+from served import ASKED_AGAIN, PATIENCE, TEXT, soon
 
 from links.acoustic import SOUND_SPEED, Water
 from links.serial import SerialLink
@@ -101,7 +101,7 @@ def test_an_operator_rehearses_a_dive_by_modem_with_the_real_programs(tmp_path: 
             with process("serve", *words):
                 soon(ready.exists, "serve")
                 to = ("--to", ends["boat"])
-                soon(lambda: "latitude" in run("status", *to).stdout, "a fix")
+                soon(lambda: "latitude" in run("status", *to).stdout, "a fix", pause=ASKED_AGAIN)
                 assert run("limits", "--depth", "9", *to).exit_code == 0
                 assert run("rudder", "left", "5", *to).exit_code == 0
                 assert "AUTO          open" in run("nodes", *to).stdout

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from programs import process, run
-from served import PATIENCE, soon
+from served import ASKED_AGAIN, PATIENCE, soon
 
 from links import open_link
 from links.simulated.boards import SimulatedBoard
@@ -116,7 +116,8 @@ def test_the_pi_in_the_main_boards_place_is_served_watched_and_told_by_name(tmp_
         with process("serve", "-c", said["config"], "--ready-file", str(ready)):
             soon(ready.exists, "serve")
             to = json.loads(ready.read_text())["topside"]
-            soon(lambda: "new" in run("status", "--to", to).stdout, "reports of the sensor board")
+            told = ("status", "--to", to)
+            soon(lambda: "new" in run(*told).stdout, "its sensor board's", pause=ASKED_AGAIN)
             soon(lambda: run("output", "led1", "50", "--to", to).exit_code == 0, "a LED by name")
             assert run("output", "led1", "101", "--to", to).exit_code == 1
             dropped = run("output", "weight", "1", "--to", to)

@@ -41,11 +41,16 @@ LINES = script(MISSION)
 PATIENCE = 60.0  # s, real; the machine may have other things to do
 
 
-def soon(holds: Callable[[], bool], what: str, within: float = PATIENCE) -> None:
+ASKED_AGAIN = 0.5  # s: a connection for each question, and serve admits so many in ten seconds
+
+
+def soon(
+    holds: Callable[[], bool], what: str, within: float = PATIENCE, pause: float = 0.01
+) -> None:
     end = time.monotonic() + within
     while not holds():
         assert time.monotonic() < end, f"not within {within} s: {what}"
-        time.sleep(0.01)
+        time.sleep(pause)
 
 
 def noted_processes(monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Popen[str]]:
