@@ -3,8 +3,8 @@
     the vehicle's ways in turn, 10 s each:  W -> X0 and U12 -> X0 alone (let go) -> W ...
     upside down, behind them:               D12 for 5 s, at most once a minute
 
-A way that makes the depth fall, from the deepest of its turn on, is kept for as long as it does,
-and said once more when it no longer does: the board may have lost it. One under which a vehicle
+A way that makes the depth fall, from its turn's begin or, where it sank on, from the deepest since,
+is kept for as long as it does, and said once more when it no longer does: the board may have lost it. One under which a vehicle
 that sank has just turned round has another turn. Behind a push the wrong way a vehicle sinks on
 before it rises, and letting go then has two turns. Full thrust has two when it comes round again:
 by a depth that comes 12 s late what one way lifts is seen in the turn of the next.
@@ -134,7 +134,7 @@ class Ascent:
         if fallen is None or start is None or deepest is None:
             return False
         sank = deepest - start
-        rises = fallen >= FALL and (fallen >= sank + FALL or sank > SANK)
+        rises = fallen >= FALL + (0.0 if sank > SANK else sank)
         self._kept = self._kept or rises
         return rises or (sank > DEEPER and fallen >= ROUND)
 
