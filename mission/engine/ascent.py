@@ -4,9 +4,10 @@
     upside down, behind them:               D12 for 5 s, at most once a minute
 
 A way that makes the depth fall, from its turn's begin or, where it sank on, from the deepest since,
-is kept for as long as it does, and said once more when it no longer does: the board may have lost it. One under which a vehicle
-that sank has just turned round has another turn. Behind a push the wrong way a vehicle sinks on
-before it rises, and letting go then has two turns. Full thrust has two when it comes round again:
+is kept for as long as it does, and said once more when it no longer does: the board may have lost
+it. One under which a vehicle that sank has just turned round has another turn. Behind a push the
+wrong way a vehicle sinks on before it rises, and letting go then has two turns. Full thrust has two
+when it comes round again:
 by a depth that comes 12 s late what one way lifts is seen in the turn of the next.
 An unknown depth counts as not falling. Where the attitude is doubtful too, any push may lead down:
 each time the vehicle is let go that lasts twice as long, up to 160 s, and then 10 s again, since
