@@ -19,11 +19,14 @@ _SAME = 1e-9  # rad
 
 
 class Attitude(NamedTuple):
-    """What the last reports said; ``reports`` of them in a row were beyond 120 degrees."""
+    """What the last reports said; ``reports`` of them in a row were beyond 120 degrees. ``told``:
+    there has been one; ``gone``: and the last report says nothing of it."""
 
     roll: float = 0.0
     pitch: float = 0.0
     reports: int = 0
+    told: bool = True
+    gone: bool = False
 
     @property
     def overturned(self) -> bool:
@@ -31,14 +34,16 @@ class Attitude(NamedTuple):
 
     @property
     def doubtful(self) -> bool:
-        """It may be upside down: the last report says so, or says what is no angle."""
-        return not self.overturned and max(abs(self.roll), abs(self.pitch)) > OVERTURNED
+        """It may be upside down: the last report says so, says what is no angle, or nothing more."""
+        if self.overturned:
+            return False
+        return self.gone or max(abs(self.roll), abs(self.pitch)) > OVERTURNED
 
     def after(self, report: Telemetry) -> Attitude:
-        """With one more report; one without roll or pitch says that nothing is known."""
+        """With one more report; one without roll or pitch says that nothing is known (any more)."""
         roll, pitch = report.roll, report.pitch
         if roll is None or pitch is None:
-            return Attitude()
+            return Attitude(told=self.told, gone=self.told)
         worst = max(abs(roll), abs(pitch))
         if not OVERTURNED < worst <= _FULL_CIRCLE:
             return Attitude(roll, pitch)

@@ -219,7 +219,7 @@ _ROWS = (
     Limit(
         "unexplained descent",
         "depth",
-        "2 m deeper while nothing asks for it, or faster than the vehicle dives",
+        "2 m deeper while nothing asks for it, or faster than the vehicle dives by 0.5 m",
         lambda w: w.descent.unexplained,
         lambda w: w.descent.words,
         samples=2,

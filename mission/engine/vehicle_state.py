@@ -105,7 +105,7 @@ class VehicleState:
         self.receiver = Receiver()
         self._fixed_at = -math.inf  # of the last one that proves the surface
         self.estimate: Estimate | None = None
-        self.attitude = Attitude()
+        self.attitude = Attitude(told=False)
         self.believed_depth: float | None = None  # the last one that could be believed
         self._believed_at = -math.inf
         self.rising_since: float | None = None  # the ascent's first word, and no other leg since

@@ -25,6 +25,7 @@ from protocol.messages import Fix, Setpoint
 _ALLOWANCE = 2.0  # m of momentum, waves and noise that are no descent
 _SINKING = 0.1  # m/s: less is no descent
 _RATE_TIME = 1.0  # s: over less, the noise of two depths is no rate
+_BEYOND = 0.5  # m deeper than a dive at the greatest rate: less is noise
 _STALE = 10.0  # s: two depths farther apart give no rate
 _TURNING_TIME = 10.0  # s of growing heading error (design: limits)
 _GROWTH, _LARGE, _NOISE = (math.radians(a) for a in (20.0, 30.0, 10.0))
@@ -39,12 +40,12 @@ _ROLLS_OUT, _STANDS = 2.0, 0.05  # s, m/s: of what drives, from a stop on
 
 
 class Descent:
-    __slots__ = ("_depth", "_shallowest", "_t", "unexplained", "words")
+    __slots__ = ("_beyond", "_depth", "_shallowest", "_t", "unexplained", "words")
 
     words: str
 
     def __init__(self) -> None:
-        self._t, self._depth = -math.inf, 0.0
+        self._t, self._depth, self._beyond = -math.inf, 0.0, 0.0
         self._shallowest: float | None = None
         self.unexplained: bool | None = None
         self.words = ""
@@ -65,11 +66,12 @@ class Descent:
             self._shallowest = depth
         self._shallowest = min(self._shallowest, depth)
         if not 0.0 < since <= _STALE:
-            self.unexplained = None
+            self._beyond, self.unexplained = 0.0, None
             return
         rate, deeper = (depth - before) / since, depth - self._shallowest
+        self._beyond = max(0.0, self._beyond + (rate - fastest) * since)
         sinks = not asked and deeper > _ALLOWANCE and rate > _SINKING
-        self.unexplained = sinks or rate > fastest
+        self.unexplained = sinks or (rate > fastest and self._beyond > _BEYOND)
         if self.unexplained:
             asked_words = "" if asked else ", and nothing asked for it"
             self.words = f"sinking at {rate:.2f} m/s at {depth:.1f} m{asked_words}"

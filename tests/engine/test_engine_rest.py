@@ -275,7 +275,7 @@ def test_a_mission_goes_on_at_any_depth():
 
 
 def attitude(*reports: tuple[float | None, float | None]) -> Attitude:
-    seen = Attitude()
+    seen = Attitude(told=False)
     for roll, pitch in reports:
         angles = [None if a is None else math.radians(a) for a in (roll, pitch)]
         seen = seen.after(Telemetry(0.0, roll=angles[0], pitch=angles[1]))
@@ -308,7 +308,11 @@ def test_upside_down_is_what_three_reports_that_change_agree_on(reports, over: b
         ([(170.0, 1.0)], True),  # not yet
         ([(170.0, 1.0), (171.0, 2.0), (-178.0, 1.0)], False),  # it is
         ([(119.0, 1.0)], False),
-        ([(900.0, 0.0), (None, None)], False),
+        ([(900.0, 0.0), (1.0, 2.0)], False),
+        ([(None, None)] * 3, False),  # a vehicle that reports none
+        ([(1.0, 2.0), (None, None)], True),  # it did
+        ([(1.0, 2.0), (None, None), (None, None)], True),
+        ([(1.0, 2.0), (None, None), (1.0, 2.0)], False),
     ],
 )
 def test_it_may_be_upside_down_where_a_report_says_so_that_is_not_believed(reports, doubtful: bool):

@@ -77,9 +77,20 @@ def test_a_tenth_of_a_metre_a_second_is_no_descent_and_more_is():
 def test_faster_than_the_vehicle_dives_is_not_explained_whoever_asked_for_it():
     for asked, words in ((True, ""), (False, ", and nothing asked for it")):
         assert not sunk((0.0, 0.0), (1.0, 0.5), asked=asked, fastest=0.5).unexplained
-        fast = sunk((0.0, 0.0), (1.0, 0.625), asked=asked, fastest=0.5)
+        fast = sunk((0.0, 0.0), (1.0, 1.125), asked=asked, fastest=0.5)
         assert fast.unexplained
-        assert fast.words == f"sinking at 0.62 m/s at 0.6 m{words}"
+        assert fast.words == f"sinking at 1.12 m/s at 1.1 m{words}"
+
+
+def test_half_a_metre_deeper_than_the_vehicle_dives_is_noise_and_more_is_not():
+    assert not sunk((0.0, 0.0), (1.0, 1.0), asked=True, fastest=0.5).unexplained
+    assert sunk((0.0, 0.0), (1.0, 1.001), asked=True, fastest=0.5).unexplained
+    slow = ((0.0, 0.0), (2.0, 1.25), (4.0, 2.5))  # 0.25 m deeper with each
+    assert not sunk(*slow, asked=True, fastest=0.5).unexplained
+    assert sunk(*slow, (6.0, 3.75), asked=True, fastest=0.5).unexplained
+    assert not sunk(*slow, (6.0, 3.0), (8.0, 4.25), asked=True, fastest=0.5).unexplained
+    assert not sunk((0.0, 0.0), (2.0, 1.4), (13.0, 9.0), (15.0, 10.4), asked=True,
+                    fastest=0.5).unexplained  # fmt: skip
 
 
 def test_a_depth_that_is_not_known_is_no_descent_and_no_end_of_one():

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from links.simulated.settings import Settings, parse_settings
-from mission.model import SURFACED, SURFACING, Step, Tx
+from mission.model import SURFACED, SURFACING, Evaluation, Step, Tx
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.verification.campaign.audit import audit
 from mission.verification.campaign.calm import alarms, calm
@@ -27,8 +27,11 @@ from mission.verification.campaign.excuses import (
 )
 from mission.verification.campaign.faults import shipped, subjects
 from mission.verification.rig.acts import Act
-from mission.verification.rig.trace import Done, Event, Said, Trace
+from mission.verification.rig.trace import Done, Event, Heard, Said, Trace
+from mission.verification.rig.vehicle import flown
+from protocol.vehicles.auv import SD
 
+REPORT = bytes.fromhex("405344" + "00" * 60 + "DC05" * 7 + "0C003000" + "F05C9375" + "24")
 CLOSE, OPEN, DONE = b"@NSOOOCCC$", b"@NSOOOCCO$", b"@ACK_NSS$"
 
 
@@ -192,4 +195,19 @@ def test_a_calm_flight_is_told_by_its_seed_and_has_no_fault():
 def test_a_limit_that_acts_or_an_else_in_a_calm_flight_is_a_false_alarm(trigger, state, alarmed):
     step = Step(9.0, "", (), (), (state,), (), trigger, None)
     trial = Trace((step,), (), (0.0, 0.0), None, state, "", None, "", False)  # type: ignore[arg-type]
-    assert len(list(alarms(trial))) == alarmed
+    assert len(list(alarms(trial, flown("auv")))) == alarmed
+
+
+@pytest.mark.parametrize(("echo", "alarmed"), [((3.9, 5.9), 1), ((3.9,), 1), ((1.9,), 0)])
+def test_the_else_of_a_leg_without_an_echo_is_a_false_alarm_where_the_altimeter_heard_one(
+    echo, alarmed
+):
+    reports = [
+        Heard(t, SD.encode(SD.decode(REPORT) | {"altitude_m": 4.0 if t in echo else 0.0}))
+        for t in (1.9, 3.9, 5.9, 7.9)
+    ]
+    seen = Evaluation("autonomous/a:else", True, (("elapsed", 5.0), ("altitude", None)))
+    step = Step(9.0, "telemetry", (seen,), (), ("autonomous/b",), (), "autonomous/a:else", None)
+    events = (*reports, step)
+    trial = Trace(events, (), (0.0, 0.0), None, "", "", None, "", False)  # type: ignore[arg-type]
+    assert len(list(alarms(trial, flown("auv")))) == alarmed
