@@ -43,6 +43,7 @@ _SCATTER = 10.0  # m (R9)
 _HDOP = 3.0  # (R9)
 FIX_AGE = 5.0  # s: an older fix is none (R9)
 WRONG_FOR = 20.0  # s that a depth may have been wrong and was believed (R5)
+_TRAVELS, _TRAVELLED = 1.0, 10.0  # m of a depth whose zero is wrong, s ago: not at the surface
 
 
 class Frame(Protocol):
@@ -106,6 +107,10 @@ class VehicleState:
         self._fixed_at = -math.inf  # of the last one that proves the surface
         self.estimate: Estimate | None = None
         self.attitude = Attitude(told=False)
+        self._travelled = (
+            math.inf,
+            -math.inf,
+        )  # m, s: a depth whose zero is wrong, as it was last passed
         self.believed_depth: float | None = None  # the last one that could be believed
         self._believed_at = -math.inf
         self.rising_since: float | None = None  # the ascent's first word, and no other leg since
@@ -149,6 +154,7 @@ class VehicleState:
         self._forget()
         if report.position is not None:
             self._take_position(report, report.position)
+        self._notice_travel(report)
         depth = self.depth
         lives = depth is not None and self._has_changed(depth)
         if lives:
@@ -231,11 +237,21 @@ class VehicleState:
 
     def _proves_surface(self, fix: Fix) -> bool:
         """R7: a place that is news, unless a depth that is believed says otherwise. Where none is
-        believed, or it has not changed yet, only some seconds of fixes as at the surface."""
+        believed, or it has not changed yet, only some seconds of fixes as at the surface. What goes
+        up or down by metres is not there, also where its zero is wrong."""
         depth = self.depth
         if depth is not None and (depth >= FIX_DEPTH or self._lives):
             return self.receiver.fresh and depth < FIX_DEPTH
+        if fix.t - self._travelled[1] < _TRAVELLED:
+            return False
         return self.receiver.settled(fix.t) >= SETTLED and self._may_be_up(fix.t)
+
+    def _notice_travel(self, report: Telemetry) -> None:
+        depth = self.moving_depth if self.depth is None else None
+        if depth is None:
+            self._travelled = math.inf, -math.inf
+        elif abs(depth - self._travelled[0]) > _TRAVELS:
+            self._travelled = depth, report.t
 
     def _may_be_up(self, now: float) -> bool:
         """An ascent has had the time that buoyancy takes from the deepest it can have begun at."""

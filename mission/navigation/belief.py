@@ -193,6 +193,7 @@ class DepthBelief:
             quiet = receiver.quiet(t)
             under = quiet is None or quiet > _FIXES_GO
             self._contradict(t, says, moves=self._way > 0 or under)
+            self._by_fixes = not self._moves
         elif self._still_at <= whole and t - self._moved_at >= _AT_REST and (by := self._ground(t)):
             says = f"the ground comes nearer by {by:.1f} m and it stands at {depth:.1f} m"
             self._contradict(t, says, moves=True)

@@ -190,6 +190,27 @@ def test_a_fix_proves_nothing_against_a_believed_depth_under_water(depth: float,
     assert (vehicle_state.fix is not None) is proves
 
 
+@pytest.mark.parametrize(
+    ("rate", "moves", "proves"), [(-0.3, True, False), (-0.05, True, True), (-0.3, False, True)]
+)
+def test_no_fix_proves_the_surface_while_a_depth_of_which_the_zero_is_wrong_goes_by_metres(
+    rate: float, moves: bool, proves: bool
+):
+    navigation = Navigation()
+    vehicle_state = told(VehicleState(navigation), 0.0, depth=5.0)
+    navigation.doubt["depth"] = "contradicted: it leapt by 10.0 m"
+    navigation.moves = moves
+    vehicle_state.rising_since = 0.0
+    for second in range(1, 60):
+        told(vehicle_state, float(second), depth=25.0 + rate * second)
+        vehicle_state.take_fix(fix(second + 0.5, north=float(second)))
+    assert vehicle_state.fixed(40.0) is proves
+    for second in range(60, 80):  # it stands
+        told(vehicle_state, float(second), depth=25.0 + rate * 60)
+        vehicle_state.take_fix(fix(second + 0.5, north=float(second)))
+    assert vehicle_state.fixed(60.0)
+
+
 def test_submerged_is_what_was_last_believed_and_no_fix_since_that_proves_the_surface():
     navigation = Navigation()
     vehicle_state = VehicleState(navigation)

@@ -232,6 +232,14 @@ def test_what_a_push_upward_in_vain_contradicted_while_fixes_come_may_be_an_offs
 
 
 @pytest.mark.parametrize("push", [UP, REST])
+def test_fixes_that_go_on_while_it_moves_were_made_up_and_it_stood_since_it_was_heavy(push):
+    """Nothing rises or sinks by metres at the surface."""
+    dive = Dive(noise=0.05)
+    assert dive.go(18.0, UP, at(12.0), fixes=True).startswith("contradicted: the verticals push up")
+    assert dive.go(24.0, push, sinking(-0.2 if push is UP else 0.2, 12.0), fixes=True) == ""
+
+
+@pytest.mark.parametrize("push", [UP, REST])
 def test_a_body_that_its_thrusters_just_hold_is_believed_as_soon_as_it_moves(push):
     """Where no fix comes it is under water: it rises once less is held, it sinks when let go."""
     rate = -0.2 if push is UP else 0.2

@@ -56,7 +56,8 @@ class Frame:
 
 
 class Navigation:
-    """``at`` moves the vehicle; ``doubt[sensor]`` is why it is not to be believed."""
+    """``at`` moves the vehicle; ``doubt[sensor]`` is why it is not to be believed; ``moves``: what
+    it changes by is, all the same."""
 
     def __init__(self) -> None:
         self.frame: Frame | None = None
@@ -67,6 +68,7 @@ class Navigation:
         self.current = (0.0, 0.0)
         self.mode = NavigationMode.FIX
         self.doubt: dict[str, str] = {}
+        self.moves = False
         self.fix_t: float | None = None
 
     def set_origin(self, position: Position, now: float) -> None:
@@ -108,7 +110,7 @@ class Navigation:
 
     def health(self, sensor: str, now: float) -> Health:
         if sensor in self.doubt:
-            return Health(False, self.doubt[sensor], 0.0)
+            return Health(False, self.doubt[sensor], 0.0, self.moves)
         fields = {"attitude": "roll", "battery": "batteries", "temperature": "temperature_c"}
         name = fields.get(sensor, sensor)
         if self.report is None or getattr(self.report, name) is None:
