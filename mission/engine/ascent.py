@@ -37,6 +37,7 @@ DOWNWARD = Setpoint(heave=1.0)  # lifts a vehicle that is upside down
 OVERTURNED_TURN = 5.0  # s that DOWNWARD is given (R7)
 OVERTURNED_PAUSE = 60.0  # s from one DOWNWARD to the next (R7)
 LONGER = 5  # times that letting go comes round, each twice as long: 10 s to 160 s (R7)
+WORD = 1.0  # s that an operator's W has for itself before the next way; once a turn
 DEEPER = 1.0  # m, and DOWNWARD is given up (R7); behind another way, letting go has two turns
 
 Way = Setpoint | Order
@@ -54,6 +55,7 @@ class Ascent:
             "_downward",
             "_kept",
             "_let_go",
+            "_longest",
             "_looked",
             "_overturned_at",
             "_push",
@@ -76,7 +78,7 @@ class Ascent:
         upward: bool = False,
     ) -> None:
         self.began, self._why, self._ways = now, why, ways
-        self._turn: float = TURN
+        self._turn = self._longest = TURN
         self._downward: tuple[Way, ...] = ()  # that led deeper, upside down
         self._dark, self._let_go = False, 0  # neither depth nor attitude; times let go so
         self._kept = False  # the way in use has made the depth fall
@@ -99,6 +101,10 @@ class Ascent:
 
     def first(self) -> tuple[Action, ...]:
         return (Action(self.way, self._why),)
+
+    def hear(self, now: float) -> None:
+        """An operator has said W: the next way, due at once, would take its place on the line."""
+        self._turn = min(max(self._turn, now + WORD - self._since), self._longest)
 
     def act(
         self, now: float, depth: float | None, overturned: bool, doubtful: bool = False
@@ -176,6 +182,7 @@ class Ascent:
     def _begin_turn(self, now: float, depth: float | None, turn: float | None = None) -> None:
         self._since = self._looked = now
         self._turn = TURN if turn is None else turn
+        self._longest = self._turn + WORD
         self._start_depth = self._deepest = depth
 
     def _fallen(self, now: float, depth: float | None) -> float | None:

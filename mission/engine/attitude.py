@@ -34,7 +34,7 @@ class Attitude(NamedTuple):
 
     @property
     def doubtful(self) -> bool:
-        """It may be upside down: the last report says so, says what is no angle, or nothing more."""
+        """It may be upside down: the last report says so, is no angle, or tells nothing more."""
         if self.overturned:
             return False
         return self.gone or max(abs(self.roll), abs(self.pitch)) > OVERTURNED

@@ -244,6 +244,7 @@ class Core(EngineState):
         actions: tuple[Action, ...] = ()
         if by is By.OPERATOR and self.ascent.way is not Order.SURFACE:
             actions = (Action(Order.SURFACE, why),)
+            self.ascent.hear(self.now)
         if by is By.OPERATOR or not begun:
             actions = (*actions, Action(self.ascent.way, why))
         self._move(name, SURFACING, why, actions, by, evaluations)

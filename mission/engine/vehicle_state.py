@@ -110,7 +110,7 @@ class VehicleState:
         self._travelled = (
             math.inf,
             -math.inf,
-        )  # m, s: a depth whose zero is wrong, as it was last passed
+        )  # m, s: of a depth whose zero is wrong
         self.believed_depth: float | None = None  # the last one that could be believed
         self._believed_at = -math.inf
         self.rising_since: float | None = None  # the ascent's first word, and no other leg since

@@ -16,7 +16,8 @@ fails), the ground under the vehicle, the surface above it. A depth that was con
 believed again once it has moved the way the vehicle is moved, or shows the surface for ``AGREES``
 seconds of fixes. After a leap by the second alone, for it moves as it should: its change can be
 believed again by then, but not where its zero is. After an offset by movement, too, if fixes have
-come all that time: nothing rises by metres at the surface, so it was the receiver. A depth that
+come all that time: nothing rises by metres at the surface, so it was the receiver; or have ended: it
+sinks, and is as deep as it says but for the offset. A depth that
 stood under a push upward is an offset where fixes come; where none do the vehicle is under water,
 and as heavy as its thrusters can just hold, or the port is clogged: movement tells.
 Either way it must have moved: of a clogged port 0.1 m is no proof of the surface.
@@ -72,7 +73,8 @@ class DepthBelief:
     def __init__(self) -> None:
         self.reason, self.follows = "", False
         self._moves = False  # movement alone may clear it
-        self._by_fixes = False  # it is the fixes that speak against it
+        self._by_fixes = False  # it is the fixes that speak against it ...
+        self._is_offset = False  # ... and they alone
         self._samples: tuple[_Sample, ...] = ()
         self._way, self._pushed_at = 0, -math.inf  # of a push that should move it, down positive
         self._calm_at = self._still_at = math.inf  # since when nothing pushes down; drives
@@ -88,7 +90,8 @@ class DepthBelief:
     def leap(self, t: float, by: float) -> None:
         """The sensor has come back elsewhere, by so many metres: what leaps is not clogged."""
         self._contradict(t, f"it leapt by {by:.1f} m", moves=False)
-        self._low, self._moves, self._by_fixes, self.follows = -math.inf, False, False, False
+        self._low, self._moves, self.follows = -math.inf, False, False
+        self._by_fixes = self._is_offset = False
 
     def take(
         self,
@@ -184,7 +187,7 @@ class DepthBelief:
             self._contradict(t, f"{rate:.1f} m/s up or down, which no body has", moves=False)
         elif self._is_off(t, depth, moved, receiver):
             self._contradict(t, f"fixes come and it says {depth:.1f} m", moves=False)
-            self._by_fixes = True
+            self._by_fixes = self._is_offset = True
         elif abs(moved) >= STANDS:
             return
         elif self._way and self._pushed_at <= whole:
@@ -244,7 +247,7 @@ class DepthBelief:
     def _contradict(self, t: float, why: str, *, moves: bool) -> None:
         if not self.reason:
             self.reason, self._moves, self._doubted_at = f"{CONTRADICTED}: {why}", moves, t
-            self._by_fixes = False
+            self._by_fixes = self._is_offset = False
             self._low, self._high, self.follows = math.inf, -math.inf, False
 
     # --- belief ----------------------------------------------------------------------------------
@@ -258,7 +261,9 @@ class DepthBelief:
         elif abs(moved) < STANDS and self._way and self._pushed_at <= t - WINDOW + 1e-6:
             self.follows = False
         made_up = self._by_fixes and receiver.settled(t) >= WINDOW  # nothing rises at the surface
-        if self.follows and (self._moves or made_up):
+        quiet = receiver.quiet(t)
+        gone = self._is_offset and quiet is not None and quiet > _FIXES_GO  # it goes under, too
+        if self.follows and (self._moves or made_up or gone):
             self.reason = ""
         shallow = abs(mean) < FIX_DEPTH and self._high - self._low >= _MOVED
         if shallow and receiver.settled(t) >= AGREES:

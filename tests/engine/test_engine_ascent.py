@@ -285,6 +285,22 @@ def test_an_operator_who_says_w_again_and_again_keeps_no_other_way_back():
     assert at == {15.0: [Order.SURFACE, UPWARD], 25.0: [Order.SURFACE, Order.STOP]}
 
 
+@pytest.mark.parametrize("again", [(), (0.3,), (0.3, 0.3, 0.3)])
+def test_an_operators_w_has_a_second_on_the_line_before_the_next_way(again):
+    """Once a turn, however often it is said."""
+    world = surfacing()
+    world.wait(19.9)
+    world.tell(W)
+    for pause in again:
+        world.wait(pause)
+        world.tell(W)
+    world.wait(3.0)
+    said = [(t, c) for t, c in sent(world) if t > 10.0]
+    assert said[:2] == [(19.9, Order.SURFACE), (19.9, UPWARD)]
+    stopped = next(t for t, c in said if c is Order.STOP)
+    assert stopped == pytest.approx(20.9 + min(sum(again), 0.1), abs=0.06)
+
+
 @pytest.mark.parametrize("doubt", ["frozen", "absurd", "missing"])
 def test_an_unknown_depth_counts_as_not_falling(doubt: str):
     world = surfacing()

@@ -331,6 +331,15 @@ def test_what_fixes_have_contradicted_is_believed_when_it_moves_under_them():
     assert dive.go(24.0, UP, sinking(-0.25, 14.0), fixes=True) == ""
 
 
+@pytest.mark.parametrize(("off", "fixes"), [(-0.95, False), (3.0, False), (-0.95, True)])
+def test_an_offset_that_sinks_when_the_fixes_have_ended_is_believed(off: float, fixes: bool):
+    """Nobody would see the vehicle go, else: at rest an unknown depth turns nothing."""
+    dive = Dive(noise=0.05)
+    assert dive.go(50.0, REST, at(off), fixes=True).startswith("contradicted: fixes come")
+    assert dive.go(20.0, REST, at(off), fixes=fixes)
+    assert dive.go(20.0, REST, sinking(0.3, off), fixes=fixes) == ""
+
+
 # --- the receiver --------------------------------------------------------------------------------
 
 
