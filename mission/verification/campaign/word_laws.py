@@ -64,7 +64,7 @@ _QUIET, _SILENT, _FORGOTTEN = 1.9, 2.6, 61.5  # s
 _COMMANDS = 9.5  # s
 _M = re.compile(rb"@M[TDMRSP][^@$]*\$")
 _ACKNOWLEDGED = re.compile(rb"@ACK_Z[XA]Y\$")
-_ACCEPTED = re.compile(rb"@ACK_(?:AA|AC|SP|ST|AW|NS)[^N]\$")
+_ACCEPTED = re.compile(rb"@ACK_(?:(?:AA|AC|SP|ST|AW|NS|RS)[^N]|RI.)\$", re.DOTALL)
 _REFUSED = re.compile(rb"@ACK_Z([A-Z])N\$")
 _NODE = 1.0  # s
 _ORDER = re.compile(rb"@ZA(X0|WF)\$")
@@ -179,14 +179,16 @@ def _doubts(story: Story, stay: Stay, stops: list[float], end: float) -> Iterato
 
 def _begins_again(story: Story, stay: Stay) -> Iterator[Violation]:
     """What was under way long enough to be on the disk, and the disk had room. Who dies in the
-    write of a state may have left either on it."""
+    write of a state may have left either on it. An operator's X takes the place of what waits."""
     dead = next(s for s in reversed(story.stays) if s.state == DEAD and s.end <= stay.begin)
     was = next(s for s in reversed(story.stays) if s.end <= dead.begin and s.state != DEAD)
     full = any(done.act is Act.FILL and done.t < stay.begin for done in story.done)
     due = stay.begin + _UPWARD
     stops = (Act.KILL, Act.STALL)
     again = any(done.act in stops and stay.begin <= done.t <= due for done in story.done)
-    if was.end - was.begin < _DURABLE or full or again or due > story.end:
+    orders = [_ORDER.search(s.data) for s in story.said if stay.begin <= s.t <= due]
+    stopped = any(order[1] == b"X0" for order in orders if order)
+    if was.end - was.begin < _DURABLE or full or again or stopped or due > story.end:
         return
     now = story.stay_at(stay.begin + 1e-6).state
     if was.state in (STOPPED, SURFACED) and not now.startswith(EMERGENCY):

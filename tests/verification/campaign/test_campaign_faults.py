@@ -339,6 +339,20 @@ def test_who_says_nothing_that_is_a_frame_does_not_go_on_commanding(
     assert [v.kind for v in found] == ([] if lawful else [UNLAWFUL])
 
 
+def test_a_relay_that_is_acknowledged_hands_the_command_over() -> None:
+    """Then the other's words are lawful, though the first goes on talking."""
+    said = [
+        Disturbance(58.0, Act.JOIN, address=OTHER_BOAT),
+        Disturbance(71.0, Act.SAY, b"@RI$", address=OTHER_BOAT),
+        Disturbance(74.0, Act.SAY, b"@DU$"),
+        Disturbance(76.0, Act.SAY, b"@NSOOOCCO$", address=OTHER_BOAT),
+    ]
+    trial = flown(said)
+    told = [e.data for e in trial.events if isinstance(e, Tx) and e.address == OTHER_BOAT]
+    assert b"@ACK_NSS$" in told
+    assert not list(throughout(trial, FIRST.mission, VEHICLE, "as-built", NO_FAULTS))
+
+
 def test_a_power_cut_takes_both_boards() -> None:
     cut = INCIDENTS["power_cut"].draw(random.Random(1), ())
     trial = flown([Disturbance(60.0 + d.after, d.act) for d in cut])
