@@ -16,10 +16,10 @@ fails), the ground under the vehicle, the surface above it. A depth that was con
 believed again once it has moved the way the vehicle is moved, or shows the surface for ``AGREES``
 seconds of fixes. After a leap by the second alone, for it moves as it should: its change can be
 believed again by then, but not where its zero is. After an offset by movement, too, if fixes have
-come all that time: nothing rises by metres at the surface, so it was the receiver; or have ended: it is
-under water, and as deep as it says but for the offset. A depth that stood under a push upward is an
-offset where fixes come; where none do the vehicle is under water, and as heavy as its thrusters can
-just hold, or the port is clogged: movement tells.
+come all that time: nothing rises by metres at the surface, so it was the receiver; or have ended:
+it is under water, and as deep as it says but for the offset. A depth that stood under a push
+upward is an offset where fixes come; where none do the vehicle is under water, and as heavy as
+its thrusters can just hold, or the port is clogged: movement tells.
 Either way it must have moved: of a clogged port 0.1 m is no proof of the surface.
 
 What does not live here: a sensor by itself (health), what follows (engine, limits). What cannot
