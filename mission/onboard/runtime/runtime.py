@@ -117,7 +117,8 @@ class Runtime:
         self._engine.limit_topside_silence(configuration.topside_silence)
         self._chart: Chart | None = None
         self.situation = Situation(self._engine, vehicle, bool(links.gps or links.gps2))
-        self._marker, self._standing = ResumeMarker(self._store), StandingChanges(recorder)
+        self._marker = ResumeMarker(self._store)
+        self._standing = None if recorder is None else StandingChanges(recorder)
         self._refused: list[Outcome] = []  # commands for which the vehicle has no word
         self._out: list[Tx] = []
         self._begin()
@@ -307,7 +308,8 @@ class Runtime:
             out, self._out = self._out + out, []
         for peer, fault in self._topside.faults():
             self._record(rec.fault_record, now, peer.link, fault)
-        self._standing.follow(now, self._engine, self.commander.peer, self.digest)
+        if self._standing is not None:
+            self._standing.follow(now, self._engine, self.commander.peer, self.digest)
         for tx in out:
             self._record(rec.tx_record, tx)
         return out

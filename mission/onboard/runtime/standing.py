@@ -13,13 +13,11 @@ from mission.onboard.runtime.records import Recorder, Standing, standing_record
 class StandingChanges:
     """Tells what has changed. Cheap, for it is asked after every input of the runtime."""
 
-    def __init__(self, recorder: Recorder | None) -> None:
+    def __init__(self, recorder: Recorder) -> None:
         self._recorder = recorder
         self._seen: tuple[object, ...] = ()
 
     def follow(self, now: float, engine: Engine, commander: Peer | None, digest: str) -> None:
-        if self._recorder is None:
-            return
         navigation = engine.core.vehicle_state.navigation
         frame = navigation.frame if navigation else None
         seen = (frame, engine.bounds, engine.breaches, commander, digest)

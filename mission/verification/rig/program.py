@@ -13,6 +13,7 @@ import enum
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 
 from links.base import Rx
 from mission.model import Estimate, Step, Tx
@@ -113,14 +114,14 @@ class Program:
         if self.runtime is None:
             return []
         self.navigation = navigation = self.runtime.make_navigation()
-        return self._shifted(lambda runtime, at: runtime.set_navigation(navigation, at), now)
+        return self._shifted(Runtime.set_navigation, now, navigation)
 
     def end(self, now: float, *, at_once: bool = False) -> list[Tx]:
         """As by SIGTERM: it dies by itself when the vehicle needs nobody (serve: leaving)."""
         if at_once and self._leaves is None:
             return []
         self._leaves = now if at_once else now + LEAVES_WITHIN
-        out = self._shifted(lambda runtime, at: runtime.end(at, at_once=at_once), now)
+        out = self._shifted(partial(Runtime.end, at_once=at_once), now)
         self._leave(now, said=at_once)
         return out
 
@@ -155,15 +156,15 @@ class Program:
     # --- as a runtime -----------------------------------------------------------------------------
 
     def receive(self, rx: Rx, now: float) -> list[Tx]:
-        t = max(rx.t - self._zero, 0.0)
-        moved = Rx(t, rx.link, rx.data, rx.address)
-        return self._shifted(lambda runtime, at: runtime.receive(moved, at), now)
+        if self._zero:
+            rx = rx._replace(t=max(rx.t - self._zero, 0.0))
+        return self._shifted(Runtime.receive, now, rx)
 
     def connected(self, link: str, address: str, now: float) -> list[Tx]:
-        return self._shifted(lambda runtime, at: runtime.connected(link, address, at), now)
+        return self._shifted(Runtime.connected, now, link, address)
 
     def disconnected(self, link: str, address: str, now: float) -> list[Tx]:
-        return self._shifted(lambda runtime, at: runtime.disconnected(link, address, at), now)
+        return self._shifted(Runtime.disconnected, now, link, address)
 
     def handle_timer(self, now: float) -> list[Tx]:
         out: list[Tx] = []
@@ -171,7 +172,7 @@ class Program:
             out = self.navigate(now)
         if self._gone is None and self._leaves is not None and now >= self._leaves:
             out += self.end(now, at_once=True)
-        return out + self._shifted(lambda runtime, at: runtime.handle_timer(at), now)
+        return out + self._shifted(Runtime.handle_timer, now)
 
     def next_timer(self) -> float | None:
         first = self.runtime.next_timer() if self.runtime else None
@@ -182,7 +183,8 @@ class Program:
                 first = due
         return first
 
-    def _shifted(self, call: Callable[[Runtime, float], list[Tx]], now: float) -> list[Tx]:
+    def _shifted(self, call: Callable[..., list[Tx]], now: float, *given: object) -> list[Tx]:
+        """What the runtime makes of it, which counts from its own begin; the time stands last."""
         if self.runtime is None:
             return []
         at = now - self._zero
@@ -191,13 +193,14 @@ class Program:
             if due is not None and at < due < at + _SAME:  # the sum was rounded
                 at = due
         try:
-            out = call(self.runtime, at)
+            out = call(self.runtime, *given, at)
             if self._zero:
                 out = [replace(tx, t=now) for tx in out]
         except Died:
             self.kill()
             return []
-        self._leave(now)
+        if self._leaves is not None:
+            self._leave(now)
         return out
 
     # --- as the runtime's observer ----------------------------------------------------------------

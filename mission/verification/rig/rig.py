@@ -16,9 +16,11 @@ from __future__ import annotations
 import heapq
 import re
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 
 from links.base import Link, Rx
+from links.simulated.boards import NoReceiver
 from links.simulated.link import SimulatedVehicle
 from mission.model import Estimate, Step, Tx
 from mission.onboard.runtime.device_switches import LINK as NODES
@@ -35,6 +37,12 @@ RESTART = 3.0  # s until a program that died by itself is begun anew
 _WAITS = (Act.SAY, Act.JOIN, Act.PART, Act.END, Act.HURRY)  # for a program that stands still
 _DEATHS = {Act.DIE_BEFORE: Death.BEFORE, Act.DIE_AFTER: Death.AFTER}
 _GPS_NODE = re.compile(rb"BDGPS ([OC])")
+
+
+def _beside(sea: Simulated) -> Iterator[Link]:
+    """The links of what is added to it: sensors, a second receiver."""
+    if isinstance(sea, SimulatedVehicle):
+        yield from (link for link in (sea.added_link, sea.second_link) if link is not None)
 
 
 class Rig(LockStep):
@@ -60,30 +68,30 @@ class Rig(LockStep):
         self._count = 0  # of what was ever planned: of one time, the first goes first
         self._held: list[Disturbance] | None = None  # what came while the program stands still
         self._unnoticed = False  # the cable is back, and the program has not seen it
+        self._links: tuple[tuple[Link | NoReceiver, Callable[[], None]], ...] = (
+            (sea.vehicle_link, self._hear_vehicle),
+            (sea.gps_link, self._hear_gps),
+            *((link, partial(self._hear_beside, link)) for link in _beside(sea)),
+        )
         program.listen(self.stepped, self.told)
 
     # --- who is due ------------------------------------------------------------------------------
 
-    def dues(self) -> Iterator[Due]:
+    def dues(self) -> Sequence[Due]:
         """Bytes before timers: what has arrived by then is known by then."""
-        yield self.sea.vehicle_link.next_event(), self._hear_vehicle
-        yield self.sea.gps_link.next_event(), self._hear_gps
-        if isinstance(self.sea, SimulatedVehicle) and self.sea.added_link is not None:
-            yield self.sea.added_link.next_event(), self._hear_added
-        if isinstance(self.sea, SimulatedVehicle) and self.sea.second_link is not None:
-            yield self.sea.second_link.next_event(), self._hear_second
+        dues: list[Due] = [(link.next_event(), hear) for link, hear in self._links]
         if self._planned:
-            yield self._planned[0][0], self._do_planned
-        yield from self.operators()
+            dues.append((self._planned[0][0], self._do_planned))
+        dues += self.operators()
         if self._held is None:
-            yield self.program.next_timer(), self._handle_timer
+            dues.append((self.program.next_timer(), self._handle_timer))
         if self._lived and not self.program.lives:
-            yield self.now, self._died
+            dues.append((self.now, self._died))
+        return dues
 
-    def operators(self) -> Iterator[Due]:
+    def operators(self) -> Iterable[Due]:
         due = None if self.operator is None else self.operator.next_timer()
-        if due is not None:
-            yield due + self._operator_from, self._operate
+        return () if due is None else ((due + self._operator_from, self._operate),)
 
     def _operate(self) -> None:
         assert self.operator is not None
@@ -132,16 +140,8 @@ class Rig(LockStep):
             if self.gps_open:
                 self._hear(rx)
 
-    def _hear_added(self) -> None:
-        assert isinstance(self.sea, SimulatedVehicle)
-        self._hear_beside(self.sea.added_link)
-
-    def _hear_second(self) -> None:
-        assert isinstance(self.sea, SimulatedVehicle)
-        self._hear_beside(self.sea.second_link)
-
-    def _hear_beside(self, link: Link | None) -> None:
-        for rx in link.receive(self.now) if link is not None else ():
+    def _hear_beside(self, link: Link) -> None:
+        for rx in link.receive(self.now):
             self._hear(rx)
 
     def _hear(self, rx: Rx) -> None:

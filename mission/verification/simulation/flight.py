@@ -107,11 +107,12 @@ class _Flight(Rig):
         if self.operator.failure:
             return True
         started = self.log.started
-        if started is None or self.operator.next_timer() is not None:
+        if started is None:
             return False
-        if self.log.ended is not None or self.now - started > self._longest:
-            return True
-        return self.program.state == STOPPED and self._is_at_surface()
+        done = self.log.ended is not None or self.now - started > self._longest
+        if not done and not (self.program.state == STOPPED and self._is_at_surface()):
+            return False
+        return self.operator.next_timer() is None
 
     def _is_under_way_up(self, end: float) -> bool:
         """A mission that was ended below leaves buoyancy to bring the vehicle up."""
