@@ -28,7 +28,7 @@ from mission.onboard.blackbox import Gap
 from mission.onboard.runtime import records as rec
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.onboard.stream.derived import MARGINS, Derivation, Message
-from mission.onboard.stream.events import answers_in
+from mission.onboard.stream.events import answers_in, bound_of, reason_of
 from mission.onboard.stream.topics import JOURNAL, STATE, TELEMETRY
 from mission.onboard.stream.wellknown import INFO
 
@@ -188,7 +188,7 @@ class Teller:
         breached, before = frozenset(standing.breached), self._breached
         self._breached = breached
         for limit in sorted(breached - (breached if before is None else before)):
-            self._told.alarms.add(t, "limit", f"{limit} is breached{_bound(limit)}")
+            self._told.alarms.add(t, "limit", f"{limit} is breached{bound_of(limit)}")
 
     def _limited(self, t: float, standing: rec.Standing) -> None:
         """A limit that becomes another: by an operator's @SP, or by the mission that is loaded."""
@@ -209,7 +209,7 @@ class Teller:
         path, told, chart = step.entered[-1], self._told, derivation.chart
         seen = [pair for evaluation in step.evaluations for pair in evaluation.values]
         words = ended_by(chart, step.trigger, seen) if chart else None
-        because = words or _plain_reason(step)
+        because = words or reason_of(step)
         if words and step.by is By.ELSE and step.event.startswith(REFUSED):
             because = f"the vehicle {step.event}"
         if told.legs and told.legs[-1].left is None:
@@ -382,19 +382,3 @@ class Teller:
             yield (
                 Chapter(title, (), (Table(head, tuple(rows)),)) if rows else Chapter(title, (none,))
             )
-
-
-def _bound(limit: str) -> str:
-    """What it means, in words; of another version's limit nobody knows."""
-    return f": {LIMITS[limit].bound}" if limit in LIMITS else ""
-
-
-def _plain_reason(step: Step) -> str:
-    """Of what is no edge of the mission: the reason that its command has, or what came in."""
-    if step.actions:
-        return step.actions[0].partition(": ")[2]
-    if step.trigger == "limit":
-        return f"limit {step.event}{_bound(step.event)}"
-    if step.trigger == "forgotten":
-        return "no M of the operator for too long"
-    return step.event if step.trigger in ("", "load", "clear") else f"{step.trigger}, {step.event}"

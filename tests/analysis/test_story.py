@@ -14,7 +14,7 @@ from click.testing import CliRunner, Result
 
 from links.simulated.settings import parse_settings
 from mission.analysis.doubts import Spell, summed
-from mission.analysis.journal import Wanted, follow, recordings, restart
+from mission.analysis.journal import Wanted, follow, lines, recordings, restart
 from mission.analysis.repeats import Again, Commands, Refusals, Rows, Words
 from mission.analysis.resting import Sunk, Unfixed
 from mission.analysis.story import Chapter, Table, story
@@ -79,6 +79,44 @@ def test_an_emergency_is_told_with_the_limit_that_began_it() -> None:
     assert re.search(r"emergency, now emergency/surfacing: limit time", text), text
     assert "Alarms\n------\nat " in text
     assert re.search(r"engine +now emergency/surfacing: limit time", text), text
+
+
+def with_step(changed: str, **fields: object) -> list[Record | Gap]:
+    """SHORT, with other fields in the step that was taken by that trigger."""
+    (items,) = recordings([SHORT])
+    found: list[Record | Gap] = []
+    for one in items:
+        plain = json.loads(one.payload) if getattr(one, "kind", "") == "step" else {}
+        if isinstance(one, Record) and plain.get("trigger") == changed:
+            one = replace(one, payload=json.dumps(plain | fields).encode())
+        found.append(one)
+    return found
+
+
+def test_a_limit_is_told_by_its_name_and_not_by_what_came_in_when_it_acted() -> None:
+    """An ascent was under way, so that nothing was sent; the event is a report, and no report was
+    missing."""
+    seen = [["limit depth", True, [["depth", 31.749]]]]
+    items = with_step("limit", event="telemetry", actions=[], evaluations=seen)
+    chapters = story([items])
+    why = "limit depth: the depth in force, and 1 m (depth 31.7 m)"
+    assert any(f"now emergency/surfacing: {why}." in line for line in chapters[0].says)
+    assert chapter(chapters, "Legs").rows[-1][3] == why
+    engine = [row[2] for row in chapter(chapters, "Alarms").rows if row[1] == "engine"]
+    assert f"now emergency/surfacing: {why}" in engine
+    assert "telemetry" not in as_text("dive", chapters)
+    (line,) = [str(line) for line in lines(items, Wanted()) if "surfacing" in str(line)]
+    assert line.endswith(f"now emergency/surfacing: {why}")
+
+
+def test_an_ascent_that_stays_pushed_up_at_the_surface_is_told_as_held_up() -> None:
+    """It sank when it was let go: nothing is sent, and the event is only a timer."""
+    items = with_step("surfaced", event="timer", actions=[])
+    text = as_text("dive", story([items]))
+    held = "now emergency/surfaced: the surface is reached; it sank when it was let go, so it is held up by upward thrust"
+    assert f"emergency, {held}." in text
+    assert "surfaced, timer" not in text
+    assert any(held in str(line) for line in lines(items, Wanted()))
 
 
 def flown(*settings: str) -> list[Record]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mission.model import Step, Tx
+from mission.model import By, Evaluation, Step, Tx
 from mission.onboard.serve.journal import AGAIN_S, OF_A_KIND, REMEMBERED, Journal, printed
 
 
@@ -136,3 +136,14 @@ def test_what_is_only_held_is_not_told_again_and_what_cannot_leave_is() -> None:
     for _ in range(2):
         desk.journal.commanded(Tx(1.0, "vehicle", b"\xfe\x02", "row1 steers (held)"), sent=True)
     assert desk.lines[2:] == ["info: to the vehicle: fe 02 - row1 steers (held)"], "it leaves again"
+
+
+def test_a_limit_that_needs_no_command_is_told_by_its_name() -> None:
+    """The ascent was under way already; what came in then was a report."""
+    desk = Desk()
+    seen = (Evaluation("limit radius", True, (("depth", 0.3),)),)
+    entered = ("emergency", "emergency/surfacing")
+    desk.journal.step(Step(9.0, "telemetry", seen, (), entered, (), "limit", By.LIMIT))
+    (line,) = desk.lines
+    assert "limit radius: the radius in force" in line
+    assert "telemetry" not in line

@@ -23,7 +23,7 @@ from mission.model import Estimate, Record, Step, Tx
 from mission.model.regions import EMERGENCY
 from mission.onboard.runtime.records import FAULT as FAULT_RECORD
 from mission.onboard.runtime.records import Observer
-from mission.onboard.stream.events import HELD, answers_in
+from mission.onboard.stream.events import HELD, answers_in, reason_of
 
 INFO, WARNING, FAULT = "info", "warning", "fault"
 LEVELS = {INFO: 6, WARNING: 4, FAULT: 3}  # syslog's numbers
@@ -128,7 +128,7 @@ class Journal:
             self._forget(_COMMAND)
         for path in step.entered[-1:]:
             because = step.trigger or step.event
-            what = "; ".join(step.actions)
+            what = "; ".join(step.actions) or _without_words(step)
             self._now_in(path, f"{because}{': ' if what else ''}{what}")
 
     def estimate(self, estimate: Estimate) -> None:
@@ -140,6 +140,11 @@ class Journal:
     def _now_in(self, path: str, because: str) -> None:
         level = WARNING if path.startswith(EMERGENCY) else INFO
         self._write(f"{level}: now {path} - {because}")
+
+
+def _without_words(step: Step) -> str:
+    """What was decided without a command: which limit acted, or that an ascent goes on."""
+    return reason_of(step) if step.trigger in ("limit", "surfaced") else ""
 
 
 class Several:

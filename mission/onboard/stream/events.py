@@ -11,13 +11,16 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from mission.model import Record
+from mission.engine.limits import LIMITS
+from mission.model import Record, Step
 from mission.model.regions import EMERGENCY
 from mission.onboard.runtime import records as rec
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.onboard.stream.wellknown import ERROR, INFO, WARNING
 
 HELD = " (held)"  # how the reason of what is said again ends
+HELD_UP = "the surface is reached; it sank when it was let go, so it is held up by upward thrust"
+_LIMIT = "limit "  # how a limit's evaluation begins
 _ANSWER = re.compile(rb"@ACK_([A-Z]{2})([A-Z])\$")  # by modem in an envelope, several at once
 
 
@@ -49,6 +52,39 @@ def _start(record: Record) -> list[Event]:
     return [Event(0.0, WARNING if kept else INFO, "program", what), *broken]
 
 
+def limit_of(step: Step) -> str:
+    """The name of the limit that acted, "" where none did: the event is only what came in then."""
+    if step.trigger != "limit":
+        return ""
+    seen = (one.trigger for one in step.evaluations if one.result)
+    return next((name.removeprefix(_LIMIT) for name in seen if name.startswith(_LIMIT)), "")
+
+
+def bound_of(limit: str) -> str:
+    """What it means, in words; of another version's limit nobody knows."""
+    return f": {LIMITS[limit].bound}" if limit in LIMITS else ""
+
+
+def reason_of(step: Step) -> str:
+    """Why a state was entered, where no edge of the mission tells it: the reason that its command
+    has, the limit that acted, or what came in."""
+    if step.actions:
+        return step.actions[0].partition(": ")[2]
+    if limit := limit_of(step):
+        return f"limit {limit}{bound_of(limit)}{_passed(step, limit)}"
+    if step.trigger == "surfaced":  # without a stop: an ascent that sank again
+        return HELD_UP
+    if step.trigger == "forgotten":
+        return "no M of the operator for too long"
+    return step.event if step.trigger in ("", "load", "clear") else f"{step.trigger}, {step.event}"
+
+
+def _passed(step: Step, limit: str) -> str:
+    """The depth that a limit of depth saw."""
+    seen = [value for one in step.evaluations for name, value in one.values if name == "depth"]
+    return f" (depth {seen[0]:.1f} m)" if "depth" in limit and seen and seen[0] is not None else ""
+
+
 def _step(record: Record) -> list[Event]:
     step = rec.step_of(record.payload)
     t, why = step.t, step.trigger or step.event
@@ -56,8 +92,8 @@ def _step(record: Record) -> list[Event]:
         path = step.entered[-1]
         level = WARNING if path.startswith(EMERGENCY) else INFO
         because = f" - {step.event}" if step.event != why else ""
-        if level == WARNING and step.actions:
-            why, because = step.actions[0].partition(": ")[2], ""
+        if level == WARNING and (step.actions or step.trigger in ("limit", "surfaced")):
+            why, because = reason_of(step), ""
         found = [Event(t, level, "engine", f"now {path}: {why}{because}")]
     elif step.actions:
         found = []

@@ -34,6 +34,7 @@ from mission.model import (
     Step,
     Tx,
 )
+from mission.onboard.stream.events import limit_of, reason_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -268,8 +269,8 @@ def _leg_paths(body: Iterable[Node], parent: str) -> Iterator[str]:
 
 
 def _why(step: Step) -> str:
-    """The reason of the first command, which stands behind its words."""
-    return step.actions[0].partition(": ")[2] if step.actions else step.event
+    """The reason of the first command, which stands behind its words, or the limit that acted."""
+    return reason_of(step) if step.actions or limit_of(step) else step.event
 
 
 def _rounded(value: float | None) -> float | None:
