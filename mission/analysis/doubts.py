@@ -8,13 +8,14 @@ is told by its limit. What does not live here: what health is (navigation.health
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from mission.model import Health, Record
 from mission.model.shown import clock, duration
 from mission.model.vehicle import Vehicle
-from mission.navigation.health import SENSORS, SensorHealth
+from mission.navigation.health import CHANNELS, SENSORS, SensorHealth
 from mission.onboard.runtime import records as rec
 from mission.onboard.stream.senses import CLOCKS, Senses
 from protocol.messages import Fix, Telemetry
@@ -31,12 +32,19 @@ _MEANS = {
 
 @dataclass(frozen=True, slots=True)
 class Spell:
-    """A sensor that could not be believed, from ``begin`` to ``end``."""
+    """A sensor that could not be believed, which was noticed at ``begin`` and over at ``end``.
+    ``since``: from when it held: the last report before a silence, the first of a value that
+    stands; None where that is when it was noticed."""
 
     sensor: str
     begin: float
     end: float
     reason: str
+    since: float | None = None
+
+    @property
+    def first(self) -> float:
+        return self.begin if self.since is None else self.since
 
 
 class Timeline:
@@ -44,22 +52,35 @@ class Timeline:
 
     def __init__(self, sensors: Iterable[str]) -> None:
         self._sensors = [name for name in DOUBTED if name in sensors]
-        self._open: dict[str, tuple[float, str]] = {}
+        self._open: dict[str, tuple[float, str, float | None]] = {}  # noticed, what, since when
         self._closed: list[Spell] = []
 
-    def look(self, health: Callable[[str, float], Health], t: float) -> None:
+    def look(
+        self,
+        health: Callable[[str, float], Health],
+        t: float,
+        stands: Callable[[str], float | None] = lambda _: None,
+    ) -> None:
+        """``stands``: since when a sensor that is frozen says what it says."""
         for sensor in self._sensors:
-            reason = health(sensor, t).reason
-            begin, was = self._open.get(sensor, (t, ""))
-            if reason == was:
+            seen = health(sensor, t)
+            begin, was, since = self._open.get(sensor, (t, "", None))
+            if seen.reason == was:
                 continue
             if was:
-                self._closed.append(Spell(sensor, begin, t, was))
-            self._open[sensor] = (t, reason)
+                self._closed.append(Spell(sensor, begin, t, was, since))
+            self._open[sensor] = (t, seen.reason, _since(seen, t, stands(sensor)))
 
     def spells(self, end: float) -> tuple[Spell, ...]:
-        last = [Spell(s, begin, end, why) for s, (begin, why) in self._open.items() if why]
+        last = [Spell(s, at, end, why, since) for s, (at, why, since) in self._open.items() if why]
         return tuple(sorted([*self._closed, *last], key=lambda s: (s.sensor, s.begin)))
+
+
+def _since(health: Health, t: float, stands: float | None) -> float | None:
+    """From when what was noticed at ``t`` held."""
+    if health.reason == "stale":
+        return t - health.age
+    return stands if health.reason == "frozen" else None
 
 
 class Doubts:
@@ -69,6 +90,7 @@ class Doubts:
         self._senses = Senses(vehicle)
         self._health = SensorHealth(vehicle.reports, vehicle.stale_after)
         self._timeline = Timeline(vehicle.reports)
+        self._stood: dict[str, tuple[float, float]] = {}  # channel: its value, and since when
         self._heard = False
         self._contradicted = False  # the depth, by the engine
 
@@ -79,11 +101,27 @@ class Doubts:
         for sensed in self._senses.hear(record):
             if isinstance(sensed, Telemetry):
                 self._health.telemetry(sensed)
+                self._note_values(sensed.t)
                 self._heard = True
             elif isinstance(sensed, Fix):
                 self._health.fix(sensed)
         if self._heard and record.kind in CLOCKS:
-            self._timeline.look(self._of, record.t)
+            self._timeline.look(self._of, record.t, self._stands)
+
+    def _note_values(self, t: float) -> None:
+        for name, monitor in self._health.monitors.items():
+            if monitor.t == t and self._stood.get(name, (math.nan, t))[0] != monitor.value:
+                self._stood[name] = monitor.value, t
+
+    def _stands(self, sensor: str) -> float | None:
+        """Since when the channels that are frozen say what they say."""
+        frozen = (n for n, m in self._health.monitors.items() if m.reason == "frozen")
+        since = [self._stood[n][1] for n in frozen if CHANNELS[n].sensor == sensor]
+        return min(since, default=None)
+
+    def reason(self, sensor: str, t: float) -> str:
+        """Why it cannot be believed; "" where it can."""
+        return self._of(sensor, t).reason
 
     def believes(self, sensor: str, t: float) -> bool:
         return self._of(sensor, t).valid
@@ -99,19 +137,20 @@ class Doubts:
 
 
 def summed(spells: Iterable[Spell]) -> list[tuple[str, ...]]:
-    """Rows of a table: sensor, what it was, from, to, how often, s in all. Blinks are left out."""
+    """Rows of a table: sensor, what it was, from when that held, when it was first noticed, to, how
+    often, s in all. Blinks are left out."""
     found: dict[tuple[str, str], list[Spell]] = {}
     for spell in spells:
         found.setdefault((spell.sensor, spell.reason), []).append(spell)
     rows: list[tuple[str, ...]] = []
     for (sensor, reason), some in found.items():
         if (total := lasting(some)) >= _BLINK_S:
-            first, last = clock(some[0].begin), clock(some[-1].end)
+            when = tuple(map(clock, (some[0].first, some[0].begin, some[-1].end)))
             reason = _MEANS.get((sensor, reason), reason)
-            rows.append((sensor, reason, first, last, str(len(some)), duration(round(total))))
+            rows.append((sensor, reason, *when, str(len(some)), duration(round(total))))
     return rows
 
 
 def lasting(spells: Iterable[Spell]) -> float:
     """s in all."""
-    return sum(spell.end - spell.begin for spell in spells)
+    return sum(spell.end - spell.first for spell in spells)

@@ -142,7 +142,7 @@ def _spells(axes: Axes, spells: Sequence[Spell]) -> None:
 
     for spell in spells:
         colour = _SENSORS.get(spell.reason, "k")
-        axes.barh(DOUBTED.index(spell.sensor), spell.end - spell.begin, left=spell.begin,
+        axes.barh(DOUBTED.index(spell.sensor), spell.end - spell.first, left=spell.first,
                   color=colour, height=0.8)  # fmt: skip
     axes.set_yticks(range(len(DOUBTED)), DOUBTED, fontsize=7)
     for reason, colour in _SENSORS.items():

@@ -7,7 +7,6 @@ What it has no sense for is not told: a vehicle without a depth was not "0 m dee
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -17,14 +16,13 @@ TRACKED_BY = frozenset({"heading", "position"})  # of what it reports; with neit
 
 
 class Extremes:
-    """Of one run of the program, while a mission or an emergency is under way; ``reports``: what
-    the vehicle can tell. Depths and altitudes in m, with the time."""
+    """Of one run of the program, while a mission or an emergency is under way: depths, altitudes
+    and distances in m, with the time."""
 
-    def __init__(self, reports: frozenset[str] = frozenset()) -> None:
-        self._tracked = bool(reports & TRACKED_BY)
+    def __init__(self) -> None:
         self._deepest: tuple[float, float] | None = None
         self._lowest: tuple[float, float] | None = None
-        self._farthest: float | None = None
+        self._farthest: tuple[float, float] | None = None
         self.last: float | None = None  # m, by the newest report; None: not to be believed
 
     @property
@@ -36,12 +34,15 @@ class Extremes:
         if depth is not None and (self._deepest is None or depth > self._deepest[0]):
             self._deepest = depth, t
 
-    def state(self, t: float, state: Mapping[str, Any], altitude_believed: bool) -> None:
-        low, north = state["altitude_m"], state["north_m"]
+    def state(
+        self, t: float, state: Mapping[str, Any], altitude_believed: bool, away: float | None
+    ) -> None:
+        """``away``: m from home; None where the vehicle has no sense for it."""
+        low = state["altitude_m"]
         if low is not None and altitude_believed:
             self._lowest = min(self._lowest or (low, t), (low, t))
-        if north is not None and self._tracked:
-            self._farthest = max(self._farthest or 0.0, math.hypot(north, state["east_m"]))
+        if away is not None and (self._farthest is None or away > self._farthest[0]):
+            self._farthest = away, t
 
     def says(self) -> Iterator[str]:
         said = []
@@ -49,8 +50,9 @@ class Extremes:
             deep, at = self._deepest
             said.append(f"by its own reports it was {deep:.1f} m deep at most, at {clock(at)}")
         if self._farthest is not None:
-            went = "" if said else "it went "
-            said.append(f"by its own estimate {went}{self._farthest:.0f} m from home")
+            away, at = self._farthest
+            farthest = f"it was {away:.0f} m from home at its farthest, at {clock(at)}"
+            said.append(f"by its own estimate {farthest}")
         if whole := ", and ".join(said):
             yield f"{whole[0].upper()}{whole[1:]}."
         if self._lowest is not None:

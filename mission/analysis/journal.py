@@ -79,7 +79,7 @@ def recordings(paths: Sequence[Path]) -> list[list[Record | Gap]]:
     """Each once, by their starts' wall times; of the first form, with what was not on record then.
     Raises BlackBoxError."""
     read = [_begun(path) for path in dict.fromkeys(map(first_part, paths))]
-    return sorted((_with_standing(items) for items in read), key=_began)
+    return sorted((_with_standing(items) for items in read), key=began)
 
 
 def _begun(path: Path) -> list[Record | Gap]:
@@ -102,7 +102,8 @@ def _with_standing(items: list[Record | Gap]) -> list[Record | Gap]:
     return [*again.records, *(item for item in items if isinstance(item, Gap))]
 
 
-def _began(items: Sequence[Record | Gap]) -> float:
+def began(items: Sequence[Record | Gap]) -> float:
+    """s since 1970 UTC; 0 where nothing says it."""
     start = start_of(items)
     return rec.read_start(start).wall if start else 0.0
 
@@ -161,13 +162,23 @@ def restart(before: Sequence[Record | Gap], after: Sequence[Record | Gap]) -> st
     if start is None or earlier is None:
         return "another recording, without its start"
     last = max((item.t for item in before if isinstance(item, Record)), default=0.0)
-    began = rec.read_start(start)
-    away = began.wall - rec.read_start(earlier).wall - last
-    kept = began.store.under_way
+    begun = rec.read_start(start)
+    away = begun.wall - rec.read_start(earlier).wall - last
+    kept = begun.store.under_way
     what = f"under way was {kept}" if kept else "nothing was under way"
     if away < 0.0:
         return f"--- another recording, begun {-away:.1f} s before the one above ended ---"
     return f"--- the program began again {away:.1f} s later: {what} ---"
+
+
+def goes_on(before: Sequence[Record | Gap], after: Sequence[Record | Gap]) -> bool:
+    """Whether the program of the same vehicle began again, after the other recording ended."""
+    start, earlier = start_of(after), start_of(before)
+    if start is None or earlier is None:
+        return False
+    again, first = rec.read_start(start), rec.read_start(earlier)
+    last = max((item.t for item in before if isinstance(item, Record)), default=0.0)
+    return again.vehicle.name == first.vehicle.name and again.wall >= first.wall + last
 
 
 def follow(path: Path, wanted: Wanted, sleep: Callable[[float], None]) -> Iterator[Line]:

@@ -16,6 +16,7 @@ _MOST = 5  # frames whose tries are told
 _ADDRESS = 4  # bytes: a CAN identifier, or the head of a board's frame with its command
 _MEASURED = re.compile(r"(?<=the depth is )-?[\d.]+ m, no less")
 _ASCENT_S = 60.0  # between two of the same words of an ascent that goes on
+_WORD = re.compile(rb"@(?:ZA([A-Z])|([A-Z]{2}))[^@$]*\$")  # @ZAX0$ is answered as ZX
 _ROUND_S = 1.0  # a frame that comes again so soon is held, whatever else is said between
 
 
@@ -135,22 +136,33 @@ class Words:
 
     def __init__(self) -> None:
         self._said_to: dict[tuple[str, str, str], _Run] = {}
+        self._first: dict[tuple[str, str, str], float | None] = {}  # when that was said first
+        self._waiting: dict[tuple[str, str], float] = {}  # words without an answer, since when
+
+    def said(self, t: float, who: str, data: bytes) -> None:
+        """What came from an operator. A word that is cut in two has no time."""
+        for order, word in _WORD.findall(data):
+            self._waiting.setdefault((who, f"Z{order.decode()}" if order else word.decode()), t)
 
     def add(self, t: float, who: str, data: bytes) -> None:
         for word, refused in answers_in(data):
             answer = "refused" if refused else "accepted"
             key = who, word, answer
+            said = self._waiting.pop((who, word), None)
             if key in self._said_to:
                 self._said_to[key].goes_on(t)
             else:
-                self._said_to[key] = _Run(word, answer, t, t)
+                self._said_to[key], self._first[key] = _Run(word, answer, t, t), said
 
     def rows(self) -> list[tuple[str, ...]]:
-        """Who, word, answer, how often, from, to."""
-        return [
-            (who, f"@{word}", answer, str(run.count), clock(run.begin), clock(run.end))
-            for (who, word, answer), run in self._said_to.items()
-        ]
+        """Who, word, answer, how often; when it was said first, answered first, answered last."""
+        return [self._row(key, run) for key, run in self._said_to.items()]
+
+    def _row(self, key: tuple[str, str, str], run: _Run) -> tuple[str, ...]:
+        who, word, answer = key
+        said = self._first[key]
+        when = "" if said is None else clock(said), clock(run.begin), clock(run.end)
+        return who, f"@{word}", answer, str(run.count), *when
 
 
 class Again:

@@ -13,15 +13,17 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any
 
+from mission.analysis.chapters import Chapter, tabled
 from mission.analysis.doubts import Doubts, Spell, lasting, summed
 from mission.analysis.ended import ended_by
 from mission.analysis.extremes import Extremes
-from mission.analysis.journal import restart
+from mission.analysis.journal import goes_on, restart
+from mission.analysis.lastly import Lastly
 from mission.analysis.repeats import Again, Commands, Refusals, Rows, Words
 from mission.analysis.resting import SILENT_S
 from mission.analysis.unsaid import Absence, Power, Unsaid
 from mission.engine.limits import LIMITS
-from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Record, Step
+from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Position, Record, Step
 from mission.model.regions import EMERGENCY
 from mission.model.shown import clock, duration
 from mission.onboard.blackbox import Gap
@@ -35,20 +37,8 @@ from mission.onboard.stream.wellknown import INFO
 REFUSED = "refused "  # how the engine's event of such an answer begins
 _SAME_AGAIN_S = 60.0  # an alarm or a refusal that comes again so soon is one row
 _CUT_SHORT = frozenset({By.TIMEOUT, By.ELSE, By.ON, By.UNCERTAIN})
+_OPERATORS = frozenset({"topside", "modem"})
 _UNITS = {"depth": "m", "radius": "m", "time": "s", "voltage": "V"}
-
-
-@dataclass(frozen=True, slots=True)
-class Table:
-    head: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Chapter:
-    title: str
-    says: tuple[str, ...] = ()
-    tables: tuple[Table, ...] = ()
 
 
 @dataclass(slots=True)
@@ -87,10 +77,14 @@ def story(recordings: Sequence[Sequence[Record | Gap]]) -> list[Chapter]:
     """Of recordings in the order of their starts. Raises ValueError, KeyError or TypeError for a
     start record of no version that can be read."""
     chapters: list[Chapter] = []
+    home: Position | None = None
     for number, items in enumerate(recordings):
         if number:
             chapters.append(between(recordings[number - 1], items))
-        chapters += Teller(items).chapters()
+            home = home if goes_on(recordings[number - 1], items) else None
+        teller = Teller(items, home=home)
+        chapters += teller.chapters()
+        home = teller.home
     return chapters
 
 
@@ -105,9 +99,15 @@ Seen = Callable[[Record, Sequence[Message], Derivation], None]
 class Teller:
     """Of one recording."""
 
-    def __init__(self, items: Iterable[Record | Gap], seen: Seen | None = None) -> None:
-        """``seen`` is handed each record with what follows from it: nothing is derived twice."""
-        self._seen = seen
+    def __init__(
+        self,
+        items: Iterable[Record | Gap],
+        seen: Seen | None = None,
+        home: Position | None = None,
+    ) -> None:
+        """``seen`` is handed each record with what follows from it: nothing is derived twice.
+        ``home``: of the recording before, where the program only began again."""
+        self._seen, self._lastly = seen, Lastly(home=home)
         self._told = _Told()
         self._derivation: Derivation | None = None
         self._doubts: Doubts | None = None
@@ -145,6 +145,8 @@ class Teller:
             self._step(rec.step_of(record.payload), self._derivation)
         elif record.kind == rec.TX:
             self._sent(record)
+        elif record.kind == rec.RX:
+            self._came(record)
         messages = list(self._derivation.receive(record))
         for message in messages:
             self._message(message, self._derivation, self._doubts)
@@ -165,9 +167,9 @@ class Teller:
             self._extremes.last = depth if believed else None
             if believed and self._under_way:
                 self._extremes.report(message.t, depth)
-        standing = derivation.standing
-        origin = standing.origin if standing else None
+        origin = self._origin
         by_hand = self._state.startswith("manual")
+        self._lastly.receive(message)
         self._told.says += self._unsaid.receive(message, origin, believed, by_hand)
 
     def _begin(self, start: rec.Start) -> None:
@@ -175,7 +177,8 @@ class Teller:
         says = f"The program (version {start.version}, vehicle {start.vehicle.name}) began {when}."
         self._told.says.append(says)
         self._unsaid = Unsaid("position" in start.vehicle.reports)
-        self._extremes = Extremes(start.vehicle.reports)
+        self._extremes = Extremes()
+        self._lastly = Lastly(start.vehicle.reports, self._lastly.home(None))
         self._acting = frozenset(n for n, r in LIMITS.items() if not r.disarmed(start.vehicle))
         if start.store.under_way:
             before = f"Before, it had been interrupted: {start.store.under_way} was under way."
@@ -202,6 +205,7 @@ class Teller:
         if step.event.startswith(REFUSED):
             frame = step.event.removeprefix(REFUSED)
             self._told.refusals.add(step.t, frame, "the vehicle answered N", VEHICLE)
+        self._lastly.step(step)
         if not step.entered:
             self._tell_again(step)
             return
@@ -247,6 +251,11 @@ class Teller:
         elif path.startswith("manual") or self._state.startswith(("manual", EMERGENCY)):
             told.says.append(f"{at}: now {path}: {because}.")
 
+    def _came(self, record: Record) -> None:
+        rx = rec.read_rx(record)
+        if rx.link in _OPERATORS:
+            self._told.words.said(rx.t, f"{rx.link} {rx.address}".rstrip(), rx.data)
+
     def _sent(self, record: Record) -> None:
         tx = rec.read_tx(record)
         if tx.link == VEHICLE:
@@ -272,7 +281,7 @@ class Teller:
         if not self._under_way or standing is None:
             return
         low = self._doubts is not None and self._doubts.believes("altitude", t)
-        self._extremes.state(t, state, low)
+        self._extremes.state(t, state, low, self._lastly.away(state))
         for name in MARGINS:
             limit, left = name.removeprefix("to_").rpartition("_")[0], state[name]
             least = told.least.get(limit)
@@ -295,10 +304,22 @@ class Teller:
             told.says += self._extremes.says()
         told.says += (*self._doubted(), *told.commands.in_vain(), *self._unsaid.at_last(self._end))
         told.says += self._absence.at_last(self._end)
+        known = self._extremes.last is not None
+        told.says += self._lastly.says(self._end, self._origin, known)
         ends = f"The recording ends {clock(self._end)}, in {self._state or 'no state'}"
         told.says.append(f"{ends}{self._extremes.at_last}.")
         yield Chapter("What happened", tuple(told.says))
         yield from self._tables()
+
+    @property
+    def _origin(self) -> Position | None:
+        standing = self._derivation.standing if self._derivation else None
+        return standing.origin if standing else None
+
+    @property
+    def home(self) -> Position | None:
+        """From where the next recording counts, if the program only began again."""
+        return self._lastly.home(self._origin)
 
     @property
     def _under_way(self) -> bool:
@@ -314,7 +335,7 @@ class Teller:
         spells = [spell for spell in self.spells() if spell.sensor == "depth"]
         if (lasted := lasting(spells)) >= SILENT_S:
             reasons = ", ".join(dict.fromkeys(spell.reason for spell in spells))
-            when = f"between {clock(spells[0].begin)} and {clock(spells[-1].end)}"
+            when = f"between {clock(spells[0].first)} and {clock(spells[-1].end)}"
             yield (
                 f"Its depth was not to be believed ({reasons}) for {duration(round(lasted))} "
                 f"{when}: how deep it truly was then is not known."
@@ -349,36 +370,12 @@ class Teller:
             )
             for name, one in told.least.items()
         ]
-        parts: tuple[tuple[str, tuple[str, ...], Sequence[tuple[str, ...]], str], ...] = (
-            ("Legs", ("leg", "from", "for", "ended by"), legs, "No leg was flown."),
-            ("Limits", ("limit", "in force", "least left", "at"), limits, "None was in question."),
-            (
-                "Sensors",
-                ("sensor", "was", "from", "to", "times", "in all"),
-                summed(self.spells()),
-                "Each could be believed at all times.",
-            ),
-            ("Alarms", ("at", "of", "what"), told.alarms.told(), "There was none."),
-            (
-                "Words of operators",
-                ("from", "word", "was", "times", "first", "last"),
-                told.words.rows(),
-                "None was answered.",
-            ),
-            (
-                "Refusals",
-                ("at", "answer", "why", "to"),
-                told.refusals.rows(),
-                "Nothing was refused.",
-            ),
-            (
-                "Commands to the vehicle",
-                ("at", "frame", "why"),
-                told.commands.rows(),
-                "None was sent.",
-            ),
+        yield from tabled(
+            legs,
+            limits,
+            summed(self.spells()),
+            told.alarms.told(),
+            told.words.rows(),
+            told.refusals.rows(),
+            told.commands.rows(),
         )
-        for title, head, rows, none in parts:
-            yield (
-                Chapter(title, (), (Table(head, tuple(rows)),)) if rows else Chapter(title, (none,))
-            )

@@ -13,18 +13,21 @@ import pytest
 from click.testing import CliRunner, Result
 
 from links.simulated.settings import parse_settings
+from mission.analysis.chapters import Chapter, Table
 from mission.analysis.doubts import Spell, summed
 from mission.analysis.journal import Wanted, follow, lines, recordings, restart
+from mission.analysis.lastly import Lastly
 from mission.analysis.repeats import Again, Commands, Refusals, Rows, Words
 from mission.analysis.resting import Sunk, Unfixed
-from mission.analysis.story import Chapter, Table, story
+from mission.analysis.story import Teller, story
 from mission.analysis.tell import as_html, as_markdown, as_text
 from mission.analysis.unsaid import Absence, Power, Unsaid
 from mission.authoring.prepare import prepare
 from mission.commands.log import log
 from mission.commands.story import story as story_command
-from mission.model import Position, Record, Tx
+from mission.model import Position, Record, Step, Tx
 from mission.model.shown import clock
+from mission.navigation.geodesy import LocalFrame
 from mission.onboard.blackbox import BlackBox, Gap, close_part
 from mission.onboard.runtime.records import ListRecorder, input_record, tx_record
 from mission.onboard.stream.derived import Message
@@ -164,14 +167,32 @@ def test_a_sensor_that_could_not_be_believed_is_told_with_what_it_was_and_when(
     frozen: list[Record],
 ) -> None:
     chapters = story([frozen])
-    sensor, was, begin, end, times, lasted = chapter(chapters, "Sensors").rows[0]
+    sensor, was, begin, noticed, end, times, lasted = chapter(chapters, "Sensors").rows[0]
     assert (sensor, was, times) == ("depth", "frozen", "1")
-    assert 40.0 <= seconds(begin) <= 52.0
+    assert 38.0 <= seconds(begin) <= 42.0, "from when its value stands"
+    assert seconds(begin) + 7.0 < seconds(noticed) <= 52.0, "which five reports tell"
     assert seconds(end) == pytest.approx(frozen[-1].t, abs=2.0)
     assert float(lasted.split()[0]) == pytest.approx(seconds(end) - seconds(begin), abs=1.0)
     assert f"Its depth was not to be believed (frozen) for {lasted} between {begin} and {end}" in (
         as_text("dive", chapters)
     )
+
+
+def test_a_silence_is_as_long_in_every_sentence_and_table() -> None:
+    (items,) = recordings([SHORT])
+    silent = [one for one in items if not (is_report(one) and 40.0 < one.t < 52.0)]
+    chapters = story([silent])
+    (said,) = [line for line in chapters[0].says if "first report of the vehicle in" in line]
+    lasted = re.findall(r"in (\d+ s)\.", said)[0]
+    stale = [row for row in chapter(chapters, "Sensors").rows if row[1] == "stale"]
+    assert stale
+    for row in stale:
+        assert row[-1] == lasted
+        assert seconds(row[2]) <= 40.0 < seconds(row[3]) < seconds(row[4])
+
+
+def is_report(item: Record | Gap) -> bool:
+    return isinstance(item, Record) and item.kind == "rx" and b'"link":"vehicle"' in item.payload
 
 
 def test_an_attitude_beyond_what_is_believed_is_told_as_what_it_may_be() -> None:
@@ -350,11 +371,26 @@ def test_what_operators_said_is_told_by_whom_and_how_it_was_answered_by_modem_to
     words.add(9.0, "modem", by_modem)
     words.add(12.0, "modem", by_modem)
     assert words.rows() == [
-        ("topside boat", "@AA", "refused", "1", "0:01.0", "0:01.0"),
-        ("topside boat", "@AA", "accepted", "1", "0:03.0", "0:03.0"),
-        ("modem", "@AA", "accepted", "2", "0:09.0", "0:12.0"),
-        ("modem", "@AC", "refused", "2", "0:09.0", "0:12.0"),
+        ("topside boat", "@AA", "refused", "1", "", "0:01.0", "0:01.0"),
+        ("topside boat", "@AA", "accepted", "1", "", "0:03.0", "0:03.0"),
+        ("modem", "@AA", "accepted", "2", "", "0:09.0", "0:12.0"),
+        ("modem", "@AC", "refused", "2", "", "0:09.0", "0:12.0"),
     ]
+
+
+def test_when_an_operator_said_a_word_is_told_beside_when_it_was_answered() -> None:
+    """The vehicle was deaf to an X for five seconds; what is said again waits from the first on."""
+    words = Words()
+    for t, data in ((41.4, b"@ZAX0$"), (43.0, b"@ZAX0$"), (43.5, b"@SPR600$")):
+        words.said(t, "topside boat", data)
+    words.add(46.2, "topside boat", b"@ACK_ZXY$")
+    words.add(46.3, "topside boat", b"@ACK_SPY$")
+    assert [row[1:] for row in words.rows()] == [
+        ("@ZX", "accepted", "1", "0:41.4", "0:46.2", "0:46.2"),
+        ("@SP", "accepted", "1", "0:43.5", "0:46.3", "0:46.3"),
+    ]
+    rows = chapter(story(recordings([SHORT])), "Words of operators").rows
+    assert all(said and seconds(said) <= seconds(answered) for *_, said, answered, _ in rows)
 
 
 def test_a_refusal_by_modem_is_told_as_one() -> None:
@@ -767,3 +803,78 @@ def test_what_is_no_black_box_is_refused_with_its_name(tmp_path: Path) -> None:
         ran = CliRunner().invoke(command, [str(path)])
         assert ran.exit_code == 2
         assert "notes.txt" in ran.output
+
+
+def test_where_it_is_at_the_end_how_it_drifts_and_what_is_to_be_done_is_told() -> None:
+    """Once it was 84 m from home, but at the end 20 m, adrift, with nobody's thrust."""
+    home, lastly = Position(30.0, 120.0), Lastly(frozenset({"position"}))
+    lastly.step(moved(5.0, "emergency/surfaced", "everything stopped: the surface is reached"))
+    for t in range(10, 40):
+        north = 0.5 * (t - 39)
+        lastly.receive(of_fix(float(t), *place(home, 20.0 + north, 0.0)))
+    lastly.receive(of_state(39.0, home, 20.0, 0.0))
+    lastly.receive(
+        Message(TELEMETRY, 39.0, {"actuators": {**dict.fromkeys("abcde", 0.0), "servo": 1.0}})
+    )
+    assert list(lastly.says(40.0, home, True)) == [
+        "At the end it was at 30.00018 N 120.00000 E (95 % sure within 2 m), 20 m north (000 deg) of home.",
+        "It drifts 0.50 m/s to the north (000 deg), give or take 0.00 m/s, by its fixes of the last 29 s.",
+        "By its last report no thruster turns.",
+        "The emergency is latched: no mission starts before somebody clears it.",
+        "Nothing holds it in its place or brings it home: it has to be fetched.",
+    ]
+    assert "clears it, twice" in " ".join(lastly.says(40.0, home, False))
+
+
+def test_fixes_that_only_scatter_are_told_as_no_drift() -> None:
+    home, lastly = Position(30.0, 120.0), Lastly(frozenset({"position"}))
+    for t in range(30):
+        lastly.receive(of_fix(float(t), *place(home, 3.0 * (t % 2), 0.0)))
+    lastly.step(moved(0.0, "idle/ready"))
+    assert any(line.startswith("Whether it drifts cannot be told") for line in (
+        lastly.says(30.0, home, True)
+    ))  # fmt: skip
+    lastly.step(moved(0.0, "autonomous/out"))
+    assert not any("drift" in line or "fetched" in line for line in lastly.says(30.0, home, True))
+
+
+def test_upward_thrust_that_holds_a_heavy_vehicle_up_is_told_with_what_ends_it() -> None:
+    lastly = Lastly()
+    lastly.step(moved(5.0, "emergency/surfaced"))
+    up = {"left_main": 0.0, "rear_vert": 1.0}
+    lastly.receive(Message(TELEMETRY, 9.0, {"actuators": up}))
+    first, second, *_ = lastly.says(10.0, None, True)
+    assert first == "By its last report thrusters still turn: rear_vert 100 %."
+    assert "take hold of it before anybody says stop or clear" in second
+
+
+def test_of_several_recordings_distances_are_from_the_home_of_the_first() -> None:
+    first, second = begun(0.0, HEAVY), begun(200.0, AGAIN)
+    before, after = Teller(first), Teller(second)
+    assert before.home is not None
+    says = [line for one in story([first, second]) for line in one.says]
+    assert sum("of the home of the first recording." in line for line in says) == 1
+    assert "first recording" not in as_text("dive", story([second]))
+    moved_home = Position(before.home.latitude_deg + 1.0, before.home.longitude_deg)
+    far = Teller(second, home=moved_home)
+    assert far.home == moved_home
+    assert after.home != moved_home
+    assert any(
+        " m south (180 deg) of the home of" in line for one in far.chapters() for line in one.says
+    )
+
+
+def moved(t: float, path: str, *actions: str) -> Step:
+    region = path.partition("/")[0]
+    return Step(t, "fix", (), (), (region, path), actions, "surfaced")
+
+
+def place(home: Position, north: float, east: float) -> tuple[float, float]:
+    latitude, longitude = LocalFrame(home).to_geodetic(north, east)
+    return math.degrees(latitude), math.degrees(longitude)
+
+
+def of_state(t: float, home: Position, north: float, east: float) -> Message:
+    latitude, longitude = place(home, north, east)
+    return Message(STATE, t, {"latitude_deg": latitude, "longitude_deg": longitude,
+                              "north_m": north, "east_m": east, "radius_95_m": 2.0})  # fmt: skip

@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from mission.analysis.chapters import Chapter
 from mission.analysis.doubts import Spell
 from mission.analysis.extremes import TRACKED_BY
-from mission.analysis.journal import recordings, start_of
+from mission.analysis.journal import began, goes_on, recordings, start_of
 from mission.analysis.smoothing import Track, smooth
-from mission.analysis.story import Chapter, Teller
+from mission.analysis.story import Teller
 from mission.model import Position, Record
 from mission.model.vehicle import Vehicle
 from mission.navigation.filter import Array
@@ -49,6 +50,7 @@ class Dive:
     notes: Mapping[str, str] = field(default_factory=dict)
     missions: dict[str, None] = field(default_factory=dict)  # that were started, in order
     origin: Position | None = None
+    home: Position | None = None  # from where distances are told: of the first of its recordings
     states: list[Mapping[str, Any]] = field(default_factory=list)
     telemetry: list[Mapping[str, Any]] = field(default_factory=list)
     fixes: list[Mapping[str, Any]] = field(default_factory=list)
@@ -106,9 +108,15 @@ class Dive:
             self.missions[chart.mission.name] = None
 
     @classmethod
-    def of(cls, items: Sequence[Record | Gap], vehicle: Vehicle | None) -> Dive:
-        """``vehicle`` instead of the one on record, for smoothing. Raises ValueError, KeyError or
-        TypeError for a start record of no version that can be read."""
+    def of(
+        cls,
+        items: Sequence[Record | Gap],
+        vehicle: Vehicle | None,
+        home: Position | None = None,
+    ) -> Dive:
+        """``vehicle`` instead of the one on record, for smoothing; ``home``: of the recording
+        before, where the program only began again. Raises ValueError, KeyError or TypeError for a
+        start record of no version that can be read."""
         start = start_of(items)
         if start is None:
             raise ValueError("there is no whole start record, so nothing says what vehicle it is")
@@ -123,8 +131,9 @@ class Dive:
             if record.kind == rec.STANDING:
                 dive.standing.append(rec.read_standing(record))
 
-        teller = Teller(items, seen)
+        teller = Teller(items, seen, home)
         dive.story, dive.spells = list(teller.chapters()), teller.spells()
+        dive.home = teller.home
         if dive.fixes:
             dive.smoothed = smooth(sensed, vehicle or dive.vehicle, dive.origin)
         return dive
@@ -135,10 +144,11 @@ def dives_of(
 ) -> list[Dive]:
     """Each recording once, in the order of their starts. ``notes`` go beside those of the files.
     Raises BlackBoxError, and ValueError, KeyError or TypeError as Dive.of."""
-    found = []
-    for path in dict.fromkeys(map(first_part, files)):
-        (items,) = recordings([path])
-        dive = Dive.of(items, vehicle)
+    read = [(path, *recordings([path])) for path in dict.fromkeys(map(first_part, files))]
+    found: list[Dive] = []
+    for path, items in sorted(read, key=lambda one: began(one[1])):
+        goes = bool(found) and goes_on(found[-1].items, items)
+        dive = Dive.of(items, vehicle, found[-1].home if goes else None)
         dive.name, dive.notes = path.name, {**notes_of(path), **(notes or {})}
         found.append(dive)
-    return sorted(found, key=lambda dive: dive.wall)
+    return found

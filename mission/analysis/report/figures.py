@@ -142,7 +142,7 @@ def _depth(axes: Axes, dive: Dive) -> None:
     axes.plot(t, depth, color="#222222", lw=1.0)
     for spell in dive.spells:
         if spell.sensor == "depth":
-            axes.axvspan(spell.begin, spell.end, fill=False, hatch="///", ec="#cc3311", lw=0)
+            axes.axvspan(spell.first, spell.end, fill=False, hatch="///", ec="#cc3311", lw=0)
     for mark in marks.values():
         axes.plot([], [], color=mark.colour, lw=5, label=mark.label)
     axes.invert_yaxis()

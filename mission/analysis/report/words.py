@@ -63,7 +63,13 @@ def figures(dive: Dive) -> dict[str, Any] | None:
         ],
         "current_m_s": [float(v) for v in track.states[-1, 2:4]],
         "sensors": [
-            {"sensor": s.sensor, "begin_s": s.begin, "end_s": s.end, "reason": s.reason}
+            {
+                "sensor": s.sensor,
+                "begin_s": s.first,
+                "noticed_s": s.begin,
+                "end_s": s.end,
+                "reason": s.reason,
+            }
             for s in dive.spells
         ],
     }
@@ -79,6 +85,6 @@ def track_words(dive: Dive) -> str:
         f"track      {f['seconds']:.0f} s, {f['fixes']} fixes, {f['fixes_refused']} refused{nis}",
         f"smoothed   95 % radius {radius['mean']:.1f} m in the mean, {radius['max']:.1f} m at most",
         f"filtered   off the smoothed by {apart['mean']:.1f} m, {apart['max']:.1f} m at most",
-        *(f"{s.sensor:10} {s.reason} from {s.begin:.0f} to {s.end:.0f} s" for s in dive.spells),
+        *(f"{s.sensor:10} {s.reason} from {s.first:.0f} to {s.end:.0f} s" for s in dive.spells),
     ]
     return "\n".join(rows)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator, Sequence
 
-from mission.analysis.story import Chapter, Table
+from mission.analysis.chapters import Chapter, Table
 from mission.analysis.tell import html_body, page
 from mission.verification.rehearsing.flights import Flown
 from mission.verification.rehearsing.picture import draw_rehearsal
